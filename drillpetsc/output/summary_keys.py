@@ -461,6 +461,12 @@ LIMITS: tuple[SummaryKey, ...] = (
         "(null: no limit found), md [m], item; null without a soft string.",
     ),
     SummaryKey(
+        "available_wob",
+        "",
+        "For drilling and sliding: largest weight on bit that the string and the block bring down before the string coils "
+        "(limited_by: helical) or no hook load is left (hook_load): wob [N], md [m], item; null without a soft string.",
+    ),
+    SummaryKey(
         "max_slackoff", "N", "Fall of the hook load from the free string to the helical limit when sliding."
     ),
     SummaryKey(

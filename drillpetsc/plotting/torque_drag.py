@@ -30,6 +30,9 @@ OPERATIONS = {
 DASHES: tuple[Any, ...] = ("-", (0, (5, 2)), (0, (1, 1.2)), (0, (5, 1.5, 1, 1.5)), (0, (8, 2, 2, 2)))
 LIMIT = "#b03060"
 FAR_LIMIT = 1.5  # a limit of the rig beyond this times the axis is not drawn
+OTHER_PIPE = (
+    0.1  # a limit that changes by more than this share from one depth to the next is that of another pipe
+)
 BUCKLED = {"sinusoidal": "o", "helical": "s", "lock_up": "X"}
 
 
@@ -142,6 +145,7 @@ def _torque(table: Table, inputs: dict[str, Any], title: str, system: System) ->
     extra = []
     if inputs["max_surface_torque [N m]"] is not None:
         extra.append(_rig_limit(axes, inputs["max_surface_torque [N m]"] / size, "largest torque"))
+    extra += _strength(axes, inputs.get("torque_lines"), size, depth)
     _measured(axes, inputs, "torque", size, depth, 0.0)
     axes.set_xlim(left=0)
     return _finish(drawing, axes, some, inputs, extra, depth)
@@ -156,6 +160,40 @@ def _rig_limit(axes: Any, limit: float, words: str) -> tuple[str, str, str]:
         axes.axvline(limit, color=LIMIT, linewidth=1.4)
         return LIMIT, "-", f"rig: {words}"
     return "none", "-", f"rig: {words}\n{limit:.4g}, off the picture"
+
+
+def _strength(
+    axes: Any, lines: dict[str, Any] | None, size: float, depth: float
+) -> list[tuple[str, Any, str]]:
+    """Draw what the pipe at the rig bears, over the bit depth; returns the entries of the legend.
+
+    lines: None in a folder of an older version.
+    """
+    out: list[tuple[str, Any, str]] = []
+    if lines is None:
+        return out
+    md = np.array(lines["bit_depth [m]"], dtype=float) / depth
+    largest = FAR_LIMIT * axes.get_xlim()[1]
+    for key, dash, words in (
+        ("make_up_torque [N m]", (0, (6, 2)), "pipe at the rig: make-up"),
+        ("torque_at_yield [N m]", (0, (6, 2, 1, 2)), "pipe at the rig: yields"),
+    ):
+        limit = np.array(lines[key], dtype=float) / size
+        if not np.isfinite(limit).any():
+            continue
+        if np.nanmin(limit) > largest:
+            deepest = limit[np.isfinite(limit)][-1]
+            out.append(("none", "-", f"{words}\n{deepest:.4g}, off the picture"))
+            continue
+        x, y = np.where(limit <= largest, limit, np.nan), md
+        if len(md) == 1:
+            x, y = np.repeat(x, 2), np.array([0.0, 1.02 * md[0]])
+        else:  # no line across the depth at which another pipe comes to the rig
+            other = np.flatnonzero(np.abs(np.diff(x)) > OTHER_PIPE * x[1:]) + 1
+            x, y = np.insert(x, other, np.nan), np.insert(y, other, np.nan)
+        axes.plot(x, y, color=LIMIT, linestyle=dash, linewidth=1.2)
+        out.append((LIMIT, dash, words))
+    return out
 
 
 def _frame(heading: str, words: str, kind: str, system: System) -> tuple[Any, Any, float, float]:

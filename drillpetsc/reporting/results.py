@@ -333,6 +333,7 @@ MARGINS = (
         for operation in ("drilling", "sliding")
         for shape in ("sinusoidal", "helical")
     ),
+    *((f"available_wob.{operation}", "wob", "N") for operation in ("drilling", "sliding")),
 )
 
 

@@ -269,7 +269,7 @@ def _margins(
 ) -> dict[str, Any]:
     """Margin of overpull, largest weights on bit and largest slack-off, by the soft string."""
     none: dict[str, Any] = dict.fromkeys(
-        ("margin_of_overpull", "max_overpull_at_bit", "max_wob", "max_slackoff"), None
+        ("margin_of_overpull", "max_overpull_at_bit", "max_wob", "max_slackoff", "available_wob"), None
     )
     soft = SoftLimits(model, choices.helical)
     if not soft.works:
@@ -292,7 +292,10 @@ def _margins(
     if most is not None:
         lower = OPERATIONS["sliding"].motion
         out["max_slackoff"] = soft.run(lower, 0.0).hook_load - soft.run(lower, most).hook_load
-    notes.append("margin of overpull, max_wob and max_slackoff are those of the soft string")
+    rig = model.case.rig
+    block = (rig.block_weight if rig is not None else None) or 0.0
+    out["available_wob"] = {word: soft.available_wob(word, block) for word in ("drilling", "sliding")}
+    notes.append("margin of overpull, max_wob, max_slackoff and available_wob are those of the soft string")
     return out
 
 
@@ -452,6 +455,10 @@ def _lines(case: Case, summary: dict[str, Any], units: System) -> list[str]:
                 else f"{shown(row['wob'], 'force', units)}, first {place(row)}"
             )
             add(f"Weight on bit, {operation}, {which}", text)
+    for operation, row in (summary["available_wob"] or {}).items():
+        if row["wob"] is not None:
+            why = "then it coils" if row["limited_by"] == "helical" else "then no hook load is left"
+            add(f"Available weight on bit, {operation}", f"{shown(row['wob'], 'force', units)}, {why}")
     if summary["max_slackoff"] is not None:
         add("Largest slack-off", shown(summary["max_slackoff"], "force", units))
     for row in summary["contacts"]:

@@ -87,6 +87,29 @@ class SoftLimits:
 
         return self._largest(lambda wob: float(ratio(wob).max()) - 1.0, ratio)
 
+    def available_wob(self, operation: str, block: float) -> dict[str, Any]:
+        """Largest weight on bit that the string brings down by itself: to 0.1 %, before it coils or must be pushed.
+
+        operation: drilling or sliding; block: weight of the block, which pushes, too [N].
+        Returns wob [N], limited_by (hook_load where nothing is left to slack off, helical, or None where neither is reached
+        before the pipe is crushed), md [m] and item.
+        """
+        motion = OPERATIONS[operation].motion
+        coils = self.max_wob(operation, helical=True)
+        top = float(self.hole.md.min()), str(self.names[0])
+        whole = max(abs(self.run(motion, 0.0).hook_load + block), SMALLEST)
+
+        def excess(wob: float) -> float:
+            return -(self.run(motion, wob).hook_load + block) / whole
+
+        nothing = np.zeros((1, 1))
+        slack = self._largest(excess, lambda _: nothing).load
+        if coils.load is not None and (slack is None or coils.load <= slack):
+            return {**coils.as_dict("wob"), "limited_by": "helical"}
+        if slack is None:
+            return {**Found(None, None, None).as_dict("wob"), "limited_by": None}
+        return {**Found(slack, *top).as_dict("wob"), "limited_by": "hook_load"}
+
     def max_overpull(self, limit: FloatArray, pressure: FloatArray) -> Found:
         """Largest pull at the lower end, beyond the string's own pick-up load, before a tension limit is reached.
 

@@ -18,6 +18,7 @@ DEPTHS = 30  # bit depths where the case gives none
 FIRST_SHARE = 0.1  # of the hole: the first of them
 FACTORS = (0.75, 1.0, 1.25)  # times the sections' own friction, where the case gives no friction factors
 KINDS = ("cased", "open_hole")  # groups of sections without a ff_group
+LENGTHENED = 0.01  # a string longer than that of the case by less than this is the same one [m]
 MOST_ROWS = 100_000  # of a roadmap
 ASSUMED_WOB = {"drilling": "25 klbf", "sliding": "15 klbf"}  # without wob and initial.wob
 
@@ -89,6 +90,8 @@ def assumptions(case: Case, plan: Roadmap) -> list[str]:
             notes.append(
                 f"the mud stands still in {', '.join(still)}: forces of the flow on the string are left out"
             )
+    if plan.hole_grows:
+        notes.append("the open hole ends at the bit (hole_grows): the same rows as with the hole of the case")
     if any(item.friction is not None for item in case.string):
         notes.append("items with a friction of their own keep it for given friction factors")
     return notes
@@ -188,7 +191,8 @@ def strings_of(case: Case, plan: Roadmap, notes: list[str]) -> list[StringRows]:
                     got=f"{depth:g} m",
                     want=f"at most {end:g} m, the end of the hole",
                 )
-        return [rows_at(case, depth) for depth in sorted(set(given))]
+        listed = [rows_at(case, depth) for depth in sorted(set(given))]
+        return _told_lengthened(case, listed, notes)
     if isinstance(given, DepthRange):
         if given.from_ == "shoe" and not shoes:
             raise CaseError(at="roadmap.bit_depth.from", got="shoe", want="a depth: the well has no casing")
@@ -219,4 +223,16 @@ def strings_of(case: Case, plan: Roadmap, notes: list[str]) -> list[StringRows]:
     if left:
         which = ", ".join(f"{d:.6g}" for d in left[:5]) + (", ..." if len(left) > 5 else "")
         notes.append(f"bit depths left out: {which} m ({problem.want if problem else ''})")
-    return out
+    return _told_lengthened(case, out, notes)
+
+
+def _told_lengthened(case: Case, strings: list[StringRows], notes: list[str]) -> list[StringRows]:
+    """The strings, with a note where some are longer than that of the case, so that their weight is not that of its items."""
+    longer = [rows.depth for rows in strings if rows.depth > case.string_length + LENGTHENED]
+    if longer:
+        which = f"{longer[0]:.6g} m" if len(longer) == 1 else f"{longer[0]:.6g} m to {longer[-1]:.6g} m"
+        notes.append(
+            f"bit at {which}: the string of the case is {case.string_length:.6g} m long; its topmost item ({case.string[0].name}) "
+            "is lengthened there, with its weight"
+        )
+    return strings

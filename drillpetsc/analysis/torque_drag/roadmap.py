@@ -27,6 +27,7 @@ from drillpetsc.analysis.torque_drag.operations import (
 )
 from drillpetsc.analysis.torque_drag.string_rows import StringRows, gravity_of
 from drillpetsc.analysis.torque_drag.table import OK, Pressures, failed, rows_of, still_mud
+from drillpetsc.analysis.torque_drag.torque_lines import passed, torque_lines
 from drillpetsc.analysis.transient import RunResult, make_folder
 from drillpetsc.case.blocks.roadmap import MeasuredPoint
 from drillpetsc.case.case import Case
@@ -221,7 +222,8 @@ def run_roadmap(
             row["hook_load_total"] = row["hook_load"] + block
     points = plan.measured if measured is None else measured
     system: System = units or case.output.units or "metric"
-    warnings = _warnings(case, rows, system)
+    lines_of_torque = torque_lines(case, strings, rows)
+    warnings = _warnings(case, rows, lines_of_torque, system)
     folder = make_folder(comm, name, out, False, overwrite)
     summary = {
         "title": case.title,
@@ -243,7 +245,9 @@ def run_roadmap(
             [[row[q.name] for row in rows] for q in quantities],
         )
         write_summary(
-            folder.path / ROADMAP_FILE, _inputs(case, well, strings, pairs, points, block) | {"model": model}
+            folder.path / ROADMAP_FILE,
+            _inputs(case, well, strings, pairs, points, block)
+            | {"model": model, "torque_lines": lines_of_torque},
         )
         write_summary(folder.summary, summary)
     lines = [f"{case.title or 'case'}: roadmap, {MODELS[model]}, {len(rows)} rows"]
@@ -286,6 +290,7 @@ def _inputs(
             for point in points or ()
         ],
         "hookload_excludes_block": plan.hookload_excludes_block,
+        "hole_grows": plan.hole_grows,
     }
 
 
@@ -298,7 +303,9 @@ def _plain(value: float) -> float | None:
     return None if np.isnan(value) else value
 
 
-def _warnings(case: Case, rows: list[dict[str, Any]], system: System) -> list[str]:
+def _warnings(
+    case: Case, rows: list[dict[str, Any]], torque: dict[str, list[float | None]], system: System
+) -> list[str]:
     """What passes the rig's limits, and rows that are not to be trusted, one sentence a kind."""
     out = []
     rig = case.rig
@@ -320,6 +327,12 @@ def _warnings(case: Case, rows: list[dict[str, Any]], system: System) -> list[st
                 f"{words} above rig.{limit} in {len(beyond)} rows, first at MD {first['bit_depth'] / size:.0f} {unit} "
                 f"({first['operation']}, {pair_text(first)})"
             )
+    for words, above in passed(torque, rows):
+        first = min(above, key=lambda row: row["bit_depth"])
+        out.append(
+            f"surface torque above {words} in {len(above)} rows, first at MD {first['bit_depth'] / size:.0f} {unit} "
+            f"({first['operation']}, {pair_text(first)})"
+        )
     kinds: dict[tuple[str, str], list[dict[str, Any]]] = {}
     for row in rows:
         if row["status"] != OK:

@@ -226,6 +226,13 @@ class Roadmap(Block):
         description="true: measured hook loads are those of the string, without the block",
     )
 
+    hole_grows: bool = Field(
+        default=False,
+        strict=True,
+        description="true: the open hole ends at the bit; false: the hole of the case is there below it. Both give the same "
+        "rows, since nothing below the bit touches the string or moves its mud",
+    )
+
     @model_validator(mode="after")
     def _each_once(self) -> Roadmap:
         self.fill_defaults(operations=tuple(dict.fromkeys(self.operations)))

@@ -44,13 +44,21 @@ class SurveyFile(Block):
         default=False, strict=True, description="true: bends above 30 deg/30 m are no typing errors"
     )
     north: Literal["grid", "true", "magnetic"] | None = Field(
-        default=None, description="what azimuths are measured from, for reports; applied to nothing"
+        default=None, description="what azimuths are measured from; for reports, without azimuth_from"
     )
     convergence: Annotated[float, Quantity("rad", at_least=-math.pi, at_most=math.pi)] | None = Field(
-        default=None, description="grid convergence, for reports; applied to nothing"
+        default=None,
+        description="grid convergence: grid north east of true north is positive; for reports, without azimuth_from",
     )
     declination: Annotated[float, Quantity("rad", at_least=-math.pi, at_most=math.pi)] | None = Field(
-        default=None, description="magnetic declination, for reports; applied to nothing"
+        default=None,
+        description="magnetic declination: magnetic north east of true north is positive; for reports, without azimuth_from",
+    )
+    azimuth_from: bool = Field(
+        default=False,
+        strict=True,
+        description="true: azimuths are turned from their north by declination and convergence, to grid north, or to true north "
+        "without convergence",
     )
 
 
@@ -70,14 +78,54 @@ class Survey(Block):
     )
 
     north: Literal["grid", "true", "magnetic"] | None = Field(
-        default=None, description="what azimuths are measured from, for reports; applied to nothing"
+        default=None, description="what azimuths are measured from; for reports, without azimuth_from"
     )
     convergence: Annotated[float, Quantity("rad", at_least=-math.pi, at_most=math.pi)] | None = Field(
-        default=None, description="grid convergence, for reports; applied to nothing"
+        default=None,
+        description="grid convergence: grid north east of true north is positive; for reports, without azimuth_from",
     )
     declination: Annotated[float, Quantity("rad", at_least=-math.pi, at_most=math.pi)] | None = Field(
-        default=None, description="magnetic declination, for reports; applied to nothing"
+        default=None,
+        description="magnetic declination: magnetic north east of true north is positive; for reports, without azimuth_from",
     )
+    azimuth_from: bool = Field(
+        default=False,
+        strict=True,
+        description="true: azimuths are turned from their north by declination and convergence, to grid north, or to true north "
+        "without convergence",
+    )
+
+    @model_validator(mode="after")
+    def _azimuth_from(self) -> Survey:
+        """Turn the azimuths to grid north, or to true north; what was applied is a remark, and is not kept to be applied again."""
+        if not self.azimuth_from:
+            return self
+        if self.north not in ("true", "magnetic"):
+            want = "true or magnetic with azimuth_from: true; azimuths from grid north need no turn"
+            raise refuse("north", got=self.north, want=want)
+        needed = "declination" if self.north == "magnetic" else "convergence"
+        if getattr(self, needed) is None:
+            raise refuse(
+                needed, want=f"the {needed} as an angle, with azimuth_from: true and north: {self.north}"
+            )
+        declination = (self.declination or 0.0) if self.north == "magnetic" else 0.0
+        turn, to = declination - (self.convergence or 0.0), "true" if self.convergence is None else "grid"
+        words = [
+            f"{key} {math.degrees(value):.6g} deg"
+            for key, value in (("declination", declination), ("convergence", self.convergence))
+            if value
+        ]
+        self._remarks = (
+            f"azimuths from {self.north} north turned by {math.degrees(turn):.6g} deg to {to} north ({', '.join(words) or 'no angles'})",
+        )
+        self.fill_defaults(
+            azimuth=tuple((azimuth + turn) % (2 * math.pi) for azimuth in self.azimuth),
+            north=to,
+            convergence=None,
+            declination=None if self.north == "magnetic" else self.declination,
+            azimuth_from=False,
+        )
+        return self
 
     @property
     def remarks(self) -> tuple[str, ...]:
@@ -133,12 +181,12 @@ def _survey(value: Any, read: ValidatorFunctionWrapHandler) -> Survey:
     keys: dict[str, Any] = {
         key: tuple(map(InSI, getattr(found, key))) for key in ("md", "inclination", "azimuth")
     }
-    for key in ("north", "convergence", "declination"):
+    for key in ("north", "convergence", "declination", "azimuth_from"):
         number = getattr(given, key)
         if number is not None:
             keys[key] = InSI(number) if isinstance(number, float) else number
     survey: Survey = read(keys)
-    survey._remarks = tuple(found.remarks)
+    survey._remarks = (*found.remarks, *survey._remarks)
     return survey
 
 
@@ -211,7 +259,7 @@ class Well(Block):
     survey: Annotated[Survey, WrapValidator(_survey, json_schema_input_type=str | SurveyFile | Survey)] = (
         Field(
             description="stations md, inclination, azimuth; or the name of a file with these columns; or {file, tie_in, allow_dogleg, north, convergence, "
-            "declination} for such a file; or a run folder, for the hole that "
+            "declination, azimuth_from} for such a file; or a run folder, for the hole that "
             "the run drilled"
         )
     )
