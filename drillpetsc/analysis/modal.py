@@ -258,7 +258,7 @@ def modes(
                 eigenvalues = _without_free_drum(model, linearised, eigenvalues)
             kept = 0
             if own is not None:
-                share = _shares(model, linearised, eigenvalues.s, linearised.T @ eigenvalues.u)
+                share = _shares(model, linearised, eigenvalues.s, linearised.vectors(eigenvalues))
                 refined = at_own_frequencies(own, eigenvalues, share[:, 0])
                 eigenvalues, kept = refined.found, refined.kept
             answer = *_describe(model, linearised, eigenvalues), None, kept
@@ -297,7 +297,7 @@ def modes(
 def _without_free_angle(model: DrillingModel, linearised: Linearised, found: Eigenvalues) -> Eigenvalues:
     """Leave out the root zero of the angle of the whole string, which a controlled speed leaves free."""
     small = np.flatnonzero(np.abs(found.s) <= ZERO_FRACTION * reference_rate(model))
-    share = _shares(model, linearised, found.s[small], linearised.T @ found.u[:, small])
+    share = _shares(model, linearised, found.s[small], linearised.vectors(found.subset(small)))
     turning = small[share.argmax(axis=1) == KINDS.index("torsional")]
     return found if not len(turning) else found.subset(np.arange(len(found.s)) != turning[0])
 
@@ -309,7 +309,7 @@ def _without_free_drum(model: DrillingModel, linearised: Linearised, found: Eige
         return found
     small = np.flatnonzero(np.abs(found.s) <= ZERO_FRACTION * reference_rate(model))
     row = np.flatnonzero(linearised.field == names.index("hoist.pay_out"))
-    u = np.abs(linearised.T @ found.u[:, small])
+    u = np.abs(linearised.vectors(found.subset(small)))
     share = (u[row] / np.maximum(u.max(axis=0), 1e-300)).ravel()
     paying = small[share > PAYING]
     return found if not len(paying) else found.subset(np.arange(len(found.s)) != paying[0])
@@ -319,7 +319,9 @@ def _of_kind(model: DrillingModel, linearised: Linearised, kind: str):
     """Return a function that selects the eigenvalues of a kind: (m,) mask."""
 
     def selected(found: Eigenvalues) -> np.ndarray:
-        return _shares(model, linearised, found.s, linearised.T @ found.u).argmax(axis=1) == KINDS.index(kind)
+        return _shares(model, linearised, found.s, linearised.vectors(found)).argmax(axis=1) == KINDS.index(
+            kind
+        )
 
     return selected
 
@@ -335,7 +337,7 @@ def _describe(model: DrillingModel, linearised: Linearised, found: Eigenvalues):
 
     On the rank that has the linearised system.
     """
-    u = linearised.T @ found.u
+    u = linearised.vectors(found)
     fields, nodes = model.system.layout.fields, model.mesh.nodes
     shapes = {f.name: linearised.field_values(i, u, nodes, f.size) for i, f in enumerate(fields)}
     share = _shares(model, linearised, found.s, u)

@@ -125,11 +125,11 @@ def _found(
         selected=_of_kind(model, linearised, kind) if kind else None,
         sparing=True,
     )
-    u = linearised.T @ found.u
+    u = linearised.vectors(found)
     share = _shares(model, linearised, found.s, u)
     if own is not None:
         found = at_own_frequencies(own, found, share[:, 0]).found
-        u = linearised.T @ found.u
+        u = linearised.vectors(found)
         share = _shares(model, linearised, found.s, u)
     kinds = tuple(KINDS[i] for i in share.argmax(axis=1))
     x, wx = energy_vectors(model, linearised, found, u)

@@ -141,7 +141,7 @@ class FrequencyDependent:
         return K + s * C + s**2 * M
 
     def __post_init__(self) -> None:
-        T = self.base.T
+        T = self.base.motions
         parent = np.asarray(abs(T).argmax(axis=0)).ravel()
         self.scale = self.base.scale[parent]
         columns = T @ sparse.diags(self.scale)
