@@ -25,10 +25,12 @@ from petsc4py import PETSc
 from drillpetsc.analysis.equilibrium import StaticState
 from drillpetsc.analysis.frequency.stokes import at_own_frequencies, frequency_dependent, stokes_numbers
 from drillpetsc.analysis.initial_state import find_equilibrium
+from drillpetsc.analysis.linear_model import linear_model
 from drillpetsc.analysis.placement import move_rigidly, prescribed_motion, release
 from drillpetsc.analysis.steady_flow import release_flow
 from drillpetsc.analysis.time_scales import time_scales
 from drillpetsc.analysis.transient import make_folder
+from drillpetsc.analysis.unresolved_modes import unresolved_growth
 from drillpetsc.arrays import FloatArray
 from drillpetsc.case.case import Case
 from drillpetsc.case.checks.limits import refuse_quaternion
@@ -46,7 +48,7 @@ from drillpetsc.output.quantities.modes import STOKES_NUMBER
 from drillpetsc.output.result import RunResult
 from drillpetsc.output.well_files import write_well_files
 from drillpetsc.solvers import petsc_options as options
-from drillpetsc.solvers.linearization import Linearised, linearise
+from drillpetsc.solvers.linearization import Linearised
 from drillpetsc.solvers.quadratic_eigenproblem import (
     NEUTRAL_GROWTH,
     Eigenvalues,
@@ -239,7 +241,7 @@ def modes(
     """
     system, reference = model.system, reference_rate(model)
     imbalance, own = _imbalance(model), frequency_dependent(model)
-    linearised = linearise(system)
+    linearised = linear_model(model)
     answer: Any = None
     if linearised is not None:
         try:
@@ -456,6 +458,7 @@ def run_modes(
             **mode_summary(found, state),
             "time_scales": time_scales(model).lines(),
         }
+        summary["warnings"] += unresolved_growth(model, found)
         if comm.rank == 0:
             _write(model, folder, found, summary, fields)
     return RunResult(folder.path, summary, _lines(case, folder, found, summary))

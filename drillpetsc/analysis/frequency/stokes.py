@@ -7,11 +7,12 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 import scipy.sparse as sparse
 
+from drillpetsc.analysis.linear_model import linear_model
 from drillpetsc.arrays import FloatArray
 from drillpetsc.model.drilling_model import DrillingModel
 from drillpetsc.model.fluid import lateral_viscosity
 from drillpetsc.physics.fluid.added_mass import stokes_coefficients, stokes_force
-from drillpetsc.solvers.linearization import Linearised, linearise
+from drillpetsc.solvers.linearization import Linearised
 from drillpetsc.solvers.nonlinear_eigenvalue import refine
 from drillpetsc.solvers.quadratic_eigenproblem import Eigenvalues
 
@@ -162,7 +163,7 @@ def frequency_dependent(model: DrillingModel) -> FrequencyDependent | None:
 
     def matrices(chi: FloatArray, damping: FloatArray) -> Linearised | None:
         forces.set(chi, damping)
-        return linearise(model.system)
+        return linear_model(model)
 
     base = matrices(nothing, nothing)
     by_mass: list[tuple[sparse.csr_matrix, ...]] = []
