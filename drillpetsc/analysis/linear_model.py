@@ -15,6 +15,7 @@ import numpy as np
 import scipy.sparse as sparse
 
 from drillpetsc.analysis.equilibrium import StaticState
+from drillpetsc.analysis.linearised_model import linearise_model
 from drillpetsc.analysis.live_outputs import LiveOutputs
 from drillpetsc.analysis.modal import prepare_state, reference_rate
 from drillpetsc.arrays import FloatArray
@@ -22,7 +23,7 @@ from drillpetsc.errors import CaseError, DrillError
 from drillpetsc.fem.component import DRIVE
 from drillpetsc.model.drilling_model import DrillingModel
 from drillpetsc.output.recorder import Recorder, TableColumn
-from drillpetsc.solvers.linearization import Linearised, linearise
+from drillpetsc.solvers.linearization import Linearised
 from drillpetsc.solvers.model_reduction import LARGEST_DENSE
 from drillpetsc.solvers.state_space import Exchange, StateSpace, connected, eliminate
 
@@ -215,7 +216,7 @@ def linear_model(
     sizes = np.array([USUAL[name] for name in inputs])
     d = _Differences(model, list(inputs.values()), sizes, outputs)
     rate = reference_rate(model)
-    linearised = linearise(model.system)
+    linearised = linearise_model(model)
     m = len(inputs)
     parts = [[d.by_input(j, part) for j in range(m)] for part in range(3)]
     by_rows = [np.column_stack([q[0] for q in part]) for part in parts]

@@ -25,10 +25,12 @@ from petsc4py import PETSc
 from drillpetsc.analysis.equilibrium import StaticState
 from drillpetsc.analysis.frequency.stokes import at_own_frequencies, frequency_dependent, stokes_numbers
 from drillpetsc.analysis.initial_state import find_equilibrium
+from drillpetsc.analysis.linearised_model import linearise_model
 from drillpetsc.analysis.placement import move_rigidly, prescribed_motion, release
 from drillpetsc.analysis.steady_flow import release_flow
 from drillpetsc.analysis.time_scales import time_scales
 from drillpetsc.analysis.transient import make_folder
+from drillpetsc.analysis.unresolved_modes import unresolved_growth
 from drillpetsc.arrays import FloatArray
 from drillpetsc.case.case import Case
 from drillpetsc.case.checks.limits import refuse_quaternion
@@ -46,7 +48,7 @@ from drillpetsc.output.quantities.modes import STOKES_NUMBER
 from drillpetsc.output.result import RunResult
 from drillpetsc.output.well_files import write_well_files
 from drillpetsc.solvers import petsc_options as options
-from drillpetsc.solvers.linearization import Linearised, linearise
+from drillpetsc.solvers.linearization import Linearised
 from drillpetsc.solvers.quadratic_eigenproblem import (
     NEUTRAL_GROWTH,
     Eigenvalues,
@@ -239,7 +241,7 @@ def modes(
     """
     system, reference = model.system, reference_rate(model)
     imbalance, own = unbalanced_force(model), frequency_dependent(model)
-    linearised = linearise(system)
+    linearised = linearise_model(model)
     answer: Any = None
     if linearised is not None:
         try:
@@ -258,7 +260,7 @@ def modes(
                 eigenvalues = _without_free_drum(model, linearised, eigenvalues)
             kept = 0
             if own is not None:
-                share = _shares(model, linearised, eigenvalues.s, linearised.T @ eigenvalues.u)
+                share = _shares(model, linearised, eigenvalues.s, linearised.vectors(eigenvalues))
                 refined = at_own_frequencies(own, eigenvalues, share[:, 0])
                 eigenvalues, kept = refined.found, refined.kept
             answer = *_describe(model, linearised, eigenvalues), None, kept
@@ -297,7 +299,7 @@ def modes(
 def _without_free_angle(model: DrillingModel, linearised: Linearised, found: Eigenvalues) -> Eigenvalues:
     """Leave out the root zero of the angle of the whole string, which a controlled speed leaves free."""
     small = np.flatnonzero(np.abs(found.s) <= ZERO_FRACTION * reference_rate(model))
-    share = _shares(model, linearised, found.s[small], linearised.T @ found.u[:, small])
+    share = _shares(model, linearised, found.s[small], linearised.vectors(found.subset(small)))
     turning = small[share.argmax(axis=1) == KINDS.index("torsional")]
     return found if not len(turning) else found.subset(np.arange(len(found.s)) != turning[0])
 
@@ -309,7 +311,7 @@ def _without_free_drum(model: DrillingModel, linearised: Linearised, found: Eige
         return found
     small = np.flatnonzero(np.abs(found.s) <= ZERO_FRACTION * reference_rate(model))
     row = np.flatnonzero(linearised.field == names.index("hoist.pay_out"))
-    u = np.abs(linearised.T @ found.u[:, small])
+    u = np.abs(linearised.vectors(found.subset(small)))
     share = (u[row] / np.maximum(u.max(axis=0), 1e-300)).ravel()
     paying = small[share > PAYING]
     return found if not len(paying) else found.subset(np.arange(len(found.s)) != paying[0])
@@ -319,7 +321,9 @@ def _of_kind(model: DrillingModel, linearised: Linearised, kind: str):
     """Return a function that selects the eigenvalues of a kind: (m,) mask."""
 
     def selected(found: Eigenvalues) -> np.ndarray:
-        return _shares(model, linearised, found.s, linearised.T @ found.u).argmax(axis=1) == KINDS.index(kind)
+        return _shares(model, linearised, found.s, linearised.vectors(found)).argmax(axis=1) == KINDS.index(
+            kind
+        )
 
     return selected
 
@@ -335,7 +339,7 @@ def _describe(model: DrillingModel, linearised: Linearised, found: Eigenvalues):
 
     On the rank that has the linearised system.
     """
-    u = linearised.T @ found.u
+    u = linearised.vectors(found)
     fields, nodes = model.system.layout.fields, model.mesh.nodes
     shapes = {f.name: linearised.field_values(i, u, nodes, f.size) for i, f in enumerate(fields)}
     share = _shares(model, linearised, found.s, u)
@@ -459,6 +463,7 @@ def run_modes(
             **mode_summary(found, state),
             "time_scales": time_scales(model).lines(),
         }
+        summary["warnings"] += unresolved_growth(model, found)
         if comm.rank == 0:
             _write(model, folder, found, summary, fields)
     return RunResult(folder.path, summary, _lines(case, folder, found, summary))

@@ -6,7 +6,8 @@ changes it by (phi' + c.v') s + (d(c.v')/dv).v.  So y = (s P + G) u and a = s y:
 rows c(v), G has the rows d(c.v')/dv.  Then K = K_R + C_R G, C = C_R P + M_R G, M = M_R P.
 
 Prescribed components do not move: u = T q with orthonormal columns over the free motions, and rows are
-projected by the transpose of T.
+projected by the transpose of T.  Constraints with multipliers leave further motions out of the eigenvalue problem
+(manual: sec-eigen-constraints).
 
 The matrices are collected on rank 0, and the eigenvalues are computed there (a string has a few thousand
 unknowns: seconds).  Every rank receives them.
@@ -15,6 +16,7 @@ unknowns: seconds).  Every rank receives them.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 import scipy.linalg
@@ -23,9 +25,11 @@ import scipy.sparse as sparse
 from drillpetsc.arrays import FloatArray, IntArray
 from drillpetsc.fem.assembly import spin_derivatives
 from drillpetsc.fem.discrete_system import DiscreteSystem
-from drillpetsc.solvers.quadratic_eigenproblem import QuadraticEigenproblem
+from drillpetsc.solvers.quadratic_eigenproblem import Eigenvalues, QuadraticEigenproblem
 
 _PARTS = (slice(0, 3), slice(3, 6), slice(6, 7))  # position, slope, spin angle of a prescribed vertex
+#: of the largest singular value of a constraint's rows: smaller ones are those of directions that are held already
+_DEPENDENT = 1e-10
 
 
 @dataclass(frozen=True)
@@ -39,6 +43,7 @@ class Linearised:
     scale: (n,) usual size of each unknown [SI].
     second_order: (n,) whether the rate of the unknown is a further unknown.
     P, G: (n, n) sparse: the rates are y = P u' + G u, and a = y'.
+    multiplier: (n,) whether the unknown is a multiplier of a constraint.
     """
 
     K: sparse.csr_matrix
@@ -52,14 +57,65 @@ class Linearised:
     second_order: np.ndarray
     P: sparse.csr_matrix
     G: sparse.csr_matrix
+    multiplier: np.ndarray
+
+    @cached_property
+    def _multipliers(self) -> tuple[IntArray, IntArray]:
+        """Multipliers whose constraint is one of places and which act on the string; those that act on nothing."""
+        unknowns = np.flatnonzero(self.multiplier)
+        others = sparse.diags((~self.multiplier).astype(float))
+        acts = abs(others @ self.K[:, unknowns]).sum(axis=0).A1 > 0
+        rates = (abs(self.C[unknowns]) + abs(self.M[unknowns])).sum(axis=1).A1 > 0
+        return unknowns[acts & ~rates], unknowns[~acts]
+
+    @cached_property
+    def motions(self) -> sparse.csr_matrix:
+        """(n, m) basis of the motions that the constraints leave free, without the multipliers.
+
+        A constraint of places makes its multiplier an eigenvalue at infinity in a Jordan block of three.  Rounding
+        spreads it over circles of the cube root of the rounding error: finite numbers of any sign, as 8e9 1/s.
+        The block goes with the motions across the constraint and with the multiplier (manual: sec-eigen-constraints).
+        """
+        constraints, idle = self._multipliers
+        T = sparse.csc_matrix(self.T)
+        left_out = np.zeros(len(self.scale))
+        left_out[np.concatenate([constraints, idle])] = 1.0
+        T = T[:, (abs(T).T @ left_out) == 0]
+        joints = self.field[constraints].astype(np.int64) * (self.node.max() + 1) + self.node[constraints]
+        for joint in np.unique(joints):
+            rows = sparse.csc_matrix(self.K[constraints[joints == joint]] @ T)
+            columns = np.flatnonzero(np.diff(rows.indptr))
+            dense = rows[:, columns].toarray()
+            dense /= np.maximum(np.linalg.norm(dense, axis=1, keepdims=True), 1e-300)
+            free = scipy.linalg.null_space(dense, rcond=_DEPENDENT)
+            others = np.setdiff1d(np.arange(T.shape[1]), columns)
+            T = sparse.csc_matrix(sparse.hstack([T[:, others], T[:, columns] @ free]))
+        return sparse.csr_matrix(T)
+
+    def vectors(self, found: Eigenvalues) -> np.ndarray:
+        """Return the vectors (n, m) of all unknowns of eigenvalues of ``eigenproblem``, with the multipliers.
+
+        The forces of a constraint are those that the motion lacks.
+        """
+        u = np.asarray(self.motions @ found.u, dtype=complex)
+        constraints, _ = self._multipliers
+        if len(constraints):
+            T = self.T[:, (abs(self.T).T @ self.multiplier.astype(float)) == 0]
+            B = sparse.csr_matrix(T.T @ self.K[:, constraints])
+            rows = np.flatnonzero(np.diff(B.indptr))
+            lacking = T.T @ (self.K @ u + (self.C @ u) * found.s + (self.M @ u) * found.s**2)
+            u[constraints] = -np.linalg.lstsq(B[rows].toarray(), lacking[rows], rcond=_DEPENDENT)[0]
+        return u
 
     def eigenproblem(self, reference: float) -> QuadraticEigenproblem:
         """Form the eigenvalue problem in the free motions; ``reference``: a slow rate of the system [1/s].
 
-        A column of T lies within one field of one node, so it has that field's order and scale.
+        A column of the basis lies within the fields of the string, or within one field: it has the order and scale of
+        its largest entry.
         """
-        parent = np.asarray(abs(self.T).argmax(axis=0)).ravel()
-        K, C, M = (sparse.csr_matrix(self.T.T @ A @ self.T) for A in (self.K, self.C, self.M))
+        T = self.motions
+        parent = np.asarray(abs(T).argmax(axis=0)).ravel()
+        K, C, M = (sparse.csr_matrix(T.T @ A @ T) for A in (self.K, self.C, self.M))
         return QuadraticEigenproblem(K, C, M, self.second_order[parent], self.scale[parent], reference)
 
     def field_values(self, number: int, u: np.ndarray, nodes: int, size: int) -> np.ndarray:
@@ -99,7 +155,8 @@ def linearise(system: DiscreteSystem, t: float = 0.0) -> Linearised | None:
     ]
     piece = (entries, _spin_rates(system, numbers), _prescribed(system, numbers), unknowns)
     pieces = [piece] if system.comm.size == 1 else system.comm.tompi4py().gather(piece)
-    return None if pieces is None else _join(pieces)
+    multipliers = np.array([f.multiplier for f in layout.fields])
+    return None if pieces is None else _join(pieces, multipliers)
 
 
 def _spin_rates(system: DiscreteSystem, numbers: IntArray) -> list[np.ndarray]:
@@ -134,8 +191,11 @@ def _prescribed(system: DiscreteSystem, numbers: IntArray) -> list[tuple[IntArra
     return out
 
 
-def _join(pieces) -> Linearised:
-    """Assemble the whole system from the pieces of all ranks; unknowns are numbered through the ranks."""
+def _join(pieces, multipliers: np.ndarray) -> Linearised:
+    """Assemble the whole system from the pieces of all ranks; unknowns are numbered through the ranks.
+
+    multipliers: (fields,) whether a field's values are multipliers.
+    """
     field, node, component, scale, second_order = (
         np.concatenate(q) for q in zip(*(p[3] for p in pieces), strict=True)
     )
@@ -147,7 +207,20 @@ def _join(pieces) -> Linearised:
     G = sparse.csr_matrix((by_v, (spin, tangent)), shape=(n, n))
     T = _free_motions(n, [h for p in pieces for h in p[2]])
     # manual: eq-eigen-problem
-    return Linearised(K + C @ G, C @ P + M @ G, M @ P, T, field, node, component, scale, second_order, P, G)
+    return Linearised(
+        K + C @ G,
+        C @ P + M @ G,
+        M @ P,
+        T,
+        field,
+        node,
+        component,
+        scale,
+        second_order,
+        P,
+        G,
+        multipliers[field],
+    )
 
 
 def _free_motions(n: int, prescribed: list[tuple[IntArray, list[np.ndarray]]]) -> sparse.csr_matrix:

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+import scipy.sparse as sparse
 from scipy.integrate import solve_ivp
 from scipy.linalg import eigvalsh
 from scipy.optimize import brentq
@@ -20,6 +21,8 @@ from drillpetsc.model.drilling_model import build_model
 from drillpetsc.output.recorder import Recorder
 from drillpetsc.physics.end_conditions import FixedEnd, TopDrive
 from drillpetsc.physics.joints import RESULT_NAMES, SCALE, STOP_ROUNDING
+from drillpetsc.solvers.linearization import linearise
+from drillpetsc.solvers.quadratic_eigenproblem import eigenvalues_near
 from drillpetsc.time_function import Constant
 from tests.helpers.joint_models import body, chain_of_bodies, joint_component, place
 from tests.helpers.motion import beam, fixed, integrate, straight
@@ -292,6 +295,39 @@ def test_modes_of_a_hinged_string():
     pendulum = [q for q in found.frequency if 0.1 < q < 10.0]
     M, K = np.array([[1 / 12 + 1.25, 0.5], [0.5, 1 / 12 + 0.25]]), np.diag([1.5 * G, 0.5 * G])
     assert pendulum == pytest.approx(np.repeat(np.sqrt(eigvalsh(K, M)) / (2 * np.pi), 2), rel=1e-5)
+
+
+@pytest.mark.parametrize("constraint", ["position", "stabilised"])
+@pytest.mark.parametrize("kind", ["fixed", "revolute", "universal"])
+def test_constraints_leave_no_root_of_their_own(kind, constraint):
+    """The multipliers and the motions across a constraint have no finite root: all roots of an undamped hanging string
+    with two joints are those of its free motions (6 constraints of 7 unknowns for a fixed joint, its two slopes keep
+    their lengths), each of them on the imaginary axis.  Their vectors satisfy the rows of the whole system, with the
+    joints' forces (manual: sec-eigen-constraints)."""
+    model = build_model(
+        Case(
+            string=[beam(2.0, 4, 1e7, 1e5, 1e5, 1.0, 1e-3)],
+            top="clamped",
+            gravity=G,
+            joints=[{"at": 1.0, "kind": kind, "constraint": constraint}, {"at": 1.5, "kind": "universal"}],
+        )
+    )
+    modes.prepare_state(model, "rest")
+    system = linearise(model.system)
+    problem = system.eigenproblem(10.0)
+    held = {"fixed": 6, "revolute": 5, "universal": 4}[kind] + 4
+    assert problem.K.shape[0] == 7 * model.mesh.nodes - 7 + 1 - held  # a clamp leaves the slope's length
+    found = eigenvalues_near(problem, 3.0, 8, "dense")
+    assert len(found.s) == problem.K.shape[0]
+    assert np.abs(found.s.real).max() < 1e-6 * np.abs(found.s).max()
+    assert not found.grows.any()
+    u, names = system.vectors(found), [f.name for f in model.system.layout.fields]
+    K, C, M = (sparse.csr_matrix(system.T.T @ A) for A in (system.K, system.C, system.M))
+    low = np.abs(found.s) < 100.0
+    parts = np.array([K @ u, (C @ u) * found.s, (M @ u) * found.s**2])[:, :, low]
+    assert np.abs(parts.sum(axis=0)).max() < 1e-8 * np.abs(parts).max()
+    loads = system.field == names.index("joint.load")
+    assert (np.abs(u[loads]).max(axis=0)[low] * SCALE > 1e-3).all()
 
 
 def test_whole_assembled_system_takes_the_same_steps():

@@ -22,6 +22,7 @@ from drillpetsc.analysis.frequency.tracking import (
     track,
 )
 from drillpetsc.analysis.frequency.turning import TurningModel, turning_case
+from drillpetsc.analysis.linearised_model import linearise_model
 from drillpetsc.analysis.modal import ROW_WEIGHT, ZERO_FRACTION, _of_kind, _shares, reference_rate
 from drillpetsc.analysis.transient import make_folder
 from drillpetsc.case.blocks.formation import DragBit
@@ -35,7 +36,7 @@ from drillpetsc.output.quantities import MODE_KINDS as KINDS
 from drillpetsc.output.quantities.frequency import CAMPBELL, CRITICAL
 from drillpetsc.output.result import RunResult
 from drillpetsc.solvers import petsc_options as options
-from drillpetsc.solvers.linearization import Linearised, linearise
+from drillpetsc.solvers.linearization import Linearised
 from drillpetsc.solvers.quadratic_eigenproblem import NEUTRAL_GROWTH, Eigenvalues, lowest_eigenvalues
 
 SPARE_OF_KIND = 2  # the same for modes of one kind, which lie far apart
@@ -95,7 +96,7 @@ def modes_at(states: TurningModel, speed: float, count: int, kind: str | None = 
     states.at(speed)
     model = states.model
     own = frequency_dependent(model)
-    system, linearised = model.system, linearise(model.system)
+    system, linearised = model.system, linearise_model(model)
     answer: Any = None
     if linearised is not None:
         try:
@@ -125,11 +126,11 @@ def _found(
         selected=_of_kind(model, linearised, kind) if kind else None,
         sparing=True,
     )
-    u = linearised.T @ found.u
+    u = linearised.vectors(found)
     share = _shares(model, linearised, found.s, u)
     if own is not None:
         found = at_own_frequencies(own, found, share[:, 0]).found
-        u = linearised.T @ found.u
+        u = linearised.vectors(found)
         share = _shares(model, linearised, found.s, u)
     kinds = tuple(KINDS[i] for i in share.argmax(axis=1))
     x, wx = energy_vectors(model, linearised, found, u)

@@ -23,6 +23,7 @@ from drillpetsc.analysis.frequency.harmonic import (
 )
 from drillpetsc.analysis.frequency.stokes import StokesForces, present
 from drillpetsc.analysis.frequency.turning import TurningModel, turning_case
+from drillpetsc.analysis.linearised_model import linearise_model
 from drillpetsc.analysis.transient import make_folder
 from drillpetsc.arrays import FloatArray
 from drillpetsc.case.case import Case
@@ -37,7 +38,7 @@ from drillpetsc.output.flow_recorder import FlowRecorder
 from drillpetsc.output.quantities.frequency import RESPONSE
 from drillpetsc.output.result import RunResult
 from drillpetsc.solvers import petsc_options as options
-from drillpetsc.solvers.linearization import Linearised, linearise
+from drillpetsc.solvers.linearization import Linearised
 from drillpetsc.unit_systems import display_unit
 
 RPM = 2 * np.pi / 60
@@ -302,7 +303,7 @@ def run_response(
             if present(model):
                 StokesForces(model).set_frequency(omega)
             shape = _shape(model)
-            linearised = linearise(model.system)
+            linearised = linearise_model(model)
             answer: Any = None
             if linearised is not None:
                 try:

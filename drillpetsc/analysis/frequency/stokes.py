@@ -7,11 +7,12 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 import scipy.sparse as sparse
 
+from drillpetsc.analysis.linearised_model import linearise_model
 from drillpetsc.arrays import FloatArray
 from drillpetsc.model.drilling_model import DrillingModel
 from drillpetsc.model.fluid import lateral_viscosity
 from drillpetsc.physics.fluid.added_mass import stokes_coefficients, stokes_force
-from drillpetsc.solvers.linearization import Linearised, linearise
+from drillpetsc.solvers.linearization import Linearised
 from drillpetsc.solvers.nonlinear_eigenvalue import refine
 from drillpetsc.solvers.quadratic_eigenproblem import Eigenvalues
 
@@ -141,7 +142,7 @@ class FrequencyDependent:
         return K + s * C + s**2 * M
 
     def __post_init__(self) -> None:
-        T = self.base.T
+        T = self.base.motions
         parent = np.asarray(abs(T).argmax(axis=0)).ravel()
         self.scale = self.base.scale[parent]
         columns = T @ sparse.diags(self.scale)
@@ -162,7 +163,7 @@ def frequency_dependent(model: DrillingModel) -> FrequencyDependent | None:
 
     def matrices(chi: FloatArray, damping: FloatArray) -> Linearised | None:
         forces.set(chi, damping)
-        return linearise(model.system)
+        return linearise_model(model)
 
     base = matrices(nothing, nothing)
     by_mass: list[tuple[sparse.csr_matrix, ...]] = []

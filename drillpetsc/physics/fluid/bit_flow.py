@@ -299,6 +299,23 @@ class BitFlow(Nozzle):
         volume, hole = p["volume"][0], p["hole"][0]
         return float(volume + hole * GAP_ROUNDING * np.logaddexp(0.0, self._gap(p, x) / GAP_ROUNDING))
 
+    def closed_face(self, state) -> FloatArray:
+        """Area of the bit's face under which no mud is displaced, times the hole's direction (3,) [m2].
+
+        Zero where this rank does not have the bit, without an annulus, where the string is held, and in a growing hole.
+        """
+        if (
+            not self.has_annulus
+            or self.held_at is not None
+            or self.growing is not None
+            or not len(self._block.points)
+        ):
+            return np.zeros(3)
+        params = self._block.named
+        gap = self._gap(params, state.x[state.index_of(self._block)[0]])
+        closed = 1.0 / (1.0 + np.exp(min(gap / GAP_ROUNDING, 700.0)))
+        return closed * params["hole"][0] * np.asarray(params["axis"][0])
+
     def breaks(self) -> tuple[float, ...]:
         return () if self.has_annulus else self.end.ambient.breaks()
 
