@@ -14,7 +14,7 @@ from drillpetsc.arrays import FloatArray, IntArray
 from drillpetsc.fem.component import ElementBlock, Energies, Field, Powers
 from drillpetsc.fem.dof_layout import DofLayout
 from drillpetsc.fem.string_mesh import StringMesh
-from drillpetsc.geometry.frames import Frames
+from drillpetsc.geometry.frames import Frames, cross
 from drillpetsc.kernels import function, pointer
 from drillpetsc.kernels.parameters import Parameters, columns
 from drillpetsc.physics import interfaces
@@ -182,7 +182,7 @@ class AncfBeam(interfaces.Beam):
 
     def couple(self, values: FloatArray, rows: FloatArray) -> FloatArray:
         """Return (n, 3) the couples v x G of forces G conjugate to slopes v (manual: eq-beam-nodal-couple)."""
-        return np.cross(values, rows)
+        return cross(values, rows)
 
     def element_results(self, layout: DofLayout, x: FloatArray, y: FloatArray) -> FloatArray:
         """(nc, 9) per local cell in depth order: the columns of ``RESULT_NAMES`` [J, J, J, N, N, N, N m, N m, N
