@@ -30,10 +30,13 @@ class Memory:
         self.at_end = self.at_start
 
     def update(self, t: float) -> None:
-        """Measure after the step to ``t`` [s]."""
-        self.at_end = peak()
+        """After the step to ``t`` [s]: measure at the end of the warm-up."""
         if not self.after_warm_up and t >= self.warm_up_end:
-            self.after_warm_up = self.at_end
+            self.after_warm_up = self.at_end = peak()
+
+    def end(self) -> None:
+        """Measure after the last step; the peak never falls, so no step before needs it."""
+        self.at_end = peak()
 
     def as_dict(self, all_ranks: bool) -> dict[str, int]:
         """Return the entries of summary.json [bytes].

@@ -455,7 +455,10 @@ class TransientRun:
         )
         self.next_save = k
         for stop in [*stops, end]:
-            self.integrator.run(self.t, stop, self.model.breaks)
+            try:
+                self.integrator.run(self.t, stop, self.model.breaks)
+            finally:
+                self.memory.end()
             if self.integrator.stopped:
                 if self.recorder.energy is not None:
                     self.recorder.energy.update(self.t)

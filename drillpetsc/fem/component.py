@@ -98,6 +98,7 @@ class ElementBlock:
     keep: tuple[object, ...] = field(default=(), repr=False)
     component: str = ""
     elements: IntArray | None = None
+    _named: Table | None = field(default=None, init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:
         self.component = self.component or self.name
@@ -105,7 +106,9 @@ class ElementBlock:
     @property
     def named(self) -> Table:
         """``params`` by the names of the kernel's parameters, as views: ``block.named["length"]``."""
-        return parameters_of(self.kernel, self.params)
+        if self._named is None or self._named.array is not self.params:
+            self._named = parameters_of(self.kernel, self.params)
+        return self._named
 
 
 @dataclass(frozen=True)

@@ -256,8 +256,13 @@ class DiscreteSystem:
     # ------------------------------------------------------------------ energies and reactions
     def energies(self, t: float) -> Energies:
         """Compute the stored energies [J] at the assembly's x, y and time ``t`` [s], summed over ranks."""
-        parts = np.array([component.energies(t, self.assembly) for component in self.components]).sum(axis=0)
-        return Energies(*(parts if self._serial else self.comm.tompi4py().allreduce(parts)))
+        kinetic = strain = potential = 0.0
+        for component in self.components:
+            part = component.energies(t, self.assembly)
+            kinetic, strain, potential = kinetic + part[0], strain + part[1], potential + part[2]
+        if self._serial:
+            return Energies(kinetic, strain, potential)
+        return Energies(*self.comm.tompi4py().allreduce(np.array([kinetic, strain, potential])))
 
     def powers(self, t: float) -> Powers:
         """Compute the dissipated and supplied power [W] at the assembly's x, y, a, summed over ranks.
@@ -265,18 +270,21 @@ class DiscreteSystem:
         The supplied power includes that of the reactions of the last residual.
         """
         parts = self.local_powers(t)
-        return Powers(*(parts if self._serial else self.comm.tompi4py().allreduce(parts)))
+        return Powers(*(parts.tolist() if self._serial else self.comm.tompi4py().allreduce(parts)))
 
     def local_powers(self, t: float) -> FloatArray:
         """Compute this rank's part (2,) of the dissipated and the supplied power [W]."""
-        parts = np.array([component.powers(t, self.assembly) for component in self.components]).sum(axis=0)
+        dissipated = supplied = 0.0
+        for component in self.components:
+            part = component.powers(t, self.assembly)
+            dissipated, supplied = dissipated + part[0], supplied + part[1]
         for f in self.assembly.row_replacements:
             if f.owned:
                 f.evaluate(t, self.assembly.x)
-                parts[1] += float(f.reaction @ f.rate)
+                supplied += float(f.reaction @ f.rate)
         if self.assembly.dead_load is not None:
-            parts[1] += self.assembly.dead_load @ self.assembly.y[: self.layout.size]
-        return parts
+            supplied += float(self.assembly.dead_load @ self.assembly.y[: self.layout.size])
+        return np.array([dissipated, supplied])
 
     def reaction(self, name: str) -> float:
         """Return the reaction ``name`` [N or N m], the same on all ranks.

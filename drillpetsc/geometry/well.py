@@ -340,8 +340,10 @@ class Well:
         hint = np.full(n, -1, np.int32) if segment is None else np.array(segment, np.int32)
         if hint.shape != (n,):
             raise ValueError(f"segment has shape {hint.shape}, expected ({n},)")
-        scalars, vectors = np.empty((3, n)), np.empty((3, n, 3))
-        first, second = pointer(scalars), pointer(vectors)
+        found = np.empty(12 * n)
+        scalars, vectors = found[: 3 * n].reshape(3, n), found[3 * n :].reshape(3, n, 3)
+        first = pointer(found)
+        second = first + 24 * n
         md, radius, friction = (first + 8 * n * k for k in range(3))
         centre, tangent, offset = (second + 24 * n * k for k in range(3))
         _project_kernel()(

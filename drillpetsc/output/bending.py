@@ -9,7 +9,7 @@ import numpy as np
 from drillpetsc.fem.assembly import Assembly
 from drillpetsc.fem.bound_parts import BoundBlock
 from drillpetsc.fem.component import FloatArray
-from drillpetsc.geometry.frames import directors, high_sides
+from drillpetsc.geometry.frames import cross, directors, high_sides
 from drillpetsc.model.drilling_model import DrillingModel
 
 #: stands for the areas of a rigid item whose mud is left out of the element below it [m2]
@@ -47,7 +47,7 @@ class EndForces:
     @property
     def towards_bend(self) -> FloatArray:
         """(nc, 2, 3) bending moment turned to the direction in which it bends the string [N m]."""
-        return np.cross(self.moment, self.tangent)
+        return cross(self.moment.reshape(-1, 3), self.tangent.reshape(-1, 3)).reshape(self.moment.shape)
 
 
 def end_forces(model: DrillingModel, time: float = 0.0) -> EndForces:
@@ -72,7 +72,7 @@ def end_forces(model: DrillingModel, time: float = 0.0) -> EndForces:
     tangent = slope / np.linalg.norm(slope, axis=2, keepdims=True)
     # the upper node of an element below a rigid item lies at the item's upper end
     lever = mesh.rigid_above[cells][:, None] * tangent[:, 0]
-    couples[:, 0] -= np.cross(lever, forces[:, 0])
+    couples[:, 0] -= cross(lever, forces[:, 0])
     for bound in asm.bound_blocks:  # loads that are shared out to the nodes of an element
         if bound.block.elements is not None and (bound.block.elements >= 0).any():
             chosen = np.flatnonzero(bound.block.elements >= 0)
@@ -133,7 +133,7 @@ def across_hole(model: DrillingModel, vectors: FloatArray) -> FloatArray:
     else:
         tangents = np.tile(model.tangent[0], (len(chain.vertices), 1))
     first = high_sides(tangents)
-    second = np.cross(tangents, first)
+    second = cross(tangents, first)
     return np.stack([np.sum(vectors * axis[chain.ends], axis=2) for axis in (first, second)], axis=2)
 
 

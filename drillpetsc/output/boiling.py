@@ -40,9 +40,9 @@ class BoilingMonitor:
         """After an accepted step to ``t`` [s]; not collective."""
         for channel in self._channels:
             pressures = channel.pressures(self.system)
-            k = int(np.argmin(pressures)) if len(pressures) else -1
-            if k < 0 or not pressures[k] < VAPOUR_PRESSURE:
+            if not len(pressures) or not pressures.min() < VAPOUR_PRESSURE:
                 continue
+            k = int(np.argmin(pressures))
             low = LowPressure(float(pressures[k]), t, int(self.system.chain.vertices[k]), channel.name)
             self.first = self.first or low
             if self.lowest is None or low.pressure < self.lowest.pressure:

@@ -33,6 +33,7 @@ class EnergyBalance:
         self.last_error = self.gained = 0.0
         self._powers: tuple[float, float] = (0.0, 0.0)
         self._first_energies = self.energies = np.zeros(3)
+        self._stored = 0.0  # sum of ``energies``
 
     def quantities(self) -> tuple[Quantity, ...]:
         return declared.ENERGY
@@ -40,9 +41,12 @@ class EnergyBalance:
     def start(self, t: float, powers: tuple[float, float]) -> None:
         """Begin at the present state.  powers: dissipated and supplied [W], summed over ranks."""
         self._powers = powers
-        self.energies = np.array(self.system.energies(t))
+        self._set_energies(np.array(self.system.energies(t)))
         self._first_energies = self.energies.copy()
-        self.start_energy = float(self.energies.sum())
+        self.start_energy = self._stored
+
+    def _set_energies(self, energies: FloatArray) -> None:
+        self.energies, self._stored = energies, float(energies.sum())
 
     def step(self, dt: float, powers: tuple[float, float]) -> None:
         """Integrate the powers over an accepted step ``dt`` [s] by the trapezoidal rule."""
@@ -53,9 +57,9 @@ class EnergyBalance:
 
     def update(self, t: float) -> FloatArray:
         """Energies at the present state (collective); keeps the largest change since the start."""
-        self.energies = np.array(self.system.energies(t))
-        change = np.abs((self.energies - self._first_energies)[:2]).sum()
-        self.peak_exchange = max(self.peak_exchange, float(change))
+        self._set_energies(np.array(self.system.energies(t)))
+        (kinetic, strain, _), (kinetic0, strain0, _) = self.energies.tolist(), self._first_energies.tolist()
+        self.peak_exchange = max(self.peak_exchange, abs(kinetic - kinetic0) + abs(strain - strain0))
         self.last_error = self.error
         self.gained = max(self.gained, self.last_error)
         return self.energies
@@ -83,7 +87,7 @@ class EnergyBalance:
     @property
     def error(self) -> float:
         """Stored energy gained plus dissipated less supplied energy since the start [J]."""
-        return float(self.energies.sum() - self.start_energy + self.dissipated - self.supplied)
+        return self._stored - self.start_energy + self.dissipated - self.supplied
 
     def summary(self, left: float | None = None) -> dict[str, float]:
         """For summary.json, at the last update [J]; shares are relative to ``exchanged``.
@@ -137,7 +141,8 @@ class EnergyBalance:
             self.last_error,
         ) = sums[:7]
         self._powers = (sums[7], sums[8])
-        self._first_energies, self.energies = np.array(saved["first_energies"]), np.array(saved["energies"])
+        self._first_energies = np.array(saved["first_energies"])
+        self._set_energies(np.array(saved["energies"]))
 
 
 class EnergyGainMonitor:

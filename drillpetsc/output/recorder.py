@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections import deque
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 from itertools import groupby
 from typing import Any
 
@@ -122,6 +123,14 @@ class _Finished:
     entities: list[int]
     indices: list[int]
 
+    @cached_property
+    def by_entity(self) -> dict[int, list[tuple[int, int]]]:
+        """Columns and numbers of the results of each entity."""
+        found: dict[int, list[tuple[int, int]]] = {k: [] for k in sorted(set(self.entities))}
+        for column, entity, index in zip(self.columns, self.entities, self.indices, strict=True):
+            found[entity].append((column, index))
+        return found
+
     def write(self, sample: FloatArray, row: FloatArray) -> None:
         """Compute the numbers from a sample and put them into a row."""
         q, values = self.quantity, sample[self.span]
@@ -130,11 +139,10 @@ class _Finished:
             numbers = q.finish(self.source, values.reshape(-1, q.size), self.depths)
             row[self.columns] = numbers[self.entities, self.indices]
             return
-        for k in sorted(set(self.entities)):
+        for k, places in self.by_entity.items():
             one = q.finish(self.source, values[k * q.size : (k + 1) * q.size], self.depths[k])
-            for column, entity, index in zip(self.columns, self.entities, self.indices, strict=True):
-                if entity == k:
-                    row[column] = one[index]
+            for column, index in places:
+                row[column] = one[index]
 
 
 class TableRow:
@@ -224,6 +232,7 @@ class Recorder:
             *rates, self._content = (self.layout.add(self.mud, q).start for q in inputs)
             self._rates = np.array(rates)
         self._motion = self.layout.motion()
+        self._filled = [s for s in self.layout.slots.values() if s.span.stop > s.span.start]
         main = [c for c in self._history if c.quantity.interest and c.quantity.on == "scalar"]
         self._main = [(c, slot) for c in main if (slot := self.layout.slot_at(c.start)) is not None]
         spans = [np.arange(slot.span.start, slot.span.stop) for _, slot in self._main]
@@ -231,6 +240,8 @@ class Recorder:
         #: estimated time error of the main outputs; None without an estimate
         self.time_error: TimeError | None = None
         self._samples: deque[tuple[float, FloatArray]] = deque(maxlen=3)
+        #: the last time and result of ``at``, which all tables share, and the last sample then
+        self._found: tuple[float, FloatArray, FloatArray] | None = None
 
     def _table(self, pairs: Sequence[tuple[Source, Quantity]]) -> list[TableColumn]:
         """Columns of (source, quantity) pairs; neighbours on joints or probes are ordered by depth first."""
@@ -258,7 +269,7 @@ class Recorder:
         """(width,) all sampled values at the assembly's state and inputs at ``t`` [s], the same on all ranks."""
         sample, v = Sample(self.system, t), np.zeros(self.layout.width)
         with self.system.assembly.unchanged():
-            for slot in self.layout.slots.values():
+            for slot in self._filled:
                 values = slot.value(slot.source, sample)
                 v[slot.span] = values if slot.is_number else values.ravel()
         return v if self.system.comm.size == 1 else self.comm.allreduce(v)
@@ -363,17 +374,20 @@ class Recorder:
     def at(self, t: float) -> FloatArray:
         """Sample at an output time within the last step: motion by a parabola through three steps, everything else
         by a straight line."""
-        times = [q[0] for q in self._samples]
-        if len(times) == 1 or t >= times[-1]:
-            return self._samples[-1][1]
-        (t0, v0), (t1, v1) = self._samples[-2], self._samples[-1]
+        t1, v1 = self._samples[-1]
+        if len(self._samples) == 1 or t >= t1:
+            return v1
+        if self._found is not None and self._found[0] == t and self._found[2] is v1:
+            return self._found[1]
+        t0, v0 = self._samples[-2]
         w = (t - t0) / (t1 - t0)
         out = (1 - w) * v0 + w * v1
-        if len(times) == 3:
+        if len(self._samples) == 3:
             ta, va = self._samples[0]
             second = ((v1 - v0) / (t1 - t0) - (v0 - va) / (t0 - ta)) / (t1 - ta)
             bend = (t - t0) * (t - t1) * second
             out[self._motion] += bend[self._motion]
+        self._found = t, out, v1
         return out
 
     def history_row(self, t: float, step: float, newton: float) -> list[float]:

@@ -25,6 +25,8 @@ class RigidItems:
         self.items = np.array([k for k, b in enumerate(mesh.bodies) if touches and b.radius > 0], dtype=int)
         bodies = [mesh.bodies[k] for k in self.items]
         self.names = tuple(b.name for b in bodies)
+        bits = [k for k, b in enumerate(mesh.bodies) if b.kind == "bit"]
+        self._bit = bits[-1] if bits else None
         self.depths = tuple(
             float(mesh.node_depth[b.node]) + b.contact_above + 0.5 * b.contact_length for b in bodies
         )
@@ -38,12 +40,10 @@ class RigidItems:
         """(items,) normal force of the wall [N], zero where another rank has the item."""
         if self.model.contact is None:
             return np.zeros(0)
-        out: FloatArray = sample.once(self.model.contact.item_forces).copy()
+        out: FloatArray = self.model.contact.item_forces(sample.assembly).copy()
         bit = self.model.drilling
-        if bit is not None:  # a bit that cuts has a contact of its own
-            last = max((k for k, b in enumerate(self.model.mesh.bodies) if b.kind == "bit"), default=None)
-            if last is not None:
-                out[last] += float(sample.once(bit.element_results)[BIT_RESULTS["side"]])
+        if bit is not None and self._bit is not None:  # a bit that cuts has a contact of its own
+            out[self._bit] += float(sample.once(bit.element_results)[BIT_RESULTS["side"]])
         return np.asarray(out[self.items])
 
     def at_nodes(self, forces: FloatArray) -> FloatArray:

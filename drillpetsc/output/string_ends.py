@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from math import sqrt
+
 import numpy as np
 
 from drillpetsc.case.blocks.ends import TopEnd as TopKeys
@@ -98,7 +100,7 @@ class LowerEnd:
         out = np.zeros(4)
         if self.vertex is not None and self.model.beam is not None:
             end, slope, out[3] = self.model.beam.section(state, self.vertex)
-            out[:3] = end + self.face * slope / np.linalg.norm(slope)
+            out[:3] = end + self.face * slope / sqrt(slope.dot(slope))
         return out
 
     def depth_of(self, point: FloatArray) -> float:

@@ -14,7 +14,7 @@ from drillpetsc.arrays import FloatArray, IntArray
 from drillpetsc.fem.component import ElementBlock, Energies, Field, Powers
 from drillpetsc.fem.dof_layout import DofLayout
 from drillpetsc.fem.string_mesh import StringMesh
-from drillpetsc.geometry.frames import Frames
+from drillpetsc.geometry.frames import Frames, cross
 from drillpetsc.kernels import function, pointer
 from drillpetsc.kernels.parameters import Parameters, columns
 from drillpetsc.physics import interfaces
@@ -182,33 +182,38 @@ class AncfBeam(interfaces.Beam):
 
     def couple(self, values: FloatArray, rows: FloatArray) -> FloatArray:
         """Return (n, 3) the couples v x G of forces G conjugate to slopes v (manual: eq-beam-nodal-couple)."""
-        return np.cross(values, rows)
+        return cross(values, rows)
 
     def element_results(self, layout: DofLayout, x: FloatArray, y: FloatArray) -> FloatArray:
         """(nc, 9) per local cell in depth order: the columns of ``RESULT_NAMES`` [J, J, J, N, N, N, N m, N m, N
         m]."""
-        out = np.zeros((len(self._part.cells), len(RESULT_NAMES)))
         if self._tables is None or self._tables[0] is not layout:
             self._tables = layout, [layout.index(b) for b in self._blocks]
-        for b, index in zip(self._blocks, self._tables[1], strict=True):
-            if len(b.points):
-                part = np.zeros((len(b.points), len(RESULT_NAMES)))
-                _results(
-                    len(b.points),
-                    index.shape[1],
-                    pointer(index),
-                    pointer(b.params),
-                    pointer(x),
-                    pointer(y),
-                    pointer(part),
-                )
+        unknowns = pointer(x), pointer(y)
+        return self._results(
+            [
+                (len(b.points), index.shape[1], pointer(index), pointer(b.params), *unknowns)
+                for b, index in zip(self._blocks, self._tables[1], strict=True)
+            ]
+        )
+
+    def _results(self, heads: list[tuple[int, ...]]) -> FloatArray:
+        """As ``element_results``.  heads: of each block numbers of elements and unknowns; addresses of dofs, parameters,
+        unknowns and rates."""
+        out = np.zeros((len(self._part.cells), len(RESULT_NAMES)))
+        for b, head in zip(self._blocks, heads, strict=True):
+            if head[0] == len(out):  # all elements, in depth order
+                _results(*head, pointer(out))
+            elif head[0]:
+                part = np.zeros((head[0], len(RESULT_NAMES)))
+                _results(*head, pointer(part))
                 out[b.points] = part
         return out
 
     def energies(self, t: float, state) -> Energies:
-        return Energies(
-            *map(float, self.element_results(state.layout, state.x, state.y)[:, ENERGIES].sum(axis=0))
-        )
+        heads = [state.results_head(b) for b in self._blocks]
+        results = self._results([(*head[:4], *head[5:]) for head in heads])
+        return Energies(*results[:, ENERGIES].sum(axis=0).tolist())
 
     def powers(self, t: float, state) -> Powers:
         lost = 0.0

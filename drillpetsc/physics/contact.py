@@ -374,8 +374,9 @@ class Contact(WallContact):
     def item_results(self, state) -> FloatArray:
         """(bodies, 7) results of each rigid item of the mesh, columns of ``RESULT_NAMES``, zero where another rank has it."""
         out = np.zeros((len(self.mesh.bodies), len(RESULT_NAMES)))
-        _, results = self.element_results(state)
-        out[self._items] = results
+        for b, results in zip(self._blocks, self._block_results(state), strict=True):
+            if b.on != "cell":
+                out[self._items] = results
         return out
 
     def energies(self, t: float, state) -> Energies:

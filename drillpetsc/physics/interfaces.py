@@ -298,8 +298,8 @@ class Channel(Component):
         """(nc, 9) per local element: the columns of ``physics.fluid.channel_flow.RESULT_NAMES``."""
 
     @abstractmethod
-    def totals(self, state: Any) -> FloatArray:
-        """(9,) sums of ``element_results`` over the local elements."""
+    def totals(self, state: Any) -> list[float]:
+        """10 sums of ``element_results`` over the local elements."""
 
     @abstractmethod
     def flows(self, system: Any) -> FloatArray:

@@ -66,8 +66,9 @@ def _far_nodes(system: DiscreteSystem, frames: Frames) -> list[tuple[int, np.nda
     The same on all ranks.
     """
     chain, v = system.chain, system.field("string.tangent")
-    cosine = np.sum(frames.reference[chain.vertices] * v, axis=1) / np.linalg.norm(v, axis=1)
-    far = np.flatnonzero((cosine < REFERENCE_LIMIT_COSINE) & chain.owned)
+    along = np.einsum("ij,ij->i", frames.reference[chain.vertices], v)
+    size = np.sqrt(np.einsum("ij,ij->i", v, v))
+    far = np.flatnonzero((along < REFERENCE_LIMIT_COSINE * size) & chain.owned)
     return system.all_entries([(int(chain.vertices[i]), v[i].copy()) for i in far])
 
 

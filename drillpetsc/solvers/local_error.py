@@ -55,7 +55,7 @@ class LocalErrorEstimate:
         owned = np.sort(layout.local_of_owned)
         self._rows = owned[differential[layout.field_of[owned]]]
         self._field = layout.field_of[self._rows]
-        self._recent: deque[tuple[float, FloatArray]] = deque(maxlen=self.order + 2)
+        self._recent: deque[tuple[float, FloatArray, int]] = deque(maxlen=self.order + 2)
         self._largest, self._sum, self._net = (np.zeros(len(self._rows)) for _ in range(3))
         self._history = integrator.history
         integrator.estimate = self
@@ -71,14 +71,19 @@ class LocalErrorEstimate:
         self.steps += 1
         if fresh:
             self._recent.clear()
-        self._recent.append((t, self.system.assembly.x.take(self._rows)))
+        self._add(t, self.system.assembly.x)
         if len(self._recent) < self.order + 2:
             return
-        weights = local_error_weights([q for q, _ in self._recent], self.order)
-        states = np.array([pointer(x) for _, x in self._recent], dtype=np.int64)
+        weights = local_error_weights([q for q, _, _ in self._recent], self.order)
+        states = np.array([address for _, _, address in self._recent], dtype=np.int64)
         sums = map(pointer, (self._net, self._sum, self._largest))
         _add_local_error(len(self._rows), len(states), pointer(states), pointer(weights), *sums)
         self.estimated += 1
+
+    def _add(self, t: float, x: FloatArray) -> None:
+        """Keep the unknowns of the estimate at ``t`` [s], with the address of their array."""
+        values = x.take(self._rows)
+        self._recent.append((t, values, pointer(values)))
 
     # ------------------------------------------------------------------ checkpoints
     def get_state(self) -> dict[str, FloatArray]:
@@ -116,7 +121,7 @@ class LocalErrorEstimate:
         kept = list(zip(self._history.times, self._history.states, strict=True))
         self._recent.clear()
         for t, (x, _) in kept[max(0, len(kept) - earlier) :] if earlier else []:
-            self._recent.append((t, x.take(self._rows)))
+            self._add(t, x)
 
     def as_dict(self, ended: bool = True) -> dict[str, Any]:
         """Return the entries of summary.json; collective where the run has ``ended`` without an error."""
@@ -169,7 +174,14 @@ def local_error_weights(times: list[float], order: int) -> FloatArray:
     """Compute the weights (order + 2,) of the states in the local error; arguments as for ``local_error``."""
     gaps = [times[-1] - t for t in times[-2 : -order - 2 : -1]]
     scale = prod(gaps) / sum(1 / g for g in gaps)
-    return np.array([scale / prod(s - t for j, t in enumerate(times) if j != i) for i, s in enumerate(times)])
+    weights = []
+    for s in times:  # ascending, so that only the state itself is at no distance
+        product = 1.0
+        for t in times:
+            if t != s:
+                product *= s - t
+        weights.append(scale / product)
+    return np.array(weights)
 
 
 def local_errors(times: FloatArray, states: FloatArray, order: int) -> FloatArray:

@@ -42,6 +42,11 @@ def _number(value: float) -> str:
     return text[:-2] if text.endswith(".0") else text
 
 
+def _line(values: Sequence[float]) -> str:
+    """A row of a table with its end; its numbers as ``_number`` writes them, all in one go."""
+    return (",".join(map(repr, map(float, values))) + "\n").replace(".0,", ",").replace(".0\n", "\n")
+
+
 class Table:
     """An append-only CSV whose first column is the time in seconds.
 
@@ -86,21 +91,21 @@ class Table:
         values = row.tolist() if isinstance(row, np.ndarray) else row
         if len(values) != self._width:
             raise ValueError(f"{self.path.name}: a row of {len(values)} values for {self._width} columns")
-        self._write(",".join([_number(value) for value in values]) + "\n")
+        self._write(_line(values))
 
     def add_rows(self, rows: np.ndarray) -> None:
         """rows: (k, columns), SI; all of them in one write."""
         if len(rows):
-            self._write("".join([",".join(map(_number, row)) + "\n" for row in rows.tolist()]))
+            self._write("".join(map(_line, rows.tolist())))
 
     def _write(self, text: str) -> None:
-        data, whole = text.encode(), os.fstat(self._file).st_size
+        data = text.encode()
         try:
             written = os.write(self._file, data)
         except OSError as error:
             raise OSError(error.errno, error.strerror, str(self.path)) from None
         if written != len(data):  # on a disk that is full: half a row is of no use
-            os.ftruncate(self._file, whole)
+            os.ftruncate(self._file, os.fstat(self._file).st_size - written)
             raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC), str(self.path))
 
     def flush(self) -> None:

@@ -5,6 +5,8 @@ Manual: sec-mud, sec-mud-force-annulus, sec-mud-moving.
 
 from __future__ import annotations
 
+from math import sqrt
+
 import numpy as np
 
 from drillpetsc.arrays import FloatArray
@@ -17,6 +19,8 @@ from drillpetsc.physics.fluid.channels import Annulus
 from drillpetsc.physics.fluid.moving_hole import OTHER_SIZE, LateralCoefficients, MovingHole
 from drillpetsc.physics.rigid_bodies import VERTEX_SLOTS, local_vertices
 from drillpetsc.time_function import TimeFunction
+
+_SPEED = RESULT_NAMES.index("speed")
 
 
 class AnnulusFlow(ChannelFlow):
@@ -295,12 +299,12 @@ class AnnulusFlow(ChannelFlow):
         It is the flow out of the upper node, less the volume that the hole between the node and the fixed
         flow line gains while the node moves down.
         """
-        flow = self.upper_flow(state)
+        flow = state.evaluate_once(self.upper_flow, state)
         if flow is None:
             return None
         if self.held:
             return -flow
-        return float(-flow - self._upper_area() * self._upper_speed(state))
+        return float(-flow - self._upper_area() * state.evaluate_once(self._upper_speed, state))
 
     def content_above(self, state) -> float:
         """Compute the volume between the upper node and the flow line [m3], up to a constant.
@@ -320,10 +324,11 @@ class AnnulusFlow(ChannelFlow):
 
     def powers(self, t: float, state) -> Powers:
         results = self.element_results(state)
-        supplied, flow = 0.0, self.upper_flow(state)
+        supplied, flow = 0.0, state.evaluate_once(self.upper_flow, state)
         if flow is not None and self._top is not None:
-            speed = results[int(self._top[0].points[self._top[1]]), RESULT_NAMES.index("speed")]
-            along, pressure = self._upper_speed(state), self.upper_pressure(state)
+            speed = float(results[self._top[0].points[self._top[1]], _SPEED])
+            along = state.evaluate_once(self._upper_speed, state)
+            pressure = self.upper_pressure(state)
             supplied = flow * (
                 float(self.fluid.enthalpy(pressure))
                 + 0.5 * self.fluid.density * (speed + along) ** 2
@@ -346,7 +351,7 @@ class AnnulusFlow(ChannelFlow):
         if self.held_at is not None:
             return 0.0
         block, row = self._top
-        return float(state.y[state.index_of(block)[row, :3]] @ block.named["tangent1"][row])
+        return float(state.y.take(state.index_of(block)[row, :3]).dot(block.named["tangent1"][row]))
 
     def _upper_head(self, state) -> float:
         """Weight of the mud above the upper node, at the hole's axis [Pa]: density times gravity times depth."""
@@ -354,8 +359,8 @@ class AnnulusFlow(ChannelFlow):
         if self.held_at is not None:
             return self.fluid.density * float(self.fluid.gravity @ self.held_at[0])
         block, row = self._top
-        place, p = state.x[state.index_of(block)[row, :3]], block.named
+        place, p = state.x.take(state.index_of(block)[row, :3]), block.named
         along = p["tangent1"][row] + p["tangent2"][row]
-        along = along / np.linalg.norm(along)
+        along /= sqrt(along.dot(along))
         level = p["level"][row] if self.resizes else 0.0
-        return self.fluid.density * float((self.fluid.gravity @ along) * (place @ along) + level)
+        return self.fluid.density * float(self.fluid.gravity.dot(along) * place.dot(along) + level)

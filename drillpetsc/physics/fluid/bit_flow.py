@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from math import sqrt
 from typing import Any
 
 import numpy as np
@@ -206,11 +207,12 @@ class BitFlow(Nozzle):
         """
         if not self._moves_in_mud or not len(self._block.points):
             return
-        p, x, f = self._block.named, state.x[state.index_of(self._block)[0]], self.fluid
-        pressure, head = x[STRING_UNKNOWNS + int(self.has_link)], float(f.gravity @ x[:3])
-        give = 1.0 + pressure * (p["elastic"][0] - 1.0 / f.bulk_modulus)
+        p, x, f = self._block.named, state.x.take(state.index_of(self._block)[0]), self.fluid
+        pressure, head = x.item(STRING_UNKNOWNS + int(self.has_link)), float(f.gravity.dot(x[:3]))
+        give = 1.0 + pressure * (p["elastic"].item(0) - 1.0 / f.bulk_modulus)
         content = self._chamber(p, x) * give * float(np.exp(pressure / f.bulk_modulus))
-        p["lift"] -= f.density * (content - p["reference"]) * 0.5 * (head + p["head"])
+        reference, before = p["reference"].item(0), p["head"].item(0)
+        p["lift"] -= f.density * (content - reference) * 0.5 * (head + before)
         p["reference"], p["head"] = content, head
 
     @property
@@ -291,12 +293,14 @@ class BitFlow(Nozzle):
     def _gap(self, p: Table, x: FloatArray) -> float:
         """Distance from the bit's face to the hole's end [m] at unknowns ``x`` of the block, with parameters
         ``p``."""
-        end = p["end"][0] + (x[-4:-1] if self.growing is not None else 0.0)
-        return float((end - x[:3] - x[3:6] * (p["face"][0] / np.linalg.norm(x[3:6]))) @ p["axis"][0])
+        end, slope = p["end"][0], x[3:6]
+        if self.growing is not None:
+            end = end + x[-4:-1]
+        return float((end - x[:3] - slope * (p["face"].item(0) / sqrt(slope.dot(slope)))).dot(p["axis"][0]))
 
     def _chamber(self, p: Table, x: FloatArray) -> float:
         """Volume of the chamber [m3]."""
-        volume, hole = p["volume"][0], p["hole"][0]
+        volume, hole = p["volume"].item(0), p["hole"].item(0)
         return float(volume + hole * GAP_ROUNDING * np.logaddexp(0.0, self._gap(p, x) / GAP_ROUNDING))
 
     def closed_face(self, state) -> FloatArray:
@@ -359,9 +363,9 @@ class BitFlow(Nozzle):
             jet = flow * self._thinning(outside) / (e.nozzle or e.bore)
             speed = flow * self._thinning(inside) / e.bore
             tangent = state.x[index[3:6]] if moving else np.ones(3)
-            forward = float(velocity @ tangent) / float(np.linalg.norm(tangent))
+            forward = float(velocity.dot(tangent)) / sqrt(tangent.dot(tangent))
             # power of the reaction on the moving string, which goes into the mud
-            reaction = float(velocity @ velocity) + 2 * jet * forward
+            reaction = float(velocity.dot(velocity)) + 2 * jet * forward
             lost += float(results[RESULTS["lost"]]) + 0.5 * f.density * flow * (speed**2 + reaction)
             if not self.has_annulus:
                 leaving = 0.5 * f.density * flow * (jet**2 + reaction)

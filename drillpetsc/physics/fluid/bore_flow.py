@@ -4,6 +4,8 @@ sec-mud).
 
 from __future__ import annotations
 
+from math import sqrt
+
 import numpy as np
 
 from drillpetsc.arrays import FloatArray
@@ -14,6 +16,8 @@ from drillpetsc.physics.fluid.channel_flow import RESULT_NAMES, ChannelFlow, Flu
 from drillpetsc.physics.fluid.channels import Bore
 from drillpetsc.physics.rigid_bodies import local_vertices
 from drillpetsc.time_function import TimeFunction
+
+_SPEED = RESULT_NAMES.index("speed")
 
 
 class BoreFlow(ChannelFlow):
@@ -123,11 +127,11 @@ class BoreFlow(ChannelFlow):
         results = self.element_results(state)
         supplied, flow = 0.0, self.pumped(t, state)
         if flow is not None and self._top is not None:
-            speed = results[int(self._top[0].points[self._top[1]]), RESULT_NAMES.index("speed")]
+            speed = float(results[self._top[0].points[self._top[1]], _SPEED])
             supplied = flow * (
                 float(self.fluid.enthalpy(self.upper_pressure(state)))
                 + 0.5 * self.fluid.density * (speed**2 - self._upper_speed(state) ** 2)
-                - self.fluid.density * float(self.fluid.gravity @ self._upper_place(state))
+                - self.fluid.density * float(self.fluid.gravity.dot(self._upper_place(state)))
             )
         return self._channel_powers(state, supplied)
 
@@ -135,7 +139,8 @@ class BoreFlow(ChannelFlow):
         """Speed of the upper node [m/s], on the rank that has it: the mud arrives there without momentum from outside."""
         if self.held_at is not None:
             return 0.0
-        return float(np.linalg.norm(state.y[state.layout.dofs["string.position"][0]]))
+        velocity = state.y[state.layout.dofs["string.position"][0]]
+        return sqrt(velocity.dot(velocity))
 
     def _upper_place(self, state) -> FloatArray:
         """(3,) position of the upper node [m], on the rank that has it."""

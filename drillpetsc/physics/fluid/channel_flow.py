@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import ctypes
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -61,6 +62,8 @@ class FluidConstants:
 
         It is int dp rho0/rho = K (1 - exp(-p/K)).
         """
+        if isinstance(pressure, float):
+            return -self.bulk_modulus * float(np.expm1(-pressure / self.bulk_modulus))
         return -self.bulk_modulus * np.expm1(-np.asarray(pressure) / self.bulk_modulus)
 
 
@@ -73,6 +76,7 @@ class ChannelFlow(Channel):
     def __init__(self, mesh, fluid: FluidConstants, held: bool = False):
         self.mesh, self.fluid, self.held = mesh, fluid, held
         self._blocks: list[ElementBlock] = []
+        self._places: tuple[Any, np.ndarray] | None = None  # of the pressures in a layout's unknowns
 
     def fields(self) -> tuple[Field, ...]:
         return (
@@ -157,12 +161,12 @@ class ChannelFlow(Channel):
                     out[b.points] = part
         return out
 
-    def totals(self, state) -> FloatArray:
-        """(10,) sums of ``element_results`` over the local elements."""
+    def totals(self, state) -> list[float]:
+        """10 sums of ``element_results`` over the local elements."""
         return state.evaluate_once(self._evaluate_totals, state)
 
-    def _evaluate_totals(self, state) -> FloatArray:
-        return self.element_results(state).sum(axis=0)
+    def _evaluate_totals(self, state) -> list[float]:
+        return self.element_results(state).sum(axis=0).tolist()
 
     def parameter(self, name: str) -> FloatArray:
         """Present values (nc, ...) of a parameter of the local elements, as the kernels' header names it."""
@@ -172,12 +176,12 @@ class ChannelFlow(Channel):
         return out
 
     def energies(self, t: float, state) -> Energies:
-        return Energies(*map(float, self.totals(state)[ENERGIES]))
+        return Energies(*self.totals(state)[ENERGIES])
 
     def _channel_powers(self, state, at_end: float) -> Powers:
         """Powers of the channel [W], with the power ``at_end`` supplied at its upper end."""
         total = self.totals(state)
-        return Powers(float(total[_DISSIPATED]), at_end + float(total[_LEFT_OUT]))
+        return Powers(total[_DISSIPATED], at_end + total[_LEFT_OUT])
 
     def upper_flow(self, state) -> float | None:
         """Compute the flow rate into the channel's upper end from the mass balance [m3/s].
@@ -196,8 +200,10 @@ class ChannelFlow(Channel):
 
     def pressures(self, system) -> FloatArray:
         """Return the pressures (nv,) at the local vertices [Pa]."""
-        places = system.layout.dofs[f"{self.name}.pressure"][:, 0]  # there is one at every node
-        return np.asarray(system.assembly.x[places])
+        if self._places is None or self._places[0] is not system.layout:
+            dofs = system.layout.dofs[f"{self.name}.pressure"][:, 0]  # there is one at every node
+            self._places = system.layout, np.ascontiguousarray(dofs)
+        return np.asarray(system.assembly.x.take(self._places[1]))
 
     def upper_pressure(self, state) -> float:
         """Return the pressure at the channel's upper end [Pa], on the rank with this end."""
