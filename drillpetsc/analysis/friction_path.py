@@ -273,8 +273,7 @@ class FrictionPath:
         """Let the string slide under its load; returns the distance [m] and the change of what it transmits."""
         # under a given top force the string slides once the load exceeds what friction carries off
         speed, pushed = self.sign * SPEED, self.model.case.top.force is not None
-        self._friction(0.0 if pushed else speed)
-        self._advance(SETTLE, lambda t: 0.0, SETTLE / 10)
+        self._settle(0.0 if pushed else speed)
         self._ramp(0.0, 1.0)
         if pushed:
             self._advance(START, lambda t: 1.0, START / 20, past=lambda t: speed * t / START)
@@ -289,6 +288,24 @@ class FrictionPath:
             change = self._change(log)
         return slid, change
 
+    def _settle(self, speed: float) -> None:
+        """Let the string lie down while it slides with ``speed`` [m/s].
+
+        On the first touch friction may swing between two directions in every Newton iteration, however short the step.
+        The string then lies down with friction along the hole alone, and again with that of its motion.
+        """
+        start = Snapshot(self.model)
+        self._friction(speed)
+        try:
+            self._advance(SETTLE, lambda t: 0.0, SETTLE / 10)
+        except SolveError:
+            start.restore()
+            for component in self.components:
+                component.impose_sliding_direction(self.sign * SPEED if speed else 0.0, 0.0, 0.0)
+            self._advance(SETTLE, lambda t: 0.0, SETTLE / 10)
+            self._friction(speed)
+            self._advance(SETTLE, lambda t: 0.0, SETTLE / 10)
+
     def _come_to_rest(self) -> None:
         """Raise the load, and let the string without friction come to rest."""
         self._friction(0.0)
@@ -299,8 +316,7 @@ class FrictionPath:
     def _slack_off(self) -> None:
         """Lower the top onto the bit that stands, or raise the top's force."""
         if self._wob is None:
-            self._friction(0.0)
-            self._advance(SETTLE, lambda t: 0.0, SETTLE / 10)
+            self._settle(0.0)
             ramp = self.settings.ramp  # the load is not held: friction would creep
             self._advance(ramp, lambda t: t / ramp, ramp / RAMP_STEPS)
             return
@@ -317,8 +333,7 @@ class FrictionPath:
         model.top.shift(-LIFT)
         self.settings = SETTINGS["sliding"]
         self.motion, self._slip = self._motions[self.settings], self.settings.slip
-        self._friction(SPEED)
-        self._advance(SETTLE, lambda t: 0.0, SETTLE / 10)
+        self._settle(SPEED)
         self._advance(RUN_IN / SPEED, lambda t: 0.0, LONGEST_STEP / SPEED)
         self.settings, self.motion, self._slip = own
 
