@@ -2,6 +2,6 @@
 
 from __future__ import annotations
 
-from drillpetsc.cli import analyses, cases, pictures, runs
+from drillpetsc.cli import analyses, cases, linear, pictures, runs
 
-COMMANDS = (*runs.COMMANDS, *cases.COMMANDS, *analyses.COMMANDS, *pictures.COMMANDS)
+COMMANDS = (*runs.COMMANDS, *cases.COMMANDS, *analyses.COMMANDS, *linear.COMMANDS, *pictures.COMMANDS)
