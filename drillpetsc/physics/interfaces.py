@@ -345,4 +345,11 @@ class Nozzle(Component):
 
     @abstractmethod
     def element_results(self, state: Any) -> FloatArray:
-        """(7,) results of the bit's chamber: the columns of ``physics.fluid.bit_flow.RESULT_NAMES``."""
+        """(8,) results of the bit's chamber: the columns of ``physics.fluid.bit_flow.RESULTS``."""
+
+    @abstractmethod
+    def closed_face(self, state: Any) -> FloatArray:
+        """Area of the bit's face under which no mud is displaced, times the hole's direction (3,) [m2].
+
+        Zero where this rank does not have the bit, and where the face moves freely in mud.
+        """
