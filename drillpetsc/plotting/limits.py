@@ -53,7 +53,9 @@ def _limits(table: Table, title: str, summary: dict[str, Any], system: System) -
                 axes.plot(values / size, depth, color=color, linestyle=dash, linewidth=1.4, label=label)
         axes.set_xlabel(f"{text} [{name}]" if name else text)
         if axes.get_legend_handles_labels()[0]:
-            axes.legend(frameon=True, framealpha=0.9, edgecolor="none", fontsize=8)  # readable where it meets a line
+            axes.legend(
+                frameon=True, framealpha=0.9, edgecolor="none", fontsize=8
+            )  # readable where it meets a line
         else:
             place = {"transform": axes.transAxes, "ha": "center", "color": "0.4"}
             axes.text(0.5, 0.5, "not known", **place)
