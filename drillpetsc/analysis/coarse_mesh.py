@@ -240,7 +240,8 @@ def _beside(model: DrillingModel, load: _Loads, node: int, distance: float, wher
     depth = (float(mesh.node_depth[node]) + top_depth(model)) / scale
     size = f"about {100 * error:.2g} %" if error < 0.3 else "30 % and more"
     return (
-        f"elements of {length / scale:.3g} {unit} {where} {depth:.0f} {unit} leave {size} in the bending moment: "
+        f"elements of {length / scale:.3g} {unit} {where} {depth:.0f} {unit} leave {size} in the bending moment, and make side forces "
+        f"and their friction too large: "
         f"element_length of {enough / scale:.2g} {unit} or less there (or auto)"
     )
 

@@ -104,7 +104,11 @@ def director_equilibrium(
         reached = _newton_with_flow(problem)
     if state.path is None:
         if found is not None and found.top_on_wall and model.top is not None:
-            balance_across(model, solver, report)
+            if not balance_across(model, solver, report):
+                state.warnings.append(
+                    "the place of the top across the hole was not found: it is held on the wall, and long elements below it "
+                    "may carry its side force as contact (side force, torque and moment near the top)"
+                )
         if lateral_friction and problem.moves and not reached:
             state.warnings.append(
                 "no equilibrium with lateral friction (a turning pipe may whirl here): "

@@ -365,7 +365,7 @@ class _Completion:
                 joint_inner=joint["id"] / INCH,
             )
             if yields == 0.0:
-                return None  # the tool joint has no room for these threads
+                return None  # the wall of the tool joint is too thin for these threads
             torque = formulas.MAKE_UP * yields * FT_LBF
             place = f"{threads.place}, {formulas.MAKE_UP:.0%} of the torque at which the new tool joint yields (API RP 7G)"
         self.note(key, torque, "N m", place)

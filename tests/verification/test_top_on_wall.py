@@ -17,10 +17,10 @@ BENDING = 206e9 * np.pi / 64 * (0.127**4 - 0.1086**4)
 REACTIONS = ("top.side_reaction_1", "top.side_reaction_2")
 
 
-def solved(element: float, inclination: list[float], motion: str) -> DrillingModel:
+def case(element: float, inclination: list[float]) -> Case:
     """1300 m of drill pipe and a bit in a 1500 m hole: its top lies at MD 200 m."""
     md = [0.0, 100.0, 700.0, 1500.0]
-    case = Case(
+    return Case(
         well={
             "survey": {"md": md, "inclination": list(np.radians(inclination)), "azimuth": [0.3] * 4},
             "sections": [{"to": 1500.0, "kind": "open_hole", "diameter": 0.2159, "friction": 0.3}],
@@ -33,7 +33,10 @@ def solved(element: float, inclination: list[float], motion: str) -> DrillingMod
         bottom={"kind": "bit"},
         initial={"wob": 20e3},
     )
-    model = build_model(case, PETSc.COMM_WORLD, MOTIONS[motion])
+
+
+def solved(element: float, inclination: list[float], motion: str) -> DrillingModel:
+    model = build_model(case(element, inclination), PETSc.COMM_WORLD, MOTIONS[motion])
     find_equilibrium(model, MOTIONS[motion])
     return model
 
@@ -66,3 +69,11 @@ def test_straight_inclined_hole():
     up = high_side(tangent)
     angle = np.arctan2(abs(offset @ np.cross(tangent, up)), -offset @ up)
     assert np.tan(angle) == pytest.approx(0.3, rel=0.01)
+
+
+def test_a_place_that_is_not_found_is_said(monkeypatch):
+    """The state is then that of the top where the march put it, and a warning says so."""
+    monkeypatch.setattr("drillpetsc.analysis.equilibrium.balance_across", lambda *arguments: False)
+    model = build_model(case(10.6, [0.0, 0.0, 48.0, 48.0]), PETSc.COMM_WORLD, MOTIONS["hoist"])
+    state = find_equilibrium(model, MOTIONS["hoist"])
+    assert any("held on the wall" in line for line in state.warnings)

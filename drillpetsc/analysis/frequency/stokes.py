@@ -16,7 +16,7 @@ from drillpetsc.solvers.linearization import Linearised
 from drillpetsc.solvers.nonlinear_eigenvalue import refine
 from drillpetsc.solvers.quadratic_eigenproblem import Eigenvalues
 
-DIGITS = 6  # significant digits by which diameters and viscosities are told apart
+DIGITS = 6  # significant digits by which diameters and viscosities differ
 SAME_SHAPE = 0.5  # squared cosine between the shapes before and after below which another mode was reached
 SAME_MODE = 0.999  # the same between two modes above which they are one
 
