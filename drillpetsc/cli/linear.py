@@ -73,6 +73,20 @@ def _modes(arguments: argparse.Namespace, petsc_options: list[str]) -> int:
     return 0
 
 
+def _kind(command: argparse.ArgumentParser) -> None:
+    command.add_argument(
+        "--kind", choices=("lateral", "axial", "torsional", "fluid"), help="only modes of this kind"
+    )
+
+
+def _without_control(command: argparse.ArgumentParser) -> None:
+    command.add_argument(
+        "--without-control",
+        action="store_true",
+        help="leave out the motor and controller of the top drive, and hold the top",
+    )
+
+
 def _campbell_arguments(command: argparse.ArgumentParser) -> None:
     case_argument(command)
     command.add_argument(
@@ -88,19 +102,13 @@ def _campbell_arguments(command: argparse.ArgumentParser) -> None:
         metavar="N",
         help="oscillating modes at each speed, the lowest (default: 20)",
     )
-    command.add_argument(
-        "--kind", choices=("lateral", "axial", "torsional", "fluid"), help="only modes of this kind"
-    )
+    _kind(command)
     command.add_argument(
         "--lines",
         metavar="N1,N2",
         help="excitation lines in cycles per turn (default: 1,2,3 and the blades of a drag bit)",
     )
-    command.add_argument(
-        "--without-control",
-        action="store_true",
-        help="leave out the motor and controller of the top drive, and hold the top",
-    )
+    _without_control(command)
     units_argument(command)
 
 
@@ -147,14 +155,8 @@ def _stability_arguments(command: argparse.ArgumentParser) -> None:
         metavar="N",
         help="oscillating modes at each point, the lowest (default: 20)",
     )
-    command.add_argument(
-        "--kind", choices=("lateral", "axial", "torsional", "fluid"), help="only modes of this kind"
-    )
-    command.add_argument(
-        "--without-control",
-        action="store_true",
-        help="leave out the motor and controller of the top drive, and hold the top",
-    )
+    _kind(command)
+    _without_control(command)
     units_argument(command)
 
 
@@ -204,11 +206,7 @@ def _response_arguments(command: argparse.ArgumentParser) -> None:
         help="of the bit: a motion along the string ('3 mm'), a force ('5 kN') or a torque ('1 kN m')",
     )
     command.add_argument("--order", type=float, metavar="N", help="cycles per turn of the bit (default: 3)")
-    command.add_argument(
-        "--without-control",
-        action="store_true",
-        help="leave out the motor and controller of the top drive, and hold the top",
-    )
+    _without_control(command)
     units_argument(command)
 
 
