@@ -18,6 +18,7 @@ from drillpetsc.model.element_length import (
     HELIX,
     LARGEST_STRESS_FREE_TURN,
     LARGEST_TURN,
+    LEAST_STEP,
     VERTICAL,
     free_length,
 )
@@ -136,7 +137,13 @@ def _of_state(model: DrillingModel, columns: list[Column], values: FloatArray) -
 
 
 def _lines(model: DrillingModel, load: _Loads) -> list[str]:
-    return [*_residual(model), *_turns(model), *_supports(model, load), *_jumps(model, load)]
+    return [
+        *_residual(model),
+        *_turns(model),
+        *_supports(model, load),
+        *_jumps(model, load),
+        *_steps(model, load),
+    ]
 
 
 # ---------------------------------------------------------------------- kinds
@@ -207,11 +214,40 @@ def _jumps(model: DrillingModel, load: _Loads) -> list[str]:
     return _first([line for line in dict.fromkeys(lines) if line])
 
 
+def _steps(model: DrillingModel, load: _Loads) -> list[str]:
+    """Bending layers beside steps of the clearance: of the pipe's diameter, or of the hole's."""
+    well, mesh = model.well, model.mesh
+    if well is None or model.contact is None:
+        return []
+    place = mesh.node_depth[1:-1] + top_depth(model)
+    gap = [
+        np.asarray(well.radius(place + d)) - 0.5 * diameter
+        for d, diameter in ((-1e-6, mesh.contact_diameter[:-1]), (1e-6, mesh.contact_diameter[1:]))
+    ]
+    touch = (mesh.contact_diameter > 0) & ~mesh.is_joint
+    height = np.where(touch[1:] & touch[:-1], np.abs(gap[1] - gap[0]), 0.0)
+    lines = [
+        _beside(
+            model,
+            load,
+            int(node) + 1,
+            np.inf,
+            "beside a step of the clearance between pipe and wall at MD",
+            float(height[node]),
+        )
+        for node in np.flatnonzero(height > LEAST_STEP)
+    ]
+    return _first([line for line in dict.fromkeys(lines) if line])
+
+
 # ---------------------------------------------------------------------- sentences
-def _beside(model: DrillingModel, load: _Loads, node: int, distance: float, where: str) -> str | None:
+def _beside(
+    model: DrillingModel, load: _Loads, node: int, distance: float, where: str, height: float | None = None
+) -> str | None:
     """Sentence on the elements at ``node`` where they are too long for the bending layer there, else None.
 
     distance: to the next support [m]; where: beginning of the place.
+    height: of the step that the string comes down from [m], None: from the middle of the hole.
     """
     mesh = model.mesh
     worst: tuple[float, float, float] | None = None
@@ -220,7 +256,8 @@ def _beside(model: DrillingModel, load: _Loads, node: int, distance: float, wher
             continue
         length, bending = float(mesh.length[cell]), float(mesh.bending_stiffness[cell])
         layer = np.sqrt(bending / max(abs(float(load.tension[node])), 1e-9))
-        free = free_length(bending, float(load.clearance[node]), float(load.side[node]))
+        drop = float(load.clearance[node]) if height is None else height
+        free = free_length(bending, drop, float(load.side[node]))
         span = min(distance, free)
         far = cell + 1 if cell == node else cell
         if load.stress is None:

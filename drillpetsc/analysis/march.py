@@ -11,6 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from drillpetsc.analysis.placement import top_depth
+from drillpetsc.analysis.resting_shape import Beam, resting_shape
 from drillpetsc.arrays import FloatArray
 from drillpetsc.geometry.frames import directors
 from drillpetsc.model.drilling_model import DrillingModel
@@ -24,6 +25,7 @@ CROSSING = 12.0  # half length over which a helix begins and ends [m]
 HELIX_FACTOR = 2 * np.sqrt(2.0)
 #: force over which a vertical string coils: 2.65 (EI w^2)^(1/3) (manual: eq-statics-march)
 VERTICAL_FACTOR = 2.65
+LEAST_LOAD = 1e-3  # load per length that holds the string in the middle of the hole, over its weight [-]
 CRUSHING_STRAIN = 0.01  # a push that compresses the string by more means that no push passes [-]
 #: largest rotation of a helix within one element, so that the mesh can represent it [rad]
 MAX_ROTATION = 0.45 * np.pi
@@ -183,17 +185,22 @@ def march(
     with np.errstate(divide="ignore", invalid="ignore"):
         strain = np.where(mesh.is_joint, 0.0, inner / mesh.axial_stiffness)
         twist = np.where(mesh.is_joint, 0.0, torque[1:-1] * mesh.length / mesh.torsional_stiffness)
-    stretch = np.concatenate([[0.0], np.cumsum((strain - 0.5 * (gap * pitch) ** 2) * mesh.length)])
+    load = 0.5 * (tension[:-1] + tension[1:])[:, None] * turn + across
+    on_wall = bool(contact[0] > LATERAL_LOAD_THRESHOLD * weight[1] * half[0] and not helical[0])
+    per_length = contact / np.maximum(half, 1e-9)
+    bed = np.maximum(per_length, LEAST_LOAD * weight) / np.maximum(clearance, 1e-3)
+    beam = Beam(mesh.length, mesh.bending_stiffness, inner, mesh.is_joint, bed)
+    phase = np.concatenate([[0.0], np.cumsum(pitch * mesh.length)])
+    shape, shortening = _shape(model, depth, load, per_length, clearance, beam, helical, phase, on_wall)
+    stretch = np.concatenate(
+        [[0.0], np.cumsum((strain - 0.5 * (gap * pitch) ** 2 - shortening) * mesh.length)]
+    )
     top_motion = start
     if model.bit is not None and case.initial.wob is not None:
         top_motion = hole_depth(case) - (mesh.total_length + stretch[-1])
     elif on_bottom < -1.0 and model.bit is not None:
         top_motion = hole_depth(case) - (mesh.total_length + stretch[-1]) + model.bit.depth_for(-on_bottom)
-    load = 0.5 * (tension[:-1] + tension[1:])[:, None] * turn + across
-    position, tangent, offset = _shape(
-        model, depth + stretch + top_motion - start, load, contact / np.maximum(half, 1e-9), clearance, helical,
-        np.concatenate([[0.0], np.cumsum(pitch * mesh.length)]), strain,
-    )  # fmt: skip
+    position, tangent, offset = _place(model, depth + stretch + top_motion - start, shape, strain)
     return March(
         axial_force=tension,
         contact_force=contact,
@@ -203,9 +210,9 @@ def march(
         tangent=tangent,
         twist=-np.concatenate([[0.0], np.cumsum(twist)]),
         offset=offset,
-        top_on_wall=bool(contact[0] > LATERAL_LOAD_THRESHOLD * weight[1] * half[0] and not helical[0]),
+        top_on_wall=on_wall,
         top_motion=top_motion,
-        usual_contact_force=float(np.quantile(contact / np.maximum(half, 1e-9), 0.9)),
+        usual_contact_force=float(np.quantile(per_length, 0.9)),
         locked_at=None if locked is None else float(depth[locked]),
         locked_node=locked or 0,
     )
@@ -271,43 +278,73 @@ def _shape(
     load: FloatArray,
     contact: FloatArray,
     clearance: FloatArray,
+    beam: Beam,
     helical: np.ndarray,
     phase: FloatArray,
-    strain: FloatArray,
-) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Place the nodes on the wall: positions, slopes and offsets from the axis, (n, 3) each.
+    top_on_wall: bool,
+) -> tuple[FloatArray, FloatArray]:
+    """Offsets and slopes of the nodes from the axis of the hole, (n, 4), and by how much they shorten elements, (n-1,) [-].
 
+    The four columns are offsets [m] and slopes [-] along the second and the third director at zero spin.
     s: (n,) measured depths [m]; load: (n, 3) on the wall [N]; contact: (n,) per length [N/m].
-    clearance: (n,) [m]; helical: (n,); phase: (n,) of the helix [rad]; strain: (n-1,).
+    clearance: (n,) [m]; helical: (n,); phase: (n,) of the helix [rad].
     """
-    well, frames = model.well, model.frames
+    well, law = model.well, model.case.contact
     assert well is not None
-    centre, t, _ = (np.asarray(q) for q in well.at(s))
+    t, second, third = _directors(model, s)
     size = np.linalg.norm(load, axis=1)
     touches = size > 1e-6 * size.max(initial=0.0)
     side = np.divide(load, size[:, None], out=np.zeros_like(load), where=touches[:, None])
-    # the hole where the string lies may have any direction beside the frames of the start
-    second, third = directors(frames, np.arange(len(t)), t, np.zeros(len(t)))
-    lying = np.column_stack([np.sum(side * second, axis=1), np.sum(side * third, axis=1)])
-    lying = lying * clearance[:, None]
-    share = _eased(helical[:, None].astype(float), s)[:, 0]
-    share[clearance < 1e-4] = 0.0
-    first = int(np.argmax(helical)) if helical.any() else 0
-    angle = phase - phase[first] + np.arctan2(lying[first, 1], lying[first, 0])
-    coil = clearance[:, None] * np.column_stack([np.cos(angle), np.sin(angle)])
-    across = (1 - share)[:, None] * lying + share[:, None] * coil
-    distance = np.linalg.norm(across, axis=1)
-    on_wall = distance > 0.97 * clearance
-    law = model.case.contact
     deep = clearance
     if law is not None and law.law == "linear":
         deep = clearance + penetration(contact / law.stiffness)
-    across[on_wall] *= (deep[on_wall] / np.maximum(distance[on_wall], 1e-12))[:, None]
-    slope = np.zeros_like(across)
-    if not model.mesh.is_joint.any():
-        slope = np.gradient(across, s, axis=0) * share[:, None]
-    offset = across[:, :1] * second + across[:, 1:] * third
-    tangent = t + slope[:, :1] * second + slope[:, 1:] * third
+    wall = np.column_stack([np.sum(side * second, axis=1), np.sum(side * third, axis=1)]) * deep[:, None]
+    if not top_on_wall:
+        wall[0] = 0.0
+    bend = np.asarray(well.at(0.5 * (s[1:] + s[:-1]))[2])
+    curvature = np.column_stack([np.sum(bend * _at_middle(d), axis=1) for d in (second, third)])
+    across, slope = resting_shape(beam, wall, curvature)
+    shortening = 0.5 * np.sum(_at_middle(slope) ** 2, axis=1) - np.sum(curvature * _at_middle(across), axis=1)
+    if helical.any():
+        share = _eased(helical[:, None].astype(float), s)
+        share[clearance < 1e-4] = 0.0
+        first = int(np.argmax(helical))
+        angle = phase - phase[first] + np.arctan2(wall[first, 1], wall[first, 0])
+        coil = deep[:, None] * np.column_stack([np.cos(angle), np.sin(angle)])
+        across = (1 - share) * across + share * coil
+        slope *= 1 - share
+        if not model.mesh.is_joint.any():
+            slope += share * np.gradient(across, s, axis=0)
+        shortening *= 1 - _at_middle(share)[:, 0]
+    return np.column_stack([across, slope]), shortening
+
+
+def _at_middle(values: FloatArray) -> FloatArray:
+    """Means (n-1, k) of neighbouring rows of ``values`` (n, k)."""
+    return 0.5 * (values[1:] + values[:-1])
+
+
+def _directors(model: DrillingModel, s: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Tangent of the hole and both directors at zero spin, (n, 3) each, at the depths ``s`` (n,) [m] of the nodes.
+
+    The hole where the string lies may have any direction beside the frames of the start.
+    """
+    assert model.well is not None
+    t = np.asarray(model.well.at(s)[1])
+    return t, *directors(model.frames, np.arange(len(t)), t, np.zeros(len(t)))
+
+
+def _place(
+    model: DrillingModel, s: FloatArray, shape: FloatArray, strain: FloatArray
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Positions, slopes and offsets from the axis, (n, 3) each, of nodes at the depths ``s`` (n,) [m].
+
+    shape: as of ``_shape``; strain: (n-1,) [-].
+    """
+    assert model.well is not None
+    t, second, third = _directors(model, s)
+    offset = shape[:, :1] * second + shape[:, 1:2] * third
+    tangent = t + shape[:, 2:3] * second + shape[:, 3:] * third
     tangent /= np.linalg.norm(tangent, axis=1, keepdims=True)
     strain = np.concatenate([strain[:1], strain])
-    return centre + offset, (1 + strain)[:, None] * tangent, offset
+    return np.asarray(model.well.at(s)[0]) + offset, (1 + strain)[:, None] * tangent, offset

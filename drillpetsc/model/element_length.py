@@ -34,6 +34,9 @@ NEAR_BUCKLING = 0.5  # share of the buckling load from which elements are made f
 LARGEST_TURN = 0.1  # of the hole in one element [rad]
 LARGEST_STRESS_FREE_TURN = 0.2  # of the stress-free shape in one element [rad]
 SHARP_BEND = 20e6  # bending stress of a jump of the hole's curvature that is resolved [Pa]
+STEP_SHARE = 0.1  # the same beside a step on the wall
+LEAST_STEP = 1e-5  # of the clearance [m]
+STEP_STRESS = 5e6  # bending stress beside a step on the wall that is resolved [Pa]
 WEIGHT_SHARE = 0.5  # of the limit (240 EI/w)^(1/3) (manual: eq-beam-length-limit)
 FEWEST = 8  # elements in a string without a wall
 MOST_ELEMENTS = 20_000  # automatic elements; beyond it all lengths are made longer
@@ -131,6 +134,15 @@ def free_length(bending: float, clearance: float, side: float) -> float:
     return float((72 * bending * clearance / side) ** 0.25)
 
 
+def step_moment(bending: FloatArray, height: float, side: FloatArray) -> FloatArray:
+    """Bending moment [N m] where a string comes down from a step on the wall (manual: eq-mesh-step).
+
+    bending: EI [N m2]; height: of the step [m]; side: load across the string [N/m].  A beam that is clamped on the
+    step and reaches the wall with no slope and no moment: height = w L^4/(72 EI), moment w L^2/6.
+    """
+    return np.asarray(np.sqrt(2 * bending * height * side))
+
+
 # ---------------------------------------------------------------------- demands
 class _Asked:
     """Longest element that each piece and each place of the string may have, with reasons.
@@ -164,7 +176,9 @@ class _Asked:
         self._span()
         self._supports()
         self._loads_and_joints()
-        self._sharp_bends(rows)
+        young = self._young(rows)
+        self._sharp_bends(young)
+        self._steps(young)
         for number, edges in given.items():
             self._given(number, edges)
 
@@ -260,19 +274,24 @@ class _Asked:
         if length < self.at_nodes[node]:
             self.at_nodes[node], self.why_at[node] = length, why
 
-    def _beside(self, node: int, distance: float, name: str) -> None:
-        """Demand short elements beside a support at ``node``, ``distance`` [m] from the next one on either side."""
+    def _beside(self, node: int, distance: float, name: str, height: float | None = None) -> None:
+        """Demand short elements beside a support at ``node``, ``distance`` [m] from the next one on either side.
+
+        height: of a step on the wall that the string comes down from [m], None: from the middle of the hole.
+        """
         f = self.forces
         for k in (node - 1, node):
             if not 0 <= k < len(self.flexible) or not self.flexible[k]:
                 continue
             layer = np.sqrt(self.bending[k] / max(f.pull[k], f.push[k], 1e-9))
-            free = min(distance, free_length(self.bending[k], float(f.clearance[k]), float(f.side[k])))
-            length = max(min(LAYER_SHARE * layer, SPAN_SHARE * free), self.outer[k] or 1e-4 * self.x[-1])
+            drop = float(f.clearance[k]) if height is None else height
+            free = min(distance, free_length(self.bending[k], drop, float(f.side[k])))
+            share = SPAN_SHARE if height is None else STEP_SHARE
+            length = max(min(LAYER_SHARE * layer, share * free), self.outer[k] or 1e-4 * self.x[-1])
             if length < LONGEST:
                 what = (
                     f"bending layer of {shown(float(layer), 'length', self.units, 2)}"
-                    if LAYER_SHARE * layer < SPAN_SHARE * free
+                    if LAYER_SHARE * layer < share * free
                     else f"free length of {shown(float(free), 'length', self.units, 2)}"
                 )
                 self.texts.append(f"beside {name}: {what}")
@@ -311,24 +330,40 @@ class _Asked:
             if 0 < at < md[-1]:
                 self._beside(int(np.argmin(np.abs(md - at))), np.inf, name)
 
-    def _sharp_bends(self, rows: list[dict[str, float]]) -> None:
+    def _young(self, rows: list[dict[str, float]]) -> FloatArray:
+        """Young's modulus [Pa] of each piece."""
+        area = [np.pi / 64 * (r["outer_diameter"] ** 4 - r["inner_diameter"] ** 4) for r in rows]
+        return self.bending / np.maximum(area, 1e-12)
+
+    def _sharp_bends(self, young: FloatArray) -> None:
         """Places where the hole's curvature jumps, by the bending stress that follows the jump."""
-        young = np.array(
-            [
-                r["bending_stiffness"]
-                / (np.pi / 64 * max(r["outer_diameter"] ** 4 - r["inner_diameter"] ** 4, 1e-12))
-                for r in rows
-            ]
-        )
         stress = np.zeros(len(self.at_nodes))
         stress[1:] = 0.5 * self.outer * young * self.forces.change[1:]
         size, _, unit = display_unit("length", self.units)
         for node in np.flatnonzero(stress > SHARP_BEND):
             depth = float(self.forces.md[node])
-            if np.isfinite(self.forces.clearance[min(node, len(rows) - 1)]):
+            if np.isfinite(self.forces.clearance[min(node, len(self.bending) - 1)]):
                 self._beside(
                     int(node), np.inf, f"a jump of the hole's curvature at MD {depth / size:.0f} {unit}"
                 )
+
+    def _steps(self, young: FloatArray) -> None:
+        """Places where the clearance or the bending stiffness steps, by the bending stress that follows the step."""
+        f, size = self.forces, display_unit("length", self.units)
+        both = (
+            self.flexible[1:]
+            & self.flexible[:-1]
+            & np.isfinite(f.clearance[1:])
+            & np.isfinite(f.clearance[:-1])
+        )
+        height = np.where(both, np.abs(np.diff(np.where(np.isfinite(f.clearance), f.clearance, 0.0))), 0.0)
+        for k in np.flatnonzero(height > LEAST_STEP):
+            pair = slice(k, k + 2)
+            moment = step_moment(self.bending[pair], float(height[k]), f.side[pair])
+            stress = 0.5 * self.outer[pair] * young[pair] / self.bending[pair] * moment
+            if np.max(stress) > STEP_STRESS:
+                where = f"a step of {shown(float(height[k]), 'diameter', self.units, 2)} on the wall at MD {f.md[k + 1] / size[0]:.0f} {size[2]}"
+                self._beside(int(k) + 1, np.inf, where, float(height[k]))
 
     # -------------------------------------------------------------- field
     def field(self, factor: float) -> _Lengths:

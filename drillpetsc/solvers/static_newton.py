@@ -106,6 +106,8 @@ class StaticNewton:
         self.system, self.energy, self.t, self.symmetric = system, energy, t, symmetric
         self._advanced: Advance = advance or (lambda x, p, factor: x + factor * p)
         free = 0.2 * float(system.mesh.node_depth[-1])
+        # contacts that open and close overshoot; a rod without a wall may turn far in a full step
+        self._walled = clearance is not None
         step = free if clearance is None else np.asarray(clearance, dtype=float)
         self._step_shares = (1.0, 1.0) if clearance is None else (STEP_SHARE, SHIFTED_STEP_SHARE)
         self.max_lateral_step = np.broadcast_to(step, (system.mesh.nodes,))[system.chain.vertices]
@@ -352,7 +354,7 @@ class StaticNewton:
 
         shifted: use a shift that leaves no negative pivot; otherwise full Newton steps.
         report: gets iterations, increments and ``converged``.
-        search: search the step length where the step is shifted.
+        search: search the step length.
         tolerance: largest increment of a converged state.
         Raises SolveError where the iteration does not converge.
         """
@@ -379,7 +381,7 @@ class StaticNewton:
             longest = self._step_limit(p, shifted)
             alpha = min(1.0, longest)
             slope0 = self.sum(float(g[self._owned] @ p[self._owned]))
-            if search and shifted and abs(move) < 1e-9 and slope0 < 0:
+            if search and abs(move) < 1e-9 and slope0 < 0:
                 alpha = self._search(x0, p, slope0, alpha, longest if sigma else alpha)
             asm.x[:n] = self._advanced(x0, p, alpha)
             if self.depth and self.move_top:
@@ -465,7 +467,7 @@ class StaticNewton:
         Raises SolveError where the steps do not converge to a stable state.
         """
         self._begin(report)
-        self._newton(False, report, False, MAX_FULL_STEPS, tolerance)
+        self._newton(False, report, self._walled, MAX_FULL_STEPS, tolerance)
         self._end(report)
         self.check_stable()
 
