@@ -10,6 +10,7 @@ from drillpetsc.analysis.coarse_mesh import expected_warnings
 from drillpetsc.analysis.drive_report import drive_lines
 from drillpetsc.analysis.energy_descent import coarse_elements
 from drillpetsc.analysis.hoist_report import hoist_lines
+from drillpetsc.analysis.placement import top_depth
 from drillpetsc.analysis.string_figures import figure_lines
 from drillpetsc.analysis.summary import field_counts
 from drillpetsc.analysis.time_scales import time_scales
@@ -93,15 +94,19 @@ def _chosen_lengths(case: Case, model: DrillingModel) -> list[str]:
         return []
     units = case.output.units or "metric"
     scale, _, unit = display_unit("length", units)
+    top = top_depth(model)
     lines = [f"  automatic element lengths, {count} elements:"]
     for r in lengths.ranges[:MOST_RANGES]:
         longest = f"{r.longest / scale:.3g}"
         size = longest if r.longest < 1.02 * r.shortest else f"{r.shortest / scale:.3g} to {longest}"
-        place = f"MD {r.upper / scale:.1f} to {r.lower / scale:.1f} {unit} ({case.string[r.item].name})"
+        upper, lower = (r.upper + top) / scale, (r.lower + top) / scale
+        place = f"MD {upper:.1f} to {lower:.1f} {unit} ({case.string[r.item].name})"
         lines.append(f"    {place}: {size} {unit}, {r.reason}")
     rest = lengths.ranges[MOST_RANGES:]
     if rest:
-        lines.append(f"    ... and {len(rest)} more ranges below MD {rest[0].upper / scale:.1f} {unit}")
+        lines.append(
+            f"    ... and {len(rest)} more ranges below MD {(rest[0].upper + top) / scale:.1f} {unit}"
+        )
     return lines + [f"  WARNING: {text}" for text in lengths.warnings(units)]
 
 

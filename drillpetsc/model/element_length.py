@@ -341,14 +341,14 @@ class _Asked:
         stress[1:] = 0.5 * self.outer * young * self.forces.change[1:]
         size, _, unit = display_unit("length", self.units)
         for node in np.flatnonzero(stress > SHARP_BEND):
-            depth = float(self.forces.md[node])
+            depth = float(self.forces.md[node]) + self.forces.top
             if np.isfinite(self.forces.clearance[min(node, len(self.bending) - 1)]):
                 self._beside(
                     int(node), np.inf, f"a jump of the hole's curvature at MD {depth / size:.0f} {unit}"
                 )
 
     def _steps(self, young: FloatArray) -> None:
-        """Places where the clearance or the bending stiffness steps, by the bending stress that follows the step."""
+        """Places where the clearance steps, by the bending stress that follows the step."""
         f, size = self.forces, display_unit("length", self.units)
         both = (
             self.flexible[1:]
@@ -358,12 +358,29 @@ class _Asked:
         )
         height = np.where(both, np.abs(np.diff(np.where(np.isfinite(f.clearance), f.clearance, 0.0))), 0.0)
         for k in np.flatnonzero(height > LEAST_STEP):
-            pair = slice(k, k + 2)
-            moment = step_moment(self.bending[pair], float(height[k]), f.side[pair])
+            pair, a = slice(k, k + 2), float(height[k])
+            moment = step_moment(self.bending[pair], a, f.side[pair])
             stress = 0.5 * self.outer[pair] * young[pair] / self.bending[pair] * moment
-            if np.max(stress) > STEP_STRESS:
-                where = f"a step of {shown(float(height[k]), 'diameter', self.units, 2)} on the wall at MD {f.md[k + 1] / size[0]:.0f} {size[2]}"
-                self._beside(int(k) + 1, np.inf, where, float(height[k]))
+            if np.max(stress) > STEP_STRESS and not self._bridges(int(k), a):
+                where = f"a step of {shown(a, 'diameter', self.units, 2)} on the wall"
+                self._beside(
+                    int(k) + 1, np.inf, f"{where} at MD {(f.md[k + 1] + f.top) / size[0]:.0f} {size[2]}", a
+                )
+
+    def _bridges(self, k: int, height: float) -> bool:
+        """Whether the wider hole beside the step between pieces ``k`` and ``k`` + 1 ends before the string reaches its wall.
+
+        height: of the step [m].
+        """
+        f = self.forces
+        down = f.clearance[k + 1] > f.clearance[k]  # the wider hole is below
+        wide, narrow, way = (k + 1, k, 1) if down else (k, k + 1, -1)
+        free = free_length(self.bending[wide], height, float(f.side[wide]))
+        middle, length, i = f.clearance[narrow] + 0.5 * height, 0.0, wide
+        while 0 <= i < len(f.clearance) and f.clearance[i] > middle and length < free:
+            length += f.md[i + 1] - f.md[i]
+            i += way
+        return bool(length < free)
 
     # -------------------------------------------------------------- field
     def field(self, factor: float) -> _Lengths:

@@ -37,6 +37,7 @@ class StringForces:
     weight: buoyed weight per length [N/m]; mass: per length with the mud that moves with it [kg/m].
     clearance: radial [m], infinite without contact.
     curvature: (n,) of the hole [1/m]; change: (n+1,) jump of its curvature vector at the depths [1/m].
+    top: measured depth in the hole of the string's upper end [m].
     """
 
     md: FloatArray
@@ -50,6 +51,7 @@ class StringForces:
     clearance: FloatArray
     curvature: FloatArray
     change: FloatArray
+    top: float
 
 
 def _areas(case: Case, number: int, flexible: dict[int, dict[str, float]]) -> tuple[float, float]:
@@ -135,6 +137,7 @@ def estimate_forces(
         clearance,
         np.linalg.norm(curvature, axis=1),
         change,
+        shift,
     )
 
 
@@ -188,9 +191,9 @@ def _top(case: Case) -> float:
 def _pieces(
     case: Case, well: Well | None, shift: float, places: Sequence[float]
 ) -> tuple[FloatArray, np.ndarray]:
-    """Depths (n+1,) [m] of pieces that end at items' ends and at the hole's nodes, and the item of each (n,)."""
+    """Depths (n+1,) [m] of pieces that end at items' ends, at the hole's nodes and sections, and the item of each (n,)."""
     marks, items = [0.0], []
-    nodes = np.zeros(0) if well is None else np.asarray(well.node_md) - shift
+    nodes = np.zeros(0) if well is None else np.concatenate([well.node_md, well.section_to]) - shift
     nodes = np.unique(np.concatenate([nodes, places]))
     for number, (top, bottom) in enumerate(case.item_depths):
         if bottom - top < 1e-9:

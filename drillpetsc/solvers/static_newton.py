@@ -286,18 +286,20 @@ class StaticNewton:
             MAX_SLOPE_CHANGE / max(self.largest(slope), 1e-300),
         )
 
-    def _search(self, x0: FloatArray, p: FloatArray, slope0: float, alpha: float, most: float) -> float:
+    def _search(
+        self, x0: FloatArray, p: FloatArray, with_top: FloatArray, slope0: float, alpha: float, most: float
+    ) -> float:
         """Search the step length by the slope of the energy along the step; returns the factor of ``p``.
 
         The step is shortened where the energy rises again beyond it, and lengthened while the energy falls
         steeply.
 
-        x0: (n,) start; p: (n,) step; slope0: slope at the start [J]; alpha: first factor; most: largest
-        factor.
+        x0: (n,) start; p: (n,) step; with_top: (n,) its part that follows the top's own motion, along which the loads at
+        the top do work; slope0: slope at the start without that part [J]; alpha: first factor; most: largest factor.
         """
         good, shrunk = 0.0, False
         for _ in range(12):
-            slope = self._slope_at(x0, p, alpha)
+            slope = self._slope_at(x0, p, with_top, alpha)
             if np.isfinite(slope) and slope <= 0.8 * abs(slope0):
                 good = alpha
                 if shrunk or slope > 0.5 * slope0 or alpha >= most:
@@ -312,18 +314,20 @@ class StaticNewton:
             )
         return good or alpha
 
-    def _slope_at(self, x0: FloatArray, p: FloatArray, alpha: float) -> float:
-        """Compute the slope [J] of the energy along ``p`` (n,) at x0 + alpha p; collective."""
+    def _slope_at(self, x0: FloatArray, p: FloatArray, with_top: FloatArray, alpha: float) -> float:
+        """Compute the slope [J] of the energy along ``p`` (n,) less ``with_top`` (n,) at x0 + alpha p; collective."""
         self.system.assembly.x[: self.system.layout.size] = self._advanced(x0, p, alpha)
         way = (self._advanced(x0, p, alpha + SLOPE_STEP) - self._advanced(x0, p, alpha - SLOPE_STEP)) / (
             2 * SLOPE_STEP
         )
+        way -= with_top
         return self.sum(float(self._gradient(self.rows())[self._owned] @ way[self._owned]))
 
-    def _bring_to_depth(self, p: FloatArray) -> float:
-        """Add to ``p`` (n,) the motion of the top that brings the bit to its depth (manual: eq-statics-wob).
+    def _bring_to_depth(self, p: FloatArray) -> tuple[float, FloatArray]:
+        """Compute the motion of the top that brings the bit to its depth beside the step ``p`` (n,) (manual: eq-statics-wob).
 
-        Returns the motion of the top [m].  Raises SolveError where the top does not move the bit.
+        Returns the motion of the top [m], and the step (n,) that belongs to it.  Raises SolveError where the top does not
+        move the bit.
         """
         system, n = self.system, self.system.layout.size
         s = np.zeros(n)
@@ -339,8 +343,7 @@ class StaticNewton:
                 hint="wob needs a top with a prescribed axial position",
             )
         move = (target - self.sum(depth) - by_step) / by_top
-        p += move * s
-        return move
+        return move, move * s
 
     def _newton(
         self,
@@ -376,13 +379,16 @@ class StaticNewton:
                 )
             p = np.zeros(n)
             self.factor.solve(-self._with_constraints(g), p)
-            move = self._bring_to_depth(p) if self.depth else 0.0
+            slope0 = self.sum(float(g[self._owned] @ p[self._owned]))
+            move, with_top = self._bring_to_depth(p) if self.depth else (0.0, np.zeros(n))
+            p += with_top
             x0 = asm.x[:n].copy()
             longest = self._step_limit(p, shifted)
             alpha = min(1.0, longest)
-            slope0 = self.sum(float(g[self._owned] @ p[self._owned]))
-            if search and abs(move) < 1e-9 and slope0 < 0:
-                alpha = self._search(x0, p, slope0, alpha, longest if sigma else alpha)
+            # near rounding the slope has no sign
+            large = self.largest(float(np.max(np.abs(p) * weight, initial=0.0))) > ROUNDING_INCREMENT
+            if search and slope0 < 0 and (shifted or large):
+                alpha = self._search(x0, p, with_top, slope0, alpha, longest if sigma else alpha)
             asm.x[:n] = self._advanced(x0, p, alpha)
             if self.depth and self.move_top:
                 self.move_top(alpha * move)

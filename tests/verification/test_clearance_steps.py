@@ -115,6 +115,30 @@ def test_casing_shoe_is_a_step():
     assert reasons(0.0) == []
 
 
+def test_rough_wall_is_no_row_of_steps():
+    """Diameters that change by 3 mm each 2 m ask for as many elements as a smooth wall; a washout of 30 m for steps."""
+
+    def count(diameters: list[float], every: float) -> int:
+        well = hole([0.0, 600.0], [50.0, 50.0])
+        well["sections"] = [
+            {"to": min(600.0, every * (k + 1)), "kind": "open_hole", "diameter": d, "friction": 0.3}
+            for k, d in enumerate(diameters)
+        ]
+        case = Case(
+            well=well,
+            string=[{**PIPE, "length": 600.0}],
+            top={"kind": "top_drive", "rotation": "60 rpm"},
+            bottom={"kind": "free"},
+        )
+        return len(build_model(case).mesh.length)
+
+    smooth = count([0.2159], 600.0)
+    rough = [0.2159 + 0.003 * (k % 2) for k in range(300)]
+    washed = [0.2159] * 10 + [0.2459] + [0.2159] * 9
+    assert count(rough, 2.0) <= 1.02 * smooth
+    assert count(washed, 30.0) > smooth + 10
+
+
 def test_long_elements_beside_a_step_are_reported(tmp_path):
     """Elements of 10 m beside collars: reported with a length that does; those of 1 m are not."""
 
