@@ -91,26 +91,3 @@ def test_tests_cited_by_the_manual_exist() -> None:
             )
             wrong += [] if found else [f"{page}: {match[0]}"]
     assert wrong == []
-
-
-def missing_tests(folder: Path, tests: Path) -> list[str]:
-    """Tests that pages name and that do not exist: `verification/test_x.py::test_y`, with or without tests/ before it."""
-    shelves = "unit|verification|cli|component|parallel|robustness"
-    name = re.compile(rf"`(?:tests/)?((?:{shelves})/[\w/]+\.py)(?:::(\w+))?")
-    missing = []
-    for page in sorted(folder.rglob("*.md")):
-        for path, function in name.findall(page.read_text(encoding="utf-8")):
-            file = tests / path
-            if not file.is_file() or (
-                function and f"def {function}(" not in file.read_text(encoding="utf-8")
-            ):
-                missing.append(f"{page.name}: {path}::{function}")
-    return missing
-
-
-def test_tests_that_the_manual_names_exist(tmp_path: Path) -> None:
-    assert missing_tests(ROOT / "docs", ROOT / "tests") == []
-    (tmp_path / "page.md").write_text(
-        "`verification/test_modes.py::test_no_such` `tests/unit/no.py` `verification/test_modes.py`"
-    )
-    assert len(missing_tests(tmp_path, ROOT / "tests")) == 2
