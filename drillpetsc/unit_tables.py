@@ -40,6 +40,12 @@ DIMENSIONS: dict[str, tuple[str, str]] = {
     "W": ("a power", "500 hp or 370 kW"),
     "N m/s": ("a rate of a torque", "50 kN m/s"),
     "1/s^2": ("a squared rate", "5 1/s2"),
+    "N/s": ("a rate of a force", "5 kN/s"),
+    "m/(s^2 N)": ("an integral gain of a force", "2e-9 m/(s2 N)"),
+    "m/(s N m)": ("a gain of a torque", "5e-7 m/(s N m)"),
+    "m/(s^2 N m)": ("an integral gain of a torque", "2e-8 m/(s2 N m)"),
+    "m/(s Pa)": ("a gain of a pressure", "5e-9 m/(s Pa)"),
+    "m/(s^2 Pa)": ("an integral gain of a pressure", "2e-10 m/(s2 Pa)"),
 }
 
 # fmt: off
@@ -81,6 +87,12 @@ FACTORS: dict[str, dict[str, float]] = {
     "W": {"W": 1.0, "kW": 1000.0, "MW": 1000000.0},
     "N m/s": {"N m/s": 1.0, "kN m/s": 1000.0},
     "1/s^2": {"1/s^2": 1.0},
+    "N/s": {"N/s": 1.0, "kN/s": 1000.0},
+    "m/(s^2 N)": {"m/(s^2 N)": 1.0, "m/s^2/N": 1.0},
+    "m/(s N m)": {"m/(s N m)": 1.0},
+    "m/(s^2 N m)": {"m/(s^2 N m)": 1.0},
+    "m/(s Pa)": {"m/(s Pa)": 1.0, "m/s/Pa": 1.0},
+    "m/(s^2 Pa)": {"m/(s^2 Pa)": 1.0, "m/s^2/Pa": 1.0},
     "m/(s N)": {"m/(s N)": 1.0, "m/h/kN": 2.7777777777777776e-07, "m/(h kN)": 2.7777777777777776e-07, "m/s/N": 1.0},
 }
 # fmt: on

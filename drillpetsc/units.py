@@ -31,8 +31,8 @@ _QUOTES = str.maketrans(dict.fromkeys("″”“", '"') | dict.fromkeys("′’�
 _BEARING = re.compile(r"[NSns]\s*\d+(?:\.\d*)?\s*[EWew]$|.*\d\s*(?:°|deg|d|:|\s)\s*\d")
 _DECIMAL_DEGREES = "decimal degrees, such as 23.5 deg"
 _POWER_OF_NUMBER = re.compile(
-    r"(?:(?<![A-Za-zµμ])\d[\d.]*|\))\s*(?:\^|\*\*)"
-)  # 9^9^9 would be computed, for years
+    r"(?:\d[\d.]*|\)|[²³])\s*(?:\^|\*\*|[²³])"
+)  # 9^9^9, m3^9^9 and 5²^99 would be computed, for years
 # a number that is a factor (m 2, m*2), a divisor alone (m/2), and // and %, which pint would compute with
 _FACTOR = re.compile(r"(?<![/*^(\s-])\s*(?:\s|\*(?!\*))\s*\d|/\s*\d+(?:\.\d*)?\s*(?![\sA-Za-z\d.])|//")
 _SHARE = re.compile(r"%|percent", re.IGNORECASE)

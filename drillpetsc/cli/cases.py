@@ -53,19 +53,30 @@ def _import_arguments(command: argparse.ArgumentParser) -> None:
         "files",
         nargs="+",
         metavar="FILE",
-        help="WITSML 1.4.1 trajectory, tubular, wbGeometry (.xml), or a survey in CSV, xlsx, LAS",
+        help="WITSML 1.4.1 trajectory, tubular, wbGeometry (.xml), an EDM export (.xml), or a survey in CSV, xlsx, LAS",
     )
+    for option, what in (
+        ("wellbore", "the wellbore of an EDM export that has several"),
+        ("assembly", "the drill string of an EDM export that has several"),
+        (
+            "hole",
+            "the design, by the name of its case, whose hole is taken from an EDM export that has several",
+        ),
+    ):
+        command.add_argument(f"--{option}", metavar="NAME", help=what)
     command.add_argument("--out", metavar="CASE.yaml", help="where to write (default: standard output)")
     command.add_argument("--overwrite", action="store_true", help="replace an existing --out")
 
 
 def _import(arguments: argparse.Namespace, petsc_options: list[str]) -> int:
+    from drillpetsc.case.importers.edm import Wanted
     from drillpetsc.case.importers.fragment import fragment
 
     out = Path(arguments.out) if arguments.out else None
     if out is not None and out.exists() and not arguments.overwrite:
         raise CaseError(at="--out", got=out, want="a file that does not exist, or --overwrite")
-    text, remarks = fragment(arguments.files, out.parent if out is not None else Path())
+    wanted = Wanted(arguments.wellbore, arguments.assembly, arguments.hole)
+    text, remarks = fragment(arguments.files, out.parent if out is not None else Path(), wanted)
     if out is None:
         print(text, end="")
         return 0
@@ -125,7 +136,7 @@ COMMANDS = (
     ),
     Command(
         "import",
-        "write a part of a case from a survey, or from WITSML documents: survey, string, hole",
+        "write a part of a case from a survey, WITSML documents or an EDM export: survey, string, hole",
         _import_arguments,
         _import,
         takes_petsc_options=False,

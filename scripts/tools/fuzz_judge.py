@@ -145,6 +145,8 @@ def check_visible(case: Case, path: tuple[str | int, ...], given: Any, held: Any
     if given is None and path[0] != "petsc":  # from Python a key left out; the YAML reader refuses it
         return
     for depth, step in enumerate(path):
+        if isinstance(data, list) and len(data) == 1 and isinstance(step, str):
+            data = data[0]  # a key that takes one block or a list of them is written as a list
         if isinstance(data, (dict, list)) and (
             step in data if isinstance(data, dict) else int(step) < len(data)
         ):

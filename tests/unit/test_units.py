@@ -203,6 +203,25 @@ def test_a_unit_is_no_sum_to_work_out(text: str) -> None:
 
 
 @pytest.mark.parametrize(
+    "text",
+    [
+        "9 m 9^9^9^9",
+        "9 m3^7²8",
+        "11 m8²^55²*m0",
+        "1 m^2^9^9^9",
+        "9 m²²²²²²²²²",
+        "1 g5²²^8",
+        "9 m³**99**99",
+        "9 (m)²^99^99",
+    ],
+)
+def test_a_power_of_a_power_is_refused_and_not_computed(text: str) -> None:
+    """The units package would compute 3^7^28 as a whole number, for hours."""
+    with pytest.raises(UnitError):
+        to_si(text, "m")
+
+
+@pytest.mark.parametrize(
     ("text", "unit", "value"),
     [
         ("1 deg / 100 ft", "1/m", 3.14159265358979 / 180 / 30.48),

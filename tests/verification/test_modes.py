@@ -14,6 +14,7 @@ from scipy.optimize import brentq
 from scipy.special import jn_zeros
 
 from drillpetsc import Case
+from drillpetsc.analysis.limits.rules_of_thumb import critical_speed
 from drillpetsc.analysis.modal import modes, prepare_state, run_modes
 from drillpetsc.fem.string_mesh import uniform_string
 from drillpetsc.geometry.well import Well
@@ -59,6 +60,43 @@ def found(count: int = 20, engine: str = "auto", kind: str | None = None, **case
 def rates(m, kind: str) -> np.ndarray:
     """Angular frequencies [rad/s] of the oscillating modes of a kind, ascending."""
     return 2 * np.pi * m.frequency[[k == kind and f > 0 for k, f in zip(m.kind, m.frequency, strict=True)]]
+
+
+FT, LBF, INCH = 0.3048, 4.4482216152605, 0.0254
+
+
+def test_torsion_of_pipe_and_collars():
+    """5,000 ft of pipe, I_p 9.4e-4 ft4, and 120 ft of collars, 1.593e-2 ft4, top fixed: 2.424 and 7.936 rad/s, where
+    tan(w L1/c) tan(w L2/c) = I1/I2 (J. E. Akin, MECH 517, example 137, Rice University: 2.41 and 7.93; manual:
+    verif-modes-pipe-and-collars)."""
+    shear, density = 1.728e9 * LBF / FT**2, 15.22 * LBF / FT**4  # lb/ft2, lb s2/ft4
+    speed, (pipe, collars), ratio = np.sqrt(shear / density), (5000 * FT, 120 * FT), 9.4e-4 / 1.593e-2
+    exact = [
+        brentq(lambda w: np.tan(w * pipe / speed) * np.tan(w * collars / speed) - ratio, *bracket)
+        for bracket in ((0.5, 3.3), (6.8, 9.9))
+    ]
+    assert exact == pytest.approx([2.424, 7.936], rel=2e-4)
+    string = [
+        rod(
+            elements, length, torsional_stiffness=shear * polar * FT**4, polar_inertia=density * polar * FT**4
+        )
+        for elements, length, polar in ((40, pipe, 9.4e-4), (4, collars, 1.593e-2))
+    ]
+    m = found(4, kind="torsional", string=string, top="clamped")
+    assert rates(m, "torsional")[:2] == pytest.approx(exact, rel=5e-4)
+    assert rates(m, "torsional")[:2] == pytest.approx([2.424, 7.936], rel=2e-3)
+
+
+def test_critical_speed_of_a_joint():
+    """4.0 x 3.5 in, 32 ft between tool joints: 4.76e6/l^2 sqrt(D^2 + d^2) = 171.57 rpm (API RP 7G), the first lateral mode
+    of a pinned pipe with 30e6 psi and 489.5 lb/ft3 within 0.1 %."""
+    outer, inner, length = 4.0 * INCH, 3.5 * INCH, 32 * FT
+    rule = critical_speed(outer, inner, length)
+    assert rule * 30 / np.pi == pytest.approx(171.57, rel=1e-3)
+    pipe = {"kind": "pipe", "length": length, "od": outer, "id": inner, "element_length": length / 12}
+    steel = {"young": "30e6 psi", "poisson": 0.3, "density": "489.5 lb/ft3"}
+    m = found(2, string=[pipe], top="pinned", bottom="pinned", material=steel)
+    assert rates(m, "lateral")[0] == pytest.approx(rule, rel=1e-3)
 
 
 # ---------------------------------------------------------------------- rods

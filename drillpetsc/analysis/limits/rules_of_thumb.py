@@ -17,6 +17,7 @@ STRETCH = 735000.0  # 30e6 psi over 3.4 lb/ft per in2, over 12 in/ft (RP)
 STUCK = 735294.0  # the same as LAP prints it
 FREE_POINT = 2500.0  # LAP: 30e6 psi over 12,000
 COLLAR_FACTOR = 1.15  # LAP
+CRITICAL_SPEED = 4.76e6  # RP: 60 pi/8 sqrt(E/rho), 30e6 psi and 489.5 lb/ft3 [in rpm]
 
 
 def buoyancy_factor(density: float, steel: float = STEEL_PPG * PPG) -> float:
@@ -48,6 +49,19 @@ def free_point_constant(outer: float, inner: float) -> float:
 def free_length_by_constant(stretch: float, pull: float, constant: float) -> float:
     """Length of free pipe [m], e C/F with e in in, F in klbf (LAP); stretch [m]; pull [N]; constant: C."""
     return (stretch / INCH) * constant / (pull / (1e3 * LBF)) * FT
+
+
+def critical_speed(outer: float, inner: float, length: float) -> float:
+    """Rotation at which pipe between two tool joints vibrates laterally [rad/s], 4.76e6/l^2 sqrt(D^2 + d^2) rpm (RP).
+
+    It is the first bending mode of a pinned steel pipe, (pi/l)^2 sqrt(EI/(rho A)); diameters and length [m] (in).
+    """
+    return (
+        CRITICAL_SPEED
+        / (length / INCH) ** 2
+        * ((outer / INCH) ** 2 + (inner / INCH) ** 2) ** 0.5
+        * 0.10471975511965977
+    )
 
 
 def collar_length(

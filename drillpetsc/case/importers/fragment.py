@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Sequence
+from dataclasses import dataclass
 from io import StringIO
 from pathlib import Path
 from typing import Any
@@ -11,8 +12,10 @@ from typing import Any
 from pydantic import TypeAdapter, ValidationError
 
 from drillpetsc.case.blocks.tubulars import StringItem
+from drillpetsc.case.importers.edm import Wanted, import_edm
 from drillpetsc.case.importers.stations import Rules
-from drillpetsc.case.importers.witsml import Imported, import_witsml, read_witsml
+from drillpetsc.case.importers.witsml import EDM_ROOT, Imported, import_witsml, read_witsml
+from drillpetsc.case.importers.xml_tree import first_element
 from drillpetsc.case.messages import case_error
 from drillpetsc.case.survey_file import read_survey
 from drillpetsc.errors import CaseError
@@ -21,38 +24,64 @@ SAME_END = 1.0  # [m] between the last section and the last station
 TODO = ("string", "well.survey", "well.sections", "top", "bottom", "fluid", "time")
 
 
-def fragment(files: Sequence[str | Path], folder: Path) -> tuple[str, list[str]]:
-    """(YAML text, remarks) of survey files and WITSML documents.
+@dataclass(frozen=True)
+class Survey:
+    """What a survey file gives: well.survey (name of the file, or stations), last measured depth [m], name of the well."""
 
-    files: at most one of each kind: survey, tubular, geometry of the wellbore
+    survey: str | dict[str, Any]
+    end: float
+    title: str = ""
+
+
+def fragment(
+    files: Sequence[str | Path], folder: Path, wanted: Wanted | None = None
+) -> tuple[str, list[str]]:
+    """(YAML text, remarks) of survey files, WITSML documents and EDM exports.
+
+    files: at most one of each kind: survey, tubular, geometry of the wellbore; an EDM export may have all three
     folder: of the case file, in which the survey is named relative to it
+    wanted: what to take from an EDM export
     """
-    found: dict[str, tuple[Path, Imported | float]] = {}
+    found: dict[str, tuple[Path, Imported | Survey]] = {}
     remarks: list[str] = []
+    exports = 0
     for name in files:
         path = Path(name)
         if not path.is_file():
             raise CaseError(at="FILE", got=path, want="a file that exists")
-        kind, content, said = _read(path)
-        if kind in found:
-            raise CaseError(at="FILE", got=path, want=f"one file with a {kind}; {found[kind][0]} has one too")
-        found[kind] = path, content
+        parts, said, is_edm = _read(path, folder, wanted or Wanted())
+        exports += is_edm
+        for kind, content in parts:
+            if kind in found:
+                raise CaseError(
+                    at="FILE", got=path, want=f"one file with a {kind}; {found[kind][0]} has one too"
+                )
+            found[kind] = path, content
         remarks += [f"{path.name}: {text}" for text in said]
+    if wanted is not None and not exports:
+        for option, value in (
+            ("--wellbore", wanted.wellbore),
+            ("--assembly", wanted.assembly),
+            ("--hole", wanted.hole),
+        ):
+            if value is not None:
+                raise CaseError(at=option, got=value, want="an EDM export among the files")
     data: dict[str, Any] = {}
-    titles = [
-        content.title for _, content in found.values() if isinstance(content, Imported) and content.title
-    ]
+    titles = [content.title for _, content in found.values() if content.title]
     if titles:
         data["title"] = titles[0]
     well: dict[str, Any] = {}
     if "survey" in found:
-        well["survey"] = os.path.relpath(found["survey"][0], folder)
+        survey = found["survey"][1]
+        assert isinstance(survey, Survey)
+        well["survey"] = survey.survey
     if "geometry" in found:
         content = found["geometry"][1]
         assert isinstance(content, Imported)
         well["sections"] = content.sections
         if "survey" in found:
-            remarks += _fitted(content.sections, float(found["survey"][1]))  # type: ignore[arg-type]
+            assert isinstance(survey, Survey)
+            remarks += _fitted(content.sections, survey.end)
     if well:
         data["well"] = well
     if "tubular" in found:
@@ -64,21 +93,38 @@ def fragment(files: Sequence[str | Path], folder: Path) -> tuple[str, list[str]]
     return _text(data, files, remarks, missing), remarks
 
 
-def _read(path: Path) -> tuple[str, Imported | float, list[str]]:
-    """(kind, content, remarks) of a file; the content of a survey is its last measured depth [m]."""
+def _read(
+    path: Path, folder: Path, wanted: Wanted
+) -> tuple[list[tuple[str, Imported | Survey]], list[str], bool]:
+    """(kinds and contents, remarks, whether it is an EDM export) of a file."""
     if path.suffix.casefold() == ".xml":
+        if first_element(path) == EDM_ROOT:
+            content, survey, end = import_edm(path, wanted)
+            _check_items(path, content)
+            parts: list[tuple[str, Imported | Survey]] = []
+            if survey is not None:
+                parts.append(("survey", Survey(survey, end, content.title)))
+            if content.string:
+                parts.append(("tubular", content))
+            if content.sections:
+                parts.append(("geometry", content))
+            return parts, content.remarks, True
         _, kind = read_witsml(path)
         if kind != "trajectory":
             content = import_witsml(path)
             _check_items(path, content)
-            return ("tubular" if kind == "tubular" else "geometry"), content, content.remarks
+            return [("tubular" if kind == "tubular" else "geometry", content)], content.remarks, False
     try:
-        survey = read_survey(str(path), Rules())
+        stations = read_survey(str(path), Rules())
     except CaseError:
         raise
     except Exception as error:  # PydanticCustomError, outside a case
         raise CaseError(at="FILE", got=path, want="a survey that can be read", hint=str(error)) from None
-    return "survey", survey.md[-1], survey.remarks
+    return (
+        [("survey", Survey(os.path.relpath(path, folder), stations.md[-1]))],
+        stations.remarks,
+        False,
+    )
 
 
 def _check_items(path: Path, content: Imported) -> None:

@@ -7,17 +7,17 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+from drillpetsc.case.importers.components import Component, Kind, Piece, item_of, narrowest
 from drillpetsc.case.importers.stations import number_of
 from drillpetsc.case.importers.table import Table
-from drillpetsc.case.importers.xml_tree import Element, read_xml
+from drillpetsc.case.importers.xml_tree import Element, first_element, read_xml
 from drillpetsc.errors import CaseError
 from drillpetsc.units import UnitError, to_si
 
 NAMESPACE = "http://www.witsml.org/schemas/1series"
+EDM_ROOT = "export"  # first element of a Landmark EDM export
 OBJECTS = {"trajectorys": "trajectory", "tubulars": "tubular", "wbGeometrys": "wbGeometry"}
-STEEL = 7850.0  # [kg/m3]
-LIGHTEST, LOWEST_ID = 0.95, 1e-4  # of the plain tube's weight that a tally may give; [m]
-TONNES = 1e5  # [kg/m] no tubular is that heavy
+KEYS = {"length": "len", "od": "od", "id": "id", "blade": "odBladeMx", "bit_od": "diaBit"}
 
 
 @dataclass
@@ -39,6 +39,10 @@ class Imported:
 
 def read_witsml(file: Path) -> tuple[Element, str]:
     """(the one object of a file, its kind: trajectory, tubular or wbGeometry)."""
+    if first_element(file) == EDM_ROOT:
+        want = f"a WITSML document: {', '.join(OBJECTS)}"
+        hint = f"an EDM export becomes a case by drillpetsc import {file.name} --out case.yaml"
+        raise CaseError(got=f"<{EDM_ROOT}>", want=want, hint=hint, file=file, line=1)
     root = read_xml(file)
     if root.name not in OBJECTS:
         want = f"a WITSML document: {', '.join(OBJECTS)}"
@@ -120,14 +124,6 @@ def import_witsml(file: Path) -> Imported:
     return out
 
 
-def _length(value: float) -> str:
-    return f"{value:.6g} m"
-
-
-def _diameter(value: float) -> str:
-    return f"{value * 1e3:.6g} mm"
-
-
 def _string(tubular: Element, file: Path, out: Imported) -> None:
     """Items of a tubular, from the top down."""
     components = list(tubular.all("tubularComponent"))
@@ -162,91 +158,54 @@ def _is_bit(component: Element) -> bool:
 
 
 def _item(component: Element, file: Path, remarks: list[str]) -> dict[str, Any]:
-    """The item of a component. A weight that no tube of this size has is left out, with a remark."""
+    """The item of a component."""
     kind = component.word("typeTubularComp") or "unknown"
-    name = component.word("name") or component.word("description") or kind
-    name = name[:60]
+    words = kind.casefold()
 
     def size(*path: str, unit: str = "m") -> float | None:
         return _value(component.first(*path), unit, file)
 
-    def refused(at: str, want: str) -> CaseError:
-        return CaseError(at=at, got=f"{name}: nothing", want=want, file=file, line=component.line)
-
-    length, bore = size("len"), size("id") or 0.0
-    if length is None or length <= 0:
-        raise refused("len", "a length above 0")
-    words = kind.casefold()
-    if _is_bit(component):
-        return _bit(component, file, length, bore, name, refused)
-    od = size("od") or size("odMx")
-    weight = size("wtPerLen", unit="kg/m")
-    if "stabilizer" in words:
-        blade = size("stabilizer", "odBladeMx") or size("odMx") or od
-        if blade is None:
-            raise refused("odBladeMx", "a diameter over the blades")
-        item: dict[str, Any] = {
-            "kind": "stabilizer",
-            "name": name,
-            "length": _length(length),
-            "od": _diameter(blade),
-        }
-        if bore:
-            item["id"] = _diameter(bore)
-        body = od or blade
-        if body < blade:
-            item["body_od"] = _diameter(body)
-        plain = STEEL * math.pi / 4 * (body**2 - bore**2)
-        mass = weight if weight is not None and _plausible(weight, body, bore) else plain
-        if weight is not None and mass != weight:
-            remarks.append(
-                f"WARNING: {name}: {weight:.4g} kg/m is no weight of {body * 1e3:.4g} x {bore * 1e3:.4g} mm; {plain:.4g} kg/m taken"
-            )
-        return item | {"mass": f"{mass * length:.6g} kg"}
-    if od is None:
-        raise refused("od", "an outer diameter")
-    if bore >= od:
-        raise CaseError(
-            at="id",
-            got=f"{name}: {bore * 1e3:.4g} mm",
-            want=f"below od, {od * 1e3:.4g} mm",
+    bit = _is_bit(component)
+    od = (size("odMx") or size("od")) if bit else (size("od") or size("odMx"))
+    name = component.word("name") or component.word("description") or kind
+    item = item_of(
+        Component(
+            kind="bit" if bit else _kind(words),
+            words=kind,
+            name=name[:60],
+            length=size("len"),
+            od=od,
+            bore=size("id") or 0.0,
+            weight=size("wtPerLen", unit="kg/m"),
+            blade=size("stabilizer", "odBladeMx") or size("odMx"),
+            bit_od=size("bitRecord", "diaBit"),
+            nozzle_area=_nozzles(component, file) if bit else None,
+            tool_joint=_tool_joint(component, file, od) if "drill pipe" in words and od else None,
+            nonmagnetic="non-mag" in words or "nonmag" in words,
+            tube="casing" in words or "tubing" in words,
+            keys=KEYS,
             file=file,
             line=component.line,
-        )
-    item = {"kind": "pipe", "name": name, "length": _length(length), "od": _diameter(od)}
-    if bore:
-        item["id"] = _diameter(bore)
-    joint = _tool_joint(component, file, od, bore) if "drill pipe" in words else None
-    if "collar" in words:
-        item["kind"] = "drill_collar"
-        if "non-mag" in words or "nonmag" in words:
-            item["nonmagnetic"] = True
-    elif joint is not None:
-        item |= {"kind": "hwdp" if "heavy" in words else "drill_pipe", "tool_joint": joint}
-    elif "drill pipe" in words:
-        remarks.append(f"{name} is a plain pipe: the file has no connections with od, id and len")
-    plain = STEEL * math.pi / 4 * (od**2 - bore**2)
-    if weight is not None and not _plausible(weight, od, bore):
-        remarks.append(
-            f"WARNING: {name}: {weight:.4g} kg/m is no weight of {od * 1e3:.4g} x {bore * 1e3:.4g} mm; {plain:.4g} kg/m taken"
-        )
-    elif weight is not None and item["kind"] != "pipe":
-        item["adjusted_weight"] = f"{weight:.6g} kg/m"
-    elif weight is not None and abs(weight - plain) > 1e-3 * plain:
-        item["material"] = {"density": f"{STEEL * weight / plain:.6g} kg/m3"}
-        remarks.append(
-            f"{name}: density raised or lowered so that the tube weighs {weight:.4g} kg/m in air, as the file says"
-        )
-    if not any(
-        word in words for word in ("drill pipe", "drill collar", "heavy weight", "collar", "casing", "tubing")
-    ):
-        remarks.append(f"{name} ({kind}) is a plain pipe of its diameters and weight")
+        ),
+        remarks,
+    )
     if component.first("bend") is not None:
-        remarks.append(f"{name}: its bend is left out")
+        remarks.append(f"{name[:60]}: its bend is left out")
     return item
 
 
-def _tool_joint(component: Element, file: Path, od: float, bore: float) -> dict[str, str] | None:
+def _kind(words: str) -> Kind:
+    """What becomes of a component that is no bit."""
+    if "stabilizer" in words:
+        return "stabilizer"
+    if "collar" in words:
+        return "drill_collar"
+    if "drill pipe" in words:
+        return "hwdp" if "heavy" in words else "drill_pipe"
+    return "other"
+
+
+def _tool_joint(component: Element, file: Path, od: float) -> tuple[float, float, float] | None:
     """Tool joint of a pipe, from the connections at both of its ends; None where the file lacks them."""
     ends = list(component.all("connection"))
     if len(ends) != 2:
@@ -255,43 +214,18 @@ def _tool_joint(component: Element, file: Path, od: float, bore: float) -> dict[
     outer, inner, length = (
         [size for size in column if size is not None] for column in zip(*sizes, strict=True)
     )
-    if min(len(outer), len(inner), len(length)) < 2 or min(outer) < od or min(inner) <= 0:
+    if min(len(outer), len(inner), len(length)) < 2 or min(outer) < od:
         return None
-    return {"od": _diameter(max(outer)), "id": _diameter(min(inner)), "length": _length(sum(length))}
+    return max(outer), min(inner), sum(length)
 
 
-def _plausible(weight: float, od: float, bore: float) -> bool:
-    """Whether a weight per length [kg/m] lies between that of the plain tube and that of a solid bar."""
-    return LIGHTEST * STEEL * math.pi / 4 * (od**2 - bore**2) <= weight <= STEEL * math.pi / 4 * od**2
-
-
-def _bit(
-    component: Element, file: Path, length: float, bore: float, name: str, refused: Any
-) -> dict[str, Any]:
-    def size(*path: str, unit: str = "m") -> float | None:
-        return _value(component.first(*path), unit, file)
-
-    od = size("bitRecord", "diaBit") or size("odMx") or size("od")
-    if od is None:
-        raise refused("diaBit", "the bit's diameter")
-    item: dict[str, Any] = {"kind": "bit", "name": name, "length": _length(length), "od": _diameter(od)}
-    words = component.word("typeTubularComp").casefold()
-    for word, kind in (("pdc", "PDC"), ("roller", "roller_cone"), ("diamond", "diamond"), ("core", "core")):
-        if word in words:
-            item["bit_type"] = kind
-            break
-    if LOWEST_ID < bore < od:
-        item["id"] = _diameter(bore)
-    weight = size("wtPerLen", unit="kg/m")
-    if weight is not None and 0 < weight <= STEEL * math.pi / 4 * od**2:
-        item["mass"] = f"{weight * length:.6g} kg"
-    area = size("areaNozzleFlow", unit="m^2")
+def _nozzles(component: Element, file: Path) -> float | None:
+    """Flow area of a bit's nozzles [m2]."""
+    area = _value(component.first("areaNozzleFlow"), "m^2", file)
     if area is None:
         diameters = [_value(nozzle.first("diaNozzle"), "m", file) for nozzle in component.all("nozzle")]
         area = sum(math.pi / 4 * diameter**2 for diameter in diameters if diameter) or None
-    if area:
-        item["nozzle_area"] = f"{area * 1e6:.6g} mm2"
-    return item
+    return area
 
 
 # ---------------------------------------------------------------------- hole
@@ -301,7 +235,7 @@ _OPEN = ("open hole", "openhole", "hole", "caving", "cavern", "rat hole")
 
 def _sections(geometry: Element, file: Path, out: Imported) -> None:
     """Sections of the hole: at each depth the narrowest one of the file."""
-    found: list[tuple[float, float, float, str, float | None]] = []
+    found: list[Piece] = []
     for section in geometry.all("wbGeometrySection"):
         top, bottom = (_value(section.first(name), "m", file) for name in ("mdTop", "mdBottom"))
         inner = _value(section.first("idSection"), "m", file)
@@ -322,26 +256,9 @@ def _sections(geometry: Element, file: Path, out: Imported) -> None:
             want = "mdBottom below mdTop, idSection above 0"
             raise CaseError(at="wbGeometrySection", got=got, want=want, file=file, line=section.line)
         friction = number_of(section.word("factFric") or "x", "")
-        found.append((top, bottom, inner, "casing" if cased else "open_hole", friction))
+        found.append(Piece(top, bottom, inner, "casing" if cased else "open_hole", friction))
     if not found:
         raise CaseError(
             at="wbGeometry", got="no wbGeometrySection", want="at least one", file=file, line=geometry.line
         )
-    edges = sorted({edge for top, bottom, *_ in found for edge in (top, bottom)} | {0.0})
-    rows: list[tuple[float, tuple[float, str, float | None]]] = []
-    for above, below in zip(edges, edges[1:], strict=False):
-        around = [section for section in found if section[0] <= above and section[1] >= below]
-        if not around:
-            got = f"no section from {above:g} m to {below:g} m"
-            want = "sections without a gap, from 0 m"
-            raise CaseError(at="wbGeometry", got=got, want=want, file=file, line=geometry.line)
-        _, _, inner, kind, friction = min(around, key=lambda section: section[2])
-        if rows and rows[-1][1] == (inner, kind, friction):
-            rows[-1] = (below, rows[-1][1])
-        else:
-            rows.append((below, (inner, kind, friction)))
-    for below, (inner, kind, friction) in rows:
-        section_data: dict[str, Any] = {"to": _length(below), "kind": kind, "diameter": _diameter(inner)}
-        if friction is not None:
-            section_data["friction"] = friction
-        out.sections.append(section_data)
+    out.sections += narrowest(found, "wbGeometry", file, geometry.line)

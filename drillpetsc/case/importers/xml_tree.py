@@ -11,6 +11,7 @@ from drillpetsc.case.importers.table import MAX_BYTES
 from drillpetsc.errors import CaseError
 
 MAX_DEPTH, MAX_ELEMENTS = 60, 2_000_000
+CHUNK = 1 << 16  # [bytes]
 
 
 @dataclass
@@ -39,6 +40,35 @@ class Element:
         """Text of a descendant, "" without one."""
         found = self.first(*path)
         return " ".join(found.text.split()) if found is not None else ""
+
+
+def first_element(file: Path) -> str:
+    """Name of the first element of an XML file, without namespace; only the part of the file up to it is read.
+
+    CaseError for a document type declaration, and for a file that is not XML.
+    """
+    parser = expat.ParserCreate(namespace_separator="|")
+    found: list[str] = []
+
+    def start(name: str, attributes: dict[str, str]) -> None:
+        found.append(name.rpartition("|")[2])
+
+    def doctype(*_: object) -> None:
+        want = "XML without a document type declaration"
+        raise CaseError(got="<!DOCTYPE", want=want, file=file, line=parser.CurrentLineNumber)
+
+    parser.StartElementHandler, parser.StartDoctypeDeclHandler = start, doctype
+    try:
+        with file.open("rb") as opened:
+            while not found:
+                piece = opened.read(CHUNK)
+                parser.Parse(piece, not piece)
+                if not piece:
+                    break
+    except (expat.ExpatError, ValueError, LookupError) as error:
+        if not found:
+            raise CaseError(got=str(error), want="an XML file", file=file, line=1) from None
+    return found[0]
 
 
 def read_xml(file: Path) -> Element:
