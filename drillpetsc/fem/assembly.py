@@ -15,7 +15,13 @@ import numpy as np
 from petsc4py import PETSc
 
 from drillpetsc.arrays import FloatArray
-from drillpetsc.fem.bound_parts import ROW_SCALE, BoundBlock, BoundStabilization, RowReplacement
+from drillpetsc.fem.bound_parts import (
+    ROW_SCALE,
+    BlockResults,
+    BoundBlock,
+    BoundStabilization,
+    RowReplacement,
+)
 from drillpetsc.fem.component import ElementBlock, PrescribedMotion, VelocityStabilization
 from drillpetsc.fem.dof_layout import DofLayout
 from drillpetsc.kernels import function, pointer
@@ -61,8 +67,9 @@ class Assembly:
         self.derive: Callable[[Assembly], None] | None = None
         self._derived_index: dict[int, np.ndarray] = {}  # dofs of blocks that use derived fields, by id
         self._results_heads: dict[int, tuple[int, ...]] = {}
+        self._results: dict[int, BlockResults] = {}  # by id of the block
         self._seen: list[ElementBlock] = []  # keeps blocks that are not bound, so that their ids stay theirs
-        self._kept: dict[tuple[Any, ...], Any] | None = None  # see ``unchanged``
+        self._kept: dict[Any, Any] | None = None  # see ``unchanged``
         self.x[n] = 1.0  # an absent stretch ratio is one
         self.v0, self.v1 = np.zeros(n), np.zeros(n)
         size, self.bound_blocks = 0, []
@@ -206,6 +213,23 @@ class Assembly:
         if key not in self._kept:
             self._kept[key] = function(*arguments)
         return self._kept[key]
+
+    def results(self, block: ElementBlock, kernel: str, columns: int) -> BlockResults:
+        """Results of the elements of a block at x, y, evaluated once within ``unchanged``.
+
+        kernel: entry point of the results; columns: their number for one element.
+        The tables are not to be changed, nor kept: the next evaluation overwrites them.
+        """
+        found = self._results.get(id(block))
+        if found is None:
+            found = self._results[id(block)] = BlockResults(kernel, columns, self.results_head(block))
+        if self._kept is None or found not in self._kept:
+            if id(block) in self._derived_index:
+                self.index_of(block)  # computes the derived fields
+            found.evaluate()
+            if self._kept is not None:
+                self._kept[found] = found
+        return found
 
     # ------------------------------------------------------------------ state
     def condense(self, sigma: float, second: float | None = None) -> None:

@@ -5,6 +5,7 @@ Manual: sec-joints-prescribed (prescribed motion), eq-joint-ggl (corrected rates
 
 from __future__ import annotations
 
+import ctypes
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
@@ -15,10 +16,14 @@ from drillpetsc.arrays import FloatArray
 from drillpetsc.fem.component import ElementBlock, PrescribedMotion, VelocityStabilization
 from drillpetsc.fem.dof_layout import DofLayout
 from drillpetsc.kernels import function, pointer
+from drillpetsc.kernels.parameters import structure
 
 if TYPE_CHECKING:
     from drillpetsc.fem.assembly import Assembly
 
+
+_run_results = function("run_results", "p")
+_ResultCall = structure("result_call")  # ResultCall of kernels/core/rows.cpp
 
 #: weight of a replaced row, position error [m or rad] to force [N or N m]; it has the order of a pipe's
 #: stiffness, so that one norm serves all rows (manual: eq-prescribed-rows)
@@ -77,6 +82,37 @@ class BoundBlock:
                 f"in component {self.block.component}, element {self._numbers.min()} to {self._numbers.max()} of the string, time {t:g} s"
             )
             raise
+
+
+class BlockResults:
+    """Results of the elements of a block, as its kernel computes them; the next evaluation overwrites them.
+
+    table: (n, columns) of the elements; sums: (columns,) over the elements.
+    """
+
+    def __init__(self, kernel: str, columns: int, head: tuple[int, ...]):
+        """kernel: entry point of the results; head: its first arguments, as ``Assembly.results_head`` returns them."""
+        count, width, index, parameters, record, x, y = head
+        self.table, self.sums = np.zeros((count, columns)), np.zeros(columns)
+        entry = function(kernel, "iippppp" + "p")
+        self._call = _ResultCall(
+            results=ctypes.cast(entry, ctypes.c_void_p).value,
+            index=index,
+            parameters=parameters,
+            record=record,
+            x=x,
+            y=y,
+            out=pointer(self.table),
+            sums=pointer(self.sums),
+            count=count,
+            width=width,
+            columns=columns,
+        )
+        self._at = ctypes.addressof(self._call)
+
+    def evaluate(self) -> None:
+        """Compute the results at the present unknowns and rates."""
+        _run_results(self._at)
 
 
 class RowReplacement:

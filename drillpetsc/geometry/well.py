@@ -312,6 +312,7 @@ class Well:
             transitions=len(steps),
             radius=self.section_radius[0],
             friction=self.section_friction[0],
+            steepest=np.max(1.5 * np.abs(steps[:, 3]) / steps[:, 1], initial=0.0),  # of a smoothstep
         )
         names = ("start", "width", "radius", "radius_change", "friction", "friction_change")
         changes = Table(columns("well_step"), len(steps), **dict(zip(names, steps.T, strict=True)))

@@ -20,7 +20,7 @@ from drillpetsc.kernels.parameters import Parameters, columns
 from drillpetsc.physics import interfaces
 from drillpetsc.physics.reference_frames import renew_reference_frames
 
-_results = function("beam_results", "iippppp")
+_results = function("beam_results", "iippppp" + "p")
 _dissipation = function("beam_dissipation", "iipppp", ctypes.c_double)
 RESULT_NAMES = columns("beam_results").names
 ENERGIES = columns("beam_results").span("kinetic", "potential")  # in the order of ``Energies``
@@ -192,14 +192,13 @@ class AncfBeam(interfaces.Beam):
         unknowns = pointer(x), pointer(y)
         return self._results(
             [
-                (len(b.points), index.shape[1], pointer(index), pointer(b.params), *unknowns)
+                (len(b.points), index.shape[1], pointer(index), pointer(b.params), b.context, *unknowns)
                 for b, index in zip(self._blocks, self._tables[1], strict=True)
             ]
         )
 
     def _results(self, heads: list[tuple[int, ...]]) -> FloatArray:
-        """As ``element_results``.  heads: of each block numbers of elements and unknowns; addresses of dofs, parameters,
-        unknowns and rates."""
+        """As ``element_results``.  heads: of each block, as ``Assembly.results_head`` returns them."""
         out = np.zeros((len(self._part.cells), len(RESULT_NAMES)))
         for b, head in zip(self._blocks, heads, strict=True):
             if head[0] == len(out):  # all elements, in depth order
@@ -211,9 +210,11 @@ class AncfBeam(interfaces.Beam):
         return out
 
     def energies(self, t: float, state) -> Energies:
-        heads = [state.results_head(b) for b in self._blocks]
-        results = self._results([(*head[:4], *head[5:]) for head in heads])
-        return Energies(*results[:, ENERGIES].sum(axis=0).tolist())
+        kinetic = strain = potential = 0.0
+        for b in self._blocks:
+            part = state.results(b, "beam_results", len(RESULT_NAMES)).sums[ENERGIES].tolist()
+            kinetic, strain, potential = kinetic + part[0], strain + part[1], potential + part[2]
+        return Energies(kinetic, strain, potential)
 
     def powers(self, t: float, state) -> Powers:
         lost = 0.0

@@ -9,7 +9,6 @@ import numpy as np
 from drillpetsc.arrays import FloatArray
 from drillpetsc.fem.component import ElementBlock, Energies, Powers
 from drillpetsc.fem.quantity import Quantity
-from drillpetsc.kernels import function, pointer
 from drillpetsc.kernels.parameters import Parameters, constant
 from drillpetsc.physics import quantities as declared
 from drillpetsc.physics.contact import penetration
@@ -17,7 +16,6 @@ from drillpetsc.physics.interfaces import Bit
 from drillpetsc.physics.rigid_bodies import VERTEX_SLOTS, local_vertices
 
 NOT_IMPOSED = constant("not_imposed")
-_bit_results = function("bit_contact_results", "ppppp")
 
 
 class BitOnBottom(Bit):
@@ -72,20 +70,8 @@ class BitOnBottom(Bit):
 
     def weight_and_torque(self, state) -> tuple[float, float]:
         """Weight on bit [N] and torque on bit [N m], zero on ranks without the bit."""
-        return state.evaluate_once(self._evaluate_results, state)
-
-    def _evaluate_results(self, state) -> tuple[float, float]:
-        if not len(self._block.points):
-            return 0.0, 0.0
-        out = np.zeros(2)
-        _bit_results(
-            pointer(state.index_of(self._block)),
-            pointer(self._block.params),
-            pointer(state.x),
-            pointer(state.y),
-            pointer(out),
-        )
-        return float(out[0]), float(out[1])
+        weight, torque = state.results(self._block, "bit_contact_results", 2).sums.tolist()
+        return weight, torque
 
     def depth_of_face(self, state) -> tuple[float, FloatArray]:
         """How far the face is below the end of the hole [m], and its gradient by the local unknowns (n,);
@@ -130,7 +116,7 @@ class BitOnBottom(Bit):
         if not len(self._block.points):
             return Powers()
         _, torque = self.weight_and_torque(state)
-        return Powers(float(torque * state.y[state.index_of(self._block)[0, 6]]))
+        return Powers(torque * state.y.item(state.index_of(self._block).item(0, 6)))
 
     def quantities(self) -> tuple[Quantity, ...]:
         return declared.BIT

@@ -16,12 +16,13 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from drillpetsc.arrays import FloatArray
+from drillpetsc.fem.bound_parts import BlockResults
 from drillpetsc.fem.component import ElementBlock, Energies, Powers
 from drillpetsc.fem.quadrature import exposed_ends, rule
 from drillpetsc.fem.quantity import Quantity
 from drillpetsc.fem.string_mesh import StringMesh
 from drillpetsc.geometry.well import Well
-from drillpetsc.kernels import function, pointer
+from drillpetsc.kernels import pointer
 from drillpetsc.kernels.parameters import Parameters, columns, constant, structure
 from drillpetsc.physics import quantities as declared
 from drillpetsc.physics.beam import JUNCTION_SLOTS, SLOTS
@@ -29,14 +30,9 @@ from drillpetsc.physics.interfaces import WallContact
 from drillpetsc.physics.rigid_bodies import VERTEX_SLOTS, local_vertices
 from drillpetsc.physics.roots import bracketed_root
 
-RESULTS = {
-    kernel: function(f"{kernel}_results", "ippp" + "ppp")
-    for kernel in ("contact", "contact_junction", "body_contact")
-}
 _Law = structure("contact_law")  # ContactLaw of kernels/contact/contact.hpp
 RESULT_NAMES = columns("contact_results").names
-_STORED = RESULT_NAMES.index("stored")
-_POWERS = columns("contact_results").span("damping_power", "friction_power")
+_STORED, _DAMPED, _RUBBED = map(RESULT_NAMES.index, ("stored", "damping_power", "friction_power"))
 
 
 @dataclass(frozen=True)
@@ -144,6 +140,7 @@ class Contact(WallContact):
         self._damping = damping_factor(law.restitution, law.restitution_speed)
         self._laws: list[Any] = []
         self._keep: list[np.ndarray] = []
+        self._free: list[FloatArray] = []
 
     def _context(self, count: int, ends: tuple[bool, bool]) -> int:
         """Create the kernel's record for a block of ``count`` elements; returns its address.
@@ -153,6 +150,7 @@ class Contact(WallContact):
         law, at = self.law, rule(self.law.points, *ends)
         n = count * len(at)
         normal, segment, touching = np.zeros(n), np.full(n, -1, dtype=np.int32), np.zeros(n, dtype=np.int8)
+        free = np.zeros((n, 5))
         record = _Law(
             well=pointer(self._packed),
             stiffness=law.stiffness,
@@ -168,9 +166,11 @@ class Contact(WallContact):
             normal=pointer(normal),
             segment=pointer(segment),
             touching=pointer(touching),
+            free=pointer(free),
         )
         self._laws.append(record)
         self._keep += [at, normal, segment]
+        self._free.append(free)
         self._normal.append(normal.reshape(count, len(at)))
         self._touching.append(touching)
         return ctypes.addressof(record)
@@ -285,6 +285,12 @@ class Contact(WallContact):
         self._packed = np.ascontiguousarray(well.packed())
         for record in self._laws:
             record.well = pointer(self._packed)
+        self._forget_clearances()
+
+    def _forget_clearances(self) -> None:
+        """Project all contact points anew at the next evaluation: the wall may be nearer than it was."""
+        for free in self._free:
+            free[:, 4] = 0.0
 
     def impose_sliding_direction(self, axial: float, spin: float, side: float = 1.0) -> None:
         """Let friction oppose a rigid motion of the string, for statics (manual: eq-contact-imposed).
@@ -345,26 +351,18 @@ class Contact(WallContact):
         normal = self._row_of.get(cell)
         return 0.0 if normal is None else float(normal.sum())
 
-    def _block_results(self, state) -> list[FloatArray]:
-        """(n, 7) of each block: the columns of ``RESULT_NAMES``; not to be changed."""
-        return state.evaluate_once(self._evaluate_blocks, state)
-
-    def _evaluate_blocks(self, state) -> list[FloatArray]:
-        out = []
-        for b in self._blocks:
-            n, _, *arguments = state.results_head(b)
-            out.append(np.zeros((n, len(RESULT_NAMES))))
-            RESULTS[b.kernel](n, *arguments, pointer(out[-1]))
-        return out
+    def _block_results(self, state) -> list[BlockResults]:
+        """Results of each block: the columns of ``RESULT_NAMES``."""
+        return [state.results(b, f"{b.kernel}_results", len(RESULT_NAMES)) for b in self._blocks]
 
     def element_results(self, state) -> tuple[FloatArray, FloatArray]:
         """(nc, 7) per local cell and (nb, 7) per rigid item of this rank: the columns of ``RESULT_NAMES``."""
         cells, bodies = np.zeros((len(self._part.cells), len(RESULT_NAMES))), np.zeros((0, len(RESULT_NAMES)))
         for b, results in zip(self._blocks, self._block_results(state), strict=True):
             if b.on == "cell":
-                cells[b.points] = results
+                cells[b.points] = results.table
             else:
-                bodies = results
+                bodies = results.table.copy()
         return cells, bodies
 
     def item_forces(self, state) -> FloatArray:
@@ -376,16 +374,17 @@ class Contact(WallContact):
         out = np.zeros((len(self.mesh.bodies), len(RESULT_NAMES)))
         for b, results in zip(self._blocks, self._block_results(state), strict=True):
             if b.on != "cell":
-                out[self._items] = results
+                out[self._items] = results.table
         return out
 
     def energies(self, t: float, state) -> Energies:
-        return Energies(
-            strain=float(sum(results[:, _STORED].sum() for results in self._block_results(state)))
-        )
+        return Energies(strain=sum(results.sums.item(_STORED) for results in self._block_results(state)))
 
     def powers(self, t: float, state) -> Powers:
-        return Powers(float(sum(results[:, _POWERS].sum() for results in self._block_results(state))))
+        lost = 0.0
+        for results in self._block_results(state):
+            lost += results.sums.item(_DAMPED) + results.sums.item(_RUBBED)
+        return Powers(lost)
 
     def quantities(self) -> tuple[Quantity, ...]:
         return declared.CONTACT

@@ -11,12 +11,9 @@ from drillpetsc.arrays import FloatArray
 from drillpetsc.fem.component import Component, ElementBlock, Energies
 from drillpetsc.fem.string_mesh import StringMesh
 from drillpetsc.geometry.frames import Frames
-from drillpetsc.kernels import function, pointer
 from drillpetsc.kernels.parameters import Parameters
 from drillpetsc.physics.beam import JUNCTION_SLOTS, SLOTS
 
-_body_energy = function("body_energy", "ippppp")
-_eccentric_energy = function("eccentric_energy", "iippppp")
 VERTEX_SLOTS = (("string.position", 0), ("string.tangent", 0), ("string.spin", 0))
 
 
@@ -120,18 +117,13 @@ class RigidBodies(Component):
             b.named.update(end_frames(self.frames, e))
 
     def energies(self, t: float, state) -> Energies:
-        total = np.zeros(2)
+        kinetic = potential = 0.0
         if len(self._nodes):
-            n, _, index, params, _, x, y = state.results_head(self._block)
-            out = np.zeros((n, 2))
-            _body_energy(n, index, params, x, y, pointer(out))
-            total += out.sum(axis=0)
+            kinetic, potential = state.results(self._block, "body_energy", 2).sums.tolist()
         for b in self._blocks:
-            n, width, index, params, _, x, y = state.results_head(b)
-            out = np.zeros((n, 2))
-            _eccentric_energy(n, width, index, params, x, y, pointer(out))
-            total += out.sum(axis=0)
-        return Energies(kinetic=float(total[0]), potential=float(total[1]))
+            part = state.results(b, "eccentric_energy", 2).sums.tolist()
+            kinetic, potential = kinetic + part[0], potential + part[1]
+        return Energies(kinetic=kinetic, potential=potential)
 
 
 def end_frames(frames: Frames, e: np.ndarray) -> dict[str, FloatArray]:

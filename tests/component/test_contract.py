@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from drillpetsc.fem.bound_parts import ROW_SCALE
+from drillpetsc.kernels.parameters import columns
 from drillpetsc.physics.contact import Contact
 from drillpetsc.physics.hoist import FIGURES
 from tests.helpers.component_models import KINDS, SHIFT, build, dense, residual
@@ -136,8 +137,11 @@ def test_contact_returns_nan_for_nan(kind, what):
             b.block.named["radius" if what.startswith("radius") else "friction"] = np.nan
     if what == "radius of the hole":
         contact._packed.setflags(write=True)
-        steps = contact._packed[4 + 16 * int(contact._packed[0]) :].reshape(-1, 6)
-        contact._packed[2], steps[:, 2] = np.nan, np.nan
+        header, node, step = (columns(f"well_{name}") for name in ("header", "node", "step"))
+        first = header.width + node.width * int(contact._packed[header["nodes"]])
+        steps = contact._packed[first:].reshape(-1, step.width)
+        contact._packed[header["radius"]], steps[:, step["radius"]] = np.nan, np.nan
+        contact._forget_clearances()
     if what == "stiffness":
         contact.set_stiffness(np.nan)
     for b, touched in zip(blocks, touching, strict=True):

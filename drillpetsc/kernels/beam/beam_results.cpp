@@ -88,7 +88,7 @@ Pack dissipation(const ElementState& s, const Pack* p) {
 DP_EXPORT(beam_results, BeamResultText)
 
 // out: (n, BEAM_RESULTS)
-extern "C" void beam_results(int n, int D, const int* idx, const double* par, const double* x, const double* y, double* out) {
+extern "C" void beam_results(int n, int D, const int* idx, const double* par, const void*, const double* x, const double* y, double* out) {
     for (int e = 0; e < n; e += 4) {
         Pack p[BEAM_PARAMETERS], q[BEAM_RESULTS];
         const Lanes lanes(e, n);

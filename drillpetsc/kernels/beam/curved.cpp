@@ -68,7 +68,7 @@ DP_ENTRY(curved, CurvedPlain)
 DP_ENTRY(curved_junction, CurvedJunction)
 
 // energy -EI int kappa.kappa0 of n elements (D unknowns each) into out (n,) [J]
-extern "C" void curved_energy(int n, int D, const int* idx, const double* par, const double* x, double* out) {
+extern "C" void curved_energy(int n, int D, const int* idx, const double* par, const void*, const double* x, const double*, double* out) {
     using namespace dp;
     for (int e = 0; e < n; ++e) {
         const double* p = par + e * CurvedPlain::NP;

@@ -22,7 +22,7 @@ DP_ENTRY(eccentric_junction, EccentricJunction)
 DP_OTHER_FORMULATIONS(eccentric, EccentricPlain, 2)
 
 // kinetic and potential energy of n elements (D unknowns each): out (n, 2) [J]
-extern "C" void eccentric_energy(int n, int D, const int* idx, const double* par, const double* x, const double* y, double* out) {
+extern "C" void eccentric_energy(int n, int D, const int* idx, const double* par, const void*, const double* x, const double* y, double* out) {
     if (D == EccentricJunction::D) dp::eccentric_energies<EccentricJunction>(n, idx, par, x, y, out);
     else dp::eccentric_energies<EccentricPlain>(n, idx, par, x, y, out);
 }

@@ -7,7 +7,7 @@ DP_ENTRY(drive, dp::Drive)
 DP_OTHER_FORMULATIONS(body, dp::Body, 1)
 
 // kinetic and potential energy of n bodies: out (n, 2) [J]
-extern "C" void body_energy(int n, const int* idx, const double* par, const double* x, const double* y, double* out) {
+extern "C" void body_energy(int n, int, const int* idx, const double* par, const void*, const double* x, const double* y, double* out) {
     using namespace dp;
     for (int e = 0; e < n; ++e) {
         const double* p = par + e * Body::NP;

@@ -34,17 +34,19 @@ void evaluate(int n, const int* idx, const double* par, void* context, const dou
 }
 }  // namespace
 
-#define DP_CONTACT_RESULTS(name, Kernel)                                                                                                  \
-    extern "C" void name##_results(int n, const int* idx, const double* par, void* context, const double* x, const double* y, double* out) { \
-        evaluate<Kernel>(n, idx, par, context, x, y, reinterpret_cast<ContactResults*>(out));                                             \
+#define DP_CONTACT_RESULTS(name, Kernel)                                                                                                       \
+    extern "C" void name##_results(int n, int, const int* idx, const double* par, void* context, const double* x, const double* y, double* out) { \
+        evaluate<Kernel>(n, idx, par, context, x, y, reinterpret_cast<ContactResults*>(out));                                                  \
     }
 DP_CONTACT_RESULTS(contact, ContactPlain)
 DP_CONTACT_RESULTS(contact_junction, ContactJunction)
 DP_CONTACT_RESULTS(body_contact, BodyContact)
 
-// out: weight on bit [N], torque on bit [N m]
-extern "C" void bit_contact_results(const int* idx, const double* par, const double* x, const double* y, double* out) {
-    double X[7], Y[7], R[7];
-    for (int i = 0; i < 7; ++i) { X[i] = x[idx[i]]; Y[i] = y[idx[i]]; }
-    BitContact::evaluate<double>(X, Y, par, R, out[0], out[1]);
+// out (n, 2): weight on bit [N], torque on bit [N m]
+extern "C" void bit_contact_results(int n, int, const int* idx, const double* par, const void*, const double* x, const double* y, double* out) {
+    for (int e = 0; e < n; ++e) {
+        double X[7], Y[7], R[7];
+        for (int i = 0; i < 7; ++i) { X[i] = x[idx[7 * e + i]]; Y[i] = y[idx[7 * e + i]]; }
+        BitContact::evaluate<double>(X, Y, par + e * BitContact::NP, R, out[2 * e], out[2 * e + 1]);
+    }
 }

@@ -26,6 +26,8 @@ DP_RECORD(ContactLaw,
     double* normal;               // (elements, points) normal force of the last evaluation [N]
     int* segment;                 // (elements, points) where the projection was found
     signed char* touching;        // (elements, points) contact open or closed
+    double* free;                 // (elements, points, 5) place and radius of a section that was last found off the wall, and the square of the
+                                  // distance within which the section is so too
 )
 
 // Penetration with a smooth onset: 0, (d + e)^2 / 4e, d
@@ -52,12 +54,22 @@ struct PointResults { double normal, stored, damping_power, friction_power, pene
 // friction force along the axis [N], torque about it [N m].
 DP_RECORD(ContactResults, double normal, stored, damping_power, friction_power, penetration, axial, torque;)
 
-// Whether the section of radius R about the axis point x is in contact; foot: where on the hole's centreline.
-inline bool touches(const Well& well, const Vec<double>& x, double R, int& segment, Foot& foot) {
-    foot = locate(well, x, segment);
+// Whether the section of radius R about the axis point x of a contact point k is in contact; foot: where on the hole's centreline, if so.
+// The clearance changes by at most 1 + r'/(1 - e.kappa) per distance, r' the slope of the hole's radius: near a place that was found off
+// the wall nothing needs to be projected.  1 - e.kappa is above 1/2 in any hole that is not bent to a knee.
+inline bool touches(const ContactLaw& law, const Well& well, const Vec<double>& x, double R, int k, Foot& foot) {
+    double* free = law.free + 5L * k;
+    const Vec<double> way = x - vec(free);
+    if (R == free[3] && dot(way, way) < free[4]) return false;
+    free[4] = 0.0;
+    foot = locate(well, x, law.segment[k]);
     const HolePoint<double> q = hole_point(well, foot, x);
     const double bound = q.radius <= R ? R : q.radius;  // no clearance: a centring spring
-    return !(q.rho + R - bound <= -RAMP);  // what is not a number touches, and is found in the rows
+    if (!(q.rho + R - bound <= -RAMP)) return true;  // what is not a number touches, and is found in the rows
+    const double distance = 0.999 * (bound - R - q.rho - RAMP) / (1.0 + 2.0 * well.steepest);
+    free[0] = x.x; free[1] = x.y; free[2] = x.z; free[3] = R;
+    if (distance > 0.0 && q.ds_dx < 2.0) free[4] = distance * distance;
+    return false;
 }
 
 // Touching point x of the axis with velocity u, section turning with `turning`, radius R; weight: length it stands for.
@@ -181,7 +193,7 @@ struct BeamContact {
             const Vec<T> place = at.sum(at.r, r1, v1, r2, v2);
             const int k = e * law.points + q;
             Foot foot;
-            law.touching[k] = touches(well, {val(place.x), val(place.y), val(place.z)}, p[RADIUS], law.segment[k], foot);
+            law.touching[k] = touches(law, well, {val(place.x), val(place.y), val(place.z)}, p[RADIUS], k, foot);
             law.normal[k] = 0;
             if (!law.touching[k]) continue;
             PointResults now;
@@ -240,7 +252,7 @@ struct BodyContact {
             const int k = e * law.points + q;
             const Vec<T> place = vec(x) + t.t * distance;
             Foot foot;
-            law.touching[k] = touches(well, {val(place.x), val(place.y), val(place.z)}, p[RADIUS], law.segment[k], foot);
+            law.touching[k] = touches(law, well, {val(place.x), val(place.y), val(place.z)}, p[RADIUS], k, foot);
             law.normal[k] = 0;
             if (!law.touching[k]) continue;
             Touch<T> c;

@@ -52,7 +52,7 @@ inline bool subtract_contact(int e, const double* x, const double* y, const doub
         const Vec<double> place = at.sum(at.r, r1, v1, r2, v2);
         const int k = e * law.points + q;
         Foot foot;
-        law.touching[k] = touches(well, place, p[P::RADIUS], law.segment[k], foot);
+        law.touching[k] = touches(law, well, place, p[P::RADIUS], k, foot);
         law.normal[k] = 0;
         if (!law.touching[k]) continue;
         any = true;

@@ -25,6 +25,17 @@ extern "C" void well_project(const double* packed, int n, const double* x, int* 
     }
 }
 
+// Whether any of n positions at the places `at` (n, 3) of x has moved from `from` (n, 6), a position and a direction, by more than `along`
+// in that direction, or by more than `apart` in all.
+extern "C" int moved_along(int n, const int* at, const double* x, const double* from, double along, double apart) {
+    for (int i = 0; i < n; ++i) {
+        const int* k = at + 3L * i;
+        const Vec<double> way = Vec<double>{x[k[0]], x[k[1]], x[k[2]]} - vec(from + 6L * i);
+        if (!(std::fabs(dot(way, vec(from + 6L * i + 3))) <= along && dot(way, way) <= apart * apart)) return 1;
+    }
+    return 0;
+}
+
 // For tests: the 16 numbers s, c, t, e, n, rho, radius, friction of each point in value (n, 16) and their derivatives by x in
 // slope (n, 16, 3).
 extern "C" void well_project_derivatives(const double* packed, int n, const double* x, int* segment, double* value, double* slope) {

@@ -10,7 +10,13 @@
 
 namespace dp {
 
-struct WellHeader { DP_ENUM(Column, NODES, TRANSITIONS, RADIUS, FRICTION, COLUMNS) };  // radius and friction above the first transition
+struct WellHeader {
+    DP_ENUM(Column,
+        NODES, TRANSITIONS,
+        RADIUS, FRICTION,  // above the first transition
+        STEEPEST,          // largest slope of the radius along the hole [-]
+        COLUMNS)
+};
 struct WellNode {
     DP_ENUM(Column,
         DEPTH, LENGTH, HANDLE,  // measured depth s; length L and handle m of the segment below [m]
@@ -24,12 +30,12 @@ constexpr double WELL_RHO0 = 1e-6;  // m, rounds off |e| at the axis
 
 struct Well {
     int nodes, steps;
-    double radius_top, friction_top;
+    double radius_top, friction_top, steepest;
     const double* node;
     const double* step;
     explicit Well(const double* p)
         : nodes(int(p[WellHeader::NODES])), steps(int(p[WellHeader::TRANSITIONS])), radius_top(p[WellHeader::RADIUS]),
-          friction_top(p[WellHeader::FRICTION]), node(p + WellHeader::COLUMNS), step(node + long(nodes) * WellNode::COLUMNS) {}
+          friction_top(p[WellHeader::FRICTION]), steepest(p[WellHeader::STEEPEST]), node(p + WellHeader::COLUMNS), step(node + long(nodes) * WellNode::COLUMNS) {}
     const double* row(int i) const { return node + long(i) * WellNode::COLUMNS; }
 };
 

@@ -186,12 +186,12 @@ void run_channel_results(int n, const int* idx, const double* par, const void* f
 }  // namespace dp
 
 #define DP_CHANNEL_RESULTS(name, Kernel)                                                                                            \
-    extern "C" void name##_results(int n, const int* idx, const double* par, const void* fluid, const double* x, const double* y,   \
+    extern "C" void name##_results(int n, int, const int* idx, const double* par, const void* fluid, const double* x, const double* y, \
                                    double* out) {                                                                                   \
         dp::run_channel_results<Kernel>(n, idx, par, fluid, x, y, out);                                                             \
     }
 #define DP_FLOW_RESULTS(name, Kernel, Results)                                                                                      \
-    extern "C" void name##_results(int n, const int* idx, const double* par, const void* fluid, const double* x, const double* y,   \
+    extern "C" void name##_results(int n, int, const int* idx, const double* par, const void* fluid, const double* x, const double* y, \
                                    double* out) {                                                                                   \
         dp::run_results<Kernel>(n, idx, par, fluid, x, y, reinterpret_cast<dp::Results*>(out));                                     \
     }

@@ -36,7 +36,7 @@ struct QuaternionContact {
 
 DP_ENTRY(quaternion_contact, dp::QuaternionContact)
 
-extern "C" void quaternion_contact_results(int n, const int* idx, const double* par, void* context, const double* x, const double* y, double* out) {
+extern "C" void quaternion_contact_results(int n, int, const int* idx, const double* par, void* context, const double* x, const double* y, double* out) {
     for (int e = 0; e < n; ++e) {
         double X[16], Y[16], R[16];
         for (int i = 0; i < 16; ++i) { X[i] = x[idx[16 * e + i]]; Y[i] = y[idx[16 * e + i]]; }

@@ -14,13 +14,11 @@ from drillpetsc.fem.component import ElementBlock, Powers
 from drillpetsc.fem.string_mesh import StringMesh
 from drillpetsc.geometry.well import Well
 from drillpetsc.kernels.parameters import Parameters, Table
-from drillpetsc.physics.fluid.channel_flow import RESULT_NAMES, ChannelFlow, FluidConstants
+from drillpetsc.physics.fluid.channel_flow import ChannelFlow, FluidConstants
 from drillpetsc.physics.fluid.channels import Annulus
 from drillpetsc.physics.fluid.moving_hole import OTHER_SIZE, LateralCoefficients, MovingHole
 from drillpetsc.physics.rigid_bodies import VERTEX_SLOTS, local_vertices
 from drillpetsc.time_function import TimeFunction
-
-_SPEED = RESULT_NAMES.index("speed")
 
 
 class AnnulusFlow(ChannelFlow):
@@ -193,7 +191,7 @@ class AnnulusFlow(ChannelFlow):
         around = self.moving_hole
         if around is None or self.held:
             return
-        moved = around.update(around.node_depths(state), keep)
+        moved = around.follow(state, keep)
         if not moved.any():
             return
         if moved[0] and self._top is not None and self.resizes:
@@ -299,7 +297,7 @@ class AnnulusFlow(ChannelFlow):
         It is the flow out of the upper node, less the volume that the hole between the node and the fixed
         flow line gains while the node moves down.
         """
-        flow = state.evaluate_once(self.upper_flow, state)
+        flow = self.upper_flow(state)
         if flow is None:
             return None
         if self.held:
@@ -323,10 +321,9 @@ class AnnulusFlow(ChannelFlow):
         )
 
     def powers(self, t: float, state) -> Powers:
-        results = self.element_results(state)
-        supplied, flow = 0.0, state.evaluate_once(self.upper_flow, state)
+        supplied, flow = 0.0, self.upper_flow(state)
         if flow is not None and self._top is not None:
-            speed = float(results[self._top[0].points[self._top[1]], _SPEED])
+            speed = self._speed_in_top(state)
             along = state.evaluate_once(self._upper_speed, state)
             pressure = self.upper_pressure(state)
             supplied = flow * (

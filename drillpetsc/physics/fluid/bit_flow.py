@@ -15,7 +15,6 @@ import numpy as np
 from drillpetsc.arrays import FloatArray
 from drillpetsc.fem.component import ElementBlock, Energies, Field, Powers
 from drillpetsc.geometry.growing_hole import GrowingHole
-from drillpetsc.kernels import function, pointer
 from drillpetsc.kernels.parameters import Parameters, Table, columns, constant
 from drillpetsc.physics.fluid.channel_flow import FLOW_SCALE, FluidConstants
 from drillpetsc.physics.fluid.moving_hole import OTHER_SIZE, MovingHole
@@ -171,7 +170,6 @@ class BitFlow(Nozzle):
             update=update,
         )
         self._block.keep = (self.fluid,)
-        self._results = function(f"{kernel}_results", "ipppppp")
         return (self._block,)
 
     def _ambient_update(self, params: Table) -> Callable[[float], None]:
@@ -228,9 +226,13 @@ class BitFlow(Nozzle):
         around, block = self.moving_hole, self._block
         if around is None or not self.has_annulus or self.held_at is not None or not len(block.points):
             return
-        p, x = block.named, state.x[state.index_of(block)[0]]
         node = int(block.points[0])
-        depth = float(around.depth[node])
+        depth = around.depth.item(node)
+        if (
+            keep and depth == self._depth and self.growing is None
+        ):  # then nor has the direction of the hole changed
+            return
+        p, x = block.named, state.x[state.index_of(block)[0]]
         end, axis, distance = self._lower_end(x, depth, p["face"][0])
         if depth == self._depth and np.array_equal(axis, p["axis"][0]):
             return
@@ -326,18 +328,12 @@ class BitFlow(Nozzle):
     def element_results(self, state) -> FloatArray:
         """(7,) the columns of ``RESULTS``: lost power [W], flow [m3/s], kinetic and stored energy [J], content
         [m3] and potential [J] of the chamber, cuttings that enter it [m3/s at zero pressure]; this rank's; not to be changed."""
-        return state.evaluate_once(self._evaluate_results, state)
-
-    def _evaluate_results(self, state) -> FloatArray:
-        out = np.zeros((1, RESULTS.width))
-        if len(self._block.points):
-            n, _, *arguments = state.results_head(self._block)
-            self._results(n, *arguments, pointer(out))
-        return out[0]
+        block = self._block  # of one element at most, whose results are the sums
+        return state.results(block, f"{block.kernel}_results", RESULTS.width).sums
 
     def energies(self, t: float, state) -> Energies:
         results = self.element_results(state)
-        return Energies(*(float(results[RESULTS[name]]) for name in ("kinetic", "stored", "potential")))
+        return Energies(*(results.item(RESULTS[name]) for name in ("kinetic", "stored", "potential")))
 
     def powers(self, t: float, state) -> Powers:
         """Losses in the nozzles and of the jet, which comes to rest under the bit.

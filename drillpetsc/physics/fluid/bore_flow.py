@@ -12,12 +12,10 @@ from drillpetsc.arrays import FloatArray
 from drillpetsc.fem.component import ElementBlock, Powers
 from drillpetsc.fem.string_mesh import StringMesh
 from drillpetsc.kernels.parameters import Parameters, Table
-from drillpetsc.physics.fluid.channel_flow import RESULT_NAMES, ChannelFlow, FluidConstants
+from drillpetsc.physics.fluid.channel_flow import ChannelFlow, FluidConstants
 from drillpetsc.physics.fluid.channels import Bore
 from drillpetsc.physics.rigid_bodies import local_vertices
 from drillpetsc.time_function import TimeFunction
-
-_SPEED = RESULT_NAMES.index("speed")
 
 
 class BoreFlow(ChannelFlow):
@@ -124,10 +122,9 @@ class BoreFlow(ChannelFlow):
         return float(self.flow_rate.value(t)) if self.flow_rate is not None else self.upper_flow(state)
 
     def powers(self, t: float, state) -> Powers:
-        results = self.element_results(state)
         supplied, flow = 0.0, self.pumped(t, state)
         if flow is not None and self._top is not None:
-            speed = float(results[self._top[0].points[self._top[1]], _SPEED])
+            speed = self._speed_in_top(state)
             supplied = flow * (
                 float(self.fluid.enthalpy(self.upper_pressure(state)))
                 + 0.5 * self.fluid.density * (speed**2 - self._upper_speed(state) ** 2)
@@ -139,11 +136,11 @@ class BoreFlow(ChannelFlow):
         """Speed of the upper node [m/s], on the rank that has it: the mud arrives there without momentum from outside."""
         if self.held_at is not None:
             return 0.0
-        velocity = state.y[state.layout.dofs["string.position"][0]]
+        velocity = state.y.take(state.layout.dofs["string.position"][0])
         return sqrt(velocity.dot(velocity))
 
     def _upper_place(self, state) -> FloatArray:
         """(3,) position of the upper node [m], on the rank that has it."""
         if self.held_at is not None:
             return self.held_at[0]
-        return state.x[state.layout.dofs["string.position"][0]]
+        return state.x.take(state.layout.dofs["string.position"][0])

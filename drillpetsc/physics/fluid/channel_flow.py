@@ -7,13 +7,15 @@ from __future__ import annotations
 
 import ctypes
 from dataclasses import dataclass
+from math import expm1
 from typing import Any
 
 import numpy as np
 
 from drillpetsc.arrays import FloatArray
+from drillpetsc.fem.bound_parts import BlockResults
 from drillpetsc.fem.component import ElementBlock, Energies, Field, Powers
-from drillpetsc.kernels import function, pointer
+from drillpetsc.kernels import pointer
 from drillpetsc.kernels.parameters import Table, columns, structure
 from drillpetsc.physics.beam import JUNCTION_SLOTS, SLOTS
 from drillpetsc.physics.interfaces import Channel
@@ -21,7 +23,7 @@ from drillpetsc.physics.interfaces import Channel
 RESULT_NAMES = columns("flow_results").names
 ENERGIES = columns("flow_results").span("kinetic", "potential")  # in the order of ``Energies``
 _DISSIPATED, _LEFT_OUT = RESULT_NAMES.index("dissipated"), RESULT_NAMES.index("left_out")
-_STORAGE_UPPER = RESULT_NAMES.index("storage_upper")
+_STORAGE_UPPER, _SPEED = RESULT_NAMES.index("storage_upper"), RESULT_NAMES.index("speed")
 _Fluid = structure("fluid")  # Fluid of kernels/fluid/flow.hpp
 PRESSURE_SCALE, FLOW_SCALE = 1.0e7, 1.0e-2  # usual magnitudes [Pa], [m3/s]
 
@@ -63,7 +65,7 @@ class FluidConstants:
         It is int dp rho0/rho = K (1 - exp(-p/K)).
         """
         if isinstance(pressure, float):
-            return -self.bulk_modulus * float(np.expm1(-pressure / self.bulk_modulus))
+            return -self.bulk_modulus * expm1(-pressure / self.bulk_modulus)
         return -self.bulk_modulus * np.expm1(-np.asarray(pressure) / self.bulk_modulus)
 
 
@@ -111,7 +113,7 @@ class ChannelFlow(Channel):
         """
         m, own = self.mesh, self.own_slots()
         junction = m.below_junction
-        self._part, self._blocks, self._results = part, [], []
+        self._part, self._blocks = part, []
         below = junction[part.cells] if not self.held else np.zeros(len(part.cells), dtype=bool)
         for kind in (False, True):
             if kind and (self.held or not junction.any()):
@@ -132,7 +134,6 @@ class ChannelFlow(Channel):
             )
             block.keep = (self.fluid,)
             self._blocks.append(block)
-            self._results.append(function(f"{kernel}_results", "ipppppp"))
         top = [(b, i) for b in self._blocks for i in np.flatnonzero(part.cells[b.points] == 0)]
         self._top = top[0] if top else None  # block and row of the uppermost element, where this rank has it
         for b in self._blocks:
@@ -146,27 +147,24 @@ class ChannelFlow(Channel):
     def element_results(self, state) -> FloatArray:
         """(nc, 10) per local element: the columns of ``RESULT_NAMES`` (content: volume at zero pressure [m3]).
 
-        The array is not to be changed.
+        The array is not to be changed, nor kept: the next evaluation overwrites it.
         """
-        return state.evaluate_once(self._evaluate_results, state)
-
-    def _evaluate_results(self, state) -> FloatArray:
+        parts = [self._block_results(b, state).table for b in self._blocks]
+        if len(parts) == 1:  # all elements, in depth order
+            return parts[0]
         out = np.zeros((len(self._part.cells), len(RESULT_NAMES)))
-        for b, results in zip(self._blocks, self._results, strict=True):
-            n, _, *arguments = state.results_head(b)
-            if n:
-                part = out if n == len(out) else np.zeros((n, len(RESULT_NAMES)))
-                results(n, *arguments, pointer(part))
-                if part is not out:
-                    out[b.points] = part
+        for b, part in zip(self._blocks, parts, strict=True):
+            out[b.points] = part
         return out
+
+    def _block_results(self, block: ElementBlock, state) -> BlockResults:
+        return state.results(block, f"{block.kernel}_results", len(RESULT_NAMES))
 
     def totals(self, state) -> list[float]:
         """10 sums of ``element_results`` over the local elements."""
-        return state.evaluate_once(self._evaluate_totals, state)
-
-    def _evaluate_totals(self, state) -> list[float]:
-        return self.element_results(state).sum(axis=0).tolist()
+        first, *others = (self._block_results(b, state).sums for b in self._blocks)
+        total = first if not others else sum(others, first)
+        return total.tolist()
 
     def parameter(self, name: str) -> FloatArray:
         """Present values (nc, ...) of a parameter of the local elements, as the kernels' header names it."""
@@ -191,8 +189,8 @@ class ChannelFlow(Channel):
         if self._top is None:
             return None
         block, row = self._top
-        results = self.element_results(state)[int(block.points[row])]
-        return float(results[_STORAGE_UPPER] + state.x[state.index_of(block)[row, -1]])
+        storage = self._block_results(block, state).table.item(row, _STORAGE_UPPER)
+        return storage + state.x.item(state.index_of(block).item(row, -1))
 
     def flows(self, system) -> FloatArray:
         """Return the flow rates (nc,) in the local elements, towards the bit [m3/s]."""
@@ -205,7 +203,12 @@ class ChannelFlow(Channel):
             self._places = system.layout, np.ascontiguousarray(dofs)
         return np.asarray(system.assembly.x.take(self._places[1]))
 
+    def _speed_in_top(self, state) -> float:
+        """Speed of the flow in the uppermost element [m/s], on the rank with this end."""
+        block, row = self._top  # type: ignore[misc]
+        return float(self._block_results(block, state).table.item(row, _SPEED))
+
     def upper_pressure(self, state) -> float:
         """Return the pressure at the channel's upper end [Pa], on the rank with this end."""
         block, row = self._top  # type: ignore[misc]
-        return float(state.x[state.index_of(block)[row, -3]])
+        return float(state.x.item(state.index_of(block).item(row, -3)))

@@ -11,6 +11,7 @@ hole's true volume ``AHEAD`` further on.
 
 from __future__ import annotations
 
+import ctypes
 from collections.abc import Callable
 from dataclasses import dataclass
 
@@ -19,11 +20,18 @@ import numpy as np
 from drillpetsc.arrays import FloatArray
 from drillpetsc.fem.string_mesh import StringMesh
 from drillpetsc.geometry.well import Well
+from drillpetsc.kernels import function, pointer
 from drillpetsc.physics.fluid.channels import Annulus, AnnulusWalls, HoleVolume
 
+_moved_along = function("moved_along", "ipppdd", ctypes.c_int)
 REFRESH = 0.01  # motion of a node after which the hole is re-evaluated [m]; 3 deg/30 m turn the hole by 2e-5 over it
 AHEAD = 0.5  # [m], as long as the shortest transition of a hole between two diameters
 OTHER_SIZE = 0.01  # relative change of the hole's diameter after which added mass and damping are recomputed
+
+
+#: a node that has moved less than this along the hole, and less than the second in all, has not reached REFRESH: measured depth differs from
+#: the way along the tangent by its curvature times the squared way [m]
+SURELY_NEAR = 0.8 * REFRESH, 0.1
 
 
 @dataclass(frozen=True)
@@ -66,6 +74,8 @@ class MovingHole:
         self.mesh, self.walls, self.current_well, self.lateral = mesh, walls, current_well, lateral
         self._hole = HoleVolume(current_well())
         self._near: np.ndarray | None = None
+        #: hole, places (nv, 3) of the nodes' positions in the unknowns, position of each node at its depth and direction there (nv, 6)
+        self._from: tuple[Well, np.ndarray, FloatArray] | None = None
         self.depth = self.volume = self.area = self.ahead = np.zeros(0)
 
     @property
@@ -81,11 +91,29 @@ class MovingHole:
             self._hole = HoleVolume(well)
         return self._hole
 
-    def node_depths(self, state) -> FloatArray:
-        """Compute the measured depths (nv,) of the local vertices [m]."""
-        found = self.current_well().project(state.x[state.layout.dofs["string.position"]], self._near)
+    def follow(self, state, keep: bool) -> np.ndarray:
+        """Re-evaluate the hole at the local nodes that have moved; returns their mask (nv,).
+
+        keep: volumes change by the integral of the rates, as in ``update``.
+        """
+        if keep and self._stays(state):
+            return np.zeros(len(self.depth), dtype=bool)
+        well, places = self.current_well(), state.layout.dofs["string.position"]
+        position = state.x[places]
+        found = well.project(position, self._near)
         self._near = found.segment
-        return found.md
+        moved = self.update(found.md, keep)
+        at_depth = position - found.tangent * (found.md - self.depth)[:, None]
+        places = np.ascontiguousarray(places, dtype=np.int32)
+        self._from = well, places, np.hstack([at_depth, found.tangent])
+        return moved
+
+    def _stays(self, state) -> bool:
+        """Whether surely no local node has moved by REFRESH, which is found without a projection."""
+        if self._from is None or self._from[0] is not self.current_well():
+            return False
+        _, places, nodes = self._from
+        return not _moved_along(len(places), pointer(places), pointer(state.x), pointer(nodes), *SURELY_NEAR)
 
     def annulus(self, e: np.ndarray, ends: FloatArray) -> Annulus:
         """Create the annulus of the elements ``e`` (k,) whose nodes are at measured depths ``ends`` (k, 2) [m]."""
@@ -136,3 +164,4 @@ class MovingHole:
     def set_state(self, saved: FloatArray) -> None:
         """Continue from the result of ``get_state``."""
         self.depth, self.volume, self.area, self.ahead = np.array(saved.T)
+        self._from = None

@@ -4,14 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from drillpetsc.arrays import FloatArray
 from drillpetsc.fem.component import ElementBlock
-from drillpetsc.kernels import function, pointer
 from drillpetsc.kernels.parameters import Parameters
-from drillpetsc.physics.contact import RESULT_NAMES, RESULTS, Contact
+from drillpetsc.physics.contact import Contact
 from drillpetsc.physics.quaternion.beam import SLOTS
-
-_results = RESULTS | {"quaternion_contact": function("quaternion_contact_results", "ipppppp")}
 
 
 class QuaternionContact(Contact):
@@ -48,10 +44,3 @@ class QuaternionContact(Contact):
             )
         self._blocks += self._on_items(part)
         return tuple(self._blocks)
-
-    def _evaluate_blocks(self, state) -> list[FloatArray]:
-        tables = [np.zeros((len(b.points), len(RESULT_NAMES))) for b in self._blocks]
-        for b, out in zip(self._blocks, tables, strict=True):
-            n, _, *arguments = state.results_head(b)
-            _results[b.kernel](n, *arguments, pointer(out))
-        return tables

@@ -18,7 +18,6 @@ import numpy as np
 
 from drillpetsc.arrays import FloatArray
 from drillpetsc.fem.component import ElementBlock, Field
-from drillpetsc.kernels import function
 from drillpetsc.kernels.parameters import Parameters, Table
 from drillpetsc.physics.fluid.annulus_flow import AnnulusFlow
 from drillpetsc.physics.fluid.bit_flow import GAP_ROUNDING, RESULTS, BitFlow
@@ -379,7 +378,6 @@ class HermiteBit(BitFlow):
             update=update,
         )
         self._block.keep = (self.fluid,)
-        self._results = function(f"{kernel}_results", "ipppppp")
         return (self._block,)
 
     _moves_in_mud = False  # the kernel places the chamber's mud itself
