@@ -183,6 +183,7 @@ def _joint(joint: Joint, cell: int) -> StringJoint:
         joint.damping,
         joint.stroke,
         joint.stop_stiffness,
+        joint.seal_area,
     )
 
 
