@@ -27,6 +27,7 @@ from drillpetsc.analysis.modal import REPORTED_IMBALANCE, ZERO_FRACTION, referen
 from drillpetsc.analysis.placement import prescribed_motion
 from drillpetsc.analysis.transient import make_folder
 from drillpetsc.arrays import FloatArray
+from drillpetsc.case.blocks.formation import level_bottom
 from drillpetsc.case.case import Case
 from drillpetsc.case.checks.limits import refuse_quaternion
 from drillpetsc.errors import CaseError
@@ -119,7 +120,8 @@ def run_linearise(
     refuse_unknown("--inputs", inputs, list(given))
     with options.applied(case.petsc):
         disturbed = {key: DisturbedInput(given[key]) for key in inputs}
-        model = build_model(with_inputs(case, disturbed), comm)
+        level = case.model_copy(update={"formation": level_bottom(case.formation)})
+        model = build_model(with_inputs(level, disturbed), comm)
         model.case = case
         live = LiveOutputs(Recorder(model))
         units = {q.name: q.unit for q in live.described()}

@@ -32,6 +32,7 @@ from drillpetsc.analysis.time_scales import time_scales
 from drillpetsc.analysis.transient import make_folder
 from drillpetsc.analysis.unresolved_modes import unresolved_growth
 from drillpetsc.arrays import FloatArray
+from drillpetsc.case.blocks.formation import level_bottom
 from drillpetsc.case.case import Case
 from drillpetsc.case.checks.limits import refuse_quaternion
 from drillpetsc.errors import CaseError, DrillError
@@ -442,7 +443,8 @@ def run_modes(
             at="--shift", got=shift, want="a frequency in Hz, at least 0, and not together with --kind"
         )
     with options.applied(case.petsc):
-        model = build_model(without_motor(case) if without_control else case, comm)
+        level = case.model_copy(update={"formation": level_bottom(case.formation)})
+        model = build_model(without_motor(level) if without_control else level, comm)
         folder = make_folder(comm, name, out, False, overwrite)
         state = prepare_state(model, about)
         fields = FieldOutput(model).fields(0.0)

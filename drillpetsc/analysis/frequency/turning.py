@@ -13,6 +13,7 @@ from drillpetsc.analysis.live_input import LiveInput
 from drillpetsc.analysis.modal import rest_of, without_motor
 from drillpetsc.analysis.placement import move_rigidly, prescribed_motion, release
 from drillpetsc.case.blocks.ends import HeldBottom, HeldTop, TopDrive
+from drillpetsc.case.blocks.formation import level_bottom
 from drillpetsc.case.case import Case
 from drillpetsc.case.checks.limits import refuse_quaternion
 from drillpetsc.errors import CaseError
@@ -44,7 +45,7 @@ def turning_case(case: Case, command: str, without_control: bool = False) -> Cas
             at="bottom", got="clamped", want=f"a lower end that can turn with {command}",
             hint="pinned holds its position only",
         )  # fmt: skip
-    case = case.model_copy(update={"top": top})
+    case = case.model_copy(update={"top": top, "formation": level_bottom(case.formation)})
     case = without_motor(case) if without_control else case
     if case.top.torque is not None:
         raise CaseError(
