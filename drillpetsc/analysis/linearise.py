@@ -23,11 +23,11 @@ from drillpetsc.analysis.linear_model import (
     steady_state,
 )
 from drillpetsc.analysis.live_outputs import LiveOutputs
+from drillpetsc.analysis.mean_over_turn import mean_over_turn
 from drillpetsc.analysis.modal import REPORTED_IMBALANCE, ZERO_FRACTION, reference_rate, unbalanced_force
 from drillpetsc.analysis.placement import prescribed_motion
 from drillpetsc.analysis.transient import make_folder
 from drillpetsc.arrays import FloatArray
-from drillpetsc.case.blocks.formation import level_bottom
 from drillpetsc.case.case import Case
 from drillpetsc.case.checks.limits import refuse_quaternion
 from drillpetsc.errors import CaseError
@@ -120,8 +120,7 @@ def run_linearise(
     refuse_unknown("--inputs", inputs, list(given))
     with options.applied(case.petsc):
         disturbed = {key: DisturbedInput(given[key]) for key in inputs}
-        level = case.model_copy(update={"formation": level_bottom(case.formation)})
-        model = build_model(with_inputs(level, disturbed), comm)
+        model = build_model(with_inputs(mean_over_turn(case), disturbed), comm)
         model.case = case
         live = LiveOutputs(Recorder(model))
         units = {q.name: q.unit for q in live.described()}

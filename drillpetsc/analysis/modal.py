@@ -26,13 +26,13 @@ from drillpetsc.analysis.equilibrium import StaticState
 from drillpetsc.analysis.frequency.stokes import at_own_frequencies, frequency_dependent, stokes_numbers
 from drillpetsc.analysis.initial_state import find_equilibrium
 from drillpetsc.analysis.linearised_model import linearise_model
+from drillpetsc.analysis.mean_over_turn import mean_over_turn
 from drillpetsc.analysis.placement import move_rigidly, prescribed_motion, release
 from drillpetsc.analysis.steady_flow import release_flow
 from drillpetsc.analysis.time_scales import time_scales
 from drillpetsc.analysis.transient import make_folder
 from drillpetsc.analysis.unresolved_modes import unresolved_growth
 from drillpetsc.arrays import FloatArray
-from drillpetsc.case.blocks.formation import level_bottom
 from drillpetsc.case.case import Case
 from drillpetsc.case.checks.limits import refuse_quaternion
 from drillpetsc.errors import CaseError, DrillError
@@ -443,8 +443,8 @@ def run_modes(
             at="--shift", got=shift, want="a frequency in Hz, at least 0, and not together with --kind"
         )
     with options.applied(case.petsc):
-        level = case.model_copy(update={"formation": level_bottom(case.formation)})
-        model = build_model(without_motor(level) if without_control else level, comm)
+        mean = mean_over_turn(case)
+        model = build_model(without_motor(mean) if without_control else mean, comm)
         folder = make_folder(comm, name, out, False, overwrite)
         state = prepare_state(model, about)
         fields = FieldOutput(model).fields(0.0)
