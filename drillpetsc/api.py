@@ -28,6 +28,7 @@ from drillpetsc.case.items import (
     DrillCollar,
     DrillPipe,
     Pipe,
+    RotarySteerable,
     Stabilizer,
 )
 from drillpetsc.parallel import initialise_petsc
@@ -49,6 +50,7 @@ __all__ = [
     "DrillPipe",
     "HWDP",
     "Pipe",
+    "RotarySteerable",
     "Stabilizer",
     "calibrate",
     "campbell",

@@ -83,7 +83,10 @@ def _cutting(formation: Formation | None) -> str:
     span = least if least == most else f"{least} to {most}"
     count = len(formation.layers)
     layers = f", {count} layer{'s' if count > 1 else ''}" if count else ""
-    return f"bit cutting rock (law {formation.bit_law.kind}, drillability {span} m/(s N){layers})"
+    law = formation.bit_law
+    lobes = ", ".join(f"{q.order:g} lobes of {1e3 * q.amplitude:.3g} mm" for q in law.orders)
+    kind = law.kind + (f" on {law.torque_law.kind}: {lobes}" if lobes else "")
+    return f"bit cutting rock (law {kind}, drillability {span} m/(s N){layers})"
 
 
 def _chosen_lengths(case: Case, model: DrillingModel) -> list[str]:

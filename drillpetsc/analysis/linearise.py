@@ -23,6 +23,7 @@ from drillpetsc.analysis.linear_model import (
     steady_state,
 )
 from drillpetsc.analysis.live_outputs import LiveOutputs
+from drillpetsc.analysis.mean_over_turn import mean_over_turn
 from drillpetsc.analysis.modal import REPORTED_IMBALANCE, ZERO_FRACTION, reference_rate, unbalanced_force
 from drillpetsc.analysis.placement import prescribed_motion
 from drillpetsc.analysis.transient import make_folder
@@ -119,7 +120,7 @@ def run_linearise(
     refuse_unknown("--inputs", inputs, list(given))
     with options.applied(case.petsc):
         disturbed = {key: DisturbedInput(given[key]) for key in inputs}
-        model = build_model(with_inputs(case, disturbed), comm)
+        model = build_model(with_inputs(mean_over_turn(case), disturbed), comm)
         model.case = case
         live = LiveOutputs(Recorder(model))
         units = {q.name: q.unit for q in live.described()}

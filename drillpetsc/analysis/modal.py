@@ -26,6 +26,7 @@ from drillpetsc.analysis.equilibrium import StaticState
 from drillpetsc.analysis.frequency.stokes import at_own_frequencies, frequency_dependent, stokes_numbers
 from drillpetsc.analysis.initial_state import find_equilibrium
 from drillpetsc.analysis.linearised_model import linearise_model
+from drillpetsc.analysis.mean_over_turn import mean_over_turn
 from drillpetsc.analysis.placement import move_rigidly, prescribed_motion, release
 from drillpetsc.analysis.steady_flow import release_flow
 from drillpetsc.analysis.time_scales import time_scales
@@ -442,7 +443,8 @@ def run_modes(
             at="--shift", got=shift, want="a frequency in Hz, at least 0, and not together with --kind"
         )
     with options.applied(case.petsc):
-        model = build_model(without_motor(case) if without_control else case, comm)
+        mean = mean_over_turn(case)
+        model = build_model(without_motor(mean) if without_control else mean, comm)
         folder = make_folder(comm, name, out, False, overwrite)
         state = prepare_state(model, about)
         fields = FieldOutput(model).fields(0.0)

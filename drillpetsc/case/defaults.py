@@ -59,7 +59,12 @@ def fill_case_defaults(case: CaseBlocks) -> None:
 def _with_defaults(item: Item, material: Material) -> Item:
     """A copy of the item with its material and, if it is rigid, its mass and inertia."""
     if isinstance(item, Tube):
-        return item.model_copy(update={"material": overlaid(material, item.material)})
+        own = overlaid(material, item.material)
+        mass = getattr(item, "mass", None)  # that of a tool
+        if mass is not None:
+            volume = math.pi / 4 * (item.od**2 - item.id**2) * item.length
+            own = own.model_copy(update={"density": mass / volume})
+        return item.model_copy(update={"material": own})
     if isinstance(item, Beam):
         return item.model_copy(update={"damping": overlaid(material.damping, item.damping)})
     if isinstance(item, Rigid):

@@ -90,6 +90,12 @@ class _Casing(_Tubular, total=False):
     nominal_weight: Value
 
 
+class _RotarySteerable(_Pipe, total=False):
+    rss: Keys
+    joint_at: Value
+    mass: Value
+
+
 class _Rigid(_Any, total=False):
     length: Value
     od: Value
@@ -283,8 +289,29 @@ class Bit(StringItem):
         self._fill(keys)
 
 
+class RotarySteerable(StringItem):
+    """A rotary steerable tool: `RotarySteerable(length="9 m", od="172 mm", rss={"kind": "point", "tilt": "0.6 deg"})`."""
+
+    kind, key_types, required = "rss", _RotarySteerable, ("length", "od", "rss")
+
+    def __init__(self, **keys: Unpack[_RotarySteerable]) -> None:
+        self._fill(keys)
+
+
 #: kind of a string item -> its class
 ITEMS = {
     item.kind: item
-    for item in (Pipe, Beam, DrillPipe, HWDP, DrillCollar, Casing, CoiledTubing, Stabilizer, Body, Bit)
+    for item in (
+        Pipe,
+        Beam,
+        DrillPipe,
+        HWDP,
+        DrillCollar,
+        Casing,
+        CoiledTubing,
+        Stabilizer,
+        Body,
+        Bit,
+        RotarySteerable,
+    )
 }

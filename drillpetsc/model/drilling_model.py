@@ -22,6 +22,7 @@ from drillpetsc.model.hole import build_well, hole_depth
 from drillpetsc.model.mesh import build_mesh, curvature_by_tool_face
 from drillpetsc.model.quaternion import quaternion_components
 from drillpetsc.model.rock_bit import build_rock_bit
+from drillpetsc.model.steering import build_steering
 from drillpetsc.model.top_drive import build_drive
 from drillpetsc.physics import interfaces
 from drillpetsc.physics.beam import AncfBeam
@@ -52,6 +53,7 @@ class DrillingModel:
     system: the discrete system.
     fluid: components of the drilling fluid, None in a dry model.
     hoist: block and drum above the top, None where absent.
+    steering: rotary steerable tool, None where absent.
     """
 
     case: Case
@@ -69,6 +71,7 @@ class DrillingModel:
     system: DiscreteSystem
     fluid: FluidComponents | None = None
     hoist: interfaces.Hoist | None = None
+    steering: interfaces.SteeringTool | None = None
 
     @property
     def effective_mass(self) -> FloatArray:
@@ -122,7 +125,7 @@ def build_model(
     top: interfaces.Top | None = None
     drive: interfaces.Drive | None = None
     hoist: interfaces.Hoist | None = None
-    contact, bit = None, None
+    contact, bit, steering = None, None, None
     components: list = []
     if case.beam.formulation == "quaternion":
         breaks = tuple(b for q in case.loads for b in q.value_over.breaks()) + _top_breaks(case)
@@ -143,6 +146,8 @@ def build_model(
         if mesh.bodies or mesh.eccentricity.any():
             components.append(RigidBodies(mesh, frames, np.array(case.gravity, dtype=float)))
         components += [bit] if bit is not None else []
+        steering = build_steering(case, mesh, well, frames, tangent)
+        components += [steering] if steering is not None else []
     elif not case.hold_string:
         gravity = np.array(case.gravity, dtype=float)
         contact, bit = _contact(case, mesh, well), _bit(case, mesh, well)
@@ -158,7 +163,8 @@ def build_model(
         if loads:
             breaks = tuple(b for q in case.loads for b in q.value_over.breaks())
             components.append(Loads(loads, frames, breaks + _top_breaks(case)))
-        components += [r for r in (contact, bit) if r is not None]
+        steering = build_steering(case, mesh, well, frames, tangent)
+        components += [r for r in (contact, bit, steering) if r is not None]
     fluid = build_fluid(case, mesh, well, position, tangent, bit.hole if bit is not None else None)
     components += fluid.components if fluid is not None else ()
     system = DiscreteSystem(mesh, frames, components, comm)
@@ -179,6 +185,7 @@ def build_model(
         system,
         fluid,
         hoist,
+        steering,
     )
     if hoist is not None:
         connect_sensors(hoist, drive, bit, fluid)

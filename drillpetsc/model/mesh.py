@@ -15,8 +15,9 @@ from drillpetsc.arrays import FloatArray
 from drillpetsc.case.blocks.ends import PointLoad
 from drillpetsc.case.blocks.joints import Joint
 from drillpetsc.case.blocks.settings import STARTS
+from drillpetsc.case.blocks.steering import PushSteering, RotarySteerable
 from drillpetsc.case.blocks.string import Beam as BeamItem
-from drillpetsc.case.blocks.string import Bend, Flexible, Item, Pipe, Rigid, Stabilizer
+from drillpetsc.case.blocks.string import Bend, Flexible, Item, Rigid, Stabilizer, Tube
 from drillpetsc.case.blocks.tubulars import Tubular
 from drillpetsc.case.case import Case
 from drillpetsc.case.checks.limits import element_count
@@ -204,6 +205,14 @@ def _kink_zone(item: Flexible, top: float, bottom: float) -> tuple[float, float]
     return upper, min(upper + BEND_LENGTH, bottom)
 
 
+def steering_zone(item: RotarySteerable, top: float, bottom: float) -> tuple[float, ...]:
+    """Depth of the pads [m]; or the depths between which the tilt of a shaft is distributed, like a kink."""
+    if isinstance(item.rss, PushSteering):
+        return (bottom - item.place,)
+    upper = min(max(bottom - item.place - 0.5 * BEND_LENGTH, top), max(bottom - BEND_LENGTH, top))
+    return upper, min(upper + BEND_LENGTH, bottom)
+
+
 def _bent_after(items: Iterable[Item]) -> bool:
     """Whether one of the rigid items at the beginning of ``items`` has a bend."""
     return any(_bend_of(q) for q in takewhile(lambda q: isinstance(q, Rigid), items))
@@ -229,6 +238,8 @@ def _edges(case: Case, number: int, item: Flexible, top: float, bottom: float) -
         if isinstance(load, PointLoad) and top < load.at < bottom:
             extra.append(load.at)
     extra += [joint.at for joint in case.joints if top < joint.at < bottom]
+    if isinstance(item, RotarySteerable):
+        extra += [at for at in steering_zone(item, top, bottom) if top < at < bottom]
     # a depth at an existing element end adds no node; elements may be as short as the case gives them
     for at in extra:
         k = bisect_left(edges, at)
@@ -252,14 +263,14 @@ def _with_sections(rows: list) -> list:
 
 def _section(item: Flexible) -> dict[str, float]:
     """Section values of a flexible item, in the units of ``StringMesh``."""
-    if isinstance(item, Pipe):
-        m = item.material
-        values = tube(item.od, item.id, m.young, m.poisson, m.density)
-        damping = m.damping
-    elif isinstance(item, Tubular):
+    if isinstance(item, Tubular):
         section = tubular_section(item)
         values = {key: getattr(section, key) for key in (*STIFFNESS_AND_MASS, *OF_TUBULARS)}
         damping = item.material.damping
+    elif isinstance(item, Tube):
+        m = item.material
+        values = tube(item.od, item.id, m.young, m.poisson, m.density)
+        damping = m.damping
     else:
         assert isinstance(item, BeamItem)
         values = {k: getattr(item, k) for k in STIFFNESS_AND_MASS}

@@ -11,7 +11,16 @@ from drillpetsc.fem.string_mesh import StringMesh
 from drillpetsc.geometry.growing_hole import GrowingHole
 from drillpetsc.geometry.well import Well
 from drillpetsc.physics.contact import damping_factor
-from drillpetsc.physics.rock_bit import BitContact, BitShape, DragBit, Layer, Rock, RockBit, Weakening
+from drillpetsc.physics.rock_bit import (
+    BitContact,
+    BitShape,
+    DragBit,
+    Layer,
+    PatternOrder,
+    Rock,
+    RockBit,
+    Weakening,
+)
 
 
 def build_rock_bit(case: Case, mesh: StringMesh, well: Well) -> RockBit:
@@ -43,7 +52,9 @@ def build_rock_bit(case: Case, mesh: StringMesh, well: Well) -> RockBit:
         formation.growth == "post_step",
     )
     inertia = case.time is None or case.time.mode == "dynamic"  # a bit without inertia cuts steadily
-    return RockBit(mesh.nodes - 1, shape, contact, _law(formation.bit_law, radius), rock, hole, inertia)
+    law = formation.bit_law
+    pattern = tuple(PatternOrder(q.order, q.amplitude, q.phase) for q in law.orders)
+    return RockBit(mesh.nodes - 1, shape, contact, _law(law.torque_law, radius), rock, hole, inertia, pattern)
 
 
 def _law(law, radius: float) -> DragBit | Weakening | None:

@@ -155,4 +155,10 @@ def curvatures(model: DrillingModel, moment: FloatArray) -> FloatArray:
             d2, d3 = directors(model.frames, chain.vertices[node], v[node], phi[node, 0])
             out[:, end] += mesh.curvature[e][:, :1] * d2 + mesh.curvature[e][:, 1:] * d3
         out[mesh.is_joint[e]] = 0.0
+    if model.steering is not None:
+        cells, towards = model.steering.stress_free_curvature()
+        slope = model.system.field("string.tangent")[chain.ends[cells]]
+        tangent = slope / np.linalg.norm(slope, axis=2, keepdims=True)
+        for end in (0, 1):
+            out[cells, end] += cross(tangent[:, end], towards)
     return out

@@ -265,6 +265,25 @@ class Hoist(Component):
         """Put the set point of the weight at what is measured, inside the limits, for the modes."""
 
 
+class SteeringTool(Component):
+    """A rotary steerable tool."""
+
+    @abstractmethod
+    def share(self, t: float) -> float:
+        """Commanded share of force or tilt [-] at the time ``t`` [s] on the rank with the tool, 0 elsewhere."""
+
+    @abstractmethod
+    def tool_face(self, t: float) -> float:
+        """Commanded tool face [rad] at the time ``t`` [s] on the rank with the tool, 0 elsewhere."""
+
+    def stress_free_curvature(self) -> tuple[IntArray, FloatArray]:
+        """Local elements (k,) that it bends without stress, and their curvature towards the tool face (k, 3) [1/m].
+
+        Of the last evaluation; empty for pads.
+        """
+        return np.zeros(0, dtype=np.int32), np.zeros((0, 3))
+
+
 class JointSet(Component):
     """All joints of the string."""
 

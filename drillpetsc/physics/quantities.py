@@ -63,6 +63,46 @@ BIT: tuple[Quantity, ...] = (
 )
 
 
+# ---------------------------------------------------------------------- rotary steerable tool
+_STEERING_TOOL_FACE = Quantity(
+    "steering_tool_face",
+    "rad",
+    on="scalar",
+    label="Commanded tool face",
+    mnemonic="TFST",
+    sign="clockwise from the high side looking down the hole; from north below 5 deg of inclination",
+    doc="Direction in which the steerable tool steers.",
+    mean=False,
+    value=lambda tool, sample: tool.tool_face(sample.time),
+)
+STEERING_PUSH: tuple[Quantity, ...] = (
+    Quantity(
+        "steering_force",
+        "N",
+        on="scalar",
+        label="Steering force",
+        mnemonic="STFO",
+        sign="not negative, towards the tool face",
+        doc="Commanded force of the pads on the string, its mean over a turn.",
+        value=lambda tool, sample: tool.force * tool.share(sample.time),
+    ),
+    _STEERING_TOOL_FACE,
+)
+STEERING_POINT: tuple[Quantity, ...] = (
+    Quantity(
+        "steering_tilt",
+        "rad",
+        on="scalar",
+        label="Tilt of the shaft",
+        mnemonic="STTI",
+        sign="not negative, towards the tool face",
+        doc="Commanded tilt of the shaft of the steerable tool.",
+        value=lambda tool, sample: tool.tilt * tool.share(sample.time),
+    ),
+    _STEERING_TOOL_FACE,
+)
+
+
 # ---------------------------------------------------------------------- joints
 def _of_joints(name: str, joints: Any, sample: Sample) -> FloatArray:
     return np.asarray(sample.once(joints.element_results)[:, joints.RESULTS.index(name)])

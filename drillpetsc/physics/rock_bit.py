@@ -26,6 +26,7 @@ from drillpetsc.physics.rigid_bodies import VERTEX_SLOTS, local_vertices
 from drillpetsc.physics.roots import bracketed_root
 
 _results = function("bit_rock_results", "ipppppp")
+_pattern_results = function("bit_rock_pattern_results", "pppppp")
 _rate = function("rock_rate", "pppddp")
 
 _Law = structure("bit_law")  # BitLaw of kernels/bit/bit.hpp
@@ -95,6 +96,18 @@ class Weakening:
     dynamic: float
     speed: float
     by_weight: bool = False
+
+
+@dataclass(frozen=True)
+class PatternOrder:
+    """A wave of the bottom's surface that the bit climbs as it turns (manual: eq-bit-pattern).
+
+    order: waves per turn [-]; amplitude [m]; phase [rad], at the start.
+    """
+
+    order: float
+    amplitude: float
+    phase: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -182,6 +195,7 @@ class RockBit(Bit):
     node: of the bit; shape, contact: of the bit; law: of its torque, None: friction; rock: the formation.
     hole: the growing hole.
     inertia: the string has inertia; without it a drag bit cuts steadily and has no profile.
+    pattern: of the bottom under a roller cone, empty: a plane bottom.  Not for a drag bit.
     """
 
     name = "bit"
@@ -198,7 +212,9 @@ class RockBit(Bit):
         rock: Rock,
         hole: GrowingHole,
         inertia: bool = True,
+        pattern: tuple[PatternOrder, ...] = (),
     ):
+        self.pattern = pattern
         self.stiffness = contact.stiffness
         self.node, self.shape, self.contact, self.law, self.rock, self.hole = (
             node,
@@ -209,6 +225,10 @@ class RockBit(Bit):
             hole,
         )
         self.profiled = isinstance(law, DragBit) and inertia
+        if pattern:
+            assert not isinstance(law, DragBit)
+            self.update_size = 7  # and the angle from which the pattern counts
+        self._zero_angle = 0.0
         self._made = self._law_record()
         self._time = self._accepted = 0.0
         self._end = np.zeros(
@@ -241,6 +261,14 @@ class RockBit(Bit):
             rest=1e-4,
             kind=KINDS["rop"],
         )
+        if self.pattern:
+            names = columns("bit_order").names
+            self._orders = Table(
+                columns("bit_order"),
+                len(self.pattern),
+                **{name: [getattr(q, name) for q in self.pattern] for name in names},
+            ).array
+            r.orders, r.order_count = pointer(self._orders), len(self._orders)
         self._torque = 0.0, self.contact.friction * a * 2 / 3
         if isinstance(law, DragBit):
             r.kind, r.blades = KINDS["drag_bit"], law.blades
@@ -325,10 +353,12 @@ class RockBit(Bit):
             torque1=0.0,
             held=self.rock.post_step,
             hold=0.0,
+            angle=0.0,
         )
+        kernel = "bit_rock_profile" if self.profiled else "bit_rock_pattern" if self.pattern else "bit_rock"
         self._block = ElementBlock(
             "bit_rock",
-            "bit_rock_profile" if self.profiled else "bit_rock",
+            kernel,
             "vertex",
             vertices,
             slots,
@@ -431,12 +461,16 @@ class RockBit(Bit):
 
         The profile of a drag bit is set to carry the weight on bit: steady cutting if the bit turns, else a
         flat indentation.
+
+        The pattern of a roller cone counts from the present angle.
         """
         if not self._mine:
             return
         i = state.index_of(self._block)[0]
         if self.profiled:
             self._indent(state, i)
+        if self.pattern:
+            self.params["angle"] = self._zero_angle = float(state.x[i[6]])
         rate = self.element_results(state)[RESULTS["velocity"]]
         state.y[i[7:10]], state.y[i[10]] = rate, np.linalg.norm(rate)
 
@@ -452,23 +486,28 @@ class RockBit(Bit):
 
     # ------------------------------------------------------------------ growth
     def local_update(self, state) -> FloatArray:
-        """Return (6,) after an accepted step, zero without the bit.
+        """Return (6,) after an accepted step, zero without the bit; (7,) with a pattern.
 
-        Displacement of the end (3) [m] and length drilled since the start [m], time [s], number of bits.
+        Displacement of the end (3) [m] and length drilled since the start [m], time [s], number of bits, angle
+        from which the pattern counts [rad].
         With ``post_step`` the end is moved in this call.
         """
-        now = np.zeros(6)
+        now = np.zeros(self.update_size)
         if self._mine:
             if self.rock.post_step:
                 self._move(state)
             i = state.index_of(self._block)[0]
             now[:4] = self.params["hold"][0] if self.rock.post_step else state.x[i[7:11]]
-            now[4:] = self._time, 1.0
+            now[4:6] = self._time, 1.0
+            if self.pattern:
+                now[6] = self.params["angle"][0]
         return now
 
     def apply_update(self, total: FloatArray) -> None:
         """Store the sum of ``local_update`` over all ranks; the wall follows the end."""
         self._end, self._accepted = total[:4].copy(), float(total[4])
+        if self.pattern:
+            self._zero_angle = float(total[6])
         if self.hole.follow(total[3], self.hole.start_point + total[:3]):
             self._follow()
 
@@ -485,7 +524,8 @@ class RockBit(Bit):
 
     def get_state(self) -> dict[str, FloatArray]:
         """History variables for a checkpoint, the same on all ranks; those of the hole included."""
-        return {"hold": self._end, "accepted": np.array([self._accepted])} | self.hole.get_state()
+        angle = {"pattern_angle": np.array([self._zero_angle])} if self.pattern else {}
+        return {"hold": self._end, "accepted": np.array([self._accepted])} | angle | self.hole.get_state()
 
     def set_state(self, saved: dict[str, FloatArray]) -> None:
         """Continue from the history variables of a checkpoint."""
@@ -493,6 +533,8 @@ class RockBit(Bit):
         self.params["hold"] = self._end = np.array(saved["hold"])
         self.params["end"] = saved["first"]
         self._accepted = self._time = float(saved["accepted"][0])
+        if self.pattern:
+            self.params["angle"] = self._zero_angle = float(saved["pattern_angle"][0])
         self._follow()
 
     def contact_signature(self) -> int:
@@ -509,8 +551,7 @@ class RockBit(Bit):
     def _evaluate_results(self, state) -> FloatArray:
         out = np.zeros(RESULTS.width)
         if self._mine:
-            _results(
-                int(self.profiled),
+            given = (
                 pointer(state.index_of(self._block)),
                 pointer(self.params.array),
                 ctypes.addressof(self._made),
@@ -518,6 +559,10 @@ class RockBit(Bit):
                 pointer(state.y),
                 pointer(out),
             )
+            if self.pattern:
+                _pattern_results(*given)
+            else:
+                _results(int(self.profiled), *given)
         return out
 
     def weight_and_torque(self, state) -> tuple[float, float]:

@@ -18,6 +18,7 @@ from drillpetsc.physics.rock_bit import (
     BitShape,
     DragBit,
     Layer,
+    PatternOrder,
     Rock,
     RockBit,
     Weakening,
@@ -36,6 +37,10 @@ KINDS = [
     "drag_backwards",
     "weakening",
     "weakening_byweight",
+    "cone",
+    "cone_loose",
+    "cone_weakening",
+    "cone_statics",
     "rop_poststep",
     "drag_statics",
     "rop_statics",
@@ -60,9 +65,10 @@ def bit(kind: str, hole: GrowingHole) -> RockBit:
     law = {
         "drag": DragBit(3, 2e3, 0.6, 400.0, 0.05, 0.5),
         "weakening": Weakening(0.8, 0.3, 2.0, "byweight" in words),
-    }.get(words[0])
+    }.get(words[-1] if "cone" in words else words[0])
+    lobes = (PatternOrder(3.0, 0.03, 0.4), PatternOrder(1.7, 0.02)) if "cone" in words else ()
     contact = BitContact(800.0, 500.0, 0.4, 0.3, 0.5, 0.0 if "statics" in words or "quasi" in words else 0.2)
-    return RockBit(4, BitShape(0.3, 0.2, 0.15), contact, law, rock, hole, inertia="quasi" not in words)
+    return RockBit(4, BitShape(0.3, 0.2, 0.15), contact, law, rock, hole, "quasi" not in words, lobes)
 
 
 def build(kind: str, seed: int = 7) -> tuple[DiscreteSystem, RockBit]:
@@ -108,6 +114,8 @@ def build(kind: str, seed: int = 7) -> tuple[DiscreteSystem, RockBit]:
     ):
         if word in kind:
             impose(0.2, 3.0, 0.7)
+    if "cone" in kind:
+        component.params["angle"] = 0.6
     return system, component
 
 

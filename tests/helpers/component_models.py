@@ -20,6 +20,7 @@ from drillpetsc.physics.hoist import HoistedTop, HoistLine
 from drillpetsc.physics.hoisting import Autodriller, Heave, Hoisting, Line, Loop
 from drillpetsc.physics.precurvature import Precurvature
 from drillpetsc.physics.rigid_bodies import RigidBodies
+from drillpetsc.physics.tools.steering import PointTool, PushTool, Steer
 from drillpetsc.physics.top_drive import RESULTS, STATES, MotorDrive
 from drillpetsc.time_function import Constant, Ramp
 
@@ -145,6 +146,12 @@ def build(kind: str, seed: int = 3) -> DiscreteSystem:
         components.append(motor_drive(kind))
     if "topdrive" in kind:
         components.append(TopDrive(position[0], tangents[0], Ramp(1.0, 2.0), Constant(0.3)))
+    steer = Steer(Ramp(1.0, 0.9), Ramp(2.0, 2.0))
+    if "pads" in kind:
+        components.append(PushTool(steer, 2, tangents[2], None, 5.0, "turning" in kind, frames))
+    if "tilt" in kind:
+        cells = np.array([1, 2])
+        components.append(PointTool(steer, tangents[1], None, 0.7, cells, np.array([0.4, 0.6]), mesh))
     if "clamped" in kind:
         components.append(FixedEnd(4, "clamped", position[4], tangents[4]))
     if "contact" in kind:
@@ -186,6 +193,8 @@ def build(kind: str, seed: int = 3) -> DiscreteSystem:
         here = system.layout.dofs["string.tangent"][0]
         asm.x[here] = 1.1 * curved_tangents(1)[0]
         asm.v0[here] = -SHIFT * asm.x[here]
+    if "turning" in kind:
+        components[-1].release_sliding_direction()
     if "held" in kind:
         components[-1].hold()
         components[-1].params["held"] = 3.0  # of the size of the other stiffnesses
@@ -231,6 +240,9 @@ KINDS = [
     "hoist_wob_sample",
     "hoist_wob_upper",
     "hoist_wob_lower",
+    "pads",
+    "pads_turning",
+    "tilt",
     "topdrive",
     "clamped",
     "contact",

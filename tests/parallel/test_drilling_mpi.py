@@ -20,6 +20,11 @@ FORMATIONS = {
         "bit_law": {"kind": "drag_bit", "specific_energy": 3e6, "contact_stress": 3e6},
         "node_spacing": 0.005,
     },
+    "roller_cone": {
+        "drillability": 2e-6,
+        "bit_law": {"kind": "roller_cone", "lobes": 2, "amplitude": 1e-4, "phase": 0.7},
+        "node_spacing": 0.005,
+    },
     "post_step": {"drillability": 2e-6, "growth": "post_step", "node_spacing": 0.005},
 }
 

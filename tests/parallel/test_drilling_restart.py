@@ -55,6 +55,14 @@ RUNS = {
             "bit_law": {"kind": "velocity_weakening", "static": 900, "dynamic": 500, "speed": 1},
         },
     ),
+    "lobes": (
+        MOTION,
+        {
+            "drillability": 2e-6,
+            "bit_law": {"kind": "roller_cone", "amplitude": 2e-4, "phase": 0.7},
+            "node_spacing": 0.002,
+        },
+    ),
     "moved after steps": (MOTION, {"drillability": 2e-6, "growth": "post_step", "node_spacing": 0.002}),
 }
 

@@ -313,9 +313,10 @@ def run_campbell(
 
 
 def default_lines(case: Case) -> tuple[float, ...]:
-    """Once, twice and three times per turn, and the blades of a drag bit."""
+    """Once, twice and three times per turn, the blades of a drag bit, and the lobes under a roller cone."""
     law = case.formation.bit_law if case.formation is not None else None
-    blades = (float(law.blades),) if isinstance(law, DragBit) else ()
+    blades: tuple[float, ...] = (float(law.blades),) if isinstance(law, DragBit) else ()
+    blades += tuple(q.order for q in law.orders) if law is not None else ()
     return tuple(sorted({*DEFAULT_LINES, *blades}))
 
 

@@ -10,6 +10,7 @@ from drillpetsc.analysis.energy_descent import Snapshot
 from drillpetsc.analysis.equilibrium import StaticState
 from drillpetsc.analysis.initial_state import find_equilibrium
 from drillpetsc.analysis.live_input import LiveInput
+from drillpetsc.analysis.mean_over_turn import mean_over_turn
 from drillpetsc.analysis.modal import rest_of, without_motor
 from drillpetsc.analysis.placement import move_rigidly, prescribed_motion, release
 from drillpetsc.case.blocks.ends import HeldBottom, HeldTop, TopDrive
@@ -44,7 +45,7 @@ def turning_case(case: Case, command: str, without_control: bool = False) -> Cas
             at="bottom", got="clamped", want=f"a lower end that can turn with {command}",
             hint="pinned holds its position only",
         )  # fmt: skip
-    case = case.model_copy(update={"top": top})
+    case = mean_over_turn(case.model_copy(update={"top": top}))
     case = without_motor(case) if without_control else case
     if case.top.torque is not None:
         raise CaseError(

@@ -26,6 +26,7 @@ from drillpetsc.case.blocks.joints import Joint
 from drillpetsc.case.blocks.rig import STANDARD_GRAVITY, Rig
 from drillpetsc.case.blocks.roadmap import Roadmap
 from drillpetsc.case.blocks.settings import BeamTheory, Initial, MeshSettings, Output, Time
+from drillpetsc.case.blocks.steering import RotarySteerable
 from drillpetsc.case.blocks.string import Flexible, Material
 from drillpetsc.case.blocks.tubulars import StringItem
 from drillpetsc.case.blocks.well import Well
@@ -155,6 +156,15 @@ class CaseBlocks(Block):
     def string_length(self) -> float:
         """Length of the string [m]."""
         return self.item_depths[-1][1]
+
+    @property
+    def steering_depths(self) -> dict[int, float]:
+        """Measured depths of pads or tilts [m] by the numbers of their items."""
+        return {
+            number: below - item.place
+            for number, (item, (_, below)) in enumerate(zip(self.string, self.item_depths, strict=True))
+            if isinstance(item, RotarySteerable)
+        }
 
     @property
     def has_bore(self) -> bool:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import Annotated, Literal
+from typing import TYPE_CHECKING, Annotated, Literal
 
 from pydantic import BeforeValidator, Discriminator, Field, Tag, model_validator
 
@@ -85,14 +85,45 @@ class Layer(Block):
     threshold: Threshold = derived_default(_THRESHOLD)
 
 
-class RopLaw(Block):
+class PatternOrder(Block):
+    """A wave of the bottom's surface under a roller cone."""
+
+    order: Annotated[float, Quantity("", above=0, at_most=100)] = Field(
+        description="waves per turn of the bit"
+    )
+    amplitude: Annotated[float, Quantity("m", at_least=0, at_most=0.1, kind="diameter")] = Field(
+        description="half the height from valley to crest"
+    )
+    phase: Annotated[float, Quantity("rad", at_least=-2 * math.pi, at_most=2 * math.pi)] = Field(
+        default=0.0, description="phase at the start: at 0 the bit stands half-way up, at 90 deg on a crest"
+    )
+
+
+class AnyLaw(Block):
+    """What all laws of the bit have."""
+
+    if TYPE_CHECKING:
+        kind: str
+
+    @property
+    def orders(self) -> tuple[PatternOrder, ...]:
+        """Waves of the bottom's surface; empty for a plane bottom."""
+        return ()
+
+    @property
+    def torque_law(self) -> AnyLaw:
+        """The law on a plane bottom."""
+        return self
+
+
+class RopLaw(AnyLaw):
     """Rate of penetration from force and rotation speed. The torque comes from friction (bottom.friction)."""
 
     kind: Literal["rop"] = Field(description="rate of penetration from force and rotation speed")
     stiffness: Stiffness = Field(default=None, description=_STIFFNESS)
 
 
-class DragBit(Block):
+class DragBit(AnyLaw):
     """Blades that cut and rub (Detournay and Defourny). Each blade cuts in the groove left by the one before."""
 
     kind: Literal["drag_bit"] = Field(description="blades that cut and rub")
@@ -117,7 +148,7 @@ class DragBit(Block):
     stiffness: Stiffness = Field(default=None, description=_STIFFNESS)
 
 
-class VelocityWeakening(Block):
+class VelocityWeakening(AnyLaw):
     """A torque that falls from a static to a dynamic value with the rotation speed, a cause of stick-slip."""
 
     kind: Literal["velocity_weakening"] = Field(description="torque that falls with the rotation speed")
@@ -160,15 +191,79 @@ class VelocityWeakening(Block):
         return self
 
 
-_law, _law_tag = tagged_union(RopLaw, DragBit, VelocityWeakening, short=("rop", "drag_bit"))
+_base, _base_tag = tagged_union(RopLaw, VelocityWeakening, short=("rop",))
+
+BaseLaw = Annotated[
+    Annotated[RopLaw, Tag("kind:RopLaw")] | Annotated[VelocityWeakening, Tag("kind:VelocityWeakening")],
+    Discriminator(_base_tag),
+    BeforeValidator(_base, json_schema_input_type=Literal["rop"] | RopLaw | VelocityWeakening),
+]
+
+
+class RollerCone(AnyLaw):
+    """Cones that roll on lobes of the bottom: its surface moves the turning bit up and down. The bit can lift off."""
+
+    kind: Literal["roller_cone"] = Field(description="cones that roll on lobes of the bottom")
+    lobes: Annotated[int, Field(ge=1, le=100, strict=True)] | None = Field(
+        default=None, description="lobes of the bottom, waves per turn; 3 when not given"
+    )
+    amplitude: Annotated[float, Quantity("m", at_least=0, at_most=0.1, kind="diameter")] | None = Field(
+        default=None, description="half the height of the lobes, from valley to crest"
+    )
+    phase: Annotated[float, Quantity("rad", at_least=-2 * math.pi, at_most=2 * math.pi)] | None = Field(
+        default=None,
+        description="phase of the lobes at the start: at 0 the bit stands half-way up, at 90 deg on a crest; 0 when not given",
+    )
+    pattern: Annotated[tuple[PatternOrder, ...], Field(max_length=50)] = Field(
+        default=(),
+        description="several waves, [{order: 3, amplitude: 3 mm}, ...], instead of lobes and amplitude",
+    )
+    base: BaseLaw = Field(
+        default=RopLaw(kind="rop"),
+        description="law of torque and rate of penetration: rop, or velocity_weakening",
+    )
+    stiffness: Stiffness = Field(default=None, description=_STIFFNESS)
+
+    @model_validator(mode="after")
+    def _one_pattern(self) -> RollerCone:
+        given = [key for key in ("lobes", "amplitude", "phase") if getattr(self, key) is not None]
+        if self.pattern and given:
+            raise refuse(given[0], got=getattr(self, given[0]), want=f"pattern, or {given[0]}, not both")
+        if not self.pattern and self.amplitude is None:
+            raise refuse("amplitude", want="the amplitude of the lobes, or a pattern of several waves")
+        if self.base.stiffness is not None:
+            raise refuse(
+                "base",
+                "stiffness",
+                got=self.base.stiffness,
+                want="the stiffness in the roller_cone law, not in its base",
+            )
+        return self
+
+    @property
+    def orders(self) -> tuple[PatternOrder, ...]:
+        if self.pattern:
+            return self.pattern
+        return (
+            PatternOrder(order=self.lobes or 3, amplitude=self.amplitude or 0.0, phase=self.phase or 0.0),
+        )
+
+    @property
+    def torque_law(self) -> AnyLaw:
+        return self.base
+
+
+_law, _law_tag = tagged_union(RopLaw, DragBit, VelocityWeakening, RollerCone, short=("rop", "drag_bit"))
 
 BitLaw = Annotated[
     Annotated[RopLaw, Tag("kind:RopLaw")]
     | Annotated[DragBit, Tag("kind:DragBit")]
-    | Annotated[VelocityWeakening, Tag("kind:VelocityWeakening")],
+    | Annotated[VelocityWeakening, Tag("kind:VelocityWeakening")]
+    | Annotated[RollerCone, Tag("kind:RollerCone")],
     Discriminator(_law_tag),
     BeforeValidator(
-        _law, json_schema_input_type=Literal["rop", "drag_bit"] | RopLaw | DragBit | VelocityWeakening
+        _law,
+        json_schema_input_type=Literal["rop", "drag_bit"] | RopLaw | DragBit | VelocityWeakening | RollerCone,
     ),
 ]
 
@@ -238,6 +333,13 @@ class Formation(Block):
             own = {key: getattr(self, key) for key in LAYER_KEYS}
             whole.append(whole[-1].model_copy(update={"from_": whole[-1].to, "to": None, **own}))
         return tuple(whole)
+
+
+def level_bottom(formation: Formation | None) -> Formation | None:
+    """The formation with a plane bottom, the mean of the lobes under a roller cone."""
+    if formation is None or not formation.bit_law.orders:
+        return formation
+    return formation.model_copy(update={"bit_law": formation.bit_law.torque_law})
 
 
 def _check_depths(layers: tuple[Layer, ...]) -> None:

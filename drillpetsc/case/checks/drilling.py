@@ -110,6 +110,16 @@ def check_time(case: CaseBlocks) -> None:
     if case.hold_string:
         hint = "a held string has no equilibrium to follow; fluid: {dynamics: quasi_steady} takes the inertia from the fluid"
         raise refuse("time", "mode", got="quasi_static", want="dynamic with a held string", hint=hint)
+    if case.formation is not None and case.formation.bit_law.orders:
+        hint = "without inertia the bit stands on a plane bottom: bit_law: rop, or velocity_weakening"
+        raise refuse(
+            "formation",
+            "bit_law",
+            "kind",
+            got="roller_cone",
+            want="no roller_cone in a quasi-static run",
+            hint=hint,
+        )
     if isinstance(case.top, DrivenTop):
         hint = "a drive has inertia only; kind: top_drive turns the string at the rotation given"
         raise refuse("top", "kind", got="driven", want="no drive in a quasi-static run", hint=hint)

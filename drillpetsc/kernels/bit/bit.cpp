@@ -9,22 +9,10 @@ DP_ENTRY(bit_rock_profile, ProfileBit)
 DP_OTHER_FORMULATIONS(bit_rock, PlainBit, 1)
 DP_OTHER_FORMULATIONS(bit_rock_profile, ProfileBit, 1)
 
-namespace {
-template <class Kernel>
-void results(const int* idx, const double* par, void* context, const double* x, const double* y, double* out) {
-    constexpr int D = Kernel::D;
-    double X[D], Y[D], R[D];
-    for (int i = 0; i < D; ++i) { X[i] = x[idx[i]]; Y[i] = y[idx[i]]; }
-    BitResults now{};
-    Kernel::template evaluate<double>(X, Y, par, *static_cast<BitLaw*>(context), R, &now);
-    *reinterpret_cast<BitResults*>(out) = now;
-}
-}  // namespace
-
 // results of the bit, a BitResults; profile: 1 with the states of the rock's profile
 extern "C" void bit_rock_results(int profile, const int* idx, const double* par, void* context, const double* x, const double* y, double* out) {
-    if (profile) results<ProfileBit>(idx, par, context, x, y, out);
-    else results<PlainBit>(idx, par, context, x, y, out);
+    if (profile) bit_results<ProfileBit>(idx, par, context, x, y, out);
+    else bit_results<PlainBit>(idx, par, context, x, y, out);
 }
 
 // rate of penetration out (3) [m/s] under the force F (3) of a bit with axis e (3) that turns with omega, `drilled` metres into the formation
@@ -36,6 +24,7 @@ extern "C" void rock_rate(void* context, const double* F, const double* e, doubl
 DP_EXPORT_RECORD(bit_law, BitLaw)
 DP_EXPORT(bit_rock_results, BitResultsText)
 DP_EXPORT(bit_layer, BitLayer::ColumnText)
+DP_EXPORT(bit_order, BitOrder::ColumnText)
 DP_EXPORT(bit_kind, BitKind::KindText)
 DP_EXPORT(bit_mode, BitMode::ModeText)
 DP_CONSTANT(bit_chips, CHIPS)

@@ -6,6 +6,7 @@
 //   side     depth_s = rho + |n|_Q - (a + clearance)
 //   hole     e' = v(F),  s' = |v|                      (state)   or e, s held and moved between the steps (post_step)
 //   rock     v = D (Omega/Omega_ref)^a (W_eff/W_ref)^(b-1) (W_eff/W) M_r M_b F
+//   pattern  depth_b + h(phi - phi0),  h = sum a_k (sin(n_k psi + p_k) - sin p_k): the bottom that a roller cone leaves (in motion only)
 //   profile  B_t = [omega]_+ B_xi,  B(2 pi/blades) = max(U, B(0)),  chip per blade d_n = U - B(0),  U = s + depth_b
 #pragma once
 #include "contact/contact.hpp"
@@ -32,6 +33,7 @@ DP_RECORD(BitLaw,
     double turn_rounding;                                  // rounding of the direction of turning [rad/s]
     const double* layers; int count;                       // rows of BitLayer::COLUMNS
     const double* derivative;                              // (N, N+1) of the profile by xi [1/rad]
+    const double* orders; int order_count;                 // rows of BitOrder, pattern of the bottom
     int touching;                                          // of the last evaluation: 1 bottom, 2 side
 )
 
@@ -43,6 +45,8 @@ struct BitLayer {
         ROCK,                              // 9: M_r, row by row
         COLUMNS = ROCK + 9)
 };
+
+struct BitOrder { DP_ENUM(Column, ORDER, AMPLITUDE, PHASE, COLUMNS) };  // waves per turn, [m], [rad]
 
 // |Omega|^a / Omega_ref^a, zero and smooth at standstill; 1 for a = 0
 template <class T>
@@ -123,7 +127,7 @@ inline Vec<T> rock_rate(const BitLaw& law, const T& drilled, const Vec<T>& F, co
 // of the ellipsoid below the end [m], offset of its centre from the hole's axis [m], rate of penetration in space [m/s].
 DP_RECORD(BitResults, double weight, torque, rate, side, stored, dissipated, depth, offset; Vec<double> velocity;)
 
-template <int N>  // number of states of the profile; 0: none
+template <int N, bool PATTERN = false>  // number of states of the profile, 0: none; whether the bottom has a pattern
 struct Bit {
     static constexpr int D = 11 + N, NSPIN = 1;
     static constexpr bool PACKED = false;
@@ -141,7 +145,8 @@ struct Bit {
         AXIAL, SPIN, SHARE,      // imposed sliding [m/s], [rad/s]; share of the sideways push
         TORQUE0, TORQUE1,        // T = TORQUE0 + TORQUE1 W in statics [N m], [m]
         HELD, HOLD,              // 1: e, s are those of HOLD (4)
-        NP = HOLD + 4)
+        ANGLE = HOLD + 4,        // spin angle phi0 from which a pattern counts [rad]
+        NP)
 
     template <class T, class S>
     static void force(int, const T* x, const T* y, const T*, const S* p, void* context, T* r) {
@@ -171,10 +176,14 @@ struct Bit {
         const double a = p[RADIUS], c = p[HALF], squeeze = c * c - a * a;
 
         // bottom
-        const T tilt = dot(t.t, axis), reach = sqrt(a * a + squeeze * tilt * tilt), axial = dot(e, axis), depth = axial + reach - c;
+        const T tilt = dot(t.t, axis), reach = sqrt(a * a + squeeze * tilt * tilt), axial = dot(e, axis);
+        T depth = axial + reach - c, climb = T(0.0);  // climb: slope of the pattern by the angle [m/rad]
+        if constexpr (PATTERN)
+            if (moving) pattern(law, x[6] - p[ANGLE], depth, climb);
         const Vec<T> contact = (t.t * (squeeze * tilt) + a * a * axis) / reach;  // from the centre to where the ellipsoid touches
         const T sign = omega / sqrt(omega * omega + law.turn_rounding * law.turn_rounding);
-        const T advance = dot(speed - hole_speed, axis) + dot(t.t1, axis) * tilt * squeeze / reach;  // rate of depth
+        T advance = dot(speed - hole_speed, axis) + dot(t.t1, axis) * tilt * squeeze / reach;  // rate of depth
+        if constexpr (PATTERN) advance += climb * omega;
         T weight = T(0.0), elastic = T(0.0), torque = T(0.0), chip_rate = T(0.0);
         if (N > 0 && moving) {
             const T U = x[DRILLED] + depth, gap = U - x[CHIP];
@@ -191,6 +200,7 @@ struct Bit {
             elastic = onset(depth) * p[STIFFNESS];
             weight = moving ? damped(elastic, advance, p[DAMPING]) : elastic;
             torque = moving ? bottom_torque(law, p, weight, depth, omega, sign) : (weight * p[TORQUE1] + p[TORQUE0] * touching(depth)) * direction(p);
+            if constexpr (PATTERN) torque += climb * weight;  // the bit climbs its pattern: the power goes into weight and spring
         }
         if (N > 0 && !moving)
             for (int k = 0; k < N; ++k) r[CHIP + k] = x[CHIP + k] * ROCK_ROW;  // at rest, before the first cut
@@ -259,6 +269,17 @@ struct Bit {
     template <class T>
     static T onset_or_none(const T& d) { return val(d) <= -RAMP ? T(0.0) : onset(d); }
 
+    // Adds the height of the pattern at the angle psi to the depth, and gives its slope by the angle.
+    template <class T>
+    static void pattern(const BitLaw& law, const T& psi, T& depth, T& climb) {
+        for (int k = 0; k < law.order_count; ++k) {
+            const double* q = law.orders + k * BitOrder::COLUMNS;
+            const T angle = psi * q[BitOrder::ORDER] + q[BitOrder::PHASE];
+            depth += q[BitOrder::AMPLITUDE] * (sin(angle) - std::sin(q[BitOrder::PHASE]));
+            climb += (q[BitOrder::ORDER] * q[BitOrder::AMPLITUDE]) * cos(angle);
+        }
+    }
+
     // smooth 0..1 as a gap closes over `width`
     template <class T>
     static T engagement(const T& gap, double width) {
@@ -303,5 +324,16 @@ struct Bit {
         }
     }
 };
+
+// Results of one bit: out is a BitResults.
+template <class Kernel>
+void bit_results(const int* idx, const double* par, void* context, const double* x, const double* y, double* out) {
+    constexpr int D = Kernel::D;
+    double X[D], Y[D], R[D];
+    for (int i = 0; i < D; ++i) { X[i] = x[idx[i]]; Y[i] = y[idx[i]]; }
+    BitResults now{};
+    Kernel::template evaluate<double>(X, Y, par, *static_cast<BitLaw*>(context), R, &now);
+    *reinterpret_cast<BitResults*>(out) = now;
+}
 
 }  // namespace dp

@@ -26,6 +26,7 @@ BLOCKS = (
     string.Stabilizer,
     string.Body,
     string.Bit,
+    tubulars.RotarySteerable,
 )
 WELL = {
     "survey": {"md": [0, 9000], "inclination": [0, 0], "azimuth": [0, 0]},
