@@ -71,6 +71,8 @@ class StringJoint:
     spring [N/m], damping [N s/m]: along a slider (manual: eq-joint-slider).
     stroke: least and largest travel of a slider between its stops [m].
     stop_stiffness: stiffness of the stops [N/m].
+    item: number of the string item whose tool has the joint, -1: a joint by itself.
+    driven: a motor turns the part below.
     """
 
     depth: float
@@ -82,6 +84,8 @@ class StringJoint:
     damping: float = 0.0
     stroke: tuple[float, float] | None = None
     stop_stiffness: float = 0.0
+    item: int = -1
+    driven: bool = False
 
 
 @dataclass(frozen=True)
@@ -174,6 +178,11 @@ class StringMesh:
     def length(self) -> FloatArray:
         """(n,) element lengths [m]."""
         return self.lower - self.upper
+
+    @property
+    def motor_cell(self) -> int | None:
+        """Cell of the joint below which a downhole motor turns the string; None without a motor."""
+        return next((j.cell for j in self.joints if j.driven), None)
 
     @property
     def is_joint(self) -> np.ndarray:

@@ -16,7 +16,7 @@ from drillpetsc.case.blocks.ends import PointLoad
 from drillpetsc.case.blocks.joints import Joint
 from drillpetsc.case.blocks.settings import STARTS
 from drillpetsc.case.blocks.string import Beam as BeamItem
-from drillpetsc.case.blocks.string import Bend, Flexible, Item, Pipe, Rigid, Stabilizer
+from drillpetsc.case.blocks.string import Bend, Flexible, Item, Rigid, Stabilizer, Tube
 from drillpetsc.case.blocks.tubulars import Tubular
 from drillpetsc.case.case import Case
 from drillpetsc.case.checks.limits import element_count
@@ -70,14 +70,13 @@ def build_mesh(case: Case, well: Well | None = None, motion: tuple[float, float]
     tops: dict[int, int] = {}  # cell at the upper end of each flexible item
     pending: list = []
     joints: list[StringJoint] = []
-    remaining = sorted(case.joints, key=lambda j: j.at)
+    remaining = sorted([*(_joint(j) for j in case.joints), *_tool_joints(case)], key=lambda j: j.depth)
     item_edges, lengths = _element_ends(case, well, motion)
 
     def add_joint(item, depth: float) -> None:
         """Add the joint at ``depth`` [m], if there is one, as a row without length below the pending rigid items."""
-        if remaining and abs(remaining[0].at - depth) <= NODE_TOLERANCE * max(1.0, depth):
-            joint = remaining.pop(0)
-            joints.append(_joint(joint, len(rows)))
+        if remaining and abs(remaining[0].depth - depth) <= NODE_TOLERANCE * max(1.0, depth):
+            joints.append(replace(remaining.pop(0), cell=len(rows)))
             rows.append((-1, item, depth, depth, sum(q.length for _, q in pending)))
             pending.clear()
 
@@ -172,11 +171,19 @@ def _with_depths(marks: list[float], depths: FloatArray) -> list[float]:
     return sorted([*marks, *new])
 
 
-def _joint(joint: Joint, cell: int) -> StringJoint:
+def _tool_joints(case: Case) -> list[StringJoint]:
+    """Joints inside the tools of the string, without their cells."""
+    return [
+        StringJoint(depth, "revolute", -1, item=number, driven=True)
+        for depth, number in case.tool_joint_depths.items()
+    ]
+
+
+def _joint(joint: Joint) -> StringJoint:
     return StringJoint(
         joint.at,
         joint.kind,
-        cell,
+        -1,
         joint.axes,
         joint.constraint == "stabilised",
         joint.spring,
@@ -228,6 +235,7 @@ def _edges(case: Case, number: int, item: Flexible, top: float, bottom: float) -
         if isinstance(load, PointLoad) and top < load.at < bottom:
             extra.append(load.at)
     extra += [joint.at for joint in case.joints if top < joint.at < bottom]
+    extra += [depth for depth in case.tool_joint_depths if top < depth < bottom]
     # a depth at an existing element end adds no node; elements may be as short as the case gives them
     for at in extra:
         k = bisect_left(edges, at)
@@ -251,14 +259,14 @@ def _with_sections(rows: list) -> list:
 
 def _section(item: Flexible) -> dict[str, float]:
     """Section values of a flexible item, in the units of ``StringMesh``."""
-    if isinstance(item, Pipe):
-        m = item.material
-        values = tube(item.od, item.id, m.young, m.poisson, m.density)
-        damping = m.damping
-    elif isinstance(item, Tubular):
+    if isinstance(item, Tubular):
         section = tubular_section(item)
         values = {key: getattr(section, key) for key in (*STIFFNESS_AND_MASS, *OF_TUBULARS)}
         damping = item.material.damping
+    elif isinstance(item, Tube):
+        m = item.material
+        values = tube(item.od, item.id, m.young, m.poisson, m.density)
+        damping = m.damping
     else:
         assert isinstance(item, BeamItem)
         values = {k: getattr(item, k) for k in STIFFNESS_AND_MASS}

@@ -10,6 +10,7 @@ from typing import Annotated, ClassVar, Literal
 from pydantic import BeforeValidator, Discriminator, Field, Tag, model_validator
 
 from drillpetsc.case.block import Block, derived_default, tagged_union
+from drillpetsc.case.blocks.motor import PositiveDisplacementMotor
 from drillpetsc.case.blocks.string import (
     Beam,
     Bit,
@@ -179,7 +180,17 @@ class CoiledTubing(Tubular):
 
 
 _check, _tag = tagged_union(
-    Pipe, Beam, DrillPipe, HeavyPipe, DrillCollar, Casing, CoiledTubing, Stabilizer, Body, Bit
+    Pipe,
+    Beam,
+    DrillPipe,
+    HeavyPipe,
+    DrillCollar,
+    Casing,
+    CoiledTubing,
+    Stabilizer,
+    Body,
+    Bit,
+    PositiveDisplacementMotor,
 )
 
 StringItem = Annotated[
@@ -192,7 +203,8 @@ StringItem = Annotated[
     | Annotated[CoiledTubing, Tag("kind:CoiledTubing")]
     | Annotated[Stabilizer, Tag("kind:Stabilizer")]
     | Annotated[Body, Tag("kind:Body")]
-    | Annotated[Bit, Tag("kind:Bit")],
+    | Annotated[Bit, Tag("kind:Bit")]
+    | Annotated[PositiveDisplacementMotor, Tag("kind:PositiveDisplacementMotor")],
     Discriminator(_tag),
     BeforeValidator(_check),
 ]

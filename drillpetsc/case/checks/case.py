@@ -14,6 +14,7 @@ from drillpetsc.case.checks.fluid import check_fluid, check_held_string
 from drillpetsc.case.checks.hoist import check_hoist
 from drillpetsc.case.checks.joints import check_joints
 from drillpetsc.case.checks.limits import check_quaternion, check_size
+from drillpetsc.case.checks.motor import check_motor
 from drillpetsc.case.checks.sensors import check_sensors
 from drillpetsc.case.checks.window import check_window
 from drillpetsc.case.key_paths import refuse
@@ -38,6 +39,7 @@ def check_case(case: CaseBlocks) -> None:
     check_hoist(case)
     _integrator(case)
     check_joints(case)
+    check_motor(case)
     _on_string(case)
     check_sensors(case)
     _stribeck(case)

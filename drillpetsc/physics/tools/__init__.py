@@ -1,0 +1,1 @@
+"""Downhole tools of the string, one file each."""
