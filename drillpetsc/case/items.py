@@ -123,6 +123,12 @@ class _Bit(_Rigid, total=False):
     nozzles: Value | Sequence[Value]
 
 
+class _Motor(_Pipe, total=False):
+    pdm: Keys
+    mass: Value
+    joint_at: Value
+
+
 class StringItem(dict[str, Any]):
     """A string item: a mapping of the keys of a case file. Use the class of a kind, such as `DrillPipe`.
 
@@ -283,8 +289,29 @@ class Bit(StringItem):
         self._fill(keys)
 
 
+class MudMotor(StringItem):
+    """Positive displacement motor: its housing is pipe, its rotor turns what hangs below its joint."""
+
+    kind, key_types, required = "pdm", _Motor, ("length", "od", "pdm")
+
+    def __init__(self, **keys: Unpack[_Motor]) -> None:
+        self._fill(keys)
+
+
 #: kind of a string item -> its class
 ITEMS = {
     item.kind: item
-    for item in (Pipe, Beam, DrillPipe, HWDP, DrillCollar, Casing, CoiledTubing, Stabilizer, Body, Bit)
+    for item in (
+        Pipe,
+        Beam,
+        DrillPipe,
+        HWDP,
+        DrillCollar,
+        Casing,
+        CoiledTubing,
+        Stabilizer,
+        Body,
+        Bit,
+        MudMotor,
+    )
 }

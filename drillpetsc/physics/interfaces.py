@@ -315,6 +315,19 @@ class Motor(Component):
         """Numbers of its quantities at the time ``t`` [s] (``physics.tools.mud_motor.RESULTS``), this rank's share."""
 
     @abstractmethod
+    def thrust(self, t: float, state: Any) -> float:
+        """Load of the thrust bearing [N], this rank's share; positive while mud and weight push the rotor down."""
+
+    @abstractmethod
+    def housing(self, state: Any) -> FloatArray:
+        """(6,) tangent and direction of the bend of the housing at its node, this rank's share."""
+
+    @staticmethod
+    @abstractmethod
+    def tool_face(values: FloatArray) -> float:
+        """Tool face [rad], between -pi and pi, of what ``housing`` returns."""
+
+    @abstractmethod
     def torque_and_flow(self, t: float, state: Any) -> FloatArray:
         """(2,) torque of the motor [N m] and flow rate through it [m3/s] at the time ``t`` [s], this rank's share."""
 

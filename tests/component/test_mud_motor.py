@@ -171,4 +171,4 @@ def test_equivalent_inertia_and_orbit_force_act_on_a_rotor_in_a_stator_at_rest()
     asm.y[d["string.spin"][3]] = 11.31
     rows = asm.block_rows(bound, 0.0)[0]
     assert np.linalg.norm(rows[:3]) == pytest.approx(11.193e3, rel=1e-4)
-    assert motor.results(asm)[4] == pytest.approx(-5 * 11.31)  # it orbits backwards
+    assert motor.figures(0.0, asm)[4] == pytest.approx(-5 * 11.31)  # it orbits backwards

@@ -187,7 +187,7 @@ class MudMotor(Motor):
         return self._speed
 
     @property
-    def held(self) -> bool:
+    def _held(self) -> bool:
         """Whether statics holds the rotor, on the rank that has it."""
         return bool(len(self._block.points)) and bool(self.params["held"][0] > 0)
 
@@ -223,14 +223,14 @@ class MudMotor(Motor):
         return []
 
     def start(self, state: Any) -> None:
-        if self.held:
-            torque = self.results(state)[RESULTS["torque"]]
+        if self._held:
+            torque = self._results(state)[RESULTS["torque"]]
             self.params["held"] = 0.0
             state.x[state.index_of(self._block)[0, TORQUE]] = torque
         self.params["held"] = 0.0
 
     # ------------------------------------------------------------------ results
-    def results(self, state: Any) -> FloatArray:
+    def _results(self, state: Any) -> FloatArray:
         """(7,) results by the names of ``RESULTS``; zero on ranks without the motor."""
         out = np.zeros((len(self._block.points), RESULTS.width))
         if not len(out):
@@ -243,7 +243,7 @@ class MudMotor(Motor):
         """(7,) results by the names of ``RESULTS`` at the time ``t`` [s]; zero on ranks without the motor."""
         if len(self._block.points):
             self._update(t)
-        return self.results(state)
+        return self._results(state)
 
     def torque_and_flow(self, t: float, state: Any) -> FloatArray:
         r = self.figures(t, state)
@@ -291,7 +291,7 @@ class MudMotor(Motor):
         return Energies(*out[0].tolist())
 
     def powers(self, t: float, state: Any) -> Powers:
-        if not len(self._block.points) or self.held:
+        if not len(self._block.points) or self._held:
             return Powers()
         r = self.figures(t, state)
         turned = float(r[RESULTS["torque"]] * r[RESULTS["speed"]])
