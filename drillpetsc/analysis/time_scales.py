@@ -152,7 +152,8 @@ def _mud(model: DrillingModel) -> float:
     Wave speed (rho (1/K + wall))^(-1/2) (Korteweg).
     """
     assert model.fluid is not None
-    f, L = model.fluid.constants, model.mesh.length
+    # a joint has no length and stores next to nothing
+    f, L = model.fluid.constants, np.where(model.mesh.is_joint, np.inf, model.mesh.length)
     walls = [component.bore.wall for component in (model.fluid.bore,) if component is not None]
     walls += [component.annulus.wall for component in (model.fluid.annulus,) if component is not None]
     return min(_period(MUD / (f.density * (1 / f.bulk_modulus + wall) * L**2)) for wall in walls)

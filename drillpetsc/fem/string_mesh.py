@@ -71,6 +71,7 @@ class StringJoint:
     spring [N/m], damping [N s/m]: along a slider (manual: eq-joint-slider).
     stroke: least and largest travel of a slider between its stops [m].
     stop_stiffness: stiffness of the stops [N/m].
+    seal_area: area on which the mud pushes the parts of a slider apart [m2] (manual: eq-joint-seal-force).
     item: number of the string item whose tool has the joint, -1: a joint by itself.
     driven: a motor turns the part below.
     """
@@ -84,6 +85,7 @@ class StringJoint:
     damping: float = 0.0
     stroke: tuple[float, float] | None = None
     stop_stiffness: float = 0.0
+    seal_area: float = 0.0
     item: int = -1
     driven: bool = False
 

@@ -31,6 +31,7 @@ from drillpetsc.physics.fluid.bore_flow import BoreFlow
 from drillpetsc.physics.fluid.channel_flow import FluidConstants
 from drillpetsc.physics.fluid.channels import Annulus, AnnulusWalls, Bore, HoleVolume
 from drillpetsc.physics.fluid.hermite.flow import HermiteAnnulus, HermiteBit, HermiteBore, volumes_at_rest
+from drillpetsc.physics.fluid.joint_seals import JointSeals
 from drillpetsc.physics.fluid.moving_hole import LateralCoefficients, MovingHole
 from drillpetsc.physics.fluid.rheology import Rheology
 from drillpetsc.physics.fluid.surface_line import SurfaceLine
@@ -47,6 +48,7 @@ class FluidComponents:
     volumes(pressure): nodal volumes (n+1,) [m3] by field of fluid at rest under a pressure at the top [Pa];
     only with formulation hermite.
     surface_line: between pump and string, None without one.
+    seals: of telescoping joints, None without any.
     """
 
     constants: FluidConstants
@@ -55,11 +57,12 @@ class FluidComponents:
     bit: BitFlow | None
     volumes: Callable[[float], dict[str, FloatArray]] | None = None
     surface_line: SurfaceLine | None = None
+    seals: JointSeals | None = None
 
     @property
     def components(self) -> tuple:
         """The components that are present."""
-        return tuple(r for r in (self.bore, self.annulus, self.bit) if r is not None)
+        return tuple(r for r in (self.bore, self.annulus, self.bit, self.seals) if r is not None)
 
 
 def build_rheology(case: Case, annulus: bool = False) -> Rheology:
@@ -157,7 +160,10 @@ def build_fluid(
             bore_flow.kept = float(
                 volumes(f.outlet_pressure.value(0.0) if annulus is not None else 0.0)["bore.volume"][-1]
             )
-    return FluidComponents(constants, bore_flow, annulus, bit, volumes, _surface_line(case))
+    seals = None
+    if any(joint.seal_area > 0 for joint in mesh.joints):
+        seals = JointSeals(mesh, constants, bore_flow is not None, annulus is not None, f.outlet_pressure)
+    return FluidComponents(constants, bore_flow, annulus, bit, volumes, _surface_line(case), seals)
 
 
 def _surface_line(case: Case) -> SurfaceLine | None:

@@ -190,6 +190,7 @@ def _joint(joint: Joint) -> StringJoint:
         joint.damping,
         joint.stroke,
         joint.stop_stiffness,
+        joint.seal_area,
     )
 
 

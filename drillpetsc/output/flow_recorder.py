@@ -88,6 +88,8 @@ class FlowRecorder:
             content += sample.once(self.fluid.bit.element_results)[_CHAMBER]
         if self.fluid.annulus is not None:
             content += self.fluid.annulus.content_above(sample.assembly)
+        if self.fluid.seals is not None:
+            content += self.fluid.seals.content(sample.assembly)
         return content
 
     # ------------------------------------------------------------------ along the string

@@ -343,6 +343,18 @@ class JointSet(Component):
         """(joints, 10) results of all joints, zero on ranks without the joint: columns of ``physics.joints.RESULT_NAMES``."""
 
 
+class SealSet(Component):
+    """Seals of telescoping joints, which move mud."""
+
+    @abstractmethod
+    def element_results(self, state: Any) -> FloatArray:
+        """(k, 6) of the local joints with seals: columns of ``physics.fluid.joint_seals.SEAL_RESULTS``."""
+
+    @abstractmethod
+    def content(self, state: Any) -> float:
+        """Volume at zero pressure that the travel of the local joints adds to bore and annulus [m3]."""
+
+
 class Channel(Component):
     """Flow of drilling fluid in the bore or in the annulus."""
 

@@ -30,18 +30,23 @@ top: {kind: top_drive, rotation: 6}
 time: {end: 0.04}
 output: {history_every: 0.02}
 """
+MUD = """
+fluid: {density: 1200, rheology: {model: newtonian, viscosity: 0.02}, flow_rate: {time: [0, 0.02, 0.04], value: [0.01, 0.01, 0.02]}}
+"""
 EXACT = ["-ts_adapt_type", "none", "-ts_dt", "1e-3", "-q_snes_stol", "1e-12"]
 
 
 @pytest.mark.parallel
-def test_joints_are_the_same_on_1_2_and_3_ranks(tmp_path):
+@pytest.mark.parametrize("mud", [False, True])
+def test_joints_are_the_same_on_1_2_and_3_ranks(mud, tmp_path):
     """Statics, then fixed steps with Newton to rounding: histories, with the reactions of the joints, equal
     to 1e-7 of each column.
 
     Three ranks have common nodes above a stabilised joint and below another.
     """
     case = tmp_path / "joints.yaml"
-    case.write_text(CASE)
+    sealed = CASE.replace("damping: 1e3}", "damping: 1e3, seal_area: 50 cm2}") + MUD
+    case.write_text(sealed if mud else CASE)
     runs = []
     for n in (1, 2, 3):
         out = tmp_path / f"ranks{n}"

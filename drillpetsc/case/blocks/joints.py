@@ -18,6 +18,7 @@ _KINDS_OF = {
     "damping": _SLIDER,
     "stroke": _SLIDER,
     "stop_stiffness": _SLIDER,
+    "seal_area": _SLIDER,
 }
 
 
@@ -53,6 +54,12 @@ class Joint(Block):
     )
     stop_stiffness: Annotated[float, Quantity("N/m", above=0)] = Field(
         default=1e8, description="stiffness of a slider's stops"
+    )
+
+    seal_area: Annotated[float, Quantity("m^2", at_least=0, at_most=0.5)] = Field(
+        default=0.0,
+        description="area inside the seals of a slider, on which the pressure in the string less that in the annulus pushes "
+        "its parts apart (pump-open force); mud fills the volume that they sweep",
     )
 
     @model_validator(mode="after")

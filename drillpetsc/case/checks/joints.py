@@ -19,13 +19,9 @@ def check_joints(case: CaseBlocks) -> None:
             raise refuse(
                 "joints", i, got=joint.kind, want="no joints in a string that hold_string keeps still"
             )
-        if case.fluid is not None:
-            raise refuse(
-                "joints",
-                i,
-                got=joint.kind,
-                want="no joints in a case with a fluid (not available in this version)",
-            )
+        if case.fluid is not None and case.fluid.formulation == "hermite":
+            want = "formulation mixed in a case with joints"
+            raise refuse("fluid", "formulation", got="hermite", want=want)
         if not TOLERANCE < joint.at < end - TOLERANCE:
             raise refuse(
                 "joints",

@@ -1,6 +1,7 @@
 #include "fluid/annulus_flow_jacobian.hpp"
 #include "fluid/bit_flow.hpp"
 #include "fluid/bore_flow_jacobian.hpp"
+#include "fluid/joint_flow.hpp"
 
 using namespace dp;
 typedef BoreFlow<false, false> PipePlain;
@@ -15,16 +16,24 @@ typedef BitFlow<false, true, false> BitClosed;
 typedef BitFlow<true, true, false, true> BitNozzleGrow;
 typedef BitFlow<false, true, false, true> BitClosedGrow;
 typedef BitFlow<true, true, true> BitNozzleHeld;
+typedef JointSeal<true, true> SealBoth;
+typedef JointSeal<true, false> SealBore;
+typedef JointSeal<false, true> SealAnnulus;
 typedef BitFlow<true, false, true> BitJetHeld;
 typedef BitFlow<false, true, true> BitClosedHeld;
 DP_RESIDUAL(bore_flow, PipePlain)
 DP_JACOBIAN(bore_flow, run_bore_flow_jacobian)
 DP_ENTRY(bore_flow_junction, PipeJunction)
 DP_ENTRY(bore_flow_held, PipeHeld)
+DP_ENTRY(bore_flow_joint, BoreJoint)
 DP_RESIDUAL(annulus_flow, AnnulusPlain)
 DP_JACOBIAN(annulus_flow, run_annulus_flow_jacobian)
 DP_ENTRY(annulus_flow_junction, AnnulusJunction)
 DP_ENTRY(annulus_flow_held, AnnulusHeld)
+DP_ENTRY(annulus_flow_joint, AnnulusJoint)
+DP_ENTRY(joint_seal, SealBoth)
+DP_ENTRY(joint_seal_bore, SealBore)
+DP_ENTRY(joint_seal_annulus, SealAnnulus)
 DP_ENTRY(bit_flow, BitNozzle)
 DP_ENTRY(bit_flow_jet, BitJet)
 DP_ENTRY(bit_flow_closed, BitClosed)
@@ -43,6 +52,7 @@ DP_ENTRY(choke, Choke)
 DP_EXPORT_RECORD(fluid, Fluid)
 DP_EXPORT(flow_results, FlowResultsText)
 DP_EXPORT(bit_flow_results, BitFlowResultsText)
+DP_EXPORT(seal_results, SealResultsText)
 DP_CONSTANT(gap_rounding, GAP_ROUNDING)
 
 // for tests: the friction of elements side by side, n values each (a multiple of four)
@@ -58,9 +68,11 @@ extern "C" void wall_shears_of_packs(const double* law, int n, const double* w, 
 DP_CHANNEL_RESULTS(bore_flow, PipePlain)
 DP_CHANNEL_RESULTS(bore_flow_junction, PipeJunction)
 DP_CHANNEL_RESULTS(bore_flow_held, PipeHeld)
+DP_CHANNEL_RESULTS(bore_flow_joint, BoreJoint)
 DP_CHANNEL_RESULTS(annulus_flow, AnnulusPlain)
 DP_CHANNEL_RESULTS(annulus_flow_junction, AnnulusJunction)
 DP_CHANNEL_RESULTS(annulus_flow_held, AnnulusHeld)
+DP_CHANNEL_RESULTS(annulus_flow_joint, AnnulusJoint)
 DP_FLOW_RESULTS(bit_flow, BitNozzle, BitFlowResults)
 DP_FLOW_RESULTS(bit_flow_jet, BitJet, BitFlowResults)
 DP_FLOW_RESULTS(bit_flow_closed, BitClosed, BitFlowResults)
@@ -69,3 +81,6 @@ DP_FLOW_RESULTS(bit_flow_closed_grow, BitClosedGrow, BitFlowResults)
 DP_FLOW_RESULTS(bit_flow_held, BitNozzleHeld, BitFlowResults)
 DP_FLOW_RESULTS(bit_flow_jet_held, BitJetHeld, BitFlowResults)
 DP_FLOW_RESULTS(bit_flow_closed_held, BitClosedHeld, BitFlowResults)
+DP_FLOW_RESULTS(joint_seal, SealBoth, SealResults)
+DP_FLOW_RESULTS(joint_seal_bore, SealBore, SealResults)
+DP_FLOW_RESULTS(joint_seal_annulus, SealAnnulus, SealResults)

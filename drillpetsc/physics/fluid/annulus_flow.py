@@ -117,7 +117,7 @@ class AnnulusFlow(ChannelFlow):
             "poisson": self.poisson[e],
             "outer": a.outer[e],
             "hole": a.hole[e],
-            "outer_above": a.outer_above[e],
+            "outer_above": np.where(m.is_joint & (m.rigid_above == 0), 0.0, a.outer_above)[e],
             "wall": a.wall[e],
             "diameter": a.outer_diameter[e],
             "gap": a.gap[e],
@@ -207,7 +207,7 @@ class AnnulusFlow(ChannelFlow):
     def _renew(self, params: Table, rows: np.ndarray, cells: np.ndarray, around: MovingHole) -> None:
         """Parameters of the ``rows`` (k,) of a block, which are the local ``cells`` (k,)."""
         e, nodes, m = self._part.cells[cells], self._part.ends[cells], self.mesh
-        ends = around.depth[nodes]
+        ends, without_length = around.depth[nodes], m.is_joint & (m.rigid_above == 0)
         directions = self._directions(around.current_well(), ends[:, 0] + m.rigid_above[e], ends[:, 1])
         for name, value in directions.items():
             params[name][rows] = value
@@ -218,7 +218,7 @@ class AnnulusFlow(ChannelFlow):
         other = around.annulus(
             over, np.column_stack([ends[:, 0] - m.length[over] - m.rigid_above[over], ends[:, 0]])
         )
-        params["hole"][rows], params["widening"][rows] = around.sizes(nodes)
+        params["hole"][rows], params["widening"][rows] = around.sizes(nodes, without_length[e])
         params["wall"][rows] = own.wall
         params["gap"][rows], params["gap_above"][rows] = own.gap, own.gap_above
         for name, value in own.friction().items():

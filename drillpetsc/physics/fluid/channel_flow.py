@@ -105,23 +105,24 @@ class ChannelFlow(Channel):
         raise NotImplementedError
 
     def blocks(self, part) -> tuple[ElementBlock, ...]:
-        """Blocks of the local cells: below a junction or not.
+        """Blocks of the local cells: below a junction or not, and across joints.
 
         Those of a held string have none of its unknowns.
         """
         m, own = self.mesh, self.own_slots()
-        junction = m.below_junction
+        junction, joint = m.below_junction, m.is_joint
         self._part, self._blocks, self._results = part, [], []
-        below = junction[part.cells] if not self.held else np.zeros(len(part.cells), dtype=bool)
-        for kind in (False, True):
-            if kind and (self.held or not junction.any()):
-                continue
-            chosen = np.flatnonzero(below == kind).astype(np.int32)
-            kernel = self.kernel + ("_held" if self.held else "_junction" if kind else "")
-            slots = own if self.held else (JUNCTION_SLOTS if kind else SLOTS) + own
+        kinds = np.where(joint, "_joint", np.where(junction, "_junction", ""))[part.cells]
+        if self.held:
+            kinds[:] = ""
+        present = ("", "_junction" if junction.any() else None, "_joint" if joint.any() else None)
+        for kind in present[:1] if self.held else (k for k in present if k is not None):
+            chosen = np.flatnonzero(kinds == kind).astype(np.int32)
+            kernel = self.kernel + ("_held" if self.held else kind)
+            slots = own if self.held else (JUNCTION_SLOTS if kind == "_junction" else SLOTS) + own
             spins = () if self.held else self.spins
             block = ElementBlock(
-                f"{self.name}_flow" + ("_junction" if kind else ""),
+                f"{self.name}_flow{kind}",
                 kernel,
                 "cell",
                 chosen,

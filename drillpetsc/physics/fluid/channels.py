@@ -13,6 +13,7 @@ import numpy as np
 from drillpetsc.arrays import FloatArray
 from drillpetsc.geometry.well import Well
 
+SHORTEST = 1e-3  # a joint without a rigid arm has no more length than this [m]
 _GAUSS = np.polynomial.legendre.leggauss(4)  # exact to degree 7
 
 
@@ -206,7 +207,9 @@ class AnnulusWalls:
             self.inner[e] ** 2,
             np.zeros(len(e)),
         )
-        area = (hole.volume(lower) - hole.volume(top)) / (lower - top)
+        long = np.abs(lower - top) > SHORTEST
+        area = (hole.volume(lower) - hole.volume(top)) / np.where(long, lower - top, 1.0)
+        area = np.where(long, area, hole.area(lower))
         if self.elastic:
             square = area / np.pi
             section = np.minimum(

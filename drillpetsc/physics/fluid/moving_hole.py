@@ -119,15 +119,19 @@ class MovingHole:
             self.area[moved] = (hole.volume(here + ahead) - volume) / ahead
         return moved
 
-    def sizes(self, ends: np.ndarray) -> tuple[FloatArray, FloatArray]:
+    def sizes(self, ends: np.ndarray, without_length: np.ndarray) -> tuple[FloatArray, FloatArray]:
         """Compute the mean area of the hole (k,) [m2] between nodes ``ends`` (k, 2), and its change with
         their depth (k,) [m].
+
+        without_length: (k,) mask of joints, between whose nodes there is no more than their travel.
         """
         first, second = ends.T
-        length = self.depth[second] - self.depth[first]
-        return (self.volume[second] - self.volume[first]) / length, (
-            self.area[second] - self.area[first]
-        ) / length
+        length = np.where(without_length, 1.0, self.depth[second] - self.depth[first])
+        area = (self.volume[second] - self.volume[first]) / length
+        return (
+            np.where(without_length, self.area[second], area),
+            np.where(without_length, 0.0, (self.area[second] - self.area[first]) / length),
+        )
 
     def get_state(self) -> FloatArray:
         """Return (nv, 4) depth, volume, area, ahead, for a checkpoint."""

@@ -83,7 +83,13 @@ REFUSED: list[tuple[list[dict[str, Any]], dict[str, Any], str, str]] = [
     ([{"at": 9, "kind": "slider", "stroke": [1, 0]}], {}, "joints[0].stroke", "[least, largest]"),
     ([{"at": 9, "kind": "revolute", "spring": 5}], {}, "joints[0].spring", "only for slider"),
     ([{"at": 9, "kind": "fixed"}], {"hold_string": True, "fluid": MUD}, "joints[0]", "hold_string"),
-    ([{"at": 9, "kind": "fixed"}], {"fluid": MUD}, "joints[0]", "fluid"),
+    (
+        [{"at": 9, "kind": "fixed"}],
+        {"fluid": {**MUD, "formulation": "hermite"}},
+        "fluid.formulation",
+        "mixed in a case with joints",
+    ),
+    ([{"at": 9, "kind": "fixed", "seal_area": 0.01}], {}, "joints[0].seal_area", "only for slider"),
     (
         [{"at": 9, "kind": "fixed"}, {"at": 9.5, "kind": "fixed", "constraint": "stabilised"}],
         {},

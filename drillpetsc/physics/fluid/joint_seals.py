@@ -1,0 +1,96 @@
+"""Seals of telescoping joints: the force of the mud that pushes their parts apart, and the mud that they take up.
+
+Manual: sec-mud-joints (kernels/fluid/joint_flow.hpp).
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from drillpetsc.arrays import FloatArray
+from drillpetsc.fem.component import ElementBlock, Energies
+from drillpetsc.fem.string_mesh import StringMesh
+from drillpetsc.kernels import function
+from drillpetsc.kernels.parameters import Parameters, columns
+from drillpetsc.physics.beam import SLOTS
+from drillpetsc.physics.fluid.channel_flow import FluidConstants
+from drillpetsc.physics.interfaces import SealSet
+from drillpetsc.time_function import TimeFunction
+
+SEAL_RESULTS = columns("seal_results").names
+_STORED, _POTENTIAL = SEAL_RESULTS.index("stored"), SEAL_RESULTS.index("potential")
+_CONTENT = [SEAL_RESULTS.index("bore_content"), SEAL_RESULTS.index("annulus_content")]
+
+
+class JointSeals(SealSet):
+    """Seals of all sliders that have a sealed area.
+
+    mesh: of the string; fluid: constants.
+    bore, annulus: there is mud inside, outside the string; at least one of them.
+    ambient: pressure outside a string without an annulus over time [Pa].
+    """
+
+    name = "seals"
+
+    def __init__(
+        self, mesh: StringMesh, fluid: FluidConstants, bore: bool, annulus: bool, ambient: TimeFunction
+    ):
+        self.mesh, self.fluid, self.bore, self.annulus, self.ambient = mesh, fluid, bore, annulus, ambient
+        #: numbers of the joints with seals
+        self.sealed = np.array([k for k, j in enumerate(mesh.joints) if j.seal_area > 0], dtype=int)
+
+    def blocks(self, part) -> tuple[ElementBlock, ...]:
+        place = {int(c): i for i, c in enumerate(part.cells)}
+        joints = self.mesh.joints
+        self._chosen = np.array([k for k in self.sealed if joints[k].cell in place], dtype=int)
+        cells = np.array([joints[k].cell for k in self._chosen], dtype=int)
+        kernel = "joint_seal" + ("" if self.bore and self.annulus else "_bore" if self.bore else "_annulus")
+        slots = SLOTS + ((("bore.pressure", 1),) if self.bore else ())
+        slots += (("annulus.pressure", 1),) if self.annulus else ()
+        params = Parameters(
+            kernel,
+            len(cells),
+            rigid=self.mesh.rigid_above[cells],
+            area=[joints[k].seal_area for k in self._chosen],
+            ambient=0.0,
+        )
+        points = np.array([place[int(c)] for c in cells], dtype=np.int32)
+        outside = params["ambient"]
+
+        def update(t: float) -> None:
+            outside[:] = self.ambient.value(t)
+
+        self._block = ElementBlock(
+            "seals",
+            kernel,
+            "cell",
+            points,
+            slots,
+            (),
+            params.array,
+            context=self.fluid.address,
+            update=None if self.annulus else update,
+        )
+        self._block.keep = (self.fluid,)
+        self._results = function(f"{kernel}_results", "ipppppp")
+        return (self._block,)
+
+    def element_results(self, state) -> FloatArray:
+        return state.evaluate_once(self._evaluate, state)
+
+    def _evaluate(self, state) -> FloatArray:
+        out = np.zeros((len(self._chosen), len(SEAL_RESULTS)))
+        if len(out):
+            n, _, *arguments = state.results_head(self._block)
+            self._results(n, *arguments, out.ctypes.data)
+        return out
+
+    def content(self, state) -> float:
+        return float(self.element_results(state)[:, _CONTENT].sum())
+
+    def energies(self, t: float, state) -> Energies:
+        total = self.element_results(state).sum(axis=0)
+        return Energies(strain=float(total[_STORED]), potential=float(total[_POTENTIAL]))
+
+    def breaks(self) -> tuple[float, ...]:
+        return () if self.annulus else self.ambient.breaks()
