@@ -94,50 +94,37 @@ def test_the_rotor_turns_as_the_law_says_and_the_string_stands(torque, tmp_path)
     assert np.abs(got["energy_error"]).max() < 1e-6 * max(abs(torque * point.speed * 0.05), 1.0)
 
 
-def test_a_step_of_the_load_meets_the_equation_of_the_rotor(tmp_path):
-    """Rotor and pipe below on the law alone: I dw/dt = T(w) - M after a sudden load M (Euler's law of rotation).
+def test_a_load_swings_the_rotor_against_the_string(tmp_path):
+    """Rotor I on the law, stator on the spring GJ/L of the string: I dw/dt = T - M, dT/dt = GJ/L (w_law(T) - w).
 
-    The load grows from 0 to 10 kN m at 5 ms; the rotor's speed must follow the ordinary differential equation, solved
-    here by Runge-Kutta of order 4 with 0.01 ms.
+    The load M grows from 0 to 9 kN m; the two equations are solved here by Runge-Kutta of order 4.  Inertia of the pipe
+    is below 1 % of that of the rotor.
     """
-    inertia, load = 30.0, 10e3
-    case = hung(20.0, 0.0, pdm={**SECTION, "rotor_inertia": inertia})
-    case["loads"] = [
-        {
-            "kind": "point",
-            "at": 20.0,
-            "moment": [0, 0, -load],
-            "value_over": {"time": [0, 0.005, 0.006, 1.0], "value": [0, 0, 1, 1]},
-        }
-    ]
-    case["output"] = {"history_every": 1e-3}
-    case["petsc"] = {"ts_rtol": 1e-6, "ts_atol": 1e-6}
+    inertia, load, stiffness = 100.0, 9e3, GJ / 19.8
+    case = hung(20.0, 0.0, pdm={**SECTION, "rotor_inertia": inertia}, joint_at=0.2)
+    ramp = {"time": [0, 0.05, 0.1, 1.0], "value": [0, 0, 1, 1]}
+    case["loads"] = [{"at": 20.0, "moment": [0, 0, -load], "value_over": ramp}]
+    case["time"], case["output"] = {"end": 0.6}, {"history_every": 0.01}
     got, _ = history(case, tmp_path / "run")
-    law = mud_motor(Case(**case))
-    below = inertia + 4.5 * 7850 * math.pi / 32 * (0.127**4 - 0.1086**4)
+    law, step = mud_motor(Case(**case)), 2e-5
 
-    def acting(t: float) -> float:
-        return load * min(max((t - 0.005) / 0.001, 0.0), 1.0)
+    def rate(t: float, y: np.ndarray) -> np.ndarray:
+        acting = load * min(max((t - 0.05) / 0.05, 0.0), 1.0)
+        return np.array([(y[1] - acting) / inertia, stiffness * (law.speed(y[1], 0.03) - y[0])])
 
-    w, t, step = law.free_speed(0.03), 0.0, 1e-5
-
-    def rate(t: float, w: float) -> float:
-        free = law.free_speed(0.03)
-        torque = law.torque(w, 0.03) if 0 < w < free else 0.0
-        return (torque - acting(t)) / below
-
-    found = {}
-    for k in range(5001):
-        if k % 1000 == 0:
-            found[round(t, 6)] = w
-        a = rate(t, w)
-        b = rate(t + step / 2, w + step / 2 * a)
-        c = rate(t + step / 2, w + step / 2 * b)
-        d = rate(t + step, w + step * c)
-        w, t = w + step / 6 * (a + 2 * b + 2 * c + d), t + step
-    speed = dict(zip(np.round(got["time"], 6), got["motor_speed"], strict=True))
-    for when in (0.01, 0.02, 0.03, 0.05):
-        assert speed[when] == pytest.approx(found[when], rel=5e-3)
+    y, rows = np.array([law.free_speed(0.03), 0.0]), []
+    for k in range(30001):
+        t = k * step
+        if k % 500 == 0:
+            rows.append(y)
+        a = rate(t, y)
+        b = rate(t + step / 2, y + step / 2 * a)
+        c = rate(t + step / 2, y + step / 2 * b)
+        y = y + step / 6 * (a + 2 * b + 2 * c + rate(t + step, y + step * c))
+    speed, torque = np.array(rows).T
+    assert torque.max() > 9.5e3 and speed.min() < 0.9 * law.free_speed(0.03)
+    assert np.abs(got["bit_speed"] - speed).max() < 0.02 * np.ptp(speed)
+    assert np.abs(got["motor_output_torque"] - torque).max() < 0.02 * torque.max()
 
 
 # ---------------------------------------------------------------------- drilling
@@ -150,10 +137,8 @@ def test_slide_and_rotary_drilling(tmp_path):
     for rotation in (0.0, 4.0):
         got, _ = history(on_bottom(rotation), tmp_path / f"{rotation:g}")
         assert got["bit_torque"][0] == pytest.approx(torque, rel=5e-3)
-        assert got["motor_output_torque"][0] == pytest.approx(
-            torque, rel=0.05
-        )  # less friction below the motor
-        assert got["motor_output_torque"][0] > got["bit_torque"][0] * (1 - 1e-9)
+        # the motor also turns the pipe below its joint, and the bit, against the wall
+        assert torque < got["motor_output_torque"][0] < 1.3 * torque
         law = mud_motor(Case(**on_bottom(rotation)))
         assert got["motor_speed"][0] == pytest.approx(
             law.speed(got["motor_output_torque"][0], 0.03), rel=1e-6
@@ -188,9 +173,9 @@ def test_the_bearing_carries_mud_and_weight(tmp_path):
     below = 4.5 * 7850 * math.pi / 4 * (0.127**2 - 0.1086**2) * 9.81
     thrust = math.pi / 4 * seal**2 * got["motor_differential_pressure"][0]
     assert got["bearing_load"][0] == pytest.approx(thrust + below, rel=1e-5)
-    case["bottom"] = {"kind": "force", "force": [0, 0, -50e3], "moment": [0, 0, -2e3]}
+    case["bottom"] = {"kind": "force", "force": [0, 0, -5e3], "moment": [0, 0, -2e3]}
     got, _ = history(case, tmp_path / "on")
-    assert got["bearing_load"][0] == pytest.approx(thrust + below - 50e3, rel=1e-5)
+    assert got["bearing_load"][0] == pytest.approx(thrust + below - 5e3, rel=1e-5)
 
 
 def test_the_rotor_orbits_backwards_and_shakes_the_string(tmp_path):
@@ -209,11 +194,11 @@ def test_the_rotor_orbits_backwards_and_shakes_the_string(tmp_path):
     }
     case = hung(18.0, 0.0, pdm=pdm, mass=800)
     case["material"] = {"damping": {"mass": 20.0}}
-    case["time"], case["output"] = {"end": 2.0, "step": 2e-3}, {"history_every": 4e-3, "probes": [9.0]}
+    case["time"], case["output"] = {"end": 2.0}, {"history_every": 4e-3, "probes": [9.0]}
     got, _ = history(case, tmp_path / "run")
     assert got["rotor_orbit_speed"][-1] == pytest.approx(-5 * 11.31, rel=2e-3)
     side = read_table(tmp_path / "run" / "probes.csv")
-    x = next(values for name, values in side.items() if name.startswith("offset_x_9"))[250:]
+    x = next(values for name, values in side.items() if name.startswith("x_9"))[250:]
     spectrum = np.abs(np.fft.rfft((x - x.mean()) * np.hanning(len(x)), 16 * len(x)))
     found = np.fft.rfftfreq(16 * len(x), 4e-3)[spectrum.argmax()]
     assert found == pytest.approx(9.0, rel=0.01)
@@ -222,13 +207,13 @@ def test_the_rotor_orbits_backwards_and_shakes_the_string(tmp_path):
 def test_tool_face_follows_the_reactive_torque(tmp_path):
     """The bend stands where it was made up, turned back by the wind-up T L/GJ of the string above it."""
     face, torque = 0.6, 3e3
-    case = hung(400.0, torque, bend={"angle": 0.01, "tool_face": face, "position": 4.0}, joint_at=1.0)
+    case = hung(400.0, torque, bend={"angle": 1e-4, "tool_face": face, "position": 4.0}, joint_at=1.0)
     case["initial"] = {"inclination": 0.5}
     tilt = (math.sin(0.5), 0.0, math.cos(0.5))
     case["bottom"]["moment"] = [-torque * c for c in tilt]
     case["bottom"]["force"] = [20e3 * c for c in tilt]  # keeps the string straight
     got, _ = history(case, tmp_path / "run")
-    assert got["tool_face"][0] == pytest.approx(face - torque * 396.0 / GJ, abs=2e-3)
+    assert got["tool_face"][0] == pytest.approx(face - torque * 395.75 / GJ, abs=1e-3)
 
 
 def test_curvature_of_a_bent_motor_by_three_points():
@@ -241,22 +226,21 @@ def test_modes_of_a_string_with_a_motor(tmp_path):
     """Torsion: a running motor under no load holds its speed, so the rotor goes with the string; near stall it lets it go.
 
     Held at the top, lengths a above and b below the joint: with the rotor locked a rod of a + b, f = c/4(a + b); with a rotor
-    that gives way (droop 1, slope dT/dw = T_s/w0) below 1 % of the impedance, a rod of a alone, f = c/4a (wave equation).
+    that gives way (droop 1 at half the stall torque, dT/dw = T_s/w0) below 1 % of the impedance, a rod of a alone, f = c/4a (wave
+    equation).
     """
     c = math.sqrt(79230769230.76923 / 7850)
 
-    def lowest(pdm: dict) -> float:
-        case = hung(1000.0, 0.0, pdm=pdm, length=200.0, joint_at=180.0, element_length=20.0)
-        case["string"][0]["length"] = 800.0
-        found = modes(Case(**case), tmp_path / str(len(list(tmp_path.iterdir()))), count=30)
+    def lowest(pdm: dict, torque: float) -> float:
+        case = hung(1000.0, torque, pdm=pdm, joint_at=180.0, element_length=20.0)
+        case["string"][0]["length"], case["string"][1]["length"] = 800.0, 200.0
+        found = modes(Case(**case), tmp_path / str(len(list(tmp_path.iterdir()))), count=2, kind="torsional")
         table = read_table(found.folder / "modes.csv")
-        kind = [k for k in table if k.startswith("torsional")][0]
-        f = table["frequency [Hz]"]
-        return float(f[(table[kind] > 0.9) & (f > 0)].min())
+        return float(table["frequency [Hz]"].min())
 
-    assert lowest(SECTION) == pytest.approx(c / 4000, rel=2e-3)
+    assert lowest(SECTION, 0.0) == pytest.approx(c / 4000, rel=2e-3)
     soft = {**SECTION, "droop": 1, "stall_torque": 30.0}
-    assert lowest(soft) == pytest.approx(c / (4 * 820), rel=2e-2)
+    assert lowest(soft, 15.0) == pytest.approx(c / (4 * 820), rel=2e-2)
 
 
 # ---------------------------------------------------------------------- messages
@@ -273,7 +257,7 @@ def test_start_above_the_stall_torque_is_answered_in_words(tmp_path):
 def test_no_flow_leaves_the_motor_standing(tmp_path):
     got, summary = history(hung(50.0, 1e3, pdm={**SECTION, "flow_rate": 0}), tmp_path / "run")
     assert np.abs(got["motor_speed"]).max() < 1e-2
-    assert any("does not turn" in w for w in summary["warnings"])
+    assert any("does not turn" in w for w in summary["statics"]["warnings"])
 
 
 @pytest.mark.parametrize(
