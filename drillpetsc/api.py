@@ -27,14 +27,17 @@ from drillpetsc.case.items import (
     CoiledTubing,
     DrillCollar,
     DrillPipe,
+    MudMotor,
     Pipe,
     RotarySteerable,
     Stabilizer,
 )
+from drillpetsc.errors import CaseError
 from drillpetsc.parallel import initialise_petsc
 
 if TYPE_CHECKING:
     from drillpetsc.analysis.linearise import LinearResult
+    from drillpetsc.physics.tools.motor_law import MotorLaw
     from drillpetsc.results import Result
     from drillpetsc.studies.convergence.study import StudyResult
     from drillpetsc.studies.sweep.sweep import SweepResult
@@ -49,6 +52,7 @@ __all__ = [
     "DrillCollar",
     "DrillPipe",
     "HWDP",
+    "MudMotor",
     "Pipe",
     "RotarySteerable",
     "Stabilizer",
@@ -62,6 +66,7 @@ __all__ = [
     "linearise",
     "load_case",
     "modes",
+    "mud_motor",
     "open_run",
     "response",
     "roadmap",
@@ -602,6 +607,20 @@ def top_drive(
     from drillpetsc.results.result import result_of
 
     return result_of(run_top_drive(case, out, overwrite, name, comm))
+
+
+def mud_motor(case: Case | str | Path) -> MotorLaw:
+    """The law of the downhole motor of a string: speed, differential pressure and leak by torque and flow rate.
+
+    case: a Case with an item `pdm`, or the path of a case file
+    Raises CaseError for a string without a motor.
+    """
+    from drillpetsc.model.mud_motor import motor_item, motor_law
+
+    found = motor_item(_loaded(case, None)[0])
+    if found is None:
+        raise CaseError(at="string", want="an item of kind pdm")
+    return motor_law(found[1].pdm)
 
 
 def study(

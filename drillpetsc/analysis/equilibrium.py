@@ -275,7 +275,7 @@ def _from_coarse_mesh(problem: StaticProblem) -> float | None:
     stable equilibrium is found.
     """
     model, solver, state = problem.model, problem.solver, problem.state
-    factor = coarse_factor(model)
+    factor = coarse_factor(model) if model.motor is None else None
     if factor is None:
         return None
     start, report = Snapshot(model), state.equilibrium

@@ -7,6 +7,7 @@ from pathlib import Path
 from drillpetsc.analysis import checkpoint
 from drillpetsc.analysis.equilibrium import StaticState, director_equilibrium
 from drillpetsc.analysis.imperfection import add_imperfection_of_rest
+from drillpetsc.analysis.motor_statics import motor_equilibrium
 from drillpetsc.analysis.path_answer import PathKind
 from drillpetsc.analysis.placement import move_rigidly, place_along_hole, release
 from drillpetsc.analysis.quasi_static import QuasiStatic
@@ -32,6 +33,8 @@ def find_equilibrium(
     """
     if model.beam is not None and model.beam.needs_ancf_equilibrium:
         return quaternion_equilibrium(model, motion, lateral_friction)
+    if model.motor is not None:
+        return motor_equilibrium(model, model.motor, motion, lateral_friction, path)
     return director_equilibrium(model, motion, lateral_friction, path)
 
 

@@ -174,7 +174,8 @@ def march(
     tension, contact, helical, locked = column.run(bottom)
     rock = 0.0
     if model.bit is not None:
-        rock = model.bit.torque_for(max(wob, -on_bottom), motion[1]) * np.sign(motion[1])
+        turning = motion[1] + (model.motor.static_speed if model.motor is not None else 0.0)
+        rock = model.bit.torque_for(max(wob, -on_bottom), turning) * np.sign(turning)
     steps = around * contact - load_torque
     torque = np.append(np.cumsum(steps[::-1])[::-1], 0.0) + rock
     inner = tension[1:-1]

@@ -162,7 +162,7 @@ def prepare_state(model: DrillingModel, about: str = "steady") -> StaticState:
 
     Raises SolveError where no equilibrium is found.
     """
-    if about == "steady" and prescribed_motion(model) != (0.0, 0.0):
+    if about == "steady" and (prescribed_motion(model) != (0.0, 0.0) or model.motor is not None):
         state = find_equilibrium(model)
         release(model)
         move_rigidly(model)
@@ -256,6 +256,8 @@ def modes(
                     eigenvalues_near(problem, 2j * np.pi * shift, 2 * count, engine), shift, count
                 )
             if model.drive is not None and model.drive.free_angle:
+                eigenvalues = _without_free_angle(model, linearised, eigenvalues)
+            if model.motor is not None:  # the angle of the rotor
                 eigenvalues = _without_free_angle(model, linearised, eigenvalues)
             if model.hoist is not None:
                 eigenvalues = _without_free_drum(model, linearised, eigenvalues)

@@ -44,6 +44,9 @@ def place_along_hole(model: DrillingModel, top: float = 0.0) -> None:
         model.drive.hold()
     if model.hoist is not None:
         model.hoist.hold()
+    if model.motor is not None:
+        model.motor.hold()
+        system.set_field("motor.torque", np.zeros((system.mesh.nodes, 1)))
     if model.beam is not None:
         position, tangent = model.position, model.tangent
         if top and model.well is not None:
@@ -76,10 +79,15 @@ def hole_at_string(model: DrillingModel) -> tuple[FloatArray, FloatArray]:
 
 
 def move_rigidly(model: DrillingModel) -> None:
-    """Set the rates of every node to the rotation and the lowering that the top prescribes at time 0."""
+    """Set the rates of every node to the rotation and the lowering that the top prescribes at time 0, and a motor's."""
     if model.beam is not None:
         tangent, curvature = hole_at_string(model)
-        model.beam.set_rigid_motion(model.system, tangent, curvature, *prescribed_motion(model))
+        lowering, rotation = prescribed_motion(model)
+        spin: float | FloatArray = rotation
+        if model.motor is not None:
+            spin = np.full(model.mesh.nodes, rotation)
+            spin[model.motor.cell + 1 :] += model.motor.start_speed
+        model.beam.set_rigid_motion(model.system, tangent, curvature, lowering, spin)
         if model.bit is not None:
             model.bit.first_cut(model.system.assembly)
     release_flow(model)
@@ -94,6 +102,8 @@ def release(model: DrillingModel, at_rest: bool = False) -> None:
         component.release_sliding_direction()
     if model.drive is not None:
         model.drive.start(model.system.assembly, at_rest)
+    if model.motor is not None:
+        model.motor.start(model.system.assembly)
     if model.hoist is not None:
         system, hoist = model.system, model.hoist
         shared = np.asarray(system.comm.tompi4py().allreduce(hoist.local_update(system.assembly)))

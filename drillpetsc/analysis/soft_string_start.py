@@ -39,6 +39,7 @@ def soft_string(
             weight[cell] += b.mass * g / mesh.length_divisor[cell]
     # joints have no length and are left out; both nodes of a joint get the same values
     has_length = np.diff(depth) > 0
+    turning = motion[1] + (model.motor.static_speed if model.motor is not None else 0.0)
     soft = torque_drag(
         well,
         depth[np.append(True, has_length)],
@@ -47,7 +48,7 @@ def soft_string(
         mesh.axial_stiffness[has_length],
         mesh.torsional_stiffness[has_length],
         bottom_force=_force_below(model, g) - wob,
-        bottom_torque=model.bit.torque_for(wob, motion[1]) * np.sign(motion[1]) if model.bit else 0.0,
+        bottom_torque=model.bit.torque_for(wob, turning) * np.sign(turning) if model.bit else 0.0,
         axial_velocity=-motion[0],
         rotation=motion[1],
     )

@@ -66,12 +66,17 @@ class StaticProblem:
     @property
     def moves(self) -> bool:
         """Whether friction acts."""
-        return bool(self.components) and self.state.motion != (0.0, 0.0)
+        return bool(self.components) and (self.state.motion != (0.0, 0.0) or self.motor_speed != 0)
+
+    @property
+    def motor_speed(self) -> float:
+        """What a downhole motor adds to the spin below it [rad/s]."""
+        return self.model.motor.static_speed if self.model.motor is not None else 0.0
 
     def impose(self, fraction: float) -> None:
         """Let friction oppose the motion, with a ``fraction`` of its lateral force."""
         for component in self.components:
-            component.impose_sliding_direction(*self.state.motion, fraction)
+            component.impose_sliding_direction(*self.state.motion, fraction, self.motor_speed)
 
     def set_friction_aside(self) -> None:
         """No friction acts from now on."""

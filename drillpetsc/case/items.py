@@ -129,6 +129,12 @@ class _Bit(_Rigid, total=False):
     nozzles: Value | Sequence[Value]
 
 
+class _Motor(_Pipe, total=False):
+    pdm: Keys
+    mass: Value
+    joint_at: Value
+
+
 class StringItem(dict[str, Any]):
     """A string item: a mapping of the keys of a case file. Use the class of a kind, such as `DrillPipe`.
 
@@ -298,6 +304,15 @@ class RotarySteerable(StringItem):
         self._fill(keys)
 
 
+class MudMotor(StringItem):
+    """Positive displacement motor: its housing is pipe, its rotor turns what hangs below its joint."""
+
+    kind, key_types, required = "pdm", _Motor, ("length", "od", "pdm")
+
+    def __init__(self, **keys: Unpack[_Motor]) -> None:
+        self._fill(keys)
+
+
 #: kind of a string item -> its class
 ITEMS = {
     item.kind: item
@@ -313,5 +328,6 @@ ITEMS = {
         Body,
         Bit,
         RotarySteerable,
+        MudMotor,
     )
 }

@@ -299,10 +299,13 @@ class Component:
     #: the loads of the component have a potential
     conservative: bool = True
 
-    def impose_sliding_direction(self, axial: float, spin: float, side: float = 1.0) -> None:
+    def impose_sliding_direction(
+        self, axial: float, spin: float, side: float = 1.0, motor: float = 0.0
+    ) -> None:
         """Let friction oppose a rigid motion of the string: ``axial`` [m/s, down], ``spin`` [rad/s].
 
         side: fraction of the lateral friction force that acts (0: its torque only).
+        motor: what a downhole motor adds to the spin below it [rad/s].
         """
 
     def release_sliding_direction(self) -> None:

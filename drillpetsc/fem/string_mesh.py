@@ -72,6 +72,8 @@ class StringJoint:
     stroke: least and largest travel of a slider between its stops [m].
     stop_stiffness: stiffness of the stops [N/m].
     seal_area: area on which the mud pushes the parts of a slider apart [m2] (manual: eq-joint-seal-force).
+    item: number of the string item whose tool has the joint, -1: a joint by itself.
+    driven: a motor turns the part below.
     """
 
     depth: float
@@ -84,6 +86,8 @@ class StringJoint:
     stroke: tuple[float, float] | None = None
     stop_stiffness: float = 0.0
     seal_area: float = 0.0
+    item: int = -1
+    driven: bool = False
 
 
 @dataclass(frozen=True)
@@ -176,6 +180,11 @@ class StringMesh:
     def length(self) -> FloatArray:
         """(n,) element lengths [m]."""
         return self.lower - self.upper
+
+    @property
+    def motor_cell(self) -> int | None:
+        """Cell of the joint below which a downhole motor turns the string; None without a motor."""
+        return next((j.cell for j in self.joints if j.driven), None)
 
     @property
     def is_joint(self) -> np.ndarray:

@@ -20,6 +20,7 @@ from drillpetsc.model.fluid import FluidComponents, build_fluid
 from drillpetsc.model.hoist import build_hoist, connect_sensors
 from drillpetsc.model.hole import build_well, hole_depth
 from drillpetsc.model.mesh import build_mesh, curvature_by_tool_face
+from drillpetsc.model.mud_motor import build_mud_motor
 from drillpetsc.model.quaternion import quaternion_components
 from drillpetsc.model.rock_bit import build_rock_bit
 from drillpetsc.model.steering import build_steering
@@ -54,6 +55,7 @@ class DrillingModel:
     fluid: components of the drilling fluid, None in a dry model.
     hoist: block and drum above the top, None where absent.
     steering: rotary steerable tool, None where absent.
+    motor: downhole motor, None where absent.
     """
 
     case: Case
@@ -72,6 +74,7 @@ class DrillingModel:
     fluid: FluidComponents | None = None
     hoist: interfaces.Hoist | None = None
     steering: interfaces.SteeringTool | None = None
+    motor: interfaces.Motor | None = None
 
     @property
     def effective_mass(self) -> FloatArray:
@@ -125,7 +128,7 @@ def build_model(
     top: interfaces.Top | None = None
     drive: interfaces.Drive | None = None
     hoist: interfaces.Hoist | None = None
-    contact, bit, steering = None, None, None
+    contact, bit, steering, motor = None, None, None, None
     components: list = []
     if case.beam.formulation == "quaternion":
         breaks = tuple(b for q in case.loads for b in q.value_over.breaks()) + _top_breaks(case)
@@ -154,6 +157,10 @@ def build_model(
         beam = AncfBeam(mesh, frames, gravity, contact.impact_depth if contact is not None else np.inf)
         components.append(beam)
         components += _optional_components(mesh, frames, gravity, balanced=is_quasi_static(case))
+        if mesh.joints:
+            joints = Joints(mesh, frames)
+            motor = build_mud_motor(case, mesh, frames, gravity, joints, balanced)
+            components += [joints, *([motor] if motor is not None else [])]
         top, drive, hoist = _top_components(
             case, mesh, position[0], tangent[0], _top_path(well, frames), frames
         )
@@ -186,6 +193,7 @@ def build_model(
         fluid,
         hoist,
         steering,
+        motor,
     )
     if hoist is not None:
         connect_sensors(hoist, drive, bit, fluid)
@@ -218,7 +226,7 @@ def is_quasi_static(case: Case) -> bool:
 
 
 def _optional_components(mesh: StringMesh, frames: Frames, gravity: FloatArray, balanced: bool) -> list:
-    """Create the components for rigid bodies, eccentric mass, stress-free curvature and joints, where present.
+    """Create the components for rigid bodies, eccentric mass, and stress-free curvature, where present.
 
     balanced: leave out eccentric mass and unbalance.
     """
@@ -227,8 +235,6 @@ def _optional_components(mesh: StringMesh, frames: Frames, gravity: FloatArray, 
         components.append(RigidBodies(mesh, frames, gravity, balanced))
     if mesh.curvature.any():
         components.append(Precurvature(mesh, frames))
-    if mesh.joints:
-        components.append(Joints(mesh, frames))
     return components
 
 

@@ -71,14 +71,13 @@ def build_mesh(case: Case, well: Well | None = None, motion: tuple[float, float]
     tops: dict[int, int] = {}  # cell at the upper end of each flexible item
     pending: list = []
     joints: list[StringJoint] = []
-    remaining = sorted(case.joints, key=lambda j: j.at)
+    remaining = sorted([*(_joint(j) for j in case.joints), *_tool_joints(case)], key=lambda j: j.depth)
     item_edges, lengths = _element_ends(case, well, motion)
 
     def add_joint(item, depth: float) -> None:
         """Add the joint at ``depth`` [m], if there is one, as a row without length below the pending rigid items."""
-        if remaining and abs(remaining[0].at - depth) <= NODE_TOLERANCE * max(1.0, depth):
-            joint = remaining.pop(0)
-            joints.append(_joint(joint, len(rows)))
+        if remaining and abs(remaining[0].depth - depth) <= NODE_TOLERANCE * max(1.0, depth):
+            joints.append(replace(remaining.pop(0), cell=len(rows)))
             rows.append((-1, item, depth, depth, sum(q.length for _, q in pending)))
             pending.clear()
 
@@ -173,11 +172,19 @@ def _with_depths(marks: list[float], depths: FloatArray) -> list[float]:
     return sorted([*marks, *new])
 
 
-def _joint(joint: Joint, cell: int) -> StringJoint:
+def _tool_joints(case: Case) -> list[StringJoint]:
+    """Joints inside the tools of the string, without their cells."""
+    return [
+        StringJoint(depth, "revolute", -1, item=number, driven=True)
+        for depth, number in case.tool_joint_depths.items()
+    ]
+
+
+def _joint(joint: Joint) -> StringJoint:
     return StringJoint(
         joint.at,
         joint.kind,
-        cell,
+        -1,
         joint.axes,
         joint.constraint == "stabilised",
         joint.spring,
@@ -240,6 +247,7 @@ def _edges(case: Case, number: int, item: Flexible, top: float, bottom: float) -
     extra += [joint.at for joint in case.joints if top < joint.at < bottom]
     if isinstance(item, RotarySteerable):
         extra += [at for at in steering_zone(item, top, bottom) if top < at < bottom]
+    extra += [depth for depth in case.tool_joint_depths if top < depth < bottom]
     # a depth at an existing element end adds no node; elements may be as short as the case gives them
     for at in extra:
         k = bisect_left(edges, at)

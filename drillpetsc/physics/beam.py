@@ -129,17 +129,25 @@ class AncfBeam(interfaces.Beam):
         system.set_field("string.spin", np.zeros((self.mesh.nodes, 1)))
 
     def set_rigid_motion(
-        self, system, tangent: FloatArray, curvature: FloatArray, lowering: float, rotation: float
+        self,
+        system,
+        tangent: FloatArray,
+        curvature: FloatArray,
+        lowering: float,
+        rotation: float | FloatArray,
     ) -> None:
         """Set the velocity of every node to ``lowering`` [m/s] along the hole, its spin to ``rotation`` [rad/s].
 
+        rotation: (n_nodes,) where the spin differs along the string.
         tangent, curvature: (n_nodes, 3) of the hole at the nodes [-, 1/m].
         """
         stretch = np.zeros((self.mesh.nodes, 1))
         stretch[system.chain.vertices] = np.linalg.norm(system.field("string.tangent"), axis=1, keepdims=True)
         system.set_field("string.position", lowering * tangent, "y")
         system.set_field("string.tangent", lowering * stretch * curvature, "y")
-        system.set_field("string.spin", np.full((self.mesh.nodes, 1), rotation), "y")
+        system.set_field(
+            "string.spin", np.broadcast_to(np.reshape(rotation, (-1, 1)), (self.mesh.nodes, 1)), "y"
+        )
 
     def renew_reference_frames(self, system) -> bool:
         """Replace reference directions that are far from the tangent (manual: sec-beam-reference-update)."""

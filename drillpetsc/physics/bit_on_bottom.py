@@ -58,8 +58,10 @@ class BitOnBottom(Bit):
         )
         return (self._block,)
 
-    def impose_sliding_direction(self, axial: float, spin: float, side: float = 1.0) -> None:
-        self._block.named["imposed"] = np.sign(spin)
+    def impose_sliding_direction(
+        self, axial: float, spin: float, side: float = 1.0, motor: float = 0.0
+    ) -> None:
+        self._block.named["imposed"] = np.sign(spin + motor)
 
     def release_sliding_direction(self) -> None:
         self._block.named["imposed"] = NOT_IMPOSED

@@ -139,13 +139,16 @@ class Contact(WallContact):
         )  # of the mean string
         self._damping = damping_factor(law.restitution, law.restitution_speed)
         self._laws: list[Any] = []
+        self._driven: list[bool] = []  # of each law: whether a downhole motor turns its elements
+        self._motor_cell = mesh.motor_cell
         self._keep: list[np.ndarray] = []
         self._free: list[FloatArray] = []
 
-    def _context(self, count: int, ends: tuple[bool, bool]) -> int:
+    def _context(self, count: int, ends: tuple[bool, bool], driven: bool = False) -> int:
         """Create the kernel's record for a block of ``count`` elements; returns its address.
 
         ends: the upper and the lower ends of its elements are exposed (``exposed_ends``).
+        driven: a downhole motor turns the elements.
         """
         law, at = self.law, rule(self.law.points, *ends)
         n = count * len(at)
@@ -169,6 +172,7 @@ class Contact(WallContact):
             free=pointer(free),
         )
         self._laws.append(record)
+        self._driven.append(driven)
         self._keep += [at, normal, segment]
         self._free.append(free)
         self._normal.append(normal.reshape(count, len(at)))
@@ -187,8 +191,13 @@ class Contact(WallContact):
         below_junction = m.below_junction
         friction = np.where(np.isnan(m.friction), -1.0, m.friction)
         touches = (m.contact_diameter > 0) & ~m.is_joint
-        for below, (name, mask, ends) in product((False, True), self._groups()):
-            on_rank = (below_junction == below) & touches & mask
+        turned = np.zeros(len(m.upper), dtype=bool)
+        if self._motor_cell is not None:
+            turned[self._motor_cell + 1 :] = True
+        groups = product((False, True), self._groups(), (False, True) if turned.any() else (False,))
+        for below, (group, mask, ends), driven in groups:
+            name = f"{group}_driven" if driven else group
+            on_rank = (below_junction == below) & touches & mask & (turned == driven)
             if not on_rank.any():
                 continue
             chosen = np.flatnonzero(on_rank[part.cells]).astype(np.int32)
@@ -210,7 +219,7 @@ class Contact(WallContact):
                     JUNCTION_SLOTS if below else SLOTS,
                     (0, 1),
                     params.array,
-                    context=self._context(len(chosen), ends),
+                    context=self._context(len(chosen), ends, driven),
                     component="contact",
                 )
             )
@@ -218,15 +227,24 @@ class Contact(WallContact):
         return tuple(self._blocks)
 
     def _on_items(self, part) -> list[ElementBlock]:
-        """Create the block of the rigid items, if there are any."""
-        bodies = self.mesh.bodies
+        """Create the blocks of the rigid items, above and below a downhole motor, if there are any."""
+        bodies, last = self.mesh.bodies, self._motor_cell
         touching = [k for k, b in enumerate(bodies) if b.radius > 0 and (self.with_bit or b.kind != "bit")]
-        self._items = np.zeros(0, dtype=int)  # of this rank: numbers in mesh.bodies
-        if not touching:
-            return []
+        self._items: list[np.ndarray] = []  # of this rank, by block: numbers in mesh.bodies
+        above = [k for k in touching if last is None or bodies[k].node <= last]
+        out = [self._item_block(part, above, "contact_bodies", False)] if above else []
+        if len(above) < len(touching):
+            below = [k for k in touching if k not in above]
+            out.append(self._item_block(part, below, "contact_bodies_driven", True))
+        return out
+
+    def _item_block(self, part, touching: list[int], name: str, driven: bool) -> ElementBlock:
+        """Create the block of rigid items, by their numbers in mesh.bodies."""
+        bodies = self.mesh.bodies
         picked, vertices = local_vertices(part, np.array([bodies[k].node for k in touching]))
-        self._items = np.array(touching, dtype=int)[picked]
-        here = [bodies[k] for k in self._items]
+        items = np.array(touching, dtype=int)[picked]
+        self._items.append(items)
+        here = [bodies[k] for k in items]
         params = Parameters(
             "body_contact",
             len(here),
@@ -238,19 +256,17 @@ class Contact(WallContact):
             radius=[b.radius for b in here],
             friction=[-1.0 if b.friction is None else b.friction for b in here],
         )
-        return [
-            ElementBlock(
-                "contact_bodies",
-                "body_contact",
-                "vertex",
-                vertices,
-                VERTEX_SLOTS,
-                (0,),
-                params.array,
-                context=self._context(len(here), self._item_ends),
-                component="contact",
-            )
-        ]
+        return ElementBlock(
+            name,
+            "body_contact",
+            "vertex",
+            vertices,
+            VERTEX_SLOTS,
+            (0,),
+            params.array,
+            context=self._context(len(here), self._item_ends, driven),
+            component="contact",
+        )
 
     @property
     def _item_ends(self) -> tuple[bool, bool]:
@@ -292,23 +308,36 @@ class Contact(WallContact):
         for free in self._free:
             free[:, 4] = 0.0
 
-    def impose_sliding_direction(self, axial: float, spin: float, side: float = 1.0) -> None:
+    def impose_sliding_direction(
+        self, axial: float, spin: float, side: float = 1.0, motor: float = 0.0
+    ) -> None:
         """Let friction oppose a rigid motion of the string, for statics (manual: eq-contact-imposed).
 
         axial: velocity [m/s], down positive; spin: [rad/s].
         side: fraction of the lateral friction force; at 0 friction across the pipe has only its torque.
+        motor: what a downhole motor adds to the spin below it [rad/s].
         """
-        for record in self._laws:
-            record.imposed, record.axial, record.spin, record.side = 1.0, axial, spin, side
+        for record, driven in zip(self._laws, self._driven, strict=True):
+            record.imposed, record.axial, record.side = 1.0, axial, side
+            record.spin = spin + motor if driven else spin
             record.slip, record.damping = self.law.slip_velocity, self._damping
 
     def copy_sliding_direction(self, other: Contact) -> None:
         """Copy the sliding direction that statics imposed on the contact of another model."""
-        imposed = next((record for record in other._laws if record.imposed), None)
-        if imposed is None:
+        imposed = [
+            (record, driven)
+            for record, driven in zip(other._laws, other._driven, strict=True)
+            if record.imposed
+        ]
+        if not imposed:
             self.release_sliding_direction()
-        else:
-            self.impose_sliding_direction(imposed.axial, imposed.spin, imposed.side)
+            return
+        above = next((record for record, driven in imposed if not driven), None)
+        below = next((record for record, driven in imposed if driven), None)
+        first = above or below
+        assert first is not None
+        motor = below.spin - above.spin if above is not None and below is not None else 0.0
+        self.impose_sliding_direction(first.axial, first.spin, first.side, motor)
 
     def release_sliding_direction(self) -> None:
         """Let friction follow the actual motion."""
@@ -357,13 +386,16 @@ class Contact(WallContact):
 
     def element_results(self, state) -> tuple[FloatArray, FloatArray]:
         """(nc, 7) per local cell and (nb, 7) per rigid item of this rank: the columns of ``RESULT_NAMES``."""
-        cells, bodies = np.zeros((len(self._part.cells), len(RESULT_NAMES))), np.zeros((0, len(RESULT_NAMES)))
+        cells, bodies = (
+            np.zeros((len(self._part.cells), len(RESULT_NAMES))),
+            [np.zeros((0, len(RESULT_NAMES)))],
+        )
         for b, results in zip(self._blocks, self._block_results(state), strict=True):
             if b.on == "cell":
                 cells[b.points] = results.table
             else:
-                bodies = results.table.copy()
-        return cells, bodies
+                bodies.append(results.table.copy())
+        return cells, bodies[-1] if len(bodies) == 2 else np.vstack(bodies)
 
     def item_forces(self, state) -> FloatArray:
         """(bodies,) normal force of the wall on each rigid item of the mesh [N], zero where another rank has it."""
@@ -372,9 +404,13 @@ class Contact(WallContact):
     def item_results(self, state) -> FloatArray:
         """(bodies, 7) results of each rigid item of the mesh, columns of ``RESULT_NAMES``, zero where another rank has it."""
         out = np.zeros((len(self.mesh.bodies), len(RESULT_NAMES)))
-        for b, results in zip(self._blocks, self._block_results(state), strict=True):
-            if b.on != "cell":
-                out[self._items] = results.table
+        found = [
+            results
+            for b, results in zip(self._blocks, self._block_results(state), strict=True)
+            if b.on != "cell"
+        ]
+        for items, results in zip(self._items, found, strict=True):
+            out[items] = results.table
         return out
 
     def energies(self, t: float, state) -> Energies:

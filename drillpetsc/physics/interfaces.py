@@ -11,6 +11,7 @@ import numpy as np
 
 from drillpetsc.arrays import FloatArray, IntArray
 from drillpetsc.fem.component import Component
+from drillpetsc.fem.string_mesh import StringJoint
 from drillpetsc.geometry.growing_hole import GrowingHole
 from drillpetsc.geometry.well import Well
 
@@ -35,10 +36,16 @@ class Beam(Component):
 
     @abstractmethod
     def set_rigid_motion(
-        self, system: Any, tangent: FloatArray, curvature: FloatArray, lowering: float, rotation: float
+        self,
+        system: Any,
+        tangent: FloatArray,
+        curvature: FloatArray,
+        lowering: float,
+        rotation: float | FloatArray,
     ) -> None:
         """Set the velocity of every node to ``lowering`` [m/s] along the hole, its spin to ``rotation`` [rad/s].
 
+        rotation: (n_nodes,) where the spin differs along the string.
         tangent: (n_nodes, 3) of the hole at the nodes; curvature: (n_nodes, 3) its derivative [1/m].
         """
 
@@ -284,8 +291,71 @@ class SteeringTool(Component):
         return np.zeros(0, dtype=np.int32), np.zeros((0, 3))
 
 
+class Motor(Component):
+    """A downhole motor, which turns what is below it in the string.  ``cell``: of its joint."""
+
+    cell: int
+
+    @property
+    @abstractmethod
+    def static_speed(self) -> float:
+        """Speed of the rotor from the stator in statics [rad/s]; friction below the motor takes its direction from it."""
+
+    @property
+    @abstractmethod
+    def start_speed(self) -> float:
+        """Speed of the rotor from the stator at the start of a run [rad/s]."""
+
+    @abstractmethod
+    def run_statically(self, flow: float) -> None:
+        """Turn in statics as without torque at a flow rate [m3/s]; at 0 the motor stands."""
+
+    @abstractmethod
+    def update_static_speed(self, torque: float, flow: float) -> float:
+        """Set the speeds by the torque [N m] and flow rate [m3/s] of a static state.
+
+        Returns the change of the static speed as a share of the free speed.
+        """
+
+    @abstractmethod
+    def static_warnings(self, torque: float, flow: float) -> list[str]:
+        """What the user should know of a static state under a torque [N m] at a flow rate [m3/s]."""
+
+    @abstractmethod
+    def hold(self) -> None:
+        """Hold the rotor for statics, which finds its torque."""
+
+    @abstractmethod
+    def start(self, state: Any) -> None:
+        """Begin the motion from statics with the static torque."""
+
+    @abstractmethod
+    def figures(self, t: float, state: Any) -> FloatArray:
+        """Numbers of its quantities at the time ``t`` [s] (``physics.tools.mud_motor.RESULTS``), this rank's share."""
+
+    @abstractmethod
+    def thrust(self, t: float, state: Any) -> float:
+        """Load of the thrust bearing [N], this rank's share; positive while mud and weight push the rotor down."""
+
+    @abstractmethod
+    def housing(self, state: Any) -> FloatArray:
+        """(6,) tangent and direction of the bend of the housing at its node, this rank's share."""
+
+    @staticmethod
+    @abstractmethod
+    def tool_face(values: FloatArray) -> float:
+        """Tool face [rad], between -pi and pi, of what ``housing`` returns."""
+
+    @abstractmethod
+    def torque_and_flow(self, t: float, state: Any) -> FloatArray:
+        """(2,) torque of the motor [N m] and flow rate through it [m3/s] at the time ``t`` [s], this rank's share."""
+
+
 class JointSet(Component):
-    """All joints of the string."""
+    """All joints of the string.  ``joints``: their places; RESULTS: columns of ``element_results``."""
+
+    joints: tuple[StringJoint, ...]
+    RESULTS: tuple[str, ...]
 
     @abstractmethod
     def element_results(self, state: Any) -> FloatArray:

@@ -268,6 +268,97 @@ TOP_MOTOR: tuple[Quantity, ...] = (
 )
 
 
+# ---------------------------------------------------------------------- downhole motor
+#: places in ``MudMotor.figures``
+_MOTOR_TORQUE, _MOTOR_SPEED, _MOTOR_PRESSURE, _MOTOR_STALLED, _MOTOR_ORBIT = range(5)
+
+
+def _of_mud_motor(index: int, motor: Any, sample: Sample) -> float:
+    return float(sample.once(motor.figures, sample.time)[index])
+
+
+MUD_MOTOR: tuple[Quantity, ...] = (
+    Quantity(
+        "motor_speed",
+        "rad/s",
+        on="scalar",
+        label="Speed of the downhole motor",
+        mnemonic="MRPM",
+        sign="the rotor turns clockwise in the stator (looking down)",
+        doc="Speed of the rotor and the bit from the stator.",
+        value=partial(_of_mud_motor, _MOTOR_SPEED),
+        panel=4,
+        interest=3,
+    ),
+    Quantity(
+        "motor_output_torque",
+        "N m",
+        on="scalar",
+        label="Torque of the downhole motor",
+        mnemonic="MTOR",
+        sign="the stator turns the rotor clockwise (looking down)",
+        doc="Torque of the downhole motor on what is below it; the string above gets its opposite.",
+        value=partial(_of_mud_motor, _MOTOR_TORQUE),
+        panel=3,
+    ),
+    Quantity(
+        "motor_differential_pressure",
+        "Pa",
+        kind="pressure",
+        on="scalar",
+        label="Differential pressure of the downhole motor",
+        mnemonic="MDPR",
+        sign="pressure above less pressure below",
+        doc="Pressure that the mud loses in the downhole motor.",
+        value=partial(_of_mud_motor, _MOTOR_PRESSURE),
+    ),
+    Quantity(
+        "motor_stalled",
+        "-",
+        on="scalar",
+        label="Downhole motor stalled",
+        mnemonic="MSTA",
+        sign="1 stalled, else 0",
+        doc="Whether the torque of the downhole motor has reached its stall torque.",
+        value=partial(_of_mud_motor, _MOTOR_STALLED),
+        finish=_whole,
+    ),
+    Quantity(
+        "rotor_orbit_speed",
+        "rad/s",
+        on="scalar",
+        label="Orbit of the rotor",
+        mnemonic="MORB",
+        sign="clockwise in space (looking down)",
+        doc="Speed in space with which the centre of the rotor turns about that of the stator.",
+        value=partial(_of_mud_motor, _MOTOR_ORBIT),
+    ),
+    Quantity(
+        "bearing_load",
+        "N",
+        on="scalar",
+        label="Load of the thrust bearing",
+        mnemonic="MBRG",
+        sign="positive where mud and weight push the rotor down",
+        doc="Differential pressure on the seal of the downhole motor, and the tension between its halves.",
+        value=lambda motor, sample: sample.once(motor.thrust, sample.time),
+    ),
+    Quantity(
+        "tool_face",
+        "rad",
+        on="scalar",
+        label="Tool face",
+        mnemonic="TFAC",
+        sign="clockwise from the high side (looking down), from north where the inclination is below 5 deg",
+        doc="Direction of the bend of the downhole motor's housing, or of its scribe line where it is straight.",
+        mean=False,
+        value=lambda motor, sample: sample.once(motor.housing),
+        size=6,
+        finish=lambda motor, values, depth: (motor.tool_face(values),),
+    ),
+)
+
+
 # ---------------------------------------------------------------------- hoist
 def _of_hoist(index: int, hoist: Any, sample: Sample) -> float:
     return float(sample.once(hoist.figures, sample.time)[index])

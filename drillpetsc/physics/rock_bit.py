@@ -378,9 +378,11 @@ class RockBit(Bit):
         self.params["clearance"] = self.hole.radial_clearance(self.shape.radius)
 
     # ------------------------------------------------------------------ statics and motion
-    def impose_sliding_direction(self, axial: float, spin: float, side: float = 1.0) -> None:
+    def impose_sliding_direction(
+        self, axial: float, spin: float, side: float = 1.0, motor: float = 0.0
+    ) -> None:
         """Let friction oppose an imposed motion, for statics; the hole does not grow (see ``Contact``)."""
-        self._impose(STATICS, axial, spin, side)
+        self._impose(STATICS, axial, spin + motor, side)
 
     def impose_drilling(self, axial: float, spin: float, side: float = 1.0) -> None:
         """Let the hole grow under a bit that turns with ``spin`` [rad/s], without inertia and impacts.

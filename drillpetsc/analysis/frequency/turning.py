@@ -100,8 +100,10 @@ class TurningModel:
             self._static[2].restore()
             if model.drive is not None:
                 model.drive.hold()
+            if model.motor is not None:
+                model.motor.hold()
             state = self._static[1]
-        if motion == (0.0, 0.0):
+        if motion == (0.0, 0.0) and model.motor is None:
             rest_of(model)
         else:
             release(model)
@@ -113,6 +115,6 @@ class TurningModel:
         """What the static equilibrium depends on."""
         lowering, speed = motion
         drills = self.model.drilling is not None
-        if drills or (lowering and self.model.contact is not None):
+        if drills or self.model.motor is not None or (lowering and self.model.contact is not None):
             return motion
         return lowering != 0, (speed > 0) - (speed < 0)

@@ -23,6 +23,7 @@ from drillpetsc.case.blocks.ends import AnyLoad, Bottom, HeldBottom, HeldTop, To
 from drillpetsc.case.blocks.fluid import Fluid
 from drillpetsc.case.blocks.formation import Formation
 from drillpetsc.case.blocks.joints import Joint
+from drillpetsc.case.blocks.motor import PositiveDisplacementMotor
 from drillpetsc.case.blocks.rig import STANDARD_GRAVITY, Rig
 from drillpetsc.case.blocks.roadmap import Roadmap
 from drillpetsc.case.blocks.settings import BeamTheory, Initial, MeshSettings, Output, Time
@@ -164,6 +165,15 @@ class CaseBlocks(Block):
             number: below - item.place
             for number, (item, (_, below)) in enumerate(zip(self.string, self.item_depths, strict=True))
             if isinstance(item, RotarySteerable)
+        }
+
+    @property
+    def tool_joint_depths(self) -> dict[float, int]:
+        """Measured depths of the joints inside tools [m], with the numbers of their items."""
+        return {
+            below - item.joint_at: number
+            for number, (item, (_, below)) in enumerate(zip(self.string, self.item_depths, strict=True))
+            if isinstance(item, PositiveDisplacementMotor)
         }
 
     @property

@@ -13,6 +13,7 @@ def check_joints(case: CaseBlocks) -> None:
     """Raise where joints do not fit the string or the rest of the case."""
     end = case.string_length
     seen: dict[float, int] = {}
+    in_tools = case.tool_joint_depths
     for i, joint in enumerate(case.joints):
         if case.hold_string:
             raise refuse(
@@ -39,6 +40,10 @@ def check_joints(case: CaseBlocks) -> None:
                     got=joint.at,
                     want=f"another depth than that of joints[{k}]: one joint at a place",
                 )
+        for depth, number in in_tools.items():
+            if abs(depth - joint.at) <= TOLERANCE:
+                want = f"another depth than that of the joint in string[{number}]: one joint at a place"
+                raise refuse("joints", i, "at", got=joint.at, want=want)
         seen[joint.at] = i
         for k, (item, (above, below)) in enumerate(zip(case.string, case.item_depths, strict=True)):
             if not isinstance(item, Flexible) and above + TOLERANCE < joint.at < below - TOLERANCE:

@@ -232,7 +232,12 @@ class QuaternionBeam(Beam):
         system.set_field("string.quaternion", self.start)
 
     def set_rigid_motion(
-        self, system, tangent: FloatArray, curvature: FloatArray, lowering: float, rotation: float
+        self,
+        system,
+        tangent: FloatArray,
+        curvature: FloatArray,
+        lowering: float,
+        rotation: float | FloatArray,
     ) -> None:
         """Set the velocity of every node to ``lowering`` [m/s] along the hole, its spin to ``rotation`` [rad/s].
 

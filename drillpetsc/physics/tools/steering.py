@@ -184,7 +184,9 @@ class PushTool(Steering):
         self.params["reference"] = self.frames.reference[self.node]
         self.params["second"] = self.frames.second_director[self.node]
 
-    def impose_sliding_direction(self, axial: float, spin: float, side: float = 1.0) -> None:
+    def impose_sliding_direction(
+        self, axial: float, spin: float, side: float = 1.0, motor: float = 0.0
+    ) -> None:
         self._turning = False
 
     def release_sliding_direction(self) -> None:

@@ -1,0 +1,43 @@
+"""Checks of a downhole motor against the rest of the case."""
+
+from __future__ import annotations
+
+from drillpetsc.case.blocks.case_blocks import CaseBlocks
+from drillpetsc.case.blocks.motor import PositiveDisplacementMotor
+from drillpetsc.case.key_paths import refuse
+
+
+def check_motor(case: CaseBlocks) -> None:
+    """Raise where a downhole motor does not fit the rest of the case."""
+    motors = [(i, q) for i, q in enumerate(case.string) if isinstance(q, PositiveDisplacementMotor)]
+    if not motors:
+        return
+    number, item = motors[0]
+    at = ("string", number)
+    if len(motors) > 1:
+        raise refuse("string", motors[1][0], "kind", got="pdm", want=f"one motor; string[{number}] is one")
+    if case.hold_string:
+        raise refuse(*at, "kind", got="pdm", want="no motor in a string that hold_string keeps still")
+    if case.beam.formulation == "quaternion":
+        hint = "leave it out, or take beam.formulation ancf"
+        raise refuse(*at, "kind", got="pdm", want="not with quaternion yet: a downhole motor", hint=hint)
+    if case.time is not None and case.time.mode == "quasi_static":
+        hint = "mode: dynamic; a quasi-static run has no speeds, which the law of a motor needs"
+        raise refuse(*at, "kind", got="pdm", want="no motor in a quasi-static run", hint=hint)
+    if case.fluid is None:
+        if item.pdm.flow_rate is None:
+            hint = "without fluid the case does not know how much mud the motor gets"
+            raise refuse(*at, "pdm", "flow_rate", want="a flow_rate of the motor, or a fluid", hint=hint)
+        return
+    if item.pdm.flow_rate is not None:
+        hint = "the flow in the bore turns the motor: fluid.flow_rate"
+        raise refuse(*at, "pdm", "flow_rate", got="a flow rate", want="no flow_rate with a fluid", hint=hint)
+    if item.pressure_loss is not None:
+        hint = "the law of the motor has its pressure"
+        raise refuse(*at, "pressure_loss", got="a loss", want="no pressure_loss of a motor", hint=hint)
+    if case.fluid.formulation == "hermite":
+        raise refuse("fluid", "formulation", got="hermite", want="mixed with a downhole motor")
+    if not case.has_bore or item.id == 0:
+        raise refuse(
+            *at, "kind", got="pdm", want="mud in the bore of the motor: an id, and an open lower end"
+        )

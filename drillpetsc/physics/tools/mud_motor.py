@@ -1,0 +1,303 @@
+"""Positive displacement motor in the string: torque between stator and rotor, and the motion of its rotor.
+
+Kernel: kernels/tools/mud_motor.hpp.  Manual: sec-motor.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import pi
+from typing import Any
+
+import numpy as np
+
+from drillpetsc.arrays import FloatArray
+from drillpetsc.fem.component import DRIVE, ElementBlock, Energies, Field, Powers
+from drillpetsc.fem.quantity import Quantity
+from drillpetsc.fem.string_mesh import StringMesh
+from drillpetsc.geometry.frames import Frames, directors, tool_face_zero
+from drillpetsc.kernels import function, pointer
+from drillpetsc.kernels.parameters import Parameters, columns
+from drillpetsc.physics import quantities as declared
+from drillpetsc.physics.beam import SLOTS
+from drillpetsc.physics.end_conditions import Input
+from drillpetsc.physics.interfaces import JointSet, Motor
+from drillpetsc.physics.rigid_bodies import end_frames, local_vertices
+from drillpetsc.physics.tools.motor_law import MotorLaw
+
+_values = function("mud_motor_values", "iippppp" + "p")
+_energies = function("mud_motor_energies", "iippppp")
+RESULTS = columns("mud_motor_results")
+HOLDING = 1.0e9  # torsional stiffness that holds the rotor in statics, where its torque is unknown [N m/rad]
+LEAST_STATIC = (
+    1.0e-3  # least speed of a motor in statics as a share of its free speed, for the direction of friction
+)
+TORQUE_SCALE = 1.0e4  # usual torque of a motor [N m]
+TORQUE = 14  # place of the torque among the kernel's unknowns
+MUD_SLOTS = (("bore.pressure", 0), ("bore.pressure", 1), ("bore.flow", 1))
+
+
+@dataclass(frozen=True)
+class Rotor:
+    """Rotor of a motor, which orbits backwards in its stator.
+
+    lobes: of the rotor; mass [kg]; eccentricity: radius of the orbit [m]; inertia: about its own axis [kg m2].
+    seal_area: on which the differential pressure pushes the rotor down [m2].
+    """
+
+    lobes: int = 1
+    mass: float = 0.0
+    eccentricity: float = 0.0
+    inertia: float = 0.0
+    seal_area: float = 0.0
+
+    @property
+    def equivalent_inertia(self) -> float:
+        """Inertia of rotation in a stator that stands still [kg m2] (manual: eq-motor-inertia)."""
+        return self.inertia + self.mass * (self.eccentricity * self.lobes) ** 2
+
+    def orbit_force(self, speed: float) -> float:
+        """Turning force [N] of the orbit at the ``speed`` [rad/s] of the rotor from a stator that stands still."""
+        return self.mass * self.eccentricity * (self.lobes * speed) ** 2
+
+    def orbit_frequency(self, speed: float) -> float:
+        """Frequency [Hz] of that force."""
+        return self.lobes * abs(speed) / (2 * pi)
+
+
+@dataclass(frozen=True)
+class Bend:
+    """What the tool face of a motor is measured on: the bend of its housing, else its scribe line.
+
+    node: at which it is; tool_face: at spin angle zero [rad].
+    """
+
+    node: int
+    tool_face: float
+
+
+class MudMotor(Motor):
+    """The motor at a joint of the string that leaves rotation about the tangent free.
+
+    Field: ``motor.torque`` at the node below the joint, torque of the stator on the rotor [N m]; its row is the law.
+
+    cell: of the joint; law, rotor: of the motor; flow: without mud, flow rate over time [m3/s].
+    compressibility: of the mud [1/Pa], None without mud.
+    balanced: leave out the turning force of the orbit; label: name of the item in messages.
+    joints: of the string, which know the force through the motor; bend: of the housing.
+    """
+
+    name = "mud_motor"
+
+    def __init__(
+        self,
+        mesh: StringMesh,
+        frames: Frames,
+        gravity: FloatArray,
+        cell: int,
+        law: MotorLaw,
+        rotor: Rotor,
+        joints: JointSet,
+        bend: Bend,
+        flow: Input | None = None,
+        compressibility: float | None = None,
+        balanced: bool = False,
+        label: str = "pdm",
+    ):
+        self.mesh, self.frames, self.gravity = mesh, frames, gravity
+        self.cell, self.law, self.rotor, self.joints = cell, law, rotor, joints
+        self.bend = bend
+        self.flow, self.compressibility, self.balanced = flow, compressibility, balanced
+        self._speed = self._start_speed = 0.0
+        self.label = label
+        node = bend.node  # its frame before any change of references
+        self._start = frames.reference[node].copy(), frames.second_director[node].copy()
+
+    # ------------------------------------------------------------------ discretisation
+    def regions(self) -> dict[str, np.ndarray]:
+        below = np.zeros(self.mesh.nodes, dtype=bool)
+        below[self.cell + 1] = True
+        return {"motor": below}
+
+    def fields(self) -> tuple[Field, ...]:
+        return (
+            Field(
+                "motor.torque",
+                1,
+                region="motor",
+                scale=TORQUE_SCALE,
+                second_order=False,
+                differential=False,
+                physics=DRIVE,
+            ),
+        )
+
+    def blocks(self, part) -> tuple[ElementBlock, ...]:
+        self._part = part
+        place = {int(c): i for i, c in enumerate(part.cells)}
+        here = [self.cell] if self.cell in place else []
+        cells, flowing, rotor = np.array(here, dtype=int), self.flow is None, self.rotor
+        kernel = "mud_motor_flowing" if flowing else "mud_motor"
+        self.params = Parameters(
+            kernel,
+            len(here),
+            law=self.law.parameters.array[0],
+            held=0.0,
+            angle=0.0,
+            flow=0.0,
+            compressibility=self.compressibility or 0.0,
+            lobes=rotor.lobes,
+            rotor_mass=rotor.mass,
+            eccentricity=rotor.eccentricity,
+            rotor_inertia=rotor.inertia,
+            balanced=float(self.balanced),
+            gravity=self.gravity,
+            **end_frames(self.frames, cells),
+        )
+        self._cells, self._flow = cells, self.params["flow"]
+        slots = (*SLOTS, ("motor.torque", 1), *(MUD_SLOTS if flowing else ()))
+        self._block = ElementBlock(
+            "mud_motor",
+            kernel,
+            "cell",
+            np.array([place[c] for c in here], dtype=np.int32),
+            slots,
+            (0, 1),
+            self.params.array,
+            context=self.law.address,
+            update=None if flowing else self._update,
+            keep=(self.law,),
+        )
+        return (self._block,)
+
+    def _update(self, t: float) -> None:
+        if self.flow is not None:
+            self._flow[:] = self.flow.value(t)
+
+    def breaks(self) -> tuple[float, ...]:
+        return self.flow.breaks() if self.flow is not None else ()
+
+    def update_reference_frames(self) -> None:
+        self.params.update(end_frames(self.frames, self._cells))
+
+    # ------------------------------------------------------------------ statics and start
+    @property
+    def static_speed(self) -> float:
+        """Speed of the rotor in statics [rad/s], from which friction below the motor takes its direction."""
+        return self._speed
+
+    @property
+    def _held(self) -> bool:
+        """Whether statics holds the rotor, on the rank that has it."""
+        return bool(len(self._block.points)) and bool(self.params["held"][0] > 0)
+
+    def hold(self) -> None:
+        self.params["held"] = HOLDING
+
+    @property
+    def start_speed(self) -> float:
+        return self._start_speed
+
+    def run_statically(self, flow: float) -> None:
+        self._speed = self._start_speed = self.law.free_speed(flow)
+
+    def update_static_speed(self, torque: float, flow: float) -> float:
+        before, free = self._speed, self.law.free_speed(flow)
+        self._start_speed = max(self.law.speed(torque, flow), 0.0)
+        # a stalled motor stands against the friction of rotation, whose direction is that of its rotation
+        self._speed = max(self._start_speed, LEAST_STATIC * free)
+        return abs(self._speed - before) / free if free > 0 else 0.0
+
+    def static_warnings(self, torque: float, flow: float) -> list[str]:
+        rpm, stall = self.law.free_speed(flow) * 30 / pi, self.law.stall_torque(flow)
+        gives = f"{self.label}: {flow * 1e3:.4g} l/s gives {rpm:.4g} rpm"
+        if flow <= 0 or rpm <= 0:
+            return [f"{self.label}: no flow through the motor, so it does not turn"]
+        if torque >= stall:
+            return [
+                f"{gives}, torque of the start {torque / 1e3:.4g} kN m is above stall_torque {stall / 1e3:.4g} kN m: "
+                "the motor stands"
+            ]
+        if torque < 0:
+            return [f"{gives}, what is below the motor drives it with {-torque / 1e3:.4g} kN m at the start"]
+        return []
+
+    def start(self, state: Any) -> None:
+        if self._held:
+            torque = self._results(state)[RESULTS["torque"]]
+            self.params["held"] = 0.0
+            state.x[state.index_of(self._block)[0, TORQUE]] = torque
+        self.params["held"] = 0.0
+
+    # ------------------------------------------------------------------ results
+    def _results(self, state: Any) -> FloatArray:
+        """(7,) results by the names of ``RESULTS``; zero on ranks without the motor."""
+        out = np.zeros((len(self._block.points), RESULTS.width))
+        if not len(out):
+            return np.zeros(RESULTS.width)
+        n, width, index, params, context, x, y = state.results_head(self._block)
+        _values(n, width, index, params, context, x, y, pointer(out))
+        return out[0]
+
+    def figures(self, t: float, state: Any) -> FloatArray:
+        """(7,) results by the names of ``RESULTS`` at the time ``t`` [s]; zero on ranks without the motor."""
+        if len(self._block.points):
+            self._update(t)
+        return self._results(state)
+
+    def torque_and_flow(self, t: float, state: Any) -> FloatArray:
+        r = self.figures(t, state)
+        return np.array([r[RESULTS["torque"]], r[RESULTS["flow_rate"]]])
+
+    def thrust(self, t: float, state: Any) -> float:
+        """Load of the thrust bearing [N], this rank's share; positive while the mud and the weight below load it."""
+        if not len(self._block.points):
+            return 0.0
+        k = [j.cell for j in self.joints.joints].index(self.cell)
+        tension = self.joints.element_results(state)[k, self.joints.RESULTS.index("tension")]
+        return float(self.figures(t, state)[RESULTS["pressure"]] * self.rotor.seal_area + tension)
+
+    def housing(self, state: Any) -> FloatArray:
+        """(6,) tangent and direction of the bend at its node; zero on ranks that do not own it."""
+        _, vertices = local_vertices(self._part, np.array([self.bend.node]))
+        if not len(vertices):
+            return np.zeros(6)
+        dofs, node = state.layout.dofs, np.array([self.bend.node])
+        v, phi = (
+            state.x[dofs["string.tangent"][vertices]],
+            state.x[dofs["string.spin"][vertices]][:, 0],
+        )
+        zero = tool_face_zero(self._start[0])
+        towards = np.cos(self.bend.tool_face) * zero + np.sin(self.bend.tool_face) * np.cross(
+            self._start[0], zero
+        )
+        along, across = towards @ self._start[1], towards @ np.cross(self._start[0], self._start[1])
+        d2, d3 = directors(self.frames, node, v, phi)
+        return np.concatenate([v[0] / np.linalg.norm(v[0]), along * d2[0] + across * d3[0]])
+
+    @staticmethod
+    def tool_face(values: FloatArray) -> float:
+        """Tool face [rad], between -pi and pi, of tangent and direction (6,) of the bend."""
+        tangent, towards = values[:3] / np.linalg.norm(values[:3]), values[3:]
+        zero = tool_face_zero(tangent)
+        return float(np.arctan2(towards @ np.cross(tangent, zero), towards @ zero))
+
+    def energies(self, t: float, state: Any) -> Energies:
+        if not len(self._block.points):
+            return Energies()
+        n, width, index, params, _, x, y = state.results_head(self._block)
+        out = np.zeros((1, 3))
+        _energies(n, width, index, params, x, y, pointer(out))
+        return Energies(*out[0].tolist())
+
+    def powers(self, t: float, state: Any) -> Powers:
+        if not len(self._block.points) or self._held:
+            return Powers()
+        r = self.figures(t, state)
+        turned = float(r[RESULTS["torque"]] * r[RESULTS["speed"]])
+        if self.flow is not None:
+            return Powers(supplied=turned)
+        return Powers(dissipated=float(r[RESULTS["pressure"]] * r[RESULTS["flow_rate"]]) - turned)
+
+    def quantities(self) -> tuple[Quantity, ...]:
+        return declared.MUD_MOTOR
