@@ -30,6 +30,7 @@ DP_EXPORT_RECORD(result_call, ResultCall)
 
 extern "C" void run_results(const ResultCall* call) {
     const ResultCall& c = *call;
+    for (long i = 0; i < (long)c.count * c.columns; ++i) c.out[i] = 0.0;  // kernels may add up
     if (c.count) reinterpret_cast<Results>(const_cast<void*>(c.results))(c.count, c.width, c.index, c.parameters, const_cast<void*>(c.record), c.x, c.y, c.out);
     for (int j = 0; j < c.columns; ++j) c.sums[j] = 0.0;
     for (int e = 0; e < c.count; ++e)

@@ -29,7 +29,7 @@ extern "C" void mud_motor_values(int n, int width, const int* idx, const double*
 }
 
 // Energies of n motors: kinetic of the rotor's own and orbiting motion, stored in what holds it in statics, potential (n, 3) [J]
-extern "C" void body_energy(int n, const int* idx, const double* par, const double* x, const double* y, double* out);
+extern "C" void body_energy(int n, int width, const int* idx, const double* par, const void* record, const double* x, const double* y, double* out);
 
 extern "C" void mud_motor_energies(int n, int width, const int* idx, const double* par, const double* x, const double* y, double* out) {
     typedef MudMotor<false> M;
@@ -39,7 +39,7 @@ extern "C" void mud_motor_energies(int n, int width, const int* idx, const doubl
         double X[14], Y[14], U[7], W[7], body[Body::NP], found[2], *o = out + 3 * e;
         for (int i = 0; i < 14; ++i) { X[i] = x[idx[width * e + i]]; Y[i] = y[idx[width * e + i]]; }
         M::rotor(p, body);
-        body_energy(1, own, body, X + 7, Y + 7, found);
+        body_energy(1, 7, own, body, nullptr, X + 7, Y + 7, found);
         o[0] = found[0];
         const double twist = X[M::ABOVE] + p[M::ANGLE] - X[M::BELOW];
         o[1] = 0.5 * p[M::HELD] * twist * twist;
@@ -48,7 +48,7 @@ extern "C" void mud_motor_energies(int n, int width, const int* idx, const doubl
             for (int i = 0; i < 6; ++i) { U[i] = X[i]; W[i] = Y[i]; }
             U[6] = M::orbit(X, p); W[6] = M::orbit(Y, p);
             M::orbiting_body(p, body);
-            body_energy(1, own, body, U, W, found);
+            body_energy(1, 7, own, body, nullptr, U, W, found);
             double still = 0, height = 0;
             for (int i = 0; i < 3; ++i) { still += W[i] * W[i]; height -= p[M::GRAVITY + i] * U[i]; }
             o[0] += found[0] - 0.5 * body[Body::MASS] * still;

@@ -8,9 +8,9 @@ from __future__ import annotations
 import numpy as np
 
 from drillpetsc.arrays import FloatArray
+from drillpetsc.fem.bound_parts import BlockResults
 from drillpetsc.fem.component import ElementBlock, Energies
 from drillpetsc.fem.string_mesh import StringMesh
-from drillpetsc.kernels import function
 from drillpetsc.kernels.parameters import Parameters, columns
 from drillpetsc.physics.beam import SLOTS
 from drillpetsc.physics.fluid.channel_flow import FluidConstants
@@ -72,25 +72,20 @@ class JointSeals(SealSet):
             update=None if self.annulus else update,
         )
         self._block.keep = (self.fluid,)
-        self._results = function(f"{kernel}_results", "ipppppp")
         return (self._block,)
 
     def element_results(self, state) -> FloatArray:
-        return state.evaluate_once(self._evaluate, state)
+        return self._evaluated(state).table
 
-    def _evaluate(self, state) -> FloatArray:
-        out = np.zeros((len(self._chosen), len(SEAL_RESULTS)))
-        if len(out):
-            n, _, *arguments = state.results_head(self._block)
-            self._results(n, *arguments, out.ctypes.data)
-        return out
+    def _evaluated(self, state) -> BlockResults:
+        return state.results(self._block, f"{self._block.kernel}_results", len(SEAL_RESULTS))
 
     def content(self, state) -> float:
-        return float(self.element_results(state)[:, _CONTENT].sum())
+        return float(self._evaluated(state).sums[_CONTENT].sum())
 
     def energies(self, t: float, state) -> Energies:
-        total = self.element_results(state).sum(axis=0)
-        return Energies(strain=float(total[_STORED]), potential=float(total[_POTENTIAL]))
+        total = self._evaluated(state).sums
+        return Energies(strain=total.item(_STORED), potential=total.item(_POTENTIAL))
 
     def breaks(self) -> tuple[float, ...]:
         return () if self.annulus else self.ambient.breaks()
