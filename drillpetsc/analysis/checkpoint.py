@@ -302,6 +302,5 @@ def restore(model: DrillingModel, c: Checkpoint, at: str = "--restart") -> None:
 
 def restart_clock(model: DrillingModel, c: Checkpoint) -> None:
     """Set the time to 0 with the state of ``c``: the top continues from its position and angle in ``c``."""
-    if model.top is None:
-        return
-    model.top.align(*(c.fields[f"string.{name}"][0] for name in ("position", "tangent", "spin")))
+    if model.top is not None and model.beam is not None:
+        model.top.align(*model.beam.first_node(c.fields))

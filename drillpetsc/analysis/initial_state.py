@@ -9,7 +9,7 @@ from drillpetsc.analysis.equilibrium import StaticState, director_equilibrium
 from drillpetsc.analysis.imperfection import add_imperfection_of_rest
 from drillpetsc.analysis.motor_statics import motor_equilibrium
 from drillpetsc.analysis.path_answer import PathKind
-from drillpetsc.analysis.placement import move_rigidly, place_along_hole, release
+from drillpetsc.analysis.placement import find_reactions, move_rigidly, place_along_hole, release
 from drillpetsc.analysis.quasi_static import QuasiStatic
 from drillpetsc.analysis.quaternion_statics import quaternion_equilibrium
 from drillpetsc.case.case import Case
@@ -66,6 +66,7 @@ def initial_state(
         checkpoint.restart_clock(model, other)
         if quasi is None:
             release(model)
+            find_reactions(model)
         else:
             quasi.start()
         return None
@@ -74,4 +75,6 @@ def initial_state(
         return state
     release(model)
     move_rigidly(model)
+    if state is None:
+        find_reactions(model)
     return state

@@ -22,6 +22,12 @@ def prescribed_motion(model: DrillingModel) -> tuple[float, float]:
     )
 
 
+def average_over_turn(model: DrillingModel, rotation: float) -> None:
+    """Include the bend of a bent item while the top does not turn; leave it out while the top turns (``rotation`` [rad/s])."""
+    for component in model.components:
+        component.average_over_turn(bool(rotation))
+
+
 def top_depth(model: DrillingModel) -> float:
     """Measured depth [m] of the top of the unstrained string in statics.
 
@@ -108,3 +114,17 @@ def release(model: DrillingModel, at_rest: bool = False) -> None:
         system, hoist = model.system, model.hoist
         shared = np.asarray(system.comm.tompi4py().allreduce(hoist.local_update(system.assembly)))
         hoist.start(system.assembly, -system.reaction("top.axial_reaction"), shared, at_rest)
+
+
+def find_reactions(model: DrillingModel) -> None:
+    """Compute hook load, torque and the other reactions of the present state at time 0, without accelerations; collective."""
+    system, asm = model.system, model.system.assembly
+    rows, unknowns = system.new_condensed(), system.new_condensed()
+    system.sum_residual(0.0, rows)
+    if any(component.has_constraints for component in model.components):
+        asm.residual(0.0)
+        summed = system.sum_local(asm.r[: system.layout.size].copy())
+        for component in model.components:
+            component.balance_constraints(asm, summed)
+        system.store_unknowns(unknowns)
+        system.load_unknowns(unknowns)

@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from drillpetsc.analysis.placement import average_over_turn
 from drillpetsc.errors import CaseError
 from drillpetsc.model.drilling_model import DrillingModel
 from drillpetsc.solvers.time_integrator import TimeIntegrator
@@ -53,7 +54,7 @@ class QuasiStatic:
         self.rates = np.zeros(layout.size + 1)
         # the mud keeps its storage: steps of seconds damp its waves, but its content accumulates
         self._mask = string[layout.field_of]
-        self._average_over_turn(self.motion(0.0)[1])  # the static start state needs this, too
+        average_over_turn(model, self.motion(0.0)[1])  # the static start state needs this, too
 
     def integrator(self) -> TimeIntegrator:
         """Create the integrator of the hole's end; the string is in equilibrium at each step.
@@ -84,6 +85,8 @@ class QuasiStatic:
         lateral_fraction: fraction of the lateral friction force that the static solution sustained [-].
         """
         asm, self.lateral_fraction = self.system.assembly, lateral_fraction
+        for component in self.model.components:
+            component.constrain_positions(True)
         asm.set_imposed_rates(self.rates, self._mask)
         asm.y[:] = asm.a[:] = 0.0
         self.move(t)
@@ -102,17 +105,9 @@ class QuasiStatic:
     def move(self, t: float) -> None:
         """Set the rates of all nodes and the sliding direction of friction to those at ``t`` [s]."""
         lowering, rotation = self.motion(t)
-        layout, asm = self.system.layout, self.system.assembly
-        slope = layout.dofs["string.tangent"]
-        v = asm.x[slope]
-        self.rates[layout.dofs["string.position"]] = lowering * v / np.linalg.norm(v, axis=1, keepdims=True)
-        self.rates[layout.dofs["string.spin"][:, 0]] = rotation
         model = self.model
-        self._average_over_turn(rotation)
+        assert model.beam is not None  # a held string has no quasi-static motion
+        model.beam.impose_rigid_motion(self.system, self.rates, lowering, rotation)
+        average_over_turn(model, rotation)
         for component in model.components:
             component.impose_drilling(lowering, rotation, self.lateral_fraction)
-
-    def _average_over_turn(self, rotation: float) -> None:
-        """Include the bend of a bent item while the top does not turn; leave it out while the top turns."""
-        for component in self.model.components:
-            component.average_over_turn(bool(rotation))

@@ -8,13 +8,18 @@ from __future__ import annotations
 import numpy as np
 
 from drillpetsc.analysis.equilibrium import StaticState, director_equilibrium
-from drillpetsc.analysis.placement import hole_at_string, place_along_hole, prescribed_motion
+from drillpetsc.analysis.placement import (
+    average_over_turn,
+    hole_at_string,
+    place_along_hole,
+    prescribed_motion,
+)
 from drillpetsc.analysis.steady_flow import fluid_unknowns
 from drillpetsc.arrays import FloatArray
 from drillpetsc.case.blocks.settings import BeamTheory
 from drillpetsc.errors import SolveError
 from drillpetsc.fem.discrete_system import DiscreteSystem
-from drillpetsc.model.drilling_model import DrillingModel, build_model
+from drillpetsc.model.drilling_model import DrillingModel, build_model, is_quasi_static
 from drillpetsc.physics.quaternion.beam import minimal_rotation, product, quaternions, turned
 from drillpetsc.solvers.chain_lu import ZeroPivot
 from drillpetsc.solvers.newton import static_factor
@@ -32,6 +37,8 @@ def quaternion_equilibrium(
     Raises SolveError where no equilibrium is found.
     """
     ancf = build_model(model.case.model_copy(update={"beam": BeamTheory()}), model.system.comm)
+    if is_quasi_static(model.case):
+        average_over_turn(ancf, prescribed_motion(model)[1])
     state = director_equilibrium(ancf, motion, lateral_friction)
     place_along_hole(model)
     copy_ancf_state(ancf.system, model.system)
@@ -74,7 +81,7 @@ def _lowering_velocity(model: DrillingModel) -> FloatArray | None:
 def copy_ancf_state(ancf: DiscreteSystem, system: DiscreteSystem) -> None:
     """Copy the state and the dead load of an ANCF string to a quaternion string with the same nodes.
 
-    The stretch ratios of junctions have no counterpart and are left out.
+    The stretch ratios of changes of section have no counterpart and are left out; those below rigid items are copied.
     """
     nodes, v, phi = ancf.chain.vertices, ancf.field("string.tangent"), ancf.field("string.spin")[:, 0]
     length = np.linalg.norm(v, axis=1)
@@ -87,9 +94,10 @@ def copy_ancf_state(ancf: DiscreteSystem, system: DiscreteSystem) -> None:
     ):
         system.assembly.x[system.layout.dofs[f"string.{name}"]] = values
     for other in system.layout.fields:  # mud, hole, bit
-        if not other.name.startswith("string."):
+        if not other.name.startswith("string.") or other.name == "string.ratio":
             dofs, ancf_dofs = system.layout.dofs[other.name], ancf.layout.dofs[other.name]
-            system.assembly.x[dofs[dofs >= 0]] = ancf.assembly.x[ancf_dofs[ancf_dofs >= 0]]
+            at = (dofs >= 0) & (ancf_dofs >= 0)
+            system.assembly.x[dofs[at]] = ancf.assembly.x[ancf_dofs[at]]
     if ancf.assembly.dead_load is not None:
         dead_load, name = np.zeros(system.layout.size), "string.position"
         dead_load[system.layout.dofs[name]] = ancf.assembly.dead_load[ancf.layout.dofs[name]]

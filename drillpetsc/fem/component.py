@@ -327,6 +327,12 @@ class Component:
     def constrain_positions(self, hold: bool) -> None:
         """Impose constraints at position level, whatever form they have in motion (statics has no velocities)."""
 
+    def balance_constraints(self, state: Any, rows: FloatArray) -> None:
+        """Change the multipliers so that the forces of their constraints balance ``rows`` (n,) of the local unknowns.
+
+        rows: the residual, summed over ranks at the unknowns of this rank.
+        """
+
     def average_over_turn(self, turning: bool) -> None:
         """While the string turns without inertia, leave out loads and mass that are fixed in its section."""
 

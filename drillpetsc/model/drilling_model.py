@@ -132,8 +132,9 @@ def build_model(
     components: list = []
     if case.beam.formulation == "quaternion":
         breaks = tuple(b for q in case.loads for b in q.value_over.breaks()) + _top_breaks(case)
-        # the quaternion element has one strain at each node, on both sides of a change of section
-        mesh = replace(mesh, junction=np.zeros(0, dtype=bool))
+        mesh = _with_one_strain(mesh)
+        if is_quasi_static(case):  # a section that turns in place has no strain rate on average over a turn
+            mesh = replace(mesh, stiffness_damping=np.zeros_like(mesh.stiffness_damping))
         contact, bit = _contact(case, mesh, well, QuaternionContact), _bit(case, mesh, well)
         beam, top, components = quaternion_components(
             case,
@@ -146,8 +147,11 @@ def build_model(
             contact=contact,
             path=_top_path(well, frames),
         )
-        if mesh.bodies or mesh.eccentricity.any():
-            components.append(RigidBodies(mesh, frames, np.array(case.gravity, dtype=float)))
+        still = is_quasi_static(case)
+        if mesh.bodies or (mesh.eccentricity.any() and not still):
+            components.append(RigidBodies(mesh, frames, np.array(case.gravity, dtype=float), still))
+        if mesh.joints:
+            components.append(Joints(mesh, frames))
         components += [bit] if bit is not None else []
         steering = build_steering(case, mesh, well, frames, tangent)
         components += [steering] if steering is not None else []
@@ -200,6 +204,17 @@ def build_model(
     if bit is not None and bit.hole is not None:
         _subscribe_to_hole(model, bit.hole)
     return model
+
+
+def _with_one_strain(mesh: StringMesh) -> StringMesh:
+    """The mesh of the quaternion element: one strain on both sides of a change of section.
+
+    Pipes above and below a rigid item have strains of their own.
+    """
+    items = np.zeros(mesh.nodes, dtype=bool)
+    items[[body.node for body in mesh.bodies]] = True
+    items[:-1] |= mesh.rigid_above > 0
+    return replace(mesh, junction=mesh.junction & items)
 
 
 def _balanced(mesh: StringMesh) -> StringMesh:

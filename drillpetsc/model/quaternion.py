@@ -84,8 +84,10 @@ def _top(
     top = case.top
     if isinstance(top, TopDriveCase):
         lowering = None if top.force is not None else top.lowering
+        # without inertia rotation acts through the direction of friction only
+        rotation = None if case.time is not None and case.time.mode == "quasi_static" else top.rotation
         return _constrained_end(
-            beam, 0, 2 if lowering is None else 3, 3, position, tangent, lowering, top.rotation, path
+            beam, 0, 2 if lowering is None else 3, 3, position, tangent, lowering, rotation, path
         )
     assert isinstance(top, HeldTop)  # the check of the case refuses other kinds
     return (

@@ -6,6 +6,7 @@ Manual: sec-beam.
 from __future__ import annotations
 
 import ctypes
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -148,6 +149,18 @@ class AncfBeam(interfaces.Beam):
         system.set_field(
             "string.spin", np.broadcast_to(np.reshape(rotation, (-1, 1)), (self.mesh.nodes, 1)), "y"
         )
+
+    def impose_rigid_motion(self, system, rates: FloatArray, lowering: float, rotation: float) -> None:
+        """Write the rates of a string that moves along itself and turns in place; its directors are fixed."""
+        dofs = system.layout.dofs
+        v = system.assembly.x[dofs["string.tangent"]]
+        rates[dofs["string.position"]] = lowering * v / np.linalg.norm(v, axis=1, keepdims=True)
+        rates[dofs["string.spin"][:, 0]] = rotation
+
+    def first_node(self, fields: Mapping[str, FloatArray]) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Position (3,) [m], slope (3,) [-] and spin angle (1,) [rad] of the top node."""
+        place, slope, spin = (fields[f"string.{name}"][0] for name in ("position", "tangent", "spin"))
+        return place, slope, spin
 
     def renew_reference_frames(self, system) -> bool:
         """Replace reference directions that are far from the tangent (manual: sec-beam-reference-update)."""

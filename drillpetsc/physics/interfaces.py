@@ -50,6 +50,20 @@ class Beam(Component):
         """
 
     @abstractmethod
+    def impose_rigid_motion(self, system: Any, rates: FloatArray, lowering: float, rotation: float) -> None:
+        """Write the rates of a string that moves along itself with ``lowering`` [m/s] and turns in place with ``rotation`` [rad/s].
+
+        rates: (n,) of the local unknowns, in which those of the string's position and section are replaced.
+        """
+
+    @abstractmethod
+    def first_node(self, fields: Mapping[str, FloatArray]) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Position (3,) [m], slope (3,) [-] and spin angle (1,) [rad] of the top node.
+
+        fields: (n_nodes, size) values of the string's fields, by name.
+        """
+
+    @abstractmethod
     def section(self, state: Any, vertex: int | IntArray) -> tuple[FloatArray, FloatArray, Any]:
         """Position (3,) [m], slope (3,) [-] and spin rate [rad/s] of a local vertex; of k vertices (k, 3), (k, 3), (k,)."""
 

@@ -168,7 +168,7 @@ class Joints(JointSet):
         out = np.zeros((len(self.joints), len(RESULT_NAMES)))
         for b, chosen in zip(self._blocks, self._chosen, strict=True):
             if len(chosen):
-                index, part = state.layout.index(b), np.zeros((len(chosen), len(RESULT_NAMES)))
+                index, part = state.index_of(b), np.zeros((len(chosen), len(RESULT_NAMES)))
                 _results(
                     len(chosen),
                     index.shape[1],

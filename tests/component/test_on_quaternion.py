@@ -12,22 +12,36 @@ from drillpetsc.physics.beam import AncfBeam
 from drillpetsc.physics.contact import Contact
 from drillpetsc.physics.end_conditions import TopDrive
 from drillpetsc.physics.quaternion.beam import QuaternionBeam
-from tests.component import test_bit
+from tests.component import test_bit, test_hermite_flow
 from tests.component.test_quaternion_beam import on_the_manifold
 from tests.helpers import component_models, flow_models
 from tests.helpers.component_models import GRAVITY, SHIFT, dense, differences, residual
+from tests.helpers.joint_models import random_state
 
 T = 0.4
-STRING = ["bodies", "contact_bodies_bit"]
-MUD = ["pipe_annulus_bit", "pipe_bit", "annulus_bit", "pipe_annulus_bit_drilled", "annulus_bit_drilled"]
+STRING = ["bodies", "contact_bodies_bit", "bodies_junction"]
+MUD = [
+    "pipe_annulus_bit",
+    "pipe_bit",
+    "annulus_bit",
+    "pipe_annulus_bit_drilled",
+    "annulus_bit_drilled",
+    "pipe_annulus_bit_junction",
+]
 BIT = ["rop", "drag", "weakening_byweight"]
-KINDS = [*STRING, *MUD, *BIT]
+HERMITE = ["pipe_annulus_bit", "pipe_bit_junction", "annulus_bit_junction"]
+JOINT = ["revolute", "slider"]
+KINDS = [*STRING, *MUD, *BIT, *(f"hermite {k}" for k in HERMITE), *(f"joint {k}" for k in JOINT)]
 
 
 def reference(kind: str) -> DiscreteSystem:
     """The model of the ANCF element's own tests."""
     if kind in BIT:
         return test_bit.build(kind)[0]
+    if kind.startswith("hermite "):
+        return test_hermite_flow.build(kind.split(" ")[1])
+    if kind.startswith("joint "):
+        return random_state(kind.split(" ")[1])
     return (flow_models if kind in MUD else component_models).build(kind)
 
 
@@ -91,10 +105,10 @@ def test_power_is_that_of_the_ancf_element(kind):
 
 @pytest.mark.parametrize("kind", KINDS)
 def test_jacobian_matches_central_differences(kind):
-    """K + shift C + shift^2 M of all rows against fourth-order differences, also for |q| != 1. Steps of 1e-5,
+    """K + shift C + shift^2 M of all rows against fourth-order differences, also for |q| != 1. Steps of 4e-6,
     because one flow of the annulus is close to reversal."""
     _, system = pair(kind)
-    n, h = system.layout.size, 1e-5
+    n, h = system.layout.size, 4e-6
     at = system.layout.dofs["string.quaternion"]
     system.assembly.x[at] *= np.linspace(0.97, 1.03, 5)[:, None]
     x0 = system.assembly.x[:n].copy()

@@ -33,6 +33,8 @@ KINDS = [
     "beam_damped",
     "beam_curved",
     "beam_damped_curved",
+    "junction",
+    "junction_damped_curved",
     "loads",
     "topdrive",
     "weighted",
@@ -40,6 +42,7 @@ KINDS = [
     "clamped",
     "contact",
     "contact_hertz",
+    "contact_junction",
 ]
 FORMS = ["index3", "index2", "stabilized"]
 
@@ -53,6 +56,8 @@ def build(kind: str, seed: int = 3, constraint: str = "index3", gravity=GRAVITY)
         mesh = replace(mesh, stiffness_damping=np.full(4, 0.05), mass_damping=np.full(4, 0.1))
     if "curved" in kind:
         mesh = replace(mesh, curvature=np.tile([0.1, -0.2], (4, 1)))
+    if "junction" in kind:  # rigid items of 0.3 m on the second node and of 0.2 m on the last but one
+        mesh = replace(mesh, junction=np.array([0, 1, 0, 1, 0], bool), rigid_above=np.array([0, 0.3, 0, 0.2]))
     frames = transported_frames(tangents)
     beam = QuaternionBeam(mesh, frames, np.asarray(gravity), constraint)
     components: list = [beam]
@@ -107,6 +112,8 @@ def build(kind: str, seed: int = 3, constraint: str = "index3", gravity=GRAVITY)
     system.set_field("string.position", position + offset + noise * rng.standard_normal((5, 3)))
     system.set_field("string.strain", 0.1 * rng.standard_normal((5, 1)))
     system.set_field("string.quaternion", q / np.linalg.norm(q, axis=1, keepdims=True))
+    if "junction" in kind:
+        system.set_field("string.ratio", 1.0 + 0.1 * rng.standard_normal((5, 1)))
     for f in system.layout.fields:
         if not f.differential:
             system.set_field(f.name, rng.standard_normal((5, f.size)))
@@ -144,7 +151,18 @@ def test_condensed_jacobian_matches_central_differences(kind, constraint):
 
 
 @pytest.mark.parametrize(
-    "kind", ["beam", "beam_damped", "beam_curved", "beam_damped_curved", "loads", "contact", "contact_hertz"]
+    "kind",
+    [
+        "beam",
+        "beam_damped",
+        "beam_curved",
+        "beam_damped_curved",
+        "junction_damped_curved",
+        "loads",
+        "contact",
+        "contact_hertz",
+        "contact_junction",
+    ],
 )
 def test_rows_times_velocity_is_the_change_of_energy(kind):
     """y.R = d(kinetic + strain + potential)/dt + dissipated - supplied along a motion that keeps |q| = 1: the

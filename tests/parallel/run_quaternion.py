@@ -10,12 +10,13 @@ petsc4py.init([sys.argv[0]])
 import numpy as np  # noqa: E402
 
 from drillpetsc.analysis.initial_state import find_equilibrium  # noqa: E402
-from drillpetsc.analysis.placement import move_rigidly, release  # noqa: E402
+from drillpetsc.analysis.placement import find_reactions, move_rigidly, release  # noqa: E402
 from drillpetsc.model.drilling_model import build_model  # noqa: E402
 from drillpetsc.output.recorder import Recorder  # noqa: E402
 from tests.helpers.motion import fixed, integrate  # noqa: E402
 from tests.verification.test_quaternion_contact import lying  # noqa: E402
 from tests.verification.test_quaternion_models import model as with_everything  # noqa: E402
+from tests.verification.test_quaternion_scenes import JOINT, MUD, scene  # noqa: E402
 
 for constraint in ("index3", "stabilized"):
     top = {"kind": "top_drive", "rotation": {"ramp": 0.02, "value": 6.0}, "lowering": 0.1}
@@ -36,6 +37,20 @@ for constraint in ("index3", "stabilized"):
             *map(repr, [*end[-1].tolist(), *reactions, energies.kinetic, energies.strain]),
             flush=True,
         )
+
+for name, more in (("ITEMS", {"joints": [JOINT]}), ("HERMITE", {"fluid": MUD | {"formulation": "hermite"}})):
+    model = build_model(scene("quaternion", **more))
+    find_equilibrium(model)
+    release(model)
+    move_rigidly(model)
+    integrate(model.system, 0.02, fixed(2e-3, q_snes_stol=1e-11), breaks=model.breaks)
+    m = model.system
+    m.assembly.a[:] = 0.0
+    find_reactions(model)
+    reactions = [m.reaction(f"top.{name}") for name in ("axial_reaction", "torque_reaction")]
+    end = m.gather(np.hstack([model.beam.columns(m.assembly), m.field("string.multiplier")]))
+    if end is not None:
+        print(name, *map(repr, [*end[18].tolist(), *end[-1].tolist(), *reactions]), flush=True)
 
 model = build_model(with_everything("quaternion"))
 find_equilibrium(model)

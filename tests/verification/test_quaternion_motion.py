@@ -270,12 +270,15 @@ WELL = {
 MUD = {"density": 1200, "rheology": {"model": "newtonian", "viscosity": 0.02}}
 
 
+JOINT = {"kind": "universal", "at": 45.0, "constraint": "stabilised"}
+MOTOR = {"kind": "top_drive", "rotation": 8.0, "motor": {"inertia": 2900.0}, "control": {"kind": "stiff"}}
+
+
 @pytest.mark.parametrize("key, more", [
-    ("fluid.formulation", {"fluid": {**MUD, "formulation": "hermite"}}),
+    ("joints[0].constraint", {"joints": [JOINT]}),
     ("top.kind", {"top": {"kind": "driven", "stiffness": 1e3}}),
-    ("string[1].kind", {"string": [PIPE, {"kind": "body", "length": 1.0, "mass": 100.0, "od": 0.1}, PIPE]}),
+    ("top.motor", {"top": MOTOR}),
     ("string", {"string": [{"kind": "body", "length": 1.0, "mass": 100.0, "od": 0.1}]}),
-    ("time.mode", {"time": {"end": 1.0, "mode": "quasi_static"}}),
 ])  # fmt: skip
 def test_unsupported_parts_are_refused(key, more):
     with pytest.raises(CaseError) as refused:
@@ -283,16 +286,17 @@ def test_unsupported_parts_are_refused(key, more):
     assert refused.value.at == key and ("quaternion" in refused.value.want or key == "string")
 
 
-def test_start_from_another_run_is_refused(tmp_path):
+def test_the_end_of_a_run_with_the_other_element_is_refused(tmp_path):
     run(Case(string=[PIPE], top="clamped", time={"end": 1e-3}), tmp_path / "run", progress="silent")
-    with pytest.raises(CaseError, match="not with quaternion yet: the end of another run"):
-        Case(
-            string=[PIPE],
-            top="clamped",
-            beam=quaternion(),
-            initial={"from": str(tmp_path / "run")},
-            time={"end": 1.0},
-        )
+    case = Case(
+        string=[PIPE],
+        top="clamped",
+        beam=quaternion(),
+        initial={"from": str(tmp_path / "run")},
+        time={"end": 1.0},
+    )
+    with pytest.raises(CaseError, match="the same string .* with string.strain"):
+        run(case, tmp_path / "other", progress="silent")
 
 
 @pytest.mark.parametrize("command", [run_statics, run_modes])

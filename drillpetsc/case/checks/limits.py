@@ -8,7 +8,7 @@ from pydantic_core import PydanticCustomError
 
 from drillpetsc.case.blocks.case_blocks import CaseBlocks
 from drillpetsc.case.blocks.ends import DrivenTop
-from drillpetsc.case.blocks.string import Flexible, Rigid
+from drillpetsc.case.blocks.string import Flexible
 from drillpetsc.case.key_paths import refuse
 from drillpetsc.errors import CaseError
 
@@ -26,8 +26,6 @@ def check_quaternion(case: CaseBlocks) -> None:
         return
     if case.hold_string:
         raise _not_supported("hold_string", got=True, what="hold_string (there is no string to compute)")
-    if case.fluid is not None and case.fluid.formulation == "hermite":
-        raise _not_supported("fluid", "formulation", got="hermite", what="hermite mud")
     if isinstance(case.top, DrivenTop):
         raise _not_supported("top", "kind", got="driven", what="a driven top")
     if case.top.motor is not None:
@@ -36,16 +34,16 @@ def check_quaternion(case: CaseBlocks) -> None:
         raise _not_supported("top", "hoist", what="a hoist")
     if getattr(case.top, "hinged", False):
         raise _not_supported("top", "hinged", got=True, what="a hinged top drive")
-    last = max((i for i, item in enumerate(case.string) if not isinstance(item, Rigid)), default=0)
-    for i, item in enumerate(case.string[:last]):
-        if isinstance(item, Rigid):
-            raise _not_supported("string", i, "kind", got=item.kind, what="rigid items above other pipe")
-    if case.initial.from_ not in ("statics", "rest", "straight"):
-        raise _not_supported("initial", "from", got=case.initial.from_, what="the end of another run")
-    if case.joints:
-        raise _not_supported("joints", what="joints")
-    if case.time is not None and case.time.mode != "dynamic":
-        raise _not_supported("time", "mode", got=case.time.mode, what=f"time.mode {case.time.mode}")
+    for i, joint in enumerate(case.joints):
+        if joint.constraint == "stabilised":
+            raise refuse(
+                "joints",
+                i,
+                "constraint",
+                got="stabilised",
+                want="position: not with quaternion yet: joints with a constraint on velocities",
+                hint="take position, or beam.formulation ancf",
+            )
 
 
 def refuse_quaternion(case: CaseBlocks, command: str) -> None:

@@ -20,6 +20,7 @@ typedef dp::Eccentric<true> EccentricJunction;
 DP_ENTRY(eccentric, EccentricPlain)
 DP_ENTRY(eccentric_junction, EccentricJunction)
 DP_OTHER_FORMULATIONS(eccentric, EccentricPlain, 2)
+DP_OTHER_FORMULATIONS(eccentric_junction, EccentricJunction, 2)
 
 // kinetic and potential energy of n elements (D unknowns each): out (n, 2) [J]
 extern "C" void eccentric_energy(int n, int D, const int* idx, const double* par, const void*, const double* x, const double* y, double* out) {

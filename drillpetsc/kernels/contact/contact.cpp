@@ -10,6 +10,7 @@ DP_RESIDUAL(contact_junction, ContactJunction)
 DP_JACOBIAN(contact_junction, run_contact_junction_jacobian)
 DP_ENTRY(body_contact, BodyContact)
 DP_ENTRY(bit_contact, BitContact)
+DP_OTHER_FORMULATIONS(contact_junction, ContactJunction, 2)
 DP_OTHER_FORMULATIONS(body_contact, BodyContact, 1)
 DP_OTHER_FORMULATIONS(bit_contact, BitContact, 1)
 // the same by differentiating all rows by all unknowns: the tests compare with these

@@ -1,3 +1,4 @@
+#include "core/formulations.hpp"
 #include "joints/joints.hpp"
 
 using namespace dp;
@@ -5,6 +6,8 @@ DP_ENTRY(joint, Joint<false>)
 DP_ENTRY(joint_stabilised, Joint<true>)
 DP_ENTRY(unit_slope, UnitSlope)
 DP_ENTRY(rolling, Rolling)
+DP_OTHER_FORMULATIONS(joint, Joint<false>, 2)
+DP_OTHER_FORMULATIONS(unit_slope, UnitSlope, 1)
 
 // Results of a joint: tension, side force [N], torque, bending moment [N m] that the part above exerts on the part below; angle between the
 // tangents [rad], travel along the tangent [m]; largest error of the position [m] and of the angles [rad]; energy in spring and stops [J];

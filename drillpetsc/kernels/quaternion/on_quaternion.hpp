@@ -10,6 +10,7 @@ namespace dp {
 DP_RECORD(StartFrames,
     void* inner;           // context of the kernel itself
     const double* frames;  // (elements, nodes, 4) Euler parameters of the frames at the start
+    double spin;           // [rad/s] of sections that turn in place, besides the rates of q (a string without inertia)
 )
 
 // angle about the tangent beyond the smallest rotation of the frame f: f* q = (smallest rotation)(rotation about e1)
@@ -39,7 +40,7 @@ struct OnQuaternion {
             T* to[3] = {X, Y, A};
             for (int i = 0; i < 3; ++i) { to[i][7 * k + 3] = from[i]->x; to[i][7 * k + 4] = from[i]->y; to[i][7 * k + 5] = from[i]->z; }
             X[7 * k + 6] = spin_angle(quat(at.frames + 4 * (NODES * e + k)), n.q);
-            Y[7 * k + 6] = n.spin * square; A[7 * k + 6] = n.spin_rate * square;
+            Y[7 * k + 6] = n.spin * square + at.spin; A[7 * k + 6] = n.spin_rate * square;
         }
         for (int i = 0; i < REST; ++i) { X[7 * NODES + i] = x[8 * NODES + i]; Y[7 * NODES + i] = y[8 * NODES + i]; A[7 * NODES + i] = a[8 * NODES + i]; }
         K::template force<T, S>(e, X, Y, A, p, at.inner, R);

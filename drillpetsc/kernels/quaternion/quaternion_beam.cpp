@@ -6,16 +6,27 @@ typedef dp::QuaternionBeam<false> QuaternionPlain;
 typedef dp::QuaternionBeam<true> QuaternionDamped;
 DP_ENTRY(quaternion_beam, QuaternionPlain)
 DP_ENTRY(quaternion_beam_damped, QuaternionDamped)
+typedef dp::QuaternionBelowItem<false> QuaternionBelow;
+typedef dp::QuaternionBelowItem<true> QuaternionBelowDamped;
+DP_ENTRY(quaternion_beam_junction, QuaternionBelow)
+DP_ENTRY(quaternion_beam_junction_damped, QuaternionBelowDamped)
 
 namespace {
 
 using namespace dp;
 typedef double R;
 typedef QuaternionParameters P;
-struct Element {
-    double X[16], Y[16];
+struct Element {  // motion of the element's own ends
+    double X[17], Y[17];
     Element(const int* idx, const double* x, const double* y) {
         for (int i = 0; i < 16; ++i) { X[i] = x[idx[i]]; Y[i] = y[idx[i]]; }
+    }
+    // width: unknowns of the element, 17 below a rigid item of length l
+    Element(const int* idx, int width, double l, const double* x, const double* y) : Element(idx, x, y) {
+        if (width == 16) return;
+        double A[17] = {};
+        X[16] = x[idx[16]]; Y[16] = y[idx[16]];
+        below_item(l, X, Y, A);
     }
 };
 
@@ -35,11 +46,11 @@ R bending(const double* p, const Strains<R>& s) { return p[P::EI] * std::hypot(s
 
 }  // namespace
 
-// out: (n, BEAM_RESULTS)
-extern "C" void quaternion_beam_results(int n, const int* idx, const double* par, const double* x, const double* y, double* out) {
+// width: unknowns of an element; out: (n, BEAM_RESULTS)
+extern "C" void quaternion_beam_results(int n, int width, const int* idx, const double* par, const double* x, const double* y, double* out) {
     for (int k = 0; k < n; ++k) {
         const double *p = par + k * P::NP, L = p[P::LENGTH];
-        const Element e(idx + 16 * k, x, y);
+        const Element e(idx + width * k, width, p[P::RIGID], x, y);
         const Node<R> n1(e.X, e.Y, e.Y), n2(e.X + 8, e.Y + 8, e.Y + 8);
         double* q = out + k * BEAM_RESULTS;
         const double m = p[P::MASS] * L;
@@ -61,11 +72,11 @@ extern "C" void quaternion_beam_results(int n, const int* idx, const double* par
 }
 
 // power turned into heat by material and mass damping, summed over n elements [W]
-extern "C" double quaternion_beam_dissipation(int n, const int* idx, const double* par, const double* x, const double* y) {
+extern "C" double quaternion_beam_dissipation(int n, int width, const int* idx, const double* par, const double* x, const double* y) {
     double total = 0;
     for (int k = 0; k < n; ++k) {
         const double *p = par + k * P::NP, L = p[P::LENGTH];
-        const Element e(idx + 16 * k, x, y);
+        const Element e(idx + width * k, width, p[P::RIGID], x, y);
         const Node<R> n1(e.X, e.Y, e.Y), n2(e.X + 8, e.Y + 8, e.Y + 8);
         total += p[P::ALPHA] * L * (p[P::MASS] * mass_form(L, vec(e.Y), n1.w, vec(e.Y + 8), n2.w) + p[P::POLAR] * spin_form(n1.spin, n2.spin));
         for (int g = 0; g < 3; ++g) {

@@ -15,7 +15,8 @@ struct QuaternionParameters {  // units as in beam/beam.hpp
         LENGTH, EA, EI, GJ, MASS, POLAR, BETA, ALPHA,
         CURVATURE,                // 2: stress-free curvature in the section's axes 2, 3 [1/m]
         GRAVITY = CURVATURE + 2,  // 3
-        NP = GRAVITY + 3)
+        RIGID = GRAVITY + 3,      // length of the rigid item above the element's upper end [m]
+        NP)
 };
 
 template <class T, class S>
@@ -97,6 +98,41 @@ struct QuaternionBeam : QuaternionParameters {
             P1 += fp * (1 - xi) + fs * (-il);
             P2 += fp * xi + fs * il;
         }
+    }
+};
+
+// Motion of the element's own upper end below a rigid item at its upper node, in place of that of the node (unknowns 0-7, stretch ratio m
+// in place 16): r + l t, 1 + eps = m (1 + eps of the node), the section of the node.
+template <class T, class S>
+inline void below_item(const S& l, T* x, T* y, T* a) {
+    const Node<T> n(x, y, a);
+    const auto put = [](const Vec<T>& q, T* to) { to[0] = q.x; to[1] = q.y; to[2] = q.z; };
+    put(vec(x) + n.t * l, x); put(vec(y) + n.t1 * l, y); put(vec(a) + n.t2 * l, a);
+    a[3] = a[16] * n.stretch + y[16] * y[3] * 2.0 + x[16] * a[3];
+    y[3] = y[16] * n.stretch + x[16] * y[3];
+    x[3] = x[16] * n.stretch - 1.0;
+}
+
+// The element below a rigid item: the strains above and below the item differ by the stretch ratio (manual: eq-junction-kinematics).
+template <bool DAMPED>
+struct QuaternionBelowItem : QuaternionParameters {
+    static constexpr int D = 17, NSPIN = 0;
+    static constexpr bool PACKED = true;
+    static constexpr int SPINS[1][2] = {{0, 0}};
+
+    template <class T, class S>
+    static void force(int e, const T* x, const T* y, const T* a, const S* p, void* context, T* r) {
+        T X[D], Y[D], A[D];
+        for (int i = 0; i < D; ++i) { X[i] = x[i]; Y[i] = y[i]; A[i] = a[i]; }
+        below_item(p[RIGID], X, Y, A);
+        QuaternionBeam<DAMPED>::template force<T, S>(e, X, Y, A, p, context, r);
+        const Node<T> n(x, y, a);
+        const Vec<T> F = vec(r), zero = {T(0.0), T(0.0), T(0.0)};
+        T lever[8];
+        n.rows(zero, zero, cross(n.t, F) * p[RIGID], Quat<T>{T(0.0), T(0.0), T(0.0), T(0.0)}, lever);
+        for (int i = 4; i < 8; ++i) r[i] += lever[i];
+        r[16] = r[3] * n.stretch;
+        r[3] = r[3] * x[16];
     }
 };
 

@@ -5,14 +5,18 @@
 #include "fluid/bore_flow.hpp"
 
 typedef dp::BoreFlow<false, false> QuaternionPipe;
+typedef dp::BoreFlow<true, false> QuaternionPipeJunction;
 typedef dp::AnnulusFlow<false, false> QuaternionAnnulus;
+typedef dp::AnnulusFlow<true, false> QuaternionAnnulusJunction;
 typedef dp::BitFlow<true, true, false> QuaternionNozzle;
 typedef dp::BitFlow<true, false, false> QuaternionJet;
 typedef dp::BitFlow<false, true, false> QuaternionClosed;
 typedef dp::BitFlow<true, true, false, true> QuaternionNozzleGrow;
 typedef dp::BitFlow<false, true, false, true> QuaternionClosedGrow;
 DP_ON_QUATERNION(bore_flow, QuaternionPipe, 2)
+DP_ON_QUATERNION(bore_flow_junction, QuaternionPipeJunction, 2)
 DP_ON_QUATERNION(annulus_flow, QuaternionAnnulus, 2)
+DP_ON_QUATERNION(annulus_flow_junction, QuaternionAnnulusJunction, 2)
 DP_ON_QUATERNION(annulus_top, dp::AnnulusTop, 1)
 DP_ON_QUATERNION(bit_flow, QuaternionNozzle, 1)
 DP_ON_QUATERNION(bit_flow_jet, QuaternionJet, 1)

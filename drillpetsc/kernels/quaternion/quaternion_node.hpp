@@ -13,7 +13,7 @@ template <class T>
 struct Node {
     Quat<T> q, unit, q1;   // parameters, the same over their length, their rate
     T length, stretch;     // |q|; 1 + eps
-    Vec<T> t, t1, v, w, z; // direction and its rate; slope r' with two rates
+    Vec<T> t, t1, t2, v, w, z; // direction with two rates; slope r' with two rates
     T spin, spin_rate;     // [rad/s], [rad/s2]
 
     // x, y, a: eight unknowns with rate and acceleration
@@ -27,7 +27,7 @@ struct Node {
         const Vec<T> turn = vector_of(q1, q) * (2.0 * il2);
         const Vec<T> turn_rate = vector_of(q2, q) * (2.0 * il2) - turn * (2.0 * dot(q, q1) * il2);
         t1 = cross(turn, t);
-        const Vec<T> t2 = cross(turn_rate, t) + cross(turn, t1);
+        t2 = cross(turn_rate, t) + cross(turn, t1);
         v = t * stretch;
         w = t * y[3] + t1 * stretch;
         z = t * a[3] + t1 * (2.0 * y[3]) + t2 * stretch;

@@ -11,7 +11,9 @@ on velocities with a projection after each step (stabilized: coordinate projecti
 from __future__ import annotations
 
 import ctypes
+from collections.abc import Mapping
 from dataclasses import replace
+from itertools import product as product_of
 from typing import Any
 
 import numpy as np
@@ -27,13 +29,14 @@ from drillpetsc.physics.beam import ENERGIES, POSITION_SCALE, RESULT_NAMES
 from drillpetsc.physics.interfaces import Beam
 from drillpetsc.physics.rigid_bodies import local_vertices
 
-_results = function("quaternion_beam_results", "ippppp")
-_dissipation = function("quaternion_beam_dissipation", "ipppp", ctypes.c_double)
+_results = function("quaternion_beam_results", "iippppp")
+_dissipation = function("quaternion_beam_dissipation", "iipppp", ctypes.c_double)
 _motion = function("quaternion_motion", "ippppp")
 _view = function("quaternion_view", "ippppp")
 _StartFrames = structure("start_frames")  # StartFrames of kernels/quaternion/on_quaternion.hpp
 NODE = ("string.position", "string.strain", "string.quaternion")
 SLOTS = tuple((name, end) for end in (0, 1) for name in NODE)
+JUNCTION_SLOTS = (*SLOTS, ("string.ratio", 0))
 NODE_SLOTS = tuple((name, 0) for name in NODE)
 ANCF_NODE = ("string.position", "string.tangent", "string.spin")
 LEVELS = {"index3": 3.0, "index2": 2.0, "stabilized": 2.0}
@@ -78,6 +81,13 @@ def spun(q: FloatArray) -> FloatArray:
     return np.stack([-x, w, z, -y], axis=-1)
 
 
+def direction(q: FloatArray) -> FloatArray:
+    """First axes (..., 3) of the sections with Euler parameters q (..., 4) of any length."""
+    w, x, y, z = np.moveaxis(q, -1, 0)
+    axis = np.stack([w * w + x * x - y * y - z * z, 2 * (x * y + w * z), 2 * (x * z - w * y)], axis=-1)
+    return np.asarray(axis / np.sum(q * q, axis=-1, keepdims=True))
+
+
 def product(p: FloatArray, q: FloatArray) -> FloatArray:
     """Compute the quaternion products p q (..., 4): the rotation q, then the rotation p."""
     a, u, b, v = p[..., :1], p[..., 1:], q[..., :1], q[..., 1:]
@@ -101,6 +111,8 @@ def minimal_rotation(a: FloatArray, t: FloatArray) -> FloatArray:
 
 class QuaternionBeam(Beam):
     """Elements of the string with unknowns r [m], eps [-], q [-] and the multiplier of |q| = 1 [N m] at every node.
+
+    A node with a rigid item above further elements has a stretch ratio [-], as in the ANCF element.
 
     mesh: of the string; frames: at its nodes at the start; gravity: (3,) [m/s2].
     constraint: ``index3``, ``index2`` or ``stabilized`` (manual: sec-quaternion-constraints).
@@ -133,37 +145,43 @@ class QuaternionBeam(Beam):
         self.gravity = np.asarray(gravity, dtype=float)
         self.start, self.restores_constraints = quaternions(frames), constraint == "stabilized"
         self._layout: DofLayout | None = None
+        self._records: list[Any] = []  # contexts of the kernels on derived fields
+        self._spin = 0.0  # of sections that turn in place, besides the rates of q [rad/s]
 
     def fields(self) -> tuple[Field, ...]:
-        return (
+        always = (
             Field("string.position", 3, scale=self.position_scale),
             Field("string.strain", 1, scale=1e-2),
             Field("string.quaternion", 4, scale=5e-3),
-            Field("string.multiplier", 1, scale=UNCONTROLLED_SCALE, second_order=False, differential=False),
+            Field(
+                "string.multiplier",
+                1,
+                scale=UNCONTROLLED_SCALE,
+                second_order=False,
+                differential=False,
+                multiplier=True,
+            ),
         )
+        ratio = Field("string.ratio", 1, region="junction", scale=1e-2, default=1.0)
+        return (*always, ratio) if self.mesh.below_junction.any() else always
 
     def blocks(self, part) -> tuple[ElementBlock, ...]:
         """Blocks of the local cells of ``part`` (a Chain).
 
-        With and without damping, and of the nodes' unit lengths.
+        With and without damping, below a rigid item or not, and of the nodes' unit lengths.
         """
         m, e, self._part = self.mesh, part.cells, part
-        damped = (m.stiffness_damping != 0) | (m.mass_damping != 0)
+        damped, below = (m.stiffness_damping != 0) | (m.mass_damping != 0), m.below_junction
         self._elements = []
-        for is_damped in (False, True):
-            if (damped == is_damped).any():
-                chosen = np.flatnonzero(damped[e] == is_damped).astype(np.int32)
-                kernel = "quaternion_beam" + "_damped" * is_damped
+        for is_below, is_damped in product_of((False, True), (False, True)):
+            group = (damped == is_damped) & (below == is_below) & ~m.is_joint
+            if group.any():
+                chosen = np.flatnonzero(group[e]).astype(np.int32)
+                name = "beam" + "_junction" * is_below + "_damped" * is_damped
+                slots = JUNCTION_SLOTS if is_below else SLOTS
+                params = self._params(e[chosen])
                 self._elements.append(
-                    ElementBlock(
-                        "beam" + "_damped" * is_damped,
-                        kernel,
-                        "cell",
-                        chosen,
-                        SLOTS,
-                        (),
-                        self._params(e[chosen]),
-                    )
+                    ElementBlock(name, f"quaternion_{name}", "cell", chosen, slots, (), params)
                 )
         _, vertices = local_vertices(part, np.arange(m.nodes))
         length = Parameters("unit_length", len(vertices), level=LEVELS[self.constraint], scale=ROW_SCALE)
@@ -186,6 +204,7 @@ class QuaternionBeam(Beam):
             alpha=m.mass_damping[e],
             curvature=m.curvature[e],
             gravity=self.gravity,
+            rigid=m.rigid_above[e],
         ).array
 
     def translate(self, block: ElementBlock) -> ElementBlock:
@@ -206,7 +225,8 @@ class QuaternionBeam(Beam):
             chain.vertices[chain.ends[block.points] if block.on == "cell" else block.points[:, None]]
         ]
         frames = np.ascontiguousarray(frames, dtype=float)
-        record = _StartFrames(inner=block.context, frames=pointer(frames))
+        record = _StartFrames(inner=block.context, frames=pointer(frames), spin=self._spin)
+        self._records.append(record)
         slots = tuple((name, end) for end in range(nodes) for name in NODE) + block.slots[3 * nodes :]
         return replace(
             block,
@@ -224,6 +244,7 @@ class QuaternionBeam(Beam):
         _view(len(at), pointer(at), pointer(frame), pointer(state.x), pointer(state.y), pointer(out))
         for array, columns in ((state.x, out[:, :4]), (state.y, out[:, 4:])):
             array[view["string.tangent"]], array[view["string.spin"]] = columns[:, :3], columns[:, 3:]
+        state.y[view["string.spin"]] += self._spin
 
     def place(self, system, position: FloatArray, tangent: FloatArray) -> None:
         """Put the unstrained string at rest on ``position`` (n_nodes, 3) [m], oriented as at the start."""
@@ -251,6 +272,30 @@ class QuaternionBeam(Beam):
         system.set_field("string.strain", np.zeros((self.mesh.nodes, 1)), "y")
         system.set_field("string.quaternion", q, "y")
 
+    def impose_rigid_motion(self, system, rates: FloatArray, lowering: float, rotation: float) -> None:
+        """Write the rates of a string that moves along itself and turns in place.
+
+        The spin of the sections is not in the rates of the Euler parameters, which would turn away from the shape within a solve.
+        """
+        dofs = system.layout.dofs
+        rates[dofs["string.position"]] = lowering * direction(system.assembly.x[dofs["string.quaternion"]])
+        self._spin = rotation
+        for record in self._records:
+            record.spin = rotation
+
+    def first_node(self, fields: Mapping[str, FloatArray]) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Position (3,) [m], slope (3,) [-] and spin angle (1,) [rad] of the top node."""
+        place, strain, q = (fields[f"string.{name}"][0] for name in ("position", "strain", "quaternion"))
+        frame = self.start[0]
+        angle = 2 * np.arctan2(q @ spun(frame), q @ frame)
+        return place, (1 + strain[0]) * direction(q), np.array([angle])
+
+    def average_over_turn(self, turning: bool) -> None:
+        """Leave out the stress-free curvature while the string turns: nothing of it is left on average over a turn."""
+        for block in self._elements:
+            cells = self._part.cells[block.points]
+            block.named["curvature"] = (0.0 if turning else 1.0) * self.mesh.curvature[cells]
+
     def constrain_positions(self, hold: bool) -> None:
         """The constraint on positions whatever its form in motion: statics knows no velocities."""
         self._length.named["level"] = 3.0 if hold else LEVELS[self.constraint]
@@ -265,6 +310,12 @@ class QuaternionBeam(Beam):
         q = q / np.linalg.norm(q, axis=1, keepdims=True)
         state.x[at], state.y[at] = q, rate - q * np.sum(q * rate, axis=1, keepdims=True)
 
+    def balance_constraints(self, state, rows: FloatArray) -> None:
+        """Balance the rows of Euler parameters along them (manual: eq-quat-constraint)."""
+        dofs = state.layout.dofs
+        along = np.sum(state.x[dofs["string.quaternion"]] * rows[dofs["string.quaternion"]], axis=1)
+        state.x[dofs["string.multiplier"][:, 0]] -= 0.5 * along
+
     # ------------------------------------------------------------------ results
     def _node_motion(self, state) -> FloatArray:
         """(nv, 8) at the local vertices: slope r' (3), tangent (3), spin rate [rad/s], spin angle from the
@@ -275,6 +326,7 @@ class QuaternionBeam(Beam):
         at, frame = self._places(state.layout)
         out = np.zeros((len(at), 8))
         _motion(len(out), pointer(at), pointer(frame), pointer(state.x), pointer(state.y), pointer(out))
+        out[:, 6] += self._spin
         return out
 
     def _places(self, layout: DofLayout) -> tuple[np.ndarray, FloatArray]:
@@ -335,7 +387,7 @@ class QuaternionBeam(Beam):
             if len(b.points):
                 part, index = np.zeros((len(b.points), len(RESULT_NAMES))), layout.index(b)
                 _results(
-                    len(b.points), pointer(index), pointer(b.params), pointer(x), pointer(y), pointer(part)
+                    *index.shape, pointer(index), pointer(b.params), pointer(x), pointer(y), pointer(part)
                 )
                 out[b.points] = part
         return out
@@ -349,9 +401,10 @@ class QuaternionBeam(Beam):
         lost = 0.0
         for b in self._elements:
             if "damped" in b.kernel and len(b.points):
+                index = state.index_of(b)
                 lost += _dissipation(
-                    len(b.points),
-                    pointer(state.index_of(b)),
+                    *index.shape,
+                    pointer(index),
                     pointer(b.params),
                     pointer(state.x),
                     pointer(state.y),

@@ -12,7 +12,7 @@ from drillpetsc.fem.component import Component, ElementBlock, Field, Powers
 from drillpetsc.geometry.frames import high_side, smallest_rotation
 from drillpetsc.kernels.parameters import Parameters
 from drillpetsc.physics.end_conditions import Input, NodeLoad, load_rows, local_loads
-from drillpetsc.physics.hole_path import HolePath
+from drillpetsc.physics.hole_path import HolePath, PathPoint
 from drillpetsc.physics.interfaces import Top
 from drillpetsc.physics.quaternion.beam import (
     LEVELS,
@@ -105,6 +105,7 @@ class ConstrainedEnd(Top):
                 scale=UNCONTROLLED_SCALE,
                 second_order=False,
                 differential=False,
+                multiplier=True,
             ),
         )
 
@@ -162,12 +163,9 @@ class ConstrainedEnd(Top):
         self._value[:] = here.axes @ (here.centre + offset)
         self._rate[:, 0] = speed * (1 - here.curvature @ offset)
         # the section turns with the path's normals, which differ from the smallest rotation by ``turned_by``
-        first, side, _ = self._start_axes
-        carried = smallest_rotation(first, here.axes[0], side)
-        about = np.cross(here.axes[0], carried)
-        turned_by = np.arctan2(here.axes[1] @ about, here.axes[1] @ carried)
-        angle += turned_by + (turn.integral(t) if turn is not None else 0.0)
-        goal = turned(product(minimal_rotation(first, here.axes[0]), self._orientation), angle)
+        angle += self._angle_of_normals(here) + (turn.integral(t) if turn is not None else 0.0)
+        carried = product(minimal_rotation(self._start_axes[0], here.axes[0]), self._orientation)
+        goal = turned(carried, angle)
         self._goal[:] = goal
         bend = as_quaternion(speed * np.cross(here.axes[0], here.curvature))
         self._goal_rate[:] = 0.5 * (product(bend, goal) + spin * spun(goal))
@@ -181,6 +179,25 @@ class ConstrainedEnd(Top):
     def constrain_positions(self, hold: bool) -> None:
         """The constraints on positions whatever their form in motion: statics knows no velocities."""
         self._given["level"] = 3.0 if hold else LEVELS[self.constraint]
+
+    def align(self, position: FloatArray, slope: FloatArray, spin: FloatArray) -> None:
+        """Prescribe at time 0 the given position (3,) [m] and spin angle (1,) [rad] from the frame at the start.
+
+        The direction of the section is that of the path.
+        """
+        if self._path is None:
+            self.anchor[:-1] = self._axes @ position
+            self.anchor[-1] = spin[0]
+            return
+        self.anchor[:3] = self._path.coordinates(position)
+        self.anchor[3] = spin[0] - self._angle_of_normals(self._path.at(float(self.anchor[0])))
+
+    def _angle_of_normals(self, here: PathPoint) -> float:
+        """Angle [rad] by which the path's normals at ``here`` differ from the smallest rotation of those at the start."""
+        first, side, _ = self._start_axes
+        carried = smallest_rotation(first, here.axes[0], side)
+        about = np.cross(here.axes[0], carried)
+        return float(np.arctan2(here.axes[1] @ about, here.axes[1] @ carried))
 
     def copy_position(self, other: Top) -> None:
         """Copy the prescribed position at time 0 from the top of another model with other elements."""
@@ -221,6 +238,19 @@ class ConstrainedEnd(Top):
                 off = 2 * np.arctan2(spun(goal) @ state.x[q], goal @ state.x[q])
                 state.x[q], state.y[q] = turned(state.x[q], -off), turned(state.y[q], -off)
 
+    def balance_constraints(self, state, rows: FloatArray) -> None:
+        """Balance the rows along the prescribed directions; the end has its prescribed position and direction."""
+        if len(self._block.points):
+            index = state.index_of(self._block)[0]
+            axes = self._rotation_axes()
+            change = np.concatenate([self._axes @ rows[index[:3]], 0.5 * axes @ rows[index[3:7]]])
+            state.x[index[7:]] += change
+
+    def _rotation_axes(self) -> FloatArray:
+        """(prescribed rotations, 4) products of the prescribed orientation with the unit vectors of the section."""
+        goal = self._goal[0]
+        return np.array([spun(goal), _times_e2(goal), _times_e3(goal)])[: self.prescribed_rotations]
+
     # ------------------------------------------------------------------ results
     def reaction(self, name: str, state) -> float:
         """Return the reaction ``name`` on the string, a force [N] or a moment [N m].
@@ -241,9 +271,8 @@ class ConstrainedEnd(Top):
             return Powers()
         index, n = state.index_of(self._block)[0], self.prescribed_positions
         push, moment = np.split(state.x[index[7:]], [n])
-        goal, supplied = self._goal[0], float(push @ self._axes @ state.y[index[:3]])
-        axes = np.array([spun(goal), _times_e2(goal), _times_e3(goal)])[: self.prescribed_rotations]
-        return Powers(supplied=supplied + float(2 * moment @ axes @ state.y[index[3:7]]))
+        supplied = float(push @ self._axes @ state.y[index[:3]])
+        return Powers(supplied=supplied + float(2 * moment @ self._rotation_axes() @ state.y[index[3:7]]))
 
 
 def _times_e2(q: FloatArray) -> FloatArray:
