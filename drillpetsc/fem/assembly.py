@@ -477,7 +477,7 @@ class Assembly:
             bound.block.update(t)
         rows = np.zeros((bound.count, bound.width))
         separate = np.arange(rows.size, dtype=np.int32)  # one copy of the unknowns for every element
-        state = [np.ascontiguousarray(values[bound.index]) for values in (self.x, self.y, self.a)]
+        state = [values.take(bound.index) for values in (self.x, self.y, self.a)]
         bound.residual(bound.count, pointer(separate), *bound.head[2:], *map(pointer, state), pointer(rows))
         return rows
 
