@@ -34,7 +34,9 @@ _fix_rows = function("constraint_rows", "ippppp" + "dpp")
 _fix_matrix = function("constraint_matrix", "ippppp")
 _gradient = function("spin_gradient", "ippppddp")
 _run_residuals = function("run_residuals", "ipip")
-_BlockCall = structure("block_call")  # BlockCall of kernels/core/rows.cpp
+_step_rows = function("step_rows", "ppp")
+_BlockCall = structure("block_call")  # BlockCall, PrescribedCall and StepCall of kernels/core/rows.cpp
+_PrescribedCall, _StepCall = structure("prescribed_call"), structure("step_call")
 
 #: weight of the columns by imposed rates [1/s]; without it the pressure of a closed channel would have no
 #: pivot in the block of its own node (manual: sec-time-imposed)
@@ -120,6 +122,7 @@ class Assembly:
         self._nodes = (len(self.spin_at), pointer(self.spin_at), pointer(self.reference))
         self._history = pointer(self.v0), pointer(self.v1)
         self._calls: ctypes.Array | None = None  # see ``_block_calls``
+        self._step: tuple[ctypes.Array, Any, int, Any] | None = None  # see ``_step_call``
         #: evaluate rows block by block, each with its event, for -log_view; otherwise all blocks are one call
         self.block_by_block = PETSc.Options().hasName("log_view")
         self.version = 0  # counts new Jacobian values
@@ -317,6 +320,63 @@ class Assembly:
             call.x, call.y, call.a, _ = self._held_state if b.holds_rates else self._state
         return self._calls
 
+    def step_rows(
+        self, t: float, sigma: float, second: float, owned: np.ndarray, at: tuple[int, int]
+    ) -> bool:
+        """Compute the residual of a condensed step at time ``t`` [s] in one compiled call, on one rank.
+
+        The same as ``condense``, ``apply_prescribed_rates``, ``residual`` and ``replace_rows``.  False, and nothing is
+        done, where the step needs more than these, or prescribed motion first needs the state.
+
+        sigma, second: as for ``condense``.
+        owned: (n,) local numbers of the unknowns; at: addresses of the unknowns (n,) and of the residual (n,).
+        """
+        if (
+            self.stabilized
+            or self._imposed
+            or self._frozen
+            or self.dead_load is not None
+            or self.block_by_block
+        ):
+            return False
+        for f in self.row_replacements:
+            if f.leans or (f.time != t and f.condition.along_path is not None):
+                return False
+            f.evaluate(t, self.x)
+        self._event["Residual"].begin()
+        self.evaluations += 1
+        for b in self.bound_blocks:
+            if b.block.update and b.count:
+                b.update_parameters(t)
+        calls = self._calls if self._calls is not None else self._block_calls()
+        if self._step is None or self._step[0] is not calls:
+            self._step = self._step_call(calls, owned)
+        _, call, address, _ = self._step
+        call.sigma, call.second = sigma, second
+        _step_rows(address, *at)
+        self._event["Residual"].end()
+        return True
+
+    def _step_call(self, calls: ctypes.Array, owned: np.ndarray) -> tuple[ctypes.Array, Any, int, Any]:
+        """The blocks' calls, the argument of ``step_rows``, its address, and what it points to."""
+        x, y, a, r = self._state
+        places = np.full(self.layout.size, -1, dtype=np.int32)
+        places[owned] = np.arange(len(owned))
+        owned = np.ascontiguousarray(owned, dtype=np.int32)
+        prescribed = (_PrescribedCall * len(self.row_replacements))()
+        rows = [np.ascontiguousarray(places[f.rows]) for f in self.row_replacements]
+        for p, f, at in zip(prescribed, self.row_replacements, rows, strict=True):
+            p.count, p.directions, p.rows = f.head
+            p.rate, p.value, p.reaction = f.rate_at, f.value_at, f.reaction_at
+            p.places = pointer(at) if f.owned else None
+        spins, where, reference = self._nodes
+        call = _StepCall(
+            owned=pointer(owned), x=x, y=y, a=a, r=r, v0=self._history[0], v1=self._history[1], where=where, reference=reference,
+            prescribed=ctypes.addressof(prescribed), blocks=ctypes.addressof(calls), scale=ROW_SCALE, n=len(owned),
+            length=len(self.r), spins=spins, prescriptions=len(prescribed), count=len(calls),
+        )  # fmt: skip
+        return calls, call, ctypes.addressof(call), (prescribed, rows, owned)
+
     def _start_with_dead_load(self) -> None:
         self.r[:] = 0.0
         if self.dead_load is not None:
@@ -477,7 +537,7 @@ class Assembly:
             bound.block.update(t)
         rows = np.zeros((bound.count, bound.width))
         separate = np.arange(rows.size, dtype=np.int32)  # one copy of the unknowns for every element
-        state = [np.ascontiguousarray(values[bound.index]) for values in (self.x, self.y, self.a)]
+        state = [values.take(bound.index) for values in (self.x, self.y, self.a)]
         bound.residual(bound.count, pointer(separate), *bound.head[2:], *map(pointer, state), pointer(rows))
         return rows
 

@@ -37,6 +37,7 @@ class BoundBlock:
 
     index: (count, width) local dofs of each element.
     span: the block's entries in ``Assembly.values``, ``width**2`` an element.
+    columns: those of each slot (field, end) in an element's unknowns.
     """
 
     def __init__(self, block: ElementBlock, layout: DofLayout, first_entry: int):
@@ -44,6 +45,11 @@ class BoundBlock:
         self.count = len(block.points)
         self.index = layout.index(block)
         self.width = layout.width(block)
+        start, self.columns = 0, dict[tuple[str, int], slice]()
+        for slot in block.slots:
+            size = layout.dofs_of(slot[0]).shape[1]
+            self.columns[slot] = slice(start, start + size)
+            start += size
         self.spins = layout.spin_vertices(block)
         self.residual = function(f"{block.kernel}_residual", "ippppppp")
         self.jacobian = function(f"{block.kernel}_jacobian", "ipppppppppp")

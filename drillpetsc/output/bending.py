@@ -61,13 +61,19 @@ def end_forces(model: DrillingModel, time: float = 0.0) -> EndForces:
     assert beam is not None
     asm, mesh, cells = system.assembly, system.mesh, system.chain.cells
     count = len(cells)
-    forces, couples = np.zeros((count, 2, 3)), np.zeros((count, 2, 3))
+    turned = asm.x[asm.dofs_of(beam.orientation)][system.chain.ends]  # (nc, 2, k)
+    forces, turning = np.zeros((count, 2, 3)), np.zeros(turned.shape)  # rows of position and orientation
     for bound in asm.bound_blocks:
         if bound.block.on == "cell" and bound.count:
-            rows, values = _rows(asm, bound, time), asm.x[bound.index]
-            for end, (position, orientation) in _places(asm, bound, beam.orientation).items():
-                forces[bound.block.points, end] += rows[:, position]
-                couples[bound.block.points, end] += beam.couple(values[:, orientation], rows[:, orientation])
+            rows = _rows(asm, bound, time)
+            points = (
+                slice(None) if bound.count == count else bound.block.points
+            )  # all of them are in depth order
+            for end, (position, orientation) in _places(bound, beam.orientation).items():
+                forces[points, end] += rows[:, position]
+                turning[points, end] += rows[:, orientation]
+    flat = turned.reshape(-1, turned.shape[2]), turning.reshape(-1, turned.shape[2])
+    couples = beam.couple(*flat).reshape(count, 2, 3)
     slope = asm.x[asm.dofs_of("string.tangent")][system.chain.ends]
     tangent = slope / np.linalg.norm(slope, axis=2, keepdims=True)
     # the upper node of an element below a rigid item lies at the item's upper end
@@ -79,7 +85,7 @@ def end_forces(model: DrillingModel, time: float = 0.0) -> EndForces:
             cell, vertex = bound.block.elements[chosen], bound.block.points[chosen]
             end = (system.chain.ends[cell, 1] == vertex).astype(int)
             rows, values = asm.block_rows(bound, time)[chosen], asm.x[bound.index[chosen]]
-            position, orientation = _places(asm, bound, beam.orientation)[0]
+            position, orientation = _places(bound, beam.orientation)[0]
             np.add.at(forces, (cell, end), rows[:, position])
             np.add.at(couples, (cell, end), beam.couple(values[:, orientation], rows[:, orientation]))
     for values in (forces, couples):
@@ -89,13 +95,9 @@ def end_forces(model: DrillingModel, time: float = 0.0) -> EndForces:
     return EndForces(tangent, forces, couples)
 
 
-def _places(asm: Assembly, bound: BoundBlock, orientation: str) -> dict[int, tuple[slice, slice]]:
+def _places(bound: BoundBlock, orientation: str) -> dict[int, tuple[slice, slice]]:
     """Columns of position and orientation of the string in a block's unknowns, by end; empty without the string."""
-    start, found = 0, dict[tuple[str, int], slice]()
-    for name, end in bound.block.slots:
-        size = asm.layout.dofs_of(name).shape[1]
-        found[name, end] = slice(start, start + size)
-        start += size
+    found = bound.columns
     return {
         end: (found["string.position", end], found[orientation, end])
         for end in (0, 1)
@@ -106,7 +108,7 @@ def _places(asm: Assembly, bound: BoundBlock, orientation: str) -> dict[int, tup
 def _rows(asm: Assembly, bound: BoundBlock, time: float) -> FloatArray:
     """Rows (n, d) of a block; the mud in and around a rigid item, which acts on the item, is left out."""
     table = bound.block.named
-    areas = [name for name in ("area_above", "outer_above") if name in table.columns.names]
+    areas = [name for name in ("area_above", "outer_above") if name in table.columns.at]
     kept = {name: np.array(table[name]) for name in areas}
     for name in areas:
         table[name] = NO_AREA
@@ -127,14 +129,19 @@ def across_hole(model: DrillingModel, vectors: FloatArray) -> FloatArray:
 
     Towards the high side of the hole at the node (north in a vertical hole), and to the right of it looking down.
     """
-    chain = model.system.chain
+    return all_across_hole(model, vectors)[0]
+
+
+def all_across_hole(model: DrillingModel, *vectors: FloatArray) -> list[FloatArray]:
+    """The same of several ``vectors``."""
+    ends = model.system.chain.ends
     if model.well is not None:
         tangents = np.asarray(model.well.project(model.system.field("string.position")).tangent)
     else:
-        tangents = np.tile(model.tangent[0], (len(chain.vertices), 1))
+        tangents = np.tile(model.tangent[0], (len(model.system.chain.vertices), 1))
     first = high_sides(tangents)
-    second = cross(tangents, first)
-    return np.stack([np.sum(vectors * axis[chain.ends], axis=2) for axis in (first, second)], axis=2)
+    axes = [axis[ends] for axis in (first, cross(tangents, first))]
+    return [np.stack([np.sum(v * axis, axis=2) for axis in axes], axis=2) for v in vectors]
 
 
 def curvatures(model: DrillingModel, moment: FloatArray) -> FloatArray:

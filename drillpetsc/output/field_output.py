@@ -32,6 +32,8 @@ class FieldOutput:
         ]
         self._quantities = in_order(found, "string/*.vtu")
         self._element = ~model.mesh.is_joint
+        #: (n+1, 1) number of elements that meet at a node; 1 where none does, at a rigid item between joints
+        self._meeting = np.maximum(np.append(self._element, 0) + np.append(0, self._element), 1)[:, None]
 
     def fields(self, t: float) -> tuple[FloatArray, dict[str, FloatArray]] | None:
         """Points (n, 3) [m] and point data ``name [unit]`` of the deformed string in depth order, on rank 0; None
@@ -46,7 +48,7 @@ class FieldOutput:
         nodes, elements = self._gathered(local["node"], "vertex"), self._gathered(local["element"], "cell")
         if nodes is None or elements is None:
             return None
-        at_nodes = nodes | {key: self._mean_at_nodes(values) for key, values in elements.items()}
+        at_nodes = nodes | self._means_at_nodes(elements)
         data, finished = {}, dict[Any, FloatArray]()
         for source, q in self._quantities:
             values = at_nodes[id(source), q.value]
@@ -71,13 +73,18 @@ class FieldOutput:
             for (key, values), piece in zip(parts.items(), pieces, strict=True)
         }
 
-    def _mean_at_nodes(self, values: FloatArray) -> FloatArray:
-        """(n+1, size) mean of the elements that meet at a node, from (n, 1), or (n, 2, ...) at the elements' ends."""
-        upper, lower = (values, values) if values.shape[1] == 1 else (values[:, 0], values[:, 1])
-        upper, lower = upper.reshape(len(upper), -1), lower.reshape(len(lower), -1)
-        total, count = np.zeros((len(values) + 1, upper.shape[1])), np.zeros((len(values) + 1, 1))
-        total[:-1] += upper * self._element[:, None]
-        total[1:] += lower * self._element[:, None]
-        count[:-1, 0] += self._element
-        count[1:, 0] += self._element
-        return total / np.maximum(count, 1)  # no element at all meets a rigid item between joints
+    def _means_at_nodes(self, elements: dict[Key, FloatArray]) -> dict[Key, FloatArray]:
+        """(n+1, size) mean of the elements that meet at a node, of each of several values of elements.
+
+        elements: (n, 1), or (n, 2, ...) at the elements' ends.
+        """
+        if not elements:
+            return {}
+        ends = [(v, v) if v.shape[1] == 1 else (v[:, 0], v[:, 1]) for v in elements.values()]
+        upper, lower = (np.hstack([v.reshape(len(v), -1) for v in side]) for side in zip(*ends, strict=True))
+        means = np.zeros((len(upper) + 1, upper.shape[1]))
+        means[:-1] += upper * self._element[:, None]
+        means[1:] += lower * self._element[:, None]
+        means /= self._meeting
+        sizes = [v[0].size // len(v[0]) for v in ends]
+        return dict(zip(elements, np.split(means, np.cumsum(sizes)[:-1], axis=1), strict=True))

@@ -8,7 +8,7 @@ from drillpetsc.fem.component import FloatArray
 from drillpetsc.fem.quantity import Quantity, Sample
 from drillpetsc.model.drilling_model import DrillingModel
 from drillpetsc.output import quantities as declared
-from drillpetsc.output.bending import EndForces, across_hole, end_forces
+from drillpetsc.output.bending import EndForces, all_across_hole, end_forces
 from drillpetsc.output.flow_recorder import FlowRecorder
 from drillpetsc.output.in_hole import offsets
 from drillpetsc.physics.beam import RESULT_NAMES
@@ -108,9 +108,9 @@ class StringFields:
         """(nc, 2) force across the string [N] at both ends."""
         return self.end_forces(sample).shear_size
 
-    def _across(self, sample: Sample, state) -> tuple[FloatArray, FloatArray]:
+    def _across(self, sample: Sample, state) -> list[FloatArray]:
         forces = self.end_forces(sample)
-        return across_hole(self.model, forces.towards_bend), across_hole(self.model, forces.shear)
+        return all_across_hole(self.model, forces.towards_bend, forces.shear)
 
     def bending_components(self, sample: Sample) -> FloatArray:
         """(nc, 2, 2) bending moment [N m] that bends the string to the high side, and to the right, at both ends."""

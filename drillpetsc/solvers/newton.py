@@ -87,6 +87,7 @@ class CondensedNewton:
         owned = system.layout.local_of_owned
         self._scale = system.scale[owned]
         self._scale_at = pointer(self._scale)
+        self._arrays: tuple[np.ndarray, np.ndarray] | None = None
         self.snes = self._make_snes(prefix)
 
     def _make_snes(self, prefix: str) -> PETSc.SNES:
@@ -149,6 +150,10 @@ class CondensedNewton:
             self.pc = ChainPC(self.factor, asm, stop=False)
             pc.setPythonContext(self.pc)
         snes.setUp()
+        if self.direct and system.comm.size == 1:
+            #: arrays of unknowns and residual, their addresses: the rows of a step are one compiled call
+            self._arrays = self.q.getArray(), self._f.getArray()
+            self._arrays_at = pointer(self._arrays[0]), pointer(self._arrays[1])
         return snes
 
     # ------------------------------------------------------------------ callbacks
@@ -167,6 +172,10 @@ class CondensedNewton:
 
     def rows(self, q: PETSc.Vec) -> np.ndarray:
         """Compute the residual at ``q``, owned rows; the next call overwrites the array."""
+        if self._arrays is not None and q.handle == self.q.handle:
+            owned = self.system.layout.local_of_owned
+            if self.system.assembly.step_rows(self.t, self.shift, self.second_shift, owned, self._arrays_at):
+                return self._arrays[1]
         self._function(None, q, self._f)
         return self._f.getArray(readonly=1)
 
@@ -362,8 +371,11 @@ class CondensedNewton:
             self.failures += 1
             if self.lag:
                 self.lag.good = False
-        self.system.load_unknowns(self.q)
-        self._evaluate()
+        if (
+            not self.direct
+        ):  # else the assembly has the state of the last rows, which are those of the solution
+            self.system.load_unknowns(self.q)
+            self._evaluate()
         return reason
 
 

@@ -36,3 +36,40 @@ extern "C" void run_results(const ResultCall* call) {
     for (int e = 0; e < c.count; ++e)
         for (int j = 0; j < c.columns; ++j) c.sums[j] += c.out[(long)e * c.columns + j];
 }
+
+extern "C" {
+void condensed_rates(int, const double*, double, double, const double*, const double*, int, const int*, const double*, double*, double*);
+void constraint_rates(int, const double*, const int*, const double*, double, const double*, double*, double*);
+void constraint_rows(int, const double*, const int*, const int*, const double*, const double*, double, double*, double*);
+}
+
+// Prescribed motion of a node, as core/constraint.cpp takes it; places: of the node's rows in the residual, null where another rank has them.
+DP_RECORD(PrescribedCall,
+    const double* directions; const int* rows; const double* rate; const double* value; const int* places; double* reaction; int count, unused;
+)
+DP_EXPORT_RECORD(prescribed_call, PrescribedCall)
+
+// What the residual of a condensed step needs, on one rank: n unknowns at places `owned` of x, y, a, r; constants v0, v1 of the time formula;
+// spins nodes with a spin angle (core/nodes.cpp); prescribed motion; blocks.
+DP_RECORD(StepCall,
+    const int* owned; double* x; double* y; double* a; double* r; const double* v0; const double* v1; const int* where; const double* reference;
+    const PrescribedCall* prescribed; const BlockCall* blocks; double sigma, second, scale; int n, length, spins, prescriptions, count, unused;
+)
+DP_EXPORT_RECORD(step_call, StepCall)
+
+// Residual (n) at the unknowns q (n) of a condensed step: state, rates and accelerations, rows, prescribed rows.
+extern "C" void step_rows(const StepCall* call, const double* q, double* rows) {
+    const StepCall& c = *call;
+    for (int i = 0; i < c.n; ++i) c.x[c.owned[i]] = q[i];
+    condensed_rates(c.n, c.x, c.sigma, c.second, c.v0, c.v1, c.spins, c.where, c.reference, c.y, c.a);
+    for (int k = 0; k < c.prescriptions; ++k) {
+        const PrescribedCall& p = c.prescribed[k];
+        constraint_rates(p.count, p.directions, p.rows, p.rate, c.second, c.v1, c.y, c.a);
+    }
+    run_residuals(c.count, c.blocks, c.length, c.r);
+    for (int i = 0; i < c.n; ++i) rows[i] = c.r[c.owned[i]];
+    for (int k = 0; k < c.prescriptions; ++k) {
+        const PrescribedCall& p = c.prescribed[k];
+        if (p.places) constraint_rows(p.count, p.directions, p.rows, p.places, c.x, p.value, c.scale, rows, p.reaction);
+    }
+}
