@@ -18,7 +18,7 @@ from drillpetsc.geometry.frames import directors
 from drillpetsc.model.drilling_model import DrillingModel
 from drillpetsc.output.static_table import at_nodes
 from drillpetsc.physics.contact import ONSET
-from drillpetsc.solvers.lateral_beam import ContactPoints, LateralBeam, lateral_state
+from drillpetsc.solvers.lateral_beam import ContactPoints, LateralBeam, element_matrices, lateral_state
 from drillpetsc.solvers.static_newton import lateral_shares
 
 SPACING = 3.0  # of independent side loads, the same on all meshes [m]
@@ -55,16 +55,16 @@ def lateral_starts(
     buckling = _first_node(model, found)
     if model.contact is None or model.contact.law.law == "hertz_point" or not fraction or buckling is None:
         return []
-    if mesh.is_joint[buckling:].any():
+    if mesh.is_joint.any():
         return []
     t = found.tangent / np.linalg.norm(found.tangent, axis=1, keepdims=True)
     second, third = directors(model.frames, np.arange(mesh.nodes), t, np.zeros(mesh.nodes))
     parts = _Parts(model, found, buckling)
     load = np.zeros((mesh.nodes, 4))
-    load[:, 0] = np.sum(found.side_load * second, axis=1)
-    load[:, 1] = np.sum(found.side_load * third, axis=1)
+    load[:, 0] = np.sum(found.load_across * second, axis=1)
+    load[:, 1] = np.sum(found.load_across * third, axis=1)
     _add_curvature(model, found, t, second, third, load)
-    points = parts.contact_points(motion)
+    points = parts.contact_points(motion, found.position - found.offset, t, second, third)
     held = np.zeros((len(parts.nodes), 4), dtype=bool)
     held[0] = True
     bending, force = (parts.mean(q) for q in (mesh.bending_stiffness, found.effective_tension))
@@ -75,7 +75,7 @@ def lateral_starts(
         parts.rigid,
         parts.gathered(load),
         points,
-        _wall(model, points.clearance),
+        _wall(model),
         held,
         _clearance(model, found)[parts.nodes],
     )
@@ -197,8 +197,18 @@ class _Parts:
         across[self.nodes], slope[self.nodes] = U[:, :2], U[:, 2:]
         return across, slope
 
-    def contact_points(self, motion: tuple[float, float]) -> ContactPoints:
-        """The points of the model's own quadrature where the string may touch the wall."""
+    def contact_points(
+        self,
+        motion: tuple[float, float],
+        centre: FloatArray,
+        t: FloatArray,
+        second: FloatArray,
+        third: FloatArray,
+    ) -> ContactPoints:
+        """The points of the model's own quadrature where the string may touch the wall.
+
+        centre, t, second, third: (n_nodes, 3) axis of the hole at the nodes, its tangent and the directors.
+        """
         model = self.model
         mesh, well = model.mesh, model.well
         assert well is not None and model.contact is not None
@@ -207,14 +217,27 @@ class _Parts:
         upper, lower = upper[self.nodes[:-1]], lower[self.nodes[1:] - 1]
         radius = 0.5 * np.append(mesh.contact_diameter, mesh.contact_diameter[-1])
         drag = friction_factors(model, motion, md)[1] / np.maximum(radius, 1e-6)
+
+        def across(d: FloatArray, node: np.ndarray) -> FloatArray:
+            return np.column_stack([np.sum(d * e[node], axis=1) for e in (second, third)])
+
         columns: list[tuple] = []
         for ends in ((False, False), (False, True), (True, False), (True, True)):
             e = np.flatnonzero((upper == ends[0]) & (lower == ends[1]) & (radius[self.nodes[:-1]] > 0))
             for x, weight in rule(law.points, *ends) if len(e) else ():
                 depth = mesh.node_depth[self.nodes[e + 1]] - (1 - x) * self.length[e]
                 below, L = md[self.nodes[e + 1]], np.diff(md[self.nodes])[e] - self.rigid[e]
-                gap = np.maximum(np.asarray(well.radius(below - (1 - x) * L)) - radius[self.nodes[e]], 0.0)
-                columns.append((e, self._shape(e, depth), gap, weight * self.length[e], drag[self.nodes[e]]))
+                at = below - (1 - x) * L
+                gap = np.maximum(np.asarray(well.radius(at)) - radius[self.nodes[e]], 0.0)
+                # an element does not follow the hole where its curvature changes
+                a, b = self.nodes[e], self.nodes[e + 1]
+                ends_at = (
+                    (1 + 2 * x) * (1 - x) ** 2 * (centre[a] + self.rigid[e][:, None] * t[a])
+                    + x**2 * (3 - 2 * x) * centre[b]
+                    + L[:, None] * (x * (1 - x) ** 2 * t[a] - x**2 * (1 - x) * t[b])
+                )
+                off = across(ends_at - np.asarray(well.at(at)[0]), a)
+                columns.append((e, self._shape(e, depth), gap, weight * self.length[e], drag[a], off))
         for b in mesh.bodies:
             if b.radius <= 0 or b.node < self.nodes[0]:
                 continue
@@ -224,8 +247,10 @@ class _Parts:
             for x, weight in rule(law.points, True, True):
                 y = b.contact_above + x * b.contact_length
                 factors = np.array([[0.0, 0.0, 1.0, y] if last else [1.0, y, 0.0, 0.0]])
-                gap = np.maximum(np.asarray(well.radius(md[b.node : b.node + 1] + y)) - b.radius, 0.0)
-                columns.append((cell, factors, gap, np.array([weight * span]), drag[b.node : b.node + 1]))
+                node = np.array([b.node])
+                gap = np.maximum(np.asarray(well.radius(md[node] + y)) - b.radius, 0.0)
+                off = across(centre[node] + y * t[node] - np.asarray(well.at(md[node] + y)[0]), node)
+                columns.append((cell, factors, gap, np.array([weight * span]), drag[node], off))
         return ContactPoints(*(np.concatenate(q) for q in zip(*columns, strict=True)))
 
 
@@ -270,30 +295,41 @@ def _add_curvature(
     third: FloatArray,
     load: FloatArray,
 ) -> None:
-    """Add to ``load`` the moments of the bend of the hole, and of the stress-free curvature of the pipe."""
+    """Add to ``load`` the rows of a string on the axis of the bent hole, under tension, with its stress-free curvature."""
     mesh = model.mesh
-    turn = np.diff(t, axis=0)  # of the hole in each element
-    own = np.zeros_like(turn)
+    centre, L = found.position - found.offset, mesh.length
+    own = np.zeros((len(L), 3))
     if np.any(mesh.curvature):
         two, three = directors(model.frames, np.arange(mesh.nodes), t, found.twist)
-        axial = mesh.curvature * mesh.length[:, None]
-        own = axial[:, 1:] * two[:-1] - axial[:, :1] * three[:-1]
-    moment = (mesh.bending_stiffness / mesh.length_divisor)[:, None] * (turn - own)
-    for k, e in ((2, second), (3, third)):
-        m = np.sum(moment * e[:-1], axis=1)
-        load[:-1, k] += m
-        load[1:, k] -= m
+        own = mesh.curvature[:, 1:] * two[:-1] - mesh.curvature[:, :1] * three[:-1]
+    bending, tension = mesh.bending_stiffness, found.axial_force[1:-1]
+    K = element_matrices(L, bending, tension, np.zeros_like(L))
+    chord = centre[1:] - centre[:-1] - mesh.rigid_above[:, None] * t[:-1]
+    pull = tension[:, None] * chord / np.linalg.norm(chord, axis=1, keepdims=True)
+    for p, e in ((0, second), (1, third)):
+        load[:-1, p] += np.sum(pull * e[:-1], axis=1)
+        load[1:, p] -= np.sum(pull * e[1:], axis=1)
+        e = 0.5 * (e[1:] + e[:-1])
+        e -= chord * (np.sum(e * chord, axis=1) / np.sum(chord * chord, axis=1))[:, None]
+        hole = np.zeros((len(L), 4))  # the displacements and slopes of the hole itself, from the chord
+        hole[:, 1], hole[:, 3] = np.sum(t[:-1] * e, axis=1), np.sum(t[1:] * e, axis=1)
+        rows = -np.einsum("eab,eb->ea", K, hole)
+        moment = bending * np.sum(own * e, axis=1)
+        rows[:, 1] -= moment
+        rows[:, 3] += moment
+        rows[:, 1] += mesh.rigid_above * rows[:, 0]
+        for k, (node, place) in enumerate(((0, p), (0, 2 + p), (1, p), (1, 2 + p))):
+            load[node : node + len(L), place] += rows[:, k]
 
 
-def _wall(
-    model: DrillingModel, clearance: FloatArray
-) -> Callable[[FloatArray], tuple[FloatArray, FloatArray]]:
-    """Contact force per length [N/m] by depth [m], and its derivative, as in the model."""
+def _wall(model: DrillingModel) -> Callable[[FloatArray, FloatArray], tuple[FloatArray, FloatArray]]:
+    """Contact force per length [N/m] by depth and clearance [m], and its derivative, as in the model."""
     assert model.contact is not None
     law = model.contact.law
-    power, loose = 1.0 if law.law == "linear" else 1.5, clearance > 0
+    power = 1.0 if law.law == "linear" else 1.5
 
-    def wall(depth: FloatArray) -> tuple[FloatArray, FloatArray]:
+    def wall(depth: FloatArray, clearance: FloatArray) -> tuple[FloatArray, FloatArray]:
+        loose = clearance > 0
         d = np.maximum(depth, -ONSET)
         eased = np.abs(d) < ONSET
         d, slope = (

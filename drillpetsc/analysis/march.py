@@ -52,7 +52,7 @@ class March:
     top_motion: distance that the top is moved down [m].
     usual_contact_force: force per length that nine tenths of the nodes do not exceed [N/m].
     measured_depth: of the nodes at the start [m].
-    side_load: (n, 3) across the hole, of weight, flow and tension in its curvature [N].
+    side_load: (n, 3) across the hole, of weight, flow and tension in its curvature [N]; load_across: without the last.
     locked_at: measured depth in the hole below which no push passes, None: it passes; locked_node: its node.
     """
 
@@ -71,6 +71,7 @@ class March:
     locked_node: int = 0
     usual_contact_force: float = 0.0
     side_load: FloatArray = field(default_factory=lambda: np.zeros((0, 3)))
+    load_across: FloatArray = field(default_factory=lambda: np.zeros((0, 3)))
     measured_depth: FloatArray = field(default_factory=lambda: np.zeros(0))
     effective_tension: FloatArray = field(default_factory=lambda: np.zeros(0))
 
@@ -240,6 +241,7 @@ def march(
         locked_at=None if locked is None else float(depth[locked]),
         locked_node=locked or 0,
         side_load=load,
+        load_across=across,
         measured_depth=depth + stretch + top_motion - start,
         effective_tension=inner + wet,
     )

@@ -6,7 +6,7 @@ Manual: sec-statics-buckled-start.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 
 import numpy as np
 
@@ -34,6 +34,7 @@ class ContactPoints:
 
     cell: element; shape: (m, 4) factors of its lateral displacements and slopes u, u', at the upper and lower end.
     clearance [m]; length: that the point stands for [m]; friction: force about the axis over contact force [-].
+    offset: (m, 2) place from the axis of the hole where all displacements vanish [m].
     """
 
     cell: np.ndarray
@@ -41,6 +42,7 @@ class ContactPoints:
     clearance: FloatArray
     length: FloatArray
     friction: FloatArray
+    offset: FloatArray
 
 
 class LateralBeam:
@@ -51,7 +53,7 @@ class LateralBeam:
     length, bending, force: (n,) of the elements: length [m], bending stiffness [N m2], tension [N].
     rigid: (n,) length of rigid items between the upper node and the element [m].
     load: (n+1, 4) forces [N] and moments [N m] that work on the unknowns.
-    points: where it may touch the wall; wall(d): force [N] per length, or per point, at depth d [m], and its derivative.
+    points: where it may touch the wall; wall(d, c): force [N/m] per length at depth d [m] where the clearance is c [m], and its derivative.
     held: (n+1, 4) mask of the unknowns that keep their values.
     clearance: (n+1,) of the nodes [m].
     """
@@ -64,13 +66,15 @@ class LateralBeam:
         rigid: FloatArray,
         load: FloatArray,
         points: ContactPoints,
-        wall: Callable[[FloatArray], tuple[FloatArray, FloatArray]],
+        wall: Callable[[FloatArray, FloatArray], tuple[FloatArray, FloatArray]],
         held: np.ndarray,
         clearance: FloatArray,
     ):
-        self.points, self.wall, self.load, self.held = points, wall, load, held
+        order = np.argsort(points.cell, kind="stable")
+        self.points = ContactPoints(*(getattr(points, f.name)[order] for f in fields(points)))
+        self.wall, self.load, self.held = wall, load, held
         self.nodes = len(length) + 1
-        self._elastic = self._matrices(length, bending, force, rigid)
+        self._elastic = element_matrices(length, bending, force, rigid)
         self._band = self._assembled(self._elastic)
         h = np.zeros(self.nodes)
         h[:-1] += 0.5 * length
@@ -88,46 +92,8 @@ class LateralBeam:
         self.usual_force = max(helix, float(np.quantile(loads, 0.9)))  # on the wall [N/m]
 
     # ---------------------------------------------------------------- matrices
-    @staticmethod
-    def _matrices(
-        length: FloatArray, bending: FloatArray, force: FloatArray, rigid: FloatArray
-    ) -> FloatArray:
-        """Element matrices (n, 4, 4) of one plane by (u, u') at the upper node and (u, u') at the lower one."""
-        L = length
-        one = np.ones_like(L)
-        bend = (
-            np.stack(
-                [
-                    np.stack([12 * one, 6 * L, -12 * one, 6 * L], 1),
-                    np.stack([6 * L, 4 * L**2, -6 * L, 2 * L**2], 1),
-                    np.stack([-12 * one, -6 * L, 12 * one, -6 * L], 1),
-                    np.stack([6 * L, 2 * L**2, -6 * L, 4 * L**2], 1),
-                ],
-                1,
-            )
-            * (bending / L**3)[:, None, None]
-        )
-        tens = (
-            np.stack(
-                [
-                    np.stack([36 * one, 3 * L, -36 * one, 3 * L], 1),
-                    np.stack([3 * L, 4 * L**2, -3 * L, -(L**2)], 1),
-                    np.stack([-36 * one, -3 * L, 36 * one, -3 * L], 1),
-                    np.stack([3 * L, -(L**2), -3 * L, 4 * L**2], 1),
-                ],
-                1,
-            )
-            * (force / (30 * L))[:, None, None]
-        )
-        K = bend + tens
-        move = np.broadcast_to(np.eye(4), K.shape).copy()
-        move[:, 0, 1] = rigid
-        K = np.einsum("eba,ebc,ecd->ead", move, K, move)
-        K[:, 1, 1] += force * rigid  # the rigid part leans
-        return K
-
-    def _assembled(self, plane: FloatArray, both: FloatArray | None = None) -> FloatArray:
-        """Banded matrix (15, 4 nodes) of element matrices (n, 4, 4) of each plane, and (n, 8, 8) of both."""
+    def _assembled(self, plane: FloatArray) -> FloatArray:
+        """Banded matrix (15, 4 nodes) of element matrices (n, 4, 4) of each plane."""
         n = self.nodes - 1
         band = np.zeros((2 * WIDTH + 1, 4 * self.nodes))
         for a in range(4):
@@ -135,15 +101,7 @@ class LateralBeam:
                 for p in range(2):
                     r, c = 2 * a + p, 2 * b + p
                     band[WIDTH + r - c, c : c + 4 * n : 4] += plane[:, a, b]
-        if both is not None:
-            self._add(band, both)
         return band
-
-    def _add(self, band: FloatArray, both: FloatArray) -> None:
-        n = self.nodes - 1
-        for r in range(8):
-            for c in range(8):
-                band[WIDTH + r - c, c : c + 4 * n : 4] += both[:, r, c]
 
     def _times(self, U: FloatArray) -> FloatArray:
         """Elastic rows (n+1, 4) of ``U``."""
@@ -158,43 +116,39 @@ class LateralBeam:
         """Lateral places (m, 2) of the contact points [m]."""
         e = self.points.cell
         ends = np.concatenate([U[e].reshape(-1, 2, 2), U[e + 1].reshape(-1, 2, 2)], axis=1)
-        return np.einsum("ma,map->mp", self.points.shape, ends)
+        return self.points.offset + np.einsum("ma,map->mp", self.points.shape, ends)
 
-    def _contact(self, U: FloatArray, friction: float) -> tuple[FloatArray, FloatArray]:
-        """Rows (n+1, 4) and element matrices (n, 8, 8) of the wall."""
-        q = self.points
+    def rows(self, U: FloatArray, friction: float = 0.0) -> tuple[FloatArray, FloatArray]:
+        """Rows (n+1, 4) of the equilibrium and the banded matrix."""
+        q, n, elements = self.points, self.nodes, self.nodes - 1
         x = self.place(U)
         rho = np.hypot(x[:, 0], x[:, 1])
-        force, slope = self.wall(rho - q.clearance)
+        force, slope = self.wall(rho - q.clearance, q.clearance)
         touching = np.flatnonzero(slope > 0)
         x, rho, e, shape = x[touching], rho[touching], q.cell[touching], q.shape[touching]
         on_axis = rho < ON_AXIS  # of a hole without clearance
         x[on_axis], rho[on_axis] = [ON_AXIS, 0.0], ON_AXIS
         N = self.factor * force[touching] * q.length[touching]
         dN = self.factor * slope[touching] * q.length[touching]
-        n = x / rho[:, None]
-        b = np.column_stack([-n[:, 1], n[:, 0]])
-        mu = friction * q.friction[touching]
         N[on_axis] = 0.0
-        f = N[:, None] * (n + mu[:, None] * b)
-        nn, bb = n[:, :, None] * n[:, None, :], b[:, :, None] * b[:, None, :]
-        bn, nb = b[:, :, None] * n[:, None, :], n[:, :, None] * b[:, None, :]
-        mean = np.where(on_axis, dN, N / rho)[:, None, None]
-        A = dN[:, None, None] * nn + mean * bb + mu[:, None, None] * (dN[:, None, None] * bn - mean * nb)
-        local = np.einsum("ma,mp->map", shape, f).reshape(-1, 8)
-        rows = np.zeros((self.nodes, 4))
-        np.add.at(rows, e, local[:, :4])
-        np.add.at(rows, e + 1, local[:, 4:])
-        both = np.zeros((self.nodes - 1, 8, 8))
-        np.add.at(both, e, np.einsum("ma,mb,mpq->mapbq", shape, shape, A).reshape(-1, 8, 8))
-        return rows, both
-
-    def rows(self, U: FloatArray, friction: float = 0.0) -> tuple[FloatArray, FloatArray]:
-        """Rows (n+1, 4) of the equilibrium and the banded matrix."""
-        contact, both = self._contact(U, friction)
-        band = self._band.copy()
-        self._add(band, both)
-        return self._times(U) + contact - self.load, band
+        mean = np.where(on_axis, dN, N / rho)
+        mu = friction * q.friction[touching]
+        out, inward = x.T / rho, np.stack([-x[:, 1], x[:, 0]]) / rho  # directions off the axis and about it
+        band, rows = self._band.copy(), self._times(U) - self.load
+        for p in range(2):
+            f = N * (out[p] + mu * inward[p])
+            for a in range(4):
+                sums = np.bincount(e, shape[:, a] * f, elements)
+                rows[a // 2 : a // 2 + elements, 2 * (a % 2) + p] += sums
+            for r in range(2):
+                K = dN * (out[p] + mu * inward[p]) * out[r] + mean * (inward[p] - mu * out[p]) * inward[r]
+                for a in range(4):
+                    left = shape[:, a] * K
+                    for b in range(4):
+                        i, j = 2 * a + p, 2 * b + r
+                        sums = np.bincount(e, left * shape[:, b], elements)
+                        band[WIDTH + i - j, j : j + 4 * elements : 4] += sums
+        return rows.reshape(n, 4), band
 
     # ---------------------------------------------------------------- steps
     def _hold(self, band: FloatArray, rows: FloatArray) -> None:
@@ -246,9 +200,7 @@ class LateralBeam:
     def soften(self) -> list[float]:
         """Factors of the wall's stiffness, rising to 1."""
         depth = SOFT_SHARE * float(self.clearance.min())
-        softest = self.usual_force / max(
-            float(self.wall(np.full(len(self.points.cell), depth))[0].min()), 1e-300
-        )
+        softest = self.usual_force / max(float(self.wall(np.array([depth]), np.array([depth]))[0][0]), 1e-300)
         count = int(np.ceil(-np.log(softest) / np.log(STIFFENING))) if softest < 1 else 0
         return list(np.geomspace(softest, 1.0, count + 1)) if count else [1.0]
 
@@ -285,6 +237,44 @@ class LateralBeam:
             if since > STALL:
                 break
         return None
+
+
+def element_matrices(
+    length: FloatArray, bending: FloatArray, force: FloatArray, rigid: FloatArray
+) -> FloatArray:
+    """Element matrices (n, 4, 4) of one plane by (u, u') at the upper node and (u, u') at the lower one."""
+    L = length
+    one = np.ones_like(L)
+    bend = (
+        np.stack(
+            [
+                np.stack([12 * one, 6 * L, -12 * one, 6 * L], 1),
+                np.stack([6 * L, 4 * L**2, -6 * L, 2 * L**2], 1),
+                np.stack([-12 * one, -6 * L, 12 * one, -6 * L], 1),
+                np.stack([6 * L, 2 * L**2, -6 * L, 4 * L**2], 1),
+            ],
+            1,
+        )
+        * (bending / L**3)[:, None, None]
+    )
+    tens = (
+        np.stack(
+            [
+                np.stack([36 * one, 3 * L, -36 * one, 3 * L], 1),
+                np.stack([3 * L, 4 * L**2, -3 * L, -(L**2)], 1),
+                np.stack([-36 * one, -3 * L, 36 * one, -3 * L], 1),
+                np.stack([3 * L, -(L**2), -3 * L, 4 * L**2], 1),
+            ],
+            1,
+        )
+        * (force / (30 * L))[:, None, None]
+    )
+    K = bend + tens
+    move = np.broadcast_to(np.eye(4), K.shape).copy()
+    move[:, 0, 1] = rigid
+    K = np.einsum("eba,ebc,ecd->ead", move, K, move)
+    K[:, 1, 1] += force * rigid  # the rigid part leans
+    return K
 
 
 @dataclass(frozen=True)
