@@ -136,7 +136,7 @@ def stable_state(
             return
         raise failure
     # a straight column is a saddle of the energy, on which no force is lateral; a small persistent load is
-    lateral, start = nodal_weight(model) * _item_imperfection(model, fraction), Snapshot(model)
+    lateral, start = nodal_weight(model) * item_imperfection(model, fraction), Snapshot(model)
     for strength in (fraction, STRONGER_LOAD * fraction):
         solver.add_imperfection(strength * lateral)
         report.imperfection = strength
@@ -150,7 +150,7 @@ def stable_state(
             start.restore()
 
 
-def _item_imperfection(model: DrillingModel, fraction: float) -> FloatArray:
+def item_imperfection(model: DrillingModel, fraction: float) -> FloatArray:
     """Compute the factor (n_nodes,) on ``fraction`` of string items with their own imperfection."""
     mesh, factor = model.mesh, np.ones(model.mesh.nodes)
     for e, number in enumerate(mesh.item):

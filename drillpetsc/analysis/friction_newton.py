@@ -17,10 +17,13 @@ from drillpetsc.analysis.energy_descent import (
     stable_state,
     stiffness_steps,
 )
+from drillpetsc.analysis.lateral_start import SPACING, lateral_starts
 from drillpetsc.analysis.march import March
+from drillpetsc.analysis.soft_string_start import place_marched
 from drillpetsc.analysis.static_problem import StaticProblem
 from drillpetsc.errors import SolveError
 
+LATERAL_STEPS = 15  # of Newton's method from a lateral equilibrium, which is close to the state
 STALL_ROUNDS = 6  # rounds of friction without half the change before its substitution ends
 
 
@@ -30,7 +33,9 @@ def reach(problem: StaticProblem, found: March | None) -> float:
     found: the start, None without contact.
     Raises SolveError where no equilibrium is found.
     """
-    reached = None
+    reached = _from_lateral_start(problem)
+    if reached is not None:
+        return reached
     if problem.moves and found is not None:
         reached = _newton_with_friction(problem, found)
     if reached is None:
@@ -38,6 +43,42 @@ def reach(problem: StaticProblem, found: March | None) -> float:
         stable_state(problem.model, problem.solver, state.soft_string, state.equilibrium, load)
         reached = _add_friction(problem) if problem.moves else problem.fraction
     return reached
+
+
+def _from_lateral_start(problem: StaticProblem) -> float | None:
+    """Try Newton's method from the lateral equilibrium of a pushed string; manual: sec-statics-lateral-start.
+
+    Returns the lateral friction fraction reached, or None with the state restored where nothing pushes the string, or no
+    stable equilibrium is found.
+    """
+    model, solver, report, straight = (
+        problem.model,
+        problem.solver,
+        problem.state.equilibrium,
+        problem.straight,
+    )
+    if straight is None or problem.state.motion[0] or not solver.energy:
+        return None
+    before = Snapshot(model)
+    for start in lateral_starts(model, straight, problem.state.motion, problem.fraction > 0):
+        fraction = problem.fraction if start.with_friction else 0.0
+        problem.origin.restore()
+        place_marched(model, start.march)
+        if start.side_loads is not None:
+            solver.add_imperfection(start.side_loads, SPACING)
+            report.imperfection = model.case.initial.imperfection
+        problem.impose(fraction)
+        try:
+            solver.newton_damped(report, solver.start_increment, LATERAL_STEPS)
+        except SolveError:
+            continue
+        finally:
+            problem.set_friction_aside()
+        if not solver.negative_pivots():
+            return fraction
+    before.restore()
+    model.system.assembly.dead_load, report.imperfection = None, 0.0
+    return None
 
 
 def _newton_with_friction(problem: StaticProblem, found: March) -> float | None:
@@ -65,7 +106,10 @@ def _newton_with_friction(problem: StaticProblem, found: March) -> float | None:
             last.restore()
             if reached is not None:
                 problem.impose(reached)
-                solver.newton_damped(report)
+                try:
+                    solver.newton_damped(report)
+                except SolveError:
+                    reached = None
             break
     problem.set_friction_aside()
     if reached is not None and not (solver.energy and solver.negative_pivots()):

@@ -6,16 +6,19 @@ unstrained along the hole, so that mud, pressure, rigid items and loads are cont
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
 from drillpetsc.analysis.placement import top_depth
 from drillpetsc.analysis.resting_shape import Beam, resting_shape
 from drillpetsc.arrays import FloatArray
+from drillpetsc.fem.string_mesh import StringMesh
 from drillpetsc.geometry.frames import directors
 from drillpetsc.model.drilling_model import DrillingModel
 from drillpetsc.model.hole import hole_depth
+from drillpetsc.output.flow_recorder import FlowRecorder
+from drillpetsc.output.static_table import at_nodes
 from drillpetsc.physics.contact import penetration
 
 #: contact force at the top, as a fraction of the load of its node, above which the string is on the wall there
@@ -41,13 +44,17 @@ LEFT_OUT = (
 class March:
     """Result of ``march``, node arrays (n,) unless said otherwise.
 
-    axial_force: (n+1,) tension above node 0, of each element, and below the last node [N].
+    axial_force: (n+1,) EA times the axial strain above node 0, of each element, and below the last node [N].
+    effective_tension: (n-1,) of the elements, which buckles them; the same without mud [N].
     contact_force: on the wall [N]; helical: whether the string coils there.
     torque: (n+1,) as the axial force [N m].
-    position, tangent: (n, 3) of the start [m, -]; twist: spin angle [rad].
+    position, tangent: (n, 3) of the start [m, -]; ratio: of the stretch below a junction to that above [-];
+    twist: spin angle [rad].
     offset: (n, 3) from the axis of the hole [m]; top_on_wall: whether the string lies on the wall at its top.
     top_motion: distance that the top is moved down [m].
     usual_contact_force: force per length that nine tenths of the nodes do not exceed [N/m].
+    measured_depth: of the nodes at the start [m]; direction: (n, 3) of the hole there [-].
+    side_load: (n, 3) across the hole, of weight, flow and tension in its curvature [N]; load_across: without the last.
     locked_at: measured depth in the hole below which no push passes, None: it passes; locked_node: its node.
     """
 
@@ -57,6 +64,7 @@ class March:
     torque: FloatArray
     position: FloatArray
     tangent: FloatArray
+    ratio: FloatArray
     twist: FloatArray
     offset: FloatArray
     top_on_wall: bool
@@ -64,6 +72,11 @@ class March:
     locked_at: float | None = None
     locked_node: int = 0
     usual_contact_force: float = 0.0
+    side_load: FloatArray = field(default_factory=lambda: np.zeros((0, 3)))
+    load_across: FloatArray = field(default_factory=lambda: np.zeros((0, 3)))
+    measured_depth: FloatArray = field(default_factory=lambda: np.zeros(0))
+    direction: FloatArray = field(default_factory=lambda: np.zeros((0, 3)))
+    effective_tension: FloatArray = field(default_factory=lambda: np.zeros(0))
 
 
 def nodal_loads(model: DrillingModel) -> tuple[FloatArray, FloatArray]:
@@ -93,6 +106,22 @@ def nodal_loads(model: DrillingModel) -> tuple[FloatArray, FloatArray]:
     return force, torque
 
 
+def pressure_tension(model: DrillingModel) -> FloatArray:
+    """Effective tension less EA times the axial strain (n-1,) of the elements [N]; zeros without mud.
+
+    Collective; the same on all ranks.  Manual: eq-mud-effective-tension.
+    """
+    system = model.system
+    if model.fluid is None:
+        return np.zeros(model.mesh.nodes - 1)
+    mud = FlowRecorder(system, model.fluid)
+    whole = system.gather((mud.wall_tension() + mud.pressure_force()).mean(axis=1, keepdims=True), "cell")
+    if system.comm.size > 1:
+        whole = system.comm.tompi4py().bcast(whole)
+    assert whole is not None
+    return np.asarray(whole[:, 0])
+
+
 class _Column:
     """Values of the nodes that the march uses, as lists, and the march itself."""
 
@@ -105,20 +134,20 @@ class _Column:
         tension, contact, helical, locked = np.empty(n + 1), np.empty(n), np.zeros(n, dtype=bool), None
         tension[n] = below = bottom
         for i in range(n - 1, -1, -1):
-            load, drag, kk, kw, ww, length, bending, clearance, vertical, crushing = self.rows[i]
+            load, drag, kk, kw, ww, length, bending, clearance, vertical, crushing, wet = self.rows[i]
             above, total, coils = below + load, 0.0, False
             for _ in range(3):
                 mean = 0.5 * (below + above)
                 side = max(kk * mean * mean + 2 * kw * mean + ww, 0.0) ** 0.5
-                push, coil = -mean, 0.0
+                push, coil = -mean - wet, 0.0
                 if push > 0 and length > 0 and clearance > 0:
                     critical = HELIX_FACTOR * (bending * side / length / clearance) ** 0.5
                     if push > max(critical, vertical):
                         coil = clearance * push * push / (4 * bending) * length
                 total, coils = max(side, coil), coil > 0
                 above = below + load - drag * total
-            if above < -crushing:
-                locked, above = (i if locked is None else locked), -crushing
+            if above + wet < -crushing:
+                locked, above = (i if locked is None else locked), -crushing - wet
             helical[i], contact[i], tension[i] = coils, total, above
             below = above
         return tension, contact, helical, locked
@@ -155,6 +184,7 @@ def march(
     drag, around = friction_factors(model, motion)
     weight = np.linalg.norm(force, axis=1) / np.maximum(half, 1e-9)
     axial = np.where(mesh.is_joint, mesh.axial_stiffness[~mesh.is_joint].max(), mesh.axial_stiffness)
+    wet = pressure_tension(model)
     column = _Column(
         along,
         drag,
@@ -166,6 +196,7 @@ def march(
         np.maximum(clearance, 1e-3) if coils else np.zeros(n),
         VERTICAL_FACTOR * np.cbrt(bending * weight**2),
         CRUSHING_STRAIN * np.append(axial, axial[-1]),
+        at_nodes(wet, wet),
     )
     wob = (case.initial.wob or 0.0) if wob is None else wob
     bottom, on_bottom = -wob, 0.0
@@ -180,7 +211,7 @@ def march(
     torque = np.append(np.cumsum(steps[::-1])[::-1], 0.0) + rock
     inner = tension[1:-1]
     coils = helical[:-1] & helical[1:] & ~mesh.is_joint
-    pitch = np.where(coils, np.sqrt(np.maximum(-inner, 0.0) / (2 * bending[:-1])), 0.0)
+    pitch = np.where(coils, np.sqrt(np.maximum(-inner - wet, 0.0) / (2 * bending[:-1])), 0.0)
     pitch = np.minimum(pitch, MAX_ROTATION / np.maximum(mesh.length, 1e-9))
     gap = 0.5 * (clearance[:-1] + clearance[1:])
     with np.errstate(divide="ignore", invalid="ignore"):
@@ -198,17 +229,20 @@ def march(
     )
     top_motion = start
     if model.bit is not None and case.initial.wob is not None:
-        top_motion = hole_depth(case) - (mesh.total_length + stretch[-1])
+        top_motion = hole_depth(case) - (mesh.total_length + stretch[-1]) + model.bit.depth_for(wob)
     elif on_bottom < -1.0 and model.bit is not None:
         top_motion = hole_depth(case) - (mesh.total_length + stretch[-1]) + model.bit.depth_for(-on_bottom)
-    position, tangent, offset = _place(model, depth + stretch + top_motion - start, shape, strain)
+    measured_depth = depth + stretch + top_motion - start
+    position, tangent, offset, direction = _place(model, measured_depth, shape)
+    strain_above, strain_below = _nodal_strains(mesh, strain)
     return March(
         axial_force=tension,
         contact_force=contact,
         helical=helical,
         torque=torque,
         position=position,
-        tangent=tangent,
+        tangent=(1 + strain_above)[:, None] * tangent,
+        ratio=(1 + strain_below) / (1 + strain_above),
         twist=-np.concatenate([[0.0], np.cumsum(twist)]),
         offset=offset,
         top_on_wall=on_wall,
@@ -216,18 +250,28 @@ def march(
         usual_contact_force=float(np.quantile(per_length, 0.9)),
         locked_at=None if locked is None else float(depth[locked]),
         locked_node=locked or 0,
+        side_load=load,
+        load_across=across,
+        measured_depth=measured_depth,
+        direction=direction,
+        effective_tension=inner + wet,
     )
 
 
-def friction_factors(model: DrillingModel, motion: tuple[float, float]) -> tuple[FloatArray, FloatArray]:
+def friction_factors(
+    model: DrillingModel, motion: tuple[float, float], depth: FloatArray | None = None
+) -> tuple[FloatArray, FloatArray]:
     """Compute axial friction and friction torque over the contact force, (n,) each [-, m], against ``motion``.
+
+    depth: (n,) measured depth of the nodes in the hole [m]; None: unstrained.
 
     As in torque_drag: the slip direction has the axial speed and the speed of the circumference.
     """
     mesh, well = model.mesh, model.well
     assert well is not None
     radius = _radius(model)
-    mu = np.asarray(well.friction(mesh.node_depth + top_depth(model))).copy()
+    at = mesh.node_depth + top_depth(model) if depth is None else depth
+    mu = np.asarray(well.friction(at)).copy()
     own = np.append(mesh.friction, mesh.friction[-1])
     mu = np.where(np.isnan(own), mu, own)
     speed = np.hypot(motion[0], motion[1] * radius)
@@ -271,6 +315,30 @@ def _eased(values: FloatArray, s: FloatArray) -> FloatArray:
     out = np.column_stack([np.interp(s + width, s, c) - np.interp(s - width, s, c) for c in total.T])
     wide = width > 1e-9
     return np.where(wide[:, None], out / np.where(wide, 2 * width, 1.0)[:, None], values)
+
+
+def _nodal_strains(mesh: StringMesh, strain: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Axial strain above and below each node, (n,) each, from that in the middle of the elements (n-1,).
+
+    It is linear along a pipe; it jumps at junctions and joints.
+    """
+    L, elements = mesh.length, len(strain)
+    whole = ~mesh.is_joint
+    inner = np.zeros(mesh.nodes, dtype=bool)
+    inner[1:-1] = whole[1:] & whole[:-1]
+    if len(mesh.junction):
+        inner &= ~mesh.junction
+    at = np.zeros(mesh.nodes)
+    both = np.flatnonzero(inner)
+    at[both] = (strain[both - 1] * L[both] + strain[both] * L[both - 1]) / (L[both - 1] + L[both])
+    upper, lower = at[:-1].copy(), at[1:].copy()
+    ends = ~inner[:-1], ~inner[1:]
+    upper[ends[0]] = np.where(ends[1], strain, 2 * strain - lower)[ends[0]]
+    lower[ends[1]] = np.where(ends[0], strain, 2 * strain - at[:-1])[ends[1]]
+    above, below = np.append(upper[0], lower), np.append(upper, lower[-1])
+    joint = np.flatnonzero(mesh.is_joint)
+    below[joint], above[joint + 1] = above[joint], below[np.minimum(joint + 1, elements)]
+    return above, below
 
 
 def _shape(
@@ -336,16 +404,15 @@ def _directors(model: DrillingModel, s: FloatArray) -> tuple[FloatArray, FloatAr
 
 
 def _place(
-    model: DrillingModel, s: FloatArray, shape: FloatArray, strain: FloatArray
-) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Positions, slopes and offsets from the axis, (n, 3) each, of nodes at the depths ``s`` (n,) [m].
+    model: DrillingModel, s: FloatArray, shape: FloatArray
+) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
+    """Positions, unit tangents, offsets from the axis and tangents of the hole, (n, 3) each, of nodes at depths ``s`` (n,) [m].
 
-    shape: as of ``_shape``; strain: (n-1,) [-].
+    shape: as of ``_shape``.
     """
     assert model.well is not None
     t, second, third = _directors(model, s)
     offset = shape[:, :1] * second + shape[:, 1:2] * third
     tangent = t + shape[:, 2:3] * second + shape[:, 3:] * third
     tangent /= np.linalg.norm(tangent, axis=1, keepdims=True)
-    strain = np.concatenate([strain[:1], strain])
-    return np.asarray(model.well.at(s)[0]) + offset, (1 + strain)[:, None] * tangent, offset
+    return np.asarray(model.well.at(s)[0]) + offset, tangent, offset, t

@@ -68,6 +68,8 @@ def place_marched(model: DrillingModel, found: March) -> None:
     system.set_field("string.position", found.position)
     system.set_field("string.tangent", found.tangent)
     system.set_field("string.spin", found.twist[:, None])
+    if "string.ratio" in system.layout.dofs:
+        system.set_field("string.ratio", found.ratio[:, None])
 
 
 def _force_below(model: DrillingModel, g: float) -> float:

@@ -465,15 +465,17 @@ class StaticNewton:
             self.minimise_energy(report)
         return report
 
-    def newton_free(self, report: Equilibrium, tolerance: float = CONVERGED_INCREMENT) -> None:
+    def newton_free(
+        self, report: Equilibrium, tolerance: float = CONVERGED_INCREMENT, most: int = MAX_FULL_STEPS
+    ) -> None:
         """Take full Newton steps, the fastest method where it converges; collective.
 
-        tolerance: largest increment of a converged state, in the fields' scales.
+        tolerance: largest increment of a converged state, in the fields' scales; most: number of steps.
 
         Raises SolveError where the steps do not converge to a stable state.
         """
         self._begin(report)
-        self._newton(False, report, self._walled, MAX_FULL_STEPS, tolerance)
+        self._newton(False, report, self._walled, most, tolerance)
         self._end(report)
         self.check_stable()
 
@@ -514,10 +516,12 @@ class StaticNewton:
             float(np.max(np.abs(self._gradient(self.rows())[self._owned]), initial=0.0))
         )
 
-    def newton_damped(self, report: Equilibrium, tolerance: float = CONVERGED_INCREMENT) -> None:
+    def newton_damped(
+        self, report: Equilibrium, tolerance: float = CONVERGED_INCREMENT, most: int = MAX_FULL_STEPS
+    ) -> None:
         """Take full Newton steps without a stability count, for loads without an energy (friction).
 
-        tolerance: largest increment of a converged state, in the fields' scales.
+        tolerance: largest increment of a converged state, in the fields' scales; most: number of steps.
 
         Collective.
 
@@ -525,7 +529,7 @@ class StaticNewton:
         """
         energy, self.energy = self.energy, False
         try:
-            self.newton_free(report, tolerance)
+            self.newton_free(report, tolerance, most)
         finally:
             self.energy = energy
 
@@ -539,9 +543,9 @@ class StaticNewton:
         self._stiffness()
         return self._factor(0.0)
 
-    def add_imperfection(self, size: FloatArray) -> None:
+    def add_imperfection(self, size: FloatArray, spacing: float | None = None) -> None:
         """Add persistent random lateral loads, see ``lateral_loads``, as the assembly's dead load."""
-        self.system.assembly.dead_load = lateral_loads(self.system, size)
+        self.system.assembly.dead_load = lateral_loads(self.system, size, spacing=spacing)
 
 
 def sum_of(system: DiscreteSystem, value: float) -> float:
@@ -593,6 +597,19 @@ def diagonal_blocks(system: DiscreteSystem, fields: tuple[str, ...]) -> list[tup
     return out
 
 
+def lateral_shares(depth: FloatArray, seed: int = 1, spacing: float | None = None) -> FloatArray:
+    """Random numbers (n, 2) of standard deviation 1 along directors 2 and 3, of nodes at ``depth`` (n,) [m].
+
+    seed, spacing: see ``lateral_loads``.
+    """
+    random = np.random.default_rng(seed)
+    if spacing is None:
+        return random.standard_normal((len(depth), 2))
+    knots = np.arange(np.ceil(depth[-1] / spacing) + 1) * spacing
+    values = random.standard_normal((len(knots), 2))
+    return np.column_stack([np.interp(depth, knots, v) for v in values.T])
+
+
 def lateral_loads(
     system: DiscreteSystem, size: FloatArray, seed: int = 1, spacing: float | None = None
 ) -> FloatArray:
@@ -602,14 +619,7 @@ def lateral_loads(
     spacing: distance [m] between independent random numbers along the string, with linear interpolation, so that all
     meshes have the same load per length; None: the nodes are independent.
     """
-    random, depth = np.random.default_rng(seed), system.mesh.node_depth
-    if spacing is None:
-        share = random.standard_normal((system.mesh.nodes, 2))
-    else:
-        knots = np.arange(np.ceil(depth[-1] / spacing) + 1) * spacing
-        values = random.standard_normal((len(knots), 2))
-        share = np.column_stack([np.interp(depth, knots, v) for v in values.T])
-    loads = size[:, None] * share
+    loads = size[:, None] * lateral_shares(system.mesh.node_depth, seed, spacing)
     t, second = system.frames.reference, system.frames.second_director
     force = loads[:, :1] * second + loads[:, 1:] * np.cross(t, second)
     out = np.zeros(system.layout.size)

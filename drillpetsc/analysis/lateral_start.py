@@ -1,0 +1,389 @@
+"""Start of statics where the march finds a push that buckles the string: its lateral equilibrium under that push.
+
+Manual: sec-statics-buckled-start.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from drillpetsc.analysis.energy_descent import item_imperfection, nodal_weight
+from drillpetsc.analysis.march import March, friction_factors
+from drillpetsc.arrays import FloatArray
+from drillpetsc.fem.quadrature import exposed_ends, rule
+from drillpetsc.geometry.frames import directors
+from drillpetsc.model.drilling_model import DrillingModel
+from drillpetsc.output.static_table import at_nodes
+from drillpetsc.physics.contact import ONSET
+from drillpetsc.solvers.lateral_beam import ContactPoints, LateralBeam, element_matrices, lateral_state
+from drillpetsc.solvers.static_newton import lateral_shares
+
+SPACING = 3.0  # of independent side loads, the same on all meshes [m]
+LYING_SHARE = 0.01  # of the push: a side load on the string above the buckle that holds it on the wall
+GROWTH, LONGEST = 1.3, 60.0  # of the elements above the buckle: ratio of neighbours, length [m]
+MARGIN = 6.0  # of (EI/w)^(1/3) above the uppermost push, over which a buckle dies out
+
+
+@dataclass(frozen=True)
+class LateralStart:
+    """A start of statics.
+
+    march: with the places of the lateral equilibrium; with_friction: it contains the friction across the pipe.
+    side_loads: standard deviation (n_nodes,) of the loads that lead the string off a saddle, and stay [N]; None: it does
+    not buckle.
+    """
+
+    march: March
+    with_friction: bool
+    side_loads: FloatArray | None
+
+
+def lateral_starts(
+    model: DrillingModel, found: March, motion: tuple[float, float], lateral: bool
+) -> list[LateralStart]:
+    """Find starts of a pushed string under the tension of the march ``found``, which does not coil.
+
+    motion: axial velocity [m/s, down positive] and rotation [rad/s] that friction opposes.
+    lateral: friction across the pipe is asked for.
+    Returns the starts in the order in which they are tried; none where nothing pushes the string, or where no stable state
+    is found.  The same on all ranks.
+    """
+    mesh, fraction = model.mesh, model.case.initial.imperfection
+    buckling = _first_node(model, found)
+    if model.contact is None or model.contact.law.law == "hertz_point" or not fraction or buckling is None:
+        return []
+    if mesh.is_joint.any():
+        return []
+    t = found.direction
+    second, third = directors(model.frames, np.arange(mesh.nodes), t, np.zeros(mesh.nodes))
+    parts = _Parts(model, found, buckling)
+    load = np.zeros((mesh.nodes, 4))
+    load[:, 0] = np.sum(found.load_across * second, axis=1)
+    load[:, 1] = np.sum(found.load_across * third, axis=1)
+    _add_curvature(model, found, t, second, third, load)
+    points = parts.contact_points(motion, found.position - found.offset, t, second, third)
+    held = np.zeros((len(parts.nodes), 4), dtype=bool)
+    held[0] = True
+    bending, force = (parts.mean(q) for q in (mesh.bending_stiffness, found.effective_tension))
+    beam = LateralBeam(
+        parts.length,
+        bending,
+        force,
+        parts.rigid,
+        parts.gathered(load),
+        points,
+        _wall(model),
+        held,
+        _clearance(model, found)[parts.nodes],
+    )
+    start = np.zeros(held.shape)
+    start[:, 0], start[:, 1] = (np.sum(found.offset * e, axis=1)[parts.nodes] for e in (second, third))
+    disturbance = np.zeros((mesh.nodes, 4))
+    loads = _side_loads(model, found)
+    disturbance[:, :2] = loads[:, None] * lateral_shares(mesh.node_depth, spacing=SPACING)
+    if found.top_on_wall:
+        held[0, :2] = False  # its place is part of the equilibrium
+    elif model.top is not None and parts.nodes[0] == 0:
+        start[0] = 0.0
+    turns = bool(motion[1])
+    state = lateral_state(beam, start, parts.gathered(disturbance), friction=lateral and turns)
+    if state is None:
+        return []
+    out = []
+    for U, with_friction in ((state.with_friction, True), (state.alone, not (turns and lateral))):
+        # a string that lies on the wall climbs it when it turns; only a buckled one may have no equilibrium
+        if U is not None and (with_friction or state.disturbed):
+            placed = _placed(model, found, t, (second, third), parts.nodes[0], *parts.spread(U))
+            out.append(LateralStart(placed, with_friction, loads if state.disturbed else None))
+    return out
+
+
+class _Parts:
+    """Elements of the lateral problem: those of the model from node ``buckling`` on, longer ones above it.
+
+    Above it they reach up to where the string lies on the wall, or to its top: a string that hangs free passes a side
+    force over kilometres.
+    """
+
+    def __init__(self, model: DrillingModel, found: March, buckling: int):
+        mesh, depth = model.mesh, model.mesh.node_depth
+        self.model, self.md = model, found.measured_depth
+        lying = np.cumsum(np.linalg.norm(found.side_load, axis=1)[:buckling][::-1])
+        share = LYING_SHARE * float(-found.effective_tension.min())
+        if len(lying) and lying[-1] > share:
+            self._number(np.arange(mesh.nodes))
+            return
+        first = 0
+        nodes, length = [buckling], float(mesh.length[min(buckling, len(mesh.length) - 1)])
+        marks = {b.node for b in mesh.bodies}
+        while nodes[-1] > first:
+            length = min(GROWTH * length, LONGEST)
+            k = nodes[-1] - 1
+            while k > first and depth[nodes[-1]] - depth[k - 1] <= length and k not in marks:
+                k -= 1
+            nodes.append(k)
+        self._number(np.concatenate([np.array(nodes[::-1], dtype=int), np.arange(buckling + 1, mesh.nodes)]))
+
+    def _number(self, nodes: np.ndarray) -> None:
+        mesh, depth = self.model.mesh, self.model.mesh.node_depth
+        self.nodes = nodes
+        self.rigid = np.array(
+            [mesh.rigid_above[a:b].sum() for a, b in zip(self.nodes[:-1], self.nodes[1:], strict=True)]
+        )
+        self.length = np.diff(depth[self.nodes]) - self.rigid
+
+    def mean(self, values: FloatArray) -> FloatArray:
+        """Means (n,) over the length of the elements of the model's elements (m,)."""
+        h = self.model.mesh.length
+        return np.add.reduceat(values * h, self.nodes[:-1])[:] / np.add.reduceat(h, self.nodes[:-1])
+
+    def _shape(self, cell: np.ndarray, depth: FloatArray) -> FloatArray:
+        """Factors (m, 4) of the displacements and slopes at the ends of elements ``cell`` (m,), at ``depth`` (m,) [m]."""
+        L = self.length[cell]
+        x = 1 - (self.model.mesh.node_depth[self.nodes[cell + 1]] - depth) / L
+        N = np.column_stack(
+            [1 - 3 * x**2 + 2 * x**3, L * (x - 2 * x**2 + x**3), 3 * x**2 - 2 * x**3, L * (x**3 - x**2)]
+        )
+        N[:, 1] += N[:, 0] * self.rigid[cell]
+        return N
+
+    def _cells(self) -> tuple[np.ndarray, FloatArray]:
+        """Element (m,) of each node of the model from the first on, and its factors (m, 4)."""
+        node = np.arange(self.nodes[0], self.model.mesh.nodes)
+        cell = np.clip(np.searchsorted(self.nodes, node, side="right") - 1, 0, len(self.length) - 1)
+        N = self._shape(cell, self.model.mesh.node_depth[node])
+        same = self.nodes[cell] == node
+        N[same] = [1.0, 0.0, 0.0, 0.0]
+        return cell, N
+
+    def gathered(self, load: FloatArray) -> FloatArray:
+        """Loads (n+1, 4) on the elements' ends that do the work of those of the model's nodes (n_nodes, 4).
+
+        Moments between the ends are left out.
+        """
+        cell, N = self._cells()
+        own = load[self.nodes[0] :]
+        out = np.zeros((len(self.nodes), 4))
+        for p in range(2):
+            np.add.at(out[:, p], cell, N[:, 0] * own[:, p])
+            np.add.at(out[:, 2 + p], cell, N[:, 1] * own[:, p])
+            np.add.at(out[:, p], cell + 1, N[:, 2] * own[:, p])
+            np.add.at(out[:, 2 + p], cell + 1, N[:, 3] * own[:, p])
+        out[:, 2:] += load[self.nodes, 2:]
+        return out
+
+    def spread(self, U: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Displacements and slopes (n_nodes, 2) each of the model's nodes; 0 above the first."""
+        cell, N = self._cells()
+        first, nodes = self.nodes[0], self.model.mesh.nodes
+        across, slope = np.zeros((nodes, 2)), np.zeros((nodes, 2))
+        across[first:] = (
+            N[:, :1] * U[cell, :2]
+            + N[:, 1:2] * U[cell, 2:]
+            + N[:, 2:3] * U[cell + 1, :2]
+            + N[:, 3:] * U[cell + 1, 2:]
+        )
+        L = self.length[cell]
+        x = 1 - (self.model.mesh.node_depth[self.nodes[cell + 1]] - self.model.mesh.node_depth[first:]) / L
+        a = U[cell, :2] + self.rigid[cell][:, None] * U[cell, 2:]
+        slope[first:] = (
+            (6 * x * (1 - x) / L)[:, None] * (U[cell + 1, :2] - a)
+            + ((1 - x) * (1 - 3 * x))[:, None] * U[cell, 2:]
+            - (x * (2 - 3 * x))[:, None] * U[cell + 1, 2:]
+        )
+        across[self.nodes], slope[self.nodes] = U[:, :2], U[:, 2:]
+        return across, slope
+
+    def contact_points(
+        self,
+        motion: tuple[float, float],
+        centre: FloatArray,
+        t: FloatArray,
+        second: FloatArray,
+        third: FloatArray,
+    ) -> ContactPoints:
+        """The points of the model's own quadrature where the string may touch the wall.
+
+        centre, t, second, third: (n_nodes, 3) axis of the hole at the nodes, its tangent and the directors.
+        """
+        model = self.model
+        mesh, well = model.mesh, model.well
+        assert well is not None and model.contact is not None
+        law, md = model.contact.law, self.md
+        upper, lower = exposed_ends(mesh, model.contact.free_top)
+        upper, lower = upper[self.nodes[:-1]], lower[self.nodes[1:] - 1]
+        radius = 0.5 * np.append(mesh.contact_diameter, mesh.contact_diameter[-1])
+        drag = friction_factors(model, motion, md)[1] / np.maximum(radius, 1e-6)
+
+        def across(d: FloatArray, node: np.ndarray) -> FloatArray:
+            return np.column_stack([np.sum(d * e[node], axis=1) for e in (second, third)])
+
+        columns: list[tuple] = []
+        for ends in ((False, False), (False, True), (True, False), (True, True)):
+            e = np.flatnonzero((upper == ends[0]) & (lower == ends[1]) & (radius[self.nodes[:-1]] > 0))
+            for x, weight in rule(law.points, *ends) if len(e) else ():
+                depth = mesh.node_depth[self.nodes[e + 1]] - (1 - x) * self.length[e]
+                below, L = md[self.nodes[e + 1]], np.diff(md[self.nodes])[e] - self.rigid[e]
+                at = below - (1 - x) * L
+                gap = np.maximum(np.asarray(well.radius(at)) - radius[self.nodes[e]], 0.0)
+                # an element does not follow the hole where its curvature changes
+                a, b = self.nodes[e], self.nodes[e + 1]
+                ends_at = (
+                    (1 + 2 * x) * (1 - x) ** 2 * (centre[a] + self.rigid[e][:, None] * t[a])
+                    + x**2 * (3 - 2 * x) * centre[b]
+                    + L[:, None] * (x * (1 - x) ** 2 * t[a] - x**2 * (1 - x) * t[b])
+                )
+                off = across(ends_at - np.asarray(well.at(at)[0]), a)
+                columns.append((e, self._shape(e, depth), gap, weight * self.length[e], drag[a], off))
+        for b in mesh.bodies:
+            if b.radius <= 0 or b.node < self.nodes[0]:
+                continue
+            last = b.node == mesh.nodes - 1
+            span = b.contact_length or 2 * b.radius
+            cell = np.searchsorted(self.nodes, [b.node]) - last
+            for x, weight in rule(law.points, True, True):
+                y = b.contact_above + x * b.contact_length
+                factors = np.array([[0.0, 0.0, 1.0, y] if last else [1.0, y, 0.0, 0.0]])
+                node = np.array([b.node])
+                gap = np.maximum(np.asarray(well.radius(md[node] + y)) - b.radius, 0.0)
+                off = across(centre[node] + y * t[node] - np.asarray(well.at(md[node] + y)[0]), node)
+                columns.append((cell, factors, gap, np.array([weight * span]), drag[node], off))
+        return ContactPoints(*(np.concatenate(q) for q in zip(*columns, strict=True)))
+
+
+def _side_loads(model: DrillingModel, found: March) -> FloatArray:
+    """Standard deviation (n_nodes,) of the side loads [N] that lead a straight string off its saddle.
+
+    Only where the string is pushed: kilometres of pipe in tension would lie down on the wall under them.
+    """
+    fraction = model.case.initial.imperfection
+    tension = at_nodes(found.effective_tension, found.effective_tension)
+    pushed = tension < 0
+    return np.where(pushed, fraction * item_imperfection(model, fraction) * nodal_weight(model), 0.0)
+
+
+def _first_node(model: DrillingModel, found: March) -> int | None:
+    """The node from which on the string may be buckled: some lengths above the uppermost push; None without a push."""
+    mesh = model.mesh
+    push = found.effective_tension < 0
+    if not push.any():
+        return None
+    top = int(np.argmax(push))
+    weight = nodal_weight(model).sum() / mesh.total_length
+    reach = MARGIN * float(np.cbrt(mesh.bending_stiffness[~mesh.is_joint].max() / max(weight, 1e-3)))
+    return int(np.searchsorted(mesh.node_depth, mesh.node_depth[top] - reach))
+
+
+def _clearance(model: DrillingModel, found: March) -> FloatArray:
+    """Radial clearance (n_nodes,) [m] of the thinner pipe at each node, not below zero."""
+    mesh, well = model.mesh, model.well
+    assert well is not None
+    pipe = mesh.contact_diameter
+    thin = np.append(pipe, pipe[-1])
+    thin[1:-1] = np.minimum(pipe[1:], pipe[:-1])
+    return np.maximum(np.asarray(well.radius(found.measured_depth)) - 0.5 * thin, 0.0)
+
+
+def _add_curvature(
+    model: DrillingModel,
+    found: March,
+    t: FloatArray,
+    second: FloatArray,
+    third: FloatArray,
+    load: FloatArray,
+) -> None:
+    """Add to ``load`` the rows of a string on the axis of the bent hole, under tension, with its stress-free curvature."""
+    mesh = model.mesh
+    centre, L = found.position - found.offset, mesh.length
+    own = np.zeros((len(L), 3))
+    if np.any(mesh.curvature):
+        two, three = directors(model.frames, np.arange(mesh.nodes), t, found.twist)
+        own = mesh.curvature[:, 1:] * two[:-1] - mesh.curvature[:, :1] * three[:-1]
+    bending, tension = mesh.bending_stiffness, found.axial_force[1:-1]
+    K = element_matrices(L, bending, tension, np.zeros_like(L))
+    chord = centre[1:] - centre[:-1] - mesh.rigid_above[:, None] * t[:-1]
+    pull = tension[:, None] * chord / np.linalg.norm(chord, axis=1, keepdims=True)
+    for p, e in ((0, second), (1, third)):
+        load[:-1, p] += np.sum(pull * e[:-1], axis=1)
+        load[1:, p] -= np.sum(pull * e[1:], axis=1)
+        e = 0.5 * (e[1:] + e[:-1])
+        e -= chord * (np.sum(e * chord, axis=1) / np.sum(chord * chord, axis=1))[:, None]
+        hole = np.zeros((len(L), 4))  # the displacements and slopes of the hole itself, from the chord
+        hole[:, 1], hole[:, 3] = np.sum(t[:-1] * e, axis=1), np.sum(t[1:] * e, axis=1)
+        rows = -np.einsum("eab,eb->ea", K, hole)
+        moment = bending * np.sum(own * e, axis=1)
+        rows[:, 1] -= moment
+        rows[:, 3] += moment
+        rows[:, 1] += mesh.rigid_above * rows[:, 0]
+        for k, (node, place) in enumerate(((0, p), (0, 2 + p), (1, p), (1, 2 + p))):
+            load[node : node + len(L), place] += rows[:, k]
+
+
+def _wall(model: DrillingModel) -> Callable[[FloatArray, FloatArray], tuple[FloatArray, FloatArray]]:
+    """Contact force per length [N/m] by depth and clearance [m], and its derivative, as in the model."""
+    assert model.contact is not None
+    law = model.contact.law
+    power = 1.0 if law.law == "linear" else 1.5
+
+    def wall(depth: FloatArray, clearance: FloatArray) -> tuple[FloatArray, FloatArray]:
+        loose = clearance > 0
+        d = np.maximum(depth, -ONSET)
+        eased = np.abs(d) < ONSET
+        d, slope = (
+            np.where(eased & loose, (d + ONSET) ** 2 / (4 * ONSET), d),
+            np.where(eased, (d + ONSET) / (2 * ONSET), 1.0),
+        )
+        d, slope = np.maximum(d, 0.0), np.where(loose, np.where(depth <= -ONSET, 0.0, slope), 1.0)
+        return law.stiffness * d**power, law.stiffness * power * d ** (power - 1) * slope
+
+    return wall
+
+
+def _placed(
+    model: DrillingModel,
+    found: March,
+    t: FloatArray,
+    frame: tuple[FloatArray, FloatArray],
+    first: int,
+    across: FloatArray,
+    slope: FloatArray,
+) -> March:
+    """``found`` with the lateral displacement (n, 2) and slope (n, 2) of the nodes from ``first`` on."""
+    case, frames = model.case, np.stack(frame, axis=1)  # (n, 2, 3)
+    unit = found.tangent / np.linalg.norm(found.tangent, axis=1, keepdims=True)
+    unit /= np.sum(unit * t, axis=1, keepdims=True)
+    before = _in_frame(frames, found.offset), _in_frame(frames, unit)
+    after = before[0].copy(), before[1].copy()
+    after[0][first:], after[1][first:] = across[first:], slope[first:]
+    short = _shortening(model, t, frames, *after) - _shortening(model, t, frames, *before)
+    offset, lean = (np.einsum("npi,np->ni", frames, q) for q in after)
+    tangent = t + lean
+    tangent *= (np.linalg.norm(found.tangent, axis=1) / np.linalg.norm(tangent, axis=1))[:, None]
+    down = short[-1] if model.bit is not None and case.initial.wob is not None else 0.0
+    position = found.position - found.offset + offset + (down - short)[:, None] * t
+    return replace(
+        found, position=position, tangent=tangent, offset=offset, top_motion=found.top_motion + down
+    )
+
+
+def _in_frame(frames: FloatArray, vectors: FloatArray) -> FloatArray:
+    """Components (n, 2) of ``vectors`` (n, 3) along ``frames`` (n, 2, 3)."""
+    return np.einsum("npi,ni->np", frames, vectors)
+
+
+def _shortening(
+    model: DrillingModel, t: FloatArray, frames: FloatArray, across: FloatArray, slope: FloatArray
+) -> FloatArray:
+    """Distance (n,) [m] by which offsets and slopes (n, 2) from the axis of the hole draw the nodes up.
+
+    The mean square of the slope in each element, by Simpson's rule, less the offset towards the inside of a bend.
+    """
+    L = model.mesh.length_divisor[:, None]
+    middle = 1.5 * np.diff(across, axis=0) / L - 0.25 * (slope[1:] + slope[:-1])
+    square = np.sum(slope[:-1] ** 2 + 4 * middle**2 + slope[1:] ** 2, axis=1) / 6
+    bend = np.einsum("epi,ei->ep", 0.5 * (frames[1:] + frames[:-1]), np.diff(t, axis=0) / L)
+    inside = np.sum(bend * 0.5 * (across[1:] + across[:-1]), axis=1)
+    return np.concatenate([[0.0], np.cumsum((0.5 * square - inside) * model.mesh.length)])
