@@ -85,7 +85,7 @@ def test_flow_is_the_same_on_1_2_and_3_ranks(kind, runs):
                 ), column
         assert summary["steps"] == summaries[0]["steps"]
         assert abs(summary["newton_iterations"] - summaries[0]["newton_iterations"]) <= (
-            6 if kind in ("drilling", "moving") else 0
+            10 if kind in ("drilling", "moving") else 0  # of 630: sums in another order
         )
         for figure in ("pumped", "returned", "content_change"):
             assert summary["mass"][figure] == pytest.approx(summaries[0]["mass"][figure], rel=1e-9)
