@@ -162,7 +162,7 @@ def test_factorisations_of_pushed_strings(inclination, wob, element, mud, bore, 
 def test_march_knows_effective_tension_junctions_and_the_bit():
     """Rows of the marched start of a vertical string in mud: everywhere small beside the weight on bit.
 
-    In 0.1.0 the bit did not touch (its weight was missing), and the strain of the pipe reached into the collars (100 kN across the junction). The effective
+    Before, the bit did not touch (its weight was missing), and the strain of the pipe reached into the collars (100 kN across the junction). The effective
     tension above the bit is the weight on bit, less half an element's weight."""
     model = build_model(deep(0.0, 40e3, 10.0, mud=True))
     place_along_hole(model, top_depth(model))
