@@ -24,6 +24,7 @@ from drillpetsc.analysis.static_problem import StaticProblem
 from drillpetsc.errors import SolveError
 
 LATERAL_STEPS = 15  # of Newton's method from a lateral equilibrium, which is close to the state
+NEAR_STEPS, NEAR_INCREMENT = 6, 10.0  # of its first steps, and the increment that they reach from there
 STALL_ROUNDS = 6  # rounds of friction without half the change before its substitution ends
 
 
@@ -69,6 +70,7 @@ def _from_lateral_start(problem: StaticProblem) -> float | None:
             report.imperfection = model.case.initial.imperfection
         problem.impose(fraction)
         try:
+            solver.newton_damped(report, NEAR_INCREMENT, NEAR_STEPS)
             solver.newton_damped(report, solver.start_increment, LATERAL_STEPS)
         except SolveError:
             continue

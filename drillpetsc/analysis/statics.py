@@ -14,7 +14,7 @@ from drillpetsc.analysis.coarse_mesh import state_warnings
 from drillpetsc.analysis.equilibrium import MOTIONS, StaticState
 from drillpetsc.analysis.initial_state import find_equilibrium
 from drillpetsc.analysis.path_answer import PathKind
-from drillpetsc.analysis.placement import prescribed_motion
+from drillpetsc.analysis.placement import prescribed_motion, top_depth
 from drillpetsc.analysis.transient import make_folder
 from drillpetsc.case.case import Case
 from drillpetsc.case.checks.limits import refuse_quaternion
@@ -229,7 +229,9 @@ def static_summary(model: DrillingModel, state: StaticState) -> dict[str, Any]:
         out["hook_load_total"] = out["hook_load"] + model.case.rig.block_weight
     if model.contact is not None:
         items = RigidItems(model)
-        out["rigid_items"] = items.listed(_sum_over_ranks(model, items.forces(Sample(system, 0.0))))
+        out["rigid_items"] = items.listed(
+            _sum_over_ranks(model, items.forces(Sample(system, 0.0))), top_depth(model)
+        )
     for name in ("hook_load", "surface_torque", "wob", "bit_torque"):
         out[name] = without_noise(out[name], abs(out["hook_load"]) + abs(out["wob"]))
     if soft is not None:

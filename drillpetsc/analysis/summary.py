@@ -13,6 +13,7 @@ from petsc4py import PETSc
 from drillpetsc.analysis.drive_report import control_summary
 from drillpetsc.analysis.equilibrium import StaticState
 from drillpetsc.analysis.hoist_report import hoist_summary, slack_warnings
+from drillpetsc.analysis.placement import top_depth
 from drillpetsc.analysis.provenance import digest, versions
 from drillpetsc.errors import Interrupted
 from drillpetsc.fem.discrete_system import DiscreteSystem
@@ -111,7 +112,7 @@ def outcome(
     if recorder.mass is not None:
         result["mass"] = recorder.mass_balance()
     if model.contact is not None:
-        result["rigid_items"] = recorder.rigid_items()
+        result["rigid_items"] = recorder.rigid_items(top_depth(model))
     if model.bit is not None and model.bit.hole is not None:
         well = model.bit.drilled_hole()
         drilled = new_hole(well, model.bit.hole.start, model.bit.hole.original) if well is not None else None

@@ -343,9 +343,12 @@ class Recorder:
             return {}
         return self.mass.balance(float(self._samples[-1][1][self._content]))
 
-    def rigid_items(self) -> list[dict[str, Any]]:
-        """Name, measured depth [m] and side force [N] of every rigid item, at the last sample."""
-        return self._items.listed(self._samples[-1][1][self._side_forces])
+    def rigid_items(self, top: float) -> list[dict[str, Any]]:
+        """Name, measured depth [m] and side force [N] of every rigid item, at the last sample.
+
+        top: measured depth of the upper end of the unstrained string [m].
+        """
+        return self._items.listed(self._samples[-1][1][self._side_forces], top)
 
     # ------------------------------------------------------------------ checkpoints
     def get_state(self) -> dict[str, FloatArray]:

@@ -16,7 +16,7 @@ from drillpetsc.physics.rock_bit import RESULTS as BIT_RESULTS
 class RigidItems:
     """The rigid items of a string that can touch the wall; none without contact.
 
-    names: of the items; depths: measured depths of their middles [m].
+    names: of the items; depths: of their middles along the string [m].
     """
 
     def __init__(self, model: DrillingModel) -> None:
@@ -52,9 +52,13 @@ class RigidItems:
         np.add.at(out, [self.model.mesh.bodies[k].node for k in self.items], forces)
         return out
 
-    def listed(self, forces: FloatArray) -> list[dict[str, Any]]:
-        """Name, measured depth and side force of every item, for summary.json."""
+    def listed(self, forces: FloatArray, top: float) -> list[dict[str, Any]]:
+        """Name, measured depth in the hole and side force of every item, for summary.json.
+
+        top: measured depth of the upper end of the unstrained string [m].
+        """
         rows = zip(self.names, self.depths, forces, strict=True)
         return [
-            {"name": name, "md [m]": depth, "side_force [N]": float(force)} for name, depth, force in rows
+            {"name": name, "md [m]": top + depth, "side_force [N]": float(force)}
+            for name, depth, force in rows
         ]

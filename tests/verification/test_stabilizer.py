@@ -93,3 +93,29 @@ def test_the_history_has_the_side_force_on_request(tmp_path):
     assert item["side_force [N]"] == pytest.approx(force[-1], rel=1e-6)
     plain = run(supported(0.2, time={"end": 0.01})[0].case, tmp_path / "plain", progress="silent")
     assert not any(name.startswith("side_force") for name in plain.summary["final"])
+
+
+def test_depth_of_an_item_is_that_in_the_hole(tmp_path):
+    """A string of 60 m that stands in a hole of 200 m: its bit of 0.4 m ends at the bottom, in statics and a run.
+
+    The depth had been that along the string.
+    """
+    case = Case(
+        well={
+            "survey": {"md": [0.0, 200.0], "inclination": [0.5] * 2, "azimuth": [0.0] * 2},
+            "sections": [{"to": 200.0, "kind": "open_hole", "diameter": HOLE, "friction": 0.1}],
+        },
+        string=[
+            {"kind": "pipe", "length": 59.6, "od": 0.127, "id": 0.1086, "element_length": 4.0},
+            {"kind": "bit", "length": 0.4, "od": HOLE, "mass": MASS},
+        ],
+        top={"kind": "top_drive"},
+        bottom="bit",
+        initial={"from": "statics", "wob": 5e3},
+        time={"end": 0.01},
+    )
+    model = build_model(case)
+    (item,) = static_summary(model, find_equilibrium(model))["rigid_items"]
+    assert item["md [m]"] == pytest.approx(200.0 - 0.2, abs=1e-9)
+    (item,) = run(case, tmp_path / "run", progress="silent").summary["rigid_items"]
+    assert item["md [m]"] == pytest.approx(200.0 - 0.2, abs=1e-9)

@@ -1,0 +1,186 @@
+"""Start of statics from the lateral equilibrium of a pushed string (manual: sec-statics-lateral-start)."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from drillpetsc import Case
+from drillpetsc.analysis.initial_state import find_equilibrium
+from drillpetsc.analysis.march import march, nodal_loads, pressure_tension
+from drillpetsc.analysis.placement import place_along_hole, top_depth
+from drillpetsc.analysis.soft_string_start import place_marched
+from drillpetsc.analysis.statics import static_summary
+from drillpetsc.analysis.steady_flow import freeze_flow
+from drillpetsc.model.drilling_model import DrillingModel, build_model
+from drillpetsc.solvers.chain_lu import ChainFactor
+from drillpetsc.solvers.lateral_beam import ContactPoints, LateralBeam, lateral_state
+
+COLLARS, G = 200.0, 9.81
+MUD = {"density": 1200.0, "bulk_modulus": 2e9, "flow_rate": 0.03,
+       "rheology": {"model": "power_law", "consistency": 0.5, "index": 0.7}}  # fmt: skip
+
+
+def column(force: float, length: float, stiffness: float, weight: float, elements: int) -> LateralBeam:
+    """Column of a weight per length [N/m] that is pinned at both ends and pushed by ``force`` [N] at its lower end; no
+    wall."""
+    L = np.full(elements, length / elements)
+    middle = length - (np.arange(elements) + 0.5) * L
+    none = np.zeros(0)
+    points = ContactPoints(none.astype(int), np.zeros((0, 4)), none, none, none, np.zeros((0, 2)))
+    held = np.zeros((elements + 1, 4), dtype=bool)
+    held[[0, -1], :2] = True
+    return LateralBeam(
+        L, np.full(elements, stiffness), weight * middle - force, 0 * L, np.zeros((elements + 1, 4)), points,
+        lambda d, c: (0 * d, 0 * d), held, np.full(elements + 1, 0.05),
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize(("share", "stable"), [(0.999, True), (1.001, False)])
+def test_euler_load(share, stable):
+    """A pinned column without weight is stable below pi^2 EI/L^2 and unstable above it (Euler)."""
+    stiffness, length = 8.65e6, 60.0
+    beam = column(share * np.pi**2 * stiffness / length**2, length, stiffness, 0.0, 20)
+    assert beam.stable(np.zeros((21, 4))) == stable
+
+
+def test_matrix_against_differences():
+    """The matrix is the derivative of the rows, with a wall, friction and displacements of all kinds."""
+    random, n = np.random.default_rng(3), 6
+    cell = np.arange(n).repeat(2)
+    shape = random.uniform(0.1, 1.0, (2 * n, 4))
+    points = ContactPoints(
+        cell,
+        shape,
+        np.full(2 * n, 0.02),
+        np.full(2 * n, 1.5),
+        np.full(2 * n, 0.3),
+        random.normal(0, 0.01, (2 * n, 2)),
+    )
+    beam = LateralBeam(
+        random.uniform(1, 3, n), random.uniform(1e3, 2e3, n), random.normal(0, 1e3, n), random.uniform(0, 0.3, n),
+        random.normal(0, 1, (n + 1, 4)), points, lambda d, c: (1e4 * np.maximum(d, 0) ** 2, 2e4 * np.maximum(d, 0)),
+        np.zeros((n + 1, 4), dtype=bool), np.full(n + 1, 0.02),
+    )  # fmt: skip
+    U, p = random.normal(0, 0.1, (n + 1, 4)), random.normal(0, 1, (n + 1, 4))
+    _, band = beam.rows(U, 1.0)
+    product = np.zeros(4 * (n + 1))
+    for k in range(-7, 8):
+        for c in range(max(0, -k), min(len(product), len(product) - k)):
+            product[c + k] += band[7 + k, c] * p.ravel()[c]
+    step = 1e-6
+    difference = (beam.rows(U + step * p, 1.0)[0] - beam.rows(U - step * p, 1.0)[0]) / (2 * step)
+    assert product == pytest.approx(difference.ravel(), rel=1e-6, abs=1e-6 * np.abs(product).max())
+
+
+def test_a_beam_under_tension_on_the_axis():
+    """A pinned beam under tension T and the load q: deflection of Timoshenko and Gere (Theory of Elastic Stability,
+    1.11), 1e-4 with 40 elements; no friction asked for, none found, not disturbed."""
+    length, stiffness, tension, q, elements = 50.0, 1.2e6, 2e4, 10.0, 40
+    beam = column(-tension, length, stiffness, 0.0, elements)
+    h = length / elements
+    beam.load[:, 0] = q * h
+    beam.load[[0, -1], 0] = 0.5 * q * h
+    beam.load[0, 2], beam.load[-1, 2] = q * h**2 / 12, -q * h**2 / 12
+    state = lateral_state(beam, np.zeros((elements + 1, 4)), np.zeros((elements + 1, 4)), friction=False)
+    u = 0.5 * length * np.sqrt(tension / stiffness)
+    exact = q * length**4 / (16 * stiffness * u**4) * (1 / np.cosh(u) - 1) + q * length**4 / (
+        32 * stiffness * u**2
+    )
+    assert state is not None and not state.disturbed and state.with_friction is None
+    assert state.alone[elements // 2, 0] == pytest.approx(exact, rel=1e-4)
+
+
+def deep(inclination: float, wob: float, element: float, mud: bool = False, bore: float = 0.2159) -> Case:
+    """3000 m with 200 m of collars above a full-gauge bit, turning."""
+    angle = [np.radians(inclination)] * 2
+    return Case(
+        well={
+            "survey": {"md": [0.0, 3000.0], "inclination": angle, "azimuth": [0.0, 0.0]},
+            "sections": [{"to": 3000.0, "kind": "open_hole", "diameter": bore, "friction": 0.25}],
+        },
+        string=[
+            {"kind": "pipe", "length": 2800.0, "od": 0.127, "id": 0.1086, "element_length": element},
+            {"kind": "pipe", "length": 199.5, "od": 0.1715, "id": 0.0714, "element_length": element},
+            {"kind": "bit", "length": 0.5, "od": bore, "mass": 60.0},
+        ],
+        top={"kind": "top_drive", "rotation": 10.0},
+        bottom="bit",
+        gravity=G,
+        initial={"from": "statics", "wob": wob},
+        **({"fluid": MUD} if mud else {}),
+    )
+
+
+def counted(case: Case, monkeypatch) -> tuple[DrillingModel, dict, int]:
+    """Model, summary and factorisations of the string's matrix."""
+    model, count, factor = build_model(case), [0], ChainFactor.factor
+
+    def one_more(self, values):
+        count[0] += 1
+        return factor(self, values)
+
+    monkeypatch.setattr(ChainFactor, "factor", one_more)
+    state = find_equilibrium(model)
+    monkeypatch.undo()
+    return model, static_summary(model, state), count[0]
+
+
+@pytest.mark.parametrize(
+    ("inclination", "wob", "element", "mud", "bore"),
+    [
+        (0.0, 40e3, 10.0, False, 0.2159),
+        (0.0, 80e3, 10.0, False, 0.2159),
+        (0.0, 80e3, 2.5, False, 0.2159),
+        (0.0, 80e3, 5.0, True, 0.2159),
+        (0.0, 150e3, 5.0, False, 0.2159),
+        (0.0, 150e3, 5.0, True, 0.2159),
+        (0.0, 100e3, 5.0, False, 0.25),
+        (3.0, 80e3, 5.0, False, 0.2159),
+        (3.0, 150e3, 5.0, True, 0.2159),
+        (20.0, 80e3, 5.0, False, 0.2159),
+    ],
+)
+def test_factorisations_of_pushed_strings(inclination, wob, element, mud, bore, monkeypatch):
+    """A stable state within 30 factorisations, straight, buckled or lying, on any mesh; 200 to 1356 before where the
+    collars were buckled.  The string stays in the hole, and of a vertical one the weight is carried in full."""
+    case = deep(inclination, wob, element, mud, bore)
+    model, figures, count = counted(case, monkeypatch)
+    assert figures["stable"] and figures["negative_pivots"] == 0
+    assert figures["wob"] == pytest.approx(wob, rel=1e-6)
+    assert count <= 30
+    if not inclination and not mud:
+        mesh = model.mesh
+        weight = G * (float(mesh.mass @ mesh.length) + sum(b.mass for b in mesh.bodies))
+        assert figures["hook_load"] == pytest.approx(weight - wob, rel=1e-4)
+    assert model.well is not None
+    x = model.system.field("string.position")
+    aside = np.linalg.norm(x - np.asarray(model.well.at(model.well.project(x).md)[0]), axis=1)
+    assert (aside < 0.5 * (bore - 0.127) + 1e-3).all()
+
+
+def test_march_knows_effective_tension_junctions_and_the_bit():
+    """Rows of the marched start of a vertical string in mud: everywhere small beside the weight on bit.
+
+    Before, the bit did not touch (its weight was missing), and the strain of the pipe reached into the collars (100 kN across the junction). The effective
+    tension above the bit is the weight on bit, less half an element's weight."""
+    model = build_model(deep(0.0, 40e3, 10.0, mud=True))
+    place_along_hole(model, top_depth(model))
+    freeze_flow(model, tolerance=1e-2)
+    found = march(model, (0.0, 10.0))
+    assert found is not None and not found.helical.any()
+    assert np.abs(pressure_tension(model)).max() > 1e5
+    last, weight = found.effective_tension[-1], nodal_loads(model)[0][-2, 2]
+    assert last == pytest.approx(-40e3, abs=0.5 * weight + 3e3)  # the jet of the bit pushes, too
+    place_marched(model, found)
+    asm = model.system.assembly
+    asm.y[:] = asm.a[:] = 0.0
+    asm.invalidate_prescribed_values()
+    f = model.system.new_condensed()
+    for component in (model.contact, model.bit):
+        component.impose_sliding_direction(0.0, 0.0)
+    model.system.sum_residual(0.0, f)
+    rows = np.zeros(model.system.layout.size)
+    rows[model.system.layout.local_of_owned] = f.getArray(readonly=1)
+    axial = rows[model.system.layout.dofs["string.position"][1:, 2]]
+    assert np.abs(axial).max() < 5e3
