@@ -31,6 +31,7 @@ _rates = function("condensed_rates", "ipddppippp" + "p")
 _transport = function("spin_transport", "ippppp")
 _fix_rates = function("constraint_rates", "ipppdppp")
 _fix_rows = function("constraint_rows", "ippppp" + "dpp")
+_lean_rates, _lean_rows = function("lean_rates", "ppdppp"), function("lean_rows", "ppdp")
 _fix_matrix = function("constraint_matrix", "ippppp")
 _gradient = function("spin_gradient", "ippppddp")
 _run_residuals = function("run_residuals", "ipip")
@@ -258,9 +259,8 @@ class Assembly:
             f.evaluate(t, self.x, self.y)
             _fix_rates(*f.head, f.rate_at, sigma, self._history[1], y, a)
             if f.leans:
-                spin = f.rows[6]
-                self.y[spin] += f.lean_at(self.x) @ self.y[f.rows[3:6]]
-                self.a[spin] = sigma * self.y[spin] + self.v1[spin]
+                f.lean_at(self.x)
+                _lean_rates(f.head[2], f.lean_head[0], sigma, self._history[1], y, a)
 
     def invalidate_prescribed_values(self) -> None:
         """Evaluate prescribed values anew at the next call, for example after an end was moved at constant time."""
@@ -340,9 +340,11 @@ class Assembly:
         ):
             return False
         for f in self.row_replacements:
-            if f.leans or (f.time != t and f.condition.along_path is not None):
+            if f.time != t and f.condition.along_path is not None:
                 return False
             f.evaluate(t, self.x)
+            if f.leans:
+                f.renew_axis()
         self._event["Residual"].begin()
         self.evaluations += 1
         for b in self.bound_blocks:
@@ -369,6 +371,8 @@ class Assembly:
             p.count, p.directions, p.rows = f.head
             p.rate, p.value, p.reaction = f.rate_at, f.value_at, f.reaction_at
             p.places = pointer(at) if f.owned else None
+            if f.leans:
+                p.axis, (p.lean, p.keep, p.direction) = f.axis_at, f.lean_head
         spins, where, reference = self._nodes
         call = _StepCall(
             owned=pointer(owned), x=x, y=y, a=a, r=r, v0=self._history[0], v1=self._history[1], where=where, reference=reference,
@@ -426,7 +430,8 @@ class Assembly:
                     f.reaction_at,
                 )
                 if f.leans:
-                    owned[f.owned_rows[3:6]] += f.lean_at(self.x) * f.reaction[-1]
+                    f.lean_at(self.x)
+                    _lean_rows(f.owned_rows_at, f.lean_head[0], f.reaction.item(-1), pointer(owned))
 
     def jacobian(self, t: float, c: tuple[float, float, float], condensed: bool) -> None:
         """Compute all entries c0 dR/dx + c1 dR/dy + c2 dR/da into ``values`` (manual: eq-time-jacobian).

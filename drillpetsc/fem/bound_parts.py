@@ -23,6 +23,8 @@ if TYPE_CHECKING:
 
 
 _run_results = function("run_results", "p")
+_lean_at = function("lean_at", "pppppp")
+_lean_derivative = function("lean_derivative", "pppp")
 _ResultCall = structure("result_call")  # ResultCall of kernels/core/rows.cpp
 
 #: weight of a replaced row, position error [m or rad] to force [N or N m]; it has the order of a pipe's
@@ -165,6 +167,14 @@ class RowReplacement:
         self.complement = np.ascontiguousarray(self.complement)
         self.row_complement, self.rate_directions = self.complement.copy(), self.D.copy()
         self.leans = condition.spin_reference is not None
+        self.lean, self._axis = np.zeros(3), np.zeros(3)  # c(v) and the direction from which the spin counts
+        self.axis_at = pointer(self._axis)
+        #: addresses of c(v) and of what follows from it
+        self.lean_head = (
+            pointer(self.lean),
+            pointer(self.row_complement),
+            pointer(self.rate_directions) + 8 * 7 * (len(self.D) - 1),
+        )
         self.head = (len(self.D), pointer(self.D), pointer(self.rows))
         self.rate_at, self.value_at, self.reaction_at = (
             pointer(self.rate),
@@ -219,22 +229,21 @@ class RowReplacement:
         The spin rate is that of the angle plus c(v).w, so a torque on the angle is one on the spin and -c(v) times it on the
         slope (manual: eq-prescribed-lean).
         """
+        self.renew_axis()
+        _lean_at(self.head[2], self.axis_at, pointer(x), *self.lean_head)
+        return self.lean
+
+    def renew_axis(self) -> None:
+        """Take the direction from which the spin counts, which may have changed."""
         assert self.condition.spin_reference is not None
-        v, a = x[self.rows[3:6]], self.condition.spin_reference()
-        n = np.linalg.norm(v)
-        lean = np.array([v[1] * a[2] - v[2] * a[1], v[2] * a[0] - v[0] * a[2], v[0] * a[1] - v[1] * a[0]])
-        lean /= n * (n + v @ a)
-        self.row_complement[3:6, 6], self.rate_directions[-1, 3:6] = lean, -lean
-        return lean
+        self._axis[:] = self.condition.spin_reference()
 
     def lean_derivative(self, x: FloatArray) -> FloatArray:
         """Derivative (3, 3) of c(v) by v at ``x``."""
-        assert self.condition.spin_reference is not None
-        v, a = x[self.rows[3:6]], self.condition.spin_reference()
-        n = np.linalg.norm(v)
-        s = n * (n + v @ a)
-        across = np.array([[0.0, a[2], -a[1]], [-a[2], 0.0, a[0]], [a[1], -a[0], 0.0]])  # of v x a
-        return across / s - np.outer(np.cross(v, a), 2 * v + (v @ a) / n * v + n * a) / s**2
+        self.renew_axis()
+        out = np.empty((3, 3))
+        _lean_derivative(self.head[2], self.axis_at, pointer(x), pointer(out))
+        return out
 
 
 class BoundStabilization:

@@ -41,11 +41,16 @@ extern "C" {
 void condensed_rates(int, const double*, double, double, const double*, const double*, int, const int*, const double*, double*, double*);
 void constraint_rates(int, const double*, const int*, const double*, double, const double*, double*, double*);
 void constraint_rows(int, const double*, const int*, const int*, const double*, const double*, double, double*, double*);
+void lean_at(const int*, const double*, const double*, double*, double*, double*);
+void lean_rates(const int*, const double*, double, const double*, double*, double*);
+void lean_rows(const int*, const double*, double, double*);
 }
 
 // Prescribed motion of a node, as core/constraint.cpp takes it; places: of the node's rows in the residual, null where another rank has them.
+// axis: from which a spin counts that is held where the slope is free, else null; lean, keep, direction: see there.
 DP_RECORD(PrescribedCall,
-    const double* directions; const int* rows; const double* rate; const double* value; const int* places; double* reaction; int count, unused;
+    const double* directions; const int* rows; const double* rate; const double* value; const int* places; double* reaction;
+    const double* axis; double* lean; double* keep; double* direction; int count, unused;
 )
 DP_EXPORT_RECORD(prescribed_call, PrescribedCall)
 
@@ -65,11 +70,17 @@ extern "C" void step_rows(const StepCall* call, const double* q, double* rows) {
     for (int k = 0; k < c.prescriptions; ++k) {
         const PrescribedCall& p = c.prescribed[k];
         constraint_rates(p.count, p.directions, p.rows, p.rate, c.second, c.v1, c.y, c.a);
+        if (p.axis) {
+            lean_at(p.rows, p.axis, c.x, p.lean, p.keep, p.direction);
+            lean_rates(p.rows, p.lean, c.second, c.v1, c.y, c.a);
+        }
     }
     run_residuals(c.count, c.blocks, c.length, c.r);
     for (int i = 0; i < c.n; ++i) rows[i] = c.r[c.owned[i]];
     for (int k = 0; k < c.prescriptions; ++k) {
         const PrescribedCall& p = c.prescribed[k];
-        if (p.places) constraint_rows(p.count, p.directions, p.rows, p.places, c.x, p.value, c.scale, rows, p.reaction);
+        if (!p.places) continue;
+        constraint_rows(p.count, p.directions, p.rows, p.places, c.x, p.value, c.scale, rows, p.reaction);
+        if (p.axis) lean_rows(p.places, p.lean, p.reaction[p.count - 1], rows);
     }
 }
