@@ -427,8 +427,15 @@ def _lines(case: Case, results: list[FlowResult], summary: dict[str, Any]) -> li
             )
     for result in results:
         size, unit = shown_unit("pump_flow", "m3/s", summary["units"])
-        lines += [f"  WARNING: at {result.flow_rate / size:.5g} {unit}: {w}" for w in result.warnings]
-    return lines + _mud_lines(case, summary["units"]) + [f"  note: {note}" for note in summary["notes"]]
+        lines += [
+            f"  WARNING: at {result.flow_rate / size:.5g} {unit}: {in_units(w, summary['units'])}"
+            for w in result.warnings
+        ]
+    return (
+        lines
+        + _mud_lines(case, summary["units"])
+        + [f"  note: {in_units(note, summary['units'])}" for note in summary["notes"]]
+    )
 
 
 def _mud_lines(case: Case, system: System) -> list[str]:

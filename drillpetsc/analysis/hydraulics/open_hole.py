@@ -64,9 +64,11 @@ class OpenHole:
 
 
 def in_units(limit: str, system: System) -> str:
-    """A text of ``limited_by`` with its depth in the units of the case."""
+    """A text of ``limited_by``, or a note, with its depths in the units of the case."""
     size, unit = shown_unit("tvd", "m", system)
-    return re.sub(r"TVD (\d+) m", lambda found: f"TVD {float(found[1]) / size:.0f} {unit}", limit)
+    limit = re.sub(r"TVD (\d+) m\b", lambda found: f"TVD {float(found[1]) / size:.0f} {unit}", limit)
+    length = r"(MD |, )(\d+(?:\.\d+)?) m(?=[ ,;:)]|$)"
+    return re.sub(length, lambda found: f"{found[1]}{float(found[2]) / size:.6g} {unit}", limit)
 
 
 def annulus_pressure_at(flow: FlowModel, md: FloatArray, tvd: FloatArray) -> FloatArray:
