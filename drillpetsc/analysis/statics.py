@@ -102,10 +102,10 @@ def _hoisted_with_weight(model: DrillingModel, motion: tuple[float, float] | Non
     ]
 
 
-def beyond_rig(case: Case, summary: dict[str, Any]) -> list[str]:
+def beyond_rig(case: Case, summary: dict[str, Any], units: System | None = None) -> list[str]:
     """Warnings where a static state asks more of the rig than it can bear.
 
-    summary: of the state, in SI.
+    summary: of the state, in SI; units: of the figures, None: the case's.
     """
     rig = case.rig
     if rig is None:
@@ -116,20 +116,21 @@ def beyond_rig(case: Case, summary: dict[str, Any]) -> list[str]:
             summary.get("hook_load_total", summary.get("hook_load")),
             rig.max_hookload,
             "max_hookload",
-            "N",
+            "force",
         ),
         (
             "surface torque",
             summary.get("surface_torque"),
             rig.max_surface_torque,
             "max_surface_torque",
-            "N m",
+            "torque",
         ),
-        ("standpipe pressure", summary.get("pump_pressure"), rig.max_spp, "max_spp", "Pa"),
+        ("standpipe pressure", summary.get("pump_pressure"), rig.max_spp, "max_spp", "pressure"),
     )
+    system = units or case.output.units or "metric"
     return [
-        f"{name} of {abs(value):.4g} {unit} exceeds rig.{key}, {limit:.4g} {unit}"
-        for name, value, limit, key, unit in limits
+        f"{name} of {shown(abs(value), kind, system)} exceeds rig.{key}, {shown(limit, kind, system)}"
+        for name, value, limit, key, kind in limits
         if value is not None and limit is not None and abs(value) > limit
     ]
 

@@ -70,6 +70,7 @@ def _hydraulics(arguments: argparse.Namespace, petsc_options: list[str]) -> int:
     case = load_case(arguments.case)
     flows, pressure = read_flows(arguments.flow, arguments.spp, case.output.units or "SI")
     start_job(petsc_options)
+    print_warnings(case)
     from drillpetsc.analysis.hydraulics.hydraulics import run_hydraulics
 
     name, units = name_and_units(arguments, case)
@@ -127,6 +128,7 @@ def _surge(arguments: argparse.Namespace, petsc_options: list[str]) -> int:
         units=case.output.units or "SI",
     )
     start_job(petsc_options)
+    print_warnings(case)
     from drillpetsc.analysis.hydraulics.surge import run_surge
 
     name, units = name_and_units(arguments, case)
@@ -251,6 +253,7 @@ def _freepoint(arguments: argparse.Namespace, petsc_options: list[str]) -> int:
     from drillpetsc.case.free_point_options import read_pairs
 
     case, pairs = load_case(arguments.case), read_pairs(arguments.stretch, arguments.pull)
+    print_warnings(case)
     from drillpetsc.analysis.limits.free_point import free_point_lines
 
     print_once(free_point_lines(case, pairs, arguments.units or case.output.units or "metric"))

@@ -210,7 +210,10 @@ def _export_arguments(command: argparse.ArgumentParser) -> None:
         "--out", metavar="DIR", help="folder of the files (default: export in the run folder)"
     )
     command.add_argument(
-        "--format", choices=("csv", "xlsx", "las"), default="csv", help="format of the files (default: csv)"
+        "--format",
+        choices=("csv", "xlsx", "las", "parquet"),
+        default="csv",
+        help="format of the files (default: csv)",
     )
     command.add_argument(
         "--columns",

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+
 from drillpetsc.unit_systems import System, display_unit
 from drillpetsc.units import to_si
 
@@ -20,6 +22,8 @@ _KIND_OF_UNIT = {
     "N": "force",
     "N m": "torque",
 }
+#: a depth or length in metres inside a sentence: `TVD 1233 m`, `casing to 1371.6 m`, `ends at MD 274.32 m, 2164 m above`
+_LENGTH = re.compile(r"(TVD |MD |, | to )(\d+(?:\.\d+)?) m(?=[ ,;:)]|$)")
 _MINUTE = ("min", 60.0)
 #: name -> unit and its size in SI, in field and in metric units, where the trade has a unit of its own
 _OWN: dict[str, tuple[tuple[str, float], tuple[str, float]]] = {
@@ -49,3 +53,14 @@ def shown_unit(name: str, unit: str, system: System) -> tuple[float, str]:
         return 1.0, unit
     size, _, text = display_unit(kind, system)
     return size, text
+
+
+def lengths_shown(text: str, system: System) -> str:
+    """A text of a table or a note with its depths in the units of a system."""
+    size, unit = display_unit("length", system)[0], display_unit("length", system)[2]
+
+    def shown(found: re.Match[str]) -> str:
+        value = float(found[2]) / size
+        return f"{found[1]}{value:.0f} {unit}" if found[1] == "TVD " else f"{found[1]}{value:.6g} {unit}"
+
+    return _LENGTH.sub(shown, text)

@@ -2,6 +2,7 @@
 
 - csv: a file for each table, with headings such as `Hook load [klbf]`
 - xlsx: one workbook, a sheet for each table
+- parquet: a file for each table, with the same headings; name and unit of each column stand in its metadata
 - las: a LAS 2.0 file for each table over time or depth, with mnemonics such as HKLD (Canadian Well Logging Society, LAS 2.0, 1992)
 """
 
@@ -30,7 +31,7 @@ from drillpetsc.plotting.style import units_of_run
 from drillpetsc.reporting.units import in_units, label_of, unit_of
 from drillpetsc.unit_systems import SYSTEMS, System
 
-Format = Literal["csv", "xlsx", "las"]
+Format = Literal["csv", "xlsx", "las", "parquet"]
 FORMATS: tuple[Format, ...] = get_args(Format)
 INDICES = ("time", "md", "bit_depth", "pump_flow", "mode")  # columns that every exported table keeps
 LAS_INDICES = {"time": "TIME", "md": "DEPT"}
@@ -38,6 +39,7 @@ NULL = -999.25  # what LAS files usually write where there is no value
 MOST_ROWS = 1_048_575  # of a sheet of xlsx below its headings
 DIGITS = 10
 INSTALL = "pip install 'drillpetsc[files]'"
+INSTALL_PARQUET = "pip install 'drillpetsc[parquet]'"
 
 Table = dict[str, np.ndarray]
 
@@ -55,7 +57,7 @@ def export(
     run: run folder
     out: folder of the files; by default `export` in the run folder. Older files of the same names are replaced
     units: field, metric, metric_t or SI; by default those of the case, else metric
-    format: csv, xlsx or las
+    format: csv, xlsx, las or parquet
     columns: names of columns, such as hook_load; by default all. Time and depth always go along
     Raises CaseError for a folder without tables, for columns that no table has, and where a package is missing.
     """
@@ -76,6 +78,8 @@ def export(
     for name, table in tables.items():
         if format == "csv":
             contents[f"{name}.csv"] = _csv(table, system)
+        elif format == "parquet":
+            contents[f"{name}.parquet"] = _parquet(table, system)
         elif format == "las":
             text = _las(table, system, f"{title}: {name}", remarks, name)
             if text:
@@ -208,6 +212,30 @@ def _workbook(tables: dict[str, Table], system: System) -> bytes:
             sheet.append(cells)
     file = io.BytesIO()
     book.save(file)
+    return file.getvalue()
+
+
+def _parquet(table: Table, system: System) -> bytes:
+    try:
+        import pyarrow
+        from pyarrow import parquet
+    except ImportError as error:
+        missing = isinstance(error, ModuleNotFoundError)
+        raise CaseError(
+            at="--format",
+            got="parquet",
+            want="csv, unless the package pyarrow is installed",
+            hint=INSTALL_PARQUET if missing else str(error),
+        ) from None
+    columns, fields = [], []
+    for (heading, values), title in zip(_shown(table, system), table, strict=True):
+        cells = pyarrow.array(values if values.dtype.kind in "fiu" else [str(v) for v in values.tolist()])
+        unit = unit_of(title, system)[2] if values.dtype.kind in "fiu" else ""
+        columns.append(cells)
+        about = {"name": split_name(title)[0], "unit": unit}
+        fields.append(pyarrow.field(heading, cells.type, metadata=about))
+    file = io.BytesIO()
+    parquet.write_table(pyarrow.Table.from_arrays(columns, schema=pyarrow.schema(fields)), file)
     return file.getvalue()
 
 

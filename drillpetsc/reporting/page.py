@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 
 from drillpetsc.output.files.tables import read_table
+from drillpetsc.output.shown_units import lengths_shown
 from drillpetsc.reporting.units import heading_of, in_units, texts
 from drillpetsc.unit_systems import System
 
@@ -127,7 +128,7 @@ def grid_of(
         if values.dtype.kind == "f":
             shown.append(texts(in_units(title, values[kept], system)))
         else:
-            shown.append([str(value) for value in values[kept]])
+            shown.append([lengths_shown(str(value), system) for value in values[kept]])
     notes = []
     if len(kept) < count:
         notes.append(f"{len(kept)} of {count} rows")

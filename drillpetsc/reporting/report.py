@@ -22,6 +22,7 @@ from drillpetsc.output import catalogue
 from drillpetsc.output.files.atomic import replace_text
 from drillpetsc.output.files.run_folder import SWEEP_TABLE, WELLS_TABLE
 from drillpetsc.output.files.tables import read_table, split_name
+from drillpetsc.output.shown_units import lengths_shown
 from drillpetsc.plotting import style
 from drillpetsc.reporting.inputs import mud_section, rig_rows, string_section, well_section
 from drillpetsc.reporting.page import Grid, Section
@@ -145,7 +146,9 @@ def html(source: Source, system: System, wanted: Sequence[str]) -> str:
         title=title,
         version=__version__,
         head=_head(source, system),
-        warnings=_warnings(source),
+        warnings=[
+            (where, [lengths_shown(text, system) for text in said]) for where, said in _warnings(source)
+        ],
         agreed=AGREED,
         signs=_signs(source.runs, system),
         sections=parts,

@@ -281,7 +281,7 @@ class Result(RunResult):
 
         path: folder of the files; by default `export` in the run folder
         units: field, metric, metric_t or SI; by default those of the result, else metric
-        format: csv, xlsx or las
+        format: csv, xlsx, las or parquet
         columns: names of columns; by default all
         """
         from drillpetsc.reporting.export import export

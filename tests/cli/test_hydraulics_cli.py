@@ -56,6 +56,16 @@ def folder(tmp_path_factory) -> Path:
     return path
 
 
+@pytest.mark.parametrize("command", [("hydraulics",), ("surge", "--speed", "60 ft/min")])
+def test_a_mud_in_another_unit_is_doubted(command, tmp_path: Path):
+    """12 is read as 12 kg/m3; the command says so, as `check` does."""
+    (tmp_path / "small.yaml").write_text(
+        CASE.replace("density: 1200 kg/m3", "density: 12").partition("window")[0]
+    )
+    done = drillpetsc(command[0], "small.yaml", *command[1:], "--out", "o", cwd=tmp_path)
+    assert "WARNING: fluid.density is 12 kg/m3: lighter than any mud; 12 ppg?" in done.stderr
+
+
 def test_tables_and_summaries_are_those_of_the_catalogue(folder: Path):
     tables = {
         "h": ("hydraulics.csv", "pressure_profile.csv", "flow_curve.csv"),

@@ -14,6 +14,7 @@ import numpy as np
 import pytest
 
 from drillpetsc.cli import main
+from drillpetsc.output.shown_units import lengths_shown
 from drillpetsc.reporting.units import in_units, texts, unit_of
 
 CASE = """
@@ -272,3 +273,19 @@ def test_the_command_export(runs: Path, capsys: pytest.CaptureFixture, tmp_path:
 def test_a_wrong_interval_of_view(runs: Path, words: list[str], capsys: pytest.CaptureFixture) -> None:
     assert main(["view", str(runs / "still"), "--interval", *words]) == 2
     assert "--interval" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("text", "field"),
+    [
+        ("pore at TVD 1233 m", "pore at TVD 4045 ft"),
+        ("open hole to 3144.62 m", "open hole to 10317 ft"),
+        (
+            "the string ends at MD 304.8 m, 609.6 m above the end",
+            "the string ends at MD 1000 ft, 2000 ft above the end",
+        ),
+        ("at 0.3 m/s and 5 m2, to 3 mm, MD 4 min", "at 0.3 m/s and 5 m2, to 3 mm, MD 4 min"),
+    ],
+)
+def test_lengths_in_texts_have_the_units_of_the_page(text: str, field: str) -> None:
+    assert lengths_shown(text, "field") == field and lengths_shown(text, "metric") == text

@@ -21,7 +21,6 @@ from drillpetsc.analysis.hydraulics.open_hole import (
     NOTHING_OPEN,
     WITHIN,
     annulus_pressure_at,
-    in_units,
     open_hole,
     shoe_depth,
     vertical_depth,
@@ -53,7 +52,7 @@ from drillpetsc.output.quantities.hydraulics import (
     RHEOLOGY_FITS,
 )
 from drillpetsc.output.result import RunResult
-from drillpetsc.output.shown_units import shown_unit
+from drillpetsc.output.shown_units import lengths_shown, shown_unit
 from drillpetsc.physics.fluid.channel_flow import RESULT_NAMES
 from drillpetsc.solvers import petsc_options as options
 from drillpetsc.time_function import Constant
@@ -423,12 +422,19 @@ def _lines(case: Case, results: list[FlowResult], summary: dict[str, Any]) -> li
         if any(result.limited_by != NOT_CHECKED for result in block):
             lines.append(
                 "  Open hole, limit passed: "
-                + "; ".join(in_units(r.limited_by, summary["units"]) for r in block)
+                + "; ".join(lengths_shown(r.limited_by, summary["units"]) for r in block)
             )
     for result in results:
         size, unit = shown_unit("pump_flow", "m3/s", summary["units"])
-        lines += [f"  WARNING: at {result.flow_rate / size:.5g} {unit}: {w}" for w in result.warnings]
-    return lines + _mud_lines(case, summary["units"]) + [f"  note: {note}" for note in summary["notes"]]
+        lines += [
+            f"  WARNING: at {result.flow_rate / size:.5g} {unit}: {lengths_shown(w, summary['units'])}"
+            for w in result.warnings
+        ]
+    return (
+        lines
+        + _mud_lines(case, summary["units"])
+        + [f"  note: {lengths_shown(note, summary['units'])}" for note in summary["notes"]]
+    )
 
 
 def _mud_lines(case: Case, system: System) -> list[str]:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from dataclasses import dataclass
 
 import numpy as np
@@ -14,8 +13,6 @@ from drillpetsc.case.case import Case
 from drillpetsc.errors import CaseError
 from drillpetsc.model.drilling_model import build_well
 from drillpetsc.output.mud_column import LOWEST_COLUMN
-from drillpetsc.output.shown_units import shown_unit
-from drillpetsc.unit_systems import System
 
 SPACING = 10.0  # largest distance between points at which the window is compared [m]
 WITHIN = "none"  # no limit is passed
@@ -61,12 +58,6 @@ class OpenHole:
             return WITHIN
         name, excess = ("frac", over) if np.nanmax(over) == worst else ("pore", under)
         return f"{name} at TVD {self.tvd[int(np.nanargmax(excess))]:.0f} m"
-
-
-def in_units(limit: str, system: System) -> str:
-    """A text of ``limited_by`` with its depth in the units of the case."""
-    size, unit = shown_unit("tvd", "m", system)
-    return re.sub(r"TVD (\d+) m", lambda found: f"TVD {float(found[1]) / size:.0f} {unit}", limit)
 
 
 def annulus_pressure_at(flow: FlowModel, md: FloatArray, tvd: FloatArray) -> FloatArray:

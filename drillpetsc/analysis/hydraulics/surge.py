@@ -31,7 +31,6 @@ from drillpetsc.analysis.hydraulics.open_hole import (
     NOTHING_OPEN,
     WITHIN,
     OpenHole,
-    in_units,
     open_hole,
     shoe_depth,
 )
@@ -44,7 +43,7 @@ from drillpetsc.output import write_summary, write_table
 from drillpetsc.output.files.run_folder import SURGE_TABLE, TRIP_SPEED_TABLE
 from drillpetsc.output.quantities.hydraulics import DYNAMIC_SURGE, MAX_TRIP_SPEED, SURGE
 from drillpetsc.output.result import RunResult
-from drillpetsc.output.shown_units import shown_unit
+from drillpetsc.output.shown_units import lengths_shown, shown_unit
 from drillpetsc.physics.fluid.rheology import wall_shear
 from drillpetsc.solvers import petsc_options as options
 from drillpetsc.unit_systems import System
@@ -399,7 +398,7 @@ def _lines(case: Case, rows: list[SurgeRow], summary: dict[str, Any]) -> list[st
         ecd = row.ecd["ecd_bit"]
         lines.append(
             f"  {row.operation:<10}{row.pipe:<9}{row.bit_depth / d:>12.6g}{row.trip_speed / v:>12.4g}"
-            f"{row.surge_pressure / p:>12.5g}{'-' if ecd is None else format(ecd / e, '.5g'):>12}  {in_units(row.limited_by, system)}"
+            f"{row.surge_pressure / p:>12.5g}{'-' if ecd is None else format(ecd / e, '.5g'):>12}  {lengths_shown(row.limited_by, system)}"
         )
     started = [row for row in rows if np.isfinite(row.dynamic_surge_pressure)]
     if started:
@@ -415,7 +414,7 @@ def _lines(case: Case, rows: list[SurgeRow], summary: dict[str, Any]) -> list[st
         fastest = "-" if found["max_trip_speed"] is None else f"{found['max_trip_speed'] / v:.4g}"
         fastest = f"> {fastest}" if found["limited_by"] in (WITHIN, NOT_CHECKED) else fastest
         lines.append(
-            f"  {found['operation']:<10}{found['pipe']:<9}{found['bit_depth'] / d:>12.6g}{fastest:>12}{'':>24}  {in_units(found['limited_by'], system)}"
+            f"  {found['operation']:<10}{found['pipe']:<9}{found['bit_depth'] / d:>12.6g}{fastest:>12}{'':>24}  {lengths_shown(found['limited_by'], system)}"
         )
     lines += [
         f"  {found['operation']}, open pipe, {found['trip_speed'] / v:.4g} {speed}, bit at {found['bit_depth'] / d:.6g} {depth}: "

@@ -102,11 +102,15 @@ def run_limits(
                 summary["notes"].append(
                     "no rotation at time 0 in this operation: no cycles and no damage (key top.rotation)"
                 )
+            if word is None and case.initial.wob is None and statics.get("wob", 0.0) > 0:
+                summary["notes"].append(
+                    "initial.wob is not given: the weight on bit is what a top at the rig leaves on the bottom"
+                )
             summary |= _margins(model, found, pipe, choices, summary["notes"])
             summary["buckling"] = {} if buckled is None else buckled.as_dict()
             summary["warnings"] = [
                 *_state_warnings(state, word),
-                *beyond_rig(case, statics),
+                *beyond_rig(case, statics, units),
                 *_flags(table, summary, choices, units),
                 *coarse,
             ]

@@ -11,7 +11,6 @@ from typing import Any, Literal
 import numpy as np
 from petsc4py import PETSc
 
-from drillpetsc.analysis.hydraulics.open_hole import in_units
 from drillpetsc.analysis.torque_drag.batch import Columns, Hole, soft_strings
 from drillpetsc.analysis.torque_drag.circulation import Circulation, circulation
 from drillpetsc.analysis.torque_drag.operations import (
@@ -37,7 +36,7 @@ from drillpetsc.model.hole import build_well
 from drillpetsc.output import write_summary, write_table
 from drillpetsc.output.files.run_folder import ROADMAP_FILE, ROADMAP_TABLE
 from drillpetsc.output.quantities.torque_drag import ROADMAP
-from drillpetsc.output.shown_units import shown_unit
+from drillpetsc.output.shown_units import lengths_shown, shown_unit
 from drillpetsc.unit_systems import System
 
 #: models of the string by the word of `--model`
@@ -254,7 +253,7 @@ def run_roadmap(
     lines += _lines(rows, pairs, plan.operations, strings[-1].depth, system, block is not None)
     if stiff:
         lines += _compared(stiff, len(rows))
-    lines += [f"  WARNING: {w}" for w in warnings] + [f"  note: {in_units(n, system)}" for n in notes]
+    lines += [f"  WARNING: {w}" for w in warnings] + [f"  note: {lengths_shown(n, system)}" for n in notes]
     lines.append(f"  results: {folder.path}   (scripts/drillpetsc plot {shlex.quote(str(folder.path))})")
     return RunResult(folder.path, summary, lines)
 

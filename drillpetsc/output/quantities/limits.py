@@ -30,8 +30,10 @@ def _node(
     return Quantity(name, unit, on="node", label=label, mnemonic=mnemonic, doc=doc, sign=sign, kind=kind)
 
 
-def _item(name: str, unit: str, label: str, mnemonic: str, doc: str, sign: str = "") -> Quantity:
-    return Quantity(name, unit, on="item", label=label, mnemonic=mnemonic, doc=doc, sign=sign)
+def _item(
+    name: str, unit: str, label: str, mnemonic: str, doc: str, sign: str = "", kind: str = ""
+) -> Quantity:
+    return Quantity(name, unit, on="item", label=label, mnemonic=mnemonic, doc=doc, sign=sign, kind=kind)
 
 
 ITEM = next(q for q in LOSS_ROWS if q.name == "item")
@@ -230,6 +232,7 @@ CONTACTS: tuple[Quantity, ...] = (
         "GAPW",
         "Least distance of a rigid item from the wall, at its middle and both ends.",
         "negative where the item presses into the wall",
+        "diameter",
     ),
     _item("axial_drag", "N", "Axial drag", "DRAG", "Force of the wall along the hole.", "down the hole"),
     _item(

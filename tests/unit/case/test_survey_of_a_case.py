@@ -82,6 +82,11 @@ def test_a_written_case_holds_the_stations(file: str, tmp_path: Path) -> None:
 
 
 MUD = {"density": 1200, "rheology": {"model": "newtonian", "viscosity": 0.001}}
+WHOLE = {
+    "initial": {"wob": 1e4},
+    "bottom": "bit",
+    "string": [{"kind": "pipe", "length": 1000, "od": 0.127, "id": 0.1}],
+}
 FLAT = {"md": [0, 1000], "inclination": [0, 0], "azimuth": [0, 0]}
 
 
@@ -102,7 +107,16 @@ FLAT = {"md": [0, 1000], "inclination": [0, 0], "azimuth": [0, 0]}
         ({"well": {"survey": FLAT | {"inclination": [0, 3]}, "sections": [HOLE]}}, "3 deg meant?"),
         ({"top": {"kind": "top_drive", "rotation": 120}}, "120 rpm?"),
         ({"fluid": MUD | {"pump_pressure": 3000}}, "bar or psi"),
-        ({"initial": {"wob": 6e5}, "bottom": "bit"}, "more than bits carry"),
+        (WHOLE | {"initial": {"wob": 6e5}}, "more than bits carry"),
+        (WHOLE, ""),
+        (
+            WHOLE
+            | {
+                "well": {"survey": FLAT | {"md": [0, 1100]}, "sections": [HOLE]},
+            },
+            "stands on the bottom",
+        ),
+        ({"well": {"survey": FLAT | {"md": [0, 1100]}, "sections": [HOLE]}}, ""),
     ],
 )
 def test_unlikely_values_are_told(keys: dict[str, Any], warning: str) -> None:

@@ -94,10 +94,23 @@ def test_a_workbook_has_a_sheet_for_each_table(folder: Path) -> None:
     assert book["limits"]["B3"].value == "=1+1" and book["limits"]["B3"].data_type == "s"
 
 
+def test_parquet_holds_values_with_names_and_units(folder: Path) -> None:
+    parquet = pytest.importorskip("pyarrow.parquet")
+    files = open_run(folder).export(folder / "out", units="field", format="parquet")
+    assert {file.name for file in files} == {
+        f"{name}.parquet" for name in ("history", "limits", "probes", "surge")
+    }
+    table, text = (parquet.read_table(folder / "out" / f"{name}.parquet") for name in ("history", "limits"))
+    assert table.column(1)[0].as_py() == pytest.approx(1.0)  # 1 klbf
+    assert table.schema.field(1).metadata == {b"name": b"hook_load", b"unit": b"klbf"}
+    assert "=1+1" in [cell for column in text.columns for cell in column.to_pylist()]
+    assert (folder / "out" / "history.parquet").read_bytes() == files[0].read_bytes()
+
+
 @pytest.mark.parametrize(
     ("keywords", "at"),
     [
-        ({"format": "parquet"}, "--format"),
+        ({"format": "feather"}, "--format"),
         ({"units": "feet"}, "--units"),
         ({"columns": ["hook_lod"]}, "--columns"),
     ],
@@ -131,6 +144,9 @@ def test_folders_without_tables_are_refused(folder: Path, tmp_path: Path) -> Non
 
 
 def test_a_missing_package_is_named(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "pyarrow", None)
+    with pytest.raises(CaseError, match="pyarrow"):
+        export(folder, format="parquet")
     monkeypatch.setitem(sys.modules, "openpyxl", None)
     with pytest.raises(CaseError) as caught:
         export(folder, format="xlsx")
