@@ -9,11 +9,15 @@ from drillpetsc.analysis.equilibrium import StaticState, director_equilibrium
 from drillpetsc.analysis.imperfection import add_imperfection_of_rest
 from drillpetsc.analysis.motor_statics import motor_equilibrium
 from drillpetsc.analysis.path_answer import PathKind
-from drillpetsc.analysis.placement import find_reactions, move_rigidly, place_along_hole, release
+from drillpetsc.analysis.placement import align_top, find_reactions, move_rigidly, place_along_hole, release
 from drillpetsc.analysis.quasi_static import QuasiStatic
 from drillpetsc.analysis.quaternion_statics import quaternion_equilibrium
 from drillpetsc.case.case import Case
-from drillpetsc.model.drilling_model import DrillingModel
+from drillpetsc.model.drilling_model import DrillingModel, build_model
+from drillpetsc.model.string_forces import held_at_weight
+from drillpetsc.unit_systems import shown
+
+TOLERATED_JUMP = 0.01  # of the hook load, at the start of a run with a top force and a given weight on bit
 
 
 def find_equilibrium(
@@ -33,9 +37,52 @@ def find_equilibrium(
     """
     if model.beam is not None and model.beam.needs_ancf_equilibrium:
         return quaternion_equilibrium(model, motion, lateral_friction)
+    if model.case.top.force is not None and model.case.initial.wob is not None:
+        return _equilibrium_at_weight(model, motion, lateral_friction, path)
     if model.motor is not None:
         return motor_equilibrium(model, model.motor, motion, lateral_friction, path)
     return director_equilibrium(model, motion, lateral_friction, path)
+
+
+def _equilibrium_at_weight(
+    model: DrillingModel,
+    motion: tuple[float, float] | None,
+    lateral_friction: bool,
+    path: PathKind | None,
+) -> StaticState:
+    """Hold the top of a model with a top force where the bit carries ``initial.wob``; the force acts from time 0 on.
+
+    Parameters and errors are those of ``find_equilibrium``.  Collective.
+    """
+    held = build_model(held_at_weight(model.case), model.system.comm)
+    state = director_equilibrium(held, motion, lateral_friction, path)
+    place_along_hole(model)
+    system, other = model.system, held.system
+    system.frames.reference[:], system.frames.second_director[:] = (
+        other.frames.reference,
+        other.frames.second_director,
+    )
+    system.frames.twist0[:] = other.frames.twist0
+    system.assembly.reference[:] = other.assembly.reference
+    system.assembly.x[:] = other.assembly.x
+    system.assembly.dead_load = other.assembly.dead_load
+    for component in system.components:
+        component.update_reference_frames()
+        component.locate_hole(system.assembly)
+    if model.contact is not None and held.contact is not None:
+        model.contact.copy_sliding_direction(held.contact)
+    if model.bit is not None and held.bit is not None:
+        model.bit.copy_sliding_direction(held.bit)
+    align_top(model)
+    force, hook_load = model.case.top.force, -other.reaction("top.axial_reaction")
+    assert force is not None
+    if abs(force.value(0.0) - hook_load) > TOLERATED_JUMP * abs(hook_load):
+        units = model.case.output.units or "metric"
+        state.warnings.append(
+            f"the top pulls with {shown(force.value(0.0), 'force', units)} from time 0 on, and with initial.wob the string "
+            f"hangs on {shown(hook_load, 'force', units)}: it starts to move"
+        )
+    return state
 
 
 def initial_state(
@@ -75,6 +122,6 @@ def initial_state(
         return state
     release(model)
     move_rigidly(model)
-    if state is None:
+    if state is None or case.top.force is not None:
         find_reactions(model)
     return state

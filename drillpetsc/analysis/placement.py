@@ -128,3 +128,14 @@ def find_reactions(model: DrillingModel) -> None:
             component.balance_constraints(asm, summed)
         system.store_unknowns(unknowns)
         system.load_unknowns(unknowns)
+
+
+def align_top(model: DrillingModel) -> None:
+    """Prescribe at time 0 the present place, direction and angle of the top node; collective."""
+    system, names = model.system, ("string.position", "string.tangent", "string.spin")
+    here = np.flatnonzero(system.chain.owned & (system.chain.vertices == 0))
+    local = np.hstack([system.field(name)[here].sum(axis=0) for name in names])
+    place = local if system.comm.size == 1 else np.asarray(system.comm.tompi4py().allreduce(local))
+    if model.top is not None:
+        model.top.align(place[:3], place[3:6], place[6:])
+    system.assembly.invalidate_prescribed_values()

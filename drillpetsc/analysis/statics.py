@@ -22,6 +22,7 @@ from drillpetsc.errors import CaseError
 from drillpetsc.fem.component import FloatArray
 from drillpetsc.fem.quantity import Quantity, Sample
 from drillpetsc.model.drilling_model import DrillingModel, build_model
+from drillpetsc.model.string_forces import held_at_weight
 from drillpetsc.output import FieldWriter, RunFolder, write_summary, write_table
 from drillpetsc.output.case_files import write_case
 from drillpetsc.output.field_output import FieldOutput
@@ -61,6 +62,7 @@ def run_statics(
         raise CaseError(
             at="--motion", got=motion, want="a case with a well: without a hole there is no friction"
         )
+    case = held_at_weight(case)
     with options.applied(case.petsc):
         model = build_model(case, comm, MOTIONS[motion] if motion else None)
         folder = make_folder(comm, name, out, False, overwrite)

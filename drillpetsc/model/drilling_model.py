@@ -307,7 +307,16 @@ def _top_components(
         if top.hoist is not None and not is_quasi_static(case):
             guided, hoist = build_hoist(case, mesh.nodes, position, tangent, rotation, path, frames)
             return guided, drive, hoist
-        held = TopDrive(position, tangent, rotation, lowering, path=path, frames=frames, hinged=top.hinged)
+        held = TopDrive(
+            position,
+            tangent,
+            rotation,
+            lowering,
+            path=path,
+            frames=frames,
+            hinged=top.hinged,
+            guided=top.guided,
+        )
         return held, drive, None
     assert isinstance(top, DrivenTop)
     driven = TopDrive(position, tangent, None, top.lowering, path=path, frames=frames)

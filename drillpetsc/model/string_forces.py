@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from drillpetsc.arrays import FloatArray
-from drillpetsc.case.blocks.ends import BitBottom, ForcedBottom, HeldBottom, PointLoad
+from drillpetsc.case.blocks.ends import BitBottom, ForcedBottom, HeldBottom, PointLoad, TopDrive
 from drillpetsc.case.blocks.string import Flexible
 from drillpetsc.case.case import Case
 from drillpetsc.case.quantities import largest
@@ -62,6 +62,15 @@ def _areas(case: Case, number: int, flexible: dict[int, dict[str, float]]) -> tu
     return np.pi / 4 * item.id**2, np.pi / 4 * (item.od or 0.0) ** 2
 
 
+def held_at_weight(case: Case) -> Case:
+    """The case of statics: a top under a force is held where the bit carries ``initial.wob``."""
+    if case.initial.wob is None or case.top.force is None:
+        return case
+    assert isinstance(case.top, TopDrive)
+    held = case.top.model_copy(update={"force": None, "guided": True})
+    return case.model_copy(update={"top": held})
+
+
 def estimate_forces(
     case: Case,
     well: Well | None,
@@ -75,6 +84,7 @@ def estimate_forces(
     motion: axial speed [m/s, down positive] and rotation [rad/s] of a static question, None: those of the case.
     places: measured depths [m] where pieces end, beside items' ends and the hole's nodes.
     """
+    case = held_at_weight(case)
     shift = _top(case)
     md, item = _pieces(case, well, shift, places)
     middle, h = 0.5 * (md[1:] + md[:-1]), np.diff(md)

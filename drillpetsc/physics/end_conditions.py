@@ -56,8 +56,8 @@ class PathEnd(Top):
     curved path (manual: sec-prescribed-path) ``anchor`` (4,) is the measured depth [m], the offsets from the
     centreline along both normals [m] and the angle of the section about the tangent [rad], all at time 0.
 
-    The axial position is prescribed where ``axial``, the slope's direction where ``tilt``, the spin where
-    ``spin``.
+    The axial position is prescribed where ``axial``, the position across where ``across``, the slope's direction where
+    ``tilt``, the spin where ``spin``.  Without ``across`` there is no ``axial`` either.
     """
 
     def __init__(
@@ -68,6 +68,7 @@ class PathEnd(Top):
         angle: float,
         *,
         axial: bool,
+        across: bool = True,
         tilt: bool,
         spin: bool,
         rotation: Input | None = None,
@@ -78,24 +79,26 @@ class PathEnd(Top):
         zero = _Zero()
         self._down, self._turn = lowering or zero, rotation or zero
         self.inputs = tuple(i for i in (rotation, lowering) if i is not None)
-        self._axial_row, self._tilt, self._spin = axial, tilt, spin
+        self._axial_row, self._across, self._tilt, self._spin = axial, across, tilt, spin
         self._path, self._frames, self._vertex = path, frames, vertex
         axes = _axes(tangent)
         where = "top" if vertex == 0 else "bottom"
         names = (
             ["axial_reaction"] * axial
-            + ["side_reaction_1", "side_reaction_2"]
+            + ["side_reaction_1", "side_reaction_2"] * across
             + ["side_moment_1", "side_moment_2"] * tilt
             + ["torque_reaction"] * spin
         )
-        D = _rows(axes if axial else axes[1:], axes[1:] if tilt else axes[:0], spin)
+        D = _rows(self._position_rows(axes), axes[1:] if tilt else axes[:0], spin)
         along, about = np.zeros(len(D)), np.zeros(len(D))
         along[:1], about[-1:] = float(axial), float(spin)
         start = D @ np.concatenate([position, tangent, [angle]])
         if path is not None:
             start = np.append(path.coordinates(position), angle)
         self.anchor = start
-        self.depth = float(start[0])  # measured depth of the last evaluation on a path [m]
+        self.depth = (
+            float(start[0]) if len(start) else 0.0
+        )  # measured depth of the last evaluation on a path [m]
         down, turn, self._first_row = self._down, self._turn, along
         self._condition = PrescribedMotion(
             vertex,
@@ -107,6 +110,10 @@ class PathEnd(Top):
             advance=None if path is None else self._advance,
             spin_reference=self._reference if spin and not tilt and frames is not None else None,
         )
+
+    def _position_rows(self, axes: FloatArray) -> FloatArray:
+        """Directions in which the position is prescribed, of the (3, 3) axes of the path."""
+        return axes if self._axial_row else axes[1:] if self._across else axes[:0]
 
     def _reference(self) -> FloatArray:
         """Direction (3,) from which the spin angle of the end counts."""
@@ -137,7 +144,7 @@ class PathEnd(Top):
         axes, place = here.axes, here.centre + offset @ here.axes[1:]
         if not self._axial_row and y is not None:
             speed = float(axes[0] @ y[:3] / (1 - here.curvature @ (place - here.centre)))
-        D = _rows(axes if self._axial_row else axes[1:], axes[1:] if self._tilt else axes[:0], self._spin)
+        D = _rows(self._position_rows(axes), axes[1:] if self._tilt else axes[:0], self._spin)
         spin = angle + self._turn.integral(t) + self._spin_about_reference(here) if self._spin else 0.0
         value = D @ np.concatenate([place, axes[0], [spin]])
         rate = D @ np.concatenate(
@@ -188,7 +195,7 @@ class PathEnd(Top):
     def place_across(self, position: FloatArray) -> None:
         if self._path is not None:
             self.anchor[1:3] = self._path.coordinates(position)[1:]
-        else:
+        elif self._across:
             rows = slice(int(self._axial_row), int(self._axial_row) + 2)
             self.anchor[rows] = self._condition.directions[rows, :3] @ position
 
@@ -240,6 +247,7 @@ class TopDrive(PathEnd):
     lowering: over time [m/s]; None: the axial position is free, and a load prescribes the force.
     path, frames: centreline along which the top moves, and the string's frames; None: its tangent.
     hinged: the direction of the string is free.
+    guided: the position across the path is prescribed; without it lowering is None.
     """
 
     name = "top_drive"
@@ -254,9 +262,11 @@ class TopDrive(PathEnd):
         path: HolePath | None = None,
         frames: Frames | None = None,
         hinged: bool = False,
+        guided: bool = True,
     ):
         super().__init__(
-            0, position, tangent, angle, axial=lowering is not None, tilt=not hinged, spin=rotation is not None,
+            0, position, tangent, angle, axial=lowering is not None, across=guided, tilt=not hinged,
+            spin=rotation is not None,
             rotation=rotation, lowering=lowering, path=path, frames=frames,
         )  # fmt: skip
 

@@ -109,6 +109,11 @@ class TopDrive(TopEnd):
         strict=True,
         description="true: the direction of the string at the top is free; false: it is held",
     )
+    guided: bool = Field(
+        default=True,
+        strict=True,
+        description="false: with a force, the top moves freely across the hole, too; true: its place across is held",
+    )
     motor: TopMotor | None = Field(
         default=None, description="motor with inertia and limits; without it the rotation is prescribed"
     )
@@ -131,6 +136,10 @@ class TopDrive(TopEnd):
     def _one_of_two(self) -> TopDrive:
         if self.force is not None and "lowering" in self.model_fields_set:
             raise refuse("force", want="a lowering or a force, not both")
+        if not self.guided and self.force is None:
+            raise refuse(
+                "guided", got=False, want="a force: a top whose axial position is prescribed is guided"
+            )
         if self.motor is None:
             if self.control:
                 raise refuse(

@@ -30,7 +30,7 @@ class Joint(Block):
         "(Hooke joint); slider: telescopes along the string, all else is fixed (bumper sub, slip joint)"
     )
     at: Annotated[float, Quantity("m", at_least=0)] = Field(
-        description="measured depth on the string, between its ends"
+        description="measured depth on the string; 0: between the top and the string"
     )
     axis: Annotated[tuple[float, float, float], Vector("")] = Field(
         default=(0.0, 1.0, 0.0),

@@ -22,14 +22,16 @@ def check_joints(case: CaseBlocks) -> None:
         if case.fluid is not None and case.fluid.formulation == "hermite":
             want = "formulation mixed in a case with joints"
             raise refuse("fluid", "formulation", got="hermite", want=want)
-        if not TOLERANCE < joint.at < end - TOLERANCE:
+        if joint.at <= TOLERANCE:
+            _joint_at_the_top(case, i)
+        elif joint.at >= end - TOLERANCE:
             raise refuse(
                 "joints",
                 i,
                 "at",
                 got=joint.at,
-                want=f"a measured depth inside the string, between 0 and {end:g} m",
-                hint="a joint connects the part above it with the part below; for an end that can bend: top or bottom pinned",
+                want=f"a measured depth on the string, from 0 to less than {end:g} m",
+                hint="a joint connects the part above it with the part below; for a lower end that can bend: bottom pinned",
             )
         for other, k in seen.items():
             if abs(other - joint.at) <= TOLERANCE:
@@ -52,9 +54,30 @@ def check_joints(case: CaseBlocks) -> None:
     _no_massless_part(case)
 
 
+def _joint_at_the_top(case: CaseBlocks, i: int) -> None:
+    """Raise unless the top holds what is above joint ``i`` at depth 0: a section without mass."""
+    top, joint = case.top, case.joints[i]
+    if case.fluid is not None:
+        want = "a depth above 0 in a case with a fluid"
+        raise refuse("joints", i, "at", got=joint.at, want=want)
+    if top.kind in ("free", "pinned") or getattr(top, "hinged", False):
+        raise refuse(
+            "joints",
+            i,
+            "at",
+            got=joint.at,
+            want="a top that holds its section, clamped, driven or a top drive without hinge; or a depth above 0",
+            hint="a joint at depth 0 connects the string with the top",
+        )
+    if joint.constraint == "stabilised":
+        want = "position, at depth 0: the top holds what is above"
+        raise refuse("joints", i, "constraint", got=joint.constraint, want=want)
+
+
 def _no_massless_part(case: CaseBlocks) -> None:
     """Raise if the string between two joints, or between a joint and an end, has no mass of its own."""
-    marks = [0.0, *sorted(joint.at for joint in case.joints), case.string_length]
+    inner = sorted(joint.at for joint in case.joints if joint.at > TOLERANCE)
+    marks = [0.0, *inner, case.string_length]
     for above, below in zip(marks, marks[1:], strict=False):
         inside = [
             i for i, (a, b) in enumerate(case.item_depths) if b > above + TOLERANCE and a < below - TOLERANCE

@@ -34,6 +34,8 @@ def check_quaternion(case: CaseBlocks) -> None:
         raise _not_supported("top", "hoist", what="a hoist")
     if getattr(case.top, "hinged", False):
         raise _not_supported("top", "hinged", got=True, what="a hinged top drive")
+    if not getattr(case.top, "guided", True):
+        raise _not_supported("top", "guided", got=False, what="a top that moves across the hole")
     for i, joint in enumerate(case.joints):
         if joint.constraint == "stabilised":
             raise refuse(
