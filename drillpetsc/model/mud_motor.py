@@ -91,6 +91,7 @@ def build_mud_motor(
         bend,
         flow=None if wet else section.flow_rate or Constant(0.0),
         compressibility=1.0 / case.fluid.bulk_modulus if case.fluid is not None else None,
+        outside=case.fluid.outlet_pressure if case.fluid is not None else None,
         balanced=balanced,
         label=f"string[{number}] pdm",
     )

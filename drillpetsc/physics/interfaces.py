@@ -295,7 +295,7 @@ class Motor(Component):
     def update_static_speed(self, torque: float, flow: float) -> float:
         """Set the speeds by the torque [N m] and flow rate [m3/s] of a static state.
 
-        Returns the change of the static speed as a share of the free speed.
+        Returns the larger change: of the speed as a share of the free speed, of the torque of that of the stall.
         """
 
     @abstractmethod
@@ -337,6 +337,10 @@ class JointSet(Component):
 
     joints: tuple[StringJoint, ...]
     RESULTS: tuple[str, ...]
+
+    @abstractmethod
+    def lock(self, cell: int, locked: bool) -> None:
+        """Hold all motions in the joint of a ``cell``, or let it move as its kind does."""
 
     @abstractmethod
     def element_results(self, state: Any) -> FloatArray:

@@ -161,6 +161,13 @@ class Joints(JointSet):
         if self._stabilised.any():
             self._correction_params[:] = self._correction_rows()
 
+    def lock(self, cell: int, locked: bool) -> None:
+        for b, chosen in zip(self._blocks, self._chosen, strict=True):
+            for row, k in enumerate(chosen):
+                joint = self.joints[k]
+                if joint.cell == cell:
+                    b.named["kind"][row] = KINDS.index("fixed" if locked else joint.kind)
+
     # ------------------------------------------------------------------ results
     def element_results(self, state) -> FloatArray:
         """(joints, 10) results of all joints, zero where another rank has the joint: the columns of

@@ -300,7 +300,7 @@ MUD_MOTOR: tuple[Quantity, ...] = (
         label="Load of the thrust bearing",
         mnemonic="MBRG",
         sign="positive where mud and weight push the rotor down",
-        doc="Differential pressure on the seal of the downhole motor, and the tension between its halves.",
+        doc="Thrust of the mud on the seal of the downhole motor, and the tension between its halves, which weight on bit takes off.",
         value=lambda motor, sample: sample.once(motor.thrust, sample.time),
     ),
     Quantity(

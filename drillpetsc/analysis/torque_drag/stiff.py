@@ -25,7 +25,7 @@ from drillpetsc.analysis.torque_drag.string_rows import JOINT, SHORTEST, StringR
 from drillpetsc.analysis.torque_drag.table import OK, STATES, failed, neutral_point, said_of
 from drillpetsc.arrays import FloatArray
 from drillpetsc.case.blocks.ends import ForcedBottom, HeldBottom, LineLoad, TopDrive
-from drillpetsc.case.blocks.string import Beam, Item, Pipe, Rigid
+from drillpetsc.case.blocks.string import Beam, Item, Rigid, Tube
 from drillpetsc.case.blocks.tubulars import Tubular
 from drillpetsc.case.case import Case
 from drillpetsc.case.section import ring
@@ -64,7 +64,7 @@ def need_beam(case: Case) -> None:
         raise CaseError(
             at="--model", got="stiff", want="a case with contact: without it the wall drags nothing"
         )
-    if case.joints:
+    if case.joints or case.tool_joint_depths:
         raise CaseError(at="--model", got="stiff", want="a string without joints, or --model soft")
 
 
@@ -135,7 +135,7 @@ def _weighing(item: Item, mass: float, length: float, factor: float) -> Item:
         raise CaseError(at="string", got=item.name, want="an item that does not float in the mud")
     if isinstance(item, Tubular):
         update["adjusted_weight"] = mass
-    elif isinstance(item, Pipe):
+    elif isinstance(item, Tube):
         density = mass / ring(item.od, item.id)[0]
         update["material"] = item.material.model_copy(update={"density": density})
     else:

@@ -10,8 +10,8 @@ namespace dp {
 struct MudMotorParameters {
     DP_ENUM(Parameter,
         LAW,                                   // as MotorLaw
-        HELD = LAW + 6,                        // stiffness that holds the rotor in statics [N m/rad], 0: in motion
-        ANGLE,                                 // angle of the rotor from the stator where it is held [rad]
+        HELD = LAW + 6,                        // 1: statics, the joint holds the rotor; 0: in motion
+        LOAD,                                  // torque in the state before, by which the mud loses pressure in statics [N m]
         FLOW,                                  // flow rate where no mud is modelled [m3/s]
         COMPRESSIBILITY,                       // of the mud [1/Pa]
         LOBES,                                 // of the rotor
@@ -60,7 +60,7 @@ struct MudMotor : MudMotorParameters {
     template <class T>
     static Values<T> evaluate(const T* x, const double* p, const MotorTable* table) {
         Values<T> q;
-        q.torque = p[HELD] > 0 ? (x[ABOVE] + p[ANGLE] - x[BELOW]) * p[HELD] : x[MOTOR] * 1.0;
+        q.torque = p[HELD] > 0 ? T(p[LOAD]) : x[MOTOR] * 1.0;
         if constexpr (FLOWING) q.flow = x[RATE] * exp((x[PRESSURE1] + x[PRESSURE2]) * (-0.5 * p[COMPRESSIBILITY]));
         else q.flow = T(p[FLOW]);
         q.law = motor_point(p + LAW, table, q.flow, q.torque);
@@ -89,9 +89,13 @@ struct MudMotor : MudMotorParameters {
             for (int i = 0; i < 7; ++i) r[7 + i] += R[i];
         }
         const Values<T> q = evaluate(x, p, static_cast<const MotorTable*>(context));
-        r[ABOVE] += q.torque;
-        r[BELOW] -= q.torque;
-        r[MOTOR] = p[HELD] > 0 ? x[MOTOR] * 1.0 : (q.law.speed - (y[BELOW] - y[ABOVE])) * LAW_ROW;
+        if (p[HELD] > 0) {
+            r[MOTOR] = x[MOTOR] * 1.0;
+        } else {
+            r[ABOVE] += q.torque;
+            r[BELOW] -= q.torque;
+            r[MOTOR] = (q.law.speed - (y[BELOW] - y[ABOVE])) * LAW_ROW;
+        }
         if constexpr (FLOWING) r[RATE] = q.law.pressure * MOMENTUM_ROW;
     }
 
