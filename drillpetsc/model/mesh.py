@@ -14,6 +14,7 @@ import numpy as np
 from drillpetsc.arrays import FloatArray
 from drillpetsc.case.blocks.ends import PointLoad
 from drillpetsc.case.blocks.joints import Joint
+from drillpetsc.case.blocks.motor import PositiveDisplacementMotor
 from drillpetsc.case.blocks.settings import STARTS
 from drillpetsc.case.blocks.string import Beam as BeamItem
 from drillpetsc.case.blocks.string import Bend, Flexible, Item, Rigid, Stabilizer, Tube
@@ -268,6 +269,12 @@ def _section(item: Flexible) -> dict[str, float]:
         m = item.material
         values = tube(item.od, item.id, m.young, m.poisson, m.density)
         damping = m.damping
+        if isinstance(item, PositiveDisplacementMotor):  # the rotor's mass is at the motor's joint
+            values["mass"] -= item.pdm.rotor_mass / item.length
+            if not values["mass"] > 0:
+                whole = f"{values['mass'] * item.length + item.pdm.rotor_mass:.4g} kg"
+                want = f"less than the mass of the item, {whole}"
+                raise CaseError(at="string: pdm.rotor_mass", got=f"{item.pdm.rotor_mass:g} kg", want=want)
     else:
         assert isinstance(item, BeamItem)
         values = {k: getattr(item, k) for k in STIFFNESS_AND_MASS}

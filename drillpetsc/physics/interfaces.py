@@ -276,6 +276,8 @@ class Motor(Component):
     """A downhole motor, which turns what is below it in the string.  ``cell``: of its joint."""
 
     cell: int
+    #: mass of the rotor, at the node above the joint and not in the mesh [kg]
+    rotor_mass: float = 0.0
 
     @property
     @abstractmethod

@@ -42,15 +42,13 @@ extern "C" void mud_motor_energies(int n, int width, const int* idx, const doubl
         body_energy(1, own, body, X + 7, Y + 7, found);
         o[0] = found[0];
         o[1] = 0.0;
-        if (p[M::ROTOR_MASS] > 0 && p[M::ECCENTRICITY] > 0) {
+        if (p[M::ROTOR_MASS] > 0) {
             for (int i = 0; i < 6; ++i) { U[i] = X[i]; W[i] = Y[i]; }
             U[6] = M::orbit(X, p); W[6] = M::orbit(Y, p);
             M::orbiting_body(p, body);
             body_energy(1, own, body, U, W, found);
-            double still = 0, height = 0;
-            for (int i = 0; i < 3; ++i) { still += W[i] * W[i]; height -= p[M::GRAVITY + i] * U[i]; }
-            o[0] += found[0] - 0.5 * body[Body::MASS] * still;
-            o[1] += found[1] - body[Body::MASS] * height;
+            o[0] += found[0];
+            o[1] += found[1];
         }
     }
 }

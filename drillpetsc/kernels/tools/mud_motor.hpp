@@ -31,14 +31,15 @@ struct MudMotor : MudMotorParameters {
     enum Slot { ABOVE = 6, BELOW = 13, MOTOR = 14, PRESSURE1, PRESSURE2, RATE };
     static constexpr double LAW_ROW = 1e4;  // scale of the law's row [N m s/rad]
 
-    // The orbit: spin of a body at the stator whose angle is (1 + lobes) stator - lobes rotor, counted from the same reference.
+    // The orbit: spin of a body at the stator whose angle is (1 + lobes) stator - lobes rotor, counted from the same reference.  The rotor's
+    // mass is at the node above the joint, and not in the pipe.
     template <class T>
     static T orbit(const T* u, const double* p) { return u[ABOVE] * (1.0 + p[LOBES]) - u[BELOW] * p[LOBES]; }
 
     static void orbiting_body(const double* p, double* b) {
         const bool balanced = p[BALANCED] != 0;
         for (int i = 0; i < Body::NP; ++i) b[i] = 0.0;
-        b[Body::MASS] = balanced ? 0.0 : p[ROTOR_MASS];
+        b[Body::MASS] = p[ROTOR_MASS];
         b[Body::OFFSET] = balanced ? 0.0 : p[ECCENTRICITY];
         b[Body::AXIAL] = balanced ? p[ROTOR_MASS] * p[ECCENTRICITY] * p[ECCENTRICITY] : 0.0;
         for (int i = 0; i < 3; ++i) {
@@ -71,14 +72,13 @@ struct MudMotor : MudMotorParameters {
     static void force(int e, const T* x, const T* y, const T* a, const S* p, void* context, T* r) {
         for (int i = 0; i < D; ++i) r[i] = T(0.0);
         double body[Body::NP];
-        if (p[ROTOR_MASS] > 0 && p[ECCENTRICITY] > 0) {
+        if (p[ROTOR_MASS] > 0) {
             T X[7], Y[7], A[7], R[7];
             for (int i = 0; i < 6; ++i) { X[i] = x[i]; Y[i] = y[i]; A[i] = a[i]; }
             X[6] = orbit(x, p); Y[6] = orbit(y, p); A[6] = orbit(a, p);
             orbiting_body(p, body);
             Body::force(e, X, Y, A, body, nullptr, R);
-            for (int i = 0; i < 3; ++i) r[i] += R[i] - (a[i] - p[GRAVITY + i]) * body[Body::MASS];  // the item has the mass itself
-            for (int i = 3; i < 6; ++i) r[i] += R[i];
+            for (int i = 0; i < 6; ++i) r[i] += R[i];
             r[ABOVE] += R[6] * (1.0 + p[LOBES]);
             r[BELOW] -= R[6] * p[LOBES];
         }

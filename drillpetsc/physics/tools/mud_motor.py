@@ -106,6 +106,7 @@ class MudMotor(Motor):
     ):
         self.mesh, self.frames, self.gravity = mesh, frames, gravity
         self.cell, self.law, self.rotor, self.joints = cell, law, rotor, joints
+        self.rotor_mass = rotor.mass
         self.bend, self.outside = bend, outside
         self.flow, self.compressibility, self.balanced = flow, compressibility, balanced
         self._speed = self._start_speed = self._load = 0.0
