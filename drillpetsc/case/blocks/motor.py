@@ -113,7 +113,7 @@ class MotorSection(Block):
         description="measured performance instead of a law: the name of a CSV file with the columns flow, differential_pressure, "
         "torque and speed, each with its unit in brackets; curves that end before the rotor stands go on to stall_torque",
     )
-    lobes: tuple[int, int] | None = Field(
+    lobes: tuple[int, ...] | None = Field(
         default=None, description="lobes of rotor and stator, `[7, 8]`; needed with an eccentricity"
     )
     rotor_mass: Annotated[float, Quantity("kg", at_least=0, at_most=1e5)] = Field(
@@ -158,7 +158,9 @@ class MotorSection(Block):
                 if not self.stall_torque > self.curve.torque[last]:
                     want = f"more than the last torque of the curve at {flow * 6e4:g} l/min, {self.curve.torque[last]:g} N m"
                     raise refuse("stall_torque", got=self.stall_torque, want=want)
-        if self.lobes is not None and not (self.lobes[0] >= 1 and self.lobes[1] == self.lobes[0] + 1):
+        if self.lobes is not None and not (
+            len(self.lobes) == 2 and self.lobes[0] >= 1 and self.lobes[1] == self.lobes[0] + 1
+        ):
             raise refuse(
                 "lobes",
                 got=list(self.lobes),
