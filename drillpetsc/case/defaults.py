@@ -10,6 +10,7 @@ from drillpetsc.case.blocks.case_blocks import CaseBlocks
 from drillpetsc.case.blocks.contact import Contact
 from drillpetsc.case.blocks.fluid import PowerLaw
 from drillpetsc.case.blocks.string import Beam, Inertia, Item, Material, Rigid, Tube
+from drillpetsc.case.blocks.tools import TelescopingTool
 from drillpetsc.case.mud_report import api_annulus
 from drillpetsc.case.quantities import largest
 
@@ -59,7 +60,11 @@ def fill_case_defaults(case: CaseBlocks) -> None:
 def _with_defaults(item: Item, material: Material) -> Item:
     """A copy of the item with its material and, if it is rigid, its mass and inertia."""
     if isinstance(item, Tube):
-        return item.model_copy(update={"material": overlaid(material, item.material)})
+        own = overlaid(material, item.material)
+        density = item.density() if isinstance(item, TelescopingTool) else None
+        if density is not None:
+            own = own.model_copy(update={"density": density})
+        return item.model_copy(update={"material": own})
     if isinstance(item, Beam):
         return item.model_copy(update={"damping": overlaid(material.damping, item.damping)})
     if isinstance(item, Rigid):

@@ -17,6 +17,7 @@ from drillpetsc.case.blocks.joints import Joint
 from drillpetsc.case.blocks.settings import STARTS
 from drillpetsc.case.blocks.string import Beam as BeamItem
 from drillpetsc.case.blocks.string import Bend, Flexible, Item, Pipe, Rigid, Stabilizer
+from drillpetsc.case.blocks.tools import ShockSub, TelescopingTool
 from drillpetsc.case.blocks.tubulars import Tubular
 from drillpetsc.case.case import Case
 from drillpetsc.case.checks.limits import element_count
@@ -70,14 +71,14 @@ def build_mesh(case: Case, well: Well | None = None, motion: tuple[float, float]
     tops: dict[int, int] = {}  # cell at the upper end of each flexible item
     pending: list = []
     joints: list[StringJoint] = []
-    remaining = sorted(case.joints, key=lambda j: j.at)
+    remaining = sorted(_joints(case), key=lambda j: j.depth)
     item_edges, lengths = _element_ends(case, well, motion)
 
     def add_joint(item, depth: float) -> None:
         """Add the joint at ``depth`` [m], if there is one, as a row without length below the pending rigid items."""
-        if remaining and abs(remaining[0].at - depth) <= NODE_TOLERANCE * max(1.0, depth):
+        if remaining and abs(remaining[0].depth - depth) <= NODE_TOLERANCE * max(1.0, depth):
             joint = remaining.pop(0)
-            joints.append(_joint(joint, len(rows)))
+            joints.append(replace(joint, cell=len(rows)))
             rows.append((-1, item, depth, depth, sum(q.length for _, q in pending)))
             pending.clear()
 
@@ -172,11 +173,21 @@ def _with_depths(marks: list[float], depths: FloatArray) -> list[float]:
     return sorted([*marks, *new])
 
 
-def _joint(joint: Joint, cell: int) -> StringJoint:
+def _joints(case: Case) -> list[StringJoint]:
+    """Joints of the case and of its tools, their cells not yet known."""
+    tools = [_joint(joint, item) for _, item, joint in case.tools]
+    return [*(_joint(joint) for joint in case.joints), *tools]
+
+
+def _joint(joint: Joint, tool: TelescopingTool | None = None) -> StringJoint:
+    """The joint of the mesh; ``tool``: the item that it belongs to."""
+    preload, torsion = 0.0, None
+    if isinstance(tool, ShockSub):
+        preload, torsion = tool.preload, tool.torsion_stiffness
     return StringJoint(
         joint.at,
-        joint.kind,
-        cell,
+        joint.kind if torsion is None else "torsion_slider",
+        -1,
         joint.axes,
         joint.constraint == "stabilised",
         joint.spring,
@@ -184,6 +195,8 @@ def _joint(joint: Joint, cell: int) -> StringJoint:
         joint.stroke,
         joint.stop_stiffness,
         joint.seal_area,
+        preload,
+        torsion or 0.0,
     )
 
 
@@ -228,7 +241,7 @@ def _edges(case: Case, number: int, item: Flexible, top: float, bottom: float) -
     for load in case.loads:
         if isinstance(load, PointLoad) and top < load.at < bottom:
             extra.append(load.at)
-    extra += [joint.at for joint in case.joints if top < joint.at < bottom]
+    extra += [joint.at for joint in case.all_joints if top < joint.at < bottom]
     # a depth at an existing element end adds no node; elements may be as short as the case gives them
     for at in extra:
         k = bisect_left(edges, at)
@@ -252,7 +265,7 @@ def _with_sections(rows: list) -> list:
 
 def _section(item: Flexible) -> dict[str, float]:
     """Section values of a flexible item, in the units of ``StringMesh``."""
-    if isinstance(item, Pipe):
+    if isinstance(item, (Pipe, TelescopingTool)):
         m = item.material
         values = tube(item.od, item.id, m.young, m.poisson, m.density)
         damping = m.damping

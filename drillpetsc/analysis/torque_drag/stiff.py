@@ -26,6 +26,7 @@ from drillpetsc.analysis.torque_drag.table import OK, STATES, failed, neutral_po
 from drillpetsc.arrays import FloatArray
 from drillpetsc.case.blocks.ends import ForcedBottom, HeldBottom, LineLoad, TopDrive
 from drillpetsc.case.blocks.string import Beam, Item, Pipe, Rigid
+from drillpetsc.case.blocks.tools import TelescopingTool
 from drillpetsc.case.blocks.tubulars import Tubular
 from drillpetsc.case.case import Case
 from drillpetsc.case.section import ring
@@ -64,7 +65,7 @@ def need_beam(case: Case) -> None:
         raise CaseError(
             at="--model", got="stiff", want="a case with contact: without it the wall drags nothing"
         )
-    if case.joints:
+    if case.all_joints:
         raise CaseError(at="--model", got="stiff", want="a string without joints, or --model soft")
 
 
@@ -135,7 +136,7 @@ def _weighing(item: Item, mass: float, length: float, factor: float) -> Item:
         raise CaseError(at="string", got=item.name, want="an item that does not float in the mud")
     if isinstance(item, Tubular):
         update["adjusted_weight"] = mass
-    elif isinstance(item, Pipe):
+    elif isinstance(item, (Pipe, TelescopingTool)):
         density = mass / ring(item.od, item.id)[0]
         update["material"] = item.material.model_copy(update={"density": density})
     else:

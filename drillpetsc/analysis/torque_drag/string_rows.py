@@ -9,6 +9,7 @@ import numpy as np
 from drillpetsc.analysis.hydraulics.flow_model import string_at
 from drillpetsc.arrays import FloatArray
 from drillpetsc.case.blocks.string import Beam, Flexible, Item, Pipe, Rigid, Stabilizer
+from drillpetsc.case.blocks.tools import TelescopingTool
 from drillpetsc.case.blocks.tubulars import Jointed, Tubular
 from drillpetsc.case.case import Case
 from drillpetsc.case.section import metal_past, ring, tubular_section
@@ -161,7 +162,7 @@ def _of(case: Case, item: Item, middle: float) -> tuple[float, float, float, dic
             row["joint_length"] = s.joint_length
         if isinstance(item, Jointed) and item.contact_on == "tool_joint":
             row["half_joint"] = 0.5 * item.joint_length
-    elif isinstance(item, Pipe):
+    elif isinstance(item, (Pipe, TelescopingTool)):
         m = item.material
         area, moment = ring(outer, inner)
         per_length, metal, bore = m.density * area, area, np.pi / 4 * inner**2

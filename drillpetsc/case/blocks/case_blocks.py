@@ -27,6 +27,7 @@ from drillpetsc.case.blocks.rig import STANDARD_GRAVITY, Rig
 from drillpetsc.case.blocks.roadmap import Roadmap
 from drillpetsc.case.blocks.settings import BeamTheory, Initial, MeshSettings, Output, Time
 from drillpetsc.case.blocks.string import Flexible, Material
+from drillpetsc.case.blocks.tools import TelescopingTool
 from drillpetsc.case.blocks.tubulars import StringItem
 from drillpetsc.case.blocks.well import Well
 from drillpetsc.case.blocks.window import Window, window_or_file
@@ -150,6 +151,21 @@ class CaseBlocks(Block):
             depths.append((above, above + item.length))
             above += item.length
         return tuple(depths)
+
+    @property
+    def tools(self) -> tuple[tuple[int, TelescopingTool, Joint], ...]:
+        """Telescoping tools of a string that can move: number of the item, item, and its slider."""
+        found = []
+        for i, (item, (top, _)) in enumerate(zip(self.string, self.item_depths, strict=True)):
+            # a piece of a tool, such as statics of a shorter string has, may end above its slider
+            if isinstance(item, TelescopingTool) and not self.hold_string and item.joint_at < item.length:
+                found.append((i, item, item.joint(top)))
+        return tuple(found)
+
+    @property
+    def all_joints(self) -> tuple[Joint, ...]:
+        """Joints of the case and those of its tools."""
+        return (*self.joints, *(joint for _, _, joint in self.tools))
 
     @property
     def string_length(self) -> float:

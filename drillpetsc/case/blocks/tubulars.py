@@ -20,6 +20,7 @@ from drillpetsc.case.blocks.string import (
     Stabilizer,
     Tube,
 )
+from drillpetsc.case.blocks.tools import BumperSub, ShockSub
 from drillpetsc.case.key_paths import refuse
 from drillpetsc.case.quantities import Quantity
 
@@ -179,7 +180,18 @@ class CoiledTubing(Tubular):
 
 
 _check, _tag = tagged_union(
-    Pipe, Beam, DrillPipe, HeavyPipe, DrillCollar, Casing, CoiledTubing, Stabilizer, Body, Bit
+    Pipe,
+    Beam,
+    DrillPipe,
+    HeavyPipe,
+    DrillCollar,
+    Casing,
+    CoiledTubing,
+    ShockSub,
+    BumperSub,
+    Stabilizer,
+    Body,
+    Bit,
 )
 
 StringItem = Annotated[
@@ -190,6 +202,8 @@ StringItem = Annotated[
     | Annotated[DrillCollar, Tag("kind:DrillCollar")]
     | Annotated[Casing, Tag("kind:Casing")]
     | Annotated[CoiledTubing, Tag("kind:CoiledTubing")]
+    | Annotated[ShockSub, Tag("kind:ShockSub")]
+    | Annotated[BumperSub, Tag("kind:BumperSub")]
     | Annotated[Stabilizer, Tag("kind:Stabilizer")]
     | Annotated[Body, Tag("kind:Body")]
     | Annotated[Bit, Tag("kind:Bit")],
