@@ -65,11 +65,11 @@ def build_mud_motor(
 
     balanced: leave out the turning force of the rotor's orbit.
     """
-    found = motor_item(case)
-    if found is None:
+    found, cell = motor_item(case), mesh.motor_cell
+    if found is None or cell is None:  # a piece of the item may end above its joint
         return None
     number, item = found
-    section, cell = item.pdm, next(j.cell for j in mesh.joints if j.item == number)
+    section = item.pdm
     rotor = Rotor(
         section.lobes[0] if section.lobes is not None else 1,
         section.rotor_mass,

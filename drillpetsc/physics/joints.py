@@ -81,6 +81,8 @@ class Joints(JointSet):
             axes=_axes(joints),
             spring=[j.spring for j in joints],
             damper=[j.damping for j in joints],
+            preload=[j.preload for j in joints],
+            torsion=[j.torsion_spring for j in joints],
             stop_in=[stroke[0] for stroke in strokes],
             stop_out=[stroke[1] for stroke in strokes],
             stop_stiffness=[0.0 if j.stroke is None else j.stop_stiffness for j in joints],

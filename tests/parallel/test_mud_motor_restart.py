@@ -26,7 +26,7 @@ string:
     od: 171.5 mm
     id: 90 mm
     element_length: 10 m
-    joint_at: 14 m
+    joint_at: 15.7 m
     bend: {angle: 0.5 deg, position: 20 m, tool_face: 40 deg}
     pdm: {rev_per_volume: 0.29 rev/gal, no_load_pressure: 0.6 MPa, stall_torque: 14 kN m, lobes: [5, 6], rotor_mass: 300 kg,
       eccentricity: 6 mm, rotor_inertia: 3 kg m2}

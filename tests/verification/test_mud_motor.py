@@ -101,7 +101,7 @@ def test_a_load_swings_the_rotor_against_the_string(tmp_path):
     is below 1 % of that of the rotor.
     """
     inertia, load, stiffness = 100.0, 9e3, GJ / 19.8
-    case = hung(20.0, 0.0, pdm={**SECTION, "rotor_inertia": inertia}, joint_at=0.2)
+    case = hung(20.0, 0.0, pdm={**SECTION, "rotor_inertia": inertia}, joint_at=8.8)
     ramp = {"time": [0, 0.05, 0.1, 1.0], "value": [0, 0, 1, 1]}
     case["loads"] = [{"at": 20.0, "moment": [0, 0, -load], "value_over": ramp}]
     case["time"], case["output"] = {"end": 0.6}, {"history_every": 0.01}
@@ -155,7 +155,7 @@ def test_the_wall_brakes_what_the_motor_turns(rotation, tmp_path):
 
     The pipe lies on the lower side; a bit would hold it off the wall, so there is none.
     """
-    case = on_bottom(rotation, joint_at=6.0)
+    case = on_bottom(rotation, joint_at=3.0)
     case["string"] = case["string"][:2]
     case["bottom"], case["initial"] = "free", {"from": "statics"}
     case["string"][1]["element_length"] = 0.5
@@ -207,7 +207,7 @@ def test_the_rotor_orbits_backwards_and_shakes_the_string(tmp_path):
 def test_tool_face_follows_the_reactive_torque(tmp_path):
     """The bend stands where it was made up, turned back by the wind-up T L/GJ of the string above it."""
     face, torque = 0.6, 3e3
-    case = hung(400.0, torque, bend={"angle": 1e-4, "tool_face": face, "position": 4.0}, joint_at=1.0)
+    case = hung(400.0, torque, bend={"angle": 1e-4, "tool_face": face, "position": 4.0}, joint_at=8.0)
     case["initial"] = {"inclination": 0.5}
     tilt = (math.sin(0.5), 0.0, math.cos(0.5))
     case["bottom"]["moment"] = [-torque * c for c in tilt]
@@ -232,7 +232,7 @@ def test_modes_of_a_string_with_a_motor(tmp_path):
     c = math.sqrt(79230769230.76923 / 7850)
 
     def lowest(pdm: dict, torque: float) -> float:
-        case = hung(1000.0, torque, pdm=pdm, joint_at=180.0, element_length=20.0)
+        case = hung(1000.0, torque, pdm=pdm, joint_at=20.0, element_length=20.0)
         case["string"][0]["length"], case["string"][1]["length"] = 800.0, 200.0
         found = modes(Case(**case), tmp_path / str(len(list(tmp_path.iterdir()))), count=2, kind="torsional")
         table = read_table(found.folder / "modes.csv")

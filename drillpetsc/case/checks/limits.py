@@ -44,6 +44,8 @@ def check_quaternion(case: CaseBlocks) -> None:
         raise _not_supported("initial", "from", got=case.initial.from_, what="the end of another run")
     if case.joints:
         raise _not_supported("joints", what="joints")
+    for number, tool, _ in case.tools:
+        raise _not_supported("string", number, "kind", got=tool.kind, what="telescoping tools")
     if case.time is not None and case.time.mode != "dynamic":
         raise _not_supported("time", "mode", got=case.time.mode, what=f"time.mode {case.time.mode}")
 
