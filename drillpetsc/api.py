@@ -23,6 +23,7 @@ from drillpetsc.case.items import (
     Beam,
     Bit,
     Body,
+    BumperSub,
     Casing,
     CoiledTubing,
     DrillCollar,
@@ -30,6 +31,7 @@ from drillpetsc.case.items import (
     MudMotor,
     Pipe,
     RotarySteerable,
+    ShockSub,
     Stabilizer,
 )
 from drillpetsc.errors import CaseError
@@ -46,6 +48,7 @@ __all__ = [
     "Beam",
     "Bit",
     "Body",
+    "BumperSub",
     "Case",
     "Casing",
     "CoiledTubing",
@@ -55,6 +58,7 @@ __all__ = [
     "MudMotor",
     "Pipe",
     "RotarySteerable",
+    "ShockSub",
     "Stabilizer",
     "calibrate",
     "campbell",

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from drillpetsc.analysis.coarse_start import coarse_factor, coarse_model, place_like
+from drillpetsc.analysis.coarse_start import coarse_factor, coarse_model, place_like, whole_model
 from drillpetsc.analysis.energy_descent import START_INCREMENT, Snapshot, coarse_elements, too_coarse
 from drillpetsc.analysis.flow_coupling import couple_flow_and_string, surge_rates
 from drillpetsc.analysis.friction_newton import reach
@@ -170,7 +170,7 @@ def _answer_by_newton(problem: StaticProblem) -> float:
     """
     model, state, found, straight = problem.model, problem.state, problem.found, problem.straight
     if found is not None and problem.moves and not found.helical.any():
-        reached = _from_coarse_mesh(problem)
+        reached = _from_coarse_mesh(problem) if model.motor is None else _from_whole_string(problem)
         if reached is not None:
             state.lateral_fraction = reached
             return reached
@@ -275,7 +275,7 @@ def _from_coarse_mesh(problem: StaticProblem) -> float | None:
     stable equilibrium is found.
     """
     model, solver, state = problem.model, problem.solver, problem.state
-    factor = coarse_factor(model) if model.motor is None else None
+    factor = coarse_factor(model)
     if factor is None:
         return None
     start, report = Snapshot(model), state.equilibrium
@@ -303,6 +303,46 @@ def _from_coarse_mesh(problem: StaticProblem) -> float | None:
         start.restore()
         return None
     return asked
+
+
+def _from_whole_string(problem: StaticProblem) -> float | None:
+    """Try Newton's method with friction from the equilibrium of the string without the joint of its motor.
+
+    Returns the lateral friction fraction reached; None, with the state restored, where there is no motor, or no stable
+    equilibrium is found.
+    """
+    model, solver, state = problem.model, problem.solver, problem.state
+    if model.motor is None:
+        return None
+    start, report = Snapshot(model), state.equilibrium
+    # a string that turns may have no equilibrium without the motor's joint, where it bends
+    for motion in dict.fromkeys([state.motion, (state.motion[0], 0.0)]):
+        reached = None
+        try:
+            whole = whole_model(model, motion)
+            below = director_equilibrium(whole, motion, problem.fraction > 0, may_follow_path=False)
+            report.iterations += below.equilibrium.iterations
+            place_like(model, whole)
+            turns = state.motion[1] or problem.motor_speed
+            for trial in sorted({0.0, problem.fraction}) if turns else (1.0,):
+                last = Snapshot(model)
+                problem.impose(trial)
+                try:
+                    solver.newton_damped(report, solver.start_increment)
+                except SolveError:
+                    if reached is None:
+                        raise
+                    last.restore()
+                    break
+                reached = trial
+        except (SolveError, CaseError):
+            reached = None
+        finally:
+            problem.set_friction_aside()
+        if reached is not None and not (solver.energy and solver.negative_pivots()):
+            return reached
+        start.restore()
+    return None
 
 
 def _solver(model: DrillingModel) -> StaticNewton:

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import Any
 
+from drillpetsc.case.quantities import largest
+
 
 class LiveInput:
     """An input over time (``drillpetsc.time_function``) whose value can be set for the time to come.
@@ -44,6 +46,16 @@ class LiveInput:
 
     def jumps(self) -> tuple[float, ...]:
         return tuple(self._now.jumps())
+
+    @property
+    def values(self) -> tuple[float, ...]:
+        """Largest magnitude of the input, from which a mesh of automatic lengths is chosen."""
+        now = self._now
+        return (
+            abs(now.value(now.breaks()[-1] if now.breaks() else 0.0))
+            if isinstance(now, Piece)
+            else largest(now),
+        )
 
     def get_state(self) -> list[float] | None:
         """Numbers from which ``set_state`` continues; None as long as the input follows the case."""

@@ -15,7 +15,7 @@ from drillpetsc.model.mud_motor import motor_item
 from drillpetsc.physics.interfaces import Motor
 
 MOST_ROUNDS = 8  # equilibria, each with the speed of the one before
-SAME_SPEED = 1e-3  # change of the speed, as a share of the free speed, that is none
+SAME_SPEED = 1e-3  # change of speed and torque, as shares of free speed and stall torque, that is none
 
 
 def motor_equilibrium(

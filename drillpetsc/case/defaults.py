@@ -9,7 +9,10 @@ from drillpetsc.case.block import overlaid
 from drillpetsc.case.blocks.case_blocks import CaseBlocks
 from drillpetsc.case.blocks.contact import Contact
 from drillpetsc.case.blocks.fluid import PowerLaw
+from drillpetsc.case.blocks.motor import PositiveDisplacementMotor
+from drillpetsc.case.blocks.steering import RotarySteerable
 from drillpetsc.case.blocks.string import Beam, Inertia, Item, Material, Rigid, Tube
+from drillpetsc.case.blocks.tools import TelescopingTool
 from drillpetsc.case.mud_report import api_annulus
 from drillpetsc.case.quantities import largest
 
@@ -60,10 +63,11 @@ def _with_defaults(item: Item, material: Material) -> Item:
     """A copy of the item with its material and, if it is rigid, its mass and inertia."""
     if isinstance(item, Tube):
         own = overlaid(material, item.material)
-        mass = getattr(item, "mass", None)  # that of a tool
-        if mass is not None:
-            volume = math.pi / 4 * (item.od**2 - item.id**2) * item.length
-            own = own.model_copy(update={"density": mass / volume})
+        density = item.density() if isinstance(item, (TelescopingTool, PositiveDisplacementMotor)) else None
+        if isinstance(item, RotarySteerable) and item.mass is not None:
+            density = item.mass / (math.pi / 4 * (item.od**2 - item.id**2) * item.length)
+        if density is not None:
+            own = own.model_copy(update={"density": density})
         return item.model_copy(update={"material": own})
     if isinstance(item, Beam):
         return item.model_copy(update={"damping": overlaid(material.damping, item.damping)})

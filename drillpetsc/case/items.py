@@ -96,6 +96,21 @@ class _RotarySteerable(_Pipe, total=False):
     mass: Value
 
 
+class _Tool(_Pipe, total=False):
+    mass: Value
+    joint_at: Value
+    seal_area: Value
+    stop_stiffness: Value
+    stroke: Sequence[Value]
+
+
+class _ShockSub(_Tool, total=False):
+    stiffness: Value
+    damping: Value
+    preload: Value
+    torsion_stiffness: Value
+
+
 class _Rigid(_Any, total=False):
     length: Value
     od: Value
@@ -268,6 +283,24 @@ class CoiledTubing(StringItem):
         self._fill(keys)
 
 
+class ShockSub(StringItem):
+    """A shock sub: a spring and a damper between two parts that telescope."""
+
+    kind, key_types, required = "shock_sub", _ShockSub, ("length", "od", "stiffness")
+
+    def __init__(self, **keys: Unpack[_ShockSub]) -> None:
+        self._fill(keys)
+
+
+class BumperSub(StringItem):
+    """A bumper sub: two parts that telescope freely between stops."""
+
+    kind, key_types, required = "bumper_sub", _Tool, ("length", "od", "stroke")
+
+    def __init__(self, **keys: Unpack[_Tool]) -> None:
+        self._fill(keys)
+
+
 class Stabilizer(StringItem):
     """A stabilizer: contact with the hole over its blades, or over its length when blade_length is not given."""
 
@@ -324,6 +357,8 @@ ITEMS = {
         DrillCollar,
         Casing,
         CoiledTubing,
+        ShockSub,
+        BumperSub,
         Stabilizer,
         Body,
         Bit,

@@ -6,6 +6,7 @@ import math
 
 from drillpetsc.case.blocks.case_blocks import CaseBlocks
 from drillpetsc.case.blocks.fluid import Bingham, Casson, Newtonian, Rheology
+from drillpetsc.case.blocks.tools import ShockSub
 from drillpetsc.case.quantities import largest
 from drillpetsc.unit_systems import shown
 
@@ -53,6 +54,12 @@ def plausibility(case: CaseBlocks) -> list[str]:
                 f"at most {math.degrees(largest_azimuth):.2g} deg",
                 "angles in another unit?",
             )
+    for i, tool, _ in case.tools:
+        held = tool.held_by if isinstance(tool, ShockSub) else None
+        if held is not None:
+            does = "opens" if held < 0 else "closes"
+            load = f"a {'push' if held < 0 else 'pull'} above {abs(held) / 1e3:g} kN"
+            out.append(f"string[{i}] shock_sub: preload {does} the stroke: acts as rigid without {load}")
     if case.fluid is not None:
         density = case.fluid.density
         if density < LIGHTEST_MUD and density > 0.5:

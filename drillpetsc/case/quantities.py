@@ -303,13 +303,15 @@ def as_list(value: Any) -> Any:
 
 
 def largest(function: TimeFunction | None) -> float:
-    """Largest magnitude of an input over time, in its unit; 0 without an input."""
+    """Largest magnitude of an input over time, in its unit; 0 without an input, and that at time 0 of one set while it runs."""
     if function is None:
         return 0.0
     if isinstance(function, Constant):
         return abs(function.constant)
     if isinstance(function, Ramp):
         return abs(function.final)
+    if not hasattr(function, "values"):
+        return abs(function.value(0.0))
     return max(abs(value) for value in function.values)
 
 

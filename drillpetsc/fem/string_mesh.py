@@ -65,13 +65,15 @@ class StringJoint:
     """A joint: a cell without length between two nodes at the same position.
 
     depth: measured depth [m].
-    kind: word of the case file; cell: number of the joint's cell from the top.
+    kind: word of the case file, or torsion_slider; cell: number of the joint's cell from the top.
     axes: (3, 3) orthonormal rows, the joint's axes in (tangent, director 2, director 3).
     stabilised: velocity constraints are added (manual: eq-joint-ggl).
     spring [N/m], damping [N s/m]: along a slider (manual: eq-joint-slider).
     stroke: least and largest travel of a slider between its stops [m].
     stop_stiffness: stiffness of the stops [N/m].
     seal_area: area on which the mud pushes the parts of a slider apart [m2] (manual: eq-joint-seal-force).
+    preload: force by which the spring of a slider pushes its parts apart at zero travel [N].
+    torsion_spring: stiffness of a torsion_slider, whose parts turn about its axis [N m/rad].
     item: number of the string item whose tool has the joint, -1: a joint by itself.
     driven: a motor turns the part below.
     """
@@ -86,6 +88,8 @@ class StringJoint:
     stroke: tuple[float, float] | None = None
     stop_stiffness: float = 0.0
     seal_area: float = 0.0
+    preload: float = 0.0
+    torsion_spring: float = 0.0
     item: int = -1
     driven: bool = False
 

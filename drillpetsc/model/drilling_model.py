@@ -83,6 +83,9 @@ class DrillingModel:
         Manual: eq-mud-buoyed-weight.
         """
         mass = self.mesh.mass.copy()
+        if self.motor is not None:  # its rotor, over the element above its joint
+            cell = self.motor.cell - 1
+            mass[cell] += self.motor.rotor_mass / self.mesh.length[cell]
         if self.fluid is not None and self.fluid.bore is not None:
             mass += self.fluid.constants.density * self.fluid.bore.bore.area
         if self.fluid is not None and self.fluid.annulus is not None:

@@ -325,9 +325,8 @@ class _Asked:
     def _loads_and_joints(self) -> None:
         md = self.forces.md
         places = [(load.at, "a point load") for load in self.case.loads if isinstance(load, PointLoad)]
-        places += [(joint.at, "a joint") for joint in self.case.joints]
+        places += [(joint.at, "a joint") for joint in self.case.all_joints]
         places += [(depth, "a steerable tool") for depth in self.case.steering_depths.values()]
-        places += [(depth, "the joint of a tool") for depth in self.case.tool_joint_depths]
         for at, name in places:
             if 0 < at < md[-1]:
                 self._beside(int(np.argmin(np.abs(md - at))), np.inf, name)

@@ -14,10 +14,12 @@ import numpy as np
 from drillpetsc.arrays import FloatArray
 from drillpetsc.case.blocks.ends import PointLoad
 from drillpetsc.case.blocks.joints import Joint
+from drillpetsc.case.blocks.motor import PositiveDisplacementMotor
 from drillpetsc.case.blocks.settings import STARTS
 from drillpetsc.case.blocks.steering import PushSteering, RotarySteerable
 from drillpetsc.case.blocks.string import Beam as BeamItem
 from drillpetsc.case.blocks.string import Bend, Flexible, Item, Rigid, Stabilizer, Tube
+from drillpetsc.case.blocks.tools import ShockSub, TelescopingTool
 from drillpetsc.case.blocks.tubulars import Tubular
 from drillpetsc.case.case import Case
 from drillpetsc.case.checks.limits import element_count
@@ -71,13 +73,14 @@ def build_mesh(case: Case, well: Well | None = None, motion: tuple[float, float]
     tops: dict[int, int] = {}  # cell at the upper end of each flexible item
     pending: list = []
     joints: list[StringJoint] = []
-    remaining = sorted([*(_joint(j) for j in case.joints), *_tool_joints(case)], key=lambda j: j.depth)
+    remaining = sorted(_joints(case), key=lambda j: j.depth)
     item_edges, lengths = _element_ends(case, well, motion)
 
     def add_joint(item, depth: float) -> None:
         """Add the joint at ``depth`` [m], if there is one, as a row without length below the pending rigid items."""
         if remaining and abs(remaining[0].depth - depth) <= NODE_TOLERANCE * max(1.0, depth):
-            joints.append(replace(remaining.pop(0), cell=len(rows)))
+            joint = remaining.pop(0)
+            joints.append(replace(joint, cell=len(rows)))
             rows.append((-1, item, depth, depth, sum(q.length for _, q in pending)))
             pending.clear()
 
@@ -172,18 +175,24 @@ def _with_depths(marks: list[float], depths: FloatArray) -> list[float]:
     return sorted([*marks, *new])
 
 
-def _tool_joints(case: Case) -> list[StringJoint]:
-    """Joints inside the tools of the string, without their cells."""
-    return [
-        StringJoint(depth, "revolute", -1, item=number, driven=True)
-        for depth, number in case.tool_joint_depths.items()
+def _joints(case: Case) -> list[StringJoint]:
+    """Joints of the case and of its tools, their cells not yet known."""
+    tools = [_joint(joint, item) for _, item, joint in case.tools]
+    motor = [
+        StringJoint(joint.at, "revolute", -1, joint.axes, item=number, driven=True)
+        for number, joint in case.motor_joints
     ]
+    return [*(_joint(joint) for joint in case.joints), *tools, *motor]
 
 
-def _joint(joint: Joint) -> StringJoint:
+def _joint(joint: Joint, tool: TelescopingTool | None = None) -> StringJoint:
+    """The joint of the mesh; ``tool``: the item that it belongs to."""
+    preload, torsion = 0.0, None
+    if isinstance(tool, ShockSub):
+        preload, torsion = tool.preload, tool.torsion_stiffness
     return StringJoint(
         joint.at,
-        joint.kind,
+        joint.kind if torsion is None else "torsion_slider",
         -1,
         joint.axes,
         joint.constraint == "stabilised",
@@ -192,6 +201,8 @@ def _joint(joint: Joint) -> StringJoint:
         joint.stroke,
         joint.stop_stiffness,
         joint.seal_area,
+        preload,
+        torsion or 0.0,
     )
 
 
@@ -244,10 +255,9 @@ def _edges(case: Case, number: int, item: Flexible, top: float, bottom: float) -
     for load in case.loads:
         if isinstance(load, PointLoad) and top < load.at < bottom:
             extra.append(load.at)
-    extra += [joint.at for joint in case.joints if top < joint.at < bottom]
+    extra += [joint.at for joint in case.all_joints if top < joint.at < bottom]
     if isinstance(item, RotarySteerable):
         extra += [at for at in steering_zone(item, top, bottom) if top < at < bottom]
-    extra += [depth for depth in case.tool_joint_depths if top < depth < bottom]
     # a depth at an existing element end adds no node; elements may be as short as the case gives them
     for at in extra:
         k = bisect_left(edges, at)
@@ -279,6 +289,12 @@ def _section(item: Flexible) -> dict[str, float]:
         m = item.material
         values = tube(item.od, item.id, m.young, m.poisson, m.density)
         damping = m.damping
+        if isinstance(item, PositiveDisplacementMotor):  # the rotor's mass is at the motor's joint
+            values["mass"] -= item.pdm.rotor_mass / item.length
+            if not values["mass"] > 0:
+                whole = f"{values['mass'] * item.length + item.pdm.rotor_mass:.4g} kg"
+                want = f"less than the mass of the item, {whole}"
+                raise CaseError(at="string: pdm.rotor_mass", got=f"{item.pdm.rotor_mass:g} kg", want=want)
     else:
         assert isinstance(item, BeamItem)
         values = {k: getattr(item, k) for k in STIFFNESS_AND_MASS}

@@ -65,11 +65,11 @@ def build_mud_motor(
 
     balanced: leave out the turning force of the rotor's orbit.
     """
-    found = motor_item(case)
-    if found is None:
+    found, cell = motor_item(case), mesh.motor_cell
+    if found is None or cell is None:  # a piece of the item may end above its joint
         return None
     number, item = found
-    section, cell = item.pdm, next(j.cell for j in mesh.joints if j.item == number)
+    section = item.pdm
     rotor = Rotor(
         section.lobes[0] if section.lobes is not None else 1,
         section.rotor_mass,
@@ -91,6 +91,7 @@ def build_mud_motor(
         bend,
         flow=None if wet else section.flow_rate or Constant(0.0),
         compressibility=1.0 / case.fluid.bulk_modulus if case.fluid is not None else None,
+        outside=case.fluid.outlet_pressure if case.fluid is not None else None,
         balanced=balanced,
         label=f"string[{number}] pdm",
     )

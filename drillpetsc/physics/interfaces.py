@@ -309,6 +309,8 @@ class Motor(Component):
     """A downhole motor, which turns what is below it in the string.  ``cell``: of its joint."""
 
     cell: int
+    #: mass of the rotor, at the node above the joint and not in the mesh [kg]
+    rotor_mass: float = 0.0
 
     @property
     @abstractmethod
@@ -328,7 +330,7 @@ class Motor(Component):
     def update_static_speed(self, torque: float, flow: float) -> float:
         """Set the speeds by the torque [N m] and flow rate [m3/s] of a static state.
 
-        Returns the change of the static speed as a share of the free speed.
+        Returns the larger change: of the speed as a share of the free speed, of the torque of that of the stall.
         """
 
     @abstractmethod
@@ -370,6 +372,10 @@ class JointSet(Component):
 
     joints: tuple[StringJoint, ...]
     RESULTS: tuple[str, ...]
+
+    @abstractmethod
+    def lock(self, cell: int, locked: bool) -> None:
+        """Hold all motions in the joint of a ``cell``, or let it move as its kind does."""
 
     @abstractmethod
     def element_results(self, state: Any) -> FloatArray:

@@ -81,6 +81,8 @@ class Joints(JointSet):
             axes=_axes(joints),
             spring=[j.spring for j in joints],
             damper=[j.damping for j in joints],
+            preload=[j.preload for j in joints],
+            torsion=[j.torsion_spring for j in joints],
             stop_in=[stroke[0] for stroke in strokes],
             stop_out=[stroke[1] for stroke in strokes],
             stop_stiffness=[0.0 if j.stroke is None else j.stop_stiffness for j in joints],
@@ -160,6 +162,13 @@ class Joints(JointSet):
             b.named.update(end_frames(self.frames, self._cells[chosen]))
         if self._stabilised.any():
             self._correction_params[:] = self._correction_rows()
+
+    def lock(self, cell: int, locked: bool) -> None:
+        for b, chosen in zip(self._blocks, self._chosen, strict=True):
+            for row, k in enumerate(chosen):
+                joint = self.joints[k]
+                if joint.cell == cell:
+                    b.named["kind"][row] = KINDS.index("fixed" if locked else joint.kind)
 
     # ------------------------------------------------------------------ results
     def element_results(self, state) -> FloatArray:

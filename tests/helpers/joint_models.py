@@ -109,9 +109,11 @@ def random_state(
     )
     slider = (
         {"spring": 50.0, "damping": 3.0, "stroke": (-0.1, 0.05), "stop_stiffness": 400.0}
-        if kind == "slider"
+        if "slider" in kind
         else {}
     )
+    if kind == "torsion_slider":
+        slider |= {"preload": 2.0, "torsion_spring": 3.0}
     axes = AXES if kind in ("revolute", "universal") else ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
     if kind == "universal":
         axes = (AXES[0], (0.0, -0.8, 0.6), (1.0, 0.0, 0.0))

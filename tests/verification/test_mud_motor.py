@@ -101,7 +101,7 @@ def test_a_load_swings_the_rotor_against_the_string(tmp_path):
     is below 1 % of that of the rotor.
     """
     inertia, load, stiffness = 100.0, 9e3, GJ / 19.8
-    case = hung(20.0, 0.0, pdm={**SECTION, "rotor_inertia": inertia}, joint_at=0.2)
+    case = hung(20.0, 0.0, pdm={**SECTION, "rotor_inertia": inertia}, joint_at=8.8)
     ramp = {"time": [0, 0.05, 0.1, 1.0], "value": [0, 0, 1, 1]}
     case["loads"] = [{"at": 20.0, "moment": [0, 0, -load], "value_over": ramp}]
     case["time"], case["output"] = {"end": 0.6}, {"history_every": 0.01}
@@ -155,7 +155,7 @@ def test_the_wall_brakes_what_the_motor_turns(rotation, tmp_path):
 
     The pipe lies on the lower side; a bit would hold it off the wall, so there is none.
     """
-    case = on_bottom(rotation, joint_at=6.0)
+    case = on_bottom(rotation, joint_at=3.0)
     case["string"] = case["string"][:2]
     case["bottom"], case["initial"] = "free", {"from": "statics"}
     case["string"][1]["element_length"] = 0.5
@@ -192,7 +192,7 @@ def test_the_rotor_orbits_backwards_and_shakes_the_string(tmp_path):
         "eccentricity": 0.01,
         "rotor_inertia": 3,
     }
-    case = hung(18.0, 0.0, pdm=pdm, mass=800)
+    case = hung(18.0, 0.0, pdm=pdm, mass=800)  # [kg], of the motor
     case["material"] = {"damping": {"mass": 20.0}}
     case["time"], case["output"] = {"end": 2.0}, {"history_every": 4e-3, "probes": [9.0]}
     got, _ = history(case, tmp_path / "run")
@@ -207,7 +207,7 @@ def test_the_rotor_orbits_backwards_and_shakes_the_string(tmp_path):
 def test_tool_face_follows_the_reactive_torque(tmp_path):
     """The bend stands where it was made up, turned back by the wind-up T L/GJ of the string above it."""
     face, torque = 0.6, 3e3
-    case = hung(400.0, torque, bend={"angle": 1e-4, "tool_face": face, "position": 4.0}, joint_at=1.0)
+    case = hung(400.0, torque, bend={"angle": 1e-4, "tool_face": face, "position": 4.0}, joint_at=8.0)
     case["initial"] = {"inclination": 0.5}
     tilt = (math.sin(0.5), 0.0, math.cos(0.5))
     case["bottom"]["moment"] = [-torque * c for c in tilt]
@@ -232,7 +232,7 @@ def test_modes_of_a_string_with_a_motor(tmp_path):
     c = math.sqrt(79230769230.76923 / 7850)
 
     def lowest(pdm: dict, torque: float) -> float:
-        case = hung(1000.0, torque, pdm=pdm, joint_at=180.0, element_length=20.0)
+        case = hung(1000.0, torque, pdm=pdm, joint_at=20.0, element_length=20.0)
         case["string"][0]["length"], case["string"][1]["length"] = 800.0, 200.0
         found = modes(Case(**case), tmp_path / str(len(list(tmp_path.iterdir()))), count=2, kind="torsional")
         table = read_table(found.folder / "modes.csv")
@@ -360,3 +360,84 @@ def test_bad_curves_are_refused(text, want, tmp_path):
     with pytest.raises(CaseError) as error:
         load_case(tmp_path / "case.yaml")
     assert want in error.value.want
+
+
+# ---------------------------------------------------------------------- mud
+def wet(torque: float, kind: str = "pdm", flow: Any = 0.028, **more: Any) -> dict:
+    """A motor (or plain pipe) at the end of a vertical string with mud in and around it, ``torque`` [N m] at its end."""
+    item = (
+        motor(pdm=LAW)
+        if kind == "pdm"
+        else {k: v for k, v in motor().items() if k != "pdm"} | {"kind": "pipe"}
+    )
+    case = hung(200.0, torque) | {
+        "well": {
+            "survey": {"md": [0, 210], "inclination": [0, 0], "azimuth": [0, 0]},
+            "sections": [{"to": 210, "kind": "casing", "diameter": 0.2159, "friction": 0.0}],
+        },
+        "fluid": {
+            "density": 1200,
+            "rheology": {"model": "newtonian", "viscosity": 0.02},
+            "flow_rate": flow,
+            "bulk_modulus": 2.2e9,
+        },
+        "gravity": 9.81,
+        "contact": "none",
+    }
+    case["string"][1] = item
+    case["bottom"]["force"] = [0, 0, 50e3]
+    return case | more
+
+
+@pytest.mark.parametrize("torque", [0.0, 9e3])
+def test_mud_turns_the_motor_and_pays_for_it(torque, tmp_path):
+    """Speed by the volume that passes, q rho0/rho; the standpipe pressure is that of plain pipe and the law's pressure."""
+    got, summary = history(wet(torque), tmp_path / "motor")
+    pipe, _ = history(wet(torque, "pipe"), tmp_path / "pipe")
+    law = mud_motor(Case(**wet(torque)))
+    middle = 200 * 1200 * 9.81  # about the pressure at the motor, a thousandth of the bulk modulus
+    point = law.point(torque, 0.028 * math.exp(-middle / 2.2e9))
+    assert got["motor_speed"] == pytest.approx(point.speed, rel=2e-3)
+    assert got["motor_differential_pressure"] == pytest.approx(point.differential_pressure, rel=1e-3)
+    rise = got["pump_pressure"][0] - pipe["pump_pressure"][0]
+    assert rise == pytest.approx(point.differential_pressure, rel=5e-3)
+    passed = 0.028 * point.differential_pressure * 0.05  # work of the mud on the motor
+    assert np.abs(got["energy_error"]).max() < 1e-4 * passed
+
+
+def test_energy_closes_while_flow_and_load_change(tmp_path):
+    """The pump stops within 0.2 s under load: mud, rotor and string exchange energy, and the balance closes to 0.1 %."""
+    ramp = {"time": [0, 0.05, 0.25, 1], "value": [0.03, 0.03, 0.005, 0.005]}
+    case = wet(4e3, flow=ramp)
+    case["string"][1]["pdm"] = {
+        **LAW,
+        "rotor_inertia": 20.0,
+        "lobes": [5, 6],
+        "rotor_mass": 200,
+        "eccentricity": 0.005,
+    }
+    case["time"] = {"end": 0.4}
+    case["petsc"] = {"ts_rtol": 1e-5}
+    got, _ = history(case, tmp_path / "run")
+    assert got["motor_speed"][0] > 13 and got["motor_speed"][-1] < 0.7 * got["motor_speed"][0]
+    assert got["pump_pressure"][0] - got["pump_pressure"].min() > 1e5
+    exchanged = 0.03 * got["motor_differential_pressure"].mean() * 0.4
+    assert np.abs(got["energy_error"]).max() < 1e-3 * exchanged
+
+
+def test_a_stalled_motor_lets_all_mud_pass(tmp_path):
+    """Beyond the stall torque the flow goes on and the pressure stays at that of the stall."""
+    got, summary = history(wet(16e3), tmp_path / "run")
+    law = mud_motor(Case(**wet(0.0)))
+    assert got["motor_stalled"].all() and np.abs(got["motor_speed"]).max() < 1e-2
+    assert got["motor_differential_pressure"] == pytest.approx(law.stall_pressure(0.028), rel=1e-4)
+    assert got["outlet_flow"] == pytest.approx(0.028, rel=1e-2)
+    assert any("above stall_torque" in w for w in summary["statics"]["warnings"])
+
+
+def test_fluid_and_flow_rate_exclude_each_other():
+    case = wet(0.0)
+    case["string"][1] = motor()
+    with pytest.raises(CaseError) as error:
+        Case(**case)
+    assert "no flow_rate with a fluid" in error.value.want

@@ -19,6 +19,7 @@ from drillpetsc.model.fluid import build_rheology
 from drillpetsc.physics.fluid.bit_flow import RESULTS
 from drillpetsc.physics.fluid.channel_flow import RESULT_NAMES, ChannelFlow
 from drillpetsc.physics.fluid.rheology import Rheology, wall_shear
+from drillpetsc.physics.tools.mud_motor import RESULTS as MOTOR_RESULTS
 
 TINY_DENSITY = 1e-300  # at which the wall shear is that of laminar flow [kg/m3]
 FLOW_ROUNDING = 1e-5  # rounds off q |q| at zero [m3/s], as kernels/fluid/bit_flow.hpp does
@@ -279,9 +280,20 @@ def _friction_numbers(
     }
 
 
+def motor_rows(flow: FlowModel) -> list[Loss]:
+    """A row of the downhole motor without load, none without one."""
+    motor, rates = flow.model.motor, flow.flow_rate("bore")
+    if motor is None or rates is None:
+        return []
+    depth = flow.string.top + float(flow.mesh.node_depth[motor.cell])
+    lost = float(motor.figures(0.0, flow.system.assembly)[MOTOR_RESULTS["pressure"]])
+    name = flow.case.string[int(flow.mesh.item[motor.cell])].name
+    return [Loss("tool", name, "-", depth, depth, pressure_loss=lost)]
+
+
 def tool_rows(flow: FlowModel) -> list[Loss]:
-    """A row for each item with a `pressure_loss`, from the top down."""
-    rows: list[Loss] = []
+    """A row for each item with a `pressure_loss`, and of a downhole motor, from the top down."""
+    rows = motor_rows(flow)
     bore = flow.fluid.bore
     if bore is None or all(item.pressure_loss is None for item in flow.case.string):
         return rows
@@ -298,7 +310,7 @@ def tool_rows(flow: FlowModel) -> list[Loss]:
                 rows.append(Loss("tool", item.name, "-", upper, lower, pressure_loss=part))
             last = number
         upper = lower
-    return rows
+    return sorted(rows, key=lambda row: row.upper)
 
 
 def nozzle_loss(flow: FlowModel) -> float:
@@ -378,8 +390,9 @@ def balance(flow: FlowModel) -> dict[str, float]:
     if bore is not None:
         e = element_losses(flow, bore, build_rheology(flow.case))
         out["string_loss"] = float(e.friction.sum())
-        if e.tool.any():
-            out["tool_loss"] = float(e.tool.sum())
+        motor = sum(row.pressure_loss for row in motor_rows(flow))
+        if e.tool.any() or motor:
+            out["tool_loss"] = float(e.tool.sum()) + motor
         out["velocity_head"] += float(e.head.sum())
         out["column_difference"] -= float(e.weight.sum())
         out["surface_line_loss"] = surface_line_loss(flow)

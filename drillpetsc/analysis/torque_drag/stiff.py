@@ -64,7 +64,7 @@ def need_beam(case: Case) -> None:
         raise CaseError(
             at="--model", got="stiff", want="a case with contact: without it the wall drags nothing"
         )
-    if case.joints:
+    if case.all_joints:
         raise CaseError(at="--model", got="stiff", want="a string without joints, or --model soft")
 
 

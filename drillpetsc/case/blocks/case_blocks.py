@@ -29,6 +29,7 @@ from drillpetsc.case.blocks.roadmap import Roadmap
 from drillpetsc.case.blocks.settings import BeamTheory, Initial, MeshSettings, Output, Time
 from drillpetsc.case.blocks.steering import RotarySteerable
 from drillpetsc.case.blocks.string import Flexible, Material
+from drillpetsc.case.blocks.tools import TelescopingTool
 from drillpetsc.case.blocks.tubulars import StringItem
 from drillpetsc.case.blocks.well import Well
 from drillpetsc.case.blocks.window import Window, window_or_file
@@ -154,6 +155,25 @@ class CaseBlocks(Block):
         return tuple(depths)
 
     @property
+    def tools(self) -> tuple[tuple[int, TelescopingTool, Joint], ...]:
+        """Telescoping tools of a string that can move: number of the item, item, and its slider."""
+        found = []
+        for i, (item, (top, _)) in enumerate(zip(self.string, self.item_depths, strict=True)):
+            # a piece of a tool, such as statics of a shorter string has, may end above its slider
+            if isinstance(item, TelescopingTool) and not self.hold_string and item.joint_at < item.length:
+                found.append((i, item, item.joint(top)))
+        return tuple(found)
+
+    @property
+    def all_joints(self) -> tuple[Joint, ...]:
+        """Joints of the case and those of its tools."""
+        return (
+            *self.joints,
+            *(joint for _, _, joint in self.tools),
+            *(joint for _, joint in self.motor_joints),
+        )
+
+    @property
     def string_length(self) -> float:
         """Length of the string [m]."""
         return self.item_depths[-1][1]
@@ -168,13 +188,13 @@ class CaseBlocks(Block):
         }
 
     @property
-    def tool_joint_depths(self) -> dict[float, int]:
-        """Measured depths of the joints inside tools [m], with the numbers of their items."""
-        return {
-            below - item.joint_at: number
-            for number, (item, (_, below)) in enumerate(zip(self.string, self.item_depths, strict=True))
-            if isinstance(item, PositiveDisplacementMotor)
-        }
+    def motor_joints(self) -> tuple[tuple[int, Joint], ...]:
+        """Numbers of downhole motors in the string, and their joints."""
+        return tuple(
+            (number, item.joint(top))
+            for number, (item, (top, _)) in enumerate(zip(self.string, self.item_depths, strict=True))
+            if isinstance(item, PositiveDisplacementMotor) and item.joint_at < item.length
+        )
 
     @property
     def has_bore(self) -> bool:

@@ -8,6 +8,7 @@ from typing import Annotated, Any, Literal
 from pydantic import BeforeValidator, Field, model_validator
 
 from drillpetsc.case.block import Block, derived_default
+from drillpetsc.case.blocks.joints import Joint
 from drillpetsc.case.blocks.string import Tube
 from drillpetsc.case.key_paths import refuse
 from drillpetsc.case.motor_file import read_motor_curve
@@ -113,7 +114,7 @@ class MotorSection(Block):
         description="measured performance instead of a law: the name of a CSV file with the columns flow, differential_pressure, "
         "torque and speed, each with its unit in brackets; curves that end before the rotor stands go on to stall_torque",
     )
-    lobes: tuple[int, int] | None = Field(
+    lobes: tuple[int, ...] | None = Field(
         default=None, description="lobes of rotor and stator, `[7, 8]`; needed with an eccentricity"
     )
     rotor_mass: Annotated[float, Quantity("kg", at_least=0, at_most=1e5)] = Field(
@@ -158,7 +159,9 @@ class MotorSection(Block):
                 if not self.stall_torque > self.curve.torque[last]:
                     want = f"more than the last torque of the curve at {flow * 6e4:g} l/min, {self.curve.torque[last]:g} N m"
                     raise refuse("stall_torque", got=self.stall_torque, want=want)
-        if self.lobes is not None and not (self.lobes[0] >= 1 and self.lobes[1] == self.lobes[0] + 1):
+        if self.lobes is not None and not (
+            len(self.lobes) == 2 and self.lobes[0] >= 1 and self.lobes[1] == self.lobes[0] + 1
+        ):
             raise refuse(
                 "lobes",
                 got=list(self.lobes),
@@ -182,25 +185,37 @@ class PositiveDisplacementMotor(Tube):
         description="mass of the whole item; when not given, that of a tube with this od, id and density",
     )
     joint_at: Annotated[float, Quantity("m", above=0, at_most=50e3)] = derived_default(
-        "height above the item's lower end where the rotating part begins; the middle of the item, or "
+        "distance below the item's upper end where the rotating part begins; half the length, or "
         "half-way between a bend and the lower end, when not given"
     )
 
     @model_validator(mode="after")
     def _joint_inside(self) -> PositiveDisplacementMotor:
-        bend = self.bend.position if self.bend is not None and self.bend.angle else None
+        bend = None
+        if self.bend is not None and self.bend.angle:  # distance below the upper end
+            bend = 0.0 if self.bend.position is None else self.length - self.bend.position
         if self.joint_at is None:
-            self.fill_defaults(joint_at=0.5 * (self.length if bend is None else bend))
+            self.fill_defaults(joint_at=0.5 * (self.length + (bend or 0.0)))
         if not END_CLEARANCE <= self.joint_at <= self.length - END_CLEARANCE:
             want = f"between {END_CLEARANCE:g} and {self.length - END_CLEARANCE:g} m: pipe of the item above and below it"
             raise refuse("joint_at", got=self.joint_at, want=want)
-        if bend is not None and bend - self.joint_at < END_CLEARANCE:
+        if bend is not None and self.joint_at - bend < END_CLEARANCE:
             raise refuse(
                 "joint_at",
                 got=self.joint_at,
-                want=f"below the bend at {bend:g} m: the housing bends, and what is below the joint turns with the bit",
+                want=f"more than {bend:g} m, below the bend: the housing bends, and what is below the joint turns with the bit",
             )
         return self
+
+    def density(self) -> float | None:
+        """Density [kg/m3] that gives the tube the mass, None without one."""
+        if self.mass is None:
+            return None
+        return self.mass / (self.length * math.pi / 4 * (self.od**2 - self.id**2))
+
+    def joint(self, top: float) -> Joint:
+        """The joint of the motor, whose upper end is at measured depth ``top`` [m]."""
+        return Joint.model_construct(kind="revolute", at=top + self.joint_at, axis=(1.0, 0.0, 0.0))
 
     @property
     def seal_area(self) -> float:

@@ -22,6 +22,7 @@ from drillpetsc.case.blocks.string import (
     Stabilizer,
     Tube,
 )
+from drillpetsc.case.blocks.tools import BumperSub, ShockSub
 from drillpetsc.case.key_paths import refuse
 from drillpetsc.case.quantities import Quantity
 
@@ -188,6 +189,8 @@ _check, _tag = tagged_union(
     DrillCollar,
     Casing,
     CoiledTubing,
+    ShockSub,
+    BumperSub,
     Stabilizer,
     Body,
     Bit,
@@ -203,6 +206,8 @@ StringItem = Annotated[
     | Annotated[DrillCollar, Tag("kind:DrillCollar")]
     | Annotated[Casing, Tag("kind:Casing")]
     | Annotated[CoiledTubing, Tag("kind:CoiledTubing")]
+    | Annotated[ShockSub, Tag("kind:ShockSub")]
+    | Annotated[BumperSub, Tag("kind:BumperSub")]
     | Annotated[Stabilizer, Tag("kind:Stabilizer")]
     | Annotated[Body, Tag("kind:Body")]
     | Annotated[Bit, Tag("kind:Bit")]

@@ -13,15 +13,20 @@ def check_joints(case: CaseBlocks) -> None:
     """Raise where joints do not fit the string or the rest of the case."""
     end = case.string_length
     seen: dict[float, int] = {}
-    in_tools = case.tool_joint_depths
+    if case.all_joints and case.fluid is not None and case.fluid.formulation == "hermite":
+        want = "formulation mixed in a case with joints"
+        raise refuse("fluid", "formulation", got="hermite", want=want)
+    for number, tool, slider in case.tools:
+        for joint in case.joints:
+            if abs(joint.at - slider.at) <= TOLERANCE:
+                want = f"another depth of the joint at {joint.at:g} m: the slider of {tool.kind} is there"
+                raise refuse("string", number, "joint_at", got=tool.joint_at, want=want)
+    in_motors = {joint.at: number for number, joint in case.motor_joints}
     for i, joint in enumerate(case.joints):
         if case.hold_string:
             raise refuse(
                 "joints", i, got=joint.kind, want="no joints in a string that hold_string keeps still"
             )
-        if case.fluid is not None and case.fluid.formulation == "hermite":
-            want = "formulation mixed in a case with joints"
-            raise refuse("fluid", "formulation", got="hermite", want=want)
         if joint.at <= TOLERANCE:
             _joint_at_the_top(case, i)
         elif joint.at >= end - TOLERANCE:
@@ -42,7 +47,7 @@ def check_joints(case: CaseBlocks) -> None:
                     got=joint.at,
                     want=f"another depth than that of joints[{k}]: one joint at a place",
                 )
-        for depth, number in in_tools.items():
+        for depth, number in in_motors.items():
             if abs(depth - joint.at) <= TOLERANCE:
                 want = f"another depth than that of the joint in string[{number}]: one joint at a place"
                 raise refuse("joints", i, "at", got=joint.at, want=want)
@@ -76,7 +81,7 @@ def _joint_at_the_top(case: CaseBlocks, i: int) -> None:
 
 def _no_massless_part(case: CaseBlocks) -> None:
     """Raise if the string between two joints, or between a joint and an end, has no mass of its own."""
-    inner = sorted(joint.at for joint in case.joints if joint.at > TOLERANCE)
+    inner = sorted(joint.at for joint in case.all_joints if joint.at > TOLERANCE)
     marks = [0.0, *inner, case.string_length]
     for above, below in zip(marks, marks[1:], strict=False):
         inside = [

@@ -46,6 +46,8 @@ def check_quaternion(case: CaseBlocks) -> None:
                 want="position: not with quaternion yet: joints with a constraint on velocities",
                 hint="take position, or beam.formulation ancf",
             )
+    for number, tool, _ in case.tools:
+        raise _not_supported("string", number, "kind", got=tool.kind, what="telescoping tools")
 
 
 def refuse_quaternion(case: CaseBlocks, command: str) -> None:

@@ -36,12 +36,18 @@ extern "C" void joint_results(int n, int width, const int* idx, const double* pa
             worst = std::fmax(worst, std::fabs(R[14 + i]) / p[P::SCALE]);
             if (i >= 3) moment += cross(j.E[PAIR[i - 3][0]], j.G[PAIR[i - 3][1]]) * (X[14 + i] * p[P::SCALE]);
         }
+        double stored = 0.0;
+        if (kind == JointKind::TORSION_SLIDER) {
+            const double turned = Twist<double>(j).angle;
+            moment += twist_moment(j, p);
+            stored = 0.5 * p[P::TORSION] * turned * turned;
+        }
         const double tension = dot(F, j.above.t), torque = dot(moment, j.above.t), travel = dot(j.way, j.above.t);
         const double speed = dot(j.above.t, j.way_rate) + dot(cross(j.above.t, j.way), j.above.turning);
         const Vec<double> bent = cross(j.above.t, j.below.t);
         out[e] = {tension, norm(F - j.above.t * tension), torque, norm(moment - j.above.t * torque),
                                 std::atan2(norm(bent), dot(j.above.t, j.below.t)), travel, place, angle,
-                                kind == JointKind::SLIDER ? slider_energy(travel, p) : 0.0, kind == JointKind::SLIDER ? p[P::DAMPER] * speed * speed : 0.0};
+                                slides(kind) ? stored + slider_energy(travel, p) : 0.0, slides(kind) ? p[P::DAMPER] * speed * speed : 0.0};
     }
 }
 
@@ -66,7 +72,7 @@ extern "C" void joint_directions(int n, const int* rows, const double* par, cons
             const auto put = [&](int row, const Vec<double>& q) { B[6 * row + i] = q.x; B[6 * (row + 1) + i] = q.y; B[6 * (row + 2) + i] = q.z; };
             if (i < 3) {
                 const Vec<double> e3 = {i == 0 ? 1.0 : 0.0, i == 1 ? 1.0 : 0.0, i == 2 ? 1.0 : 0.0};
-                put(0, kind == JointKind::SLIDER ? E[i] : e3);
+                put(0, slides(kind) ? E[i] : e3);
             } else {
                 put(3, cross(about[i - 3], s.t) * s.n);
                 B[36 + i] = dot(about[i - 3], s.t);

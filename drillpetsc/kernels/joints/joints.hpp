@@ -12,14 +12,16 @@
 
 namespace dp {
 
-struct JointKind { DP_ENUM(Kind, FIXED, REVOLUTE, UNIVERSAL, SLIDER, KINDS) };
+struct JointKind { DP_ENUM(Kind, FIXED, REVOLUTE, UNIVERSAL, SLIDER, TORSION_SLIDER, KINDS) };
 struct JointParameters {
     DP_ENUM(Parameter,
         KIND, RIGID,                              // JointKind; length of the rigid item between the node above and the joint [m]
         REFERENCE1, SECOND1 = REFERENCE1 + 3, REFERENCE2 = SECOND1 + 3, SECOND2 = REFERENCE2 + 3,  // 3 each: frames of both nodes
         AXES = SECOND2 + 3,                       // 9, rows: the joint's axes in (tangent, director 2, director 3)
         SPRING = AXES + 9, DAMPER,                // along a slider [N/m], [N s/m]
+        PRELOAD,                                  // force of a slider's spring at zero travel, positive where it pushes the parts apart [N]
         STOP_IN, STOP_OUT, STOP_STIFFNESS, STOP_ROUNDING,  // ends of a slider's travel [m], [N/m], [m]
+        TORSION,                                  // stiffness of a TORSION_SLIDER, whose parts turn about its axis [N m/rad]
         SCALE,                                    // [N], [N m]
         NP)
 };
@@ -54,9 +56,11 @@ struct JointState : JointParameters {
     }
 };
 
+inline bool slides(int kind) { return kind == JointKind::SLIDER || kind == JointKind::TORSION_SLIDER; }
+
 // Of the six constraints: which are there.  0-2 position (along the axes for a slider, else in space), 3-5 rotation: E1.G2, E1.G3, E2.G3.
 inline bool constrains(int kind, int i) {
-    if (i == 0) return kind != JointKind::SLIDER;
+    if (i == 0) return !slides(kind);
     if (i == 4) return kind != JointKind::UNIVERSAL;
     if (i == 5) return kind == JointKind::FIXED || kind == JointKind::SLIDER;
     return true;
@@ -68,7 +72,7 @@ constexpr int PAIR[3][2] = {{0, 1}, {0, 2}, {1, 2}};
 template <class T, class S>
 inline T slider_force(const T& travel, const T& speed, const S* p) {
     typedef JointParameters P;
-    T f = travel * p[P::SPRING] + speed * p[P::DAMPER];
+    T f = travel * p[P::SPRING] + speed * p[P::DAMPER] - p[P::PRELOAD];
     if (p[P::STOP_STIFFNESS] > 0) {
         const double e = p[P::STOP_ROUNDING], k = 0.5 * p[P::STOP_STIFFNESS];
         const T out = travel - p[P::STOP_OUT], in = p[P::STOP_IN] - travel;
@@ -80,7 +84,7 @@ inline T slider_force(const T& travel, const T& speed, const S* p) {
 
 inline double slider_energy(double travel, const double* p) {
     typedef JointParameters P;
-    double u = 0.5 * p[P::SPRING] * travel * travel;
+    double u = (0.5 * p[P::SPRING] * travel - p[P::PRELOAD]) * travel;
     if (p[P::STOP_STIFFNESS] > 0)
         for (int end = 0; end < 2; ++end) {
             const double q = end ? p[P::STOP_IN] - travel : travel - p[P::STOP_OUT];
@@ -88,6 +92,20 @@ inline double slider_energy(double travel, const double* p) {
             u += 0.25 * p[P::STOP_STIFFNESS] * (q * q + q * s + e * e * std::asinh(q / e));
         }
     return u;
+}
+
+// Angle by which the part below has turned about the axis of a slider, with its sine and cosine.
+template <class T>
+struct Twist {
+    T s, c, angle;
+    Twist(const JointState<T>& j) : s(dot(j.E[2], j.G[1])), c(dot(j.E[1], j.G[1])), angle(atan2(s, c)) {}
+};
+
+// Moment of the spring of a TORSION_SLIDER, in the sense of that of the multipliers.
+template <class T, class S>
+inline Vec<T> twist_moment(const JointState<T>& j, const S* p) {
+    const Twist<T> q(j);
+    return (cross(j.E[2], j.G[1]) * q.c - cross(j.E[1], j.G[1]) * q.s) * (q.angle * p[JointParameters::TORSION] / (q.s * q.s + q.c * q.c));
 }
 
 // STABILISED (Gear, Gupta and Leimkuhler, J. Comp. Appl. Math. 12/13:77-90, 1985): the constraints hold for the velocities as well, with six
@@ -111,7 +129,7 @@ struct Joint : JointParameters {
             const T lambda = x[14 + i] * scale;
             T error, rate;
             if (i < 3) {
-                if (kind == JointKind::SLIDER) {
+                if (slides(kind)) {
                     const Vec<T> turn = cross(j.E[i], j.way);
                     error = dot(j.E[i], j.way);
                     if constexpr (STABILISED) rate = dot(j.E[i], j.way_rate) + dot(turn, j.above.turning);
@@ -132,7 +150,8 @@ struct Joint : JointParameters {
             r[14 + i] = error * scale;
             if constexpr (STABILISED) r[20 + i] += rate * scale;
         }
-        if (kind == JointKind::SLIDER) {
+        if (kind == JointKind::TORSION_SLIDER) moment += twist_moment(j, p);
+        if (slides(kind)) {
             const Vec<T> turn = cross(j.above.t, j.way);
             const T f = slider_force(dot(j.above.t, j.way), dot(j.above.t, j.way_rate) + dot(turn, j.above.turning), p);
             F += j.above.t * f;

@@ -28,7 +28,7 @@ extern "C" void mud_motor_values(int n, int width, const int* idx, const double*
     }
 }
 
-// Energies of n motors: kinetic of the rotor's own and orbiting motion, stored in what holds it in statics, potential (n, 3) [J]
+// Energies of n motors: kinetic of the rotor's own and orbiting motion, potential (n, 2) [J]
 extern "C" void body_energy(int n, int width, const int* idx, const double* par, const void* record, const double* x, const double* y, double* out);
 
 extern "C" void mud_motor_energies(int n, int width, const int* idx, const double* par, const double* x, const double* y, double* out) {
@@ -36,23 +36,19 @@ extern "C" void mud_motor_energies(int n, int width, const int* idx, const doubl
     const int own[7] = {0, 1, 2, 3, 4, 5, 6};
     for (int e = 0; e < n; ++e) {
         const double* p = par + e * M::NP;
-        double X[14], Y[14], U[7], W[7], body[Body::NP], found[2], *o = out + 3 * e;
+        double X[14], Y[14], U[7], W[7], body[Body::NP], found[2], *o = out + 2 * e;
         for (int i = 0; i < 14; ++i) { X[i] = x[idx[width * e + i]]; Y[i] = y[idx[width * e + i]]; }
         M::rotor(p, body);
         body_energy(1, 7, own, body, nullptr, X + 7, Y + 7, found);
         o[0] = found[0];
-        const double twist = X[M::ABOVE] + p[M::ANGLE] - X[M::BELOW];
-        o[1] = 0.5 * p[M::HELD] * twist * twist;
-        o[2] = 0.0;
-        if (p[M::ROTOR_MASS] > 0 && p[M::ECCENTRICITY] > 0) {
+        o[1] = 0.0;
+        if (p[M::ROTOR_MASS] > 0) {
             for (int i = 0; i < 6; ++i) { U[i] = X[i]; W[i] = Y[i]; }
             U[6] = M::orbit(X, p); W[6] = M::orbit(Y, p);
             M::orbiting_body(p, body);
             body_energy(1, 7, own, body, nullptr, U, W, found);
-            double still = 0, height = 0;
-            for (int i = 0; i < 3; ++i) { still += W[i] * W[i]; height -= p[M::GRAVITY + i] * U[i]; }
-            o[0] += found[0] - 0.5 * body[Body::MASS] * still;
-            o[2] += found[1] - body[Body::MASS] * height;
+            o[0] += found[0];
+            o[1] += found[1];
         }
     }
 }

@@ -10,8 +10,8 @@ namespace dp {
 struct MudMotorParameters {
     DP_ENUM(Parameter,
         LAW,                                   // as MotorLaw
-        HELD = LAW + 6,                        // stiffness that holds the rotor in statics [N m/rad], 0: in motion
-        ANGLE,                                 // angle of the rotor from the stator where it is held [rad]
+        HELD = LAW + 6,                        // 1: statics, the joint holds the rotor; 0: in motion
+        LOAD,                                  // torque in the state before, by which the mud loses pressure in statics [N m]
         FLOW,                                  // flow rate where no mud is modelled [m3/s]
         COMPRESSIBILITY,                       // of the mud [1/Pa]
         LOBES,                                 // of the rotor
@@ -31,14 +31,15 @@ struct MudMotor : MudMotorParameters {
     enum Slot { ABOVE = 6, BELOW = 13, MOTOR = 14, PRESSURE1, PRESSURE2, RATE };
     static constexpr double LAW_ROW = 1e4;  // scale of the law's row [N m s/rad]
 
-    // The orbit: spin of a body at the stator whose angle is (1 + lobes) stator - lobes rotor, counted from the same reference.
+    // The orbit: spin of a body at the stator whose angle is (1 + lobes) stator - lobes rotor, counted from the same reference.  The rotor's
+    // mass is at the node above the joint, and not in the pipe.
     template <class T>
     static T orbit(const T* u, const double* p) { return u[ABOVE] * (1.0 + p[LOBES]) - u[BELOW] * p[LOBES]; }
 
     static void orbiting_body(const double* p, double* b) {
         const bool balanced = p[BALANCED] != 0;
         for (int i = 0; i < Body::NP; ++i) b[i] = 0.0;
-        b[Body::MASS] = balanced ? 0.0 : p[ROTOR_MASS];
+        b[Body::MASS] = p[ROTOR_MASS];
         b[Body::OFFSET] = balanced ? 0.0 : p[ECCENTRICITY];
         b[Body::AXIAL] = balanced ? p[ROTOR_MASS] * p[ECCENTRICITY] * p[ECCENTRICITY] : 0.0;
         for (int i = 0; i < 3; ++i) {
@@ -60,7 +61,7 @@ struct MudMotor : MudMotorParameters {
     template <class T>
     static Values<T> evaluate(const T* x, const double* p, const MotorTable* table) {
         Values<T> q;
-        q.torque = p[HELD] > 0 ? (x[ABOVE] + p[ANGLE] - x[BELOW]) * p[HELD] : x[MOTOR] * 1.0;
+        q.torque = p[HELD] > 0 ? T(p[LOAD]) : x[MOTOR] * 1.0;
         if constexpr (FLOWING) q.flow = x[RATE] * exp((x[PRESSURE1] + x[PRESSURE2]) * (-0.5 * p[COMPRESSIBILITY]));
         else q.flow = T(p[FLOW]);
         q.law = motor_point(p + LAW, table, q.flow, q.torque);
@@ -71,14 +72,13 @@ struct MudMotor : MudMotorParameters {
     static void force(int e, const T* x, const T* y, const T* a, const S* p, void* context, T* r) {
         for (int i = 0; i < D; ++i) r[i] = T(0.0);
         double body[Body::NP];
-        if (p[ROTOR_MASS] > 0 && p[ECCENTRICITY] > 0) {
+        if (p[ROTOR_MASS] > 0) {
             T X[7], Y[7], A[7], R[7];
             for (int i = 0; i < 6; ++i) { X[i] = x[i]; Y[i] = y[i]; A[i] = a[i]; }
             X[6] = orbit(x, p); Y[6] = orbit(y, p); A[6] = orbit(a, p);
             orbiting_body(p, body);
             Body::force(e, X, Y, A, body, nullptr, R);
-            for (int i = 0; i < 3; ++i) r[i] += R[i] - (a[i] - p[GRAVITY + i]) * body[Body::MASS];  // the item has the mass itself
-            for (int i = 3; i < 6; ++i) r[i] += R[i];
+            for (int i = 0; i < 6; ++i) r[i] += R[i];
             r[ABOVE] += R[6] * (1.0 + p[LOBES]);
             r[BELOW] -= R[6] * p[LOBES];
         }
@@ -89,9 +89,13 @@ struct MudMotor : MudMotorParameters {
             for (int i = 0; i < 7; ++i) r[7 + i] += R[i];
         }
         const Values<T> q = evaluate(x, p, static_cast<const MotorTable*>(context));
-        r[ABOVE] += q.torque;
-        r[BELOW] -= q.torque;
-        r[MOTOR] = p[HELD] > 0 ? x[MOTOR] * 1.0 : (q.law.speed - (y[BELOW] - y[ABOVE])) * LAW_ROW;
+        if (p[HELD] > 0) {
+            r[MOTOR] = x[MOTOR] * 1.0;
+        } else {
+            r[ABOVE] += q.torque;
+            r[BELOW] -= q.torque;
+            r[MOTOR] = (q.law.speed - (y[BELOW] - y[ABOVE])) * LAW_ROW;
+        }
         if constexpr (FLOWING) r[RATE] = q.law.pressure * MOMENTUM_ROW;
     }
 

@@ -28,7 +28,6 @@ from drillpetsc.physics.tools.motor_law import MotorLaw
 _values = function("mud_motor_values", "iippppp" + "p")
 _energies = function("mud_motor_energies", "iippppp")
 RESULTS = columns("mud_motor_results")
-HOLDING = 1.0e9  # torsional stiffness that holds the rotor in statics, where its torque is unknown [N m/rad]
 LEAST_STATIC = (
     1.0e-3  # least speed of a motor in statics as a share of its free speed, for the direction of friction
 )
@@ -82,7 +81,7 @@ class MudMotor(Motor):
     Field: ``motor.torque`` at the node below the joint, torque of the stator on the rotor [N m]; its row is the law.
 
     cell: of the joint; law, rotor: of the motor; flow: without mud, flow rate over time [m3/s].
-    compressibility: of the mud [1/Pa], None without mud.
+    compressibility: of the mud [1/Pa], None without mud; outside: pressure around a string without an annulus over time [Pa].
     balanced: leave out the turning force of the orbit; label: name of the item in messages.
     joints: of the string, which know the force through the motor; bend: of the housing.
     """
@@ -101,14 +100,16 @@ class MudMotor(Motor):
         bend: Bend,
         flow: Input | None = None,
         compressibility: float | None = None,
+        outside: Input | None = None,
         balanced: bool = False,
         label: str = "pdm",
     ):
         self.mesh, self.frames, self.gravity = mesh, frames, gravity
         self.cell, self.law, self.rotor, self.joints = cell, law, rotor, joints
-        self.bend = bend
+        self.rotor_mass = rotor.mass
+        self.bend, self.outside = bend, outside
         self.flow, self.compressibility, self.balanced = flow, compressibility, balanced
-        self._speed = self._start_speed = 0.0
+        self._speed = self._start_speed = self._load = 0.0
         self.label = label
         node = bend.node  # its frame before any change of references
         self._start = frames.reference[node].copy(), frames.second_director[node].copy()
@@ -143,7 +144,7 @@ class MudMotor(Motor):
             len(here),
             law=self.law.parameters.array[0],
             held=0.0,
-            angle=0.0,
+            load=0.0,
             flow=0.0,
             compressibility=self.compressibility or 0.0,
             lobes=rotor.lobes,
@@ -192,7 +193,8 @@ class MudMotor(Motor):
         return bool(len(self._block.points)) and bool(self.params["held"][0] > 0)
 
     def hold(self) -> None:
-        self.params["held"] = HOLDING
+        self.params["held"] = 1.0
+        self.joints.lock(self.cell, True)
 
     @property
     def start_speed(self) -> float:
@@ -200,13 +202,16 @@ class MudMotor(Motor):
 
     def run_statically(self, flow: float) -> None:
         self._speed = self._start_speed = self.law.free_speed(flow)
+        self._load, self.params["load"] = 0.0, 0.0
 
     def update_static_speed(self, torque: float, flow: float) -> float:
         before, free = self._speed, self.law.free_speed(flow)
+        change, self._load = abs(torque - self._load) / self.law.stall_torque(flow), torque
+        self.params["load"] = torque
         self._start_speed = max(self.law.speed(torque, flow), 0.0)
         # a stalled motor stands against the friction of rotation, whose direction is that of its rotation
         self._speed = max(self._start_speed, LEAST_STATIC * free)
-        return abs(self._speed - before) / free if free > 0 else 0.0
+        return max(abs(self._speed - before) / free, change) if free > 0 else change
 
     def static_warnings(self, torque: float, flow: float) -> list[str]:
         rpm, stall = self.law.free_speed(flow) * 30 / pi, self.law.stall_torque(flow)
@@ -224,10 +229,9 @@ class MudMotor(Motor):
 
     def start(self, state: Any) -> None:
         if self._held:
-            torque = self._results(state)[RESULTS["torque"]]
-            self.params["held"] = 0.0
-            state.x[state.index_of(self._block)[0, TORQUE]] = torque
+            state.x[state.index_of(self._block)[0, TORQUE]] = self._results(state)[RESULTS["torque"]]
         self.params["held"] = 0.0
+        self.joints.lock(self.cell, False)
 
     # ------------------------------------------------------------------ results
     def _results(self, state: Any) -> FloatArray:
@@ -237,7 +241,14 @@ class MudMotor(Motor):
             return np.zeros(RESULTS.width)
         n, width, index, params, context, x, y = state.results_head(self._block)
         _values(n, width, index, params, context, x, y, pointer(out))
+        if self._held:  # the joint has the torque
+            out[0, RESULTS["torque"]] = self._of_joint("torque", state)
         return out[0]
+
+    def _of_joint(self, name: str, state: Any) -> float:
+        """Result of the motor's joint, on the rank that has it."""
+        k = [j.cell for j in self.joints.joints].index(self.cell)
+        return float(self.joints.element_results(state)[k, self.joints.RESULTS.index(name)])
 
     def figures(self, t: float, state: Any) -> FloatArray:
         """(7,) results by the names of ``RESULTS`` at the time ``t`` [s]; zero on ranks without the motor."""
@@ -253,9 +264,13 @@ class MudMotor(Motor):
         """Load of the thrust bearing [N], this rank's share; positive while the mud and the weight below load it."""
         if not len(self._block.points):
             return 0.0
-        k = [j.cell for j in self.joints.joints].index(self.cell)
-        tension = self.joints.element_results(state)[k, self.joints.RESULTS.index("tension")]
-        return float(self.figures(t, state)[RESULTS["pressure"]] * self.rotor.seal_area + tension)
+        pressure = float(self.figures(t, state)[RESULTS["pressure"]])
+        if self.outside is not None:  # and what is left of it down to the annulus
+            below, dofs = int(self._part.ends[self._block.points[0], 1]), state.layout.dofs
+            around = dofs.get("annulus.pressure")
+            out = self.outside.value(t) if around is None else state.x[around[below, 0]]
+            pressure += float(state.x[dofs["bore.pressure"][below, 0]] - out)
+        return pressure * self.rotor.seal_area + self._of_joint("tension", state)
 
     def housing(self, state: Any) -> FloatArray:
         """(6,) tangent and direction of the bend at its node; zero on ranks that do not own it."""
@@ -286,9 +301,9 @@ class MudMotor(Motor):
         if not len(self._block.points):
             return Energies()
         n, width, index, params, _, x, y = state.results_head(self._block)
-        out = np.zeros((1, 3))
+        out = np.zeros((1, 2))
         _energies(n, width, index, params, x, y, pointer(out))
-        return Energies(*out[0].tolist())
+        return Energies(kinetic=float(out[0, 0]), potential=float(out[0, 1]))
 
     def powers(self, t: float, state: Any) -> Powers:
         if not len(self._block.points) or self._held:

@@ -11,7 +11,7 @@ import pytest
 
 import drillpetsc as dp
 from drillpetsc.case.block import kinds_of
-from drillpetsc.case.blocks import string, tubulars
+from drillpetsc.case.blocks import motor, string, tools, tubulars
 from drillpetsc.case.items import ITEMS
 from drillpetsc.errors import CaseError
 
@@ -23,6 +23,9 @@ BLOCKS = (
     tubulars.DrillCollar,
     tubulars.Casing,
     tubulars.CoiledTubing,
+    tools.ShockSub,
+    tools.BumperSub,
+    motor.PositiveDisplacementMotor,
     string.Stabilizer,
     string.Body,
     string.Bit,
