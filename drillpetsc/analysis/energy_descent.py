@@ -178,7 +178,8 @@ def newton_or_descent(
     load: as for ``newton_with_stiffening``; 0: the wall keeps its stiffness.
     Raises SolveError where neither converges.
     """
-    start = Snapshot(model)
+    start, searches = Snapshot(model), solver.searches
+    solver.searches = False  # where full steps do not converge, the descent is faster than short ones
     try:
         newton_with_stiffening(model, solver, report, load)
         solver.check_stable()
@@ -187,6 +188,8 @@ def newton_or_descent(
         if report.converged:
             return
         start.restore()
+    finally:
+        solver.searches = searches
     _minimise(model, solver, report, factors, max_iterations)
 
 

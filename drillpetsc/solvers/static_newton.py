@@ -91,6 +91,7 @@ class StaticNewton:
     move_top(step): moves the prescribed position of the top by ``step`` [m].
     rates: (n+1,) rates of a steady motion [SI of each field per second], None at rest.
     start_increment: largest increment of a state from which a further solve starts, in the fields' scales.
+    searches: unshifted steps are shortened where they overshoot; from the start in a hole.
     rate_weight: of the derivatives by the rates in the matrix [1/s]; a flow in a closed channel needs some.
     """
 
@@ -107,7 +108,7 @@ class StaticNewton:
         self._advanced: Advance = advance or (lambda x, p, factor: x + factor * p)
         free = 0.2 * float(system.mesh.node_depth[-1])
         # contacts that open and close overshoot; a rod without a wall may turn far in a full step
-        self._walled = clearance is not None
+        self.searches = clearance is not None
         step = free if clearance is None else np.asarray(clearance, dtype=float)
         self._step_shares = (1.0, 1.0) if clearance is None else (STEP_SHARE, SHIFTED_STEP_SHARE)
         self.max_lateral_step = np.broadcast_to(step, (system.mesh.nodes,))[system.chain.vertices]
@@ -369,9 +370,12 @@ class StaticNewton:
             rows = self.rows()
             g = self._gradient(rows)
             self._stiffness()
+            negative = 0
             if shifted:
                 sigma = self._positive_factor(sigma)
-            elif self._factor(0.0) < 0:
+            else:
+                negative = self._factor(0.0)
+            if negative < 0:
                 raise SolveError(
                     "singular stiffness matrix",
                     hint="check the end conditions: a rigid-body mode may not be constrained",
@@ -385,9 +389,9 @@ class StaticNewton:
             x0 = asm.x[:n].copy()
             longest = self._step_limit(p, shifted)
             alpha = min(1.0, longest)
-            # near rounding the slope has no sign
+            # near rounding the slope has no sign; beside a saddle it does not say how far to go
             large = self.largest(float(np.max(np.abs(p) * weight, initial=0.0))) > ROUNDING_INCREMENT
-            if search and slope0 < 0 and (shifted or large):
+            if search and slope0 < 0 and not negative and (shifted or large):
                 alpha = self._search(x0, p, with_top, slope0, alpha, longest if sigma else alpha)
             asm.x[:n] = self._advanced(x0, p, alpha)
             if self.depth and self.move_top:
@@ -475,7 +479,7 @@ class StaticNewton:
         Raises SolveError where the steps do not converge to a stable state.
         """
         self._begin(report)
-        self._newton(False, report, self._walled, most, tolerance)
+        self._newton(False, report, self.searches, most, tolerance)
         self._end(report)
         self.check_stable()
 
