@@ -25,6 +25,7 @@ BLOCKS = (
     tubulars.CoiledTubing,
     tools.ShockSub,
     tools.BumperSub,
+    tools.Jar,
     string.Stabilizer,
     string.Body,
     string.Bit,
