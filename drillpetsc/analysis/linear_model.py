@@ -19,6 +19,7 @@ from drillpetsc.analysis.linearised_model import linearise_model
 from drillpetsc.analysis.live_outputs import LiveOutputs
 from drillpetsc.analysis.modal import prepare_state, reference_rate
 from drillpetsc.arrays import FloatArray
+from drillpetsc.case.quantities import largest
 from drillpetsc.errors import CaseError, DrillError
 from drillpetsc.fem.component import DRIVE
 from drillpetsc.model.drilling_model import DrillingModel
@@ -57,6 +58,11 @@ class DisturbedInput:
 
     def integral(self, t: float) -> float:
         return float(self.given.integral(t)) + self.offset[0]
+
+    @property
+    def values(self) -> tuple[float, ...]:
+        """Largest magnitude of the input, from which a mesh of automatic lengths is chosen."""
+        return (largest(self.given),)
 
     def breaks(self) -> tuple[float, ...]:
         return tuple(self.given.breaks())

@@ -403,9 +403,20 @@ class TransientRun:
         integrator.after_step.append(self._after_step)
         if recorder.energy is not None:
             integrator.at_jump.append(recorder.energy.at_jump)
+            integrator.before_event.append(recorder.energy.before_event)
+            integrator.after_event.append(recorder.energy.after_event)
         integrator.on_step_end.append(self._finish_step)
         self.memory = Memory(self.mpi, self.start, self.end)
         self._warn(self.notes["warnings"])
+        if saved is None:
+            said = [
+                line
+                for c in self.model.system.components
+                for line in c.start_warnings(self.model.system.assembly)
+            ]
+            said = self.model.system.all_entries(said)
+            self.notes["warnings"] += said
+            self._warn(said)
         self.moving_since = clock.perf_counter(), clock.process_time()
         error: BaseException | None = None
         try:

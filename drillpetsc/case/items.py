@@ -104,6 +104,20 @@ class _Tool(_Pipe, total=False):
     stroke: Sequence[Value]
 
 
+class _Jar(_Pipe, total=False):
+    mass: Value
+    joint_at: Value
+    seal_area: Value
+    stop_stiffness: Value
+    stroke: Value
+    action: str
+    direction: str
+    threshold: Value
+    metering_stroke: Value
+    metering_resistance: Value
+    trigger: Value
+
+
 class _ShockSub(_Tool, total=False):
     stiffness: Value
     damping: Value
@@ -301,6 +315,15 @@ class BumperSub(StringItem):
         self._fill(keys)
 
 
+class Jar(StringItem):
+    """A jar: a latch that holds the load, then sets the parts free to hit a stop."""
+
+    kind, key_types, required = "jar", _Jar, ("length", "od", "stroke")
+
+    def __init__(self, **keys: Unpack[_Jar]) -> None:
+        self._fill(keys)
+
+
 class Stabilizer(StringItem):
     """A stabilizer: contact with the hole over its blades, or over its length when blade_length is not given."""
 
@@ -359,6 +382,7 @@ ITEMS = {
         CoiledTubing,
         ShockSub,
         BumperSub,
+        Jar,
         Stabilizer,
         Body,
         Bit,

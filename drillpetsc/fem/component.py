@@ -225,6 +225,25 @@ class Component:
         """Change states of this rank where an input jumps or bends at ``t`` [s]; True where any changed."""
         return False
 
+    # ------------------------------------------------------------------ events
+    #: the component's law may change at a state that is reached in time, such as a jar that fires
+    has_events: bool = False
+
+    def event_numbers(self, state: Any) -> FloatArray:
+        """(k,) figures from which all ranks tell whether the law ends, summed over ranks; zero where another rank has them."""
+        return np.zeros(0)
+
+    def event_passed(self, numbers: FloatArray) -> bool:
+        """Whether the law has ended at the ``event_numbers`` of all ranks."""
+        return False
+
+    def change_law(self, numbers: FloatArray) -> None:
+        """Go over to the law that follows."""
+
+    def start_warnings(self, state: Any) -> list[str]:
+        """Sentences for the user about the state at the start of a motion, from the rank that knows."""
+        return []
+
     # ------------------------------------------------------------------ reference frames
     def renew_reference_frames(self, system: Any) -> bool:
         """Replace reference directions that are nearly opposite to the tangent; collective.

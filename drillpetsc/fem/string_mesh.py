@@ -61,6 +61,23 @@ class RigidItem:
 
 
 @dataclass(frozen=True)
+class JarLaw:
+    """Latch of a jar (manual: sec-jar).
+
+    threshold: force that the latch holds [N]; metering: travel [m] over which the jar meters at resistance [N s/m]; 0: at once.
+    latch: its stiffness [N/m]; up, down: directions in which it fires; item: number of the string item.
+    """
+
+    threshold: float
+    metering: float
+    resistance: float
+    latch: float
+    up: bool
+    down: bool
+    item: int
+
+
+@dataclass(frozen=True)
 class StringJoint:
     """A joint: a cell without length between two nodes at the same position.
 
@@ -73,6 +90,7 @@ class StringJoint:
     stop_stiffness: stiffness of the stops [N/m].
     seal_area: area on which the mud pushes the parts of a slider apart [m2] (manual: eq-joint-seal-force).
     preload: force by which the spring of a slider pushes its parts apart at zero travel [N].
+    stop_rounding: length over which the force of a stop sets in [m], None: that of all joints; jar: its latch.
     torsion_spring: stiffness of a torsion_slider, whose parts turn about its axis [N m/rad].
     item: number of the string item whose tool has the joint, -1: a joint by itself.
     driven: a motor turns the part below.
@@ -90,6 +108,8 @@ class StringJoint:
     seal_area: float = 0.0
     preload: float = 0.0
     torsion_spring: float = 0.0
+    stop_rounding: float | None = None
+    jar: JarLaw | None = None
     item: int = -1
     driven: bool = False
 

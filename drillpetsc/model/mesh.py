@@ -19,13 +19,13 @@ from drillpetsc.case.blocks.settings import STARTS
 from drillpetsc.case.blocks.steering import PushSteering, RotarySteerable
 from drillpetsc.case.blocks.string import Beam as BeamItem
 from drillpetsc.case.blocks.string import Bend, Flexible, Item, Rigid, Stabilizer, Tube
-from drillpetsc.case.blocks.tools import ShockSub, TelescopingTool
+from drillpetsc.case.blocks.tools import Jar, ShockSub, TelescopingTool
 from drillpetsc.case.blocks.tubulars import Tubular
 from drillpetsc.case.case import Case
 from drillpetsc.case.checks.limits import element_count
 from drillpetsc.case.section import tubular_section
 from drillpetsc.errors import CaseError
-from drillpetsc.fem.string_mesh import BentCell, RigidItem, StringJoint, StringMesh, tube
+from drillpetsc.fem.string_mesh import BentCell, JarLaw, RigidItem, StringJoint, StringMesh, tube
 from drillpetsc.geometry.frames import Frames, axial_curvature
 from drillpetsc.geometry.well import Well
 from drillpetsc.model.element_length import ElementLengths, choose_lengths
@@ -50,6 +50,8 @@ OF_TUBULARS = (
     "yield_strength",
 )
 NODE_TOLERANCE = 1e-6  # depths closer than this are one node [m]; relative beyond 1 m
+
+JAR_ROUNDING = 1e-5  # length over which the stop of a jar sets in [m]
 
 
 def build_mesh(case: Case, well: Well | None = None, motion: tuple[float, float] | None = None) -> StringMesh:
@@ -177,7 +179,7 @@ def _with_depths(marks: list[float], depths: FloatArray) -> list[float]:
 
 def _joints(case: Case) -> list[StringJoint]:
     """Joints of the case and of its tools, their cells not yet known."""
-    tools = [_joint(joint, item) for _, item, joint in case.tools]
+    tools = [_joint(joint, item, number) for number, item, joint in case.tools]
     motor = [
         StringJoint(joint.at, "revolute", -1, joint.axes, item=number, driven=True)
         for number, joint in case.motor_joints
@@ -185,8 +187,8 @@ def _joints(case: Case) -> list[StringJoint]:
     return [*(_joint(joint) for joint in case.joints), *tools, *motor]
 
 
-def _joint(joint: Joint, tool: TelescopingTool | None = None) -> StringJoint:
-    """The joint of the mesh; ``tool``: the item that it belongs to."""
+def _joint(joint: Joint, tool: TelescopingTool | None = None, number: int = -1) -> StringJoint:
+    """The joint of the mesh; ``tool``: the item that it belongs to, with its number."""
     preload, torsion = 0.0, None
     if isinstance(tool, ShockSub):
         preload, torsion = tool.preload, tool.torsion_stiffness
@@ -203,6 +205,21 @@ def _joint(joint: Joint, tool: TelescopingTool | None = None) -> StringJoint:
         joint.seal_area,
         preload,
         torsion or 0.0,
+        JAR_ROUNDING if isinstance(tool, Jar) else None,
+        _latch(tool, number) if isinstance(tool, Jar) else None,
+    )
+
+
+def _latch(jar: Jar, number: int) -> JarLaw:
+    """The latch of a jar, which is as stiff as its stops."""
+    return JarLaw(
+        jar.latch_load,
+        jar.metering_stroke,
+        jar.metering_resistance or 0.0 if jar.metering_stroke > 0 else 0.0,
+        jar.stop_stiffness,
+        jar.direction != "down",
+        jar.direction != "up",
+        number,
     )
 
 

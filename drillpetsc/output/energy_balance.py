@@ -29,7 +29,7 @@ class EnergyBalance:
     def __init__(self, system: DiscreteSystem) -> None:
         self.system = system
         self.dissipated = self.supplied = self.start_energy = 0.0
-        self.peak_exchange = self._before_jump = 0.0
+        self.peak_exchange = self._before_jump = self._before_event = 0.0
         self.last_error = self.gained = 0.0
         self._powers: tuple[float, float] = (0.0, 0.0)
         self._first_energies = self.energies = np.zeros(3)
@@ -63,6 +63,15 @@ class EnergyBalance:
         self.last_error = self.error
         self.gained = max(self.gained, self.last_error)
         return self.energies
+
+    def before_event(self, t: float) -> None:
+        """Store the energy error just before a component changes its law."""
+        self._before_event = self.update(t).sum()
+
+    def after_event(self, t: float) -> None:
+        """Count the stored energy that a change of law sets free as turned into heat: that of a latch."""
+        self.dissipated += float(self._before_event - self.update(t).sum())
+        self._powers = tuple(self.system.powers(t))  # type: ignore[assignment]
 
     def at_jump(self, t: float) -> None:
         """Store the energy error just before a jump of a prescribed velocity."""

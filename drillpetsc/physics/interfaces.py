@@ -379,7 +379,11 @@ class JointSet(Component):
 
     @abstractmethod
     def element_results(self, state: Any) -> FloatArray:
-        """(joints, 10) results of all joints, zero on ranks without the joint: columns of ``physics.joints.RESULT_NAMES``."""
+        """(joints, 12) results of all joints, zero on ranks without the joint: columns of ``physics.joints.RESULT_NAMES``."""
+
+    @abstractmethod
+    def jar_figures(self, state: Any) -> FloatArray:
+        """(4,) state, travel [m], force of the stops [N] and number of shots of the jar, zero on ranks without it."""
 
 
 class SealSet(Component):

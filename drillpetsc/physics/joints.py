@@ -18,6 +18,7 @@ from drillpetsc.physics import quantities as declared
 from drillpetsc.physics.beam import SLOTS
 from drillpetsc.physics.interfaces import JointSet
 from drillpetsc.physics.rigid_bodies import VERTEX_SLOTS, end_frames, local_vertices
+from drillpetsc.physics.tools.jar import LATCHED, Jar
 
 _results = function("joint_results", "iippppp")
 _directions = function("joint_directions", "ipppp")
@@ -45,6 +46,11 @@ class Joints(JointSet):
         self.mesh, self.frames, self.joints = mesh, frames, mesh.joints
         self._stabilised = np.array([j.stabilised for j in self.joints], dtype=bool)
         self._cells = np.array([j.cell for j in self.joints], dtype=int)
+        jars = [k for k, j in enumerate(self.joints) if j.jar is not None]
+        self._jar_joint = jars[0] if jars else -1
+        law = self.joints[self._jar_joint].jar if jars else None
+        self.jar = None if law is None else Jar(law)
+        self.has_events = law is not None
         #: number of multipliers; a stable equilibrium has exactly as many negative eigenvalues
         self.multipliers = 6 * len(self.joints) + 6 * int(self._stabilised.sum())
 
@@ -86,7 +92,7 @@ class Joints(JointSet):
             stop_in=[stroke[0] for stroke in strokes],
             stop_out=[stroke[1] for stroke in strokes],
             stop_stiffness=[0.0 if j.stroke is None else j.stop_stiffness for j in joints],
-            stop_rounding=STOP_ROUNDING,
+            stop_rounding=[STOP_ROUNDING if j.stop_rounding is None else j.stop_rounding for j in joints],
             scale=SCALE,
             **end_frames(self.frames, cells),
         ).array
@@ -110,6 +116,7 @@ class Joints(JointSet):
             params = self._parameters(kernel, [self.joints[k] for k in chosen], cells)
             self._blocks.append(ElementBlock(name, kernel, "cell", points, slots, (0, 1), params))
             self._chosen.append(chosen)
+        self._set_jar()
         loose = self.mesh.free_slope_nodes
         extra: tuple[ElementBlock, ...] = ()
         if len(loose):
@@ -170,9 +177,63 @@ class Joints(JointSet):
                 if joint.cell == cell:
                     b.named["kind"][row] = KINDS.index("fixed" if locked else joint.kind)
 
+    # ------------------------------------------------------------------ jar
+    def _set_jar(self) -> None:
+        """Put the law of the jar's state into the parameters of its slider, where this rank has it."""
+        self._has_jar = False
+        if self.jar is None:
+            return
+        for b, chosen in zip(self._blocks, self._chosen, strict=True):
+            for row in np.flatnonzero(chosen == self._jar_joint):
+                self._has_jar = True
+                for name, value in self.jar.slider().items():
+                    b.named[name][row] = value
+
+    def event_numbers(self, state) -> FloatArray:
+        if self.jar is None:
+            return np.zeros(0)
+        row = self.element_results(state)[self._jar_joint]
+        return row[[RESULT_NAMES.index(name) for name in ("travel", "speed", "tension")]]
+
+    def event_passed(self, numbers: FloatArray) -> bool:
+        return self.jar is not None and self.jar.passed(*numbers)
+
+    def change_law(self, numbers: FloatArray) -> None:
+        assert self.jar is not None
+        self.jar.switch(*numbers)
+        self._set_jar()
+
+    def start_warnings(self, state) -> list[str]:
+        if self.jar is None or not self._has_jar:
+            return []
+        numbers = self.event_numbers(state)
+        if self.jar.mode != LATCHED or not self.jar.passed(*numbers):
+            return []
+        does = "meters" if self.jar.law.resistance > 0 and self.jar.law.metering > 0 else "fires"
+        return [
+            f"string[{self.jar.law.item}] jar: at time 0 the load {numbers[2] / 1e3:g} kN lies beyond its latch: "
+            f"it {does} at once"
+        ]
+
+    def get_state(self) -> dict[str, FloatArray]:
+        return {} if self.jar is None else {"jar": self.jar.numbers()}
+
+    def set_state(self, state: dict[str, FloatArray]) -> None:
+        if self.jar is not None and "jar" in state:
+            self.jar.set_numbers(np.ravel(state["jar"]))
+            self._set_jar()
+
+    def jar_figures(self, state) -> FloatArray:
+        """(4,) state, travel [m], force of the stops [N] and number of shots, zero where another rank has the jar."""
+        if self.jar is None or not self._has_jar:
+            return np.zeros(4)
+        row = self.element_results(state)[self._jar_joint]
+        stops = row[RESULT_NAMES.index("stop")]
+        return np.array([self.jar.mode, row[RESULT_NAMES.index("travel")], abs(stops), self.jar.fired])
+
     # ------------------------------------------------------------------ results
     def element_results(self, state) -> FloatArray:
-        """(joints, 10) results of all joints, zero where another rank has the joint: the columns of
+        """(joints, 12) results of all joints, zero where another rank has the joint: the columns of
         ``RESULT_NAMES``."""
         out = np.zeros((len(self.joints), len(RESULT_NAMES)))
         for b, chosen in zip(self._blocks, self._chosen, strict=True):
@@ -191,15 +252,21 @@ class Joints(JointSet):
         return out
 
     def energies(self, t: float, state) -> Energies:
-        return Energies(strain=float(self.element_results(state)[:, RESULT_NAMES.index("stored")].sum()))
+        results = self.element_results(state)
+        strain = float(results[:, RESULT_NAMES.index("stored")].sum())
+        if self.jar is not None and self.jar.brake:  # of a constant force, which does not give it back
+            strain -= self.jar.brake * float(results[self._jar_joint, RESULT_NAMES.index("travel")])
+        return Energies(strain=strain)
 
     def powers(self, t: float, state) -> Powers:
-        return Powers(
-            dissipated=float(self.element_results(state)[:, RESULT_NAMES.index("damping_power")].sum())
-        )
+        results = self.element_results(state)
+        lost = float(results[:, RESULT_NAMES.index("damping_power")].sum())
+        if self.jar is not None and self.jar.brake:
+            lost += self.jar.brake * float(results[self._jar_joint, RESULT_NAMES.index("speed")])
+        return Powers(dissipated=lost)
 
     def quantities(self) -> tuple[Quantity, ...]:
-        return declared.JOINTS
+        return declared.JOINTS if self.jar is None else declared.JOINTS + declared.JAR
 
 
 def _axes(joints: list[StringJoint]) -> FloatArray:

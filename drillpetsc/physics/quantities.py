@@ -172,6 +172,11 @@ JOINTS: tuple[Quantity, ...] = (
 )
 
 
+# ---------------------------------------------------------------------- jar
+def _of_jar(index: int, joints: Any, sample: Sample) -> float:
+    return float(sample.once(joints.jar_figures)[index])
+
+
 # ---------------------------------------------------------------------- motor of the top drive
 def _of_motor(index: int, drive: Any, sample: Sample) -> float:
     return float(sample.once(drive.figures, sample.time)[index])
@@ -186,6 +191,53 @@ def _whole(drive: Any, values: FloatArray, depth: Any) -> tuple[float]:
     """The nearest whole number, where a row lies between two steps."""
     return (float(np.round(values[0])),)
 
+
+JAR: tuple[Quantity, ...] = (
+    Quantity(
+        "jar_state",
+        "-",
+        on="scalar",
+        label="State of the jar",
+        mnemonic="JARS",
+        sign="0 latched, 1 metering, 2 free",
+        doc="State of the jar's latch.",
+        mean=False,
+        value=partial(_of_jar, 0),
+        finish=_whole,
+    ),
+    Quantity(
+        "jar_stroke",
+        "m",
+        on="scalar",
+        label="Stroke of the jar",
+        mnemonic="JARX",
+        sign="positive as the jar opens",
+        doc="Travel of the jar from where it is cocked.",
+        value=partial(_of_jar, 1),
+    ),
+    Quantity(
+        "jar_impact_force",
+        "N",
+        on="scalar",
+        label="Impact force of the jar",
+        mnemonic="JARF",
+        sign="not negative",
+        doc="Force on the stop at the end of the jar's stroke.",
+        value=partial(_of_jar, 2),
+    ),
+    Quantity(
+        "jar_fired",
+        "-",
+        on="scalar",
+        label="Shots of the jar",
+        mnemonic="JARN",
+        sign="not negative",
+        doc="Number of times that the jar has fired.",
+        mean=False,
+        value=partial(_of_jar, 3),
+        finish=_whole,
+    ),
+)
 
 TOP_MOTOR: tuple[Quantity, ...] = (
     Quantity(

@@ -16,7 +16,7 @@ from petsc4py import PETSc
 from drillpetsc import petsc_compat
 from drillpetsc.arrays import FloatArray
 from drillpetsc.errors import SolveError
-from drillpetsc.fem.component import Field
+from drillpetsc.fem.component import Component, Field
 from drillpetsc.fem.discrete_system import DiscreteSystem
 from drillpetsc.solvers.bdf_history import BdfHistory, State
 from drillpetsc.solvers.first_order_system import FirstOrderSystem, refuse_integrator
@@ -39,6 +39,7 @@ CONSECUTIVE_FAILURES = 25
 #: factor of Newton's tolerance with multipliers, whose constraint errors are a misfit of the parts
 CONSTRAINT_TOLERANCE_FACTOR = 1.0e-3
 END_TOLERANCE = 1.0e-11  # a run has ended within this fraction of the time
+EVENT_STEP = 1.0e-6  # longest step over an event, by which it is located in time [s]
 SHORTEST_STEP = 1.0e-11  # a step of this length that fails would fail at any length [s]
 
 
@@ -65,6 +66,7 @@ class TimeIntegrator:
     system: the discrete system.
     after_step(t, dt): called after every accepted step, with x, y, a of the assembly at ``t`` [s].
     at_jump(t): called where the rate of a prescribed motion jumps, before the step that follows.
+    before_event(t), after_event(t): called where a component changes its law, with the state at ``t`` [s].
     before_solve(t): called before the solve of a step that ends at ``t`` [s].
     on_step_end(t): called last after a step; here ``get_state`` and ``stop`` may be called.
     first_step: length of the first step [s].
@@ -85,6 +87,8 @@ class TimeIntegrator:
     system: DiscreteSystem
     after_step: list[Callable[[float, float], None]] = field(default_factory=list)
     at_jump: list[Callable[[float], None]] = field(default_factory=list)
+    before_event: list[Callable[[float], None]] = field(default_factory=list)
+    after_event: list[Callable[[float], None]] = field(default_factory=list)
     before_solve: list[Callable[[float], None]] = field(default_factory=list)
     on_step_end: list[Callable[[float], None]] = field(default_factory=list)
     first_step: float = 1.0e-4
@@ -120,6 +124,7 @@ class TimeIntegrator:
         self.max_steps = options.getInt("ts_max_steps", 2**31 - 1)  # the caller of ``run`` ends it
         self.order, self.fresh = options.getInt("ts_bdf_order", 2), True
         self._last, self._t, self._jump, self._stop = 0.0, 0.0, np.inf, np.inf
+        self._eventful = [c for c in self.system.components if c.has_events]
         # formulas whose history can be rebuilt; the others restart at every checkpoint, also in uninterrupted
         # runs
         self.keeps_history = self.condensed and options.getString("ts_adapt_type", "basic") in (
@@ -266,6 +271,11 @@ class TimeIntegrator:
         snes.setIterationNumber(self.newton.snes.getIterationNumber())
         snes.setConvergedReason(reason)
         self._requested_step = self.ts.getTimeStep()
+        if reason > 0 and self._eventful and self.ts.getTimeStep() > EVENT_STEP and self._events():
+            # shorter steps lead up to the event
+            snes.setConvergedReason(PETSc.SNES.ConvergedReason.DIVERGED_FUNCTION_DOMAIN)
+            self._consecutive_failures = 0
+            return
         if reason > 0:
             self.history.add_stage(self.system.assembly.x, self.system.assembly.y)
         self._consecutive_failures = self._consecutive_failures + 1 if reason < 0 else 0
@@ -276,6 +286,36 @@ class TimeIntegrator:
                 f"Newton's method failed {self._consecutive_failures} times in a row ({_reason(reason, PETSc.SNES)}), "
                 f"at last with a step of {self.ts.getTimeStep():.2g} s"
             )
+
+    def _events(self) -> list[tuple[Component, FloatArray]]:
+        """Components whose law ends at the present state, with the figures that say so; the same on all ranks, collective."""
+        out = []
+        for component in self._eventful:
+            numbers = component.event_numbers(self.system.assembly)
+            if self.system.comm.size > 1:
+                numbers = self.system.comm.tompi4py().allreduce(numbers)
+            if component.event_passed(numbers):
+                out.append((component, numbers))
+        return out
+
+    def _change_laws(self, t: float) -> bool:
+        """Change the laws that end at the present state at ``t`` [s], and restart the formula; True where any does."""
+        passed = self._events()
+        if not passed:
+            return False
+        for call in self.before_event:
+            call(t)
+        for component, numbers in passed:
+            component.change_law(numbers)
+        for call in self.after_event:
+            call(t)
+        asm = self.system.assembly
+        self._discard_factor()
+        self.ts.restartStep()
+        self.fresh = True
+        self.history.start(t, asm.x, asm.y)
+        self.ts.setTimeStep(max(min(self.first_step, self._stop - t), SHORTEST_STEP))
+        return True
 
     def failure(self, what: str) -> SolveError:
         """Return the error that ends a run, with the place of the largest residual; collective."""
@@ -342,7 +382,9 @@ class TimeIntegrator:
         # a tangent far from its reference direction gets a new one, 60 degrees before the singularity; the
         # formula then restarts (manual: eq-beam-update-criterion)
         asm = self.system.assembly
-        if self._step_number % 4 == 0 and self.system.renew_reference_frames():
+        if self._eventful and self._change_laws(self._last):
+            pass
+        elif self._step_number % 4 == 0 and self.system.renew_reference_frames():
             self.system.store_state(ts.getSolution())
             self._discard_factor()
             ts.restartStep()

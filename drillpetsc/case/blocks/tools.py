@@ -14,6 +14,7 @@ from drillpetsc.case.key_paths import refuse
 from drillpetsc.case.quantities import Quantity
 
 Stroke = tuple[Annotated[float, Quantity("m")], Annotated[float, Quantity("m")]]
+BEHIND_LATCH = 0.01  # distance of the stop behind the latch of a jar that fires to one side [m]
 EDGE = 1e-3  # least distance of a tool's joint from the ends of its item [m]
 _STROKE = "[least, largest] travel between the stops, negative as the tool closes"
 
@@ -116,6 +117,73 @@ class BumperSub(TelescopingTool):
             kind="slider",
             at=top + self.joint_at,
             stroke=self.stroke,
+            stop_stiffness=self.stop_stiffness,
+            seal_area=self.seal_area,
+        )
+
+
+class Jar(TelescopingTool):
+    """A jar: a latch that holds the load, then sets the parts free to hit a stop."""
+
+    kind: Literal["jar"] = Field(description="drilling or fishing jar")
+    action: Literal["hydraulic", "mechanical"] = Field(
+        default="hydraulic",
+        description="hydraulic: above threshold the jar meters over metering_stroke, then it is free; mechanical: it is free above trigger",
+    )
+    direction: Literal["up", "down", "both"] = Field(
+        default="up", description="load that fires it: tension, compression, or either"
+    )
+    stroke: Annotated[float, Quantity("m", above=0, at_most=5)] = Field(
+        description="travel from where the jar is cocked to the stop that it hits"
+    )
+    threshold: Annotated[float, Quantity("N", above=0, kind="force")] | None = Field(
+        default=None, description="load that the latch of a hydraulic jar holds"
+    )
+    metering_stroke: Annotated[float, Quantity("m", at_least=0, at_most=5)] = Field(
+        default=0.0, description="travel over which a hydraulic jar meters; 0: it is free at the threshold"
+    )
+    metering_resistance: Annotated[float, Quantity("N s/m", above=0)] | None = Field(
+        default=None, description="load above the threshold over the speed of metering"
+    )
+    trigger: Annotated[float, Quantity("N", above=0, kind="force")] | None = Field(
+        default=None, description="load at which a mechanical jar fires"
+    )
+
+    @model_validator(mode="after")
+    def _latch(self) -> Jar:
+        hydraulic = self.action == "hydraulic"
+        needed, other = ("threshold", ("trigger",)) if hydraulic else (
+            "trigger",
+            ("threshold", "metering_resistance"),
+        )  # fmt: skip
+        if getattr(self, needed) is None:
+            raise refuse(needed, want=f"a load: a {self.action} jar needs it")
+        for key in other:
+            if getattr(self, key) is not None:
+                raise refuse(key, got=getattr(self, key), want=f"no {key} for a {self.action} jar")
+        if not hydraulic and self.metering_stroke > 0:
+            raise refuse("metering_stroke", got=self.metering_stroke, want="no metering of a mechanical jar")
+        if self.metering_stroke > 0 and self.metering_resistance is None:
+            raise refuse("metering_resistance", want="a resistance together with a metering_stroke")
+        if not self.metering_stroke < self.stroke:
+            want = f"below the stroke, {self.stroke:g} m"
+            raise refuse("metering_stroke", got=self.metering_stroke, want=want)
+        return self
+
+    @property
+    def latch_load(self) -> float:
+        """Load that the latch holds [N]."""
+        load = self.threshold if self.action == "hydraulic" else self.trigger
+        assert load is not None
+        return load
+
+    def joint(self, top: float) -> Joint:
+        least = -self.stroke if self.direction != "up" else -BEHIND_LATCH
+        largest = self.stroke if self.direction != "down" else BEHIND_LATCH
+        return Joint.model_construct(
+            kind="slider",
+            at=top + self.joint_at,
+            stroke=(least, largest),
             stop_stiffness=self.stop_stiffness,
             seal_area=self.seal_area,
         )

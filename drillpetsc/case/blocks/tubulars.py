@@ -22,7 +22,7 @@ from drillpetsc.case.blocks.string import (
     Stabilizer,
     Tube,
 )
-from drillpetsc.case.blocks.tools import BumperSub, ShockSub
+from drillpetsc.case.blocks.tools import BumperSub, Jar, ShockSub
 from drillpetsc.case.key_paths import refuse
 from drillpetsc.case.quantities import Quantity
 
@@ -191,6 +191,7 @@ _check, _tag = tagged_union(
     CoiledTubing,
     ShockSub,
     BumperSub,
+    Jar,
     Stabilizer,
     Body,
     Bit,
@@ -208,6 +209,7 @@ StringItem = Annotated[
     | Annotated[CoiledTubing, Tag("kind:CoiledTubing")]
     | Annotated[ShockSub, Tag("kind:ShockSub")]
     | Annotated[BumperSub, Tag("kind:BumperSub")]
+    | Annotated[Jar, Tag("kind:Jar")]
     | Annotated[Stabilizer, Tag("kind:Stabilizer")]
     | Annotated[Body, Tag("kind:Body")]
     | Annotated[Bit, Tag("kind:Bit")]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from drillpetsc.case.blocks.case_blocks import CaseBlocks
 from drillpetsc.case.blocks.string import Flexible, Rigid
+from drillpetsc.case.blocks.tools import Jar
 from drillpetsc.case.key_paths import refuse
 
 TOLERANCE = 1e-6  # [m] depths closer than this are equal
@@ -16,6 +17,7 @@ def check_joints(case: CaseBlocks) -> None:
     if case.all_joints and case.fluid is not None and case.fluid.formulation == "hermite":
         want = "formulation mixed in a case with joints"
         raise refuse("fluid", "formulation", got="hermite", want=want)
+    _jars(case)
     for number, tool, slider in case.tools:
         for joint in case.joints:
             if abs(joint.at - slider.at) <= TOLERANCE:
@@ -77,6 +79,28 @@ def _joint_at_the_top(case: CaseBlocks, i: int) -> None:
     if joint.constraint == "stabilised":
         want = "position, at depth 0: the top holds what is above"
         raise refuse("joints", i, "constraint", got=joint.constraint, want=want)
+
+
+def _jars(case: CaseBlocks) -> None:
+    """Raise where there is more than one jar, or a time integration that does not locate its events."""
+    jars = [number for number, tool, _ in case.tools if isinstance(tool, Jar)]
+    if not jars:
+        return
+    if len(jars) > 1:
+        raise refuse(
+            "string", jars[1], "kind", got="jar", want=f"one jar in a string: string[{jars[0]}] is one"
+        )
+    if case.time is None:
+        return
+    if case.time.mode == "quasi_static":
+        raise refuse(
+            "time", "mode", got="quasi_static", want="dynamic with a jar: it fires within milliseconds"
+        )
+    if case.time.integrator != "bdf":
+        raise refuse("time", "integrator", got=case.time.integrator, want="bdf with a jar")
+    for key, allowed in (("ts_type", "bdf"), ("snes_type", "python")):
+        if case.petsc.get(key, allowed) != allowed:
+            raise refuse("petsc", key, got=case.petsc[key], want=f"{allowed} with a jar")
 
 
 def _no_massless_part(case: CaseBlocks) -> None:

@@ -11,8 +11,8 @@ DP_OTHER_FORMULATIONS(unit_slope, UnitSlope, 1)
 
 // Results of a joint: tension, side force [N], torque, bending moment [N m] that the part above exerts on the part below; angle between the
 // tangents [rad], travel along the tangent [m]; largest error of the position [m] and of the angles [rad]; energy in spring and stops [J];
-// power of the damper [W].
-DP_RECORD(JointResults, double tension, side_force, torque, bending, angle, travel, place_error, angle_error, stored, damping_power;)
+// power of the damper [W]; speed of the travel [m/s]; force of the stops, positive at the outer one [N].
+DP_RECORD(JointResults, double tension, side_force, torque, bending, angle, travel, place_error, angle_error, stored, damping_power, speed, stop;)
 DP_EXPORT(joint_results, JointResultsText)
 DP_EXPORT(joint_kind, JointKind::KindText)
 
@@ -47,7 +47,8 @@ extern "C" void joint_results(int n, int width, const int* idx, const double* pa
         const Vec<double> bent = cross(j.above.t, j.below.t);
         out[e] = {tension, norm(F - j.above.t * tension), torque, norm(moment - j.above.t * torque),
                                 std::atan2(norm(bent), dot(j.above.t, j.below.t)), travel, place, angle,
-                                slides(kind) ? stored + slider_energy(travel, p) : 0.0, slides(kind) ? p[P::DAMPER] * speed * speed : 0.0};
+                                slides(kind) ? stored + slider_energy(travel, p) : 0.0, slides(kind) ? p[P::DAMPER] * speed * speed : 0.0, speed,
+                                slides(kind) ? slider_stops(travel, p) : 0.0};
     }
 }
 

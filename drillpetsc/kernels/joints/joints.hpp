@@ -70,16 +70,18 @@ constexpr int PAIR[3][2] = {{0, 1}, {0, 2}, {1, 2}};
 // Force of a slider's spring, damper and stops, positive where they pull its parts together; energy without the damper.
 // Stops: k/2 (q + sqrt(q^2 + e^2)), q the way beyond them: smooth, so that a part that hangs free still finds its stop in statics.
 template <class T, class S>
+inline T slider_stops(const T& travel, const S* p) {
+    typedef JointParameters P;
+    if (!(p[P::STOP_STIFFNESS] > 0)) return T(0.0);
+    const double e = p[P::STOP_ROUNDING], k = 0.5 * p[P::STOP_STIFFNESS];
+    const T out = travel - p[P::STOP_OUT], in = p[P::STOP_IN] - travel;
+    return (out + sqrt(out * out + e * e)) * k - (in + sqrt(in * in + e * e)) * k;
+}
+
+template <class T, class S>
 inline T slider_force(const T& travel, const T& speed, const S* p) {
     typedef JointParameters P;
-    T f = travel * p[P::SPRING] + speed * p[P::DAMPER] - p[P::PRELOAD];
-    if (p[P::STOP_STIFFNESS] > 0) {
-        const double e = p[P::STOP_ROUNDING], k = 0.5 * p[P::STOP_STIFFNESS];
-        const T out = travel - p[P::STOP_OUT], in = p[P::STOP_IN] - travel;
-        f += (out + sqrt(out * out + e * e)) * k;
-        f -= (in + sqrt(in * in + e * e)) * k;
-    }
-    return f;
+    return travel * p[P::SPRING] + speed * p[P::DAMPER] - p[P::PRELOAD] + slider_stops(travel, p);
 }
 
 inline double slider_energy(double travel, const double* p) {

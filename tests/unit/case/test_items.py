@@ -26,6 +26,7 @@ BLOCKS = (
     tools.ShockSub,
     tools.BumperSub,
     motor.PositiveDisplacementMotor,
+    tools.Jar,
     string.Stabilizer,
     string.Body,
     string.Bit,

@@ -1,0 +1,84 @@
+"""Latch of a jar: when it meters, fires and re-cocks (manual: sec-jar)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from drillpetsc.arrays import FloatArray
+from drillpetsc.fem.string_mesh import JarLaw
+
+LATCHED, METERING, FREE = 0, 1, 2
+TURNED_BACK = 1e-6  # speed against the pull at which metering ends [m/s]
+
+
+@dataclass
+class Jar:
+    """State of a jar.
+
+    law: constants; mode: LATCHED, METERING or FREE; side: 1 up (the jar opens), -1 down, of the last pull.
+    place: travel at which the latch holds [m]; load: its force there [N, tension positive]; fired: number of shots.
+    """
+
+    law: JarLaw
+    mode: int = LATCHED
+    side: float = 1.0
+    place: float = 0.0
+    load: float = 0.0
+    fired: int = 0
+
+    def slider(self) -> dict[str, float]:
+        """Spring [N/m], damper [N s/m] and preload [N] of the slider in this state."""
+        if self.mode == LATCHED:
+            return {
+                "spring": self.law.latch,
+                "damper": 0.0,
+                "preload": self.law.latch * self.place - self.load,
+            }
+        if self.mode == METERING:
+            return {"spring": 0.0, "damper": self.law.resistance, "preload": -self.brake}
+        return {"spring": 0.0, "damper": 0.0, "preload": 0.0}
+
+    @property
+    def brake(self) -> float:
+        """Force of the latch while the jar meters, beside that of the metering [N]."""
+        return self.side * self.law.threshold if self.mode == METERING else 0.0
+
+    def passed(self, travel: float, speed: float, force: float) -> bool:
+        """Whether the state has ended at the present travel [m], speed [m/s] and force [N, tension positive]."""
+        law = self.law
+        if self.mode == LATCHED:
+            beyond = (law.up and force > law.threshold) or (law.down and force < -law.threshold)
+            return beyond or (self.place != 0.0 and self.side * force < 0.0)
+        if self.mode == METERING:
+            return self.side * travel >= law.metering or self.side * speed < -TURNED_BACK
+        return self.side * travel <= 0.0
+
+    def switch(self, travel: float, speed: float, force: float) -> None:
+        """Go over to the state that follows."""
+        law = self.law
+        if self.mode == LATCHED:
+            pulled = abs(force) > law.threshold
+            self.side = float(np.copysign(1.0, force)) if pulled else self.side
+            if pulled and law.resistance > 0 and self.side * travel < law.metering:
+                self.mode = METERING
+            else:
+                self.mode, self.fired = FREE, self.fired + pulled
+        elif self.mode == METERING:
+            if self.side * travel >= law.metering:
+                self.mode, self.fired = FREE, self.fired + 1
+            else:  # the pull has fallen to the latch's force
+                self.load = self.side * law.threshold
+                self.mode, self.place = LATCHED, travel
+        else:
+            self.mode, self.place, self.load = LATCHED, 0.0, 0.0
+
+    def numbers(self) -> FloatArray:
+        """All that changes, for a checkpoint."""
+        return np.array([self.mode, self.side, self.place, self.load, self.fired], dtype=float)
+
+    def set_numbers(self, numbers: FloatArray) -> None:
+        """Continue from ``numbers``."""
+        self.mode, self.fired = int(numbers[0]), int(numbers[4])
+        self.side, self.place, self.load = (float(q) for q in numbers[1:4])

@@ -1,0 +1,209 @@
+"""A jar: waves after the shot, metering, triggers, re-cocking, time of the event (manual: sec-verif-jar)."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from drillpetsc import Case, Jar, run
+from drillpetsc.errors import CaseError
+from drillpetsc.output import read_table
+from drillpetsc.physics.joints import Joints
+
+PIPE, COLLAR = {"od": 0.127, "id": 0.1086}, {"od": 0.1778, "id": 0.0714}
+WAVE = np.sqrt(206e9 / 7850)
+Z_PIPE, Z_COLLAR = (np.pi / 4 * (q["od"] ** 2 - q["id"] ** 2) * np.sqrt(206e9 * 7850) for q in (PIPE, COLLAR))
+
+
+def jar(**keys: Any) -> dict:
+    return Jar(**({"length": 2.0, "joint_at": 0.5, "stroke": 0.18, "threshold": 6e4, **COLLAR} | keys))
+
+
+def results(case: Case, folder: Path) -> tuple[dict[str, np.ndarray], dict]:
+    """Columns of history.csv by name without unit, and the summary."""
+    summary = run(case, folder / "run", progress="silent").summary
+    table = read_table(folder / "run" / "history.csv")
+    return {name.split(" [")[0]: values for name, values in table.items()}, summary
+
+
+@pytest.mark.parametrize(("pull", "stroke", "collars"), [(4e5, 0.18, 120.0), (2.5e5, 0.045, 80.0)])
+def test_waves_after_the_shot(pull, stroke, collars, tmp_path: Path):
+    """Drill pipe of 1500 m that is held, over collars, the part below the slider held by its mass; no gravity, no mud.
+
+    The end of the collars steps by F/Z_c, and at each return of the wave by the reflection at the pipe towards F/Z_p:
+    0.47765, 1.16448, 1.65828, 2.01330 m/s every 46.85 ms for 400 kN and 120 m. It hits when the integral of the speed is
+    the stroke (153.155 ms), with a force that the collars take up: speed times Z_c (1685.995 kN). 3 %.
+    """
+    length = collars + 0.5
+    data = {
+        "string": [
+            {"kind": "pipe", "length": 1500, "element_length": 2.0, **PIPE},
+            {"kind": "pipe", "length": collars, "element_length": 2.0, **COLLAR},
+            jar(stroke=stroke, element_length=0.5),
+            {"kind": "body", "length": 0.1, "mass": 1e8, "inertia": {"axial": 1e6, "transverse": 1e6}},
+        ],
+        "top": "clamped",
+        "bottom": {"kind": "force", "force": [0, 0, pull]},
+        "gravity": 0.0,
+        "initial": {"imperfection": 0.0},
+        "time": {"end": 0.186 if stroke == 0.18 else 0.12},
+        "output": {"history_every": 2.5e-4},
+        "petsc": {"ts_adapt_type": "none", "ts_dt": 2e-4},
+    }
+    found, summary = results(Case(**data), tmp_path)
+    period, r = 2 * length / WAVE, (Z_COLLAR - Z_PIPE) / (Z_COLLAR + Z_PIPE)
+    speeds = pull / Z_COLLAR + (pull / Z_PIPE - pull / Z_COLLAR) * (1 - r ** np.arange(7))
+    if (pull, collars) == (4e5, 120.0):
+        assert speeds[:4] == pytest.approx([0.47765, 1.16448, 1.65828, 2.01330], rel=2e-3)
+    travelled = np.concatenate([[0.0], np.cumsum(speeds) * period])
+    k = int(np.searchsorted(travelled, stroke)) - 1
+    hit = k * period + (stroke - travelled[k]) / speeds[k]
+    t, x = found["time"], found["jar_stroke"]
+    for n in range(k + 1):
+        begin, end = n * period + 4e-3, min((n + 1) * period, hit) - 4e-3
+        if end - begin > 4e-3:
+            at = np.interp([begin, end], t, x)
+            assert (at[1] - at[0]) / (end - begin) == pytest.approx(speeds[n], rel=0.03)
+    force = found["jar_impact_force"]
+    after = t[np.argmax(force > 0.1 * speeds[k] * Z_COLLAR)]
+    assert after == pytest.approx(hit, abs=6e-4)
+    plateau = (t > hit + 2e-3) & (t < min((k + 1) * period, hit + 30e-3) - 3e-3)
+    assert force[plateau].mean() == pytest.approx(speeds[k] * Z_COLLAR, rel=0.03)
+    assert (found["jar_state"][0], found["jar_state"][-1]) == (0, 2)
+    assert (found["jar_fired"][0], found["jar_fired"][-1]) == (0, 1)
+    text = f"string[2] jar: at time 0 the load {pull / 1e3:g} kN lies beyond its latch: it fires at once"
+    assert text in summary["warnings"]
+    assert summary["energy"]["gained_share"] < 1e-3
+
+
+def hanging(item: dict, **keys: Any) -> Case:
+    """A stiff short string with a body of 2 t below the jar."""
+    pipe = {"kind": "pipe", "element_length": 5, **COLLAR}
+    data = {
+        "string": [
+            {**pipe, "length": 5},
+            item,
+            {**pipe, "length": 5},
+            {"kind": "body", "length": 0.5, "mass": 2000},
+        ],
+        "top": "clamped",
+        "time": {"end": 0.6},
+        "output": {"history_every": 1e-3},
+    }
+    return Case(**(data | keys))
+
+
+STEEL = 7850 * np.pi / 4 * (0.1778**2 - 0.0714**2)
+WEIGHT = (2000 + STEEL * 6.5) * 9.80665
+
+
+@pytest.mark.parametrize(("threshold", "resistance", "metering"), [(1.5e4, 2e5, 0.02), (2e4, 1e5, 0.015)])
+def test_metering_takes_its_time(threshold, resistance, metering, tmp_path: Path):
+    """v = (F - threshold)/resistance under a weight; then the body falls freely by the rest of the stroke and hits."""
+    found, summary = results(
+        hanging(
+            jar(threshold=threshold, metering_resistance=resistance, metering_stroke=metering, stroke=0.1),
+            material={"damping": {"stiffness": 1e-5}},
+            petsc={"ts_rtol": 1e-5},
+        ),
+        tmp_path,
+    )
+    t, mode = found["time"], found["jar_state"]
+    speed = (WEIGHT - threshold) / resistance
+    free = t[np.argmax(mode == 2)]
+    # the body takes mass/resistance to reach the speed
+    assert free == pytest.approx(metering / speed + WEIGHT / 9.80665 / resistance, abs=1.5e-3)
+    lag = WEIGHT / 9.80665 / resistance
+    middle = (t > 0.3 * free) & (t < 0.9 * free)
+    expected = speed * (t[middle] - lag * (1 - np.exp(-t[middle] / lag)))
+    assert found["jar_stroke"][middle] == pytest.approx(expected, rel=0.02)
+    g, rest = 9.80665, 0.1 - metering
+    fall = (-speed + np.sqrt(speed**2 + 2 * g * rest)) / g
+    assert t[np.argmax(found["jar_impact_force"] > 1e4)] == pytest.approx(free + fall, abs=4e-3)
+    assert set(mode) == {0, 1, 2} and found["jar_fired"][-1] == 1
+    before = t < free + fall - 5e-3  # the hit sends waves into the string that the time steps damp
+    assert np.abs(found["energy_error"][before]).max() < 1e-3 * WEIGHT * 0.1
+    assert summary["energy"]["gained_share"] < 2e-3
+    assert "it meters at once" in " ".join(summary["warnings"])
+
+
+def test_a_load_below_the_latch_does_nothing(tmp_path: Path):
+    found, summary = results(hanging(jar(threshold=4e4), time={"end": 0.05}), tmp_path)
+    assert set(found["jar_state"]) == {0} and found["jar_fired"][-1] == 0
+    assert np.abs(found["jar_stroke"] - WEIGHT / 1e9).max() < 1e-6
+    assert not any("jar" in line for line in summary["warnings"])
+
+
+class Seen:
+    """Figures of the joints when a law changes."""
+
+    def __init__(self, monkeypatch: pytest.MonkeyPatch) -> None:
+        self.numbers: list[np.ndarray] = []
+        change = Joints.change_law
+
+        def note(joints: Joints, numbers: np.ndarray) -> None:
+            self.numbers.append(numbers)
+            change(joints, numbers)
+
+        monkeypatch.setattr(Joints, "change_law", note)
+
+
+@pytest.mark.parametrize(("direction", "sign"), [("up", 1.0), ("down", -1.0), ("both", -1.0)])
+def test_mechanical_jar_fires_at_its_trigger_and_cocks_again(direction, sign, tmp_path: Path, monkeypatch):
+    """The load at the lower end grows, turns round, and grows again. The shot is located within 1e-6 s: the load is beyond the
+    trigger by no more than its rate allows, with waves in the string ten times that of the input."""
+    seen = Seen(monkeypatch)
+    pipe = {"kind": "pipe", "element_length": 5, "length": 10, **COLLAR}
+    load = {"time": [0, 0.2, 0.4, 0.6, 0.9], "value": [0.5, 1.5, -1.5, -0.2, 1.5]}
+    case = Case(
+        string=[
+            pipe,
+            jar(action="mechanical", threshold=None, trigger=1e5, stroke=0.02, direction=direction),
+            pipe,
+        ],
+        top="clamped",
+        gravity=0.0,
+        loads=[{"at": 22.0, "force": [0, 0, sign * 1e5], "value_over": load}],
+        initial={"imperfection": 0.0},
+        material={"damping": {"stiffness": 1e-3}},
+        time={"end": 0.9},
+        output={"history_every": 1e-3},
+    )
+    found, _ = results(case, tmp_path)
+    first = seen.numbers[0]
+    assert sign * first[2] == pytest.approx(1e5, abs=1e7 * 1e-6)
+    assert found["jar_fired"].max() >= 2
+    shot = found["time"][np.argmax(found["jar_fired"] > 0)]
+    assert shot == pytest.approx(0.1, abs=4e-3)
+
+
+@pytest.mark.parametrize(
+    ("keys", "words"),
+    [
+        ({"threshold": None}, "a hydraulic jar needs it"),
+        ({"action": "mechanical", "threshold": None}, "a mechanical jar needs it"),
+        ({"action": "mechanical", "trigger": 1e5}, "no threshold for a mechanical jar"),
+        ({"metering_stroke": 0.05}, "a resistance together with a metering_stroke"),
+        ({"metering_stroke": 0.2, "metering_resistance": 1e6}, "below the stroke"),
+    ],
+)
+def test_bad_jars_are_refused(keys, words):
+    with pytest.raises(CaseError, match=words):
+        hanging(jar(**keys))
+
+
+@pytest.mark.parametrize(
+    ("keys", "words"),
+    [
+        ({"time": {"end": 1.0, "integrator": "generalized_alpha"}}, "bdf with a jar"),
+        ({"time": {"end": 1.0, "mode": "quasi_static"}}, "dynamic with a jar"),
+        ({"petsc": {"ts_type": "arkimex"}}, "bdf with a jar"),
+        ({"string": [{"kind": "pipe", "length": 5, **COLLAR}, jar(), jar()]}, "one jar in a string"),
+    ],
+)
+def test_runs_that_do_not_locate_the_shot_are_refused(keys, words):
+    with pytest.raises(CaseError, match=words):
+        hanging(jar(), **keys)
