@@ -21,8 +21,9 @@ from drillpetsc.arrays import FloatArray
 from drillpetsc.case.blocks.ends import ForcedBottom
 from drillpetsc.errors import CaseError, SolveError
 from drillpetsc.model.drilling_model import DrillingModel
+from drillpetsc.solvers.lateral_loads import lateral_loads
 from drillpetsc.solvers.overdamped import SPIN_ARM, Drag, OverdampedMotion
-from drillpetsc.solvers.static_newton import Advance, Equilibrium, StaticNewton, lateral_loads, sum_of
+from drillpetsc.solvers.static_newton import Advance, Equilibrium, StaticNewton, sum_of
 
 SEED = 1e-3  # random side loads, as a share of the weight
 SEED_SPACING = (

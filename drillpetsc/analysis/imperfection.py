@@ -10,7 +10,7 @@ import numpy as np
 from drillpetsc.analysis.energy_descent import nodal_weight
 from drillpetsc.arrays import FloatArray
 from drillpetsc.model.drilling_model import DrillingModel
-from drillpetsc.solvers.static_newton import lateral_loads
+from drillpetsc.solvers.lateral_loads import lateral_loads
 
 
 def add_imperfection_of_rest(model: DrillingModel) -> None:

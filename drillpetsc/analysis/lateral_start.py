@@ -19,7 +19,7 @@ from drillpetsc.model.drilling_model import DrillingModel
 from drillpetsc.output.static_table import at_nodes
 from drillpetsc.physics.contact import ONSET
 from drillpetsc.solvers.lateral_beam import ContactPoints, LateralBeam, element_matrices, lateral_state
-from drillpetsc.solvers.static_newton import lateral_shares
+from drillpetsc.solvers.lateral_loads import lateral_shares
 
 SPACING = 3.0  # of independent side loads, the same on all meshes [m]
 LYING_SHARE = 0.01  # of the push: a side load on the string above the buckle that holds it on the wall

@@ -23,6 +23,7 @@ from drillpetsc.fem.bound_parts import ROW_SCALE, RowReplacement
 from drillpetsc.fem.discrete_system import DiscreteSystem
 from drillpetsc.kernels import function, pointer
 from drillpetsc.solvers.chain_lu import ZeroPivot
+from drillpetsc.solvers.lateral_loads import lateral_loads
 from drillpetsc.solvers.newton import static_factor
 
 _quasi_rows = function("quasi_rows", "iipppp")
@@ -598,35 +599,4 @@ def diagonal_blocks(system: DiscreteSystem, fields: tuple[str, ...]) -> list[tup
         _, corner, width = rows[once].T
         k = np.arange(dofs.shape[1])
         out.append((vertices, corner[:, None, None] + k[:, None] * width[:, None, None] + k))
-    return out
-
-
-def lateral_shares(depth: FloatArray, seed: int = 1, spacing: float | None = None) -> FloatArray:
-    """Random numbers (n, 2) of standard deviation 1 along directors 2 and 3, of nodes at ``depth`` (n,) [m].
-
-    seed, spacing: see ``lateral_loads``.
-    """
-    random = np.random.default_rng(seed)
-    if spacing is None:
-        return random.standard_normal((len(depth), 2))
-    knots = np.arange(np.ceil(depth[-1] / spacing) + 1) * spacing
-    values = random.standard_normal((len(knots), 2))
-    return np.column_stack([np.interp(depth, knots, v) for v in values.T])
-
-
-def lateral_loads(
-    system: DiscreteSystem, size: FloatArray, seed: int = 1, spacing: float | None = None
-) -> FloatArray:
-    """Compute random lateral loads at the nodes, (n,) by the local unknowns [N]; the same for any number of ranks.
-
-    size: (n_nodes,) standard deviation at each node [N]; seed: of the random numbers.
-    spacing: distance [m] between independent random numbers along the string, with linear interpolation, so that all
-    meshes have the same load per length; None: the nodes are independent.
-    """
-    loads = size[:, None] * lateral_shares(system.mesh.node_depth, seed, spacing)
-    t, second = system.frames.reference, system.frames.second_director
-    force = loads[:, :1] * second + loads[:, 1:] * np.cross(t, second)
-    out = np.zeros(system.layout.size)
-    dofs, owned = system.layout.dofs["string.position"], system.chain.owned
-    out[dofs[owned]] = force[system.chain.vertices[owned]]
     return out

@@ -12,7 +12,7 @@ from drillpetsc import Case, run, statics
 from drillpetsc.analysis import friction_path
 from drillpetsc.errors import CaseError
 from drillpetsc.model.drilling_model import build_model
-from drillpetsc.solvers.static_newton import lateral_loads
+from drillpetsc.solvers.lateral_loads import lateral_loads
 from tests.verification.test_statics_report import BENDING, CLEARANCE, PIPE, WEIGHT, pushed, straight
 
 FRICTION = 0.25
