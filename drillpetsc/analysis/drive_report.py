@@ -86,7 +86,7 @@ def drive_warnings(model: DrillingModel, starts: bool) -> list[str]:
         return ["top.motor: left out, since time.mode is quasi_static: the rotation is prescribed"]
     if not isinstance(drive, MotorDrive):
         return []
-    out = control_warnings(case, drive.laws, drive.impedance)
+    out = control_warnings(case, drive.described, drive.impedance)
     if starts:
         torque = float(model.system.comm.tompi4py().allreduce(drive.start_torque))
         out += start_warnings(torque, drive.motor)
@@ -98,11 +98,11 @@ def drive_lines(model: DrillingModel) -> list[str]:
     drive = model.drive
     if not isinstance(drive, MotorDrive):
         return []
-    lines = control_lines(drive.laws, drive.motor, drive.impedance)
+    lines = control_lines(drive.described, drive.motor, drive.impedance)
     for q in model.case.top.control:
         if isinstance(q, PythonController):
             lines.append(f"  python: {q.function} every {q.sample:g} s")
     return [
         *lines,
-        *(f"  WARNING: {text}" for text in control_warnings(model.case, drive.laws, drive.impedance)),
+        *(f"  WARNING: {text}" for text in control_warnings(model.case, drive.described, drive.impedance)),
     ]

@@ -32,6 +32,7 @@ from drillpetsc.case.case import Case
 from drillpetsc.case.checks.limits import refuse_quaternion
 from drillpetsc.errors import CaseError
 from drillpetsc.model.drilling_model import DrillingModel, build_model, is_quasi_static
+from drillpetsc.model.top_drive import continuous_control
 from drillpetsc.output import RunFolder, write_summary
 from drillpetsc.output.case_files import write_case
 from drillpetsc.output.files.atomic import replace_file
@@ -101,6 +102,7 @@ def run_linearise(
     Raises CaseError for wrong arguments, SolveError where no equilibrium is found or no state space exists.
     """
     refuse_quaternion(case, "linearise")
+    case = continuous_control(case)
     if case.time is not None and is_quasi_static(case):
         raise CaseError(
             at="time.mode", got="quasi_static", want="dynamic: without inertia there is no linear model"

@@ -38,6 +38,7 @@ from drillpetsc.case.checks.limits import refuse_quaternion
 from drillpetsc.errors import CaseError, DrillError
 from drillpetsc.fem.component import DRIVE
 from drillpetsc.model.drilling_model import DrillingModel, build_model
+from drillpetsc.model.top_drive import continuous_control
 from drillpetsc.output import FieldWriter, RunFolder, write_summary, write_table
 from drillpetsc.output.case_files import write_case
 from drillpetsc.output.field_output import FieldOutput
@@ -445,8 +446,8 @@ def run_modes(
             at="--shift", got=shift, want="a frequency in Hz, at least 0, and not together with --kind"
         )
     with options.applied(case.petsc):
-        mean = mean_over_turn(case)
-        model = build_model(without_motor(mean) if without_control else mean, comm)
+        case = continuous_control(mean_over_turn(case))
+        model = build_model(without_motor(case) if without_control else case, comm)
         folder = make_folder(comm, name, out, False, overwrite)
         state = prepare_state(model, about)
         fields = FieldOutput(model).fields(0.0)

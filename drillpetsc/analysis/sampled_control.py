@@ -1,4 +1,7 @@
-"""A speed controller that is a Python function of the user, called at its samples (manual: sec-python-controller)."""
+"""Speed controllers that sample: Python functions of the user, and the built-in laws.
+
+Manual: sec-python-controller, sec-top-drive-sampled.
+"""
 
 from __future__ import annotations
 
@@ -14,6 +17,7 @@ import numpy as np
 from drillpetsc.case.blocks.top_drive import PythonController
 from drillpetsc.errors import CaseError, SolveError
 from drillpetsc.model.drilling_model import DrillingModel
+from drillpetsc.physics.sampled_law import SampledLaw
 from drillpetsc.physics.sampled_torque import SampledTorque
 from drillpetsc.physics.top_drive import MotorDrive
 
@@ -22,18 +26,26 @@ MEASURED = ("top_speed", "set_point", "motor_torque", "pipe_torque")
 
 
 class SampledControl:
-    """Calls the function of ``top.control`` at its samples; every rank calls it with the same numbers.
+    """Calls the function or the laws of ``top.control`` at its samples; every rank calls it with the same numbers.
 
-    model: with such a controller; period: between two samples [s].
+    model: with a sampled controller; period: between two samples [s].
     Raises CaseError where the function cannot be imported.
     """
 
     def __init__(self, model: DrillingModel) -> None:
         controller = model.case.top.control[0]
-        assert isinstance(controller, PythonController) and isinstance(model.drive, MotorDrive)
-        assert isinstance(model.drive.torque_input, SampledTorque)
-        self.period, self._name = controller.sample, controller.function
+        assert isinstance(model.drive, MotorDrive) and isinstance(model.drive.torque_input, SampledTorque)
+        self.period, self._name = controller.sample, str(controller.kind)
         self._model, self._drive, self._held = model, model.drive, model.drive.torque_input
+        self._law: SampledLaw | None = None
+        if not isinstance(controller, PythonController):
+            delays = [getattr(q, "delay", 0.0) for q in model.case.top.control]
+            self._law = SampledLaw(model.drive.described, delays, self.period, model.drive.motor)
+            self._function: Callable[..., Any] = self._law.torque
+            self._parameters = 3
+            self._held.kind = self._law.laws[0].kind
+            return
+        self._name = controller.function
         self._function = load_function(controller.function)
         self._parameters = len(inspect.signature(self._function).parameters)
         if self._parameters not in (2, 3):
@@ -49,6 +61,8 @@ class SampledControl:
         local = np.append(drive.figures(t, model.system.assembly)[: len(MEASURED)], drive.start_torque)
         figures = model.system.comm.tompi4py().allreduce(local)
         measured = dict(zip((*MEASURED, "start_torque"), map(float, figures), strict=True))
+        if self._held.resumed:
+            measured["motor_torque"], measured["pipe_torque"] = map(float, self._held.measured)
         more = (self._held.memory,) if self._parameters == 3 else ()
         torque = self._function(t, measured, *more)
         try:
@@ -60,6 +74,8 @@ class SampledControl:
                 f"top.control: {self._name} gave {torque!r} at {t:g} s; a finite torque [N m] is needed"
             )
         self._held.torque = value
+        if self._law is not None:
+            self._held.kind = self._law.laws[self._law.phase(t)].kind
 
 
 def load_function(path: str) -> Callable[..., Any]:
@@ -84,7 +100,7 @@ def load_function(path: str) -> Callable[..., Any]:
 
 
 def sampled_control(model: DrillingModel) -> SampledControl | None:
-    """The controller in Python of a model; None where it has none."""
+    """The controller of a model that samples; None where it has none."""
     drive = model.drive
     if isinstance(drive, MotorDrive) and isinstance(drive.torque_input, SampledTorque):
         return SampledControl(model)

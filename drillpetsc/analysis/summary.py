@@ -103,7 +103,7 @@ def outcome(
     if "statics" in notes:
         result["statics"] = notes["statics"]
     if isinstance(model.drive, MotorDrive):
-        result["top_drive"] = control_summary(model.drive.laws, model.drive.motor, model.drive.impedance)
+        result["top_drive"] = control_summary(model.drive.described, model.drive.motor, model.drive.impedance)
     if model.hoist is not None:
         result["hoist"] = hoist_summary(model)
         result["warnings"] += slack_warnings(model)

@@ -176,9 +176,9 @@ def _make_integrator(model: DrillingModel, quasi: QuasiStatic | None) -> TimeInt
     if sampler is not None:
         if generalized_alpha.selected():
             raise CaseError(
-                at="top.control.kind",
-                got="python",
-                want="a controller in Python with BDF",
+                at="top.control.sample",
+                got=f"{sampler.period:g} s",
+                want="a controller that samples, with BDF",
                 hint="generalised-alpha does not end its steps at a controller's samples: leave time.integrator out",
             )
         longest = sampler.period / STEPS_PER_SAMPLE

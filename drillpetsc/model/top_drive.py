@@ -95,7 +95,10 @@ def motor_of(case: Case) -> Motor:
 
 
 def laws_of(case: Case, mesh: StringMesh) -> tuple[Law, ...]:
-    """The controllers of the case with their gains."""
+    """The controllers of the case with their gains.
+
+    A sampled one has half a sample more delay: the mean delay of a torque that is held (manual: sec-top-drive-sampled).
+    """
     zeta, inertia = pipe_impedance(mesh), motor_of(case).inertia
     if any(isinstance(q, PythonController) for q in case.top.control):
         return ()  # a function of the user has no gains that are known here
@@ -104,7 +107,7 @@ def laws_of(case: Case, mesh: StringMesh) -> tuple[Law, ...]:
 
 def _law(q: AnyController, case: Case, mesh: StringMesh, zeta: float, inertia: float) -> Law:
     assert not isinstance(q, PythonController)
-    common: dict[str, Any] = {"start": q.from_, "delay": q.delay}
+    common: dict[str, Any] = {"start": q.from_, "delay": q.delay + 0.5 * q.sample}
     if isinstance(q, PiController):
         return Law("pi", p=q.p, i=q.i, **common)
     if isinstance(q, StiffController):
@@ -134,8 +137,25 @@ def build_drive(case: Case, mesh: StringMesh) -> MotorDrive:
     """Create the drive of a case with a motor."""
     top = case.top
     assert isinstance(top, TopDriveCase)
-    sampled = any(isinstance(q, PythonController) for q in top.control)
+    sampled, laws = any(q.sample > 0 for q in top.control), laws_of(case, mesh)
     torque = SampledTorque() if sampled else top.torque
-    return MotorDrive(
-        top.rotation, torque, laws_of(case, mesh), motor_of(case), pipe_impedance(mesh), mesh.nodes
+    drive = MotorDrive(
+        top.rotation, torque, () if sampled else laws, motor_of(case), pipe_impedance(mesh), mesh.nodes
     )
+    drive.described = laws
+    return drive
+
+
+def continuous_control(case: Case) -> Case:
+    """The case of a linear analysis: a sampled controller is continuous, with half a sample more delay."""
+    if not any(
+        getattr(q, "sample", 0.0) > 0 and q.kind != "python" for q in getattr(case.top, "control", ())
+    ):
+        return case
+    assert isinstance(case.top, TopDriveCase)
+    control = tuple(
+        q.model_copy(update={"sample": 0.0, "delay": q.delay + 0.5 * q.sample})
+        for q in case.top.control
+        if not isinstance(q, PythonController)
+    )
+    return case.model_copy(update={"top": case.top.model_copy(update={"control": control})})

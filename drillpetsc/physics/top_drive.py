@@ -62,6 +62,9 @@ class MotorDrive(Drive):
         nodes: int,
     ):
         self._at_top = np.arange(nodes) == 0
+        self.update_size = 2 if isinstance(torque, SampledTorque) else 0
+        #: laws for reports: those of a sampled controller, too, with its mean delay
+        self.described: tuple[Law, ...] = tuple(laws)
         self.rotation, self.torque_input = rotation, torque
         self.laws, self.motor, self.impedance = tuple(laws), motor, impedance
         self.lag = motor.lag or (LIMIT_LAG if motor.torque_rate else 0.0)
@@ -234,6 +237,21 @@ class MotorDrive(Drive):
         return self._phase_at(float(np.nextafter(t, -np.inf))) if self.laws else 0
 
     # ------------------------------------------------------------------ history
+    def local_update(self, state: Any) -> FloatArray:
+        """(2,) torque of the motor and on the pipe [N m], for the samples of a controller; (0,) without one.
+
+        nan where a restored state has no accelerations yet.
+        """
+        held = self.torque_input
+        if isinstance(held, SampledTorque) and held.resumed and not np.any(state.a):
+            return np.full(2, np.nan)
+        r = self.results(state)
+        return np.array([r[RESULTS["torque"]], r[RESULTS["pipe"]]][: self.update_size])
+
+    def apply_update(self, total: FloatArray) -> None:
+        if isinstance(self.torque_input, SampledTorque) and np.all(np.isfinite(total)):
+            self.torque_input.measured, self.torque_input.resumed = total.copy(), False
+
     def get_state(self) -> dict[str, FloatArray]:
         """Held torque and memory of a controller in Python; empty without one."""
         return self.torque_input.get_state() if isinstance(self.torque_input, SampledTorque) else {}
@@ -268,7 +286,8 @@ class MotorDrive(Drive):
         speed = state.y[state.index_of(self._block)[0, SPIN]]
         r = self.results(state)
         sampled = isinstance(self.torque_input, SampledTorque)
-        mode = MODES[self.laws[self._phase].kind] if self.laws else MODES["python" if sampled else "torque"]
+        kind = self.torque_input.kind if isinstance(self.torque_input, SampledTorque) else "torque"
+        mode = MODES[self.laws[self._phase].kind if self.laws else kind]
         torque, pipe, limited = (r[RESULTS[name]] for name in ("torque", "pipe", "limited"))
         error = self._speed[0] - speed if self.laws or sampled else 0.0
         return np.array([speed, self._speed[0], torque, pipe, error, float(mode), limited])

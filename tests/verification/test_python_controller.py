@@ -159,5 +159,5 @@ def test_generalised_alpha_is_refused(tmp_path):
     """It ends no step at a sample, so the controller would be called at other times."""
     made = case("constant")
     alpha = made.model_copy(update={"time": made.time.model_copy(update={"integrator": "generalized_alpha"})})
-    with pytest.raises(CaseError, match="a controller in Python with BDF"):
+    with pytest.raises(CaseError, match="a controller that samples, with BDF"):
         run(alpha, tmp_path / "run", progress="silent")

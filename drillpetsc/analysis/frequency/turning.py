@@ -18,6 +18,7 @@ from drillpetsc.case.case import Case
 from drillpetsc.case.checks.limits import refuse_quaternion
 from drillpetsc.errors import CaseError
 from drillpetsc.model.drilling_model import DrillingModel, build_model, is_quasi_static
+from drillpetsc.model.top_drive import continuous_control
 from drillpetsc.time_function import Constant
 
 
@@ -45,7 +46,7 @@ def turning_case(case: Case, command: str, without_control: bool = False) -> Cas
             at="bottom", got="clamped", want=f"a lower end that can turn with {command}",
             hint="pinned holds its position only",
         )  # fmt: skip
-    case = mean_over_turn(case.model_copy(update={"top": top}))
+    case = continuous_control(mean_over_turn(case.model_copy(update={"top": top})))
     case = without_motor(case) if without_control else case
     if case.top.torque is not None:
         raise CaseError(

@@ -193,6 +193,9 @@ class TopDrive(TopEnd):
             if q.kind == "python" and len(self.control) > 1:
                 want = "a single controller: a function in Python changes its law by itself"
                 raise refuse("control", i, "kind", got=q.kind, want=want)
+            if q.sample != self.control[0].sample:
+                want = f"the same for all controllers, {self.control[0].sample:g} s as in the first one"
+                raise refuse("control", i, "sample", got=q.sample, want=want)
             if i == 0 and q.from_ != 0:
                 raise refuse("control", 0, "from", got=q.from_, want="0 for the first controller")
             if i and q.from_ <= self.control[i - 1].from_:

@@ -85,6 +85,21 @@ class Controller(Block):
     delay: Annotated[float, Quantity("s", at_least=0, at_most=LONGEST_DELAY)] = Field(
         default=0.0, description="delay of the controller's output"
     )
+    sample: Annotated[float, Quantity("s", at_least=0, at_most=LONGEST_DELAY)] = Field(
+        default=0.0,
+        description="time between two samples of a controller that holds its torque in between; 0: continuous. "
+        "With it, delay is a multiple of it",
+    )
+
+    @model_validator(mode="after")
+    def _whole_samples(self) -> Controller:
+        if self.sample > 0:
+            late = self.delay / self.sample
+            if abs(late - round(late)) > 1e-6:
+                low = int(late) * self.sample
+                want = f"a multiple of sample, such as {low:g} s or {low + self.sample:g} s"
+                raise refuse("delay", got=self.delay, want=want)
+        return self
 
 
 class PiController(Controller):

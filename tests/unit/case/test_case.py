@@ -281,7 +281,9 @@ def test_wob_wants_a_top_that_can_be_set() -> None:
     keys = {"string": [PIPE, BIT], "well": well(), "bottom": "bit", "initial": {"wob": "5 kN"}}
     assert Case(**keys, top={"kind": "top_drive"}).initial.wob == 5e3
     assert error_of(**keys, top="free").at == "initial.wob"
-    assert error_of(**keys, top={"kind": "top_drive", "force": "1 kN"}).at == "initial.wob"
+    assert Case(**keys, top={"kind": "top_drive", "force": "1 kN"}).initial.wob == 5e3
+    pulled = {"top": {"kind": "top_drive", "force": "1 kN"}, "beam": {"formulation": "quaternion"}}
+    assert error_of(**keys, **pulled).at == "initial.wob"
 
 
 def test_a_case_cannot_be_changed() -> None:
