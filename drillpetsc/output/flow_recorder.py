@@ -116,7 +116,7 @@ class FlowRecorder:
 
     def speed(self, name: str, sample: Sample) -> FloatArray:
         """(nc,) speed [m/s] in the local elements, towards the bit."""
-        return np.asarray(sample.once(self.channels()[name].element_results)[:, _SPEED])
+        return np.array(sample.once(self.channels()[name].element_results)[:, _SPEED])
 
     def wall_tension(self) -> FloatArray:
         """(nc, 2) tension [N] of the pipe's wall beyond EA times strain at both ends of the local elements.
