@@ -35,7 +35,7 @@ from drillpetsc.case.items import (
     ShockSub,
     Stabilizer,
 )
-from drillpetsc.errors import CaseError
+from drillpetsc.errors import CaseError, SolveError
 from drillpetsc.parallel import initialise_petsc
 
 if TYPE_CHECKING:
@@ -51,6 +51,7 @@ __all__ = [
     "Body",
     "BumperSub",
     "Case",
+    "CaseError",
     "Casing",
     "CoiledTubing",
     "DrillCollar",
@@ -76,6 +77,7 @@ __all__ = [
     "open_run",
     "response",
     "roadmap",
+    "SolveError",
     "run",
     "stability",
     "statics",
@@ -142,6 +144,7 @@ def statics(
     out: str | Path | None = None,
     *,
     motion: str | None = None,
+    operation: str | None = None,
     path: Literal["sliding", "slack_off"] | None = None,
     overwrite: bool = False,
     name: str | None = None,
@@ -153,6 +156,7 @@ def statics(
     case: a Case, or the path of a case file
     out: run folder; by default results/<case>-NNN
     motion: hoist, lower or rotate, which friction opposes; by default the motion of the top at time 0
+    operation: instead of a motion, trip_in, trip_out, rotate_off_bottom, drilling, sliding, backreaming, or slackoff, pickup, rob
     path: follow the history of a buckled string with friction: sliding, the whole string slides along the hole or turns in
     it, or slack_off, it is lowered onto a bit that stands
     overwrite: True to replace the results in an existing folder
@@ -164,7 +168,7 @@ def statics(
     from drillpetsc.analysis.statics import run_statics
     from drillpetsc.results.result import result_of
 
-    return result_of(run_statics(case, out, motion, overwrite, name, comm, path))
+    return result_of(run_statics(case, out, motion, overwrite, name, comm, path, operation))
 
 
 def hydraulics(

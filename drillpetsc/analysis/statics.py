@@ -13,6 +13,7 @@ from drillpetsc.analysis.buckling import Buckling, buckling
 from drillpetsc.analysis.coarse_mesh import state_warnings
 from drillpetsc.analysis.equilibrium import MOTIONS, StaticState
 from drillpetsc.analysis.initial_state import find_equilibrium
+from drillpetsc.analysis.limits.operations import OPERATIONS, case_of, read_operation
 from drillpetsc.analysis.path_answer import PathKind
 from drillpetsc.analysis.placement import prescribed_motion, top_depth
 from drillpetsc.analysis.transient import make_folder
@@ -50,10 +51,12 @@ def run_statics(
     name: str = "case",
     comm: PETSc.Comm | None = None,
     path: PathKind | None = None,
+    operation: str | None = None,
 ) -> RunResult:
     """Solve for the equilibrium, write statics.csv, string.pvd and summary.json.
 
     motion: hoist, lower or rotate; None takes the motion that the top prescribes at time 0.  Collective.
+    operation: instead of a motion, a word of OPERATIONS or of the trade, which says whether the bit is on bottom, too.
     path: sliding or slack_off, the question that a path answers (manual: sec-statics-path).
     """
     refuse_quaternion(case, "statics")
@@ -62,20 +65,26 @@ def run_statics(
         raise CaseError(
             at="--motion", got=motion, want="a case with a well: without a hole there is no friction"
         )
+    moving = MOTIONS[motion] if motion else None
+    word = read_operation(operation)
+    if word is not None:
+        if motion is not None:
+            raise CaseError(at="--motion", got=motion, want="one of --motion and --operation")
+        case, moving = case_of(case, word), OPERATIONS[word].motion
     case = held_at_weight(case)
     with options.applied(case.petsc):
-        model = build_model(case, comm, MOTIONS[motion] if motion else None)
+        model = build_model(case, comm, moving)
         folder = make_folder(comm, name, out, False, overwrite)
-        state = find_equilibrium(model, MOTIONS[motion] if motion else None, False, path)
+        state = find_equilibrium(model, moving, False, path)
         columns, values = static_table(model)
         buckled = buckling(model, columns, values) if values is not None else Buckling()
         state.warnings += buckled.lines(case.output.units or "metric")
         state.warnings += [*state_warnings(model, columns, values), *model.mesh.notes]
-        state.warnings += _hoisted_with_weight(model, MOTIONS[motion] if motion else None)
+        state.warnings += _hoisted_with_weight(model, moving)
         summary = {
             "title": case.title,
             **static_summary(model, state),
-            "motion": motion or "as the top prescribes",
+            "motion": motion or word or "as the top prescribes",
             **(state.path.as_dict() if state.path is not None else {}),
             **({"buckling": buckled.as_dict()} if model.beam is not None else {}),
         }

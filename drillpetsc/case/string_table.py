@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import html
+import math
 from typing import Any
 
 from drillpetsc.case.blocks.string import Beam, Rigid, Tube
@@ -10,6 +11,8 @@ from drillpetsc.case.blocks.tubulars import Tubular
 from drillpetsc.case.section import ring, tubular_section
 from drillpetsc.unit_systems import System, display
 
+WIDTH, HEIGHT, SMALLEST = 60, 240.0, 14.0  # of the schematic, and of an item in it [pixels]
+MOST_DRAWN = 60  # items
 #: heading of a column, kind of its unit
 COLUMNS = (
     ("from", "length"),
@@ -50,8 +53,34 @@ def string_rows(case: Any, units: System | None = None) -> tuple[list[str], list
     return ["item", "kind", *heads], rows
 
 
+def schematic(case: Any) -> str:
+    """The string as an SVG element: diameters to scale; an item is as high as the square root of its length, SMALLEST at least."""
+    items = case.string
+    if len(items) > MOST_DRAWN:
+        return f"<p>no schematic: {len(items)} items, above {MOST_DRAWN}</p>"
+    widest = max((item.od or 0.0 for item in items), default=0.0)
+    if not widest > 0:
+        return ""
+    unit = HEIGHT / sum(math.sqrt(item.length) for item in items) if any(i.length for i in items) else 0.0
+    y, parts = 0.0, []
+    for item in items:
+        high = max(unit * math.sqrt(item.length), SMALLEST)
+        wide, bore = (WIDTH * (size or 0.0) / widest for size in (item.od, item.id if item.od else None))
+        fill = "#c94f1d" if isinstance(item, Rigid) else "#8899b0"
+        for size, colour in ((wide, fill), (bore, "#eef1f5")):
+            if size > 0:
+                x = 0.5 * (WIDTH - size)
+                parts.append(
+                    f'<rect x="{x:.1f}" y="{y:.1f}" width="{size:.1f}" height="{high:.1f}" fill="{colour}"/>'
+                )
+        label = f'<text x="{WIDTH + 8}" y="{y + 0.5 * high + 4:.1f}" font-size="11">{html.escape(item.name)}</text>'
+        parts.append(label)
+        y += high
+    return f'<svg xmlns="http://www.w3.org/2000/svg" width="{WIDTH + 200}" height="{y:.0f}">{"".join(parts)}</svg>'
+
+
 def case_html(case: Any) -> str:
-    """The case for a notebook: title, string table, hole, ends."""
+    """The case for a notebook: title, string table, schematic, hole, ends."""
     heads, rows = string_rows(case)
     system: System = case.output.units or "metric"
     head = "".join(f"<th>{html.escape(name)}</th>" for name in heads)
@@ -67,5 +96,5 @@ def case_html(case: Any) -> str:
         parts.append(f"mud {density:.4g} {unit}")
     return (
         f"<p><b>{html.escape(case.title or 'case')}</b></p>"
-        f"<table><tr>{head}</tr>{body}</table><p>{html.escape('; '.join(parts))}</p>"
+        f"<table><tr>{head}</tr>{body}</table>{schematic(case)}<p>{html.escape('; '.join(parts))}</p>"
     )

@@ -29,6 +29,12 @@ def _statics_arguments(command: argparse.ArgumentParser) -> None:
         help="motion that friction opposes (default: the top's)",
     )
     command.add_argument(
+        "--operation",
+        metavar="WORD",
+        help="instead, trip_in, trip_out, rotate_off_bottom, drilling, sliding, backreaming; or slackoff, pickup, rob: "
+        "whether the bit is on bottom belongs to it",
+    )
+    command.add_argument(
         "--path",
         choices=("sliding", "slack_off"),
         help="follow the history of a buckled string with friction: the whole string slides or turns (gives the band of states), "
@@ -46,7 +52,16 @@ def _statics(arguments: argparse.Namespace, petsc_options: list[str]) -> int:
 
     name = Path(arguments.case).stem
     motion, path = arguments.motion, arguments.path
-    print_once(run_statics(case, arguments.out, motion, arguments.overwrite, name, path=path).lines)
+    result = run_statics(
+        case,
+        arguments.out,
+        motion,
+        arguments.overwrite,
+        name,
+        path=path,
+        operation=arguments.operation,
+    )
+    print_once(result.lines)
     return 0
 
 

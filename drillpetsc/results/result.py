@@ -233,14 +233,22 @@ class Result(RunResult):
             raise CaseError(at="table", got=name, want=f"one of {', '.join(self.tables) or 'no tables'}")
         return frame(self._table(f"{name}.csv"), f"{name}.csv", _system(units) or self._units or "SI")
 
-    def plot(self, kind: str | None = None, units: str | None = None) -> Any:
-        """A picture of the result, as a figure of matplotlib; the pictures are those of the command `plot`.
+    def plot(
+        self,
+        kind: str | None = None,
+        units: str | None = None,
+        backend: Literal["matplotlib", "plotly"] = "matplotlib",
+    ) -> Any:
+        """A picture of the result, as a figure of matplotlib or of plotly; the pictures are those of the command `plot`.
 
         kind: name of the picture, such as history, orbits, along_depth, flow_curve, surge; by default the first one
         units: field, metric, metric_t or SI; by default those of the case
+        backend: matplotlib, or plotly to zoom (needs the package; pictures of lines and bars)
         """
         from drillpetsc.plotting.plot import figures, picture_names
 
+        if backend not in ("matplotlib", "plotly"):
+            raise CaseError(at="backend", got=backend, want="matplotlib or plotly")
         self._check_folder()
         system = _system(units)
         drawn = figures(self.folder, system, None if kind is None else (kind,), first=kind is None)
@@ -249,7 +257,12 @@ class Result(RunResult):
             raise CaseError(
                 at="kind", got=kind, want=f"one of {names}" if names else "a result with a table to draw"
             )
-        return next(iter(drawn.values()))
+        picture = next(iter(drawn.values()))
+        if backend == "matplotlib":
+            return picture
+        from drillpetsc.plotting.interactive import plotly_figure
+
+        return plotly_figure(picture)
 
     def report(
         self,

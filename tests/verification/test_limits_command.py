@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from drillpetsc import statics
 from drillpetsc.analysis.limits.free_point import free_point, free_points, slope
 from drillpetsc.analysis.limits.limits import run_limits
 from drillpetsc.analysis.limits.rules_of_thumb import PPG
@@ -386,6 +387,28 @@ def test_operations_that_a_case_cannot_be_in_are_refused(word, keys, want, tmp_p
     with pytest.raises(CaseError) as error:
         run_limits(case([pipe], hole(100, 0.5, 0.2159), **keys), word, out=tmp_path / "r")
     assert want in str(error.value) and not (tmp_path / "r").exists()
+
+
+@pytest.mark.parametrize(
+    ("word", "share"), [("pickup", 1.0), ("slackoff", -1.0), ("rob", 0.0), ("rotate_off_bottom", 0.0)]
+)
+def test_statics_in_an_operation(word, share, tmp_path):
+    """1000 m of pipe on an incline of 60 deg, mu 0.3: w L (cos I +- mu sin I). With a bit and a weight on it the string is off
+    bottom all the same, and `limits` gives the same hook load."""
+    pipe = {"kind": "pipe", "length": 1000.0, "od": 0.127, "id": 0.1086}
+    bit = {"kind": "bit", "length": 0.3, "od": 0.2159, "mass": 1.0}
+    well = hole(1000, math.radians(60), 0.2159, 0.3)
+    result = statics(case([pipe], well), tmp_path / "s", operation=word)
+    area = math.pi / 4 * (0.127**2 - 0.1086**2)
+    expected = 7850 * 9.80665 * area * 1000 * (0.5 + share * 0.3 * math.sin(math.radians(60)))
+    assert result.summary["hook_load"] == pytest.approx(expected, rel=3e-3)
+    assert result.summary["motion"] in ("trip_in", "trip_out", "rotate_off_bottom")
+    made = case([{**pipe, "length": 999.7}, bit], well, bottom="bit", initial={"wob": "20 kN"})
+    found = statics(made, tmp_path / "b", operation=word).summary
+    same = run_limits(made, word, out=tmp_path / "l").summary
+    assert found["wob"] == 0 and found["hook_load"] == pytest.approx(same["hook_load"], rel=1e-9)
+    with pytest.raises(CaseError, match="one of --motion and --operation"):
+        statics(made, tmp_path / "t", operation=word, motion="hoist")
 
 
 def test_bad_choices_and_cases_without_a_hole_are_refused(tmp_path):

@@ -5,6 +5,7 @@ from __future__ import annotations
 import copy
 import pickle
 from pathlib import Path
+from xml.etree import ElementTree
 
 import numpy as np
 import pytest
@@ -88,6 +89,9 @@ def test_wrong_values_are_refused_with_their_key(values: object, at: str) -> Non
 
 def test_the_string_table_of_a_notebook() -> None:
     shown = Case(**KEYS, title="A & B")._repr_html_()
+    picture = ElementTree.fromstring(shown[shown.index("<svg") : shown.index("</svg>") + 6])
+    widths = [float(part.attrib["width"]) for part in picture if part.tag.endswith("rect")]
+    assert max(widths) == 60 and "<script" not in shown  # the widest item; diameters are to scale
     assert "A &amp; B" in shown and "5in 19.50 S-135 NC50 premium" in shown
     assert "<td>6000</td><td>6500</td><td>6.5</td><td>2.8125</td>" in shown and "outer diameter [in]" in shown
     assert "mud 10 ppg" in shown and "hole to MD 7000 ft" in shown
