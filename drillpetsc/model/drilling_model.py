@@ -16,6 +16,7 @@ from drillpetsc.fem.string_mesh import StringMesh
 from drillpetsc.geometry.frames import Frames, transported_frames
 from drillpetsc.geometry.growing_hole import GrowingHole
 from drillpetsc.geometry.well import Well
+from drillpetsc.model.agitator import build_agitator
 from drillpetsc.model.fluid import FluidComponents, build_fluid
 from drillpetsc.model.hoist import build_hoist, connect_sensors
 from drillpetsc.model.hole import build_well, hole_depth
@@ -53,7 +54,7 @@ class DrillingModel:
     system: the discrete system.
     fluid: components of the drilling fluid, None in a dry model.
     hoist: block and drum above the top, None where absent.
-    motor: downhole motor, None where absent.
+    motor: downhole motor; agitator; None where absent.
     """
 
     case: Case
@@ -72,6 +73,7 @@ class DrillingModel:
     fluid: FluidComponents | None = None
     hoist: interfaces.Hoist | None = None
     motor: interfaces.Motor | None = None
+    agitator: interfaces.PulsedTool | None = None
 
     @property
     def effective_mass(self) -> FloatArray:
@@ -128,7 +130,7 @@ def build_model(
     top: interfaces.Top | None = None
     drive: interfaces.Drive | None = None
     hoist: interfaces.Hoist | None = None
-    contact, bit, motor = None, None, None
+    contact, bit, motor, agitator = None, None, None, None
     components: list = []
     if case.beam.formulation == "quaternion":
         breaks = tuple(b for q in case.loads for b in q.value_over.breaks()) + _top_breaks(case)
@@ -158,7 +160,8 @@ def build_model(
         if mesh.joints:
             joints = Joints(mesh, frames)
             motor = build_mud_motor(case, mesh, frames, gravity, joints, balanced)
-            components += [joints, *([motor] if motor is not None else [])]
+            agitator = build_agitator(case, mesh)
+            components += [joints, *(q for q in (motor, agitator) if q is not None)]
         top, drive, hoist = _top_components(
             case, mesh, position[0], tangent[0], _top_path(well, frames), frames
         )
@@ -190,6 +193,7 @@ def build_model(
         fluid,
         hoist,
         motor,
+        agitator,
     )
     if hoist is not None:
         connect_sensors(hoist, drive, bit, fluid)
