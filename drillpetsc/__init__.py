@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from drillpetsc.analysis.session import Session
     from drillpetsc.api import (
         HWDP,
+        Agitator,
         Beam,
         Bit,
         Body,
@@ -58,6 +59,7 @@ if TYPE_CHECKING:
 from drillpetsc.version import __version__ as __version__
 
 __all__ = [
+    "Agitator",
     "Beam",
     "Bit",
     "Body",

@@ -20,6 +20,7 @@ from drillpetsc.case import Case, load_case
 from drillpetsc.case.catalogue import catalogue
 from drillpetsc.case.items import (
     HWDP,
+    Agitator,
     Beam,
     Bit,
     Body,
@@ -46,6 +47,7 @@ if TYPE_CHECKING:
     from drillpetsc.studies.sweep.sweep import SweepResult
 
 __all__ = [
+    "Agitator",
     "Beam",
     "Bit",
     "Body",

@@ -112,6 +112,12 @@ def run_linearise(
         raise CaseError(at="--reduce", got=method, want=" or ".join(METHODS))
     if order < 1:
         raise CaseError(at="--order", got=order, want="a number of states, at least 1")
+    if case.motor_joints:
+        raise CaseError(
+            at="string",
+            got="pdm",
+            want="no downhole motor in a linear model yet: its torque has no state; modes takes it",
+        )
     if case.top.autodriller is not None:
         raise CaseError(
             at="top.autodriller",

@@ -53,6 +53,9 @@ def place_along_hole(model: DrillingModel, top: float = 0.0) -> None:
     if model.motor is not None:
         model.motor.hold()
         system.set_field("motor.torque", np.zeros((system.mesh.nodes, 1)))
+    if model.agitator is not None:
+        model.agitator.hold()
+        system.set_field("agitator.angle", np.zeros((system.mesh.nodes, 1)))
     if model.beam is not None:
         position, tangent = model.position, model.tangent
         if top and model.well is not None:
@@ -110,6 +113,8 @@ def release(model: DrillingModel, at_rest: bool = False) -> None:
         model.drive.start(model.system.assembly, at_rest)
     if model.motor is not None:
         model.motor.start(model.system.assembly)
+    if model.agitator is not None:
+        model.agitator.start(model.system.assembly)
     if model.hoist is not None:
         system, hoist = model.system, model.hoist
         shared = np.asarray(system.comm.tompi4py().allreduce(hoist.local_update(system.assembly)))

@@ -360,6 +360,23 @@ class RotarySteerable(StringItem):
         self._fill(keys)
 
 
+class _Agitator(_Pipe, total=False):
+    mass: Value
+    joint_at: Value
+    seal_area: Value
+    stop_stiffness: Value
+    agitator: Keys
+
+
+class Agitator(StringItem):
+    """An agitator: a valve in the mud shakes the string along its axis."""
+
+    kind, key_types, required = "agitator", _Agitator, ("length", "od", "agitator")
+
+    def __init__(self, **keys: Unpack[_Agitator]) -> None:
+        self._fill(keys)
+
+
 class MudMotor(StringItem):
     """Positive displacement motor: its housing is pipe, its rotor turns what hangs below its joint."""
 
@@ -388,5 +405,6 @@ ITEMS = {
         Bit,
         RotarySteerable,
         MudMotor,
+        Agitator,
     )
 }

@@ -16,6 +16,7 @@ from drillpetsc.fem.string_mesh import StringMesh
 from drillpetsc.geometry.frames import Frames, transported_frames
 from drillpetsc.geometry.growing_hole import GrowingHole
 from drillpetsc.geometry.well import Well
+from drillpetsc.model.agitator import build_agitator
 from drillpetsc.model.fluid import FluidComponents, build_fluid
 from drillpetsc.model.hoist import build_hoist, connect_sensors
 from drillpetsc.model.hole import build_well, hole_depth
@@ -54,8 +55,7 @@ class DrillingModel:
     system: the discrete system.
     fluid: components of the drilling fluid, None in a dry model.
     hoist: block and drum above the top, None where absent.
-    steering: rotary steerable tool, None where absent.
-    motor: downhole motor, None where absent.
+    steering: rotary steerable tool; motor: downhole motor; agitator; None where absent.
     """
 
     case: Case
@@ -75,6 +75,7 @@ class DrillingModel:
     hoist: interfaces.Hoist | None = None
     steering: interfaces.SteeringTool | None = None
     motor: interfaces.Motor | None = None
+    agitator: interfaces.PulsedTool | None = None
 
     @property
     def effective_mass(self) -> FloatArray:
@@ -131,7 +132,7 @@ def build_model(
     top: interfaces.Top | None = None
     drive: interfaces.Drive | None = None
     hoist: interfaces.Hoist | None = None
-    contact, bit, steering, motor = None, None, None, None
+    contact, bit, steering, motor, agitator = None, None, None, None, None
     components: list = []
     if case.beam.formulation == "quaternion":
         breaks = tuple(b for q in case.loads for b in q.value_over.breaks()) + _top_breaks(case)
@@ -167,7 +168,8 @@ def build_model(
         if mesh.joints:
             joints = Joints(mesh, frames)
             motor = build_mud_motor(case, mesh, frames, gravity, joints, balanced)
-            components += [joints, *([motor] if motor is not None else [])]
+            agitator = build_agitator(case, mesh)
+            components += [joints, *(q for q in (motor, agitator) if q is not None)]
         top, drive, hoist = _top_components(
             case, mesh, position[0], tangent[0], _top_path(well, frames), frames
         )
@@ -201,6 +203,7 @@ def build_model(
         hoist,
         steering,
         motor,
+        agitator,
     )
     if hoist is not None:
         connect_sensors(hoist, drive, bit, fluid)

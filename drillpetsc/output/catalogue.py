@@ -66,6 +66,7 @@ def listed_by_file() -> dict[str, tuple[Listed, ...]]:
             *_listed(physics.JOINTS, where.JOINTS),
             *_listed(physics.MUD_MOTOR, where.MUD_MOTOR),
             *_listed(physics.JAR, where.JAR),
+            *_listed(physics.AGITATOR, where.AGITATOR),
             *_listed(contact_scalars, where.CONTACT),
             *_listed((measured.SIDE_FORCE,), where.ITEM_FORCES),
             *_listed(measured.ENERGY, where.INERTIA),

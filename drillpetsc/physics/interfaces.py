@@ -367,6 +367,22 @@ class Motor(Component):
         """(2,) torque of the motor [N m] and flow rate through it [m3/s] at the time ``t`` [s], this rank's share."""
 
 
+class PulsedTool(Component):
+    """A tool whose valve pulses the mud."""
+
+    @abstractmethod
+    def hold(self) -> None:
+        """Let the valve stand, for statics."""
+
+    @abstractmethod
+    def start(self, state: Any) -> None:
+        """Begin the motion from statics."""
+
+    @abstractmethod
+    def figures(self, t: float, state: Any) -> FloatArray:
+        """Numbers of its quantities at the time ``t`` [s] (``physics.tools.agitator.RESULTS``), this rank's share."""
+
+
 class JointSet(Component):
     """All joints of the string.  ``joints``: their places; RESULTS: columns of ``element_results``."""
 

@@ -411,6 +411,34 @@ MUD_MOTOR: tuple[Quantity, ...] = (
 )
 
 
+# ---------------------------------------------------------------------- agitator
+AGITATOR: tuple[Quantity, ...] = (
+    Quantity(
+        "agitator_pressure",
+        "Pa",
+        kind="pressure",
+        on="scalar",
+        label="Agitator pressure",
+        mnemonic="AGPR",
+        interpolate="motion",
+        sign="pressure above less pressure below",
+        doc="Oscillating part of the pressure that the mud loses in the valve of the agitator.",
+        value=partial(_of_mud_motor, 0),
+    ),
+    Quantity(
+        "agitator_force",
+        "N",
+        on="scalar",
+        label="Agitator force",
+        mnemonic="AGFO",
+        interpolate="motion",
+        sign="pushes the halves apart",
+        doc="Force of that pressure on the piston of the agitator.",
+        value=partial(_of_mud_motor, 1),
+    ),
+)
+
+
 # ---------------------------------------------------------------------- hoist
 def _of_hoist(index: int, hoist: Any, sample: Sample) -> float:
     return float(sample.once(hoist.figures, sample.time)[index])

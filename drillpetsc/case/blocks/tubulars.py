@@ -10,6 +10,7 @@ from typing import Annotated, ClassVar, Literal
 from pydantic import BeforeValidator, Discriminator, Field, Tag, model_validator
 
 from drillpetsc.case.block import Block, derived_default, tagged_union
+from drillpetsc.case.blocks.agitator import AgitatorTool
 from drillpetsc.case.blocks.motor import PositiveDisplacementMotor
 from drillpetsc.case.blocks.steering import RotarySteerable
 from drillpetsc.case.blocks.string import (
@@ -197,6 +198,7 @@ _check, _tag = tagged_union(
     Bit,
     RotarySteerable,
     PositiveDisplacementMotor,
+    AgitatorTool,
 )
 
 StringItem = Annotated[
@@ -214,7 +216,8 @@ StringItem = Annotated[
     | Annotated[Body, Tag("kind:Body")]
     | Annotated[Bit, Tag("kind:Bit")]
     | Annotated[RotarySteerable, Tag("kind:RotarySteerable")]
-    | Annotated[PositiveDisplacementMotor, Tag("kind:PositiveDisplacementMotor")],
+    | Annotated[PositiveDisplacementMotor, Tag("kind:PositiveDisplacementMotor")]
+    | Annotated[AgitatorTool, Tag("kind:AgitatorTool")],
     Discriminator(_tag),
     BeforeValidator(_check),
 ]

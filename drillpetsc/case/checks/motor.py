@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from drillpetsc.case.blocks.agitator import AgitatorTool
 from drillpetsc.case.blocks.case_blocks import CaseBlocks
 from drillpetsc.case.blocks.motor import PositiveDisplacementMotor
 from drillpetsc.case.key_paths import refuse
@@ -9,6 +10,7 @@ from drillpetsc.case.key_paths import refuse
 
 def check_motor(case: CaseBlocks) -> None:
     """Raise where a downhole motor does not fit the rest of the case."""
+    _check_agitator(case)
     motors = [(i, q) for i, q in enumerate(case.string) if isinstance(q, PositiveDisplacementMotor)]
     if not motors:
         return
@@ -47,4 +49,26 @@ def check_motor(case: CaseBlocks) -> None:
     if not case.has_bore or item.id == 0:
         raise refuse(
             *at, "kind", got="pdm", want="mud in the bore of the motor: an id, and an open lower end"
+        )
+
+
+def _check_agitator(case: CaseBlocks) -> None:
+    """Raise where an agitator does not fit the rest of the case."""
+    found = [(i, q) for i, q in enumerate(case.string) if isinstance(q, AgitatorTool)]
+    if not found:
+        return
+    number, item = found[0]
+    if len(found) > 1:
+        raise refuse(
+            "string", found[1][0], "kind", got="agitator", want=f"one agitator; string[{number}] is one"
+        )
+    if case.time is not None and case.time.mode == "quasi_static":
+        hint = "pulses need inertia: mode: dynamic"
+        raise refuse(
+            "string", number, "kind", got="agitator", want="no agitator in a quasi-static run", hint=hint
+        )
+    if case.fluid is not None:
+        hint = "agitator.flow_rate gives the flow of a case without fluid"
+        raise refuse(
+            "string", number, "kind", got="agitator", want="not with a fluid yet: an agitator", hint=hint
         )

@@ -11,7 +11,7 @@ import pytest
 
 import drillpetsc as dp
 from drillpetsc.case.block import kinds_of
-from drillpetsc.case.blocks import motor, string, tools, tubulars
+from drillpetsc.case.blocks import agitator, motor, string, tools, tubulars
 from drillpetsc.case.items import ITEMS
 from drillpetsc.errors import CaseError
 
@@ -27,6 +27,7 @@ BLOCKS = (
     tools.BumperSub,
     motor.PositiveDisplacementMotor,
     tools.Jar,
+    agitator.AgitatorTool,
     string.Stabilizer,
     string.Body,
     string.Bit,

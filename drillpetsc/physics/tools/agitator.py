@@ -1,0 +1,117 @@
+"""Agitator in the string: pressure pulses of a valve push the halves of a slider apart.
+
+Kernel: kernels/tools/agitator.hpp.  Manual: sec-agitator.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from drillpetsc.arrays import FloatArray
+from drillpetsc.fem.component import DRIVE, ElementBlock, Field, Powers
+from drillpetsc.fem.quantity import Quantity
+from drillpetsc.fem.string_mesh import StringMesh
+from drillpetsc.kernels import function, pointer
+from drillpetsc.kernels.parameters import Parameters, columns
+from drillpetsc.physics import quantities as declared
+from drillpetsc.physics.beam import SLOTS
+from drillpetsc.physics.end_conditions import Input
+from drillpetsc.physics.interfaces import PulsedTool
+
+_values = function("agitator_values", "iippppp")
+RESULTS = columns("agitator_results")
+
+
+@dataclass(frozen=True)
+class Valve:
+    """Valve of an agitator.
+
+    turn: angle of its rotor per volume of mud [rad/m3]; amplitude: of the pressure [Pa]; area: of the piston [m2].
+    square: square pulses, else a sine.
+    """
+
+    turn: float
+    amplitude: float
+    area: float
+    square: bool = False
+
+
+class Agitator(PulsedTool):
+    """Force A_p dp on a slider, dp an oscillation of the valve whose rotor turns with the flow rate.
+
+    Field: ``agitator.angle`` of the rotor at the node below the slider [rad].
+
+    cell: of the slider; valve: of the tool; flow: flow rate over time [m3/s].
+    """
+
+    name = "agitator"
+
+    def __init__(self, mesh: StringMesh, cell: int, valve: Valve, flow: Input):
+        self.mesh, self.cell, self.valve = mesh, cell, valve
+        self.flow = flow
+
+    def regions(self) -> dict[str, np.ndarray]:
+        below = np.zeros(self.mesh.nodes, dtype=bool)
+        below[self.cell + 1] = True
+        return {"agitator": below}
+
+    def fields(self) -> tuple[Field, ...]:
+        return (Field("agitator.angle", 1, region="agitator", scale=0.1, second_order=False, physics=DRIVE),)
+
+    def blocks(self, part) -> tuple[ElementBlock, ...]:
+        place = {int(c): i for i, c in enumerate(part.cells)}
+        here = [place[self.cell]] if self.cell in place else []
+        v = self.valve
+        self.params = Parameters(
+            "agitator",
+            len(here),
+            held=0.0,
+            turn=v.turn,
+            amplitude=v.amplitude,
+            area=v.area,
+            square=float(v.square),
+            flow=0.0,
+        )
+        self._now = self.params["flow"]
+        self._block = ElementBlock(
+            "agitator",
+            "agitator",
+            "cell",
+            np.array(here, dtype=np.int32),
+            (*SLOTS, ("agitator.angle", 1)),
+            (0, 1),
+            self.params.array,
+            update=self._update,
+        )
+        return (self._block,)
+
+    def _update(self, t: float) -> None:
+        self._now[:] = self.flow.value(t)
+
+    def breaks(self) -> tuple[float, ...]:
+        return self.flow.breaks()
+
+    def hold(self) -> None:
+        self.params["held"] = 1.0
+
+    def start(self, state: Any) -> None:
+        self.params["held"] = 0.0
+
+    def figures(self, t: float, state: Any) -> FloatArray:
+        out = np.zeros((len(self._block.points), RESULTS.width))
+        if not len(out):
+            return np.zeros(RESULTS.width)
+        self._update(t)
+        n, width, index, params, _, x, y = state.results_head(self._block)
+        _values(n, width, index, params, x, y, pointer(out))
+        return out[0]
+
+    def powers(self, t: float, state: Any) -> Powers:
+        r = self.figures(t, state)
+        return Powers(supplied=float(r[RESULTS["force"]] * r[RESULTS["speed"]]))
+
+    def quantities(self) -> tuple[Quantity, ...]:
+        return declared.AGITATOR
