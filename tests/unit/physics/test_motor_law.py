@@ -107,7 +107,8 @@ def test_the_law_falls_everywhere_and_has_no_kinks(motor):
 
 
 def test_measured_curves_of_the_law_give_the_law():
-    """Points of the formula at three flow rates; between them and between their torques 0.1 % of the free speed."""
+    """Points of the formula at three flow rates; between them and between their torques 0.1 % of the free speed, 0.2 % between
+    the last two torques: the corner of the law at stall, 1 % of the stall torque wide, is narrower than they are apart."""
     torque = np.linspace(0, 14e3, 29)
     curves = [
         MeasuredCurve(q, torque, *MOTOR.points(torque, np.array([q])).T[[1, 0]]) for q in (0.02, 0.03, 0.04)
@@ -116,7 +117,8 @@ def test_measured_curves_of_the_law_give_the_law():
     for flow in (0.012, 0.025, 0.03, 0.0371, 0.045):
         for t in (0.0, 1.7e3, 5.2e3, 9.9e3, 12.6e3, 13.8e3, 16e3):
             a, b = measured.point(t, flow), MOTOR.point(t, flow)
-            assert a.speed == pytest.approx(b.speed, abs=1e-3 * MOTOR.free_speed(flow))
+            share = 1e-3 if t < 13.5e3 else 2e-3
+            assert a.speed == pytest.approx(b.speed, abs=share * MOTOR.free_speed(flow))
             if flow >= 0.02:  # below the least flow rate of the curves the pressure without torque falls to 0
                 assert a.differential_pressure == pytest.approx(b.differential_pressure, rel=1e-3)
             assert a.leak == pytest.approx(b.leak, abs=2e-3 * flow)
