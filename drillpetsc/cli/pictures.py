@@ -189,6 +189,11 @@ def _report_arguments(command: argparse.ArgumentParser) -> None:
         metavar="A,B",
         help="well, string, mud, roadmap, statics, limits, hydraulics, surge, dynamics, modes, inputs, solver (default: all)",
     )
+    command.add_argument(
+        "--interactive",
+        action="store_true",
+        help="pictures of lines and bars zoom in a browser, by a script in the file (4.5 MB more; needs the package plotly)",
+    )
     units_argument(command)
 
 
@@ -197,7 +202,13 @@ def _report(arguments: argparse.Namespace, petsc_options: list[str]) -> int:
 
     sections = [name.strip() for name in (arguments.sections or "").split(",") if name.strip()]
     try:
-        file = report(*arguments.paths, out=arguments.out, units=arguments.units, sections=sections)
+        file = report(
+            *arguments.paths,
+            out=arguments.out,
+            units=arguments.units,
+            sections=sections,
+            interactive=arguments.interactive,
+        )
     except (OSError, ValueError) as error:
         raise CaseError(at="RUN", got=" ".join(arguments.paths), want=str(error)) from None
     print(f"{file}  ({file.stat().st_size / 1e6:.2f} MB)")

@@ -82,6 +82,16 @@ def plotly_figure(drawing: Any) -> Any:
     return figure
 
 
+def plotly_script() -> str:
+    """The script of plotly that a page without a network needs; raises CaseError where the package is missing."""
+    try:
+        from plotly.offline import get_plotlyjs
+    except ImportError:
+        want = "a report without it, unless the package plotly is installed"
+        raise CaseError(at="--interactive", got="interactive", want=want, hint=INSTALL) from None
+    return str(get_plotlyjs())
+
+
 def _refuse_others(axes: Axes) -> None:
     """Raise CaseError for parts of a picture that are neither lines nor bars."""
     bars = {id(p) for bar in axes.containers if isinstance(bar, BarContainer) for p in bar.patches}

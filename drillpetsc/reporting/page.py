@@ -3,16 +3,19 @@
 from __future__ import annotations
 
 import base64
+import contextlib
+import contextvars
 import csv
 import io
 import textwrap
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from drillpetsc.errors import CaseError
 from drillpetsc.output.files.tables import read_table
 from drillpetsc.output.shown_units import lengths_shown
 from drillpetsc.reporting.units import heading_of, in_units, texts
@@ -27,11 +30,15 @@ MOST_POINTS = 8_000  # points of lines above which SVG is not tried
 
 @dataclass(frozen=True)
 class Picture:
-    """A picture in the file: data URI, words for those who do not see it, and the files it is drawn from."""
+    """A picture in the file: data URI, words for those who do not see it, and the files it is drawn from.
+
+    plot: the same curves as JSON of a figure of plotly, empty where the picture does not zoom.
+    """
 
     uri: str
     words: str
     source: str
+    plot: str = ""
 
 
 @dataclass(frozen=True)
@@ -77,11 +84,45 @@ def data_uri(kind: str, content: bytes) -> str:
     return f"data:{kind};base64,{base64.b64encode(content).decode('ascii')}"
 
 
+_zooms: contextvars.ContextVar[bool] = contextvars.ContextVar("pictures that zoom", default=False)
+
+
+@contextlib.contextmanager
+def pictures_that_zoom(wanted: bool) -> Iterator[None]:
+    """Within this context `picture` adds a figure of plotly, if ``wanted``.
+
+    Raises CaseError where plotly is missing.
+    """
+    if wanted:
+        from drillpetsc.plotting.interactive import plotly_script
+
+        plotly_script()
+    token = _zooms.set(wanted)
+    try:
+        yield
+    finally:
+        _zooms.reset(token)
+
+
 def picture(drawing: Any, words: str, source: str) -> Picture:
     """A figure as SVG, or as PNG where that is smaller. Equal figures give equal bytes.
 
     drawing: figure of matplotlib; call it within `plotting.style.look()`
     """
+    uri = _image(drawing)
+    if not _zooms.get():
+        return Picture(uri, words, source)
+    from drillpetsc.plotting.interactive import plotly_figure
+
+    try:
+        plot = plotly_figure(drawing).to_json()
+    except CaseError:  # a picture with surfaces, which matplotlib alone draws
+        plot = ""
+    return Picture(uri, words, source, plot.replace("<", "\\u003c"))  # no text of a case ends the script
+
+
+def _image(drawing: Any) -> str:
+    """Data URI of a figure."""
     import matplotlib as mpl
 
     with mpl.rc_context({"svg.hashsalt": "drillpetsc"}):  # else identifiers are random
@@ -89,10 +130,10 @@ def picture(drawing: Any, words: str, source: str) -> Picture:
         if sum(len(line.get_xdata()) for axes in drawing.axes for line in axes.lines) <= MOST_POINTS:
             drawing.savefig(out, format="svg", metadata={"Date": None, "Creator": None})
             if out.tell() <= MOST_SVG:
-                return Picture(data_uri("image/svg+xml", out.getvalue()), words, source)
+                return data_uri("image/svg+xml", out.getvalue())
         out = io.BytesIO()
         drawing.savefig(out, format="png", metadata={"Software": None})
-    return Picture(data_uri("image/png", out.getvalue()), words, source)
+    return data_uri("image/png", out.getvalue())
 
 
 def facts(rows: Sequence[tuple[str, str, str]], caption: str = "", source: str = "") -> Grid:

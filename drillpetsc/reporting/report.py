@@ -1,6 +1,6 @@
 """`drillpetsc report`: one HTML file on a case and its run folders.
 
-The file needs nothing beside it: style, pictures and tables are in it, and there is no script. The same input gives the
+The file needs nothing beside it: style, pictures and tables are in it, and there is no script unless its pictures zoom. The same input gives the
 same bytes; the date is that of the newest result, or SOURCE_DATE_EPOCH (reproducible-builds.org).
 """
 
@@ -25,7 +25,7 @@ from drillpetsc.output.files.tables import read_table, split_name
 from drillpetsc.output.shown_units import lengths_shown
 from drillpetsc.plotting import style
 from drillpetsc.reporting.inputs import mud_section, rig_rows, string_section, well_section
-from drillpetsc.reporting.page import Grid, Section
+from drillpetsc.reporting.page import Grid, Section, pictures_that_zoom
 from drillpetsc.reporting.results import KINDS, Run, result_sections, solver_section, warnings_of
 from drillpetsc.reporting.units import unit_of
 from drillpetsc.unit_systems import System
@@ -66,6 +66,7 @@ def report(
     out: str | os.PathLike | None = None,
     units: System | None = None,
     sections: Sequence[str] = (),
+    interactive: bool = False,
 ) -> Path:
     """Write a report on run folders, on a case, or on a case and its run folders; returns its path.
 
@@ -73,6 +74,7 @@ def report(
     out: file to be written; by default report.html in the first run folder, or <case>-report.html
     units: field, metric, metric_t or SI; by default those of the case, else metric
     sections: names of SECTIONS; by default all
+    interactive: pictures of lines and bars zoom, by the script of plotly, which is in the file once (4.5 MB)
     """
     unknown = [name for name in sections if name not in SECTIONS]
     if unknown:
@@ -84,7 +86,8 @@ def report(
         target = Path(out)
     else:
         target = source.runs[0].folder.report if source.runs else Path(f"{source.file.stem}-report.html")
-    text = html(source, units or source.case.output.units or "metric", tuple(sections) or SECTIONS)
+    system = units or source.case.output.units or "metric"
+    text = html(source, system, tuple(sections) or SECTIONS, interactive)
     try:
         return replace_text(target, text)
     except OSError as error:
@@ -123,8 +126,8 @@ def _source(paths: Sequence[Path]) -> Source:
     return Source(load_case(file), file, False, tuple(runs))
 
 
-def html(source: Source, system: System, wanted: Sequence[str]) -> str:
-    """The page as text."""
+def html(source: Source, system: System, wanted: Sequence[str], interactive: bool = False) -> str:
+    """The page as text; ``interactive``: its pictures zoom."""
     import jinja2
 
     environment = jinja2.Environment(
@@ -138,7 +141,7 @@ def html(source: Source, system: System, wanted: Sequence[str]) -> str:
     title = case.title or source.file.stem
     token = style.UNITS.set(system)
     try:
-        with style.look():
+        with style.look(), pictures_that_zoom(interactive):
             parts = _sections(source, system, wanted, title)
     finally:
         style.UNITS.reset(token)
@@ -152,7 +155,15 @@ def html(source: Source, system: System, wanted: Sequence[str]) -> str:
         agreed=AGREED,
         signs=_signs(source.runs, system),
         sections=parts,
+        script=_script(parts) if interactive else "",
     )
+
+
+def _script(sections: Sequence[Section]) -> str:
+    """The script of plotly, empty where no picture zooms."""
+    from drillpetsc.plotting.interactive import plotly_script
+
+    return plotly_script() if any(p.plot for section in sections for p in section.pictures) else ""
 
 
 def _sections(source: Source, system: System, wanted: Sequence[str], title: str) -> list[Section]:

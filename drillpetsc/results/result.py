@@ -270,17 +270,25 @@ class Result(RunResult):
         *,
         units: str | None = None,
         sections: Sequence[str] = (),
+        interactive: bool = False,
     ) -> Path:
         """Write the HTML report of the command `report` on this result; returns its path.
 
         path: file whose name ends with .html; by default report.html in the run folder. An older report is replaced
         units: field, metric, metric_t or SI; by default those of the result
         sections: some of its sections, such as well, string, mud, inputs; by default all
+        interactive: its pictures of lines and bars zoom in a browser (needs plotly)
         """
         from drillpetsc.reporting import report as written
 
         self._check_folder()
-        return written(self.folder, out=path, units=_system(units) or self._units, sections=tuple(sections))
+        return written(
+            self.folder,
+            out=path,
+            units=_system(units) or self._units,
+            sections=tuple(sections),
+            interactive=interactive,
+        )
 
     def export(
         self,

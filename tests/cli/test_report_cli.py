@@ -6,6 +6,7 @@ import base64
 import json
 import re
 import shutil
+import sys
 from html.parser import HTMLParser
 from pathlib import Path
 from xml.etree import ElementTree
@@ -99,6 +100,30 @@ def test_the_page_stands_alone_and_text_is_escaped(page: str) -> None:
     targets = set(re.findall(r'id="([^"]+)"', page))
     assert {link[1:] for link in read.links if link.startswith("#")} <= targets
     assert len(page.encode()) < 5e6
+
+
+def test_pictures_zoom_where_asked_for(runs: Path) -> None:
+    """One script of plotly, and a figure as JSON for each picture of lines; titles with markup cannot end a script."""
+    pytest.importorskip("plotly")
+    file = runs / "zoom.html"
+    assert main(["report", str(runs / "still"), "--interactive", "--out", str(file)]) == 0
+    text = file.read_text(encoding="utf-8")
+    figures = [
+        json.loads(part) for part in re.findall(r'<script type="application/json">(.*?)</script>', text)
+    ]
+    assert figures and all(figure["data"] for figure in figures)
+    assert text.count("Plotly.newPlot(box") == 1 and len(text.encode()) < 10e6
+    assert text.count('<div class="plot" hidden>') == len(figures) <= text.count("<img ")
+    assert "<script>alert(1)</script>" not in text
+
+
+def test_pictures_that_zoom_need_plotly(
+    runs: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    for name in ("plotly", "plotly.offline"):
+        monkeypatch.setitem(sys.modules, name, None)
+    assert main(["report", str(runs / "still"), "--interactive", "--out", str(runs / "not.html")]) == 2
+    assert "plotly" in capsys.readouterr().err and not (runs / "not.html").exists()
 
 
 def test_pictures_are_whole(page: str) -> None:
