@@ -28,6 +28,7 @@ from drillpetsc.case.items import (
     DrillCollar,
     DrillPipe,
     Pipe,
+    Reamer,
     RotarySteerable,
     Stabilizer,
 )
@@ -50,6 +51,7 @@ __all__ = [
     "DrillPipe",
     "HWDP",
     "Pipe",
+    "Reamer",
     "RotarySteerable",
     "Stabilizer",
     "calibrate",

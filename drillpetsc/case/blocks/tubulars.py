@@ -10,6 +10,7 @@ from typing import Annotated, ClassVar, Literal
 from pydantic import BeforeValidator, Discriminator, Field, Tag, model_validator
 
 from drillpetsc.case.block import Block, derived_default, tagged_union
+from drillpetsc.case.blocks.reamer import Reamer
 from drillpetsc.case.blocks.steering import RotarySteerable
 from drillpetsc.case.blocks.string import (
     Beam,
@@ -191,6 +192,7 @@ _check, _tag = tagged_union(
     Body,
     Bit,
     RotarySteerable,
+    Reamer,
 )
 
 StringItem = Annotated[
@@ -204,7 +206,8 @@ StringItem = Annotated[
     | Annotated[Stabilizer, Tag("kind:Stabilizer")]
     | Annotated[Body, Tag("kind:Body")]
     | Annotated[Bit, Tag("kind:Bit")]
-    | Annotated[RotarySteerable, Tag("kind:RotarySteerable")],
+    | Annotated[RotarySteerable, Tag("kind:RotarySteerable")]
+    | Annotated[Reamer, Tag("kind:Reamer")],
     Discriminator(_tag),
     BeforeValidator(_check),
 ]

@@ -27,6 +27,7 @@ BLOCKS = (
     string.Body,
     string.Bit,
     tubulars.RotarySteerable,
+    tubulars.Reamer,
 )
 WELL = {
     "survey": {"md": [0, 9000], "inclination": [0, 0], "azimuth": [0, 0]},
