@@ -102,7 +102,7 @@ class FrictionPath:
         self.sign, self.turns = float(np.sign(velocity[0])) or 1.0, kind == "sliding" and bool(velocity[1])
         self.settings, self._surge = SETTINGS["turning" if self.turns else kind], surge
         self._slip = self.settings.slip
-        self.components = [r for r in (model.contact, model.bit) if r is not None]
+        self.components = model.imposed
         tangent = np.asarray(model.well.at(model.mesh.node_depth + top_depth(model))[1])
         self._motions = {
             q: OverdampedMotion(model.system, Drag(q.drag, q.along, tangent, q.arm), clearance, advance)

@@ -178,11 +178,9 @@ def rest_of(model: DrillingModel) -> None:
     """From an equilibrium, set the model to rest without friction; collective."""
     release(model, at_rest=True)
     _balance(model)
-    for part in (model.contact, model.bit):
-        if (
-            part is not None
-        ):  # no sliding: without friction, which at rest would be a damper of mu N over the slip velocity
-            part.impose_sliding_direction(0.0, 0.0)
+    for part in model.imposed:
+        # no sliding: without friction, which at rest would be a damper of mu N over the slip velocity
+        part.impose_sliding_direction(0.0, 0.0)
     model.system.assembly.y[:] = 0.0
     release_flow(model)
 

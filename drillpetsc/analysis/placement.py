@@ -99,6 +99,8 @@ def move_rigidly(model: DrillingModel) -> None:
         model.beam.set_rigid_motion(model.system, tangent, curvature, lowering, spin)
         if model.bit is not None:
             model.bit.first_cut(model.system.assembly)
+        if model.reamer is not None:
+            model.reamer.first_cut(model.system.assembly)
     release_flow(model)
 
 

@@ -75,10 +75,10 @@ class StaticProblem:
 
     def impose(self, fraction: float) -> None:
         """Let friction oppose the motion, with a ``fraction`` of its lateral force."""
-        for component in self.components:
+        for component in self.model.imposed:
             component.impose_sliding_direction(*self.state.motion, fraction, self.motor_speed)
 
     def set_friction_aside(self) -> None:
         """No friction acts from now on."""
-        for component in self.components:
+        for component in self.model.imposed:
             component.impose_sliding_direction(0.0, 0.0)

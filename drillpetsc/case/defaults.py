@@ -10,7 +10,6 @@ from drillpetsc.case.blocks.case_blocks import CaseBlocks
 from drillpetsc.case.blocks.contact import Contact
 from drillpetsc.case.blocks.fluid import PowerLaw
 from drillpetsc.case.blocks.motor import PositiveDisplacementMotor
-from drillpetsc.case.blocks.steering import RotarySteerable
 from drillpetsc.case.blocks.string import Beam, Inertia, Item, Material, Rigid, Tube
 from drillpetsc.case.blocks.tools import TelescopingTool
 from drillpetsc.case.mud_report import api_annulus
@@ -64,8 +63,9 @@ def _with_defaults(item: Item, material: Material) -> Item:
     if isinstance(item, Tube):
         own = overlaid(material, item.material)
         density = item.density() if isinstance(item, (TelescopingTool, PositiveDisplacementMotor)) else None
-        if isinstance(item, RotarySteerable) and item.mass is not None:
-            density = item.mass / (math.pi / 4 * (item.od**2 - item.id**2) * item.length)
+        mass = getattr(item, "mass", None)
+        if density is None and mass is not None:  # of another tool
+            density = mass / (math.pi / 4 * (item.od**2 - item.id**2) * item.length)
         if density is not None:
             own = own.model_copy(update={"density": density})
         return item.model_copy(update={"material": own})

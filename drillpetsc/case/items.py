@@ -148,6 +148,13 @@ class _Stabilizer(_Rigid, total=False):
     bend: Keys
 
 
+class _Reamer(_Stabilizer, total=False):
+    pilot: Value
+    blades: int
+    specific_energy: Value
+    inclination_ratio: Value
+
+
 class _Body(_Rigid, total=False):
     bend: Keys
 
@@ -351,6 +358,15 @@ class Bit(StringItem):
         self._fill(keys)
 
 
+class Reamer(StringItem):
+    """A reamer: its blades cut the ring around the pilot hole of the bit."""
+
+    kind, key_types, required = "reamer", _Reamer, ("length",)
+
+    def __init__(self, **keys: Unpack[_Reamer]) -> None:
+        self._fill(keys)
+
+
 class RotarySteerable(StringItem):
     """A rotary steerable tool: `RotarySteerable(length="9 m", od="172 mm", rss={"kind": "point", "tilt": "0.6 deg"})`."""
 
@@ -406,5 +422,6 @@ ITEMS = {
         RotarySteerable,
         MudMotor,
         Agitator,
+        Reamer,
     )
 }

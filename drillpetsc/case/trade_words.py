@@ -54,7 +54,6 @@ KINDS: dict[str, str] = {
     "nmdc": "drill_collar, with nonmagnetic: true",
     "monel": "drill_collar, with nonmagnetic: true",
     "stab": "stabilizer",
-    "reamer": "stabilizer",
     "liner": "casing",
     "tubing": "pipe",
     "ct": "coiled_tubing",

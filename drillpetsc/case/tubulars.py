@@ -14,6 +14,7 @@ from typing import Any
 
 from drillpetsc.case.block import overlaid
 from drillpetsc.case.blocks.case_blocks import CaseBlocks
+from drillpetsc.case.blocks.reamer import Reamer
 from drillpetsc.case.blocks.string import Bit, Item, Material, Pipe, Stabilizer
 from drillpetsc.case.blocks.tubulars import (
     Casing,
@@ -534,7 +535,12 @@ class _Completion:
             self._gauge(item)
         outer, bit = self.value("od"), self.case.string[-1]
         asked = item.gauge is not None or item.body_od is not None or item.blade_length is not None
-        if asked and isinstance(bit, Bit) and outer > bit.od + BLADE_OVER_BIT + 1e-9:
+        if (
+            asked
+            and isinstance(bit, Bit)
+            and not isinstance(item, Reamer)
+            and outer > bit.od + BLADE_OVER_BIT + 1e-9
+        ):
             want = f"at most 1/16 in above the bit, {bit.od + BLADE_OVER_BIT:g} m"
             raise self.refuse("od", got=outer, want=want)
         if item.body_od is not None and item.body_od > outer:

@@ -46,6 +46,7 @@ class GrowingHole:
         # rows: measured depth [m], position [m] and direction of the end
         self._trail = np.column_stack([s, position, tangent])
         self._drilled = 0.0
+        self._reamed_section, self._reamed_to, self._reamed_shown = -1, 0.0, 0.0
         self.start_point = self.end  # (3,) at the start [m]
 
     @property
@@ -61,6 +62,40 @@ class GrowingHole:
     def radial_clearance(self, radius: float) -> float:
         """Compute the radial clearance [m] of a bit of ``radius`` [m] at the end, zero at least."""
         return max(float(self.well.radius(self._trail[-1, 0])) - radius, 0.0)
+
+    def widen(self, section: int) -> None:
+        """Let the end of a ``section`` of the hole at the start move down with a reamer (``widen_to``)."""
+        self._reamed_section = section
+        self._reamed_to = self._reamed_shown = float(self.original.section_to[section])
+
+    def widen_to(self, distance: float) -> bool:
+        """Put the end of the reamed section ``distance`` [m] below its place at the start; returns whether the hole changes."""
+        self._reamed_to = float(self.original.section_to[self._reamed_section]) + distance
+        if abs(self._reamed_to - self._reamed_shown) < SMALLEST_GROWTH:
+            return False
+        self.well = self._reamed(self.well)
+        for call in self.followers:
+            call(self.well)
+        return True
+
+    def _reamed(self, well: Well) -> Well:
+        """Return ``well`` with its reamed section down to where the reamer is."""
+        k = self._reamed_section
+        if k < 0:
+            return well
+        self._reamed_shown = self._reamed_to
+        below = np.flatnonzero(well.section_to > self._reamed_to + SHORTEST_SECTION)
+        below = below[below > k]
+        to = well.section_to.copy()
+        to[k] = self._reamed_to if len(below) else to[-1]
+        kept = np.r_[np.arange(k + 1), below]
+        return replace(
+            well,
+            section_to=to[kept],
+            section_radius=well.section_radius[kept],
+            section_friction=well.section_friction[kept],
+            section_kind=tuple(well.section_kind[i] for i in kept),
+        )
 
     def follow(self, drilled: float, position: FloatArray) -> bool:
         """Move the end; returns whether the hole has changed.
@@ -81,7 +116,7 @@ class GrowingHole:
         # this length is enough for the directions of coming nodes
         self._trail = self._trail[self._trail[:, 0] > s - 4 * self.interval - 1.0]
         live = s - self._frozen.node_md[-1] > 0.04 * self.interval
-        self.well = self._longer(self._frozen, s, position, tangent) if live else self._frozen
+        self.well = self._reamed(self._longer(self._frozen, s, position, tangent) if live else self._frozen)
         for call in self.followers:
             call(self.well)
         return True
@@ -92,13 +127,13 @@ class GrowingHole:
         drilled: length of new hole [m]; position: (3,) of the end [m].
         """
         if drilled <= 0.0:
-            return self.original
+            return self._reamed(self.original)
         s, well = self.start - self.half + drilled, self._frozen
         tangent = self._tangent(s, position)
         if s - well.node_md[-1] > 0.04 * self.interval:
             well = self._longer(well, s, position, tangent)
         bottom = self.start + drilled
-        return self._longer(well, bottom, position + self.half * tangent, tangent)
+        return self._reamed(self._longer(well, bottom, position + self.half * tangent, tangent))
 
     def _longer(self, well: Well, s: float, position: FloatArray, tangent: FloatArray) -> Well:
         """Return ``well`` with one more node at ``s`` [m], ``position`` (3,) [m] and ``tangent`` (3,).
@@ -211,6 +246,7 @@ class GrowingHole:
         self.well = self._longer(self._frozen, s, end[1:4], end[4:7]) if live else self._frozen
         if self._drilled <= 0.0:
             self.well = self.original
+        self.well = self._reamed(self.well)
         for call in self.followers:
             call(self.well)
 

@@ -11,6 +11,7 @@ from drillpetsc.arrays import FloatArray
 from drillpetsc.case.blocks.ends import BitBottom, DrivenTop, ForcedBottom, HeldBottom, HeldTop, LineLoad
 from drillpetsc.case.blocks.ends import TopDrive as TopDriveCase
 from drillpetsc.case.case import Case
+from drillpetsc.fem.component import Component
 from drillpetsc.fem.discrete_system import DiscreteSystem
 from drillpetsc.fem.string_mesh import StringMesh
 from drillpetsc.geometry.frames import Frames, transported_frames
@@ -23,6 +24,7 @@ from drillpetsc.model.hole import build_well, hole_depth
 from drillpetsc.model.mesh import build_mesh, curvature_by_tool_face
 from drillpetsc.model.mud_motor import build_mud_motor
 from drillpetsc.model.quaternion import quaternion_components
+from drillpetsc.model.reamer import build_reamer, well_of_reamer
 from drillpetsc.model.rock_bit import build_rock_bit
 from drillpetsc.model.steering import build_steering
 from drillpetsc.model.top_drive import build_drive
@@ -55,7 +57,7 @@ class DrillingModel:
     system: the discrete system.
     fluid: components of the drilling fluid, None in a dry model.
     hoist: block and drum above the top, None where absent.
-    steering: rotary steerable tool; motor: downhole motor; agitator; None where absent.
+    steering: rotary steerable tool; motor: downhole motor; agitator; reamer: cutters above the bit; None where absent.
     """
 
     case: Case
@@ -76,6 +78,7 @@ class DrillingModel:
     steering: interfaces.SteeringTool | None = None
     motor: interfaces.Motor | None = None
     agitator: interfaces.PulsedTool | None = None
+    reamer: interfaces.ReamingTool | None = None
 
     @property
     def effective_mass(self) -> FloatArray:
@@ -92,6 +95,11 @@ class DrillingModel:
         if self.fluid is not None and self.fluid.annulus is not None:
             mass -= self.fluid.constants.density * self.fluid.annulus.annulus.outer
         return mass
+
+    @property
+    def imposed(self) -> tuple[Component, ...]:
+        """Components that statics gives a sliding direction or a mean over a turn."""
+        return tuple(r for r in (self.contact, self.bit, self.reamer, self.steering) if r is not None)
 
     @property
     def drilling(self) -> interfaces.Bit | None:
@@ -123,7 +131,7 @@ def build_model(
     balanced: leave out what turns with the section: eccentric mass, unbalance, bends and stress-free curvature.
     Raises CaseError where mesh or hole are impossible.
     """
-    well = build_well(case)
+    well = well_of_reamer(case, build_well(case))
     mesh = build_mesh(case, well, motion)
     position, tangent = _axis(case, mesh, well)
     frames = transported_frames(tangent)
@@ -132,7 +140,7 @@ def build_model(
     top: interfaces.Top | None = None
     drive: interfaces.Drive | None = None
     hoist: interfaces.Hoist | None = None
-    contact, bit, steering, motor, agitator = None, None, None, None, None
+    contact, bit, steering, motor, agitator, reamer = None, None, None, None, None, None
     components: list = []
     if case.beam.formulation == "quaternion":
         breaks = tuple(b for q in case.loads for b in q.value_over.breaks()) + _top_breaks(case)
@@ -158,7 +166,8 @@ def build_model(
             components.append(Joints(mesh, frames))
         components += [bit] if bit is not None else []
         steering = build_steering(case, mesh, well, frames, tangent)
-        components += [steering] if steering is not None else []
+        reamer = build_reamer(case, mesh, well, bit)
+        components += [r for r in (steering, reamer) if r is not None]
     elif not case.hold_string:
         gravity = np.array(case.gravity, dtype=float)
         contact, bit = _contact(case, mesh, well), _bit(case, mesh, well)
@@ -180,7 +189,8 @@ def build_model(
             breaks = tuple(b for q in case.loads for b in q.value_over.breaks())
             components.append(Loads(loads, frames, breaks + _top_breaks(case)))
         steering = build_steering(case, mesh, well, frames, tangent)
-        components += [r for r in (contact, bit, steering) if r is not None]
+        reamer = build_reamer(case, mesh, well, bit)
+        components += [r for r in (contact, bit, reamer, steering) if r is not None]
     fluid = build_fluid(case, mesh, well, position, tangent, bit.hole if bit is not None else None)
     components += fluid.components if fluid is not None else ()
     system = DiscreteSystem(mesh, frames, components, comm)
@@ -204,6 +214,7 @@ def build_model(
         steering,
         motor,
         agitator,
+        reamer,
     )
     if hoist is not None:
         connect_sensors(hoist, drive, bit, fluid)

@@ -286,6 +286,22 @@ class Hoist(Component):
         """Put the set point of the weight at what is measured, inside the limits, for the modes."""
 
 
+class ReamingTool(Component):
+    """Cutters above the bit that widen the hole."""
+
+    @abstractmethod
+    def element_results(self, state: Any) -> FloatArray:
+        """(5,) weight [N], torque [N m], rate [m/s], stored energy [J], power into the rock [W]; zero on other ranks."""
+
+    @abstractmethod
+    def depth(self, state: Any) -> float:
+        """Measured depth of the shoulder [m] on the rank with the reamer, 0 elsewhere."""
+
+    @abstractmethod
+    def first_cut(self, state: Any) -> None:
+        """Set profile and rate so that the cutters carry their static weight at the start of the motion."""
+
+
 class SteeringTool(Component):
     """A rotary steerable tool."""
 

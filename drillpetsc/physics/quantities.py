@@ -63,6 +63,44 @@ BIT: tuple[Quantity, ...] = (
 )
 
 
+# ---------------------------------------------------------------------- reamer
+REAMER: tuple[Quantity, ...] = (
+    Quantity(
+        "wob_reamer",
+        "N",
+        on="scalar",
+        label="Weight on reamer",
+        mnemonic="WOR",
+        sign="positive on the rock",
+        doc="Force of the reamer on its shoulder, along the hole's axis.",
+        value=lambda reamer, sample: float(sample.once(reamer.element_results)[0]),
+        panel=2,
+    ),
+    Quantity(
+        "torque_reamer",
+        "N m",
+        on="scalar",
+        label="Torque on reamer",
+        mnemonic="TOR",
+        sign="the rock brakes clockwise rotation",
+        doc="Torque of the rock on the reamer.",
+        value=lambda reamer, sample: float(sample.once(reamer.element_results)[1]),
+        panel=3,
+    ),
+    Quantity(
+        "hole_depth_reamer",
+        "m",
+        on="scalar",
+        label="Depth of the reamed hole",
+        mnemonic="DRMD",
+        sign="down",
+        doc="Measured depth of the shoulder between reamed and pilot hole.",
+        mean=False,
+        value=lambda reamer, sample: reamer.depth(sample.assembly),
+    ),
+)
+
+
 # ---------------------------------------------------------------------- rotary steerable tool
 _STEERING_TOOL_FACE = Quantity(
     "steering_tool_face",

@@ -60,6 +60,14 @@ def plotly_figure(drawing: Any) -> Any:
                 "type": "log" if log else "linear",
                 "range": [float(np.log10(v)) for v in ends] if log else ends,
             }
+        if axes.get_title():
+            where = {
+                "x": 0.5 * (box.x0 + box.x1),
+                "y": min(box.y1, 1.0),
+                "xanchor": "center",
+                "yanchor": "bottom",
+            }
+            figure.add_annotation(text=axes.get_title(), xref="paper", yref="paper", showarrow=False, **where)
         at = {"xaxis": f"x{end}", "yaxis": f"y{end}"}
         for line in axes.lines:
             trace = _line(line, axes, named)

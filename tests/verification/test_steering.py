@@ -88,6 +88,13 @@ def test_side_force_is_the_same_while_the_string_turns(pads):
     assert swing < 0.01 if pads == "sleeve" else swing > 0.2
 
 
+def test_statics_take_the_mean_of_pads_that_turn():
+    rss = {"kind": "push", "force": 20e3, "pad_offset": 1.5, "pads": "rotating", "steer": {"tool_face": 1.0}}
+    model = at_rest(tool(rss, 120))
+    found = [model.system.reaction(f"bottom.side_reaction_{i}") for i in (1, 2)]
+    assert np.hypot(*found) == pytest.approx(16.6667e3, rel=1e-3)
+
+
 def test_mean_of_pads_that_turn():
     """(3/pi) int s cos over the window: by the trapezoidal rule, and (3/pi) sin 60 deg for a sharp window."""
     a = np.linspace(-np.pi, np.pi, 200001)

@@ -12,6 +12,7 @@ from pydantic import BeforeValidator, Discriminator, Field, Tag, model_validator
 from drillpetsc.case.block import Block, derived_default, tagged_union
 from drillpetsc.case.blocks.agitator import AgitatorTool
 from drillpetsc.case.blocks.motor import PositiveDisplacementMotor
+from drillpetsc.case.blocks.reamer import Reamer
 from drillpetsc.case.blocks.steering import RotarySteerable
 from drillpetsc.case.blocks.string import (
     Beam,
@@ -199,6 +200,7 @@ _check, _tag = tagged_union(
     RotarySteerable,
     PositiveDisplacementMotor,
     AgitatorTool,
+    Reamer,
 )
 
 StringItem = Annotated[
@@ -217,7 +219,8 @@ StringItem = Annotated[
     | Annotated[Bit, Tag("kind:Bit")]
     | Annotated[RotarySteerable, Tag("kind:RotarySteerable")]
     | Annotated[PositiveDisplacementMotor, Tag("kind:PositiveDisplacementMotor")]
-    | Annotated[AgitatorTool, Tag("kind:AgitatorTool")],
+    | Annotated[AgitatorTool, Tag("kind:AgitatorTool")]
+    | Annotated[Reamer, Tag("kind:Reamer")],
     Discriminator(_tag),
     BeforeValidator(_check),
 ]

@@ -15,6 +15,7 @@ from drillpetsc.case.checks.hoist import check_hoist
 from drillpetsc.case.checks.joints import check_joints
 from drillpetsc.case.checks.limits import check_quaternion, check_size
 from drillpetsc.case.checks.motor import check_motor
+from drillpetsc.case.checks.reamer import check_reamer
 from drillpetsc.case.checks.sensors import check_sensors
 from drillpetsc.case.checks.steering import check_steering
 from drillpetsc.case.checks.window import check_window
@@ -42,6 +43,7 @@ def check_case(case: CaseBlocks) -> None:
     check_joints(case)
     check_steering(case)
     check_motor(case)
+    check_reamer(case)
     _on_string(case)
     check_sensors(case)
     _stribeck(case)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from drillpetsc.case.blocks.case_blocks import CaseBlocks
 from drillpetsc.case.blocks.ends import BitBottom, DrivenTop
+from drillpetsc.case.blocks.reamer import Reamer
 from drillpetsc.case.blocks.string import Bit, Flexible
 from drillpetsc.case.key_paths import refuse
 
@@ -93,7 +94,8 @@ def _new_hole(case: CaseBlocks) -> None:
         )
     if not isinstance(bit, Bit) or (case.contact is None and not case.has_annulus):
         return
-    for i, item in enumerate(case.string[:-1]):
+    reamer = max((i for i, item in enumerate(case.string) if isinstance(item, Reamer)), default=-1)
+    for i, item in enumerate(case.string[reamer + 1 : -1], reamer + 1):  # above a reamer the hole is wider
         outer = item.widest_od if isinstance(item, Flexible) else None
         if outer is not None and outer >= diameter + 2 * wider:
             want = f"less than the diameter of the hole that the bit makes, {diameter + 2 * wider:g} m"

@@ -33,6 +33,7 @@ BLOCKS = (
     string.Bit,
     tubulars.RotarySteerable,
     tubulars.PositiveDisplacementMotor,
+    tubulars.Reamer,
 )
 WELL = {
     "survey": {"md": [0, 9000], "inclination": [0, 0], "azimuth": [0, 0]},

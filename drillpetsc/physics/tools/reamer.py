@@ -1,0 +1,251 @@
+"""A reamer above the bit: blades that cut the ring around the pilot hole (manual: sec-reamer).
+
+Kernel: kernels/tools/reamer.hpp.
+"""
+
+from __future__ import annotations
+
+import ctypes
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from drillpetsc.arrays import FloatArray
+from drillpetsc.fem.component import ElementBlock, Energies, Field, Powers
+from drillpetsc.fem.quantity import Quantity
+from drillpetsc.geometry.growing_hole import GrowingHole
+from drillpetsc.geometry.well import Well
+from drillpetsc.kernels import function, pointer
+from drillpetsc.kernels.parameters import Parameters, columns, structure
+from drillpetsc.physics import quantities as declared
+from drillpetsc.physics.contact import ONSET, penetration
+from drillpetsc.physics.interfaces import ReamingTool
+from drillpetsc.physics.rigid_bodies import VERTEX_SLOTS, local_vertices
+from drillpetsc.physics.rock_bit import CHIPS, KINDS, MOTION, QUASI_STATIC, STATICS, profile_derivative
+
+_results = function("reamer_results", "ipppppp")
+_Law = structure("bit_law")
+RESULTS = columns("reamer_results")
+
+
+@dataclass(frozen=True)
+class ReamerLaw:
+    """Cutting of the ring (manual: eq-reamer-law): W = zeta eps (a_r - a_b) d, T = eps (a_r^2 - a_b^2) d/2.
+
+    radius, pilot: a_r and a_b [m]; blades: their number; specific_energy: eps [Pa]; inclination_ratio: zeta [-].
+    """
+
+    radius: float
+    pilot: float
+    blades: int
+    specific_energy: float
+    inclination_ratio: float
+
+    @property
+    def cut(self) -> float:
+        """Weight over depth of cut per turn [N/m]."""
+        return self.inclination_ratio * self.specific_energy * (self.radius - self.pilot)
+
+    @property
+    def torque_cut(self) -> float:
+        """Torque over depth of cut per turn [N]."""
+        return 0.5 * self.specific_energy * (self.radius**2 - self.pilot**2)
+
+
+class Reamer(ReamingTool):
+    """The cutters of a reamer, and the shoulder on which they stand.
+
+    Unknowns: metres reamed hole.reamed [m], and with inertia the profile reamer.chips [m].
+
+    node: that carries the item; face: distance of the cutters below it [m].
+    law: of its cutting; stiffness: of cutters on the shoulder, without inertia [N/m].
+    shoulder: measured depth of the shoulder at the start [m].
+    well, hole: at the start, and the growing hole, whose reamed part follows.
+    start: measured depth of the cutters in the unstrained string [m]; slip: velocity that rounds off the torque [m/s].
+    nodes: of the string; inertia: the string has inertia; driven: a downhole motor turns the reamer.
+    """
+
+    name = "reamer"
+    has_contact = True
+    update_size = 9
+
+    def __init__(
+        self,
+        node: int,
+        face: float,
+        law: ReamerLaw,
+        stiffness: float,
+        shoulder: float,
+        well: Well,
+        hole: GrowingHole,
+        start: float,
+        slip: float,
+        nodes: int,
+        inertia: bool = True,
+        driven: bool = False,
+    ):
+        self._nodes, self.driven = nodes, driven
+        self.node, self.face, self.law, self.stiffness, self.shoulder = node, face, law, stiffness, shoulder
+        self.profiled, self._hole = inertia, hole
+        self._derivative = profile_derivative(CHIPS, 2 * np.pi / law.blades)
+        self._made: Any = _Law(
+            kind=KINDS["drag_bit"],
+            blades=law.blades,
+            cut=law.cut,
+            torque_cut=law.torque_cut,
+            turn_rounding=slip / law.radius,
+            derivative=pointer(self._derivative),
+        )
+        self._well = well
+        self._reamed = 0.0
+        self._place(start)
+
+    def _place(self, md: float) -> None:
+        """Measure places from the point of the hole's axis at ``md`` [m]."""
+        point, axis, _ = self._well.at(np.array([md]))
+        self._frame = np.concatenate([np.asarray(axis)[0], np.asarray(point)[0], [md - self.shoulder]])
+
+    # ------------------------------------------------------------------ discretisation
+    def fields(self) -> tuple[Field, ...]:
+        out: tuple[Field, ...] = (
+            Field("hole.reamed", 1, physics="rock", region="reamer", scale=1e-3, second_order=False),
+        )
+        if self.profiled:
+            out += (
+                Field("reamer.chips", CHIPS, physics="rock", region="reamer", scale=1e-4, second_order=False),
+            )
+        return out
+
+    def regions(self) -> dict[str, np.ndarray]:
+        mask = np.zeros(self._nodes, dtype=bool)
+        mask[self.node] = True
+        return {"reamer": mask}
+
+    def blocks(self, part) -> tuple[ElementBlock, ...]:
+        _, vertices = local_vertices(part, np.array([self.node]))
+        self._mine = bool(len(vertices))
+        slots: tuple[tuple[str, int], ...] = (*VERTEX_SLOTS, ("hole.reamed", 0))
+        if self.profiled:
+            slots += (("reamer.chips", 0),)
+        self.params = Parameters(
+            "reamer",
+            len(vertices),
+            face=self.face,
+            stiffness=self.stiffness,
+            axis=self._frame[:3],
+            point=self._frame[3:6],
+            place=self._frame[6],
+            mode=MOTION,
+            spin=0.0,
+        )
+        self._block = ElementBlock(
+            "reamer",
+            "reamer_profile" if self.profiled else "reamer",
+            "vertex",
+            vertices,
+            slots,
+            (0,),
+            self.params.array,
+            context=ctypes.addressof(self._made),
+        )
+        return (self._block,)
+
+    # ------------------------------------------------------------------ statics and motion
+    def impose_sliding_direction(
+        self, axial: float, spin: float, side: float = 1.0, motor: float = 0.0
+    ) -> None:
+        self.params["mode"], self.params["spin"] = STATICS, spin + motor if self.driven else spin
+
+    def impose_drilling(self, axial: float, spin: float, side: float = 1.0) -> None:
+        self.params["mode"], self.params["spin"] = QUASI_STATIC, spin
+
+    def release_sliding_direction(self) -> None:
+        self.params["mode"] = MOTION
+
+    def contact_signature(self) -> int:
+        """A number that changes when the cutters leave the shoulder or come back to it, on the reamer's rank."""
+        return int(self._made.touching)
+
+    # ------------------------------------------------------------------ history
+    def first_cut(self, state) -> None:
+        """Set profile and rate so that the cutters carry their static weight at the start of the motion."""
+        if not self._mine:
+            return
+        i, p = state.index_of(self._block)[0], self.params
+        v = state.x[i[3:6]]
+        centre = state.x[i[:3]] + self.face * v / np.linalg.norm(v)
+        zeta = float((centre - p["point"][0]) @ p["axis"][0] + p["place"][0])
+        if self.profiled:
+            gap = zeta - float(state.x[i[7]])
+            weight = self.stiffness * (gap if gap > ONSET else max(gap + ONSET, 0.0) ** 2 / (4 * ONSET))
+            chip = weight / (self.law.cut * self.law.blades)
+            place = np.arange(CHIPS) / CHIPS
+            ahead = 0.5 * (1 - np.cos(np.pi * place)) if state.y[i[6]] > 0 else np.zeros(CHIPS)
+            below = zeta - float(penetration(chip)) if weight > 0 else float(state.x[i[7]])
+            state.x[i[8:]] = below + chip * ahead
+        state.y[i[7]] = self.element_results(state)[RESULTS["rate"]]
+
+    def local_update(self, state) -> FloatArray:
+        """(9,) metres reamed, direction and point of the hole at the cutters, their place, and 1; zero on other ranks."""
+        now = np.zeros(9)
+        if self._mine:
+            i = state.index_of(self._block)[0]
+            v = state.x[i[3:6]]
+            centre = state.x[i[:3]] + self.face * v / np.linalg.norm(v)
+            self._place(float(self._well.project(centre[None, :]).md[0]))
+            now[0], now[1:8], now[8] = state.x[i[7]], self._frame, 1.0
+        return now
+
+    def apply_update(self, total: FloatArray) -> None:
+        """Places are measured from the hole's axis at the cutters; the hole's reamed part follows the shoulder."""
+        self._reamed, self._frame = float(total[0]), total[1:8].copy()
+        self._follow()
+        self._hole.widen_to(self._reamed)
+
+    def _follow(self) -> None:
+        p, f = self.params, self._frame
+        p["axis"], p["point"], p["place"] = f[:3], f[3:6], f[6]
+
+    def follow_hole(self, well: Well) -> None:
+        self._well = well
+
+    def get_state(self) -> dict[str, FloatArray]:
+        return {"reamed": np.array([self._reamed]), "frame": self._frame.copy()}
+
+    def set_state(self, state: dict[str, FloatArray]) -> None:
+        self._reamed, self._frame = float(state["reamed"][0]), np.array(state["frame"])
+        self._follow()
+        self._hole.widen_to(self._reamed)
+
+    # ------------------------------------------------------------------ results
+    def element_results(self, state) -> FloatArray:
+        """(5,) the columns of ``RESULTS``: weight [N], torque [N m], rate [m/s], stored energy [J], power [W]."""
+        return state.evaluate_once(self._evaluate_results, state)
+
+    def _evaluate_results(self, state) -> FloatArray:
+        out = np.zeros(RESULTS.width)
+        if self._mine:
+            _results(
+                int(self.profiled),
+                pointer(state.index_of(self._block)),
+                pointer(self.params.array),
+                ctypes.addressof(self._made),
+                pointer(state.x),
+                pointer(state.y),
+                pointer(out),
+            )
+        return out
+
+    def depth(self, state) -> float:
+        """Measured depth of the shoulder [m] on the rank with the reamer, 0 elsewhere."""
+        return self.shoulder + float(state.x[state.index_of(self._block)[0, 7]]) if self._mine else 0.0
+
+    def energies(self, t: float, state) -> Energies:
+        return Energies(strain=float(self.element_results(state)[RESULTS["stored"]]))
+
+    def powers(self, t: float, state) -> Powers:
+        return Powers(float(self.element_results(state)[RESULTS["dissipated"]]))
+
+    def quantities(self) -> tuple[Quantity, ...]:
+        return declared.REAMER

@@ -1,0 +1,53 @@
+"""A bit and a reamer that drill, on 1, 2 and 3 ranks and restarted."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+import yaml
+
+from drillpetsc import load_case
+from drillpetsc.analysis.transient import run
+from drillpetsc.output import read_table
+from tests.helpers.mpi import run_mpi
+from tests.parallel.test_restart import files, run_with_copies
+from tests.verification.test_reamer import reaming
+
+SCRIPT = Path(__file__).parent / "run_case.py"
+EXACT = ["-ts_adapt_type", "none", "-ts_dt", "2e-3", "-q_snes_stol", "1e-12"]
+
+
+def write(folder: Path) -> Path:
+    """A tenth of a second of drilling with contact, checkpoints every 20 ms."""
+    case = reaming(0.2159, 0.2667, 30e6, 0.6, 120.0, 0.05, 40e3, "dynamic", contact={"stiffness": 1e7})
+    case |= {"time": {"end": 0.1}, "output": {"history_every": 0.01, "checkpoint_every": 0.02}}
+    path = folder / "case.yaml"
+    path.write_text(yaml.safe_dump(case))
+    return path
+
+
+@pytest.mark.parallel
+def test_reaming_is_the_same_on_1_2_and_3_ranks(tmp_path):
+    path, runs = write(tmp_path), []
+    for n in (1, 2, 3):
+        out = tmp_path / f"ranks{n}"
+        run_mpi(n, SCRIPT, [str(path), str(out), *EXACT], timeout=200)
+        runs.append(read_table(out / "history.csv"))
+    assert runs[0]["hole_depth_reamer [m]"][-1] > 53.7 + 1e-3
+    for other in runs[1:]:
+        for name, values in runs[0].items():
+            if not name.startswith(("energy_error", "newton", "step")):
+                assert np.abs(other[name] - values).max() <= 1e-7 * max(np.abs(values).max(), 1e-9), name
+
+
+def test_a_reaming_run_restarted_is_bit_identical(tmp_path, monkeypatch):
+    path = write(tmp_path)
+    copies = run_with_copies(path, tmp_path / "run", monkeypatch)
+    whole = files(tmp_path / "run")
+    assert len(copies) >= 3
+    for copy in copies[:-1:2]:
+        run(load_case(path), copy, restart=True, progress="silent")
+        for name, content in files(copy).items():
+            assert content == whole[name], (copy, name)
