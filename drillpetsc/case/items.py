@@ -107,15 +107,7 @@ class _Tool(_Pipe, total=False):
 class _Jar(_Pipe, total=False):
     mass: Value
     joint_at: Value
-    seal_area: Value
-    stop_stiffness: Value
-    stroke: Value
-    action: str
-    direction: str
-    threshold: Value
-    metering_stroke: Value
-    metering_resistance: Value
-    trigger: Value
+    jar: Keys
 
 
 class _ShockSub(_Tool, total=False):
@@ -325,7 +317,7 @@ class BumperSub(StringItem):
 class Jar(StringItem):
     """A jar: a latch that holds the load, then sets the parts free to hit a stop."""
 
-    kind, key_types, required = "jar", _Jar, ("length", "od", "stroke")
+    kind, key_types, required = "jar", _Jar, ("length", "od", "jar")
 
     def __init__(self, **keys: Unpack[_Jar]) -> None:
         self._fill(keys)

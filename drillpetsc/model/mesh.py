@@ -19,7 +19,7 @@ from drillpetsc.case.blocks.settings import STARTS
 from drillpetsc.case.blocks.steering import PushSteering, RotarySteerable
 from drillpetsc.case.blocks.string import Beam as BeamItem
 from drillpetsc.case.blocks.string import Bend, Flexible, Item, Rigid, Stabilizer, Tube
-from drillpetsc.case.blocks.tools import Jar, ShockSub, TelescopingTool
+from drillpetsc.case.blocks.tools import Jar, JarSection, ShockSub, TelescopingTool
 from drillpetsc.case.blocks.tubulars import Tubular
 from drillpetsc.case.case import Case
 from drillpetsc.case.checks.limits import element_count
@@ -206,11 +206,11 @@ def _joint(joint: Joint, tool: TelescopingTool | None = None, number: int = -1) 
         preload,
         torsion or 0.0,
         JAR_ROUNDING if isinstance(tool, Jar) else None,
-        _latch(tool, number) if isinstance(tool, Jar) else None,
+        _latch(tool.jar, number) if isinstance(tool, Jar) else None,
     )
 
 
-def _latch(jar: Jar, number: int) -> JarLaw:
+def _latch(jar: JarSection, number: int) -> JarLaw:
     """The latch of a jar, which is as stiff as its stops."""
     return JarLaw(
         jar.latch_load,

@@ -17,7 +17,7 @@ SCRIPT = Path(__file__).parent / "run_case.py"
 CASE = """
 string:
   - {kind: pipe, length: 10 m, od: 177.8 mm, id: 71.4 mm, element_length: 5 m}
-  - {kind: jar, length: 2 m, od: 177.8 mm, id: 71.4 mm, stroke: 40 mm, threshold: 15 kN, metering_stroke: 2 mm, metering_resistance: 100 kN s/m}
+  - {kind: jar, length: 2 m, od: 177.8 mm, id: 71.4 mm, jar: {stroke: 40 mm, threshold: 15 kN, metering_stroke: 2 mm, metering_resistance: 100 kN s/m}}
   - {kind: pipe, length: 5 m, od: 177.8 mm, id: 71.4 mm, element_length: 5 m}
   - {kind: body, length: 0.5 m, mass: 2 t}
 top: clamped

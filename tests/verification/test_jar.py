@@ -19,7 +19,9 @@ Z_PIPE, Z_COLLAR = (np.pi / 4 * (q["od"] ** 2 - q["id"] ** 2) * np.sqrt(206e9 * 
 
 
 def jar(**keys: Any) -> dict:
-    return Jar(**({"length": 2.0, "joint_at": 0.5, "stroke": 0.18, "threshold": 6e4, **COLLAR} | keys))
+    item = {key: keys.pop(key) for key in ("length", "element_length") if key in keys}
+    law = {"stroke": 0.18, "threshold": 6e4} | keys
+    return Jar(**({"length": 2.0, "joint_at": 0.5, **COLLAR} | item), jar=law)
 
 
 def results(case: Case, folder: Path) -> tuple[dict[str, np.ndarray], dict]:

@@ -8,7 +8,7 @@ from pydantic import Field, model_validator
 
 from drillpetsc.case.block import Block
 from drillpetsc.case.blocks.joints import Joint
-from drillpetsc.case.blocks.tools import TelescopingTool
+from drillpetsc.case.blocks.tools import SealedTool
 from drillpetsc.case.key_paths import refuse
 from drillpetsc.case.quantities import OverTime, Quantity
 from drillpetsc.time_function import Constant, TimeFunction
@@ -45,7 +45,7 @@ class AgitatorSection(Block):
         return self
 
 
-class AgitatorTool(TelescopingTool):
+class AgitatorTool(SealedTool):
     """An agitator: a valve in the mud shakes the string along its axis."""
 
     kind: Literal["agitator"] = Field(description="agitator (axial oscillation tool)")

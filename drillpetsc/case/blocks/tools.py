@@ -7,7 +7,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field, model_validator
 
-from drillpetsc.case.block import derived_default
+from drillpetsc.case.block import Block, derived_default
 from drillpetsc.case.blocks.joints import Joint
 from drillpetsc.case.blocks.string import Tube
 from drillpetsc.case.key_paths import refuse
@@ -27,14 +27,6 @@ class TelescopingTool(Tube):
     )
     joint_at: Annotated[float, Quantity("m", above=0, at_most=200)] = derived_default(
         "distance of the slider below the item's upper end; half the length when not given"
-    )
-    seal_area: Annotated[float, Quantity("m^2", at_least=0, at_most=0.5)] = Field(
-        default=0.0,
-        description="area inside the seals, on which the pressure in the string less that in the annulus pushes the "
-        "parts apart (pump-open force)",
-    )
-    stop_stiffness: Annotated[float, Quantity("N/m", above=0)] = Field(
-        default=1e9, description="stiffness of the stops at the ends of the stroke"
     )
 
     @model_validator(mode="after")
@@ -59,7 +51,20 @@ class TelescopingTool(Tube):
         raise NotImplementedError
 
 
-class ShockSub(TelescopingTool):
+class SealedTool(TelescopingTool):
+    """A telescoping tool whose seals and stops are keys of the item."""
+
+    seal_area: Annotated[float, Quantity("m^2", at_least=0, at_most=0.5)] = Field(
+        default=0.0,
+        description="area inside the seals, on which the pressure in the string less that in the annulus pushes the "
+        "parts apart (pump-open force)",
+    )
+    stop_stiffness: Annotated[float, Quantity("N/m", above=0)] = Field(
+        default=1e9, description="stiffness of the stops at the ends of the stroke"
+    )
+
+
+class ShockSub(SealedTool):
     """A shock sub: a spring and a damper between two parts that telescope."""
 
     kind: Literal["shock_sub"] = Field(description="shock sub (shock absorber)")
@@ -101,7 +106,7 @@ class ShockSub(TelescopingTool):
         )
 
 
-class BumperSub(TelescopingTool):
+class BumperSub(SealedTool):
     """A bumper sub: two parts that telescope freely between stops."""
 
     kind: Literal["bumper_sub"] = Field(description="bumper sub")
@@ -122,10 +127,9 @@ class BumperSub(TelescopingTool):
         )
 
 
-class Jar(TelescopingTool):
-    """A jar: a latch that holds the load, then sets the parts free to hit a stop."""
+class JarSection(Block):
+    """Law of a jar."""
 
-    kind: Literal["jar"] = Field(description="drilling or fishing jar")
     action: Literal["hydraulic", "mechanical"] = Field(
         default="hydraulic",
         description="hydraulic: above threshold the jar meters over metering_stroke, then it is free; mechanical: it is free above trigger",
@@ -149,8 +153,17 @@ class Jar(TelescopingTool):
         default=None, description="load at which a mechanical jar fires"
     )
 
+    seal_area: Annotated[float, Quantity("m^2", at_least=0, at_most=0.5)] = Field(
+        default=0.0,
+        description="area inside the seals, on which the pressure in the string less that in the annulus pushes the "
+        "parts apart (pump-open force)",
+    )
+    stop_stiffness: Annotated[float, Quantity("N/m", above=0)] = Field(
+        default=1e9, description="stiffness of the stops at the ends of the stroke"
+    )
+
     @model_validator(mode="after")
-    def _latch(self) -> Jar:
+    def _latch(self) -> JarSection:
         hydraulic = self.action == "hydraulic"
         needed, other = ("threshold", ("trigger",)) if hydraulic else (
             "trigger",
@@ -177,15 +190,22 @@ class Jar(TelescopingTool):
         assert load is not None
         return load
 
+
+class Jar(TelescopingTool):
+    """A jar: a latch that holds the load, then sets the parts free to hit a stop."""
+
+    kind: Literal["jar"] = Field(description="drilling or fishing jar")
+    jar: JarSection = Field(description="latch, stroke and seals")
+
     def joint(self, top: float) -> Joint:
-        least = -self.stroke if self.direction != "up" else -BEHIND_LATCH
-        largest = self.stroke if self.direction != "down" else BEHIND_LATCH
+        least = -self.jar.stroke if self.jar.direction != "up" else -BEHIND_LATCH
+        largest = self.jar.stroke if self.jar.direction != "down" else BEHIND_LATCH
         return Joint.model_construct(
             kind="slider",
             at=top + self.joint_at,
             stroke=(least, largest),
-            stop_stiffness=self.stop_stiffness,
-            seal_area=self.seal_area,
+            stop_stiffness=self.jar.stop_stiffness,
+            seal_area=self.jar.seal_area,
         )
 
 
