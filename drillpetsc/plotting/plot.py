@@ -41,6 +41,7 @@ from drillpetsc.unit_systems import System
 from drillpetsc.unit_systems import display_unit as display_unit_of
 
 Table = dict[str, np.ndarray]
+WIDEST_LEGEND = 66  # characters in one line above a panel
 
 
 def plot(
@@ -262,10 +263,12 @@ def _histories(table: Table, panels: list[list[str]], title: str) -> Any:
             axes.set_ylabel(label(panel[0], unit))
         else:
             axes.set_ylabel(f"[{unit}]" if unit else "")
+            length = sum(len(words(name)) + 6 for name in panel)  # characters beside the lines
+            rows = 1 + (length > WIDEST_LEGEND)
             axes.legend(
-                loc="upper left",
-                bbox_to_anchor=(0.0, 1.17),
-                ncols=len(panel),
+                loc="lower left" if rows > 1 else "upper left",
+                bbox_to_anchor=(0.0, 1.02 if rows > 1 else 1.17),
+                ncols=-(-len(panel) // rows),
                 frameon=False,
                 fontsize=8.5,
                 borderaxespad=0.0,
