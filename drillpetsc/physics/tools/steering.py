@@ -8,7 +8,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.integrate import quad
 
 from drillpetsc.arrays import FloatArray
 from drillpetsc.fem.component import ElementBlock, Powers
@@ -45,6 +44,7 @@ def mean_share() -> float:
     It is (3/pi) int_0^(w+o) s(a) cos a da with the share s of a pad at the angle a; (3/pi) sin 60 deg = 0.827 for
     windows that change over at once.
     """
+    from scipy.integrate import quad  # a slow import
 
     def share(a: float) -> float:
         u = min(max((WINDOW + OVERLAP - a) / (2 * OVERLAP), 0.0), 1.0)
