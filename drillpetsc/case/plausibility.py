@@ -10,6 +10,7 @@ from drillpetsc.case.blocks.tools import ShockSub
 from drillpetsc.case.quantities import largest
 from drillpetsc.unit_systems import shown
 
+ROUGHEST = 1.0  # friction factor: 0.1 to 0.5 are usual
 WIDEST_HOLE = 1.2  # [m] 36 in holes and 42 in conductors are below it
 LIGHTEST_MUD, HEAVIEST_MUD = 500.0, 2900.0  # [kg/m3] foam of 4 ppg, 24 ppg
 DEEPEST = 15e3  # [m]
@@ -37,6 +38,8 @@ def plausibility(case: CaseBlocks) -> list[str]:
                 doubt(
                     f"well.sections[{i}].diameter", f"{section.diameter:g} m", f"no hole is that wide{inches}"
                 )
+            if section.friction > ROUGHEST:
+                doubt(f"well.sections[{i}].friction", f"{section.friction:g}", _rough(section.friction))
         survey = case.well.survey
         if survey.md[-1] > DEEPEST:
             doubt("well.survey", f"{survey.md[-1]:g} m deep", "deeper than any well; feet?")
@@ -54,6 +57,10 @@ def plausibility(case: CaseBlocks) -> list[str]:
                 f"at most {math.degrees(largest_azimuth):.2g} deg",
                 "angles in another unit?",
             )
+    for i, item in enumerate(case.string):
+        own = item.friction
+        if own is not None and own > ROUGHEST:
+            doubt(f"string[{i}].friction", f"{own:g}", _rough(own))
     for i, tool, _ in case.tools:
         held = tool.held_by if isinstance(tool, ShockSub) else None
         if held is not None:
@@ -113,6 +120,12 @@ def plausibility(case: CaseBlocks) -> list[str]:
             f"faster than drillstrings turn; {rotation:g} rpm?",
         )
     return out
+
+
+def _rough(friction: float) -> str:
+    return "rougher than steel on rock" + (
+        f"; {friction:g} %?" if friction >= 5 else "; 0.1 to 0.5 are usual"
+    )
 
 
 def _viscosity(rheology: Rheology) -> float:
