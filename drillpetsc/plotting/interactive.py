@@ -79,7 +79,7 @@ def plotly_figure(drawing: Any) -> Any:
     right = max((axes.get_position().x1 for axes in shown), default=1.0)
     figure.update_layout(
         barmode="overlay",
-        margin={"l": 0, "r": 0, "t": 50, "b": 0},  # the axes of the picture have room for their texts
+        margin={"l": 0, "r": 0, "t": 50, "b": 0},  # the axes of the picture leave space for their texts
         legend={"x": right + 0.02, "xanchor": "left"},
     )
     for legend in (*drawing.legends, *(axes.get_legend() for axes in shown)):
