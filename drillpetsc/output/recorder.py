@@ -26,6 +26,7 @@ from drillpetsc.output.rigid_items import RigidItems
 from drillpetsc.output.sensors.sensors import Sensors
 from drillpetsc.output.string_ends import DrilledHole, LowerEnd, TopEnd
 from drillpetsc.output.time_error import TimeError
+from drillpetsc.parallel import total
 
 STEPS_AHEAD = 3.0  # a step at most doubles: with it, the step before the one that passes a row is sampled
 
@@ -272,7 +273,7 @@ class Recorder:
             for slot in self._filled:
                 values = slot.value(slot.source, sample)
                 v[slot.span] = values if slot.is_number else values.ravel()
-        return v if self.system.comm.size == 1 else self.comm.allreduce(v)
+        return np.asarray(total(self.comm, v))
 
     def value(self, sample: FloatArray, name: str) -> float:
         """The number of the history's column ``name`` in a sample, e.g. ``hook_load``."""
@@ -330,7 +331,7 @@ class Recorder:
             values = slot.value(slot.source, sample)
             parts.append(np.array([values]) if slot.is_number else np.asarray(values, dtype=float).ravel())
         v = np.concatenate(parts)
-        return v if self.system.comm.size == 1 else self.comm.allreduce(v)
+        return np.asarray(total(self.comm, v))
 
     def _powers_of(self, sample: FloatArray) -> tuple[float, float]:
         """Dissipated and supplied power [W] in a sample."""

@@ -22,6 +22,7 @@ from drillpetsc.errors import SolveError
 from drillpetsc.fem.bound_parts import ROW_SCALE, RowReplacement
 from drillpetsc.fem.discrete_system import DiscreteSystem
 from drillpetsc.kernels import function, pointer
+from drillpetsc.parallel import largest, total
 from drillpetsc.solvers.chain_lu import ZeroPivot
 from drillpetsc.solvers.lateral_loads import lateral_loads
 from drillpetsc.solvers.newton import static_factor
@@ -555,14 +556,12 @@ class StaticNewton:
 
 def sum_of(system: DiscreteSystem, value: float) -> float:
     """Sum ``value`` over all ranks; collective."""
-    return value if system.comm.size == 1 else float(system.comm.tompi4py().allreduce(value))
+    return float(total(system.comm, value))
 
 
 def largest_of(system: DiscreteSystem, value: float) -> float:
     """Largest ``value`` of all ranks; collective."""
-    from mpi4py import MPI
-
-    return value if system.comm.size == 1 else float(system.comm.tompi4py().allreduce(value, op=MPI.MAX))
+    return largest(system.comm, value)
 
 
 def nodal_length(system: DiscreteSystem) -> FloatArray:
