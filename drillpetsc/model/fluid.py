@@ -34,6 +34,7 @@ from drillpetsc.physics.fluid.hermite.flow import HermiteAnnulus, HermiteBit, He
 from drillpetsc.physics.fluid.joint_seals import JointSeals
 from drillpetsc.physics.fluid.moving_hole import LateralCoefficients, MovingHole
 from drillpetsc.physics.fluid.rheology import Rheology
+from drillpetsc.physics.fluid.side_nozzles import SideLink, SideNozzles
 from drillpetsc.physics.fluid.surface_line import SurfaceLine
 
 LARGEST_ECCENTRICITY = 0.98  # eccentricity [-] above which the added mass is constant
@@ -49,6 +50,7 @@ class FluidComponents:
     only with formulation hermite.
     surface_line: between pump and string, None without one.
     seals: of telescoping joints, None without any.
+    side: nozzles above the bit, None without any.
     """
 
     constants: FluidConstants
@@ -58,11 +60,12 @@ class FluidComponents:
     volumes: Callable[[float], dict[str, FloatArray]] | None = None
     surface_line: SurfaceLine | None = None
     seals: JointSeals | None = None
+    side: SideNozzles | None = None
 
     @property
     def components(self) -> tuple:
         """The components that are present."""
-        return tuple(r for r in (self.bore, self.annulus, self.bit, self.seals) if r is not None)
+        return tuple(r for r in (self.bore, self.annulus, self.bit, self.seals, self.side) if r is not None)
 
 
 def build_rheology(case: Case, annulus: bool = False) -> Rheology:
@@ -163,7 +166,41 @@ def build_fluid(
     seals = None
     if any(joint.seal_area > 0 for joint in mesh.joints):
         seals = JointSeals(mesh, constants, bore_flow is not None, annulus is not None, f.outlet_pressure)
-    return FluidComponents(constants, bore_flow, annulus, bit, volumes, _surface_line(case), seals)
+    side = None
+    if case.side_nozzles and isinstance(bore_flow, BoreFlow):
+        side = SideNozzles(
+            mesh,
+            side_links(case, mesh),
+            constants,
+            f.discharge_coefficient,
+            bore_flow,
+            annulus,
+            f.outlet_pressure,
+            _lower_end_area(case, mesh),
+            fixed_position,
+        )
+    return FluidComponents(constants, bore_flow, annulus, bit, volumes, _surface_line(case), seals, side)
+
+
+def side_links(case: Case, mesh: StringMesh) -> tuple[SideLink, ...]:
+    """Nozzles above the bit by their nodes, from the top down: those of an item are at its upper end, or at that of the rigid
+    items right above it."""
+    areas, bodies = dict(case.side_nozzles), iter(mesh.bodies)
+    found: dict[int, list[tuple[int, float]]] = {}
+    for number, item in enumerate(case.string):
+        body = next(bodies) if isinstance(item, Rigid) else None
+        if body is not None and number in areas:
+            found.setdefault(body.node, []).append((number, areas[number]))
+    return tuple(SideLink(node, sum(a for _, a in group), tuple(group)) for node, group in found.items())
+
+
+def _lower_end_area(case: Case, mesh: StringMesh) -> tuple[float, float]:
+    """Flow area [m2] and discharge coefficient [-] of the string's lower end; area 0: closed."""
+    assert case.fluid is not None
+    if case.bottom.plugged:
+        return 0.0, 1.0
+    nozzle = case.string[-1].nozzle_area
+    return (nozzle, case.fluid.discharge_coefficient) if nozzle else (float(mesh.bore_area[-1]), 1.0)
 
 
 def _surface_line(case: Case) -> SurfaceLine | None:
