@@ -16,6 +16,7 @@ from drillpetsc.case.blocks.tubulars import Jointed
 from drillpetsc.case.blocks.well import Section
 from drillpetsc.case.case import Case
 from drillpetsc.case.section import TubularSection, metal_past, tubular_section
+from drillpetsc.errors import CaseError
 from drillpetsc.fem.string_mesh import StringMesh
 from drillpetsc.geometry.growing_hole import GrowingHole
 from drillpetsc.geometry.well import Well
@@ -37,6 +38,7 @@ from drillpetsc.physics.fluid.rheology import Rheology
 from drillpetsc.physics.fluid.side_nozzles import SideLink, SideNozzles
 from drillpetsc.physics.fluid.surface_line import SurfaceLine
 
+LEAST_OPEN = 1e-4  # share of the hole that must be open around a rigid item
 LARGEST_ECCENTRICITY = 0.98  # eccentricity [-] above which the added mass is constant
 
 
@@ -123,6 +125,7 @@ def build_fluid(
         assert well is not None
         walls = build_walls(case, mesh)
         sizes = walls.annulus(HoleVolume(well), np.arange(len(mesh.upper)), mesh.upper, mesh.lower)
+        _refuse_closed_annulus(case, mesh, sizes)
         chi = _added_mass(case, sizes)
         if not case.hold_string and (hole is not None or not _is_uniform(well, walls)):
             moving_hole = MovingHole(
@@ -180,6 +183,24 @@ def build_fluid(
             fixed_position,
         )
     return FluidComponents(constants, bore_flow, annulus, bit, volumes, _surface_line(case), seals, side)
+
+
+def _refuse_closed_annulus(case: Case, mesh: StringMesh, sizes: Annulus) -> None:
+    """Raise CaseError where the metal of rigid items fills the hole around them: that over them and the element below."""
+    left = np.where(mesh.rigid_above > 0, sizes.hole - sizes.outer_above, np.inf)
+    k = int(np.argmin(left / sizes.hole))
+    if left[k] > LEAST_OPEN * sizes.hole[k]:
+        return
+    names = ", ".join(b.name for b in mesh.bodies if b.node == k)
+    numbers = [i for i, item in enumerate(case.string) if isinstance(item, Rigid)]
+    number = next(i for i, b in zip(numbers, mesh.bodies, strict=True) if b.node == k)
+    raise CaseError(
+        at=f"string[{number}]",
+        got=f"{names}: metal and bore of {1e4 * sizes.outer_above[k]:.4g} cm2",
+        want=f"less than the hole around it, {1e4 * sizes.hole[k]:.4g} cm2: the mud must get past",
+        hint="body_od and blade_length, or mass, say how much metal it has; a hole that narrows right below counts as the mean over the item "
+        "and the first element below: end the wide section lower, or give the pipe below a short element_length",
+    )
 
 
 def side_links(case: Case, mesh: StringMesh) -> tuple[SideLink, ...]:

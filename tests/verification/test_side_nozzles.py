@@ -299,6 +299,14 @@ def test_refused(string, keys, at, want):
     assert error.value.at == at and want in str(error.value.want)
 
 
+def test_a_reamer_that_fills_its_hole_is_refused():
+    """A reamer without body_od is solid metal up to its blades: no mud gets past, and the message says what helps."""
+    solid = [{k: v for k, v in item.items() if k not in ("body_od", "blade_length")} for item in REAMER_CASE]
+    with pytest.raises(CaseError) as error:
+        Hydraulics(case(solid, well=WIDE_HOLE))
+    assert error.value.at == "string[1]" and "body_od" in str(error.value.hint)
+
+
 def trip(string: list[dict], kind: str, speed: float, **fluid):
     built = case(string, {"rheology": {"model": "newtonian", "viscosity": 0.05}, "flow_rate": 0.0, **fluid})
     return Tripping(built, whole_string(built), kind).at("trip_in", speed)  # type: ignore[arg-type]
