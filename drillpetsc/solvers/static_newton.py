@@ -125,6 +125,7 @@ class StaticNewton:
         dofs = [system.layout.dofs[f.name].ravel() for f in system.layout.fields if f.multiplier]
         self._multipliers = np.concatenate([*dofs, np.zeros(0, dtype=int)])
         self._multipliers = self._multipliers[self._multipliers >= 0]
+        self._held_entries = self._couplings_of_held_unknowns()
         self._top_rows = next(
             (f for f in system.assembly.row_replacements if f.owned and f.condition.vertex == 0), None
         )
@@ -216,6 +217,17 @@ class StaticNewton:
         advance = f.condition.advance
         return f.D[0] if advance is None else advance(self.system.assembly.x[f.rows])
 
+    def _couplings_of_held_unknowns(self) -> np.ndarray:
+        """Places in the matrix where the unknowns of the rock couple to others (manual: sec-statics-stability).
+
+        Statics holds the rock by rows of its own.  The string's rows depend on it, those rows not on the string: the
+        eigenvalues are those of the string alone, while the symmetric part of the couplings has negative ones.
+        """
+        layout, asm = self.system.layout, self.system.assembly
+        rock = np.array([f.physics == "rock" for f in layout.fields])[layout.field_of]
+        by_row, by_column = (np.append(rock, False)[i] for i in (asm.rows, asm.columns))
+        return np.flatnonzero((by_row | by_column) & (asm.rows != asm.columns))
+
     def _factor(self, sigma: float) -> int:
         """Factor K + sigma M; ``sigma`` in N/m2 (manual: eq-statics-step).
 
@@ -223,6 +235,8 @@ class StaticNewton:
         where the loads have no energy.
         """
         values = self.system.assembly.values.copy()
+        if self.energy:
+            values[self._held_entries] = 0.0
         if sigma:
             v = self.system.field("string.tangent")
             along = v[:, :, None] * v[:, None, :] / np.sum(v * v, axis=1)[:, None, None]
