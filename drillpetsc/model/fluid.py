@@ -450,6 +450,26 @@ def _rigid_runs(case: Case, mesh: StringMesh) -> tuple[FloatArray, FloatArray]:
     return area, volume
 
 
+def mud_of_rigid_items(case: Case, mesh: StringMesh) -> FloatArray:
+    """(n+1,) mass [kg] of the mud in the rigid items below each node, less that of the mud which they displace.
+
+    Below the last node only the metal counts, as in the equations of the bit's flow.
+    """
+    out = np.zeros(mesh.nodes)
+    if case.fluid is None:
+        return out
+    area, volume = _rigid_runs(case, mesh)
+    length = np.zeros(mesh.nodes)
+    np.add.at(length, [b.node for b in mesh.bodies], [b.length for b in mesh.bodies])
+    inside = area[:, 0] * length
+    inside[-1] = 0.0
+    if case.has_bore:
+        out += inside
+    if case.has_annulus:
+        out -= inside + volume
+    return np.asarray(case.fluid.density * out)
+
+
 def build_bore(case: Case, mesh: StringMesh) -> Bore:
     """Bore of every element. Elasticity of a thick tube (Lame): (2/E) [(Ro^2 + Ri^2)/(Ro^2 - Ri^2) + nu]."""
     assert case.fluid is not None
