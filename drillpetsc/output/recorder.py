@@ -27,6 +27,7 @@ from drillpetsc.output.sensors.sensors import Sensors
 from drillpetsc.output.string_ends import DrilledHole, LowerEnd, TopEnd
 from drillpetsc.output.time_error import TimeError
 from drillpetsc.parallel import total
+from drillpetsc.solvers.local_error import OutputErrors
 
 STEPS_AHEAD = 3.0  # a step at most doubles: with it, the step before the one that passes a row is sampled
 
@@ -310,12 +311,12 @@ class Recorder:
         elif self.energy is not None:
             self.energy.step(dt, self.system.powers(seen))
 
-    def estimate_time_error(self, order: int) -> None:
-        """Estimate the time error of the main outputs of a run with BDF of this ``order``."""
+    def estimate_time_error(self, formula: OutputErrors) -> None:
+        """Estimate the time error of the main outputs of a run with this time formula."""
         titles = [c.title for c, _ in self._main]
         sizes = [slot.span.stop - slot.start for _, slot in self._main]
         if titles:
-            self.time_error = TimeError(order, [t[0] for t in titles], [t[1] for t in titles], sizes)
+            self.time_error = TimeError(formula, [t[0] for t in titles], [t[1] for t in titles], sizes)
 
     def count_time_error(self, t: float, dt: float, inputs_at: float, fresh: bool) -> None:
         """Count an accepted step in the estimate of the time error, after ``step``; collective."""

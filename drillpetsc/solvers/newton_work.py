@@ -19,7 +19,7 @@ from drillpetsc.parallel import total
 _product = function("gathered_product", "ipppp", ctypes.c_double)
 SHARE = 1e-3  # default of -drillpetsc_newton_work
 SAMPLE_INTERVAL = 16  # accepted steps between two samples of the exchanged power
-EARLY_SAMPLES = (4, 8)  # steps of a run with a sample before the first interval has passed
+EARLY_SAMPLES = (1, 2, 4, 8)  # steps of a run with a sample before the first interval has passed
 
 
 class ResidualWork:

@@ -36,6 +36,7 @@ class FluidConstants:
     density: at zero gauge pressure [kg/m3]; bulk_modulus: [Pa]; gravity: (3,) [m/s2].
     rheology: parameters in the layout of kernels/fluid/rheology.hpp.
     clinging: clinging factor [-] (manual: eq-mud-clinging).
+    usual_pressure, usual_flow: magnitudes to which tolerances refer [Pa], [m3/s] (manual: sec-time-error).
 
     ``address`` is the kernels' argument; the object must live as long as the blocks that use it.
     """
@@ -45,6 +46,8 @@ class FluidConstants:
     gravity: FloatArray
     rheology: FloatArray
     clinging: float = 0.45
+    usual_pressure: float = PRESSURE_SCALE
+    usual_flow: float = FLOW_SCALE
 
     def __post_init__(self) -> None:
         self.rheology = np.ascontiguousarray(self.rheology, dtype=float)
@@ -83,13 +86,19 @@ class ChannelFlow(Channel):
 
     def fields(self) -> tuple[Field, ...]:
         return (
-            Field(f"{self.name}.pressure", 1, physics="fluid", scale=PRESSURE_SCALE, second_order=False),
+            Field(
+                f"{self.name}.pressure",
+                1,
+                physics="fluid",
+                scale=self.fluid.usual_pressure,
+                second_order=False,
+            ),
             Field(
                 f"{self.name}.flow",
                 1,
                 physics="fluid",
                 region="below_top",
-                scale=FLOW_SCALE,
+                scale=self.fluid.usual_flow,
                 second_order=False,
             ),
         )
