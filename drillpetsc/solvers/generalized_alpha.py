@@ -12,6 +12,7 @@ from petsc4py import PETSc
 from drillpetsc import petsc_compat
 from drillpetsc.arrays import FloatArray
 from drillpetsc.errors import OptionError, SolveError
+from drillpetsc.kernels.denormals import flushed_denormals
 from drillpetsc.solvers.alpha_formula import ARRAYS, AlphaFormula, AlphaHistory, radius_of
 from drillpetsc.solvers.bdf_history import BdfHistory, local, nodal
 from drillpetsc.solvers.consistent_start import ConsistentStart
@@ -256,6 +257,7 @@ class GeneralizedAlpha(TimeIntegrator):
         )
 
     # ------------------------------------------------------------------ run
+    @flushed_denormals()
     def run(self, start: float, end: float, breaks: tuple[float, ...] = (), resume: bool = False) -> None:
         """Integrate from ``start`` to ``end`` [s]; collective.  See ``TimeIntegrator.run``."""
         system = self.system

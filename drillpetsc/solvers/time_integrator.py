@@ -18,6 +18,7 @@ from drillpetsc.arrays import FloatArray
 from drillpetsc.errors import SolveError
 from drillpetsc.fem.component import Component, Field
 from drillpetsc.fem.discrete_system import DiscreteSystem
+from drillpetsc.kernels.denormals import flushed_denormals
 from drillpetsc.solvers.bdf_history import BdfHistory, State
 from drillpetsc.solvers.first_order_system import FirstOrderSystem, refuse_integrator
 from drillpetsc.solvers.newton import CondensedNewton
@@ -414,6 +415,7 @@ class TimeIntegrator:
             local if self.system.comm.size == 1 else bool(self.system.comm.tompi4py().allreduce(int(local)))
         )
 
+    @flushed_denormals()
     def run(self, start: float, end: float, breaks: tuple[float, ...] = (), resume: bool = False) -> None:
         """Integrate from ``start`` to ``end`` [s]; collective.
 
