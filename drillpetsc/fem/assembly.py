@@ -52,7 +52,7 @@ class Assembly:
     fields; the derived fields follow it (``DofLayout.derived``; ``derive`` computes them).
     r: (array_length,) residual, not summed over ranks.
     v0, v1: (n,) constants of the time formula, y = shift x + v0 and a = second shift y + v1.
-    values: all Jacobian entries, in the order of ``rows`` and ``columns`` (local dofs, -1: left out).
+    values: all Jacobian entries, in the order of ``places``.
     reference: (nv, 3) reference directions of the local nodes.
     """
 
@@ -100,19 +100,6 @@ class Assembly:
         ]
         self._first_stabilization_entry = size  # these entries are the last ones
         self.values = np.zeros(size + sum(len(c.rows) for c in self.stabilized))
-        # the places of all entries are kept once, here
-        rows, columns = (
-            map(list, zip(*(b.places() for b in self.bound_blocks), strict=True)) if blocks else ([], [])
-        )
-        for f in self.row_replacements:
-            if f.owned:
-                rows.append(np.repeat(f.rows, 7))
-                columns.append(np.tile(f.rows, 7))
-        rows += [c.rows for c in self.stabilized]
-        columns += [c.columns for c in self.stabilized]
-        empty = [np.zeros(0, dtype=np.int32)]
-        self.rows = np.concatenate(rows + empty).astype(np.int32)
-        self.columns = np.concatenate(columns + empty).astype(np.int32)
         self._event = {k: PETSc.Log.Event(k) for k in ("Residual", "Jacobian")}
         self._state = tuple(map(pointer, (self.x, self.y, self.a, self.r)))
         self._weights = np.zeros(3)
@@ -133,6 +120,24 @@ class Assembly:
         self._frozen: tuple[np.ndarray, np.ndarray, np.ndarray] | None = None
         #: (dofs, rates, entries of each block by other dofs, by the block's first entry)
         self._imposed: tuple[np.ndarray, FloatArray, dict[int, np.ndarray]] | None = None
+
+    def places(self) -> tuple[np.ndarray, np.ndarray]:
+        """Local dofs of the rows and of the columns of all Jacobian entries, (len(values),) each, -1 where an entry is left out.
+
+        They are computed anew: kept, they would take as much memory as the entries.
+        """
+        both = np.empty((2, len(self.values)), dtype=np.int32)
+        for b in self.bound_blocks:
+            b.write_places(*(out[b.span].reshape(b.count, b.width, b.width) for out in both))
+        at = self.bound_blocks[-1].span.stop if self.bound_blocks else 0
+        for f in self.row_replacements:
+            if f.owned:
+                both[0, at : at + 49], both[1, at : at + 49] = np.repeat(f.rows, 7), np.tile(f.rows, 7)
+                at += 49
+        for c in self.stabilized:
+            both[0, at : at + len(c.rows)], both[1, at : at + len(c.rows)] = c.rows, c.columns
+            at += len(c.rows)
+        return both[0], both[1]
 
     def hold_rates(self, mask: np.ndarray | None, rates: FloatArray | None = None) -> None:
         """Evaluate blocks that have an unknown of ``mask`` (n,) with given rates and zero accelerations; None: no block.
@@ -160,13 +165,14 @@ class Assembly:
         if mask is None or not mask.any():
             self._frozen = None
             return
+        rows, columns = self.places()
         by_row, by_column = (
-            np.append(mask, False)[i] for i in (self.rows, self.columns)
+            np.append(mask, False)[i] for i in (rows, columns)
         )  # dof -1 selects the appended False
         self._frozen = (
             np.flatnonzero(mask),
             np.flatnonzero(by_row | by_column),
-            np.flatnonzero(by_row & (self.rows == self.columns)),
+            np.flatnonzero(by_row & (rows == columns)),
         )
 
     def set_imposed_rates(self, rates: FloatArray | None, mask: np.ndarray | None = None) -> None:
@@ -179,7 +185,7 @@ class Assembly:
         if rates is None or mask is None or not mask.any():
             self._imposed = None
             return
-        by_column = np.append(mask, True)[self.columns]
+        by_column = np.append(mask, True)[self.places()[1]]
         other = {b.span.start: np.flatnonzero(~by_column[b.span]) for b in self.bound_blocks}
         self._imposed = np.flatnonzero(mask), rates, other
 

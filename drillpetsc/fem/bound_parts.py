@@ -72,11 +72,10 @@ class BoundBlock:
         self._local = rows
         self._numbers = (layout.chain.cells if block.on == "cell" else layout.chain.vertices)[block.points]
 
-    def places(self) -> tuple[np.ndarray, np.ndarray]:
-        """Local dofs of the rows and of the columns of the block's entries, -1 where an entry is left out."""
-        return np.repeat(self._local, self.width, axis=1).ravel(), np.tile(
-            self._local, (1, self.width)
-        ).ravel()
+    def write_places(self, rows: np.ndarray, columns: np.ndarray) -> None:
+        """Write the local dofs of the rows and of the columns of the block's entries, (count, width, width) each; -1 where an
+        entry is left out."""
+        rows[:], columns[:] = self._local[:, :, None], self._local[:, None, :]
 
     def update_parameters(self, t: float) -> None:
         """Evaluate time-dependent parameters at ``t`` [s].

@@ -248,7 +248,10 @@ class ChainFactor:
             positions += [interface.positions_of(j) for j in ends]
             if rank == self.comm.rank:
                 self._from_interface = np.concatenate([none] + [interface.positions_of(j) for j in ends])
-        interface.set_entries(*np.concatenate(entries, axis=1))
+        all_i, row, all_j, column, source = np.concatenate(entries, axis=1)
+        before = np.concatenate([[0], np.cumsum(b, dtype=np.int64)])  # unknowns of the interfaces in their order
+        node = np.repeat(np.arange(len(b)), b)
+        interface.set_matrix_entries(before[all_i] + row, before[all_j] + column, node, interface.components(), source)
         self._received_rhs = np.concatenate(positions).astype(np.int32)
         self._sent_blocks = np.concatenate([none] + self.piece.interface_blocks())
         self._at_interface = np.concatenate(

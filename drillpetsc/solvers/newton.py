@@ -140,12 +140,13 @@ class CondensedNewton:
         )
         if self.assembled:
             lgm = layout.condensed_dm.getLGMap().getIndices()
-            rows, columns = (np.where(p >= 0, lgm[np.maximum(p, 0)], -1) for p in (asm.rows, asm.columns))
+            rows, columns = (np.where(p >= 0, lgm[np.maximum(p, 0)], -1) for p in asm.places())
             petsc_compat.preallocate_coo(self.matrix, rows, columns)
         else:
             self.matrix.setUp()
             self.matrix.assemble()
         if pc.getType() == "python":
+            _static_factors.pop(system, None)  # no longer needed, and as large as this one
             self.factor = chain_factor(system)
             self.pc = ChainPC(self.factor, asm, stop=False)
             pc.setPythonContext(self.pc)
@@ -502,8 +503,7 @@ def chain_factor(system: DiscreteSystem) -> ChainFactor:
         layout.chain.vertices,
         layout.vertex_of,
         layout.local_of_owned,
-        asm.rows,
-        asm.columns,
+        *asm.places(),
         pivot_tolerance=smallest,
     )
 
