@@ -94,6 +94,7 @@ class Assembly:
             for c in prescribed
             if c.vertex in local
         ]
+        self._after_blocks = size
         size = size + 49 * sum(f.owned for f in self.row_replacements)
         self.stabilized = [
             BoundStabilization(c, layout, self.bound_blocks, self.row_replacements) for c in stabilizations
@@ -116,8 +117,11 @@ class Assembly:
         self.version = 0  # counts new Jacobian values
         self.evaluations = 0  # counts residuals
         self.dead_load: FloatArray | None = None  # (n,) dead load [N, N m] at owned unknowns (imperfection)
-        #: (frozen dofs, entries in their rows or columns, their diagonal entries)
-        self._frozen: tuple[np.ndarray, np.ndarray, np.ndarray] | None = None
+        #: (fixed dofs, blocks with them and (count, width) where they are, of the other entries those in their rows or columns and
+        #: those on the diagonal)
+        self._frozen: (
+            tuple[np.ndarray, list[tuple[BoundBlock, np.ndarray]], np.ndarray, np.ndarray] | None
+        ) = None
         #: (dofs, rates, entries of each block by other dofs, by the block's first entry)
         self._imposed: tuple[np.ndarray, FloatArray, dict[int, np.ndarray]] | None = None
 
@@ -129,15 +133,14 @@ class Assembly:
         both = np.empty((2, len(self.values)), dtype=np.int32)
         for b in self.bound_blocks:
             b.write_places(*(out[b.span].reshape(b.count, b.width, b.width) for out in both))
-        at = self.bound_blocks[-1].span.stop if self.bound_blocks else 0
-        for f in self.row_replacements:
-            if f.owned:
-                both[0, at : at + 49], both[1, at : at + 49] = np.repeat(f.rows, 7), np.tile(f.rows, 7)
-                at += 49
-        for c in self.stabilized:
-            both[0, at : at + len(c.rows)], both[1, at : at + len(c.rows)] = c.rows, c.columns
-            at += len(c.rows)
+        both[:, self._after_blocks :] = self._places_after_blocks()
         return both[0], both[1]
+
+    def _places_after_blocks(self) -> np.ndarray:
+        """(2, k) the same for the entries after those of the blocks."""
+        parts = [(np.repeat(f.rows, 7), np.tile(f.rows, 7)) for f in self.row_replacements if f.owned]
+        parts += [(c.rows, c.columns) for c in self.stabilized]
+        return np.hstack([np.zeros((2, 0), dtype=np.int32), *map(np.array, parts)])
 
     def hold_rates(self, mask: np.ndarray | None, rates: FloatArray | None = None) -> None:
         """Evaluate blocks that have an unknown of ``mask`` (n,) with given rates and zero accelerations; None: no block.
@@ -165,15 +168,29 @@ class Assembly:
         if mask is None or not mask.any():
             self._frozen = None
             return
-        rows, columns = self.places()
-        by_row, by_column = (
-            np.append(mask, False)[i] for i in (rows, columns)
-        )  # dof -1 selects the appended False
+        fixed = np.append(mask, False)  # dof -1 selects the appended False
+        blocks = [(b, held) for b in self.bound_blocks if (held := fixed[b.local]).any()]
+        rows, columns = self._places_after_blocks()
+        others = fixed[rows] | fixed[columns]
+        diagonal = fixed[rows] & (rows == columns)
+        start = self._after_blocks
         self._frozen = (
             np.flatnonzero(mask),
-            np.flatnonzero(by_row | by_column),
-            np.flatnonzero(by_row & (rows == columns)),
+            blocks,
+            start + np.flatnonzero(others),
+            start + np.flatnonzero(diagonal),
         )
+
+    def _fix_matrix_entries(self) -> None:
+        """Replace the rows and columns of fixed unknowns by those of the unit matrix."""
+        assert self._frozen is not None
+        _, blocks, others, diagonal = self._frozen
+        for b, held in blocks:
+            entries = self.values[b.span].reshape(b.count, b.width, b.width)
+            entries[held] = 0.0
+            entries.transpose(0, 2, 1)[held] = 0.0
+            np.einsum("eii->ei", entries)[held] = 1.0
+        self.values[others], self.values[diagonal] = 0.0, 1.0
 
     def set_imposed_rates(self, rates: FloatArray | None, mask: np.ndarray | None = None) -> None:
         """Impose rates on unknowns without inertia or storage; None ends it (manual: sec-time-imposed).
@@ -185,8 +202,11 @@ class Assembly:
         if rates is None or mask is None or not mask.any():
             self._imposed = None
             return
-        by_column = np.append(mask, True)[self.places()[1]]
-        other = {b.span.start: np.flatnonzero(~by_column[b.span]) for b in self.bound_blocks}
+        imposed = np.append(mask, True)
+        other = {}
+        for b in self.bound_blocks:
+            by_row = np.broadcast_to(~imposed[b.local][:, None, :], (b.count, b.width, b.width))
+            other[b.span.start] = np.flatnonzero(by_row)
         self._imposed = np.flatnonzero(mask), rates, other
 
     @property
@@ -472,7 +492,7 @@ class Assembly:
             start += len(q.rows)
         self._replace_jacobian_rows(1.0 if c[0] else 0.0)
         if self._frozen is not None:
-            self.values[self._frozen[1]], self.values[self._frozen[2]] = 0.0, 1.0
+            self._fix_matrix_entries()
         self.version += 1
         self._event["Jacobian"].end()
 

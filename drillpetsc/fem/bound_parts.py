@@ -37,7 +37,7 @@ NODE_FIELDS = ("string.position", "string.tangent", "string.spin")
 class BoundBlock:
     """An element block with its dof table and the prepared arguments of its kernel.
 
-    index: (count, width) local dofs of each element.
+    index: (count, width) local dofs of each element; local: the same, -1 where an entry is left out.
     span: the block's entries in ``Assembly.values``, ``width**2`` an element.
     columns: those of each slot (field, end) in an element's unknowns.
     """
@@ -69,13 +69,13 @@ class BoundBlock:
         rows = np.where(self.index < layout.size, self.index, -1)
         self.holds_rates = False  # see ``Assembly.hold_rates``
         self.values_at = 0  # address of the block's entries, set by the assembly
-        self._local = rows
+        self.local = rows.astype(np.int32)
         self._numbers = (layout.chain.cells if block.on == "cell" else layout.chain.vertices)[block.points]
 
     def write_places(self, rows: np.ndarray, columns: np.ndarray) -> None:
         """Write the local dofs of the rows and of the columns of the block's entries, (count, width, width) each; -1 where an
         entry is left out."""
-        rows[:], columns[:] = self._local[:, :, None], self._local[:, None, :]
+        rows[:], columns[:] = self.local[:, :, None], self.local[:, None, :]
 
     def update_parameters(self, t: float) -> None:
         """Evaluate time-dependent parameters at ``t`` [s].

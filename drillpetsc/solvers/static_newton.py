@@ -24,7 +24,7 @@ from drillpetsc.fem.discrete_system import DiscreteSystem
 from drillpetsc.kernels import function, pointer
 from drillpetsc.solvers.chain_lu import ZeroPivot
 from drillpetsc.solvers.lateral_loads import lateral_loads
-from drillpetsc.solvers.newton import static_factor
+from drillpetsc.solvers.newton import shared_factor
 
 _quasi_rows = function("quasi_rows", "iipppp")
 
@@ -113,7 +113,7 @@ class StaticNewton:
         step = free if clearance is None else np.asarray(clearance, dtype=float)
         self._step_shares = (1.0, 1.0) if clearance is None else (STEP_SHARE, SHIFTED_STEP_SHARE)
         self.max_lateral_step = np.broadcast_to(step, (system.mesh.nodes,))[system.chain.vertices]
-        self.factor = static_factor(system)
+        self.factor = shared_factor(system)
         self.f = system.new_condensed()
         self.depth: Callable[[DiscreteSystem], tuple[float, FloatArray, float]] | None = None
         self.move_top: Callable[[float], None] | None = None
