@@ -20,6 +20,7 @@ from drillpetsc.fem.bound_parts import (
     BlockResults,
     BoundBlock,
     BoundStabilization,
+    ResultGroup,
     RowReplacement,
 )
 from drillpetsc.fem.component import ElementBlock, PrescribedMotion, VelocityStabilization
@@ -73,6 +74,8 @@ class Assembly:
         self._results: dict[int, BlockResults] = {}  # by id of the block
         self._seen: list[ElementBlock] = []  # keeps blocks that are not bound, so that their ids stay theirs
         self._kept: dict[Any, Any] | None = None  # see ``unchanged``
+        self._group = ResultGroup({})  # what the last state was asked for: the next is asked for the same
+        self._asked: dict[Any, bool] = {}  # within ``unchanged``
         self.x[n] = 1.0  # an absent stretch ratio is one
         self.v0, self.v1 = np.zeros(n), np.zeros(n)
         size, self.bound_blocks = 0, []
@@ -229,11 +232,14 @@ class Assembly:
     def unchanged(self) -> Iterator[None]:
         """Within this context ``evaluate_once`` keeps its results; x, y, a and parameters must not change."""
         outer = self._kept
-        self._kept = {} if outer is None else outer
+        if outer is None:
+            self._kept, self._asked = {}, {}
         try:
             yield
         finally:
             self._kept = outer
+            if outer is None and self._asked and self._asked != self._group.members:
+                self._group = ResultGroup(self._asked)
 
     def evaluate_once(self, function: Callable[..., Any], *arguments: Any) -> Any:
         """``function(*arguments)``, evaluated once within ``unchanged``.  The caller must not change the result."""
@@ -253,12 +259,18 @@ class Assembly:
         found = self._results.get(id(block))
         if found is None:
             found = self._results[id(block)] = BlockResults(kernel, columns, self.results_head(block))
-        if self._kept is None or found not in self._kept:
-            if id(block) in self._derived_index:
-                self.index_of(block)  # computes the derived fields
-            found.evaluate()
-            if self._kept is not None:
-                self._kept[found] = found
+        if self._kept is not None:
+            self._asked[found] = True
+            if found in self._kept:
+                return found
+            if found in self._group.members and self.derive is None:
+                self._group.evaluate()
+                self._kept |= self._group.members
+                return found
+            self._kept[found] = True
+        if id(block) in self._derived_index:
+            self.index_of(block)  # computes the derived fields
+        found.evaluate()
         return found
 
     # ------------------------------------------------------------------ state

@@ -23,6 +23,7 @@ if TYPE_CHECKING:
 
 
 _run_results = function("run_results", "p")
+_run_all_results = function("run_all_results", "ip")
 _lean_at = function("lean_at", "pppppp")
 _lean_derivative = function("lean_derivative", "pppp")
 _ResultCall = structure("result_call")  # ResultCall of kernels/core/rows.cpp
@@ -115,11 +116,23 @@ class BlockResults:
             width=width,
             columns=columns,
         )
-        self._at = ctypes.addressof(self._call)
+        self.address = ctypes.addressof(self._call)
 
     def evaluate(self) -> None:
         """Compute the results at the present unknowns and rates."""
-        _run_results(self._at)
+        _run_results(self.address)
+
+
+class ResultGroup:
+    """Results of several blocks, computed in one call.  members: the blocks, as the keys of a dictionary."""
+
+    def __init__(self, members: dict[BlockResults, bool]):
+        self.members = members
+        self._calls = (ctypes.c_void_p * len(members))(*(one.address for one in members))
+
+    def evaluate(self) -> None:
+        """Compute the results at the present unknowns and rates."""
+        _run_all_results(len(self._calls), self._calls)
 
 
 class RowReplacement:

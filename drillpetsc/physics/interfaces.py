@@ -466,6 +466,10 @@ class Channel(Component):
     def pressures(self, system: Any) -> FloatArray:
         """(nv,) pressures at the local vertices [Pa]."""
 
+    def pressure_at(self, system: Any, vertex: int) -> float:
+        """Pressure at one local vertex [Pa]."""
+        return float(self.pressures(system)[vertex])
+
     @abstractmethod
     def upper_flow(self, state: Any) -> float | None:
         """Flow rate into the upper end by conservation of mass [m3/s]; None on ranks without that end."""

@@ -37,6 +37,11 @@ extern "C" void run_results(const ResultCall* call) {
         for (int j = 0; j < c.columns; ++j) c.sums[j] += c.out[(long)e * c.columns + j];
 }
 
+// The same of n blocks.
+extern "C" void run_all_results(int n, const ResultCall* const* calls) {
+    for (int k = 0; k < n; ++k) run_results(calls[k]);
+}
+
 extern "C" {
 void condensed_rates(int, const double*, double, double, const double*, const double*, int, const int*, const double*, double*, double*);
 void constraint_rates(int, const double*, const int*, const double*, double, const double*, double*, double*);

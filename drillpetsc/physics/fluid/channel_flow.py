@@ -199,10 +199,16 @@ class ChannelFlow(Channel):
 
     def pressures(self, system) -> FloatArray:
         """Return the pressures (nv,) at the local vertices [Pa]."""
+        return np.asarray(system.assembly.x.take(self._pressure_places(system)))
+
+    def pressure_at(self, system, vertex: int) -> float:
+        return float(system.assembly.x.item(self._pressure_places(system).item(vertex)))
+
+    def _pressure_places(self, system) -> np.ndarray:
         if self._places is None or self._places[0] is not system.layout:
             dofs = system.layout.dofs[f"{self.name}.pressure"][:, 0]  # there is one at every node
             self._places = system.layout, np.ascontiguousarray(dofs)
-        return np.asarray(system.assembly.x.take(self._places[1]))
+        return self._places[1]
 
     def _speed_in_top(self, state) -> float:
         """Speed of the flow in the uppermost element [m/s], on the rank with this end."""
