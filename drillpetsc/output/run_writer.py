@@ -19,7 +19,6 @@ from drillpetsc.output.files.tables import header
 from drillpetsc.output.recorder import Recorder
 from drillpetsc.output.sensors.files import covered
 
-
 #: rows of the tables that are computed and written together, unless the first of them has waited for so long [s]
 ROWS_AT_ONCE, ROWS_WAIT = 64, 0.5
 
