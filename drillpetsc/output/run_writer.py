@@ -15,6 +15,7 @@ from drillpetsc.fem.component import FloatArray
 from drillpetsc.model.drilling_model import DrillingModel
 from drillpetsc.output import FieldWriter, RunFolder, Table, read_series
 from drillpetsc.output.field_output import FieldOutput
+from drillpetsc.output.files.background import Background
 from drillpetsc.output.files.tables import header
 from drillpetsc.output.recorder import Recorder
 from drillpetsc.output.sensors.files import covered
@@ -62,7 +63,7 @@ class RunWriter:
                 if recorder.probes.depths
                 else None
             )
-            self.frames = FieldWriter(folder.path, restart_time=restart_time)
+            self.frames, self._background = FieldWriter(folder.path, restart_time=restart_time), Background()
             if recorder.sensors is not None:
                 recorder.sensors.open(folder.path, restart_time)
 
@@ -108,12 +109,13 @@ class RunWriter:
     ) -> None:
         if self.folder is None:
             return
+        self._background.check()
         for row_time in times:
             self.recorder.keep_row(row_time, dt, newton)
         if self.recorder.kept >= self._rows_at_once or clock.monotonic() > self._written + ROWS_WAIT:
             self._write_rows()
         if fields is not None:
-            self.frames.write(t, *fields)
+            self._background.submit(lambda: self.frames.write(t, *fields))
 
     def _write_rows(self) -> None:
         """Write the rows that wait."""
@@ -146,16 +148,17 @@ class RunWriter:
             self.history.flush()
             if self.probes is not None:
                 self.probes.flush()
+            self._background.wait()
             self.frames.flush()
             if self.recorder.sensors is not None:
                 self.recorder.sensors.flush()
 
     def close(self) -> None:
         if self.folder is not None:
-            with suppress(
-                OSError
-            ):  # rows that a run leaves which failed; another has written them for its checkpoint
-                self._write_rows()
+            # errors only of a run that failed: any other has written everything for its last checkpoint
+            for end in (self._write_rows, self._background.close):
+                with suppress(OSError):
+                    end()
             self.history.close()
             if self.probes is not None:
                 self.probes.close()
