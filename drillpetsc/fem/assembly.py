@@ -37,6 +37,7 @@ _fix_matrix = function("constraint_matrix", "ippppp")
 _gradient = function("spin_gradient", "ippppddp")
 _run_residuals = function("run_residuals", "ipip")
 _step_rows = function("step_rows", "ppp")
+_element_rows = function("element_rows", "pippp")
 _BlockCall = structure("block_call")  # BlockCall, PrescribedCall and StepCall of kernels/core/rows.cpp
 _PrescribedCall, _StepCall = structure("prescribed_call"), structure("step_call")
 
@@ -353,10 +354,14 @@ class Assembly:
         bound = [b for b in self.bound_blocks if b.count]
         self._calls = (_BlockCall * len(bound))()
         for call, b in zip(self._calls, bound, strict=True):
-            call.residual = ctypes.cast(b.residual, ctypes.c_void_p).value
-            call.count, call.index, call.parameters, call.record = b.head
-            call.x, call.y, call.a, _ = self._held_state if b.holds_rates else self._state
+            self._fill_call(call, b, self._held_state if b.holds_rates else self._state)
         return self._calls
+
+    @staticmethod
+    def _fill_call(call: Any, b: BoundBlock, state: tuple[int, ...]) -> None:
+        call.residual = b.residual_at
+        call.count, call.index, call.parameters, call.record = b.head
+        call.x, call.y, call.a, _ = state
 
     def step_rows(
         self, t: float, sigma: float, second: float, owned: np.ndarray, at: tuple[int, int]
@@ -578,10 +583,14 @@ class Assembly:
         """Compute the residual rows (n, d) of each element of one block at x, y, a and time ``t`` [s]."""
         if bound.block.update:
             bound.block.update(t)
-        rows = np.zeros((bound.count, bound.width))
+        rows = np.empty((bound.count, bound.width))
         separate = np.arange(rows.size, dtype=np.int32)  # one copy of the unknowns for every element
-        state = [values.take(bound.index) for values in (self.x, self.y, self.a)]
-        bound.residual(bound.count, pointer(separate), *bound.head[2:], *map(pointer, state), pointer(rows))
+        work = np.empty(3 * rows.size)
+        call = _BlockCall()
+        self._fill_call(call, bound, self._state)
+        _element_rows(
+            ctypes.addressof(call), bound.width, pointer(separate), pointer(work), pointer(rows)
+        )
         return rows
 
     def power(self, block: ElementBlock, t: float) -> float:

@@ -55,6 +55,7 @@ class BoundBlock:
             start += size
         self.spins = layout.spin_vertices(block)
         self.residual = function(f"{block.kernel}_residual", "ippppppp")
+        self.residual_at = ctypes.cast(self.residual, ctypes.c_void_p).value
         self.jacobian = function(f"{block.kernel}_jacobian", "ipppppppppp")
         self.span = slice(first_entry, first_entry + self.count * self.width**2)
         self.event = PETSc.Log.Event(block.name)
