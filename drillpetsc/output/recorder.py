@@ -260,7 +260,9 @@ class Recorder:
             *rates, self._content = (self.layout.add(self.mud, q).start for q in inputs)
             self._rates = np.array(rates)
         self._motion = self.layout.motion()
-        self._filled = [s for s in self.layout.slots.values() if s.span.stop > s.span.start]
+        filled = [s for s in self.layout.slots.values() if s.span.stop > s.span.start]
+        self._numbers, self._arrays = ([s for s in filled if s.is_number is kind] for kind in (True, False))
+        self._number_at = np.array([s.start for s in self._numbers], dtype=int)
         main = [c for c in self._history if c.quantity.interest and c.quantity.on == "scalar"]
         self._main = [(c, slot) for c in main if (slot := self.layout.slot_at(c.start)) is not None]
         spans = [np.arange(slot.span.start, slot.span.stop) for _, slot in self._main]
@@ -298,9 +300,9 @@ class Recorder:
         """(width,) all sampled values at the assembly's state and inputs at ``t`` [s], the same on all ranks."""
         sample, v = Sample(self.system, t), np.zeros(self.layout.width)
         with self.system.assembly.unchanged():
-            for slot in self._filled:
-                values = slot.value(slot.source, sample)
-                v[slot.span] = values if slot.is_number else values.ravel()
+            v[self._number_at] = [slot.value(slot.source, sample) for slot in self._numbers]
+            for slot in self._arrays:
+                v[slot.span] = slot.value(slot.source, sample).ravel()
         return v if self.system.comm.size == 1 else self.comm.allreduce(v)
 
     def value(self, sample: FloatArray, name: str) -> float:

@@ -162,7 +162,10 @@ class ChannelFlow(Channel):
         return state.results(block, f"{block.kernel}_results", len(RESULT_NAMES))
 
     def totals(self, state) -> list[float]:
-        """10 sums of ``element_results`` over the local elements."""
+        """10 sums of ``element_results`` over the local elements; not to be changed."""
+        return state.evaluate_once(self._totals, state)
+
+    def _totals(self, state) -> list[float]:
         first, *others = (self._block_results(b, state).sums for b in self._blocks)
         total = first if not others else sum(others, first)
         return total.tolist()
@@ -189,7 +192,10 @@ class ChannelFlow(Channel):
         """
         if self._top is None:
             return None
-        block, row = self._top
+        return state.evaluate_once(self._flow_into_top, state)
+
+    def _flow_into_top(self, state) -> float:
+        block, row = self._top  # type: ignore[misc]
         storage = self._block_results(block, state).table.item(row, _STORAGE_UPPER)
         return storage + state.x.item(state.index_of(block).item(row, -1))
 
