@@ -66,6 +66,7 @@ class Piece:
             # at node 1 the fill is the matrix itself
             table[1:2, _LEFT], table[1:2, _TOP] = table[1:2, _LOWER], table[0, _UPPER]
         table[:, _VEC] = np.cumsum(ld) - ld
+        self.pivots = int((ld * b).sum())  # entries of all pivot blocks
         self.n, self.interfaces, self.table, self.length = n, interfaces, table, int(ld.sum())
         self.store, self.inverse = aligned(end), aligned(self.length)
         self.pivot = np.zeros(self.length, dtype=np.int32)

@@ -376,7 +376,7 @@ class ChainFactor:
         """
         pieces = self.piece, self.interface
         for piece in pieces:
-            piece.blocks = aligned(piece.matrix)
+            piece.blocks = aligned(piece.pivots)
         try:
             self.factor(values)
             local, shared = self.piece.negative_eigenvalues(), self.interface.negative_eigenvalues()

@@ -222,8 +222,9 @@ class StaticNewton:
         Returns the number of negative pivots beyond those of multipliers, -1 where a pivot is missing, and 0
         where the loads have no energy.
         """
-        values = self.system.assembly.values.copy()
+        values = self.system.assembly.values
         if sigma:
+            values = values.copy()
             v = self.system.field("string.tangent")
             along = v[:, :, None] * v[:, None, :] / np.sum(v * v, axis=1)[:, None, None]
             h = nodal_length(self.system)

@@ -340,7 +340,7 @@ void chain_scatter_add(int n, const int* index, const double* values, double* ta
 // Assemble and eliminate, a node at a time so that its blocks stay in the cache.  Run r of a node adds values[first[r] + k] at
 // store[DIAG + slots[begin[pattern[r]] + k]], as chain_runs has set them; start (n+1): where each node's runs begin.  saved: null, or
 // receives the assembled blocks; blocks: null, or receives the pivot blocks S_i = A(i,i) - A(i,i-1) S_(i-1)^-1 A(i-1,i) before their LU,
-// at the offsets DIAG.
+// one after the other.
 // tolerance: a pivot must exceed tolerance x the largest entry of its column of A(i,i).  Returns -1 or the node without a pivot
 // (stats[FAILED_COLUMN]: its column).
 int chain_factor(int n, int keep, const std::int64_t* table, double* store, const int* start, const int* first_entry,
@@ -373,7 +373,10 @@ int chain_factor(int n, int keep, const std::int64_t* table, double* store, cons
         assemble_up_to(i + 1);
         double* W = next ? store + t[UPPER] : nullptr;
         double* fill = first ? store + t[LEFT] : nullptr;
-        if (blocks) std::memcpy(blocks + t[DIAG], store + t[DIAG], sizeof(double) * t[LD] * t[SIZE]);
+        if (blocks) {
+            std::memcpy(blocks, store + t[DIAG], sizeof(double) * t[LD] * t[SIZE]);
+            blocks += t[LD] * t[SIZE];
+        }
         const int bad = eliminate_node(t, store, W, next ? next[SIZE] : 0, fill, first ? top[SIZE] : 0, inverse, pivot, scale,
                                        tolerance, stats);
         if (bad >= 0) {
@@ -468,7 +471,8 @@ int chain_negative(int n, int keep, const std::int64_t* table, const double* blo
     for (int i = first; i < last; i++) {
         const Row t = table + i * COLUMNS;
         const int b = t[SIZE], ld = t[LD];
-        const double* D = blocks + t[DIAG];
+        const double* D = blocks;
+        blocks += ld * b;
         for (int k = 0; k < b; k++) {
             double size = 0;
             for (int m = 0; m < b; m++) size = std::fmax(size, std::fabs(D[ld * k + m] + D[ld * m + k]));
