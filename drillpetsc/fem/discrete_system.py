@@ -82,6 +82,9 @@ class DiscreteSystem:
             frames.reference[self.chain.vertices],
             tuple(s for s in stabilizations if s),
         )
+        #: components that store energy, and those with powers
+        self._storing = [c for c in self.components if type(c).energies is not Component.energies]
+        self._working = [c for c in self.components if type(c).powers is not Component.powers]
         layout, asm = self.layout, self.assembly
         asm.derive = other.derive if other else None
         self._x = PETSc.Vec().createWithArray(asm.x[: layout.size], comm=PETSc.COMM_SELF)
@@ -258,7 +261,7 @@ class DiscreteSystem:
     def energies(self, t: float) -> Energies:
         """Compute the stored energies [J] at the assembly's x, y and time ``t`` [s], summed over ranks."""
         kinetic = strain = potential = 0.0
-        for component in self.components:
+        for component in self._storing:
             part = component.energies(t, self.assembly)
             kinetic, strain, potential = kinetic + part[0], strain + part[1], potential + part[2]
         if self._serial:
@@ -276,7 +279,7 @@ class DiscreteSystem:
     def local_powers(self, t: float) -> FloatArray:
         """Compute this rank's part (2,) of the dissipated and the supplied power [W]."""
         dissipated = supplied = 0.0
-        for component in self.components:
+        for component in self._working:
             part = component.powers(t, self.assembly)
             dissipated, supplied = dissipated + part[0], supplied + part[1]
         for f in self.assembly.row_replacements:

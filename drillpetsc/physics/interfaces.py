@@ -502,6 +502,10 @@ class Channel(Component):
     def pressures(self, system: Any) -> FloatArray:
         """(nv,) pressures at the local vertices [Pa]."""
 
+    def pressure_at(self, system: Any, vertex: int) -> float:
+        """Pressure at one local vertex [Pa]."""
+        return float(self.pressures(system)[vertex])
+
     @abstractmethod
     def velocity_power(self, above: np.ndarray, below: np.ndarray, state: Any) -> float:
         """Kinetic energy that the flow brings to nodes, less what it takes away below them in the section above [W].

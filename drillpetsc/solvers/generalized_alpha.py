@@ -14,6 +14,7 @@ from drillpetsc.arrays import FloatArray
 from drillpetsc.errors import OptionError, SolveError
 from drillpetsc.parallel import total
 from drillpetsc.solvers.alpha_formula import ARRAYS, AlphaFormula, AlphaHistory, AlphaOutputErrors, radius_of
+from drillpetsc.kernels.denormals import flushed_denormals
 from drillpetsc.solvers.bdf_history import BdfHistory, local, nodal
 from drillpetsc.solvers.consistent_start import ConsistentStart
 from drillpetsc.solvers.local_error import OutputErrors
@@ -265,6 +266,7 @@ class GeneralizedAlpha(TimeIntegrator):
         )
 
     # ------------------------------------------------------------------ run
+    @flushed_denormals()
     def run(self, start: float, end: float, breaks: tuple[float, ...] = (), resume: bool = False) -> None:
         """Integrate from ``start`` to ``end`` [s]; collective.  See ``TimeIntegrator.run``."""
         system = self.system

@@ -26,7 +26,7 @@ from drillpetsc.parallel import largest, total
 from drillpetsc.solvers.chain_lu import ZeroPivot
 from drillpetsc.solvers.constraint_products import ConstraintProducts
 from drillpetsc.solvers.lateral_loads import lateral_loads
-from drillpetsc.solvers.newton import static_factor
+from drillpetsc.solvers.newton import shared_factor
 
 _quasi_rows = function("quasi_rows", "iipppp")
 
@@ -115,7 +115,7 @@ class StaticNewton:
         step = free if clearance is None else np.asarray(clearance, dtype=float)
         self._step_shares = (1.0, 1.0) if clearance is None else (STEP_SHARE, SHIFTED_STEP_SHARE)
         self.max_lateral_step = np.broadcast_to(step, (system.mesh.nodes,))[system.chain.vertices]
-        self.factor = static_factor(system)
+        self.factor = shared_factor(system)
         self.f = system.new_condensed()
         self.depth: Callable[[DiscreteSystem], tuple[float, FloatArray, float]] | None = None
         self.move_top: Callable[[float], None] | None = None
@@ -220,9 +220,13 @@ class StaticNewton:
         Returns the number of negative pivots beyond those of multipliers, -1 where a pivot is missing, and 0
         where the loads have no energy.
         """
-        values = self.system.assembly.values.copy()
-        if self.energy:
-            values[self._held_entries] = 0.0
+        values, held = (
+            self.system.assembly.values,
+            self._held_entries if self.energy else np.zeros(0, dtype=int),
+        )
+        if sigma or len(held):
+            values = values.copy()
+        values[held] = 0.0
         if sigma:
             v = self.system.field("string.tangent")
             along = v[:, :, None] * v[:, None, :] / np.sum(v * v, axis=1)[:, None, None]

@@ -19,6 +19,7 @@ from drillpetsc.errors import SolveError
 from drillpetsc.fem.component import Component, Field
 from drillpetsc.fem.discrete_system import DiscreteSystem
 from drillpetsc.parallel import total
+from drillpetsc.kernels.denormals import flushed_denormals
 from drillpetsc.solvers.bdf_history import BdfHistory, State
 from drillpetsc.solvers.first_order_system import FirstOrderSystem, refuse_integrator
 from drillpetsc.solvers.local_error import BdfOutputErrors, OutputErrors
@@ -423,6 +424,7 @@ class TimeIntegrator:
         )
         return bool(total(self.system.comm, local))
 
+    @flushed_denormals()
     def run(self, start: float, end: float, breaks: tuple[float, ...] = (), resume: bool = False) -> None:
         """Integrate from ``start`` to ``end`` [s]; collective.
 
