@@ -12,9 +12,9 @@ from petsc4py import PETSc
 from drillpetsc import petsc_compat
 from drillpetsc.arrays import FloatArray
 from drillpetsc.errors import OptionError, SolveError
+from drillpetsc.kernels.denormals import flushed_denormals
 from drillpetsc.parallel import total
 from drillpetsc.solvers.alpha_formula import ARRAYS, AlphaFormula, AlphaHistory, AlphaOutputErrors, radius_of
-from drillpetsc.kernels.denormals import flushed_denormals
 from drillpetsc.solvers.bdf_history import BdfHistory, local, nodal
 from drillpetsc.solvers.consistent_start import ConsistentStart
 from drillpetsc.solvers.local_error import OutputErrors

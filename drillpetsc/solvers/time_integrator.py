@@ -18,8 +18,8 @@ from drillpetsc.arrays import FloatArray
 from drillpetsc.errors import SolveError
 from drillpetsc.fem.component import Component, Field
 from drillpetsc.fem.discrete_system import DiscreteSystem
-from drillpetsc.parallel import total
 from drillpetsc.kernels.denormals import flushed_denormals
+from drillpetsc.parallel import total
 from drillpetsc.solvers.bdf_history import BdfHistory, State
 from drillpetsc.solvers.first_order_system import FirstOrderSystem, refuse_integrator
 from drillpetsc.solvers.local_error import BdfOutputErrors, OutputErrors
