@@ -211,8 +211,11 @@ class StaticNewton:
         """
         layout, asm = self.system.layout, self.system.assembly
         rock = np.array([f.physics == "rock" for f in layout.fields])[layout.field_of]
-        by_row, by_column = (np.append(rock, False)[i] for i in (asm.rows, asm.columns))
-        return np.flatnonzero((by_row | by_column) & (asm.rows != asm.columns))
+        if not rock.any():
+            return np.zeros(0, dtype=int)
+        rows, columns = asm.places()
+        by_row, by_column = (np.append(rock, False)[i] for i in (rows, columns))
+        return np.flatnonzero((by_row | by_column) & (rows != columns))
 
     def _factor(self, sigma: float) -> int:
         """Factor K + sigma M; ``sigma`` in N/m2 (manual: eq-statics-step).
