@@ -581,6 +581,7 @@ OUTPUT_TABLES = {
     "outputs/critical.md": ("critical.csv", "column"),
     "outputs/stability-map.md": ("stability_map.csv", "column"),
     "outputs/stability-boundary.md": ("stability_boundary.csv", "column"),
+    "outputs/stability-runs.md": ("stability_runs.csv", "column"),
     "outputs/response.md": ("response.csv", "column"),
     "outputs/reflection.md": ("reflection.csv", "column"),
     "outputs/string.md": ("string/*.vtu", "field"),

@@ -15,7 +15,7 @@ from drillpetsc.fem.discrete_system import DiscreteSystem
 from drillpetsc.model.drilling_model import DrillingModel
 from drillpetsc.model.fluid import FluidComponents
 from drillpetsc.solvers.chain_lu import ZeroPivot
-from drillpetsc.solvers.newton import static_factor
+from drillpetsc.solvers.newton import shared_factor
 
 CONVERGED_INCREMENT = 1e-12  # largest increment of a converged flow, in the fields' scales
 ROUNDING_INCREMENT = (
@@ -106,7 +106,7 @@ def steady_flow(system: DiscreteSystem, t: float = 0.0, tolerance: float = CONVE
         component.locate_hole(asm)
     asm.freeze(~is_fluid)
     try:
-        factor, f = static_factor(system), system.new_condensed()
+        factor, f = shared_factor(system), system.new_condensed()
         weight, dofs = 1.0 / system.scale, np.flatnonzero(is_fluid)
         smallest, stalled, damping = np.inf, 0, 1.0
         asm.y[dofs] = asm.a[dofs] = 0.0

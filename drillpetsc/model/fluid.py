@@ -15,6 +15,7 @@ from drillpetsc.case.blocks.string import Rigid, Stabilizer, Tube
 from drillpetsc.case.blocks.tubulars import Jointed
 from drillpetsc.case.blocks.well import Section
 from drillpetsc.case.case import Case
+from drillpetsc.case.quantities import largest
 from drillpetsc.case.section import TubularSection, metal_past, tubular_section
 from drillpetsc.errors import CaseError
 from drillpetsc.fem.string_mesh import StringMesh
@@ -29,7 +30,7 @@ from drillpetsc.physics.fluid.added_mass import (
 from drillpetsc.physics.fluid.annulus_flow import AnnulusFlow
 from drillpetsc.physics.fluid.bit_flow import BitEnd, BitFlow
 from drillpetsc.physics.fluid.bore_flow import BoreFlow
-from drillpetsc.physics.fluid.channel_flow import FluidConstants
+from drillpetsc.physics.fluid.channel_flow import FLOW_SCALE, PRESSURE_SCALE, FluidConstants
 from drillpetsc.physics.fluid.channels import Annulus, AnnulusWalls, Bore, HoleVolume
 from drillpetsc.physics.fluid.hermite.flow import HermiteAnnulus, HermiteBit, HermiteBore, volumes_at_rest
 from drillpetsc.physics.fluid.joint_seals import JointSeals
@@ -70,6 +71,22 @@ class FluidComponents:
         return tuple(r for r in (self.bore, self.annulus, self.bit, self.seals, self.side) if r is not None)
 
 
+def usual_sizes(case: Case, mesh: StringMesh) -> tuple[float, float]:
+    """Return the pressure [Pa] and the flow rate [m3/s] to which the tolerances of the mud refer.
+
+    The flow is at most half of the largest one of the pump, and the pressure at most that of a wave of this flow in the
+    narrowest bore, rho c Q/A (Joukowsky): a small pump's waves are small as well (manual: sec-time-error).
+    """
+    f = case.fluid
+    assert f is not None
+    pumped = 0.0 if f.pump_pressure is not None or not case.has_bore else 0.5 * largest(f.flow_rate)
+    areas = mesh.bore_area[mesh.bore_area > 0.0]
+    if pumped <= 0.0 or not len(areas):
+        return PRESSURE_SCALE, FLOW_SCALE
+    wave = float(np.sqrt(f.density * f.bulk_modulus) * pumped / areas.min())
+    return min(PRESSURE_SCALE, wave), min(FLOW_SCALE, pumped)
+
+
 def build_rheology(case: Case, annulus: bool = False) -> Rheology:
     """Create the rheology of the case's fluid, in the string or in the annulus."""
     assert case.fluid is not None
@@ -103,7 +120,12 @@ def build_fluid(
         return None
     gravity = np.array(case.gravity, dtype=float)
     constants = FluidConstants(
-        f.density, f.bulk_modulus, gravity, build_rheology(case).parameters(), f.clinging
+        f.density,
+        f.bulk_modulus,
+        gravity,
+        build_rheology(case).parameters(),
+        f.clinging,
+        *usual_sizes(case, mesh),
     )
     around = constants
     if f.annulus_rheology is not None:
@@ -449,6 +471,26 @@ def _rigid_runs(case: Case, mesh: StringMesh) -> tuple[FloatArray, FloatArray]:
         length[body.node] += body.length
     area /= np.maximum(length, 1e-300)[:, None]
     return area, volume
+
+
+def mud_of_rigid_items(case: Case, mesh: StringMesh) -> FloatArray:
+    """(n+1,) mass [kg] of the mud in the rigid items below each node, less that of the mud which they displace.
+
+    Below the last node only the metal counts, as in the equations of the bit's flow.
+    """
+    out = np.zeros(mesh.nodes)
+    if case.fluid is None:
+        return out
+    area, volume = _rigid_runs(case, mesh)
+    length = np.zeros(mesh.nodes)
+    np.add.at(length, [b.node for b in mesh.bodies], [b.length for b in mesh.bodies])
+    inside = area[:, 0] * length
+    inside[-1] = 0.0
+    if case.has_bore:
+        out += inside
+    if case.has_annulus:
+        out -= inside + volume
+    return np.asarray(case.fluid.density * out)
 
 
 def build_bore(case: Case, mesh: StringMesh) -> Bore:

@@ -142,6 +142,7 @@ def listed_by_file() -> dict[str, tuple[Listed, ...]]:
         "critical.csv": _listed(frequency.CRITICAL),
         "stability_map.csv": _listed(frequency.STABILITY_MAP),
         "stability_boundary.csv": _listed(frequency.STABILITY_BOUNDARY),
+        "stability_runs.csv": _listed(frequency.STABILITY_RUNS),
         "response.csv": _listed(frequency.RESPONSE),
         "reflection.csv": _listed(top_drive.REFLECTION),
         "trajectory.csv": _listed(measured.TRAJECTORY),

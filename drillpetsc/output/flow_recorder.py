@@ -60,7 +60,7 @@ class FlowRecorder:
             return 0.0
         channel = self.fluid.annulus or self.fluid.bore
         assert channel is not None
-        return channel.pressures(self.system)[self._last]
+        return channel.pressure_at(self.system, self._last)
 
     def bit_flow(self, sample: Sample) -> float:
         """Flow rate out of the string [m3/s]."""

@@ -282,8 +282,20 @@ class Hoist(Component):
         hook_load: static [N]; shared: sum of ``local_update`` over all ranks; at_rest: the drum stands still.
         """
 
-    def balance(self, state: Any) -> None:
-        """Put the set point of the weight at what is measured, inside the limits, for the modes."""
+    def balance(self, state: Any) -> str:
+        """Close the loop in charge about the present state, inside the limits, for linear models; returns what was done.
+
+        Empty without an autodriller.
+        """
+        return ""
+
+    def sensed_loop(self) -> str | None:
+        """Loop in charge after ``balance`` whose measurement is one of ``sensors``; None without."""
+        return None
+
+    def set_measured(self, kind: str, value: float) -> float:
+        """Set the measurement of a loop of ``sensors``; returns the one before, on the rank with the block."""
+        return 0.0
 
 
 class ReamingTool(Component):
@@ -360,6 +372,10 @@ class Motor(Component):
     @abstractmethod
     def start(self, state: Any) -> None:
         """Begin the motion from statics with the static torque."""
+
+    @abstractmethod
+    def balance_orbit(self) -> None:
+        """Leave out the turning force of the rotor's orbit, for linear models."""
 
     @abstractmethod
     def figures(self, t: float, state: Any) -> FloatArray:
@@ -485,6 +501,10 @@ class Channel(Component):
     @abstractmethod
     def pressures(self, system: Any) -> FloatArray:
         """(nv,) pressures at the local vertices [Pa]."""
+
+    def pressure_at(self, system: Any, vertex: int) -> float:
+        """Pressure at one local vertex [Pa]."""
+        return float(self.pressures(system)[vertex])
 
     @abstractmethod
     def velocity_power(self, above: np.ndarray, below: np.ndarray, state: Any) -> float:

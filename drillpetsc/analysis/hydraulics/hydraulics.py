@@ -26,12 +26,14 @@ from drillpetsc.analysis.hydraulics.open_hole import (
     shoe_depth,
     vertical_depth,
 )
+from drillpetsc.analysis.statics import beyond_rig
 from drillpetsc.analysis.transient import make_folder
 from drillpetsc.arrays import FloatArray
 from drillpetsc.case.blocks.fluid import Rheology
 from drillpetsc.case.blocks.string import Bit, Flexible
 from drillpetsc.case.blocks.window import Window
 from drillpetsc.case.case import Case
+from drillpetsc.case.plausible_string import short_of_hole
 from drillpetsc.case.quantities import largest
 from drillpetsc.errors import CaseError
 from drillpetsc.output import write_summary, write_table
@@ -153,7 +155,8 @@ class Hydraulics:
     Raises CaseError where there is no such flow.
     """
 
-    def __init__(self, case: Case) -> None:
+    def __init__(self, case: Case, units: System | None = None) -> None:
+        """units: of figures in warnings; None: those of the case, or metric."""
         need_mud(case, "hydraulics")
         if case.bottom.plugged and not case.side_nozzles or not case.has_bore:
             raise CaseError(
@@ -162,6 +165,7 @@ class Hydraulics:
                 want="a string with a bore that is open at its lower end: the mud must get out",
             )
         self.case = case
+        self.units: System = units or case.output.units or "metric"
         self.flow = FlowModel(case, whole_string(case), "pumping")
         self.flow.solve(0.0)
         still = self.flow.pressure("annulus")
@@ -170,6 +174,7 @@ class Hydraulics:
         well = case.well
         self.end = None if well is None else float(well.survey.md[-1])
         self.shoe = shoe_depth(case)
+        self.warnings = short_of_hole(case)
         self.notes = self._notes()
 
     def _notes(self) -> list[str]:
@@ -191,7 +196,7 @@ class Hydraulics:
         below = [item.name for item in case.string[last + 1 :] if item.length > 0]
         if below:
             notes.append(f"no friction along the rigid items below the last pipe: {', '.join(below)}")
-        if self.end is not None and self.end - self.flow.string.depth > 1e-3:
+        if self.end is not None and self.end - self.flow.string.depth > 1e-3 and not self.warnings:
             notes.append(
                 f"the string ends at MD {self.flow.string.depth:.6g} m, {self.end - self.flow.string.depth:.6g} m above the end "
                 "of the hole; the mud below it stands still"
@@ -206,7 +211,7 @@ class Hydraulics:
 
     def at(self, rate: float) -> FlowResult:
         """Solve at a flow rate [m3/s]."""
-        flow = self.flow
+        case, flow = self.case, self.flow
         flow.solve(rate)
         limited = NOT_CHECKED if self.window is None else self.window.limited_by(flow)
         warnings = flow.warnings() + blend_note(blend_excess(flow))
@@ -214,6 +219,7 @@ class Hydraulics:
             warnings.append(f"the pressure passes the window: {limited}")
         rows = loss_rows(flow)
         groups, summary = nozzle_groups(flow), self._summary(rate, rows)
+        warnings += beyond_rig(case, summary, self.units)
         return FlowResult(rate, summary, rows, self._profile(), limited, warnings, groups)
 
     def _summary(self, rate: float, rows: list[Loss]) -> Numbers:
@@ -342,7 +348,7 @@ def run_hydraulics(
     """
     comm = comm or PETSc.COMM_WORLD
     with options.applied(case.petsc):
-        hydraulics = Hydraulics(case)
+        hydraulics = Hydraulics(case, units)
         at = SPP
         if pump_pressure is None and not flows:
             own = default_flow(case, hydraulics.notes)
@@ -455,6 +461,7 @@ def _summary(case: Case, hydraulics: Hydraulics, results: list[FlowResult]) -> d
             for r in results
         ],
         "rheology": rheology_fits.figures(case.fluid.rheology) or None,  # type: ignore[union-attr]
+        "warnings": hydraulics.warnings,
         "notes": hydraulics.notes,
     }
 
@@ -506,6 +513,7 @@ def _lines(case: Case, results: list[FlowResult], summary: dict[str, Any]) -> li
                 "  Open hole, limit passed: "
                 + "; ".join(lengths_shown(r.limited_by, summary["units"]) for r in block)
             )
+    lines += [f"  WARNING: {lengths_shown(w, summary['units'])}" for w in summary["warnings"]]
     for result in results:
         size, unit = shown_unit("pump_flow", "m3/s", summary["units"])
         lines += [

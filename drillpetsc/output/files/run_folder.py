@@ -42,7 +42,15 @@ CAMPBELL_TABLE = "campbell.csv"  # modes by rotary speed
 CRITICAL_TABLE = "critical.csv"  # critical speeds: where an excitation line meets a mode
 STABILITY_TABLE = "stability_map.csv"  # largest growth by rotary speed and weight on bit
 BOUNDARY_TABLE = "stability_boundary.csv"  # speeds at which it changes its sign
-SPEED_TABLES = (RESPONSE_TABLE, CAMPBELL_TABLE, CRITICAL_TABLE, STABILITY_TABLE, BOUNDARY_TABLE)
+STABILITY_RUNS_TABLE = "stability_runs.csv"  # what runs in time did, by rotary speed and weight on bit
+SPEED_TABLES = (
+    RESPONSE_TABLE,
+    CAMPBELL_TABLE,
+    CRITICAL_TABLE,
+    STABILITY_TABLE,
+    BOUNDARY_TABLE,
+    STABILITY_RUNS_TABLE,
+)
 LIMITS_TABLE = "limits.csv"  # stresses, strength and buckling along the string
 CONTACTS_TABLE = "contacts.csv"  # what the wall does to each item
 LIMITS_TABLES = (LIMITS_TABLE, CONTACTS_TABLE)

@@ -36,6 +36,7 @@ class FluidConstants:
     density: at zero gauge pressure [kg/m3]; bulk_modulus: [Pa]; gravity: (3,) [m/s2].
     rheology: parameters in the layout of kernels/fluid/rheology.hpp.
     clinging: clinging factor [-] (manual: eq-mud-clinging).
+    usual_pressure, usual_flow: magnitudes to which tolerances refer [Pa], [m3/s] (manual: sec-time-error).
 
     ``address`` is the kernels' argument; the object must live as long as the blocks that use it.
     """
@@ -45,6 +46,8 @@ class FluidConstants:
     gravity: FloatArray
     rheology: FloatArray
     clinging: float = 0.45
+    usual_pressure: float = PRESSURE_SCALE
+    usual_flow: float = FLOW_SCALE
 
     def __post_init__(self) -> None:
         self.rheology = np.ascontiguousarray(self.rheology, dtype=float)
@@ -83,13 +86,19 @@ class ChannelFlow(Channel):
 
     def fields(self) -> tuple[Field, ...]:
         return (
-            Field(f"{self.name}.pressure", 1, physics="fluid", scale=PRESSURE_SCALE, second_order=False),
+            Field(
+                f"{self.name}.pressure",
+                1,
+                physics="fluid",
+                scale=self.fluid.usual_pressure,
+                second_order=False,
+            ),
             Field(
                 f"{self.name}.flow",
                 1,
                 physics="fluid",
                 region="below_top",
-                scale=FLOW_SCALE,
+                scale=self.fluid.usual_flow,
                 second_order=False,
             ),
         )
@@ -163,7 +172,10 @@ class ChannelFlow(Channel):
         return state.results(block, f"{block.kernel}_results", len(RESULT_NAMES))
 
     def totals(self, state) -> list[float]:
-        """10 sums of ``element_results`` over the local elements."""
+        """10 sums of ``element_results`` over the local elements; not to be changed."""
+        return state.evaluate_once(self._totals, state)
+
+    def _totals(self, state) -> list[float]:
         first, *others = (self._block_results(b, state).sums for b in self._blocks)
         total = first if not others else sum(others, first)
         return total.tolist()
@@ -215,7 +227,10 @@ class ChannelFlow(Channel):
         """
         if self._top is None:
             return None
-        block, row = self._top
+        return state.evaluate_once(self._flow_into_top, state)
+
+    def _flow_into_top(self, state) -> float:
+        block, row = self._top  # type: ignore[misc]
         storage = self._block_results(block, state).table.item(row, _STORAGE_UPPER)
         return storage + state.x.item(state.index_of(block).item(row, -1))
 
@@ -225,10 +240,16 @@ class ChannelFlow(Channel):
 
     def pressures(self, system) -> FloatArray:
         """Return the pressures (nv,) at the local vertices [Pa]."""
+        return np.asarray(system.assembly.x.take(self._pressure_places(system)))
+
+    def pressure_at(self, system, vertex: int) -> float:
+        return float(system.assembly.x.item(self._pressure_places(system).item(vertex)))
+
+    def _pressure_places(self, system) -> np.ndarray:
         if self._places is None or self._places[0] is not system.layout:
             dofs = system.layout.dofs[f"{self.name}.pressure"][:, 0]  # there is one at every node
             self._places = system.layout, np.ascontiguousarray(dofs)
-        return np.asarray(system.assembly.x.take(self._places[1]))
+        return self._places[1]
 
     def _speed_in_top(self, state) -> float:
         """Speed of the flow in the uppermost element [m/s], on the rank with this end."""
