@@ -14,6 +14,7 @@ from drillpetsc.analysis.energy_descent import item_imperfection, nodal_weight
 from drillpetsc.analysis.march import March, friction_factors, with_contact
 from drillpetsc.arrays import FloatArray
 from drillpetsc.fem.quadrature import exposed_ends, rule
+from drillpetsc.fem.string_mesh import StringJoint
 from drillpetsc.geometry.frames import directors
 from drillpetsc.model.drilling_model import DrillingModel
 from drillpetsc.output.static_table import at_nodes
@@ -32,6 +33,7 @@ LYING_SHARE = 0.01  # of the push: a side load on the string above the buckle th
 GROWTH, LONGEST = 1.3, 60.0  # of the elements above the buckle: ratio of neighbours, length [m]
 MARGIN = 6.0  # of (EI/w)^(1/3) above the uppermost push, over which a buckle dies out
 ROUGH_SHARE = 0.25  # length of rough elements over the pitch of a helix
+NO_LENGTH = 1e-9  # of an element that is a joint [m]
 MAX_ROUNDS = 10  # of lateral equilibrium and tension
 SETTLED_PUSH = 1e-3  # change of the tension, over the largest push, with which the rounds end
 
@@ -66,7 +68,9 @@ def lateral_starts(
     is found.  The same on all ranks.
     """
     mesh, fraction = model.mesh, model.case.initial.imperfection
-    if model.contact is None or model.contact.law.law == "hertz_point" or not fraction or mesh.is_joint.any():
+    if model.contact is None or model.contact.law.law == "hertz_point" or not fraction:
+        return []
+    if any(_ties_slope(joint) is None for joint in mesh.joints):
         return []
     frame = directors(model.frames, np.arange(mesh.nodes), found.direction, np.zeros(mesh.nodes))
     if motion[0] and coiled is not None:
@@ -95,10 +99,19 @@ def lateral_starts(
     return out
 
 
+def _ties_slope(joint: StringJoint) -> bool | None:
+    """Whether a joint holds both directions of the bending; None: one of them."""
+    if joint.kind == "universal":
+        return False
+    along = joint.kind == "revolute" and abs(joint.axes[0][0]) > 1 - 1e-9  # a motor's
+    return True if along or joint.kind != "revolute" else None
+
+
 def _rough_length(model: DrillingModel, found: March) -> float:
     """Length [m] of elements that show a buckle: a share of the pitch 2 pi sqrt(2 EI/F) under the largest push F."""
-    push = np.maximum(-found.effective_tension, 1e-9)
-    return ROUGH_SHARE * 2 * np.pi * float(np.sqrt(np.min(2 * model.mesh.bending_stiffness / push)))
+    pipe = ~model.mesh.is_joint
+    push = np.maximum(-found.effective_tension[pipe], 1e-9)
+    return ROUGH_SHARE * 2 * np.pi * float(np.sqrt(np.min(2 * model.mesh.bending_stiffness[pipe] / push)))
 
 
 def _beam(
@@ -121,8 +134,18 @@ def _beam(
         held[0, :2] = False  # its place is part of the equilibrium
     bending, force = (parts.mean(q) for q in (mesh.bending_stiffness, found.effective_tension))
     clearance = _clearance(model, found)[parts.nodes]
+    hinged = [j.cell for j in mesh.joints if not _ties_slope(j)]
     return LateralBeam(
-        parts.length, bending, force, parts.rigid, parts.gathered(load), points, _wall(model), held, clearance
+        parts.length,
+        bending,
+        force,
+        parts.rigid,
+        parts.gathered(load),
+        points,
+        _wall(model),
+        held,
+        clearance,
+        np.isin(parts.nodes[:-1], hinged),
     )
 
 
@@ -162,8 +185,9 @@ class _Parts:
         lying = np.cumsum(np.linalg.norm(found.side_load, axis=1)[:buckling][::-1])
         share = LYING_SHARE * float(-found.effective_tension.min())
         free = not (len(lying) and lying[-1] > share)
-        marks = {b.node for b in mesh.bodies}
-        self.rough = bool((2 * mesh.length[buckling:] <= least).any())
+        joints = np.flatnonzero(mesh.is_joint)
+        marks = {b.node for b in mesh.bodies} | set(joints) | set(joints + 1)
+        self.rough = bool((2 * mesh.length[buckling:] <= least)[~mesh.is_joint[buckling:]].any())
         nodes, length = [mesh.nodes - 1], least
         while nodes[-1] > 0:
             at = nodes[-1]
@@ -186,11 +210,13 @@ class _Parts:
     def mean(self, values: FloatArray) -> FloatArray:
         """Means (n,) over the length of the elements of the model's elements (m,)."""
         h = self.model.mesh.length
-        return np.add.reduceat(values * h, self.nodes[:-1])[:] / np.add.reduceat(h, self.nodes[:-1])
+        return np.add.reduceat(values * h, self.nodes[:-1]) / np.maximum(
+            np.add.reduceat(h, self.nodes[:-1]), NO_LENGTH
+        )
 
     def _shape(self, cell: np.ndarray, depth: FloatArray) -> FloatArray:
         """Factors (m, 4) of the displacements and slopes at the ends of elements ``cell`` (m,), at ``depth`` (m,) [m]."""
-        L = self.length[cell]
+        L = np.maximum(self.length[cell], NO_LENGTH)
         x = 1 - (self.model.mesh.node_depth[self.nodes[cell + 1]] - depth) / L
         N = np.column_stack(
             [1 - 3 * x**2 + 2 * x**3, L * (x - 2 * x**2 + x**3), 3 * x**2 - 2 * x**3, L * (x**3 - x**2)]
@@ -234,7 +260,7 @@ class _Parts:
             + N[:, 2:3] * U[cell + 1, :2]
             + N[:, 3:] * U[cell + 1, 2:]
         )
-        L = self.length[cell]
+        L = np.maximum(self.length[cell], NO_LENGTH)
         x = 1 - (self.model.mesh.node_depth[self.nodes[cell + 1]] - self.model.mesh.node_depth[first:]) / L
         a = U[cell, :2] + self.rigid[cell][:, None] * U[cell, 2:]
         slope[first:] = (
@@ -283,7 +309,12 @@ class _Parts:
 
         columns: list[tuple] = []
         for ends in ((False, False), (False, True), (True, False), (True, True)):
-            e = np.flatnonzero((upper == ends[0]) & (lower == ends[1]) & (radius[self.nodes[:-1]] > 0))
+            e = np.flatnonzero(
+                (upper == ends[0])
+                & (lower == ends[1])
+                & (radius[self.nodes[:-1]] > 0)
+                & (self.length > NO_LENGTH)
+            )
             for x, weight in rule(law.points, *ends) if len(e) else ():
                 depth = mesh.node_depth[self.nodes[e + 1]] - (1 - x) * self.length[e]
                 below, L = md[self.nodes[e + 1]], np.diff(md[self.nodes])[e] - self.rigid[e]
@@ -342,7 +373,9 @@ def _clearance(model: DrillingModel, found: March) -> FloatArray:
     """Radial clearance (n_nodes,) [m] of the thinner pipe at each node, not below zero."""
     mesh, well = model.mesh, model.well
     assert well is not None
-    pipe = mesh.contact_diameter
+    pipe = mesh.contact_diameter.copy()
+    for cell in np.flatnonzero(mesh.is_joint):
+        pipe[cell] = pipe[cell - 1] if cell else pipe[1]
     thin = np.append(pipe, pipe[-1])
     thin[1:-1] = np.minimum(pipe[1:], pipe[:-1])
     return np.maximum(np.asarray(well.radius(found.measured_depth)) - 0.5 * thin, 0.0)
@@ -358,14 +391,17 @@ def _add_curvature(
 ) -> None:
     """Add to ``load`` the rows of a string on the axis of the bent hole, under tension, with its stress-free curvature."""
     mesh = model.mesh
-    centre, L = found.position - found.offset, mesh.length
+    centre, L = found.position - found.offset, mesh.length_divisor
     own = np.zeros((len(L), 3))
     if np.any(mesh.curvature):
         two, three = directors(model.frames, np.arange(mesh.nodes), t, found.twist)
         own = mesh.curvature[:, 1:] * two[:-1] - mesh.curvature[:, :1] * three[:-1]
-    bending, tension = mesh.bending_stiffness, found.axial_force[1:-1]
+    bending, tension = (
+        np.where(mesh.is_joint, 0.0, q) for q in (mesh.bending_stiffness, found.axial_force[1:-1])
+    )
     K = element_matrices(L, bending, tension, np.zeros_like(L))
     chord = centre[1:] - centre[:-1] - mesh.rigid_above[:, None] * t[:-1]
+    chord[mesh.is_joint] = t[:-1][mesh.is_joint]
     pull = tension[:, None] * chord / np.linalg.norm(chord, axis=1, keepdims=True)
     for p, e in ((0, second), (1, third)):
         load[:-1, p] += np.sum(pull * e[:-1], axis=1)

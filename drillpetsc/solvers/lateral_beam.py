@@ -20,6 +20,8 @@ LARGEST_MOVE = 0.5
 CONVERGED = 1e-6  # largest lateral motion of a converged step, as a share of the clearance
 TURNING_SHARE = 0.2  # of the clearance, closer to the axis than which a node does not turn about it
 ON_AXIS = 1e-12  # distance from the axis of the hole that is none [m]
+JOINT = 1e-9  # length of an element below which it is a joint [m]
+TIE = 1e3  # stiffness of a joint, over that of the stiffest element
 MAX_INNER = 80
 STALL, SHIFTED_STALL = (
     30,
@@ -68,6 +70,8 @@ class LateralBeam:
     points: where it may touch the wall; wall(d, c): force [N/m] per length at depth d [m] where the clearance is c [m], and its derivative.
     held: (n+1, 4) mask of the unknowns that keep their values.
     clearance: (n+1,) of the nodes [m].
+    hinged: (n,) the slopes at both ends of an element without length are free of each other; None: of none.  An element
+    without length is a joint, which ties the displacements of its nodes, and their slopes else.
     """
 
     def __init__(
@@ -81,12 +85,13 @@ class LateralBeam:
         wall: Callable[[FloatArray, FloatArray], tuple[FloatArray, FloatArray]],
         held: np.ndarray,
         clearance: FloatArray,
+        hinged: np.ndarray | None = None,
     ):
         order = np.argsort(points.cell, kind="stable")
         self.points = ContactPoints(*(getattr(points, f.name)[order] for f in fields(points)))
         self.wall, self.load, self.held = wall, load, held
         self.nodes = len(length) + 1
-        self._elastic = element_matrices(length, bending, force, rigid)
+        self._elastic = self._with_ties(length, bending, force, rigid, hinged)
         self._band = self._assembled(self._elastic)
         h = np.zeros(self.nodes)
         h[:-1] += 0.5 * length
@@ -94,16 +99,44 @@ class LateralBeam:
         self._weight = np.column_stack([h, h, h**3 / 100, h**3 / 100])
         push = np.maximum(-force, 0.0)
         #: above the most negative curvature of the energy of a long beam, F^2/4EI [N/m2]
-        self.first_shift = 1.05 * float(np.max(push**2 / (4 * bending), initial=0.0))
+        pull = np.divide(
+            push**2, 4 * bending, out=np.zeros_like(push), where=(bending > 0) & (length > JOINT)
+        )
+        self.first_shift = 1.05 * float(np.max(pull, initial=0.0))
         self.clearance = np.maximum(clearance, LEAST_CLEARANCE)
         self.turning = clearance > LEAST_CLEARANCE
         self.factor = 1.0  # of the wall's stiffness
         self.iterations = 0
         loads = np.hypot(load[:, 0], load[:, 1]) / np.maximum(h, 1e-9)
-        helix = float(np.max(self.clearance[:-1] * push**2 / (4 * bending), initial=0.0))
+        helix = float(np.max(self.clearance[:-1] * pull, initial=0.0))
         self.usual_force = max(helix, float(np.quantile(loads, 0.9)))  # on the wall [N/m]
 
     # ---------------------------------------------------------------- matrices
+    @staticmethod
+    def _with_ties(
+        length: FloatArray,
+        bending: FloatArray,
+        force: FloatArray,
+        rigid: FloatArray,
+        hinged: np.ndarray | None,
+    ) -> FloatArray:
+        """Element matrices (n, 4, 4) of each plane; those of joints are stiff springs between their nodes."""
+        joint = length <= JOINT
+        if not joint.any():
+            return element_matrices(length, bending, force, rigid)
+        L = np.where(joint, 1.0, length)
+        EI, T = np.where(joint, 0.0, bending), np.where(joint, 0.0, force)
+        K = element_matrices(L, EI, T, rigid)
+        tie, turn = TIE * float(np.max(12 * EI / L**3)), TIE * float(np.max(4 * EI / L))
+        for e in np.flatnonzero(joint):
+            apart = np.array([1.0, rigid[e], -1.0, 0.0])
+            K[e] = tie * np.outer(apart, apart)
+            if hinged is None or not hinged[e]:
+                apart = np.array([0.0, 1.0, 0.0, -1.0])
+                K[e] += turn * np.outer(apart, apart)
+            K[e, 1, 1] += force[e] * rigid[e]  # the rigid part leans
+        return K
+
     def _assembled(self, plane: FloatArray) -> FloatArray:
         """Banded matrix (15, 4 nodes) of element matrices (n, 4, 4) of each plane."""
         n = self.nodes - 1

@@ -93,10 +93,36 @@ def test_a_beam_under_tension_on_the_axis():
     assert state.alone[elements // 2, 0] == pytest.approx(exact, rel=1e-4)
 
 
+@pytest.mark.parametrize("hinged", [True, False])
+def test_a_joint_in_the_middle_of_a_beam_under_tension(hinged):
+    """Load P in the middle of a beam of length l that tension T pulls, pinned at both ends: with a hinge there both halves
+    stay straight, u = Pl/4T; a fixed joint is no joint: u = Pl/4T (1 - tanh(k)/k), k = l/2 sqrt(T/EI) (Timoshenko and
+    Gere, Theory of Elastic Stability, 1.11)."""
+    half, length, stiffness, tension, load = 20, 50.0, 1.2e6, 2e4, 300.0
+    L = np.full(2 * half + 1, 0.5 * length / half)
+    L[half] = 0.0
+    none = np.zeros(0)
+    points = ContactPoints(none.astype(int), np.zeros((0, 4)), none, none, none, np.zeros((0, 2)), none)
+    held = np.zeros((len(L) + 1, 4), dtype=bool)
+    held[[0, -1], :2] = True
+    rows = np.zeros((len(L) + 1, 4))
+    rows[half, 0] = load
+    beam = LateralBeam(
+        L, np.full(len(L), stiffness), np.full(len(L), tension), 0 * L, rows, points, lambda d, c: (0 * d, 0 * d),
+        held, np.full(len(L) + 1, 0.05), np.arange(len(L)) == half if hinged else None,
+    )  # fmt: skip
+    state = lateral_state(beam, 0 * rows, 0 * rows, friction=False)
+    assert state is not None
+    k = 0.5 * length * np.sqrt(tension / stiffness)
+    expected = load * length / (4 * tension) * (1.0 if hinged else 1 - np.tanh(k) / k)
+    assert state.alone[half : half + 2, 0] == pytest.approx([expected] * 2, rel=2e-4)
+
+
 def deep(
     inclination: float, wob: float, element: float, mud: bool = False, bore: float = 0.2159, **top: float
 ) -> Case:
     """3000 m with 200 m of collars above a full-gauge bit, turning, or as ``top`` says."""
+    joints = [{"at": top.pop("joint"), "kind": "universal"}] if "joint" in top else []
     angle = [np.radians(inclination)] * 2
     return Case(
         well={
@@ -110,6 +136,7 @@ def deep(
         ],
         top={"kind": "top_drive", **(top or {"rotation": 10.0})},
         bottom="bit",
+        joints=joints,
         gravity=G,
         initial={"from": "statics", "wob": wob},
         **({"fluid": MUD} if mud else {}),
@@ -251,6 +278,18 @@ def test_factorisations_of_lowered_strings(case, most, monkeypatch):
         weight *= float(np.asarray(model.well.at(np.zeros(1))[1])[0, 2])  # of a straight hole
         friction = weight - figures["hook_load"] - figures["wob"]
         assert friction == pytest.approx(case.well.sections[0].friction * side, rel=0.03)
+
+
+@pytest.mark.parametrize(
+    ("joint", "wob", "motion"),
+    [(2800.0, 80e3, "rotation"), (2900.0, 150e3, "rotation"), (2800.0, 80e3, "lowering")],
+)
+def test_factorisations_with_a_universal_joint(joint, wob, motion, monkeypatch):
+    """A stable state within 30 factorisations; 207 to 306 before, when joints kept the start of the march."""
+    case = deep(0.0, wob, 5.0, joint=joint, **{motion: 0.1})
+    _, figures, count = counted(case, monkeypatch)
+    assert figures["stable"] and figures["wob"] == pytest.approx(wob, rel=1e-6)
+    assert count <= 30
 
 
 def test_lowered_strings_on_a_mesh_of_half_the_length():
