@@ -23,7 +23,7 @@ from drillpetsc.model.drilling_model import DrillingModel, build_model, is_quasi
 from drillpetsc.physics.quaternion.beam import minimal_rotation, product, quaternions, turned
 from drillpetsc.solvers.chain_lu import ZeroPivot
 from drillpetsc.solvers.constraint_products import ConstraintProducts
-from drillpetsc.solvers.newton import static_factor
+from drillpetsc.solvers.newton import shared_factor
 
 CONVERGED_INCREMENT = 2.0e-9  # largest increment of a converged state, in the fields' scales
 MAX_ITERATIONS = 40
@@ -124,7 +124,7 @@ def solve_at_rest(system: DiscreteSystem, t: float = 0.0, velocity: FloatArray |
 
 
 def _newton(system: DiscreteSystem, t: float, velocity: FloatArray | None) -> int:
-    asm, factor, q = system.assembly, static_factor(system), system.new_condensed()
+    asm, factor, q = system.assembly, shared_factor(system), system.new_condensed()
     constraints = ConstraintProducts(system)
     rows, owned = system.new_condensed(), system.layout.local_of_owned
     step, before, mpi = np.zeros(len(owned)), np.inf, system.comm.tompi4py()

@@ -14,7 +14,7 @@ from drillpetsc.arrays import FloatArray
 from drillpetsc.fem.discrete_system import DiscreteSystem
 from drillpetsc.solvers.chain_lu import ZeroPivot
 from drillpetsc.solvers.constraint_products import ConstraintProducts
-from drillpetsc.solvers.newton import static_factor
+from drillpetsc.solvers.newton import shared_factor
 from drillpetsc.solvers.static_newton import Advance, diagonal_blocks, largest_of, nodal_length, sum_of
 
 MAX_ITERATIONS = 25
@@ -51,7 +51,7 @@ class OverdampedMotion:
     def __init__(self, system: DiscreteSystem, drag: Drag, clearance: FloatArray, advance: Advance):
         self.system, self.advance = system, advance
         self.iterations = 0
-        self._factor = static_factor(system)
+        self._factor = shared_factor(system)
         self._f = system.new_condensed()
         self._owned = system.owned_index >= 0
         self._constraints = ConstraintProducts(system)

@@ -22,10 +22,11 @@ from drillpetsc.errors import SolveError
 from drillpetsc.fem.bound_parts import ROW_SCALE, RowReplacement
 from drillpetsc.fem.discrete_system import DiscreteSystem
 from drillpetsc.kernels import function, pointer
+from drillpetsc.parallel import largest, total
 from drillpetsc.solvers.chain_lu import ZeroPivot
 from drillpetsc.solvers.constraint_products import ConstraintProducts
 from drillpetsc.solvers.lateral_loads import lateral_loads
-from drillpetsc.solvers.newton import static_factor
+from drillpetsc.solvers.newton import shared_factor
 
 _quasi_rows = function("quasi_rows", "iipppp")
 
@@ -116,7 +117,7 @@ class StaticNewton:
         step = free if clearance is None else np.asarray(clearance, dtype=float)
         self._step_shares = (1.0, 1.0) if clearance is None else (STEP_SHARE, SHIFTED_STEP_SHARE)
         self.max_lateral_step = np.broadcast_to(step, (system.mesh.nodes,))[system.chain.vertices]
-        self.factor = static_factor(system)
+        self.factor = shared_factor(system)
         self.f = system.new_condensed()
         self.depth: Callable[[DiscreteSystem], tuple[float, FloatArray, float]] | None = None
         self.move_top: Callable[[float], None] | None = None
@@ -212,8 +213,11 @@ class StaticNewton:
         """
         layout, asm = self.system.layout, self.system.assembly
         rock = np.array([f.physics == "rock" for f in layout.fields])[layout.field_of]
-        by_row, by_column = (np.append(rock, False)[i] for i in (asm.rows, asm.columns))
-        return np.flatnonzero((by_row | by_column) & (asm.rows != asm.columns))
+        if not rock.any():
+            return np.zeros(0, dtype=int)
+        rows, columns = asm.places()
+        by_row, by_column = (np.append(rock, False)[i] for i in (rows, columns))
+        return np.flatnonzero((by_row | by_column) & (rows != columns))
 
     def _factor(self, sigma: float) -> int:
         """Factor K + sigma M; ``sigma`` in N/m2 (manual: eq-statics-step).
@@ -221,9 +225,13 @@ class StaticNewton:
         Returns the number of negative pivots beyond those of multipliers, -1 where a pivot is missing, and 0
         where the loads have no energy.
         """
-        values = self.system.assembly.values.copy()
-        if self.energy:
-            values[self._held_entries] = 0.0
+        values, held = (
+            self.system.assembly.values,
+            self._held_entries if self.energy else np.zeros(0, dtype=int),
+        )
+        if sigma or len(held):
+            values = values.copy()
+        values[held] = 0.0
         if sigma:
             v = self.system.field("string.tangent")
             along = v[:, :, None] * v[:, None, :] / np.sum(v * v, axis=1)[:, None, None]
@@ -557,14 +565,12 @@ class StaticNewton:
 
 def sum_of(system: DiscreteSystem, value: float) -> float:
     """Sum ``value`` over all ranks; collective."""
-    return value if system.comm.size == 1 else float(system.comm.tompi4py().allreduce(value))
+    return float(total(system.comm, value))
 
 
 def largest_of(system: DiscreteSystem, value: float) -> float:
     """Largest ``value`` of all ranks; collective."""
-    from mpi4py import MPI
-
-    return value if system.comm.size == 1 else float(system.comm.tompi4py().allreduce(value, op=MPI.MAX))
+    return largest(system.comm, value)
 
 
 def nodal_length(system: DiscreteSystem) -> FloatArray:

@@ -143,8 +143,9 @@ def frequencies(elements: int) -> np.ndarray:
     def matrix(*weights: float) -> np.ndarray:
         asm.residual(0.0)
         asm.jacobian(0.0, weights, condensed=False)
-        out, keep = np.zeros((n, n)), (asm.rows >= 0) & (asm.columns >= 0)
-        np.add.at(out, (asm.rows[keep], asm.columns[keep]), asm.values[keep])
+        (rows, columns), out = asm.places(), np.zeros((n, n))
+        keep = (rows >= 0) & (columns >= 0)
+        np.add.at(out, (rows[keep], columns[keep]), asm.values[keep])
         return out
 
     pressure, free = place["bore.pressure"][:, 0], np.setdiff1d(np.arange(n), place["bore.volume"][:1, 0])
