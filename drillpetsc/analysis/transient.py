@@ -20,7 +20,7 @@ from drillpetsc.analysis.drive_report import drive_warnings
 from drillpetsc.analysis.equilibrium import StaticState
 from drillpetsc.analysis.hoist_report import hoist_warnings
 from drillpetsc.analysis.initial_state import initial_state
-from drillpetsc.analysis.memory import Memory
+from drillpetsc.analysis.memory import Memory, give_back
 from drillpetsc.analysis.quasi_static import QuasiStatic
 from drillpetsc.analysis.run_control import (
     FAILED,
@@ -116,6 +116,7 @@ def run(
                     f"{folder.path}: no checkpoint yet, so the run starts from its beginning", file=sys.stderr
                 )
             state = initial_state(model, case, saved, quasi)
+            give_back()
             return TransientRun(
                 model=model,
                 recorder=recorder,

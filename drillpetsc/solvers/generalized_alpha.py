@@ -12,6 +12,8 @@ from petsc4py import PETSc
 from drillpetsc import petsc_compat
 from drillpetsc.arrays import FloatArray
 from drillpetsc.errors import OptionError, SolveError
+from drillpetsc.kernels.denormals import flushed_denormals
+from drillpetsc.parallel import total
 from drillpetsc.solvers.alpha_formula import ARRAYS, AlphaFormula, AlphaHistory, AlphaOutputErrors, radius_of
 from drillpetsc.solvers.bdf_history import BdfHistory, local, nodal
 from drillpetsc.solvers.consistent_start import ConsistentStart
@@ -146,10 +148,8 @@ class GeneralizedAlpha(TimeIntegrator):
         """Return the weighted norm of the step's local error; 1 is the tolerance; collective."""
         rows, tolerance = self._tolerances[self._mud_masked]
         share = self.alpha.local_error(later)[rows] / tolerance
-        total = float(share @ share)
-        if self.system.comm.size > 1:
-            total = float(self.system.comm.tompi4py().allreduce(total))
-        return float(np.sqrt(total / self._rows))
+        squares = float(share @ share)
+        return float(np.sqrt(total(self.system.comm, squares) / self._rows))
 
     def _step(self, t: float, h: float, stop: float) -> tuple[float, float]:
         """Take one step from ``t`` [s], of about ``h`` [s], not beyond ``stop`` [s].
@@ -266,6 +266,7 @@ class GeneralizedAlpha(TimeIntegrator):
         )
 
     # ------------------------------------------------------------------ run
+    @flushed_denormals()
     def run(self, start: float, end: float, breaks: tuple[float, ...] = (), resume: bool = False) -> None:
         """Integrate from ``start`` to ``end`` [s]; collective.  See ``TimeIntegrator.run``."""
         system = self.system

@@ -18,6 +18,8 @@ from drillpetsc.arrays import FloatArray
 from drillpetsc.errors import SolveError
 from drillpetsc.fem.component import Component, Field
 from drillpetsc.fem.discrete_system import DiscreteSystem
+from drillpetsc.kernels.denormals import flushed_denormals
+from drillpetsc.parallel import total
 from drillpetsc.solvers.bdf_history import BdfHistory, State
 from drillpetsc.solvers.first_order_system import FirstOrderSystem, refuse_integrator
 from drillpetsc.solvers.local_error import BdfOutputErrors, OutputErrors
@@ -293,8 +295,7 @@ class TimeIntegrator:
         out = []
         for component in self._eventful:
             numbers = component.event_numbers(self.system.assembly)
-            if self.system.comm.size > 1:
-                numbers = self.system.comm.tompi4py().allreduce(numbers)
+            numbers = total(self.system.comm, numbers)
             if component.event_passed(numbers):
                 out.append((component, numbers))
         return out
@@ -421,10 +422,9 @@ class TimeIntegrator:
             for f in self.system.assembly.row_replacements
             if f.owned
         )
-        return (
-            local if self.system.comm.size == 1 else bool(self.system.comm.tompi4py().allreduce(int(local)))
-        )
+        return bool(total(self.system.comm, local))
 
+    @flushed_denormals()
     def run(self, start: float, end: float, breaks: tuple[float, ...] = (), resume: bool = False) -> None:
         """Integrate from ``start`` to ``end`` [s]; collective.
 

@@ -230,6 +230,9 @@ class HermiteBore(BoreFlow):
     def pressures(self, system) -> FloatArray:
         return _pressures(self, system, self._now, self.heads)
 
+    def pressure_at(self, system, vertex: int) -> float:
+        return float(self.pressures(system)[vertex])
+
 
 class HermiteAnnulus(AnnulusFlow):
     """Annulus with the pump's flow upwards as reference flow.
@@ -306,6 +309,9 @@ class HermiteAnnulus(AnnulusFlow):
 
     def pressures(self, system) -> FloatArray:
         return _pressures(self, system, self._now, self.heads)
+
+    def pressure_at(self, system, vertex: int) -> float:
+        return float(self.pressures(system)[vertex])
 
 
 class HermiteBit(BitFlow):
