@@ -587,6 +587,7 @@ OUTPUT_TABLES = {
     "outputs/string.md": ("string/*.vtu", "field"),
     "outputs/trajectory.md": ("trajectory.csv", "column"),
     "outputs/hydraulics.md": ("hydraulics.csv", "column"),
+    "outputs/nozzles.md": ("nozzles.csv", "column"),
     "outputs/pressure-profile.md": ("pressure_profile.csv", "column"),
     "outputs/flow-curve.md": ("flow_curve.csv", "column"),
     "outputs/dial-readings.md": ("dial_readings.csv", "column"),

@@ -162,7 +162,13 @@ def write(path: Path, c: Checkpoint) -> None:
         file.flush()
         body = file.id.get_file_image()  # without the first block
     first = MAGIC + f"{VERSION} sha256 {hashlib.sha256(body).hexdigest()}\n".encode()
-    replace_file(path, lambda target: target.write_bytes(first.ljust(BLOCK, b"\0") + body), lasting=True)
+
+    def put(target: Path) -> None:
+        with target.open("wb") as out:  # in two parts: together they would be one more copy
+            out.write(first.ljust(BLOCK, b"\0"))
+            out.write(body)
+
+    replace_file(path, put, lasting=True)
 
 
 def read(path: str | Path) -> Checkpoint:

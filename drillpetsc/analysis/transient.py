@@ -20,7 +20,7 @@ from drillpetsc.analysis.drive_report import drive_warnings
 from drillpetsc.analysis.equilibrium import StaticState
 from drillpetsc.analysis.hoist_report import hoist_warnings
 from drillpetsc.analysis.initial_state import initial_state
-from drillpetsc.analysis.memory import Memory
+from drillpetsc.analysis.memory import Memory, give_back
 from drillpetsc.analysis.quasi_static import QuasiStatic
 from drillpetsc.analysis.run_control import (
     FAILED,
@@ -116,6 +116,7 @@ def run(
                     f"{folder.path}: no checkpoint yet, so the run starts from its beginning", file=sys.stderr
                 )
             state = initial_state(model, case, saved, quasi)
+            give_back()
             return TransientRun(
                 model=model,
                 recorder=recorder,
@@ -391,8 +392,11 @@ class TransientRun:
     def run(self) -> RunResult:
         """Compute all steps; files that were written stay even if the computation fails."""
         integrator, recorder, saved = self.integrator, self.recorder, self.saved
-        if integrator.is_bdf and integrator.inertia:  # without inertia the outputs follow the inputs at once
-            recorder.estimate_time_error(integrator.order)
+        formula = integrator.output_errors()
+        if (
+            formula is not None and integrator.inertia
+        ):  # without inertia the outputs follow the inputs at once
+            recorder.estimate_time_error(formula)
         self.estimate = LocalErrorEstimate(integrator)
         if saved is not None:
             recorder.set_state(saved.recorder)

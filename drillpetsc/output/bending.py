@@ -62,7 +62,7 @@ def end_forces(model: DrillingModel, time: float = 0.0) -> EndForces:
     asm, mesh, cells = system.assembly, system.mesh, system.chain.cells
     count = len(cells)
     turned = asm.x[asm.dofs_of(beam.orientation)][system.chain.ends]  # (nc, 2, k)
-    forces, turning = np.zeros((count, 2, 3)), np.zeros(turned.shape)  # rows of position and orientation
+    both = np.zeros((count, 2, 3 + turned.shape[2]))  # rows of position and orientation
     for bound in asm.bound_blocks:
         if bound.block.on == "cell" and bound.count:
             rows = _rows(asm, bound, time)
@@ -70,8 +70,8 @@ def end_forces(model: DrillingModel, time: float = 0.0) -> EndForces:
                 slice(None) if bound.count == count else bound.block.points
             )  # all of them are in depth order
             for end, (position, orientation) in _places(bound, beam.orientation).items():
-                forces[points, end] += rows[:, position]
-                turning[points, end] += rows[:, orientation]
+                both[points, end] += rows[:, position.start : orientation.stop]
+    forces, turning = np.ascontiguousarray(both[..., :3]), both[..., 3:]
     flat = turned.reshape(-1, turned.shape[2]), turning.reshape(-1, turned.shape[2])
     couples = beam.couple(*flat).reshape(count, 2, 3)
     slope = asm.x[asm.dofs_of("string.tangent")][system.chain.ends]
@@ -96,7 +96,10 @@ def end_forces(model: DrillingModel, time: float = 0.0) -> EndForces:
 
 
 def _places(bound: BoundBlock, orientation: str) -> dict[int, tuple[slice, slice]]:
-    """Columns of position and orientation of the string in a block's unknowns, by end; empty without the string."""
+    """Columns of position and orientation of the string, which follow each other, in a block's unknowns, by end.
+
+    Empty without the string.
+    """
     found = bound.columns
     return {
         end: (found["string.position", end], found[orientation, end])

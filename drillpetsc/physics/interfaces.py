@@ -454,6 +454,26 @@ class SealSet(Component):
         """Volume at zero pressure that the travel of the local joints adds to bore and annulus [m3]."""
 
 
+class SideOutlets(Component):
+    """Nozzles above the bit, through which mud leaves the bore."""
+
+    @abstractmethod
+    def shares_of_pump(self) -> FloatArray:
+        """(links,) shares of the pump's flow by areas alone [-], with which the steady flow starts."""
+
+    @abstractmethod
+    def local_links(self) -> tuple[int, ...]:
+        """Numbers of the links at nodes of this rank, in the order of ``element_results``."""
+
+    @abstractmethod
+    def element_results(self, state: Any) -> FloatArray:
+        """(k, 4) of the local links: the columns of ``physics.fluid.side_nozzles.RESULTS``."""
+
+    @abstractmethod
+    def outflow(self, state: Any) -> float:
+        """Flow rate out of the string through the local links [m3/s]."""
+
+
 class Channel(Component):
     """Flow of drilling fluid in the bore or in the annulus."""
 
@@ -489,6 +509,17 @@ class Channel(Component):
     @abstractmethod
     def pressures(self, system: Any) -> FloatArray:
         """(nv,) pressures at the local vertices [Pa]."""
+
+    def pressure_at(self, system: Any, vertex: int) -> float:
+        """Pressure at one local vertex [Pa]."""
+        return float(self.pressures(system)[vertex])
+
+    @abstractmethod
+    def velocity_power(self, above: np.ndarray, below: np.ndarray, state: Any) -> float:
+        """Kinetic energy that the flow brings to nodes, less what it takes away below them in the section above [W].
+
+        above, below: local cells that end, and that begin, at the nodes.
+        """
 
     @abstractmethod
     def upper_flow(self, state: Any) -> float | None:

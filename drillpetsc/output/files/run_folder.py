@@ -14,6 +14,7 @@ from drillpetsc.output.files.atomic import remove_leftovers
 SWEEP_TABLE = "sweep.csv"  # table of a sweep, in its folder
 WELLS_TABLE = "wells.csv"  # table of a batch of several wells
 LOSS_TABLE = "hydraulics.csv"  # losses by string item and hole section
+NOZZLE_TABLE = "nozzles.csv"  # flow and power of the nozzles of bit and reamer
 PROFILE_TABLE = "pressure_profile.csv"  # pressures along the depth
 FLOW_CURVE_TABLE = "flow_curve.csv"  # losses and densities over the flow rate
 SURGE_TABLE = "surge.csv"  # pressures of tripping
@@ -22,6 +23,7 @@ READINGS_TABLE = "dial_readings.csv"  # viscometer readings of the mud
 FITS_TABLE = "rheology_fits.csv"  # flow curves fitted to them
 HYDRAULICS_TABLES = (
     LOSS_TABLE,
+    NOZZLE_TABLE,
     PROFILE_TABLE,
     FLOW_CURVE_TABLE,
     SURGE_TABLE,
