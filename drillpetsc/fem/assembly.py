@@ -588,9 +588,7 @@ class Assembly:
         work = np.empty(3 * rows.size)
         call = _BlockCall()
         self._fill_call(call, bound, self._state)
-        _element_rows(
-            ctypes.addressof(call), bound.width, pointer(separate), pointer(work), pointer(rows)
-        )
+        _element_rows(ctypes.addressof(call), bound.width, pointer(separate), pointer(work), pointer(rows))
         return rows
 
     def power(self, block: ElementBlock, t: float) -> float:

@@ -349,10 +349,9 @@ class BitFlow(Nozzle):
         lost = supplied = 0.0
         if self.has_annulus:  # what enters the annulus starts from rest
             params = self._block.named
-            speed = (
-                float(velocity.dot(params["tangent"][0]))
-                - rising * self._thinning(outside) / params["open"].item(0)
-            )
+            speed = float(velocity.dot(params["tangent"][0])) - rising * self._thinning(outside) / params[
+                "open"
+            ].item(0)
             lost -= 0.5 * f.density * rising * speed**2
             supplied += float(results[RESULTS["bottom"]])
         if self.has_link:
