@@ -473,6 +473,8 @@ def stability(
     name: str | None = None,
     comm: Any = None,
     without_control: bool = False,
+    method: Literal["eigen", "time"] = "eigen",
+    duration: str | float = 60.0,
 ) -> Result:
     """Find the fastest growing mode about steady drilling over rotary speed and weight on bit (collective).
 
@@ -488,17 +490,22 @@ def stability(
     name: name of the case in the default folder
     comm: PETSc communicator; by default all ranks
     without_control: True to hold the top instead of the motor and controller that the case has
+    method: eigen, or time: also a run at each point, classed in stability_runs.csv
+    duration: of each run, "60 s" or in seconds
     """
-    from drillpetsc.case.speed_options import read_speeds, read_weights
+    from drillpetsc.case.speed_options import read_duration, read_speeds, read_weights
 
     speeds, weights = read_speeds(rpm, "--rpm", lowest_above_zero=True), read_weights(wob)
+    seconds = read_duration(duration)
     case, name = _loaded(case, name)
     initialise_petsc()
     from drillpetsc.analysis.frequency.stability_map import run_stability
     from drillpetsc.results.result import result_of
 
     return result_of(
-        run_stability(case, speeds, weights, out, count, kind, overwrite, name, comm, without_control)
+        run_stability(
+            case, speeds, weights, out, count, kind, overwrite, name, comm, without_control, method, seconds
+        )
     )
 
 

@@ -103,21 +103,23 @@ def director_equilibrium(
     else:
         reached = _newton_with_flow(problem)
     if state.path is None:
-        if found is not None and found.top_on_wall and model.top is not None:
-            if not balance_across(model, solver, report):
+        placed = found is None or not found.top_on_wall or model.top is None
+        placed = placed or balance_across(model, solver, report)
+        problem.set_friction_aside()  # stability is counted without it
+        count = solver.negative_pivots()
+        if count <= 0 or not _slides_to_another_state(problem):
+            if not placed:
                 state.warnings.append(
                     "the place of the top across the hole was not found: it is held on the wall, and long elements below it "
                     "may carry its side force as contact (side force, torque and moment near the top)"
                 )
-        if lateral_friction and problem.moves and not reached:
-            state.warnings.append(
-                "no equilibrium with lateral friction (a turning pipe may whirl here): "
-                "the torque of friction acts, its lateral force is left out"
-            )
-        problem.set_friction_aside()  # stability is counted without it
-        count = solver.negative_pivots()
-        report.negative_pivots, report.singular = max(0, count), count < 0
-        problem.impose(reached)
+            if lateral_friction and problem.moves and not reached:
+                state.warnings.append(
+                    "no equilibrium with lateral friction (a turning pipe may whirl here): "
+                    "the torque of friction acts, its lateral force is left out"
+                )
+            report.negative_pivots, report.singular = max(0, count), count < 0
+            problem.impose(reached)
     _reactions(model, solver)
     model.system.assembly.freeze(None)
     beyond = _beyond_bottom(model)
@@ -194,6 +196,29 @@ def _answer_by_newton(problem: StaticProblem) -> float:
             raise
         _answer_by_path(problem, "sliding" if any(state.motion) else "without_friction")
     return state.lateral_fraction
+
+
+def _slides_to_another_state(problem: StaticProblem) -> bool:
+    """Follow a path of steady sliding from a state with friction that has negative pivots; collective.
+
+    Such a state is no answer.  Returns whether the path has an end; the state is the former one where it has none, and
+    where a coarse mesh explains the pivots.
+    """
+    model, state, report = problem.model, problem.state, problem.state.equilibrium
+    if not (problem.moves and problem.paths and problem.solver.energy and has_path(model, state.motion)):
+        return False
+    if too_coarse(model):
+        return False
+    asm = model.system.assembly
+    unstable, load, imperfection = Snapshot(model), asm.dead_load, report.imperfection
+    _begin_again(problem)
+    try:
+        _answer_by_path(problem, "sliding")
+    except SolveError:
+        unstable.restore()
+        asm.dead_load, report.imperfection = load, imperfection
+        return False
+    return True
 
 
 def _begin_again(problem: StaticProblem) -> None:

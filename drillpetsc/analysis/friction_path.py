@@ -118,7 +118,7 @@ class FrictionPath:
         self._wob = model.case.initial.wob if solver.depth is not None else None
         self.seeds = lateral_loads(model.system, SEED * nodal_weight(model), spacing=SEED_SPACING)
         self._push, self._rock = self._end_load(), self._bit_torque()
-        #: push that changes of the force are compared with [N]; 0: the largest of the straight string
+        #: push that changes of the force are compared with [N]: the given one, or the largest of the straight string
         self._scale = (
             abs(model.case.top.force.value(0.0)) if model.case.top.force is not None else self._wob or 0.0
         )
@@ -188,8 +188,8 @@ class FrictionPath:
         along = self.velocity if self.turns else (self.sign, 0.0)
         straight = march(model, along, coils=False, wob=LEAST_WEIGHT)
         assert straight is not None
-        if not self._scale:
-            self._scale = max(-float(straight.axial_force.min()), 1.0)
+        # a small weight may stand below a long level string, which friction alone pushes
+        self._scale = max(self._scale, -float(straight.axial_force.min()), 1.0)
         self._lay_down(straight)
         slid, change = 0.0, 0.0
         asm = model.system.assembly

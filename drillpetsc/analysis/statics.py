@@ -12,6 +12,7 @@ from petsc4py import PETSc
 from drillpetsc.analysis.buckling import Buckling, buckling
 from drillpetsc.analysis.coarse_mesh import state_warnings
 from drillpetsc.analysis.equilibrium import MOTIONS, StaticState
+from drillpetsc.analysis.friction_path import has_path
 from drillpetsc.analysis.initial_state import find_equilibrium
 from drillpetsc.analysis.limits.operations import OPERATIONS, case_of, read_operation
 from drillpetsc.analysis.path_answer import PathKind
@@ -78,7 +79,7 @@ def run_statics(
         state = find_equilibrium(model, moving, False, path)
         columns, values = static_table(model)
         buckled = buckling(model, columns, values) if values is not None else Buckling()
-        state.warnings += buckled.lines(case.output.units or "metric")
+        state.warnings += buckled.lines(case.output.units or "metric", _slides_unfollowed(model, state))
         state.warnings += [*state_warnings(model, columns, values), *model.mesh.notes]
         state.warnings += _hoisted_with_weight(model, moving)
         summary = {
@@ -96,6 +97,18 @@ def run_statics(
         if comm.rank == 0:
             _write(model, folder, columns, values, summary, fields)
     return RunResult(folder.path, summary, _lines(case, folder, state, summary))
+
+
+def _slides_unfollowed(model: DrillingModel, state: StaticState) -> bool:
+    """Whether friction opposes a sliding string whose state was found without a path, although one has a meaning."""
+    if (
+        state.path is not None
+        or not state.motion[0]
+        or model.well is None
+        or not has_path(model, state.motion)
+    ):
+        return False
+    return bool(np.any(np.asarray(model.well.friction(model.mesh.node_depth)) > 0))
 
 
 def _hoisted_with_weight(model: DrillingModel, motion: tuple[float, float] | None) -> list[str]:

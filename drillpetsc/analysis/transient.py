@@ -392,8 +392,11 @@ class TransientRun:
     def run(self) -> RunResult:
         """Compute all steps; files that were written stay even if the computation fails."""
         integrator, recorder, saved = self.integrator, self.recorder, self.saved
-        if integrator.is_bdf and integrator.inertia:  # without inertia the outputs follow the inputs at once
-            recorder.estimate_time_error(integrator.order)
+        formula = integrator.output_errors()
+        if (
+            formula is not None and integrator.inertia
+        ):  # without inertia the outputs follow the inputs at once
+            recorder.estimate_time_error(formula)
         self.estimate = LocalErrorEstimate(integrator)
         if saved is not None:
             recorder.set_state(saved.recorder)

@@ -7,6 +7,8 @@ import math
 from drillpetsc.case.blocks.case_blocks import CaseBlocks
 from drillpetsc.case.blocks.fluid import Bingham, Casson, Newtonian, Rheology
 from drillpetsc.case.blocks.tools import ShockSub
+from drillpetsc.case.plausible_operations import casings, flows, readings, torques
+from drillpetsc.case.plausible_string import beyond_lower_part, listed_upwards, short_of_hole
 from drillpetsc.case.quantities import largest
 from drillpetsc.unit_systems import shown
 
@@ -14,7 +16,6 @@ ROUGHEST = 1.0  # friction factor: 0.1 to 0.5 are usual
 WIDEST_HOLE = 1.2  # [m] 36 in holes and 42 in conductors are below it
 LIGHTEST_MUD, HEAVIEST_MUD = 500.0, 2900.0  # [kg/m3] foam of 4 ppg, 24 ppg
 DEEPEST = 15e3  # [m]
-DEEPEST_TOP = 50.0  # [m] of the string, below the rig
 LARGEST_WEIGHT = 500e3  # [N] on a bit
 STEEPEST = math.radians(120)
 FASTEST_ROTATION = 40.0  # [rad/s] 380 rpm
@@ -99,19 +100,19 @@ def plausibility(case: CaseBlocks) -> list[str]:
         for i, item in enumerate(case.string):
             if item.od is not None and item.od < THINNEST_PIPE:
                 doubt(f"string[{i}].od", f"{item.od * 1e3:.4g} mm", "metres without their unit?")
-    if case.well is not None and case.initial.wob is not None and case.top.force is None:
-        deep = case.well.survey.md[-1] - case.string_length
-        if (
-            deep > DEEPEST_TOP
-        ):  # it stands on the bottom: pressures and forces at its top are not those of a rig
-            words = [shown(v, "length", case.output.units or "metric", 5) for v in (case.string_length, deep)]
-            doubt(
-                "the string",
-                f"{words[0]} long",
-                f"with initial.wob it stands on the bottom, and its top is {words[1]} below the rig",
-            )
+    out += [*short_of_hole(case), *listed_upwards(case), *beyond_lower_part(case)]
+    out += [*torques(case), *flows(case), *casings(case)]
+    if case.roadmap is not None and case.roadmap.measured:
+        hole = None if case.well is None else case.well.survey.md[-1]
+        out += readings(case.roadmap.measured, hole, case.output.units or "metric")
     if case.initial.wob is not None and case.initial.wob > LARGEST_WEIGHT:
-        doubt("initial.wob", f"{case.initial.wob / 1e3:g} kN", "more than bits carry")
+        units = case.output.units or "metric"
+        more = (
+            f"; {shown(LARGEST_WEIGHT, 'force', units)} are the most"
+            if units != "field"
+            else "; lbf need their unit"
+        )
+        doubt("initial.wob", shown(case.initial.wob, "force", units), f"more than bits carry{more}")
     rotation = largest(case.top.rotation)
     if rotation > FASTEST_ROTATION:
         doubt(

@@ -17,6 +17,7 @@ from drillpetsc.units import UnitError, to_si
 MAX_SPEEDS = 2000
 SPEED = Quantity("rad/s", at_least=0, at_most=1e3, kind="none")
 WEIGHT = Quantity("N", above=0, at_most=1e8)
+DURATION = Quantity("s", at_least=1, at_most=1e5)
 EXAMPLE = "0:240:10 rpm"
 _STEPS = re.compile(r"\s*([^:\s]+)\s*:\s*([^:\s]+)\s*:\s*([^:\s]+?)\s*([a-zA-Z/%]*)\s*")
 _WITH_UNIT = re.compile(r".*\d\.?\s*[a-zA-Z].*")
@@ -167,3 +168,8 @@ def read_lines(text: str | Sequence[float], at: str = "--lines") -> tuple[float,
             )
         out.append(value)
     return tuple(sorted(set(out)))
+
+
+def read_duration(text: str | float) -> float:
+    """Read the duration of runs [s] from text such as ``60 s``; raises CaseError."""
+    return read_numbers(text, DURATION, "--duration", "60 s")[0]

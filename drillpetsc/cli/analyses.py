@@ -160,7 +160,7 @@ def _roadmap_arguments(command: argparse.ArgumentParser) -> None:
         "--model",
         choices=("soft", "stiff"),
         default="soft",
-        help="soft: soft string; stiff: the beam in static equilibrium, a second or so a row (default: soft)",
+        help="soft: soft string; stiff: the beam in static equilibrium, about 0.1 s a row (default: soft)",
     )
     units_argument(command)
 

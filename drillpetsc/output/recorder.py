@@ -26,6 +26,8 @@ from drillpetsc.output.rigid_items import RigidItems
 from drillpetsc.output.sensors.sensors import Sensors
 from drillpetsc.output.string_ends import DrilledHole, LowerEnd, TopEnd
 from drillpetsc.output.time_error import TimeError
+from drillpetsc.parallel import total
+from drillpetsc.solvers.local_error import OutputErrors
 
 STEPS_AHEAD = 3.0  # a step at most doubles: with it, the step before the one that passes a row is sampled
 
@@ -303,7 +305,7 @@ class Recorder:
             v[self._number_at] = [slot.value(slot.source, sample) for slot in self._numbers]
             for slot in self._arrays:
                 v[slot.span] = slot.value(slot.source, sample).ravel()
-        return v if self.system.comm.size == 1 else self.comm.allreduce(v)
+        return np.asarray(total(self.comm, v))
 
     def value(self, sample: FloatArray, name: str) -> float:
         """The number of the history's column ``name`` in a sample, e.g. ``hook_load``."""
@@ -340,12 +342,12 @@ class Recorder:
         elif self.energy is not None:
             self.energy.step(dt, self.system.powers(seen))
 
-    def estimate_time_error(self, order: int) -> None:
-        """Estimate the time error of the main outputs of a run with BDF of this ``order``."""
+    def estimate_time_error(self, formula: OutputErrors) -> None:
+        """Estimate the time error of the main outputs of a run with this time formula."""
         titles = [c.title for c, _ in self._main]
         sizes = [slot.span.stop - slot.start for _, slot in self._main]
         if titles:
-            self.time_error = TimeError(order, [t[0] for t in titles], [t[1] for t in titles], sizes)
+            self.time_error = TimeError(formula, [t[0] for t in titles], [t[1] for t in titles], sizes)
 
     def count_time_error(self, t: float, dt: float, inputs_at: float, fresh: bool) -> None:
         """Count an accepted step in the estimate of the time error, after ``step``; collective."""
@@ -361,7 +363,7 @@ class Recorder:
             values = slot.value(slot.source, sample)
             parts.append(np.array([values]) if slot.is_number else np.asarray(values, dtype=float).ravel())
         v = np.concatenate(parts)
-        return v if self.system.comm.size == 1 else self.comm.allreduce(v)
+        return np.asarray(total(self.comm, v))
 
     def _powers_of(self, sample: FloatArray) -> tuple[float, float]:
         """Dissipated and supplied power [W] in a sample."""

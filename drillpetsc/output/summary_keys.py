@@ -381,7 +381,7 @@ HYDRAULICS: tuple[SummaryKey, ...] = (
     SummaryKey(
         "flows",
         "",
-        "List: for each flow rate the quantities of this page (null where absent), `limited_by` and `warnings`.",
+        "List: for each flow rate the quantities of this page (null where absent), `limited_by` and `warnings`; `nozzles`, the rows of nozzles.csv, where there are nozzles above the bit.",
     ),
     SummaryKey(
         "rheology",

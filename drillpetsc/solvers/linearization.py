@@ -135,6 +135,9 @@ def linearise(system: DiscreteSystem, t: float = 0.0) -> Linearised | None:
     Collective.
     """
     layout, asm = system.layout, system.assembly
+    # which motions the ends leave free is known from the evaluation of the rows, not from that of the matrix
+    asm.invalidate_prescribed_values()
+    system.sum_residual(t, system.new_condensed())
     numbers = layout.condensed_dm.getLGMap().getIndices()
     rows, columns = asm.places()
     used = (rows >= 0) & (columns >= 0)

@@ -19,6 +19,7 @@ from petsc4py import PETSc
 from drillpetsc import petsc_compat
 from drillpetsc.fem.discrete_system import DiscreteSystem
 from drillpetsc.kernels import function, pointer
+from drillpetsc.parallel import all_true, largest, total
 from drillpetsc.solvers.chain_lu import ChainFactor, ChainPC, ZeroPivot
 from drillpetsc.solvers.newton_work import ResidualWork
 
@@ -221,7 +222,7 @@ class CondensedNewton:
 
     def true_on_all_ranks(self, local: bool) -> bool:
         """Whether ``local`` is true on all ranks; collective."""
-        return bool(self.system.comm.tompi4py().allreduce(int(local), op=_min()))
+        return all_true(self.system.comm, local)
 
     def can_reuse_factor(self, its: int) -> bool:
         """Whether the last factorisation may be used in iteration ``its``.
@@ -264,7 +265,7 @@ class CondensedNewton:
         spacing = RESOLUTION / self.tolerance
         size: float = _scaled_size(len(step), pointer(step), self._scale_at, spacing, pointer(unknowns))
         if self.system.comm.size > 1:
-            size = float(self.system.comm.tompi4py().allreduce(size, op=_max()))
+            size = largest(self.system.comm, size)
         if its > 1 and self._last > 0:
             self._theta = size / self._last
             if self._theta >= 2.0 and its > 4 and size > self._first:
@@ -482,25 +483,13 @@ class _DirectIteration:
         newton, step = self.newton, self.step
         after = self._work_along_step(rows)
         if newton.system.comm.size > 1:
-            before, after = newton.system.comm.tompi4py().allreduce(np.array([before, after]))
+            before, after = total(newton.system.comm, [before, after]).tolist()
         if not (before < 0.0 and after > -OVERSHOOT_FRACTION * before):
             return rows
         fraction = max(SHORTEST_STEP_FRACTION, before / (before - after))
         unknowns += (fraction - 1.0) * step
         step *= fraction
         return newton.rows(x)
-
-
-def _max():
-    from mpi4py import MPI
-
-    return MPI.MAX
-
-
-def _min():
-    from mpi4py import MPI
-
-    return MPI.MIN
 
 
 def chain_factor(system: DiscreteSystem) -> ChainFactor:

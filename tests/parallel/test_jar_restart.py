@@ -23,15 +23,15 @@ string:
 top: clamped
 material: {damping: {stiffness: 1.0e-3}}
 time: {end: 0.14 s}
-petsc: {q_snes_stol: 1.0e-11}
+petsc: {ts_type: KIND, q_snes_stol: 1.0e-11}
 output: {history_every: 2 ms, field_every: 50 ms, checkpoint_every: 9 ms}
 """
 
 
-@pytest.fixture(scope="module")
-def case(tmp_path_factory) -> Path:
+@pytest.fixture(scope="module", params=["bdf", "alpha2"])
+def case(request, tmp_path_factory) -> Path:
     path: Path = tmp_path_factory.mktemp("case") / "case.yaml"
-    path.write_text(CASE)
+    path.write_text(CASE.replace("KIND", request.param))
     return path
 
 

@@ -375,3 +375,31 @@ def test_a_flow_that_nothing_takes_names_the_flow_rate():
     text = str(raised.value)
     assert "m3/s" in text and "time" not in text
     assert h.at(1e-3).summary["choke_loss"] == pytest.approx(1200 * 1e-6 / (2 * 0.95**2 * 1e-10), rel=1e-3)
+
+
+def test_warnings_of_the_rig_and_of_a_short_string(tmp_path):
+    """A pressure above rig.max_spp at one of two flow rates, and a string 100 m short of its hole, stand on the screen and in
+    summary.json; without a rig and with a string that reaches the bottom nothing is said."""
+
+    def lines(length, rig, flows):
+        c = case(
+            [pipe(length, 5, 4.276), bit(8.5, THREE_TWELVES)],
+            well(("open_hole", 4000, 8.5)),
+            {"density": 1300, "rheology": {"model": "newtonian", "viscosity": 0.02}},
+            rig=rig,
+            bottom="bit",
+            initial={"wob": 1e4},
+            output={"units": "field"},
+        )
+        result = run_hydraulics(c, flows, out=tmp_path / "out", overwrite=True)
+        summary = json.loads((tmp_path / "out" / "summary.json").read_text())
+        said = [line for line in result.lines if "WARNING" in line]
+        return said, [*summary["warnings"], *(w for f in summary["flows"] for w in f["warnings"])]
+
+    assert lines(4000, None, [0.01, 0.03]) == ([], [])
+    low, high = 0.01, 0.03
+    screen, file = lines(4000, {"max_spp": "1500 psi"}, [low, high])
+    assert len(screen) == len(file) == 1
+    assert "at 475.51 gpm" in screen[0] and "exceeds rig.max_spp, 1500 psi" in screen[0]
+    screen, file = lines(4000 - 100 / FOOT, None, [low])
+    assert len(screen) == len(file) == 1 and "328.1 ft short of its hole of 4000 ft" in file[0]

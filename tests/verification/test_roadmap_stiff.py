@@ -78,6 +78,33 @@ def test_soft_against_stiff_on_a_real_well(tmp_path):
     assert result.summary["model"] == "stiff" and result.summary["stiff_seconds"] > 0
 
 
+def test_doglegs_smaller_than_the_clearance(tmp_path):
+    """What parts soft string and beam: the soft string turns by every dogleg of the survey, the beam cuts those that fit into its
+    clearance. A build to 40 deg whose inclinations err by 0.3 deg to either side at every second station (a swing of about 4 cm):
+    the drag of trip_out is that of the soft string in a hole 1 mm wider than the pipe, and that of the well without errors in
+    a hole of 44 mm clearance. Without errors both agree in either hole."""
+    plan = {"bit_depth": [3000], "operations": ["trip_out"], "friction_factor": {"open_hole": [0.3]}}
+    depths = np.arange(0.0, 3001.0, 30.0)
+    smooth = np.interp(depths, [0, 500, 1700, 3000], [0, 0, 40, 40])
+    errors = np.where(depths > 500, 0.3 * (-1.0) ** np.arange(depths.size), 0.0)
+
+    def drag(inclination, diameter, model):
+        sections = [{"kind": "open_hole", "diameter": diameter, "friction": 0.3}]
+        made = case(depths.tolist(), inclination.tolist(), sections=sections, roadmap=plan)
+        row = rows(made, tmp_path, model=model)["trip_out", 0.3, 3000.0]
+        assert row["status"] == "ok"
+        free = made.replace({"roadmap": plan | {"friction_factor": {"open_hole": [0.0]}}})
+        return row["hook_load"] - rows(free, tmp_path)["trip_out", 0.0, 3000.0]["hook_load"]
+
+    soft, soft_rough = drag(smooth, "216 mm", "soft"), drag(smooth + errors, "216 mm", "soft")
+    wide, wide_rough = drag(smooth, "216 mm", "stiff"), drag(smooth + errors, "216 mm", "stiff")
+    tight, tight_rough = drag(smooth, "129 mm", "stiff"), drag(smooth + errors, "129 mm", "stiff")
+    assert wide == pytest.approx(soft, rel=1e-2) and tight == pytest.approx(soft, rel=1e-2)
+    assert soft_rough > 1.05 * soft
+    assert tight_rough == pytest.approx(soft_rough, rel=2e-2)
+    assert wide_rough == pytest.approx(wide, rel=2e-2)
+
+
 def test_rows_that_fail_are_marked(tmp_path):
     """A level hole of 2 km, mu 0.4: a string slid with 200 kN on the bit locks up; that row has no number and a reason, the
     others are there."""

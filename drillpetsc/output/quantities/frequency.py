@@ -148,3 +148,15 @@ STABILITY_BOUNDARY: tuple[Quantity, ...] = (
     ),
     _column("stable_side", "-", "Stable side", "SSID", "Stable above or below this speed."),
 )  # fmt: skip
+STABILITY_RUNS: tuple[Quantity, ...] = (
+    ROTARY_SPEED,
+    WEIGHT,
+    _column(
+        "stick_slip_index", "-", "Stick-slip index", "SSI", "(max - min)/(2 mean) of the bit's speed in the last third of the run."
+    ),
+    _column("stick_slip_index_before", "-", "Stick-slip index before", "SSIB", "The same in the third before."),
+    _column("stuck_share", "-", "Share of the time at rest", "STSH", "Share of the last third in which the bit is below 1 rpm."),
+    _column(
+        "behaviour", "-", "Behaviour", "BHVR", "steady, decays, grows, stick_slip, or failed where the run could not be computed."
+    ),
+)  # fmt: skip

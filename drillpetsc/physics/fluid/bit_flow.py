@@ -16,7 +16,7 @@ from drillpetsc.arrays import FloatArray
 from drillpetsc.fem.component import ElementBlock, Energies, Field, Powers
 from drillpetsc.geometry.growing_hole import GrowingHole
 from drillpetsc.kernels.parameters import Parameters, Table, columns, constant
-from drillpetsc.physics.fluid.channel_flow import FLOW_SCALE, FluidConstants
+from drillpetsc.physics.fluid.channel_flow import FluidConstants
 from drillpetsc.physics.fluid.moving_hole import OTHER_SIZE, MovingHole
 from drillpetsc.physics.interfaces import Nozzle
 from drillpetsc.physics.rigid_bodies import VERTEX_SLOTS, local_vertices
@@ -105,7 +105,16 @@ class BitFlow(Nozzle):
 
     def fields(self) -> tuple[Field, ...]:
         return (
-            (Field("bit.flow", 1, physics="fluid", region="bottom", scale=FLOW_SCALE, second_order=False),)
+            (
+                Field(
+                    "bit.flow",
+                    1,
+                    physics="fluid",
+                    region="bottom",
+                    scale=self.fluid.usual_flow,
+                    second_order=False,
+                ),
+            )
             if self.has_link
             else ()
         )

@@ -233,6 +233,9 @@ class MudMotor(Motor):
         self.params["held"] = 0.0
         self.joints.lock(self.cell, False)
 
+    def balance_orbit(self) -> None:
+        self.params["balanced"] = 1.0
+
     # ------------------------------------------------------------------ results
     def _results(self, state: Any) -> FloatArray:
         """(7,) results by the names of ``RESULTS``; zero on ranks without the motor."""

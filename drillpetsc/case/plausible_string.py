@@ -1,0 +1,115 @@
+"""Doubts about a string that is valid, but hardly meant: too short for its hole, or listed from the bit up."""
+
+from __future__ import annotations
+
+import math
+
+from drillpetsc.case.blocks.case_blocks import CaseBlocks
+from drillpetsc.case.blocks.string import Beam, Bit, Flexible, Item, Rigid, Stabilizer, Tube
+from drillpetsc.case.blocks.tubulars import DrillCollar, DrillPipe, HeavyPipe, Tubular
+from drillpetsc.unit_systems import shown
+
+ONE_JOINT = (
+    10.0  # a tally is short of its hole by this before it is doubted: stick-up and rounding are less [m]
+)
+STEEP = math.radians(60)  # inclination above which drill pipe is usual in compression
+STEEL = 7850.0  # [kg/m3]
+
+
+def short_of_hole(case: CaseBlocks) -> list[str]:
+    """Say that a string which drills does not reach from the rig to the end of its hole; empty where it does.
+
+    With initial.wob such a string stands on the bottom with its top below the rig; without, it hangs above the bottom.
+    """
+    if case.well is None or case.top.force is not None or case.bottom.kind != "bit":
+        return []
+    missing = case.well.survey.md[-1] - case.string_length
+    if missing <= ONE_JOINT:
+        return []
+    units = case.output.units or "metric"
+    length, hole, gap = (
+        shown(v, "length", units, 5) for v in (case.string_length, case.well.survey.md[-1], missing)
+    )
+    where = (
+        f"with initial.wob it stands on the bottom, and its top is {gap} below the rig"
+        if case.initial.wob is not None
+        else f"without initial.wob it hangs from the rig, and its bit is {gap} above the bottom"
+    )
+    return [f"the string is {length} long, {gap} short of its hole of {hole}: {where}"]
+
+
+def listed_upwards(case: CaseBlocks) -> list[str]:
+    """Say that drill pipe or heavy-wall pipe stands right above the bit, below collars; empty where it does not."""
+    items = case.string
+    if not isinstance(items[-1], Bit):
+        return []
+    above = next((i for i in range(len(items) - 2, -1, -1) if isinstance(items[i], Flexible)), None)
+    if above is None or not isinstance(items[above], (DrillPipe, HeavyPipe)):
+        return []
+    between = items[above + 1 : -1]
+    collars = [i for i in range(above) if isinstance(items[i], DrillCollar)]
+    if any(isinstance(item, Stabilizer) or item.length > 1.0 for item in between) or not collars:
+        return []
+    words = "heavy-wall pipe" if isinstance(items[above], HeavyPipe) else "drill pipe"
+    return [
+        f"string[{above}] is {items[above].name}: {words} right above the bit, below the collars; the string is listed from "
+        "the top down, so is its lower part the wrong way round?"
+    ]
+
+
+def beyond_lower_part(case: CaseBlocks) -> list[str]:
+    """Say of each weight on bit that it is more than what hangs below the drill pipe weighs in the mud along the hole.
+
+    Empty in holes above STEEP, whose wall holds drill pipe in compression.
+    """
+    found = _weight_of_lower_part(case)
+    if found is None:
+        return []
+    weight, names = found
+    units = case.output.units or "metric"
+    keys = {"initial.wob": case.initial.wob}
+    if case.roadmap is not None:
+        keys |= {f"roadmap.{word}.wob": getattr(case.roadmap, word).wob for word in ("drilling", "sliding")}
+    words = []
+    for key, wob in keys.items():
+        same = [k for k in keys if keys[k] == wob]
+        if wob is not None and wob > weight and key == same[0]:
+            words.append(
+                f"{' and '.join(same)} is {shown(wob, 'force', units)}: more than what hangs below the drill pipe weighs in "
+                f"the mud along the hole, {shown(weight, 'force', units)} ({names}); drill pipe is in compression"
+            )
+    return words
+
+
+def _weight_of_lower_part(case: CaseBlocks) -> tuple[float, str] | None:
+    """Buoyed weight along the hole [N] of what hangs below the drill pipe, and the names of the items; None where there is
+    no such part, or the hole is steep there. The inclination is that of the nearest survey station."""
+    pipe = [i for i, item in enumerate(case.string) if isinstance(item, DrillPipe)]
+    if not pipe or case.well is None or not any(item.length for item in case.string[pipe[-1] + 1 : -1]):
+        return None
+    survey = case.well.survey
+    top = survey.md[-1] - case.string_length if case.initial.wob is not None else 0.0
+    mud = 0.0 if case.fluid is None else case.fluid.density
+    gravity, sum_ = math.hypot(*case.gravity), 0.0
+    for item, depths in list(zip(case.string, case.item_depths, strict=True))[pipe[-1] + 1 :]:
+        middle = top + 0.5 * sum(depths)
+        nearest = min(range(len(survey.md)), key=lambda k: abs(survey.md[k] - middle))
+        inclination = survey.inclination[nearest]
+        if inclination > STEEP:
+            return None
+        mass, metal = _mass(item)
+        sum_ += mass * (1 - mud / metal) * gravity * math.cos(inclination)
+    return sum_, ", ".join(dict.fromkeys(item.name for item in case.string[pipe[-1] + 1 : -1]))
+
+
+def _mass(item: Item) -> tuple[float, float]:
+    """Mass of an item [kg] and density of its metal [kg/m3]."""
+    if isinstance(item, Beam):
+        return item.mass * item.length, STEEL
+    if isinstance(item, Rigid):
+        return item.mass, item.material.density
+    if isinstance(item, Tubular):
+        return item.adjusted_weight * item.length, item.material.density
+    assert isinstance(item, Tube)
+    area = math.pi / 4 * (item.od**2 - item.id**2)
+    return item.material.density * area * item.length, item.material.density

@@ -1,0 +1,124 @@
+"""Cases that are valid, but hardly meant, are doubted with key, value and reason; usual ones are not."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from drillpetsc import Case, load_case
+from drillpetsc.case.plausibility import plausibility
+
+EAGLE = Path(__file__).parents[3] / "cases" / "field" / "eagle.yaml"
+
+USUAL = {
+    "units": "field",
+    "well": {
+        "survey": {"md": [0, 3000, 8000], "inclination": [0, 0, 0], "azimuth": [0, 0, 0]},
+        "sections": [
+            {"to": 4500, "kind": "casing", "diameter": 8.681, "friction": 0.2},
+            {"to": "end", "kind": "open_hole", "diameter": 8.5, "friction": 0.3},
+        ],
+    },
+    "string": [
+        {"kind": "drill_pipe", "length": 6899, "pipe": "5in 19.5 S-135 NC50"},
+        {"kind": "hwdp", "length": 900, "pipe": "5in 49.3 NC50"},
+        {"kind": "drill_collar", "name": "DC", "length": 200, "od": 6.75, "id": 2.8125},
+        {"kind": "bit", "length": 1, "od": 8.5, "nozzles": "3x12"},
+    ],
+    "top": {"kind": "top_drive", "rotation": 120},
+    "bottom": "bit",
+    "initial": {"wob": 25},
+    "fluid": {"density": 10.5, "rheology": {"pv": 20, "yp": 15}, "flow_rate": 550},
+    "rig": {"max_surface_torque": 45000},
+    "roadmap": {"drilling": {"wob": 25, "tob": 5000, "flow_rate": 550}},
+}
+
+
+def doubts(**changes):
+    """Lines of the usual case with other top-level blocks."""
+    return plausibility(Case(**{**USUAL, **changes}))
+
+
+def string(**lengths):
+    items = [dict(item) for item in USUAL["string"]]
+    for key, length in lengths.items():
+        items[int(key[1:])]["length"] = length
+    return items
+
+
+def measured(*points):
+    keys = ("bit_depth", "operation", "hook_load", "torque")
+    return {"measured": [{k: v for k, v in zip(keys, p, strict=True) if v is not None} for p in points]}
+
+
+def test_usual_cases_are_not_doubted():
+    """Nor is one whose string ends a single short of the rig, or the first case of the project."""
+    assert doubts() == []
+    assert doubts(string=string(_0=6870)) == []
+    assert plausibility(load_case(EAGLE)) == []
+
+
+UPWARDS = [USUAL["string"][i] for i in (0, 2, 1, 3)]
+
+
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        (
+            {"string": string(_0=5899)},
+            ["7000 ft long, 1000 ft short of its hole of 8000 ft", "1000 ft below the rig"],
+        ),
+        ({"string": string(_2=75)}, ["125 ft short"]),
+        ({"string": string(_0=5899), "initial": {}}, ["1000 ft above the bottom"]),
+        ({"string": UPWARDS}, ["string[2]", "heavy-wall pipe right above the bit", "top down"]),
+        ({"initial": {"wob": 60}}, ["initial.wob is 60 klbf", "below the drill pipe"]),
+        ({"roadmap": {"drilling": {"tob": 5}}}, ["roadmap.drilling.tob is 5 ft-lbf", "5 kft-lbf?"]),
+        ({"rig": {"max_surface_torque": 45}}, ["rig.max_surface_torque is 45 ft-lbf", "45 kft-lbf?"]),
+        ({"fluid": {**USUAL["fluid"], "flow_rate": 34.7}}, ["fluid.flow_rate is 34.7 gpm", "little"]),
+        ({"fluid": {**USUAL["fluid"], "flow_rate": 2082}}, ["fluid.flow_rate is 2082 gpm", "much"]),
+        (
+            {
+                "well": {
+                    **USUAL["well"],
+                    "sections": [
+                        {**USUAL["well"]["sections"][0], "diameter": 9.625},
+                        USUAL["well"]["sections"][1],
+                    ],
+                }
+            },
+            ["well.sections[0].diameter is 9.625 in", "bore"],
+        ),
+        ({"roadmap": measured((9000, "PU", 200, None))}, ["1 of 1 measured points", "8000 ft", "9000 ft"]),
+        ({"roadmap": measured((7000, "ROB", 200, 11.5))}, ["measured torque at 7000 ft is 11.5 ft-lbf"]),
+        (
+            {"roadmap": measured((7000, "PU", 150, None), (7000, "SO", 230, None))},
+            ["at 7000 ft", "pick-up load, 150 klbf", "slack-off load, 230 klbf", "swapped?"],
+        ),
+    ],
+)
+def test_mistakes_are_doubted(changes, words):
+    """One line each, in the units of the case."""
+    lines = doubts(**changes)
+    assert len(lines) == 1
+    assert all(word in lines[0] for word in words), lines
+
+
+def test_buoyed_weight_below_the_drill_pipe():
+    """900 ft of 49.3 lb/ft, 200 ft of 6 3/4 x 2 13/16 in and the bit, in 10.5 ppg: 54.2 klbf by hand, cos 0 = 1.
+
+    Collar: pi/4 (6.75^2 - 2.8125^2) in2 x 12 in/ft x 7850 kg/m3 = 100.6 lb/ft; buoyancy 1 - 10.5/65.5.
+    """
+    by_hand = (900 * 49.3 + 200 * 100.6) * (1 - 10.5 / 65.51) / 1e3
+    line = doubts(initial={"wob": 60})[0]
+    found = float(line.split("along the hole, ")[1].split()[0])
+    assert found == pytest.approx(by_hand, rel=0.01)  # and a bit of some 0.15 klb
+
+
+def test_highly_deviated_pipe_may_be_in_compression():
+    """Above 60 deg the wall holds drill pipe straight, and no weight on bit is doubted."""
+    well = {
+        **USUAL["well"],
+        "survey": {"md": [0, 3000, 6000, 8000], "inclination": [0, 0, 85, 85], "azimuth": [0] * 4},
+    }
+    assert doubts(well=well, initial={"wob": 30}) == []
