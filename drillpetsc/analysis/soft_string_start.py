@@ -12,6 +12,7 @@ from drillpetsc.analysis.placement import top_depth
 from drillpetsc.analysis.soft_string import TorqueDrag, torque_drag
 from drillpetsc.case.blocks.ends import ForcedBottom
 from drillpetsc.model.drilling_model import DrillingModel
+from drillpetsc.model.fluid import rigid_weights
 
 
 def soft_string(
@@ -32,13 +33,15 @@ def soft_string(
         return None
     depth = mesh.node_depth + top_depth(model)
     wob = (case.initial.wob or 0.0) if wob is None else wob
-    weight = model.effective_mass * g
-    for b in mesh.bodies:
-        if b.node < mesh.nodes - 1:
-            cell = b.node - 1 if mesh.is_joint[b.node] and b.node else b.node  # a joint is no element
-            weight[cell] += b.mass * g / mesh.length_divisor[cell]
+    rigid = rigid_weights(case, mesh) * g
+    load = np.where(mesh.is_joint, 0.0, model.effective_mass * mesh.length * g)
+    for node in np.flatnonzero(rigid[:-1]):
+        load[node - 1 if mesh.is_joint[node] and node else node] += rigid[node]  # a joint is no element
+    # between two nodes lies an element and what is rigid above it: its length is not the distance of the nodes
+    span = np.diff(depth)
+    weight = np.divide(load, span, out=np.zeros_like(load), where=span > 0)
     # joints have no length and are left out; both nodes of a joint get the same values
-    has_length = np.diff(depth) > 0
+    has_length = span > 0
     turning = motion[1] + (model.motor.static_speed if model.motor is not None else 0.0)
     soft = torque_drag(
         well,
@@ -47,7 +50,7 @@ def soft_string(
         0.5 * mesh.contact_diameter[has_length],
         mesh.axial_stiffness[has_length],
         mesh.torsional_stiffness[has_length],
-        bottom_force=_force_below(model, g) - wob,
+        bottom_force=_force_below(model, rigid[-1]) - wob,
         bottom_torque=model.bit.torque_for(wob, turning) * np.sign(turning) if model.bit else 0.0,
         axial_velocity=-motion[0],
         rotation=motion[1],
@@ -72,13 +75,10 @@ def place_marched(model: DrillingModel, found: March) -> None:
         system.set_field("string.ratio", found.ratio[:, None])
 
 
-def _force_below(model: DrillingModel, g: float) -> float:
-    """Compute the axial force [N] on the lowest node from its rigid items and from a given force.
-
-    ``g`` in m/s2.
-    """
-    mesh, bottom = model.mesh, model.case.bottom
-    force = np.array([0.0, 0.0, g * sum(b.mass for b in mesh.bodies if b.node == mesh.nodes - 1)])
+def _force_below(model: DrillingModel, rigid: float) -> float:
+    """Compute the axial force [N] on the lowest node from its rigid items, of weight ``rigid`` [N], and from a given force."""
+    bottom = model.case.bottom
+    force = np.array([0.0, 0.0, rigid])
     if isinstance(bottom, ForcedBottom):
         force += bottom.force
     return float(force @ model.tangent[-1])

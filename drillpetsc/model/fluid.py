@@ -392,6 +392,20 @@ def _rigid_runs(case: Case, mesh: StringMesh) -> tuple[FloatArray, FloatArray]:
     return area, volume
 
 
+def rigid_weights(case: Case, mesh: StringMesh) -> FloatArray:
+    """(n+1,) mass of the rigid items below each node [kg]: their metal and the mud in their bore, less the displaced mud."""
+    length, mass = np.zeros(mesh.nodes), np.zeros(mesh.nodes)
+    for body in mesh.bodies:
+        length[body.node] += body.length
+        mass[body.node] += body.mass
+    if case.fluid is None:
+        return mass
+    area, metal = _rigid_runs(case, mesh)
+    bore = area[:, 0] * length
+    inside, around = (case.fluid.density * has for has in (case.has_bore, case.has_annulus))
+    return mass + inside * bore - around * (metal + bore)
+
+
 def build_bore(case: Case, mesh: StringMesh) -> Bore:
     """Bore of every element. Elasticity of a thick tube (Lame): (2/E) [(Ro^2 + Ri^2)/(Ro^2 - Ri^2) + nu]."""
     assert case.fluid is not None

@@ -154,7 +154,7 @@ def test_weight_error_over_the_reading(tmp_path):
 def test_wide_intervals_determine_nothing(tmp_path):
     """Readings of one depth with 20 kN of noise: pick-up and slack-off say the sum of both frictions only. The factor with an
     interval of its own width is not a result; the other one is found with that of the case, and this is said."""
-    noise = (12e3, -16e3, 0.0)
+    noise = (12e3, -16e3, 12e3)
     points = tuple(
         p.model_copy(update={"hook_load": p.hook_load + d, "torque": None})
         for p, d in zip(synthetic(depths=(2100,)), noise, strict=True)
