@@ -13,8 +13,7 @@ import numpy as np
 from drillpetsc.analysis.torque_drag.batch import Columns, Hole, soft_strings
 from drillpetsc.analysis.torque_drag.circulation import Circulation, circulation
 from drillpetsc.analysis.torque_drag.operations import KINDS, groups_of, load_of, plan_of
-from drillpetsc.analysis.torque_drag.roadmap import need_well
-from drillpetsc.analysis.torque_drag.string_rows import gravity_of, rows_at
+from drillpetsc.analysis.torque_drag.string_rows import gravity_of, need_well, rows_at
 from drillpetsc.arrays import FloatArray
 from drillpetsc.case.blocks.roadmap import MeasuredPoint
 from drillpetsc.case.case import Case

@@ -227,6 +227,11 @@ def pairs_of(case: Case, plan: Roadmap, notes: list[str]) -> list[Pair]:
     return out
 
 
+def _length(case: Case, depth: float) -> str:
+    """A depth [m] as text in the units of the case."""
+    return shown(depth, "length", case.output.units or "metric", 6)
+
+
 def shoes_of(case: Case) -> list[float]:
     """Measured depths of the casing shoes [m], rising."""
     assert case.well is not None
@@ -249,8 +254,8 @@ def strings_of(case: Case, plan: Roadmap, notes: list[str]) -> list[StringRows]:
             if depth > end + 1e-6:
                 raise CaseError(
                     at=f"roadmap.bit_depth[{i}]",
-                    got=f"{depth:g} m",
-                    want=f"at most {end:g} m, the end of the hole",
+                    got=_length(case, depth),
+                    want=f"at most {_length(case, end)}, the end of the hole",
                 )
         listed = [rows_at(case, depth) for depth in sorted(set(given))]
         return _told_lengthened(case, listed, notes)
@@ -260,12 +265,13 @@ def strings_of(case: Case, plan: Roadmap, notes: list[str]) -> list[StringRows]:
         first = shoes[-1] if given.from_ == "shoe" else float(given.from_)
         last = end if given.to == "td" else float(given.to)
         if not first < last <= end + 1e-6:
-            want = f"depths rising from 'from' to 'to', at most {end:g} m, the end of the hole"
-            raise CaseError(at="roadmap.bit_depth", got=f"{first:g} to {last:g} m", want=want)
+            want = f"depths rising from 'from' to 'to', at most {_length(case, end)}, the end of the hole"
+            got = f"{_length(case, first)} to {_length(case, last)}"
+            raise CaseError(at="roadmap.bit_depth", got=got, want=want)
         if (last - first) / given.step > 2000:
             raise CaseError(
                 at="roadmap.bit_depth.step",
-                got=f"{given.step:g} m",
+                got=_length(case, given.step),
                 want="a step that gives at most 2000 depths",
             )
         depths = [*np.arange(first, last - 1e-6, given.step), last]
@@ -282,8 +288,8 @@ def strings_of(case: Case, plan: Roadmap, notes: list[str]) -> list[StringRows]:
     if problem is not None and not out:
         raise problem
     if left:
-        which = ", ".join(f"{d:.6g}" for d in left[:5]) + (", ..." if len(left) > 5 else "")
-        notes.append(f"bit depths left out: {which} m ({problem.want if problem else ''})")
+        which = ", ".join(_length(case, d) for d in left[:5]) + (", ..." if len(left) > 5 else "")
+        notes.append(f"bit depths left out: {which} ({problem.want if problem else ''})")
     return _told_lengthened(case, out, notes)
 
 
@@ -291,9 +297,9 @@ def _told_lengthened(case: Case, strings: list[StringRows], notes: list[str]) ->
     """The strings, with a note where some are longer than that of the case, so that their weight is not that of its items."""
     longer = [rows.depth for rows in strings if rows.depth > case.string_length + LENGTHENED]
     if longer:
-        which = f"{longer[0]:.6g} m" if len(longer) == 1 else f"{longer[0]:.6g} m to {longer[-1]:.6g} m"
+        which = " to ".join(dict.fromkeys(_length(case, depth) for depth in (longer[0], longer[-1])))
         notes.append(
-            f"bit at {which}: the string of the case is {case.string_length:.6g} m long; its topmost item ({case.string[0].name}) "
+            f"bit at {which}: the string of the case is {_length(case, case.string_length)} long; its topmost item ({case.string[0].name}) "
             "is lengthened there, with its weight"
         )
     return strings
