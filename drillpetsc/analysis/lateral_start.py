@@ -90,6 +90,7 @@ def lateral_starts(
         change = np.abs(found.axial_force - before.axial_force).max()
         if (number or not parts.rough) and change <= SETTLED_PUSH * -found.axial_force.min():
             break
+    assert state is not None  # MAX_ROUNDS is at least 1
     out = []
     for U, with_friction in ((state.with_friction, True), (state.alone, not (turns and lateral))):
         # a string that lies on the wall climbs it when it turns; only a buckled one may have no equilibrium
