@@ -80,7 +80,9 @@ def run_statics(
         state = find_equilibrium(model, moving, False, path)
         columns, values = static_table(model)
         buckled = buckling(model, columns, values) if values is not None else Buckling()
-        state.warnings += buckled.lines(case.output.units or "metric", _slides_unfollowed(model, state))
+        is_buckled = bool(buckled.sinusoidal or buckled.helical)
+        slides = is_buckled and _slides_unfollowed(model, state)
+        state.warnings += buckled.lines(case.output.units or "metric", slides)
         state.warnings += [*state_warnings(model, columns, values), *model.mesh.notes]
         state.warnings += _hoisted_with_weight(model, moving)
         state.warnings += mud_above_top(model)

@@ -165,8 +165,10 @@ def test_the_push_of_mud_above_a_top_inside_the_hole_is_stated(units, tmp_path):
         gravity=9.81,
         initial={"from": "statics", "wob": 2e4},
         output={"units": units} if units != "SI" else {},
+        time={"end": 1e-3},
     )
     summary = statics(case, tmp_path / "out").summary
+    assert any("upper face" in w for w in run(case, tmp_path / "run", progress="silent").summary["warnings"])
     push = 1200.0 * 9.81 * 400.0 * area
     assert summary["hook_load"] + push == pytest.approx((7850.0 - 1200.0) * 9.81 * steel - 2e4, rel=2e-4)
     (said,) = [w for w in summary["warnings"] if "upper face" in w]
