@@ -15,6 +15,7 @@ from drillpetsc.analysis.equilibrium import MOTIONS, StaticState
 from drillpetsc.analysis.friction_path import has_path
 from drillpetsc.analysis.initial_state import find_equilibrium
 from drillpetsc.analysis.limits.operations import OPERATIONS, case_of, read_operation
+from drillpetsc.analysis.mud_above_top import mud_above_top
 from drillpetsc.analysis.path_answer import PathKind
 from drillpetsc.analysis.placement import prescribed_motion, top_depth
 from drillpetsc.analysis.transient import make_folder
@@ -82,6 +83,7 @@ def run_statics(
         state.warnings += buckled.lines(case.output.units or "metric", _slides_unfollowed(model, state))
         state.warnings += [*state_warnings(model, columns, values), *model.mesh.notes]
         state.warnings += _hoisted_with_weight(model, moving)
+        state.warnings += mud_above_top(model)
         summary = {
             "title": case.title,
             **static_summary(model, state),

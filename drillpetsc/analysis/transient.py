@@ -378,6 +378,11 @@ class TransientRun:
         self.notes["warnings"] += hoist_warnings(self.case)
         if self.saved is not None:
             self.notes["warnings"] += provenance.version_warnings(self.saved.provenance)
+        if self.notes.get("accepted_changes"):
+            self.notes["warnings"].append(
+                "changes accepted at a restart act at once: what they add or take stands in the energy balance as gained or "
+                "lost by the time integration"
+            )
         self.boiling = BoilingMonitor(self.model.system, self.model.fluid)
         if self.saved is not None:
             self.boiling.set_notes(self.saved.notes.get("boiling", {}))

@@ -306,7 +306,8 @@ class CondensedNewton:
 
         Collective.
 
-        The result is complete on rank 0 and may be empty elsewhere.
+        The result is complete on rank 0 and may be empty elsewhere.  On one rank the entries are those of the assembly itself, which
+        the next Jacobian overwrites: with a copy a checkpoint would need a third more memory.
         newton: convergence factor [-] and shift [1/s].
         entries: entries of all ranks; shares: their number on each rank; signatures: contact signature of
         each rank.
@@ -322,7 +323,7 @@ class CondensedNewton:
             return {}
         return {
             "newton": np.array([self.eta, lag.shift]),
-            "entries": np.concatenate([p[0] for p in parts]),
+            "entries": local_values if mpi.size == 1 else np.concatenate([p[0] for p in parts]),
             "shares": np.array([len(p[0]) for p in parts]),
             "signatures": np.array([p[1] for p in parts]),
         }
