@@ -70,11 +70,8 @@ def end_forces(model: DrillingModel, time: float = 0.0) -> EndForces:
                 slice(None) if bound.count == count else bound.block.points
             )  # all of them are in depth order
             for end, (position, orientation) in _places(bound, beam.orientation).items():
-                if position.stop == orientation.start:
-                    both[points, end] += rows[:, position.start : orientation.stop]
-                else:  # the strain of a quaternion element stands between them
-                    both[points, end, :3] += rows[:, position]
-                    both[points, end, 3:] += rows[:, orientation]
+                both[points, end, :3] += rows[:, position]
+                both[points, end, 3:] += rows[:, orientation]  # another unknown may stand between
     forces, turning = np.ascontiguousarray(both[..., :3]), both[..., 3:]
     flat = turned.reshape(-1, turned.shape[2]), turning.reshape(-1, turned.shape[2])
     couples = beam.couple(*flat).reshape(count, 2, 3)
