@@ -70,8 +70,11 @@ def end_forces(model: DrillingModel, time: float = 0.0) -> EndForces:
                 slice(None) if bound.count == count else bound.block.points
             )  # all of them are in depth order
             for end, (position, orientation) in _places(bound, beam.orientation).items():
-                both[points, end, :3] += rows[:, position]
-                both[points, end, 3:] += rows[:, orientation]  # another unknown may stand between
+                if position.stop == orientation.start:  # as a rule: one sum instead of two
+                    both[points, end] += rows[:, position.start : orientation.stop]
+                else:
+                    both[points, end, :3] += rows[:, position]
+                    both[points, end, 3:] += rows[:, orientation]
     forces, turning = np.ascontiguousarray(both[..., :3]), both[..., 3:]
     flat = turned.reshape(-1, turned.shape[2]), turning.reshape(-1, turned.shape[2])
     couples = beam.couple(*flat).reshape(count, 2, 3)
@@ -97,10 +100,7 @@ def end_forces(model: DrillingModel, time: float = 0.0) -> EndForces:
 
 
 def _places(bound: BoundBlock, orientation: str) -> dict[int, tuple[slice, slice]]:
-    """Columns of position and orientation of the string in a block's unknowns, by end.
-
-    Empty without the string.
-    """
+    """Columns of position and orientation of the string in a block's unknowns, by end; empty without the string."""
     found = bound.columns
     return {
         end: (found["string.position", end], found[orientation, end])

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time as clock
+from collections.abc import Callable
 from contextlib import suppress
 from pathlib import Path
 from typing import Protocol
@@ -82,22 +83,29 @@ class RunWriter:
             passed(self.next_frame * self.every[1], t),
         )
         if not row_due and not frame_due:
+            if self.recorder.kept and clock.monotonic() > self._written + ROWS_WAIT:
+                self._attempt(self._write_rows, errors)
             return False
         self.event.begin()
         if row_due and self.recorder.energy is not None:
             self.recorder.energy.update(t)
         fields = self.field_output.fields(t) if frame_due else None
         rows = range(self.next_row, after(t, self.every[0]) if row_due else self.next_row)
-        try:
-            self._write([row * self.every[0] for row in rows], t, dt, newton, fields)
-        except OSError as error:
-            errors.report_write_error(error, error.filename or str(self.folder.path))  # type: ignore[union-attr]
+        self._attempt(
+            lambda: self._write([row * self.every[0] for row in rows], t, dt, newton, fields), errors
+        )
         self.next_row = rows.stop
         self.last_row = rows[-1] * self.every[0] if rows else self.last_row
         if frame_due:
             self.next_frame = after(t, self.every[1])
         self.event.end()
         return True
+
+    def _attempt(self, task: Callable[[], None], errors: WriteErrors) -> None:
+        try:
+            task()
+        except OSError as error:
+            errors.report_write_error(error, error.filename or str(self.folder.path))  # type: ignore[union-attr]
 
     def _write(
         self,

@@ -250,9 +250,7 @@ class ChainFactor:
             if rank == self.comm.rank:
                 self._from_interface = np.concatenate([none] + [interface.positions_of(j) for j in ends])
         all_i, row, all_j, column, source = np.concatenate(entries, axis=1)
-        before = np.concatenate(
-            [[0], np.cumsum(b, dtype=np.int64)]
-        )  # unknowns of the interfaces in their order
+        before = np.cumsum(b, dtype=np.int64) - b  # unknowns of the interfaces above each
         node = np.repeat(np.arange(len(b)), b)
         interface.set_matrix_entries(
             before[all_i] + row, before[all_j] + column, node, interface.components(), source
@@ -413,9 +411,8 @@ class ChainPC:
 
         self.chain, self.provider, self.stop = chain, provider, stop
         self.version: int | None = None
-        self._factored = (
-            -1
-        )  # number of the chain's factorisation with these values; others may use the chain, too
+        #: number of the chain's factorisation with these values; others may use the chain, too
+        self._factored = -1
         self.factorisations = 0
         self.error: ZeroPivot | None = None
         self._log = PETSc.Log

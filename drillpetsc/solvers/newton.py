@@ -313,7 +313,7 @@ class CondensedNewton:
         each rank.
         """
         lag, mpi = self.lag, self.system.comm.tompi4py()
-        if lag is None or not lag.good:
+        if lag is None or not lag.good or (self.direct and not self.has_factor):
             return {"newton": np.array([self.eta])}
         local_values = self.system.assembly.values
         parts = (
