@@ -3,6 +3,7 @@ and in both books of mud (manual: sec-mud-joints)."""
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -27,9 +28,9 @@ SEAL = 0.045
 KINDS = ("bore", "annulus", "bore annulus", "bore annulus arm", "annulus arm", "bore arm")
 
 
-def build(kind: str, seed: int = 4) -> DiscreteSystem:
+def build(kind: str, seed: int = 4, more: Callable[..., list] | None = None) -> DiscreteSystem:
     """Two elements, a slider with seals, an element; mud of density 3 and bulk modulus 60; a random moving state.
-    arm: a rigid arm of 0.3 m above the joint."""
+    arm: a rigid arm of 0.3 m above the joint; more: further components by mesh, frames and joints."""
     rng = np.random.default_rng(seed)
     arm = 0.3 if "arm" in kind else 0.0
     mesh = uniform_string(4.0, 4, **SECTION, inner_diameter=0.3)
@@ -60,6 +61,8 @@ def build(kind: str, seed: int = 4) -> DiscreteSystem:
             AnnulusFlow(mesh, sizes, well, fluid, poisson, side, Constant(0.4), 0.1, None, None)
         )
     components.append(JointSeals(mesh, fluid, "bore" in kind, "annulus" in kind, Constant(0.7)))
+    if more is not None:
+        components += more(mesh, frames, components[1])
     system = DiscreteSystem(mesh, frames, components)
     system.set_field("string.position", position + 0.05 * rng.standard_normal((5, 3)))
     system.set_field("string.tangent", tangents + 0.1 * rng.standard_normal((5, 3)))
