@@ -16,7 +16,6 @@ from drillpetsc.analysis.friction_path import (
     FrictionPath,
     follow_paths,
     has_path,
-    pushed_at_end,
     refuse_path,
 )
 from drillpetsc.analysis.march import CRUSHING_STRAIN, March, march
@@ -193,7 +192,35 @@ def _answer_by_newton(problem: StaticProblem) -> float:
         if not problem.paths or not has_path(model, state.motion):
             raise
         _answer_by_path(problem, "sliding" if any(state.motion) else "without_friction")
+        return state.lateral_fraction
+    if state.motion[0] and not state.motion[1] and problem.paths:
+        _replace_unstable(problem)
     return state.lateral_fraction
+
+
+def _replace_unstable(problem: StaticProblem) -> None:
+    """Follow a path of steady sliding where Newton's method found an unstable state; that state stays if no path ends."""
+    model, solver, state = problem.model, problem.solver, problem.state
+    problem.set_friction_aside()
+    unstable = solver.negative_pivots() > 0
+    problem.impose(state.lateral_fraction)
+    if not unstable or too_coarse(model) or model.motor is not None:
+        return
+    found, load, imperfection = (
+        Snapshot(model),
+        model.system.assembly.dead_load,
+        state.equilibrium.imperfection,
+    )
+    _begin_again(problem)
+    if has_path(model, state.motion):
+        try:
+            _answer_by_path(problem, "sliding")
+            return
+        except SolveError:
+            problem.set_friction_aside()
+    found.restore()
+    model.system.assembly.dead_load, state.equilibrium.imperfection, state.path = load, imperfection, None
+    problem.impose(state.lateral_fraction)
 
 
 def _begin_again(problem: StaticProblem) -> None:
@@ -212,8 +239,7 @@ def _answer_by_path(problem: StaticProblem, kind: AnyPath) -> None:
     assert clearance is not None and steps is not None
     surge = surge_rates(model, problem.lowering)
     path = FrictionPath(model, kind, problem.solver, state.motion, clearance, steps, surge)
-    overload = kind == "sliding" and pushed_at_end(model)  # a weight is not exceeded
-    state.path = follow_paths(path, ("straight", "overload") if overload else ("straight",))
+    state.path = follow_paths(path, ("straight", "overload") if kind == "sliding" else ("straight",))
     report, end = state.equilibrium, state.path.ends[0]
     report.imperfection, report.negative_pivots, report.converged = SEED, end.negative_pivots, True
     report.iterations += end.iterations

@@ -76,6 +76,7 @@ def lateral_starts(
     if motion[0] and coiled is not None:
         found = with_contact(model, found, motion, coiled.contact_force)
     loads, turns, last = _side_loads(model, found), bool(motion[1]), None
+    state: LateralState | None = None
     for number in range(MAX_ROUNDS):
         buckling = _first_node(model, found)
         if buckling is None:
@@ -90,6 +91,7 @@ def lateral_starts(
         change = np.abs(found.axial_force - before.axial_force).max()
         if (number or not parts.rough) and change <= SETTLED_PUSH * -found.axial_force.min():
             break
+    assert state is not None
     out = []
     for U, with_friction in ((state.with_friction, True), (state.alone, not (turns and lateral))):
         # a string that lies on the wall climbs it when it turns; only a buckled one may have no equilibrium
