@@ -16,7 +16,6 @@ from drillpetsc.analysis.friction_path import (
     FrictionPath,
     follow_paths,
     has_path,
-    pushed_at_end,
     refuse_path,
 )
 from drillpetsc.analysis.march import CRUSHING_STRAIN, March, march
@@ -195,6 +194,7 @@ def _answer_by_newton(problem: StaticProblem) -> float:
         if not problem.paths or not has_path(model, state.motion):
             raise
         _answer_by_path(problem, "sliding" if any(state.motion) else "without_friction")
+        return state.lateral_fraction
     return state.lateral_fraction
 
 
@@ -207,7 +207,7 @@ def _slides_to_another_state(problem: StaticProblem) -> bool:
     model, solver, state, report = problem.model, problem.solver, problem.state, problem.state.equilibrium
     if not (problem.moves and problem.paths and solver.energy and has_path(model, state.motion)):
         return False
-    if too_coarse(model):
+    if too_coarse(model) or model.motor is not None:
         return False
     asm = model.system.assembly
     unstable, load, imperfection = Snapshot(model), asm.dead_load, report.imperfection
@@ -241,8 +241,7 @@ def _answer_by_path(problem: StaticProblem, kind: AnyPath) -> None:
     assert clearance is not None and steps is not None
     surge = surge_rates(model, problem.lowering)
     path = FrictionPath(model, kind, problem.solver, state.motion, clearance, steps, surge)
-    overload = kind == "sliding" and pushed_at_end(model)  # a weight is not exceeded
-    state.path = follow_paths(path, ("straight", "overload") if overload else ("straight",))
+    state.path = follow_paths(path, ("straight", "overload") if kind == "sliding" else ("straight",))
     report, end = state.equilibrium, state.path.ends[0]
     report.imperfection, report.negative_pivots, report.converged = SEED, end.negative_pivots, True
     report.iterations += end.iterations

@@ -76,6 +76,7 @@ def lateral_starts(
     if motion[0] and coiled is not None:
         found = with_contact(model, found, motion, coiled.contact_force)
     loads, turns, last = _side_loads(model, found), bool(motion[1]), None
+    state: LateralState | None = None
     for number in range(MAX_ROUNDS):
         buckling = _first_node(model, found)
         if buckling is None:

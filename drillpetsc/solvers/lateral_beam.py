@@ -33,7 +33,8 @@ WAY = 1e-4  # share of a step over which its direction is differenced
 MAX_STEPS = 1000
 MAX_ITERATIONS = 6000  # of all Newton steps of a descent
 MAX_UNDISTURBED = 300  # the same of a string without side loads, which may be at a saddle
-SHIFT_MARGIN = 1.5  # of the side spring over the one with which the energy is convex
+SHIFT_SCALE = 1.1  # accuracy of the side spring with which the energy is convex
+SHIFT_MARGIN = 1.01  # of the side spring over the one with which the energy is convex
 LEAST_SHIFT = 1e-4  # of a side spring that is tried after none, over the first
 STANDSTILL = 1e-6  # motion of a step, as a share of the clearance, that leaves a saddle where it is
 SETTLED_MOVE = 0.03  # motion of a quick step from a convex state after which the shift is left out
@@ -227,18 +228,24 @@ class LateralBeam:
         return True
 
     def least_shift(self, U: FloatArray, last: float) -> float:
-        """Smallest shift on a scale of 2 with which the energy at ``U`` is convex; 0 where it is; near ``last``."""
+        """Smallest side spring [N/m2] with which the energy at ``U`` is convex, at most ``SHIFT_SCALE`` of it above; 0 where it is.
+
+        last: a guess.
+        """
         band = self.rows(U)[1]
         if self._definite(band, 0.0):
             return 0.0
-        shift = last
-        if self._definite(band, shift):
-            while self._definite(band, 0.5 * shift) and shift > 1e-8 * self.first_shift:
-                shift *= 0.5
-            return shift
-        while not self._definite(band, shift) and shift < 1e6 * self.first_shift:
-            shift *= 2
-        return shift
+        high, low = last, last
+        while not self._definite(band, high) and high < 1e6 * self.first_shift:
+            low, high = high, 2 * high
+        while low == high and high > 1e-8 * self.first_shift:
+            low = 0.5 * high
+            if self._definite(band, low):
+                high = low
+        while high > SHIFT_SCALE * low > 0:
+            middle = float(np.sqrt(low * high))
+            low, high = (low, middle) if self._definite(band, middle) else (middle, high)
+        return high
 
     def _advance(self, U: FloatArray, p: FloatArray) -> FloatArray:
         """``U`` after the step ``p``; nodes near the wall turn about the axis of the hole."""
