@@ -176,7 +176,7 @@ RUN_MARKERS = {
 def _mark_runs(axes: Any, table: dict[str, np.ndarray], unit: float) -> None:
     """Mark what the runs in time did: white where the string is calm or calms down, black where it swings up or sticks."""
     for behaviour, (marker, colour) in RUN_MARKERS.items():
-        here = table["behaviour [-]"] == behaviour
+        here = table["run_behaviour [-]"] == behaviour
         if here.any():
             axes.scatter(
                 table["rotary_speed [rpm]"][here].astype(float), table["weight_on_bit [N]"][here].astype(float) / unit,

@@ -208,7 +208,9 @@ def test_runs_in_time_beside_the_eigenvalues(control, speeds, tmp_path):
         method="time", duration="45 s", overwrite=True,
     )  # fmt: skip
     runs = rows(tmp_path, "stability_runs.csv")
-    for rpm, behaviour, allowed in zip(runs["rotary_speed"], runs["behaviour"], speeds.values(), strict=True):
+    for rpm, behaviour, allowed in zip(
+        runs["rotary_speed"], runs["run_behaviour"], speeds.values(), strict=True
+    ):
         assert behaviour in allowed, rpm
     assert result.summary["runs"]["differ"] == 0
     assert (rows(tmp_path, "stability_map.csv")["largest_growth"] > 0).tolist() == [True, False]

@@ -11,6 +11,7 @@ from drillpetsc.analysis.session import Session
 from drillpetsc.case.blocks.settings import Time
 from drillpetsc.case.case import Case
 from drillpetsc.errors import CaseError, SolveError
+from drillpetsc.model.drilling_model import is_quasi_static
 from drillpetsc.time_function import Constant, PiecewiseLinear
 from drillpetsc.vibration.indices import stick_slip_index, stuck_share
 
@@ -51,6 +52,8 @@ def refuse(case: Case) -> None:
         raise CaseError(
             at="top.autodriller", want="no autodriller with --method time: the top is lowered at the rate of penetration",
         )  # fmt: skip
+    if is_quasi_static(case):
+        raise CaseError(at="time.mode", got="quasi_static", want="dynamic with --method time")
     if case.top.torque is not None:
         raise CaseError(at="top.torque", want="a rotation with --method time, not a torque")
 
