@@ -513,7 +513,7 @@ def response(
     case: Case | str | Path,
     out: str | Path | None = None,
     *,
-    excite: Literal["unbalance", "bit"],
+    excite: Literal["unbalance", "bit", "motor"],
     speeds: str | Sequence[float],
     amplitude: str | None = None,
     order: float | None = None,
@@ -526,7 +526,8 @@ def response(
 
     case: a Case, or the path of a case file
     out: run folder; by default results/<case>-NNN
-    excite: unbalance, what is off the axis in the case, once per turn; or bit, a motion, force or torque of the lower end
+    excite: unbalance, what is off the axis in the case, once per turn; bit, a motion, force or torque of the lower end; or
+        motor, the orbit of a downhole motor's rotor
     speeds: rotary speeds above 0, as text ("20:200:2 rpm", "60,90 rpm") or in rad/s, ascending
     amplitude: of the bit, with its unit: "3 mm", "5 kN", "1 kN m"
     order: cycles per turn of the bit; by default 3

@@ -7,6 +7,7 @@ from functools import partial
 import numpy as np
 
 from drillpetsc.analysis.coarse_mesh import expected_warnings
+from drillpetsc.analysis.commands_report import command_lines
 from drillpetsc.analysis.drive_report import drive_lines
 from drillpetsc.analysis.energy_descent import coarse_elements
 from drillpetsc.analysis.hoist_report import hoist_lines
@@ -62,7 +63,7 @@ def _quasi_static(case: Case) -> bool:
     return case.time is not None and case.time.mode == "quasi_static"
 
 
-def _fitted(key: str, rheology: Rheology | None) -> list[str]:
+def _fitted(key: str, rheology: Rheology | None, units: System) -> list[str]:
     """Describe the fit of a rheology to dial readings; nothing where there are none."""
     if rheology is None or not rheology.dial:
         return []
@@ -70,7 +71,8 @@ def _fitted(key: str, rheology: Rheology | None) -> list[str]:
     rms = misfit(rheology.dial, partial(stress_at, rheology))
     return [
         f"    {key}: {len(rheology.dial)} dial readings ({', '.join(rheology.dial)} rpm), fit {rheology.fit or 'given'}: "
-        f"yield stress {stress:.4g} Pa, consistency {consistency:.4g} Pa s^n, index {index:.4g}; misfit {rms:.3g} Pa rms"
+        f"yield stress {shown(stress, 'yield_point', units)}, consistency {shown(consistency, 'consistency', units)}, "
+        f"index {index:.4g}; misfit {shown(rms, 'yield_point', units, 3)} rms"
     ]
 
 
@@ -185,7 +187,11 @@ def _lines(model: DrillingModel) -> list[str]:
         lines.append(
             f"  fluid: {shown(mud.density, 'mud_weight', units, 6)}, {mud.rheology.model}, law {mud.rheology.law}, bulk modulus {mud.bulk_modulus:g} Pa"
         )
-        lines += [*_fitted("rheology", mud.rheology), *_fitted("annulus_rheology", mud.annulus_rheology)]
+        lines += [
+            *_fitted("rheology", mud.rheology, units),
+            *_fitted("annulus_rheology", mud.annulus_rheology, units),
+        ]
+    lines += [f"  {line}" for line in command_lines(case)]
     lines.append("  contains: " + "; ".join(contained))
     lines.append("  leaves out (no unknowns, no cost): " + "; ".join(left_out))
     counts = field_counts(system)

@@ -204,19 +204,23 @@ def _slides_to_another_state(problem: StaticProblem) -> bool:
     Such a state is no answer.  Returns whether the path has an end; the state is the former one where it has none, and
     where a coarse mesh explains the pivots.
     """
-    model, state, report = problem.model, problem.state, problem.state.equilibrium
-    if not (problem.moves and problem.paths and problem.solver.energy and has_path(model, state.motion)):
+    model, solver, state, report = problem.model, problem.solver, problem.state, problem.state.equilibrium
+    if not (problem.moves and problem.paths and solver.energy and has_path(model, state.motion)):
         return False
     if too_coarse(model):
         return False
     asm = model.system.assembly
     unstable, load, imperfection = Snapshot(model), asm.dead_load, report.imperfection
+    rates, y = solver.rates, asm.y.copy()
     _begin_again(problem)
+    solver.rates, asm.y[:] = None, 0.0  # the path has its own surge
     try:
         _answer_by_path(problem, "sliding")
     except SolveError:
         unstable.restore()
         asm.dead_load, report.imperfection = load, imperfection
+        solver.rates, asm.y[:] = rates, y
+        problem.set_friction_aside()
         return False
     return True
 

@@ -275,10 +275,10 @@ def _name(field: str, node: int, component: int, model: DrillingModel) -> str:
 
 
 def kind_of(model: DrillingModel, linear: LinearModel, state: np.ndarray) -> str:
-    """Word for the motion of a state vector (order,): lateral, axial, torsional, control or fluid."""
+    """Word for the motion of a state vector (order,): lateral, axial, torsional, control, fluid or hole (rock)."""
     q = linear.linearised
     u = linear.shapes(state[:, None])
-    share = np.zeros(5)
+    share = np.zeros(6)
     for i, field in enumerate(model.system.layout.fields):
         at = np.flatnonzero(q.field == i)
         weight = np.abs(u[at, 0]) / q.scale[at]
@@ -293,7 +293,7 @@ def kind_of(model: DrillingModel, linear: LinearModel, state: np.ndarray) -> str
         elif field.name.startswith("string."):
             share[2] += float((weight**2).sum())
         else:
-            share[3 if field.physics == DRIVE else 4] += float((weight**2).sum())
+            share[{DRIVE: 3, "rock": 5}.get(field.physics, 4)] += float((weight**2).sum())
     if not share.any():
         return "of the input"
-    return ("lateral", "axial", "torsional", "control", "fluid")[int(share.argmax())]
+    return ("lateral", "axial", "torsional", "control", "fluid", "hole")[int(share.argmax())]

@@ -14,7 +14,8 @@ from drillpetsc.analysis.coarse_mesh import state_warnings
 from drillpetsc.analysis.equilibrium import MOTIONS, StaticState
 from drillpetsc.analysis.friction_path import has_path
 from drillpetsc.analysis.initial_state import find_equilibrium
-from drillpetsc.analysis.limits.operations import OPERATIONS, case_of, read_operation
+from drillpetsc.analysis.limits.operations import case_of, motion_of, read_operation
+from drillpetsc.analysis.mud_above_top import mud_above_top
 from drillpetsc.analysis.path_answer import PathKind
 from drillpetsc.analysis.placement import prescribed_motion, top_depth
 from drillpetsc.analysis.transient import make_folder
@@ -71,7 +72,7 @@ def run_statics(
     if word is not None:
         if motion is not None:
             raise CaseError(at="--motion", got=motion, want="one of --motion and --operation")
-        case, moving = case_of(case, word), OPERATIONS[word].motion
+        case, moving = case_of(case, word), motion_of(case, word)
     case = held_at_weight(case)
     with options.applied(case.petsc):
         model = build_model(case, comm, moving)
@@ -79,9 +80,12 @@ def run_statics(
         state = find_equilibrium(model, moving, False, path)
         columns, values = static_table(model)
         buckled = buckling(model, columns, values) if values is not None else Buckling()
-        state.warnings += buckled.lines(case.output.units or "metric", _slides_unfollowed(model, state))
+        is_buckled = bool(buckled.sinusoidal or buckled.helical)
+        slides = is_buckled and _slides_unfollowed(model, state)
+        state.warnings += buckled.lines(case.output.units or "metric", slides)
         state.warnings += [*state_warnings(model, columns, values), *model.mesh.notes]
         state.warnings += _hoisted_with_weight(model, moving)
+        state.warnings += mud_above_top(model)
         summary = {
             "title": case.title,
             **static_summary(model, state),

@@ -21,6 +21,7 @@ from drillpetsc.analysis.equilibrium import StaticState
 from drillpetsc.analysis.hoist_report import hoist_warnings
 from drillpetsc.analysis.initial_state import initial_state
 from drillpetsc.analysis.memory import Memory, give_back
+from drillpetsc.analysis.mud_above_top import mud_above_top
 from drillpetsc.analysis.quasi_static import QuasiStatic
 from drillpetsc.analysis.run_control import (
     FAILED,
@@ -376,8 +377,15 @@ class TransientRun:
         self.notes["warnings"] += [*run_warnings(self.model), *self.model.mesh.notes]
         self.notes["warnings"] += drive_warnings(self.model, self.saved is None)
         self.notes["warnings"] += hoist_warnings(self.case)
+        if self.saved is None:
+            self.notes["warnings"] += mud_above_top(self.model)
         if self.saved is not None:
             self.notes["warnings"] += provenance.version_warnings(self.saved.provenance)
+        if self.notes.get("accepted_changes"):
+            self.notes["warnings"].append(
+                "changes accepted at a restart act at once: what they add or take stands in the energy balance as gained or "
+                "lost by the time integration"
+            )
         self.boiling = BoilingMonitor(self.model.system, self.model.fluid)
         if self.saved is not None:
             self.boiling.set_notes(self.saved.notes.get("boiling", {}))

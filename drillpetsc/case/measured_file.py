@@ -61,7 +61,7 @@ def _short(text: str) -> str:
 
 def operation_word(text: str) -> str | None:
     """The operation that a word of the rig means; None for a word that means none."""
-    return _OPERATION.get(_short(text))
+    return _OPERATION.get(_short(text.replace("/", "")))
 
 
 @dataclass(frozen=True)

@@ -166,6 +166,17 @@ def api_annulus(dial: Mapping[str, float]) -> tuple[float, float] | None:
     return (0.511 * dial["100"] / 170.2**index, index) if index >= INDICES[0] else None
 
 
+def _steep(dial: Mapping[str, float]) -> str:
+    """The first two readings that rise more than their speeds, which no drilling mud does; empty where none do."""
+    rows = sorted((float(speed), speed, reading) for speed, reading in dial.items())
+    for (slow, low, first), (fast, high, second) in zip(rows, rows[1:], strict=False):
+        if first > 0 and second / first > fast / slow:
+            return (
+                f"{second:g} at {high} rpm against {first:g} at {low} rpm is steeper than a newtonian fluid"
+            )
+    return ""
+
+
 def least_squares(model: str, dial: Mapping[str, float]) -> tuple[float, ...]:
     """Constants with the least sum of squared differences in stress; 0 <= tau_y <= 1.2 times the slowest stress."""
     rates = [float(speed) * RPM for speed in dial]
@@ -190,7 +201,10 @@ def least_squares(model: str, dial: Mapping[str, float]) -> tuple[float, ...]:
     if slope <= 0 or index <= INDICES[0] * 1.001 or index >= INDICES[1] * 0.999:
         readings = ", ".join(f"{speed}: {reading:g}" for speed, reading in dial.items())
         raise refuse(
-            "dial", got=readings, want=f"readings that rise with the speed as those of a {model} fluid"
+            "dial",
+            got=readings,
+            want=f"readings that rise with the speed as those of a {model} fluid",
+            hint=_steep(dial),
         )
     return {
         "newtonian": (slope,),

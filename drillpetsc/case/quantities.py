@@ -18,7 +18,7 @@ from pydantic_core import CoreSchema, core_schema
 
 from drillpetsc.case.key_paths import refuse, suggestion
 from drillpetsc.time_function import Constant, PiecewiseLinear, Ramp, TimeFunction
-from drillpetsc.unit_systems import System, unit_of_bare_number
+from drillpetsc.unit_systems import KINDS, System, display, kind_of, shown, unit_of_bare_number
 from drillpetsc.unit_tables import DIMENSIONS
 from drillpetsc.units import UnitError, bare_number, spelled, to_si, wanted
 
@@ -30,6 +30,17 @@ SMALLEST, LARGEST = (
     1e30,
 )  # magnitudes in SI: within them no formula of the model overflows or divides by zero
 _EXAMPLE_UNITS = {"m": "mm", "Pa": "GPa", "rad": "deg", "rad/s": "rpm", "kg/m^3": "g/cm3", "s": "ms"}
+#: unit of bare numbers -> a smaller one that is written for it
+_SMALLER = {"klbf": "lbf", "kN": "N"}
+
+
+def said(value: float, kind: str, system: System | None = None) -> str:
+    """A figure [SI] as text for a message: in the units of the case, or as it is without any.
+
+    kind: a key of `unit_systems.KINDS`; system: of the case, None: of the case that is being read.
+    """
+    system = system or BARE_NUMBERS.get()
+    return f"{value:g} {KINDS[kind].si}" if system == "SI" else shown(value, kind, system, 6)
 
 
 class InSI(float):
@@ -73,18 +84,23 @@ class Quantity:
     kind: str = ""
     """A key of `unit_systems.KINDS`, `none` for a quantity whose numbers always need a unit, or "": the usual kind of the unit."""
 
-    def allowed(self) -> str:
-        """The range in words, empty when unbounded."""
-        parts = []
-        if self.above is not None:
-            parts.append(f"above {self.above:g}")
-        if self.at_least is not None:
-            parts.append(f"at least {self.at_least:g}")
-        if self.below is not None:
-            parts.append(f"below {self.below:g}")
-        if self.at_most is not None:
-            parts.append(f"at most {self.at_most:g}")
-        return (", ".join(parts) + (f" {self.unit}" if self.unit else "")) if parts else ""
+    def allowed(self, system: System = "SI") -> str:
+        """The range in words, in the units of a system where it has one for this quantity; empty when unbounded."""
+        unit = unit_of_bare_number(self.unit, self.kind, system) if self.unit else None
+        kind = kind_of(self.unit, self.kind)
+        words = (
+            ("above", self.above),
+            ("at least", self.at_least),
+            ("below", self.below),
+            ("at most", self.at_most),
+        )
+        bounds = [(word, bound) for word, bound in words if bound is not None]
+        if unit is None or system == "SI" or kind not in KINDS:
+            text = ", ".join(f"{word} {bound:g}" for word, bound in bounds)
+            return f"{text} {self.unit}".rstrip() if bounds else ""
+        numbers = [(word, display(bound, kind, system)) for word, bound in bounds]
+        text = ", ".join(f"{word} {number:.6g}" for word, (number, _) in numbers)
+        return f"{text} {numbers[0][1][1]}" if numbers else ""
 
     def inside(self, number: float) -> bool:
         return not (
@@ -105,14 +121,22 @@ class Quantity:
             raise refuse(*at, got=value, want=error.want, hint=error.hint) from None
         if not self.inside(number):
             hint = self.why
-            if not isinstance(value, str) and self.unit in _EXAMPLE_UNITS:
-                own = unit_of_bare_number(self.unit, self.kind, BARE_NUMBERS.get())
+            own = unit_of_bare_number(self.unit, self.kind, BARE_NUMBERS.get())
+            if not isinstance(value, (str, InSI)) and (self.unit in _EXAMPLE_UNITS or own in _SMALLER):
                 other = _EXAMPLE_UNITS[self.unit] if own == self.unit else spelled(self.unit)
+                other = _SMALLER.get(own or "", other)
                 hint = (
                     f"a bare number is in {own}; was '{value} {other}' meant?" if own != "deg" else self.why
                 )
-            want = f"{DIMENSIONS.get(self.unit, ('a value', ''))[0]}, {self.allowed()}"
-            raise refuse(*at, got=value, want=want, hint=hint)
+            system = BARE_NUMBERS.get()
+            want = f"{DIMENSIONS.get(self.unit, ('a value', ''))[0]}, {self.allowed(system)}"
+            got = value
+            if isinstance(value, InSI) and kind_of(self.unit, self.kind) in KINDS:  # read from a file
+                got, hint = (
+                    said(value, kind_of(self.unit, self.kind), system),
+                    "from a file: the unit of its column?",
+                )
+            raise refuse(*at, got=got, want=want, hint=hint)
         if number != 0 and not SMALLEST <= abs(number) <= LARGEST:
             want = f"{DIMENSIONS.get(self.unit, ('a value', ''))[0]} of {SMALLEST:g} to {LARGEST:g} {self.unit}".rstrip()
             raise refuse(

@@ -80,10 +80,10 @@ def _steps(text: str, at: str) -> tuple[float, ...]:
 class Excitation:
     """A harmonic excitation.
 
-    kind: ``unbalance``, or ``bit``.
+    kind: ``unbalance``, ``bit``, or ``motor``, the orbit of a downhole motor's rotor.
     what: of the bit: ``displacement`` along the string [m], ``force`` along it [N] or ``torque`` [N m]; else empty.
-    amplitude: [m], [N] or [N m], 0 with unbalance.
-    order: cycles per turn.
+    amplitude: [m], [N] or [N m], 0 with unbalance and motor.
+    order: cycles per turn; nan with motor, which sets its own frequency.
     """
 
     kind: str
@@ -96,11 +96,13 @@ class Excitation:
         """For people."""
         if self.kind == "unbalance":
             return "unbalance, once per turn"
+        if self.kind == "motor":
+            return "orbit of the motor's rotor"
         unit = {"displacement": "m", "force": "N", "torque": "N m"}[self.what]
         return f"{self.what} of {self.amplitude:g} {unit} at the lower end, {self.order:g} per turn"
 
 
-KINDS = ("unbalance", "bit")
+KINDS = ("unbalance", "bit", "motor")
 AMPLITUDES = {
     "displacement": Quantity("m", above=0, at_most=1, kind="none"),
     "force": Quantity("N", above=0, at_most=1e8, kind="none"),
@@ -111,19 +113,22 @@ AMPLITUDES = {
 def read_excitation(kind: str, amplitude: str | None = None, order: float | None = None) -> Excitation:
     """Read the excitation of `response`.
 
-    kind: ``unbalance`` or ``bit``.
+    kind: one of ``KINDS``.
     amplitude: of a motion (``3 mm``), force (``5 kN``) or torque (``1 kN m``) of the bit; its unit tells which.
     order: cycles per turn of the bit, None: 3 (the lobes that a roller-cone bit cuts).
     Raises CaseError.
     """
     if kind not in KINDS:
         raise CaseError(at="--excite", got=kind, want=f"one of {', '.join(KINDS)}")
-    if kind == "unbalance":
+    if kind != "bit":
+        says = {
+            "unbalance": "the case has the unbalance, which turns once per turn",
+            "motor": "the case has the mass and the orbit of the rotor",
+        }
         for name, value in (("--amplitude", amplitude), ("--order", order)):
             if value is not None:
-                want = "no such option with --excite unbalance: the case has the unbalance, which turns once per turn"
-                raise CaseError(at=name, got=value, want=want)
-        return Excitation("unbalance")
+                raise CaseError(at=name, got=value, want=f"no such option with --excite {kind}: {says[kind]}")
+        return Excitation(kind, order=1.0 if kind == "unbalance" else float("nan"))
     want = "the amplitude of a motion (3 mm), a force (5 kN) or a torque (1 kN m), with its unit"
     if amplitude is None:
         raise CaseError(at="--amplitude", want=want)

@@ -42,6 +42,7 @@ from drillpetsc.case.catalogue.sizes import FT_LBF, INCH, KSI, LB_PER_FT, size_a
 from drillpetsc.case.catalogue.tables import Catalogue, Row
 from drillpetsc.case.figures import Figure, Figures
 from drillpetsc.case.key_paths import refuse, suggestion
+from drillpetsc.case.quantities import said
 from drillpetsc.case.section import BLADE_METAL, ring, stabilizer_metal
 from drillpetsc.case.survey_file import FOLDER
 
@@ -540,8 +541,10 @@ class _Completion:
             and not isinstance(item, Reamer)
             and outer > bit.od + BLADE_OVER_BIT + 1e-9
         ):
-            want = f"at most 1/16 in above the bit, {bit.od + BLADE_OVER_BIT:g} m"
-            raise self.refuse("od", got=outer, want=want)
+            units = self.case.output.units or self.case.units
+            want = f"at most 1/16 in above the bit, {said(bit.od + BLADE_OVER_BIT, 'diameter', units)}"
+            key = "blade_od" if "blade_od" in item.model_fields_set else "od"
+            raise self.refuse(key, got=said(outer, "diameter", units), want=want)
         if item.body_od is not None and item.body_od > outer:
             raise self.refuse("body_od", got=item.body_od, want=f"at most that of the blades, {outer:g} m")
         if item.id >= outer:

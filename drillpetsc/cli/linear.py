@@ -204,7 +204,7 @@ def _response_arguments(command: argparse.ArgumentParser) -> None:
         required=True,
         metavar="KIND",
         help="unbalance: unbalances, eccentricities, bends and curvatures of the case; bit: a motion, force or torque of the "
-        "lower end",
+        "lower end; motor: the orbit of a motor's rotor",
     )
     command.add_argument(
         "--speeds",

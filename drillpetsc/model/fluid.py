@@ -147,7 +147,8 @@ def build_fluid(
         assert well is not None
         walls = build_walls(case, mesh)
         sizes = walls.annulus(HoleVolume(well), np.arange(len(mesh.upper)), mesh.upper, mesh.lower)
-        _refuse_closed_annulus(case, mesh, sizes)
+        if not case.hold_string:  # the flow past a held string knows no rigid items
+            _refuse_closed_annulus(case, mesh, sizes)
         chi = _added_mass(case, sizes)
         if not case.hold_string and (hole is not None or not _is_uniform(well, walls)):
             moving_hole = MovingHole(

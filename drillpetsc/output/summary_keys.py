@@ -388,6 +388,11 @@ HYDRAULICS: tuple[SummaryKey, ...] = (
         "",
         "From dial readings: plastic_viscosity [Pa s], yield_point [Pa], index [-] and consistency [Pa s^n] by API in pipe and annulus; null without.",
     ),
+    SummaryKey(
+        "warnings",
+        "",
+        "What the user should know of the string and its hole; those of a flow rate are in `flows`.",
+    ),
     SummaryKey("notes", "", "What the results leave out, and what was chosen."),
 )
 

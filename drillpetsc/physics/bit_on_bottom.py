@@ -18,6 +18,11 @@ from drillpetsc.physics.rigid_bodies import VERTEX_SLOTS, local_vertices
 NOT_IMPOSED = constant("not_imposed")
 
 
+def bit_torque(weight: float, friction: float, radius: float) -> float:
+    """Torque [N m] of a disc that turns under ``weight`` [N], pressed evenly: 2/3 of friction, weight and radius [m]."""
+    return weight * friction * radius * 2 / 3
+
+
 class BitOnBottom(Bit):
     """The bit stands on the end of the hole: a spring along its axis, and a friction torque."""
 
@@ -91,7 +96,7 @@ class BitOnBottom(Bit):
 
     def torque_for(self, weight: float, spin: float) -> float:
         """Friction torque [N m] of the bit that turns with ``spin`` [rad/s] under ``weight`` [N]."""
-        return weight * self.friction * self.radius * 2 / 3
+        return bit_torque(weight, self.friction, self.radius)
 
     @contextmanager
     def preloaded(self, weight: float, travel: float):

@@ -373,9 +373,17 @@ class Motor(Component):
     def start(self, state: Any) -> None:
         """Begin the motion from statics with the static torque."""
 
+    #: lobes of the rotor, whose orbit turns back by so many turns for each of the rotor's; unbalance of the orbit [kg m]
+    lobes: int = 1
+    orbit_unbalance: float = 0.0
+
     @abstractmethod
-    def balance_orbit(self) -> None:
-        """Leave out the turning force of the rotor's orbit, for linear models."""
+    def balance_orbit(self, balanced: bool = True) -> None:
+        """Leave out the turning force of the rotor's orbit, for linear models, or take it in again."""
+
+    @abstractmethod
+    def orbit_speed(self, t: float, state: Any) -> float:
+        """Speed of the orbit in space [rad/s], clockwise positive; on the rank with the motor, 0 elsewhere."""
 
     @abstractmethod
     def figures(self, t: float, state: Any) -> FloatArray:

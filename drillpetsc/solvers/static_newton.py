@@ -47,6 +47,8 @@ AXIAL_SHIFT = (
     1e-6  # axial entries of the shift over the lateral ones; they hold a string that nothing else holds
 )
 MAX_SLOPE_CHANGE = 0.4  # largest change of a node's slope in one step
+#: lateral stiffness [N/m2] below which a motion in a hole is neutral: a helix without weight rolls without work
+NEUTRAL = 0.01
 
 
 #: (unknowns, step, factor) -> unknowns after the step
@@ -550,10 +552,11 @@ class StaticNewton:
 
         Manual: eq-statics-stable.
 
-        The count has a meaning without friction only.
+        The count has a meaning without friction only.  Neutral motions in a hole do not count.
         """
         self._stiffness()
-        return self._factor(0.0)
+        count = self._factor(0.0)
+        return self._factor(NEUTRAL) if count > 0 and self.searches else count
 
     def add_imperfection(self, size: FloatArray, spacing: float | None = None) -> None:
         """Add persistent random lateral loads, see ``lateral_loads``, as the assembly's dead load."""

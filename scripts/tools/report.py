@@ -444,10 +444,10 @@ def over_all(all_content: Mapping[str, dict[str, Content]]) -> list[str]:
     if not rank:
         return table(head, rows)
     best = max(rank, key=lambda curve: rank[curve])
-    words = "which is the default" if best == DEFAULT else f"which is NOT the default, {DEFAULT}"
+    words = "which is the default" if best == DEFAULT else f"which is not the default, `{DEFAULT}`"
     text = (
         f"Of the curves whose steps follow an error and that every case can use, `{best}` reaches {100 * TARGET_ERROR:g} % in the "
-        f"largest share of its cases (of equals the one that fails least): {words}.  {DEFAULTS}"
+        f"largest share of its cases (of equals the one that fails least, then the cheapest): {words}.  {DEFAULTS}"
     )
     return [*table(head, rows), text, ""]
 

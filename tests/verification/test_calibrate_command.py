@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 
 from drillpetsc.analysis.soft_string import torque_drag
-from drillpetsc.analysis.torque_drag.calibrate import Calibration, run_calibrate
+from drillpetsc.analysis.torque_drag.calibrate import run_calibrate
+from drillpetsc.analysis.torque_drag.calibration import Calibration
 from drillpetsc.case.blocks.roadmap import MeasuredPoint
 from drillpetsc.case.case import Case
 from drillpetsc.errors import CaseError
@@ -127,6 +128,56 @@ def test_weight_error_is_told_and_not_absorbed(tmp_path):
     result = run_calibrate(case(), synthetic(block=BLOCK), out=tmp_path / "c")
     (warning,) = [w for w in result.summary["warnings"] if "error of the weight" in w]
     assert "below the measured" in warning
+
+
+def test_weight_error_over_the_reading(tmp_path):
+    """The difference over what was read, and over the string without the block; the three numbers stand in the sentence.
+
+    242 N/m of string: 2860 m along the J-well weigh 242 x TVD; the readings are 10 kN too low."""
+    points = tuple(
+        p.model_copy(update={"hook_load": p.hook_load - 10e3})
+        for p in synthetic(depths=(1900, 2860), block=BLOCK)
+    )
+    rig = {"block_weight": "100 kN"}
+    result = run_calibrate(case(rig=rig), points, out=tmp_path / "c")
+    (warning,) = [w for w in result.summary["warnings"] if "error of the weight" in w]
+    read = next(p.hook_load for p in points if p.operation == "rotate_off_bottom")
+    assert f"{10e3 / read:.1%} above the measured one" in warning
+    assert f"{10e3 / (read - BLOCK):.1%} of the string's weight" in warning
+    assert f"{read / 1e3:.4g} kN" in warning and "hookload_excludes_block" not in warning
+    without = tuple(p.model_copy(update={"hook_load": p.hook_load - BLOCK}) for p in points)
+    result = run_calibrate(case(rig=rig), without, out=tmp_path / "d")
+    (warning,) = [w for w in result.summary["warnings"] if "error of the weight" in w]
+    assert "hookload_excludes_block: true" in warning
+
+
+def test_wide_intervals_determine_nothing(tmp_path):
+    """Readings of one depth with 20 kN of noise: pick-up and slack-off say the sum of both frictions only. The factor with an
+    interval of its own width is not a result; the other one is found with that of the case, and this is said."""
+    noise = (12e3, -16e3, 12e3)
+    points = tuple(
+        p.model_copy(update={"hook_load": p.hook_load + d, "torque": None})
+        for p, d in zip(synthetic(depths=(2100,)), noise, strict=True)
+    )
+    fit = Calibration(case(), points).fit(("cased", "open_hole"))
+    (name,) = fit.reasons
+    assert "95 % interval" in fit.reasons[name]
+    for value, width in zip(fit.value, fit.interval, strict=True):
+        assert np.isnan(value) or width <= 0.25
+    result = run_calibrate(case(), points, out=tmp_path / "c")
+    (warning,) = [w for w in result.summary["warnings"] if f"{name} is not determined" in w]
+    assert "of the case" in warning and result.summary["fit"][name]["value"] is None
+
+
+def test_bound_is_exact():
+    """Slack-off loads above those without friction ask for a factor below 0: the answer is 0, not 5e-20."""
+    points = tuple(
+        p.model_copy(update={"hook_load": p.hook_load + 40e3 * (p.operation == "trip_in"), "torque": None})
+        for p in synthetic()
+        if p.operation == "trip_in"
+    )
+    fit = Calibration(case(), points).fit(("open_hole",))
+    assert fit.value[0] == 0.0 or np.isnan(fit.value[0])
 
 
 def test_open_hole_that_no_bit_reached():

@@ -216,8 +216,7 @@ def test_side_loads_are_the_same_on_all_meshes() -> None:
 
 def test_short_elements_of_a_graded_mesh_do_not_slow_the_descent(tmp_path) -> None:
     """A vertical string of 2000 m with 50 kN on its bit takes 360 iterations on elements of 5 m; automatic ones, of 1 m at
-    the bit, took 2500 and ten times the side load that was asked for.  Between 400 and 1000 today: the order in which
-    contacts close decides.
+    the bit, took 2500 and ten times the side load that was asked for.  10 today, from the lateral equilibrium.
     """
     well = straight(0.0, 2000.0, FRICTION)
     case = Case(
@@ -230,4 +229,4 @@ def test_short_elements_of_a_graded_mesh_do_not_slow_the_descent(tmp_path) -> No
     )
     summary = statics(case, tmp_path / "out").summary
     assert summary["wob"] == pytest.approx(50e3, rel=1e-3) and summary["negative_pivots"] == 0
-    assert summary["iterations"] < 1500 and summary["imperfection"] == 1e-3
+    assert summary["iterations"] < 30 and summary["imperfection"] == 1e-3

@@ -402,4 +402,4 @@ def test_warnings_of_the_rig_and_of_a_short_string(tmp_path):
     assert len(screen) == len(file) == 1
     assert "at 475.51 gpm" in screen[0] and "exceeds rig.max_spp, 1500 psi" in screen[0]
     screen, file = lines(4000 - 100 / FOOT, None, [low])
-    assert len(screen) == len(file) == 1 and "328.1 ft short of its hole of 4000 ft" in file[0]
+    assert len(screen) == len(file) == 1 and "328.08 ft short of its hole of 4000 ft" in file[0]

@@ -257,7 +257,7 @@ def test_defaults(tmp_path):
     assert np.allclose(sorted(set(table["ff_open_hole [-]"])), [0.225, 0.3, 0.375])
     inputs = json.loads((tmp_path / "r" / "roadmap.json").read_text())
     assert inputs["casing_shoes [m]"] == [1400]
-    assert any("drilling.wob 25 klbf assumed" in note for note in result.summary["notes"])
+    assert any("drilling.wob 111.2 kN assumed" in note for note in result.summary["notes"])
 
 
 def test_time(tmp_path):

@@ -427,3 +427,25 @@ def test_energy_and_mass_of_a_run_close(annulus, tmp_path):
     assert abs(found["energy"]["error_share"]) < 1e-3
     assert abs(found["mass"]["error_share"]) < 1e-5
     assert found["energy"]["dissipated"] > 1e4
+
+
+def test_other_string_element_and_bending_body():
+    """The quaternion element has the same branch; a stabilizer with a bending body keeps its nozzles."""
+    mud = {"bulk_modulus": 2.2e9, "rheology": {"model": "newtonian", "viscosity": 0.02}}
+    body = {
+        "kind": "stabilizer",
+        "length": 2.0,
+        "od": HOLE - 0.01,
+        "body_od": 0.17,
+        "id": BODY,
+        "blade_length": 0.5,
+    }
+    flows = []
+    for bending, formulation in ((False, "ancf"), (False, "quaternion"), (True, "ancf")):
+        item = body | {"nozzle_area": 2e-4, "stiff": not bending}
+        string = [pipe(100, 20.0), item, pipe(50, 10.0), BIT | {"nozzle_area": 4e-4}]
+        model = started(build_model(case(string, mud, beam={"formulation": formulation}, contact="none")))
+        flows.append(nozzle_flow(model))
+    assert flows[1] == pytest.approx(flows[0], rel=1e-7)
+    assert flows[2] == pytest.approx(flows[0], rel=0.01)
+    assert 0.009 < flows[0] < 0.011

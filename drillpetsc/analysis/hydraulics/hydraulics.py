@@ -25,6 +25,7 @@ from drillpetsc.analysis.hydraulics.open_hole import (
     open_hole,
     shoe_depth,
     vertical_depth,
+    window_in_measured_depth,
 )
 from drillpetsc.analysis.statics import beyond_rig
 from drillpetsc.analysis.transient import make_folder
@@ -174,7 +175,7 @@ class Hydraulics:
         well = case.well
         self.end = None if well is None else float(well.survey.md[-1])
         self.shoe = shoe_depth(case)
-        self.warnings = short_of_hole(case)
+        self.warnings = [*short_of_hole(case), *window_in_measured_depth(case, case.window)]
         self.notes = self._notes()
 
     def _notes(self) -> list[str]:
@@ -196,7 +197,7 @@ class Hydraulics:
         below = [item.name for item in case.string[last + 1 :] if item.length > 0]
         if below:
             notes.append(f"no friction along the rigid items below the last pipe: {', '.join(below)}")
-        if self.end is not None and self.end - self.flow.string.depth > 1e-3 and not self.warnings:
+        if self.end is not None and self.end - self.flow.string.depth > 1e-3 and not short_of_hole(case):
             notes.append(
                 f"the string ends at MD {self.flow.string.depth:.6g} m, {self.end - self.flow.string.depth:.6g} m above the end "
                 "of the hole; the mud below it stands still"

@@ -13,6 +13,7 @@ from drillpetsc.case.case import Case
 from drillpetsc.errors import CaseError
 from drillpetsc.model.drilling_model import build_well
 from drillpetsc.output.mud_column import LOWEST_COLUMN
+from drillpetsc.unit_systems import shown
 
 SPACING = 10.0  # largest distance between points at which the window is compared [m]
 WITHIN = "none"  # no limit is passed
@@ -71,6 +72,21 @@ def annulus_pressure_at(flow: FlowModel, md: FloatArray, tvd: FloatArray) -> Flo
     return np.where(np.asarray(md) <= flow.md[-1], inside, flow.pressure_below(tvd))
 
 
+def window_in_measured_depth(case: Case, window: Window | None) -> list[str]:
+    """Say that the table of the window ends at the measured depth of the hole's end, where that is no vertical depth."""
+    if window is None or window.tvd is None or case.well is None:
+        return []
+    end = float(case.well.survey.md[-1])
+    tvd = float(vertical_depth(case, np.array([end]))[0])
+    if abs(window.tvd[-1] - end) > 1e-3 * end or tvd > 0.98 * end:
+        return []
+    units = case.output.units or "metric"
+    return [
+        f"window.tvd ends at {shown(end, 'length', units, 5)}, the measured depth of the hole, whose end is at TVD "
+        f"{shown(tvd, 'length', units, 5)}: are these measured depths?"
+    ]
+
+
 def open_hole(case: Case, window: Window | None) -> OpenHole | None:
     """Create the points of the open hole; None without a window.
 
@@ -92,10 +108,15 @@ def open_hole(case: Case, window: Window | None) -> OpenHole | None:
         pore, frac = np.full(len(md), window.pore[0]), np.full(len(md), window.frac[0])
         return OpenHole(md, tvd, pore, frac)
     if len(tvd) and (tvd.min() < window.tvd[0] - 1e-3 or tvd.max() > window.tvd[-1] + 1e-3):
+        units = case.output.units or "metric"
+        given, needed = (
+            f"{shown(a, 'length', units, 5)} to {shown(b, 'length', units, 5)}"
+            for a, b in ((window.tvd[0], window.tvd[-1]), (tvd.min(), tvd.max()))
+        )
         raise CaseError(
             at="window.tvd",
-            got=f"{window.tvd[0]:g} to {window.tvd[-1]:g} m",
-            want=f"depths that cover the open hole, {tvd.min():.1f} to {tvd.max():.1f} m TVD",
+            got=given,
+            want=f"depths that cover the open hole, {needed} TVD",
             hint="the window says nothing of depths outside its table",
         )
     return OpenHole(md, tvd, np.interp(tvd, window.tvd, window.pore), np.interp(tvd, window.tvd, window.frac))

@@ -12,17 +12,19 @@ from petsc4py import PETSc
 
 from drillpetsc.analysis.buckling import buckling
 from drillpetsc.analysis.coarse_mesh import state_warnings
-from drillpetsc.analysis.equilibrium import StaticState
+from drillpetsc.analysis.equilibrium import MOTIONS, StaticState
 from drillpetsc.analysis.initial_state import find_equilibrium
 from drillpetsc.analysis.limits.along_string import State, Surroundings, static_state
 from drillpetsc.analysis.limits.contacts import contact_rows, item_forces
 from drillpetsc.analysis.limits.fatigue import AS_S, rule_of
-from drillpetsc.analysis.limits.operations import OPERATIONS, case_of, read_operation
+from drillpetsc.analysis.limits.operations import OPERATIONS, case_of, motion_of, read_operation, words_of
 from drillpetsc.analysis.limits.soft_limits import SoftLimits
 from drillpetsc.analysis.limits.table import Choices, Strength, element_values, rows
 from drillpetsc.analysis.statics import beyond_rig, static_summary
+from drillpetsc.analysis.torque_drag.operations import assumed, plan_of, rotation_note, torque_of_bit
 from drillpetsc.analysis.transient import RunResult, make_folder
 from drillpetsc.arrays import FloatArray
+from drillpetsc.case.blocks.ends import BitBottom
 from drillpetsc.case.blocks.tubulars import DrillPipe, Jointed, Tubular
 from drillpetsc.case.case import Case
 from drillpetsc.case.checks.limits import refuse_quaternion
@@ -33,11 +35,14 @@ from drillpetsc.output.case_files import write_case
 from drillpetsc.output.files.run_folder import CONTACTS_TABLE, LIMITS_TABLE
 from drillpetsc.output.quantities.limits import CONTACTS, LIMITS
 from drillpetsc.output.static_table import static_table
+from drillpetsc.physics.bit_on_bottom import bit_torque
 from drillpetsc.solvers import petsc_options as options
 from drillpetsc.unit_systems import System, shown
 
 NO_SOFT_STRING = "no margin of overpull and no largest weight on bit: they need a hole with contact, and gravity that points down"
 NO_FORCE = 1e-5  # share of the largest force below which the end of a string is not in compression
+NO_TORQUE = 1e-5  # over the hook load [m]: the torque of a string that only slides
+NO_SHARE = 1e-4  # of a limit, not worth a line
 #: summary key, column, True for its largest value, words
 WEAKEST = (
     ("safety_factor", False, "Safety factor"),
@@ -78,7 +83,7 @@ def run_limits(
         )
     word = read_operation(operation)
     case = case if word is None else case_of(case, word)
-    motion = None if word is None else OPERATIONS[word].motion
+    motion = None if word is None else motion_of(case, word)
     comm = comm or PETSc.COMM_WORLD
     with options.applied(case.petsc):
         model = build_model(case, comm, motion)
@@ -130,17 +135,13 @@ def run_limits(
 
 
 def _rotation(case: Case, word: str | None) -> float:
-    """Rotation of the string in an operation [rad/s]: the case's at time 0, else that of drilling and backreaming; 0 where it slides.
+    """Rotation of the string in an operation [rad/s]; 0 where it slides.
 
-    word: the operation; None: the case as it is.
+    word: the operation; None: the case as it is, with the rotation of its top at time 0.
     """
-    own = 0.0 if case.top.rotation is None else float(case.top.rotation.value(0.0))
     if word is None:
-        return own
-    turns = OPERATIONS[word].motion[1] != 0.0
-    if turns and not own and word in ("drilling", "backreaming"):
-        return OPERATIONS[word].motion[1]
-    return own if turns else 0.0
+        return 0.0 if case.top.rotation is None else float(case.top.rotation.value(0.0))
+    return motion_of(case, word)[1]
 
 
 def _check(choices: Choices) -> None:
@@ -182,7 +183,7 @@ def _summary(
         "weakest": {name: _worst(table, name, largest) for name, largest, _ in WEAKEST if name in table},
         "contacts": [{k: _plain(v) for k, v in row.items()} for row in contacts],
         "rig": None if case.rig is None else case.rig.model_dump(),
-        "notes": _notes(model),
+        "notes": _notes(model, word),
     }
     return out
 
@@ -193,7 +194,7 @@ def _plain(value: Any) -> Any:
     return value
 
 
-def _notes(model: DrillingModel) -> list[str]:
+def _notes(model: DrillingModel, word: str | None) -> list[str]:
     """What the table leaves out."""
     case, out = model.case, []
     unknown = sorted({case.string[i].name for i in model.mesh.item if np.isnan(_yield(case, i))})
@@ -213,7 +214,11 @@ def _notes(model: DrillingModel) -> list[str]:
     if model.fluid is None:
         out.append("no mud: no pressures and no buoyancy")
     elif model.fluid.bore is not None and case.fluid is not None and case.fluid.flow_rate is not None:
-        out.append("pressures are those of the case's flow rate, in every operation")
+        out.append(
+            "pressures are those of the case's flow rate, in every operation, and in the margin of overpull; trips of the roadmap "
+            "have still mud, as with fluid.flow_rate: 0"
+        )
+    out += _torque_notes(case, word)
     if model.contact is not None and any(isinstance(item, Jointed) for item in case.string):
         of = {item.clearance for item in case.string if isinstance(item, Jointed)}
         words = {"tool_joint": "the tool joints", "body": "the body of the pipe"}
@@ -233,6 +238,31 @@ def _notes(model: DrillingModel) -> list[str]:
         else "connections are not checked: torque limits are those of the tube"
     )
     return out
+
+
+def _torque_notes(case: Case, word: str | None) -> list[str]:
+    """Where the torque on bit and the speeds of the operation come from, where the case does not give them."""
+    bottom, bit = case.bottom, case.string[-1]
+    plan = plan_of(case)
+    if word in ("drilling", "backreaming"):
+        return [note for note in (assumed(case, plan, word), rotation_note(case, plan)) if note]
+    if word is not None or case.formation is not None or not isinstance(bottom, BitBottom):
+        return []
+    if bit.od is None or not case.initial.wob:
+        return []
+    units = case.output.units or "metric"
+    own, other = bit_torque(case.initial.wob, bottom.friction, 0.5 * bit.od), torque_of_bit(case, plan)
+    given = "" if "friction" in bottom.model_fields_set else ", the default"
+    more = (
+        ""
+        if abs(own - other) < 0.01 * other
+        else f"; --operation drilling takes that of the roadmap, {shown(other, 'torque', units)}"
+    )
+    if not given and not more:
+        return []
+    return [
+        f"torque on bit where the string turns: {shown(own, 'torque', units)} from bottom.friction {bottom.friction:g}{given}{more}"
+    ]
 
 
 def _yield(case: Case, item: int) -> float:
@@ -294,7 +324,7 @@ def _margins(
     }
     most = out["max_wob"]["sliding"]["helical"]["wob"]
     if most is not None:
-        lower = OPERATIONS["sliding"].motion
+        lower = motion_of(model.case, "sliding")
         out["max_slackoff"] = soft.run(lower, 0.0).hook_load - soft.run(lower, most).hook_load
     rig = model.case.rig
     block = (rig.block_weight if rig is not None else None) or 0.0
@@ -305,7 +335,7 @@ def _margins(
 
 def _overpull(soft: SoftLimits, limit: FloatArray, pressure: FloatArray) -> dict[str, Any]:
     """Margin of overpull along the string at pick-up, and the pull at the bit that uses it up with friction."""
-    lift = OPERATIONS["trip_out"].motion
+    lift = MOTIONS["hoist"]
     tension = soft.tension(lift, 0.0) + pressure
     left = np.where(np.isfinite(limit), limit - tension, np.inf)
     md, item = soft.place(-left)
@@ -404,7 +434,8 @@ def _flags(table: dict[str, Any], summary: dict[str, Any], choices: Choices, uni
 
 def _lines(case: Case, summary: dict[str, Any], units: System) -> list[str]:
     """What the command prints."""
-    doing = OPERATIONS[summary["operation"]].words if summary["operation"] in OPERATIONS else "as the case"
+    word = summary["operation"]
+    doing = words_of(case, word, units) if word in OPERATIONS else word
     lines = [f"{case.title or 'case'}: limits, {doing}"]
 
     def add(label: str, text: str) -> None:
@@ -418,9 +449,12 @@ def _lines(case: Case, summary: dict[str, Any], units: System) -> list[str]:
         ("hook_load", "Hook load", "force"),
         ("surface_torque", "Surface torque", "torque"),
         ("wob", "Weight on bit", "force"),
+        ("bit_torque", "Torque on bit", "torque"),
     ):
-        if summary.get(key) is not None:
-            add(label, shown(summary[key], kind, units))
+        value = summary.get(key)
+        if value is not None and (key != "bit_torque" or value):
+            none = kind == "torque" and abs(value) < NO_TORQUE * abs(summary["hook_load"])
+            add(label, shown(0.0 if none else value, kind, units))
     for key, label in (
         ("effective", "Neutral point, effective tension"),
         ("true", "Neutral point, axial force"),
@@ -434,7 +468,7 @@ def _lines(case: Case, summary: dict[str, Any], units: System) -> list[str]:
         )
     for name, _, label in WEAKEST:
         worst = summary["weakest"].get(name)
-        if worst is not None and worst["value"] != 0:
+        if worst is not None and abs(worst["value"]) >= NO_SHARE:
             value = (
                 shown(worst["value"], "force", units)
                 if name == "side_force_per_joint"

@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 
 from drillpetsc.analysis.equilibrium import MOTIONS
+from drillpetsc.analysis.torque_drag.operations import load_of, plan_of, torque_of_bit
 from drillpetsc.case.blocks.ends import BitBottom, HeldBottom
 from drillpetsc.case.case import Case
 from drillpetsc.case.key_paths import suggestion
 from drillpetsc.errors import CaseError
+from drillpetsc.physics.bit_on_bottom import bit_torque
+from drillpetsc.unit_systems import System, shown
 
-FOOT_PER_MINUTE = 0.3048 / 60  # [m/s]
-RPM = math.pi / 30  # [rad/s]
 #: other words of the trade
 WORDS = {"slackoff": "trip_in", "pickup": "trip_out", "rob": "rotate_off_bottom"}
 
@@ -21,27 +21,43 @@ WORDS = {"slackoff": "trip_in", "pickup": "trip_out", "rob": "rotate_off_bottom"
 class Operation:
     """What the string does.
 
-    words: as reports show them. motion: axial velocity [m/s, down positive] and rotation [rad/s], whose ratio shares out friction.
-    on_bottom: the bit carries the weight of `initial.wob`.
+    words: as reports show them. motion: axial velocity [m/s, down positive] and rotation [rad/s], whose ratio shares out
+    friction; None: that of the roadmap. on_bottom: the bit carries the weight of `initial.wob`.
     """
 
     words: str
-    motion: tuple[float, float]
+    motion: tuple[float, float] | None
     on_bottom: bool
 
 
 OPERATIONS = {
     "trip_in": Operation("running in (slack-off)", MOTIONS["lower"], False),
     "trip_out": Operation("pulling out (pick-up)", MOTIONS["hoist"], False),
-    "rotate_off_bottom": Operation("rotating off bottom", MOTIONS["rotate"], False),
-    "drilling": Operation(
-        "drilling, 60 ft/h and 100 rpm", (60 * FOOT_PER_MINUTE / 60, 100 * RPM), on_bottom=True
-    ),
+    "rotate_off_bottom": Operation("rotating off bottom", None, False),
+    "drilling": Operation("drilling", None, on_bottom=True),
     "sliding": Operation("sliding", MOTIONS["lower"], on_bottom=True),
-    "backreaming": Operation(
-        "backreaming, 20 ft/min and 80 rpm", (-20 * FOOT_PER_MINUTE, 80 * RPM), on_bottom=False
-    ),
+    "backreaming": Operation("backreaming", None, on_bottom=False),
 }
+
+
+def motion_of(case: Case, name: str) -> tuple[float, float]:
+    """Axial velocity [m/s, down positive] and rotation [rad/s] of an operation, those of the roadmap where it turns."""
+    own = OPERATIONS[name].motion
+    if own is not None:
+        return own
+    load = load_of(case, plan_of(case), name)
+    return -load.axial_velocity, load.rotation
+
+
+def words_of(case: Case, name: str, units: System) -> str:
+    """The operation as reports show it, with its speeds: `drilling, 60 ft/h and 120 rpm`."""
+    words = OPERATIONS[name].words
+    if OPERATIONS[name].motion is not None:
+        return words
+    speed, rotation = motion_of(case, name)
+    kind = "rop" if name == "drilling" else "trip_speed"
+    along = f"{shown(abs(speed), kind, units)} and " if speed else ""
+    return f"{words}, {along}{shown(rotation, 'rotation', units)}"
 
 
 def read_operation(word: str | None) -> str | None:
@@ -90,7 +106,7 @@ def case_of(case: Case, name: str) -> Case:
             raise CaseError(
                 at=at, got=name, want="initial.wob above 0, and bottom: bit", hint="the bit is on bottom then"
             )
-        return case
+        return _with_torque_of_roadmap(case, case.bottom) if name == "drilling" else case
     if case.initial.wob is None and not isinstance(case.bottom, BitBottom):
         return case
     plugged = case.bottom.plugged
@@ -101,3 +117,12 @@ def case_of(case: Case, name: str) -> Case:
             "formation": None,
         }
     )
+
+
+def _with_torque_of_roadmap(case: Case, bottom: BitBottom) -> Case:
+    """The case whose bit on bottom turns with the torque that the roadmap has for drilling; a bit that cuts rock has its own."""
+    bit = case.string[-1]
+    if case.formation is not None or bit.od is None or not case.initial.wob:
+        return case
+    friction = torque_of_bit(case, plan_of(case)) / bit_torque(case.initial.wob, 1.0, 0.5 * bit.od)
+    return case.model_copy(update={"bottom": bottom.model_copy(update={"friction": friction})})

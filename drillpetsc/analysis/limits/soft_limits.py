@@ -16,7 +16,7 @@ from scipy.optimize import brentq
 from drillpetsc.analysis.equilibrium import MOTIONS
 from drillpetsc.analysis.limits.along_string import Surroundings
 from drillpetsc.analysis.limits.buckling_loads import Helical
-from drillpetsc.analysis.limits.operations import OPERATIONS
+from drillpetsc.analysis.limits.operations import motion_of
 from drillpetsc.analysis.placement import top_depth
 from drillpetsc.analysis.soft_string import TorqueDrag
 from drillpetsc.analysis.soft_string_start import soft_string
@@ -76,7 +76,7 @@ class SoftLimits:
 
         operation: drilling or sliding. helical: before it coils, else before it buckles sinusoidally.
         """
-        motion = OPERATIONS[operation].motion
+        motion = motion_of(self.model.case, operation)
 
         def ratio(wob: float) -> FloatArray:
             tension = self.tension(motion, wob)
@@ -94,7 +94,7 @@ class SoftLimits:
         Returns wob [N], limited_by (hook_load where nothing is left to slack off, helical, or None where neither is reached
         before the pipe is crushed), md [m] and item.
         """
-        motion = OPERATIONS[operation].motion
+        motion = motion_of(self.model.case, operation)
         coils = self.max_wob(operation, helical=True)
         top = float(self.hole.md.min()), str(self.names[0])
         whole = max(abs(self.run(motion, 0.0).hook_load + block), SMALLEST)

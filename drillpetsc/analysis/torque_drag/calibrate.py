@@ -1,385 +1,35 @@
-"""The `calibrate` command: friction factors from measured hook loads and torques, with intervals.
-
-Bounded nonlinear least squares of all points at once with the soft string (manual: sec-soft-string-calibration).
-"""
+"""The `calibrate` command: friction factors from measured hook loads and torques, with intervals, as files and text."""
 
 from __future__ import annotations
 
 import shlex
-from collections.abc import Sequence
-from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from petsc4py import PETSc
 
-from drillpetsc.analysis.torque_drag.batch import Columns, Hole, soft_strings
-from drillpetsc.analysis.torque_drag.circulation import Circulation, circulation
-from drillpetsc.analysis.torque_drag.operations import KINDS, groups_of, load_of, plan_of
-from drillpetsc.analysis.torque_drag.roadmap import need_well
-from drillpetsc.analysis.torque_drag.string_rows import gravity_of, rows_at
+from drillpetsc.analysis.torque_drag.calibration import (
+    AT_BOUND,
+    BOUNDS,
+    FACTOR_BOUNDS,
+    WEIGHT_ERROR,
+    Calibration,
+    Fit,
+)
+from drillpetsc.analysis.torque_drag.operations import KINDS, plan_of
 from drillpetsc.analysis.transient import RunResult, make_folder
-from drillpetsc.arrays import FloatArray
 from drillpetsc.case.blocks.roadmap import MeasuredPoint
 from drillpetsc.case.case import Case
-from drillpetsc.errors import CaseError, SolveError
+from drillpetsc.case.plausible_operations import readings
+from drillpetsc.errors import CaseError
 from drillpetsc.output import write_summary, write_table
 from drillpetsc.output.files.run_folder import CALIBRATION_TABLE
 from drillpetsc.output.quantities.torque_drag import MEASURED
 from drillpetsc.output.shown_units import shown_unit
-from drillpetsc.unit_systems import System
-
-FACTOR_BOUNDS, FACTOR_STEP = (0.0, 1.0), 1e-4  # of every friction factor
-BOUNDS = {"block_weight": (0.0, 5e6), "weight_factor": (0.5, 1.5)}
-START = {"cased": 0.25, "open_hole": 0.3, "weight_factor": 1.0}
-STEP = {"block_weight": 10.0, "weight_factor": 1e-5}
-RELATIVE_SIGMA, SMALLEST_SIGMA = 0.02, {"hook_load": 10e3, "surface_torque": 500.0}  # [N], [N m]
-SOFT_SCALE = 3.0  # of soft_l1, in standard errors
-LARGEST_CONDITION = 1e3  # of the scaled Jacobian
-SMALLEST_SPREAD = 3.0  # of hook loads with friction against those without, in standard errors
-WEIGHT_ERROR = 0.02  # misfit of rotating off bottom that is reported as an error of the weight
-AT_BOUND = 1e-6
-LONGEST_STEP = 25.0  # of the integration where the hole is straight: there it is exact without a helix [m]
-MOST_COLUMNS = 600  # soft strings that are integrated together, for the memory they need
-ALONE_GRID = 41  # friction factors from 0 to 1 between which a point alone is solved
+from drillpetsc.unit_systems import System, shown
 
 
-@dataclass(frozen=True)
-class Data:
-    """Readings as rows, (n,) each.
-
-    point: number of the measured point; hook: whether a hook load, else a torque.
-    value: hook load of the string with the block where it was read so, torque [N], [N m]; sigma: standard error.
-    """
-
-    point: np.ndarray
-    hook: np.ndarray
-    value: FloatArray
-    sigma: FloatArray
-
-
-@dataclass
-class Fit:
-    """Result of a calibration.
-
-    parameters: names that were fitted.
-    value: best values; interval: half widths of the 95 % intervals; nan where not determined, (k,) each.
-    correlation: (k, k); chi2: reduced; computed: (n,) readings with the best values.
-    reasons: name -> why it is not determined.
-    """
-
-    parameters: tuple[str, ...]
-    value: FloatArray
-    interval: FloatArray
-    correlation: FloatArray
-    chi2: float
-    computed: FloatArray
-    reasons: dict[str, str] = field(default_factory=dict)
-
-
-class Calibration:
-    """Soft strings of measured points.
-
-    case: with a well; points: measured; excludes_block: hook loads were read without the block.
-    Raises CaseError for points that the string cannot reach.
-    """
-
-    def __init__(self, case: Case, points: tuple[MeasuredPoint, ...], excludes_block: bool = False) -> None:
-        well = need_well(case, "calibrate")
-        self.case, self.points = case, points
-        gravity_of(case, "calibrate")
-        end = float(case.well.survey.md[-1])  # type: ignore[union-attr]
-        for i, point in enumerate(points):
-            if point.bit_depth > end + 1e-6:
-                want = f"at most {end:g} m, the end of the hole"
-                raise CaseError(at=f"measured[{i}].bit_depth", got=f"{point.bit_depth:g} m", want=want)
-        depths = sorted({point.bit_depth for point in points})
-        at = f"measured[{next(i for i, p in enumerate(points) if p.bit_depth == depths[0])}].bit_depth"
-        strings = [rows_at(case, depth, at) for depth in depths]
-        self.hole = Hole(well, strings, LONGEST_STEP)
-        self.placed = np.array([depths.index(point.bit_depth) for point in points])
-        self.group = groups_of(case)
-        #: names of the groups of sections, each with one friction factor
-        self.factors = tuple(
-            dict.fromkeys([*(k for k in KINDS if (self.group == k).any()), *map(str, self.group)])
-        )
-        self.own = np.array([s.friction for s in case.well.sections])  # type: ignore[union-attr]
-        plan = plan_of(case)
-        loads: list[tuple[float, ...]] = []
-        flows: list[tuple[float | None, str]] = []
-        for point in points:
-            load = load_of(case, plan, point.operation)
-            speed = abs(load.axial_velocity) if point.speed is None else point.speed
-            if not speed:
-                speed = abs(
-                    load.axial_velocity
-                )  # a reading of 0 while tripping: the direction is what counts
-            on_bottom = point.operation in ("drilling", "sliding")
-            loads.append(
-                (
-                    point.wob if on_bottom and point.wob is not None else load.wob,
-                    load.torque if point.tob is None else point.tob,
-                    np.sign(load.axial_velocity) * speed,
-                    load.rotation if point.rpm is None else point.rpm,
-                )
-            )
-            key = f"measured[{len(flows)}].flow_rate"
-            own = point.flow_rate is not None
-            flows.append(
-                (
-                    point.flow_rate if own else load.flow,
-                    key if own else f"roadmap.{point.operation}.flow_rate",
-                )
-            )
-        self.loads = np.array(loads, dtype=float).reshape(-1, 4)
-        self.pumped = any(flow for flow, _ in flows)
-        self._set_flow(flows)
-        self.excludes_block = excludes_block
-        block = None if case.rig is None else case.rig.block_weight
-        self.block = 0.0 if excludes_block else (block or 0.0)
-        self.data = self._data()
-
-    def _set_flow(self, flows: Sequence[tuple[float | None, str]]) -> None:
-        """Forces of flowing mud on the string of each point.
-
-        flows: rate [m3/s] of each point, and the key that gives it.
-        """
-        self.lift, self.thrust = np.zeros((len(self.hole.h), len(flows))), np.zeros(len(flows))
-        found: dict[tuple[int, float], Circulation] = {}
-        for i, (flow, at) in enumerate(flows):
-            if flow:
-                key = int(self.placed[i]), flow
-                if key not in found:
-                    found[key] = circulation(self.case, self.points[i].bit_depth, flow, at)
-                self.lift[:, i], self.thrust[i] = found[key].lift(self.hole.edges), found[key].thrust
-
-    def _data(self) -> Data:
-        rows = []
-        for i, point in enumerate(self.points):
-            if point.hook_load is not None:
-                sigma = point.sigma or max(RELATIVE_SIGMA * abs(point.hook_load), SMALLEST_SIGMA["hook_load"])
-                rows.append((i, True, point.hook_load, sigma))
-            if point.torque is not None:
-                sigma = max(RELATIVE_SIGMA * abs(point.torque), SMALLEST_SIGMA["surface_torque"])
-                rows.append((i, False, point.torque, sigma))
-        point_, hook, value, sigma_ = zip(*rows, strict=True)
-        return Data(np.array(point_), np.array(hook), np.array(value, float), np.array(sigma_, float))
-
-    # ------------------------------------------------------------------ soft strings
-    def default(self, name: str) -> float:
-        """Value of a parameter that is not fitted: of the case."""
-        if name == "block_weight":
-            return self.block
-        if name == "weight_factor":
-            return 1.0
-        some = self.own[self.group == name]
-        return float(some[-1]) if len(some) else np.nan
-
-    def computed(self, sets: list[dict[str, float]]) -> FloatArray:
-        """(s, n) readings for s sets of parameters; those not in a set are the case's."""
-        count, n = len(sets), len(self.points)
-        friction = np.empty((count, len(self.own)))
-        factor, block = np.ones(count), np.empty(count)
-        for j, values in enumerate(sets):
-            friction[j] = self.own
-            for name in self.factors:
-                if name in values:
-                    friction[j, self.group == name] = values[name]
-            factor[j] = values.get("weight_factor", 1.0)
-            block[j] = values.get("block_weight", self.block)
-        string, which = np.tile(np.arange(n), count), np.repeat(np.arange(count), n)
-        ends = []
-        for first in range(0, count * n, MOST_COLUMNS):
-            i, k = string[first : first + MOST_COLUMNS], which[first : first + MOST_COLUMNS]
-            wob, torque, velocity, rotation = self.loads[i].T
-            columns = Columns(
-                self.placed[i],
-                friction[k],
-                np.ones(len(i)),
-                wob,
-                torque,
-                velocity,
-                rotation,
-                factor[k],
-                self.lift[:, i] if self.pumped else None,
-                self.thrust[i] if self.pumped else None,
-            )
-            batch = soft_strings(self.hole, columns)
-            ends.append((batch.tension[0], batch.torque[0]))
-        hook = np.concatenate([t for t, _ in ends]).reshape(count, n) + block[:, None]
-        moment = np.concatenate([m for _, m in ends]).reshape(count, n)
-        d = self.data
-        out = np.where(d.hook, hook[:, d.point], moment[:, d.point])
-        return np.where(np.isfinite(out), out, 1e9)  # a locked string fits nothing
-
-    # ------------------------------------------------------------------ fit
-    def fit(self, parameters: tuple[str, ...]) -> Fit:
-        """Fit parameters; those that the points do not determine are nan, with the reason."""
-        reasons = self._not_identifiable(parameters)
-        kept = tuple(name for name in parameters if name not in reasons)
-        size = len(parameters)
-        fit = Fit(
-            parameters,
-            np.full(size, np.nan),
-            np.full(size, np.nan),
-            np.full((size, size), np.nan),
-            np.nan,
-            self.data.value,
-        )
-        fit.reasons = reasons
-        while kept:
-            best, jacobian = self._solve(kept)
-            bad = self._unclear(kept, jacobian)
-            if bad is None:
-                break
-            reasons[bad] = "the points do not distinguish it from the others (condition above 1000)"
-            kept = tuple(name for name in kept if name != bad)
-        if not kept:
-            fit.computed = self.computed([{}])[0]
-            return fit
-        values = dict(zip(kept, best, strict=True))
-        fit.computed = self.computed([values])[0]
-        residual = (fit.computed - self.data.value) / self.data.sigma
-        freedom = len(residual) - len(kept)
-        fit.chi2 = float(residual @ residual / freedom) if freedom > 0 else np.nan
-        covariance = np.linalg.inv(jacobian.T @ jacobian)
-        if freedom > 0:
-            from scipy.stats import t as student
-
-            width = student.ppf(0.975, freedom) * np.sqrt(
-                np.diag(covariance) * self._variance(residual, freedom)
-            )
-        else:
-            width = np.full(len(kept), np.nan)
-        place = [parameters.index(name) for name in kept]
-        fit.value[place], fit.interval[place] = best, width
-        scale = np.sqrt(np.diag(covariance))
-        fit.correlation[np.ix_(place, place)] = covariance / np.outer(scale, scale)
-        return fit
-
-    @staticmethod
-    def _variance(residual: FloatArray, freedom: int) -> float:
-        """s^2 of weighted residuals (n,)."""
-        return float(residual @ residual / freedom)
-
-    def _solve(self, names: tuple[str, ...]) -> tuple[FloatArray, FloatArray]:
-        """(best values (k,), Jacobian of the weighted residuals there (n, k))."""
-        from scipy.optimize import least_squares
-
-        d = self.data
-        units = np.array([STEP.get(name, FACTOR_STEP) / FACTOR_STEP for name in names])  # scaled unknowns
-
-        def parameters(x: FloatArray) -> dict[str, float]:
-            return dict(zip(names, map(float, x * units), strict=True))
-
-        def residual(x: FloatArray) -> FloatArray:
-            return (self.computed([parameters(x)])[0] - d.value) / d.sigma
-
-        def jacobian(x: FloatArray) -> FloatArray:
-            h = FACTOR_STEP
-            upper, lower = (
-                np.tile(x, (len(x), 1)) + h * np.eye(len(x)),
-                np.tile(x, (len(x), 1)) - h * np.eye(len(x)),
-            )
-            lower = np.maximum(lower, low)
-            values = self.computed([parameters(row) for row in (*upper, *lower)])
-            change = values[: len(x)] - values[len(x) :]
-            return (change / np.diag(upper - lower)[:, None] / d.sigma).T
-
-        low, high = np.array([BOUNDS.get(name, FACTOR_BOUNDS) for name in names]).T / units
-        start = np.array([START.get(name, self.default(name)) for name in names]) / units
-        start = np.clip(start, low + 1e-9 * (high - low), high - 1e-9 * (high - low))
-        found = least_squares(
-            residual, start, jac=jacobian, bounds=(low, high), method="trf", loss="soft_l1", f_scale=SOFT_SCALE,
-            xtol=1e-7, ftol=1e-9, gtol=1e-9, max_nfev=60,
-        )  # fmt: skip
-        if not found.success:
-            raise SolveError(f"the friction factors were not found: {found.message}")
-        return found.x * units, jacobian(found.x) / units
-
-    @staticmethod
-    def _unclear(names: tuple[str, ...], jacobian: FloatArray) -> str | None:
-        """The parameter that takes most part in a combination which the points do not determine; None if all are clear."""
-        scaled = jacobian * np.array([STEP.get(name, FACTOR_STEP) / FACTOR_STEP for name in names])
-        _, s, v = np.linalg.svd(scaled, full_matrices=False)
-        if s[0] > LARGEST_CONDITION * s[-1]:
-            return names[int(np.argmax(np.abs(v[-1])))]
-        return None
-
-    def _not_identifiable(self, parameters: tuple[str, ...]) -> dict[str, str]:
-        """Parameters that no point can determine, with the reason."""
-        out: dict[str, str] = {}
-        d = self.data
-        names = [name for name in parameters if name not in BOUNDS]
-        base = dict.fromkeys(names, 0.0)
-        sets = [base, *({**base, name: 0.5} for name in names)]
-        values = self.computed(sets)
-        sections = self.case.well.sections  # type: ignore[union-attr]
-        deepest = max(point.bit_depth for point in self.points)
-        for k, name in enumerate(names, 1):
-            if name not in self.factors:
-                out[name] = "the well has no such section"
-                continue
-            above = 0.0
-            reached = False
-            for section, group in zip(sections, self.group, strict=True):
-                reached |= bool(group == name) and deepest > above + 1.0
-                above = section.to
-            if not reached:
-                out[name] = "no point has the bit in such a section"
-            elif not (np.abs(values[k] - values[0]) > SMALLEST_SPREAD * d.sigma).any():
-                out[name] = "a friction factor of 0.5 changes no reading by more than 3 standard errors"
-        if "block_weight" in parameters and not d.hook.any():
-            out["block_weight"] = "no hook load was read"
-        elif "block_weight" in parameters and self.excludes_block:
-            out["block_weight"] = "the hook loads are those of the string, without the block"
-        for name in parameters[max(0, len(d.value)) :]:
-            out.setdefault(name, "fewer readings than parameters")
-        return out
-
-    # ------------------------------------------------------------------ checks
-    def weight_misfit(self) -> list[tuple[MeasuredPoint, float]]:
-        """Points rotating off bottom with the misfit of their hook load, computed less measured over computed [-]."""
-        values, d, out = self.computed([{}])[0], self.data, []
-        for i, hook, computed, value in zip(d.point, d.hook, values, d.value, strict=True):
-            if hook and self.points[i].operation == "rotate_off_bottom":
-                out.append((self.points[i], float((computed - value) / max(abs(computed - self.block), 1.0))))
-        return out
-
-    def alone(self, fit: Fit) -> FloatArray:
-        """(n,) open-hole factor at which each reading alone is met, nan where there is none in 0..1.
-
-        Brent's method on a monotone cubic through the readings at ``ALONE_GRID`` factors.
-        """
-        from scipy.interpolate import PchipInterpolator
-        from scipy.optimize import brentq
-
-        d = self.data
-        out = np.full(len(d.value), np.nan)
-        if "open_hole" not in self.factors:
-            return out
-        values = {
-            name: float(value)
-            for name, value in zip(fit.parameters, fit.value, strict=True)
-            if not np.isnan(value)
-        }
-        values.pop("open_hole", None)
-        grid = np.linspace(0.0, 1.0, ALONE_GRID)
-        table = self.computed([{**values, "open_hole": float(mu)} for mu in grid]) - d.value
-        for i in range(len(d.value)):
-            known = np.abs(table[:, i]) < 1e8  # the string is not locked up
-            change = np.flatnonzero(
-                (np.sign(table[:-1, i]) != np.sign(table[1:, i])) & known[1:] & known[:-1]
-            )
-            if not len(change) or np.ptp(table[known, i]) < 1e-6 * abs(d.value[i]):
-                continue
-            curve = PchipInterpolator(grid[known], table[known, i])
-            out[i] = float(brentq(curve, grid[change[0]], grid[change[0] + 1]))
-        return out
-
-
-# ---------------------------------------------------------------------- command
 def run_calibrate(
     case: Case,
     points: tuple[MeasuredPoint, ...] | None,
@@ -401,7 +51,7 @@ def run_calibrate(
     points = plan.measured if points is None else points
     if not points:
         raise CaseError(at="--measured", want="a file of measured points, or roadmap.measured in the case")
-    work = Calibration(case, points, plan.hookload_excludes_block)
+    work = Calibration(case, points, plan.hookload_excludes_block, units)
     system: System = units or case.output.units or "metric"
     if parameters is None:
         parameters = work.factors
@@ -462,27 +112,59 @@ def _notes(case: Case, work: Calibration, parameters: tuple[str, ...]) -> list[s
 
 
 def _warnings(work: Calibration, fit: Fit, parameters: tuple[str, ...]) -> list[str]:
-    out = [f"{name} is not determined: {reason}" for name, reason in fit.reasons.items()]
-    off = work.weight_misfit()
-    if off and not {"block_weight", "weight_factor"} & set(parameters):
-        mean = float(np.mean([misfit for _, misfit in off]))
-        if abs(mean) > WEIGHT_ERROR:
-            out.append(
-                f"rotating off bottom the computed hook load is {abs(mean):.1%} {'above' if mean > 0 else 'below'} the measured one: "
-                "an error of the weight (mud, pipe, block), which friction factors must not absorb; --fit weight_factor or "
-                "block_weight fits it"
-            )
+    out = []
+    for name, reason in fit.reasons.items():
+        held = work.default(name)
+        also = not np.isnan(fit.value).all() and np.isfinite(held)
+        words = f"{shown(held, 'force', work.units)}" if name == "block_weight" else f"{held:.4g}"
+        out.append(
+            f"{name} is not determined: {reason}"
+            + (f"; the others are found with {words} of the case" if also else "")
+        )
+    if not {"block_weight", "weight_factor"} & set(parameters):
+        out += _weight_error(work)
     for name, value in zip(fit.parameters, fit.value, strict=True):
         low, high = BOUNDS.get(name, FACTOR_BOUNDS)
         if value - low < AT_BOUND * (high - low) or high - value < AT_BOUND * (high - low):
             out.append(
                 f"{name} is at its bound {value:g}: the points ask for a value beyond it, and its interval does not hold"
             )
+    end = None if work.case.well is None else float(work.case.well.survey.md[-1])
+    out += readings(work.points, end, work.units)
     if fit.chi2 > 4:
         out.append(
             f"the misfit is {np.sqrt(fit.chi2):.1f} standard errors: the model does not explain the points"
         )
     return out
+
+
+def _weight_error(work: Calibration) -> list[str]:
+    """Warn where the hook loads of rotating off bottom, which no friction changes, are not those computed."""
+    off = [(point, point.hook_load or 0.0, computed) for point, computed in work.weight_misfit()]
+    weights = np.array([[read - work.block, computed - work.block] for _, read, computed in off])
+    if not off or abs(weights[:, 1].sum() / max(weights[:, 0].sum(), 1.0) - 1) <= WEIGHT_ERROR:
+        return []
+    point, read, computed = max(off, key=lambda row: abs(row[2] - row[1]))
+    share, more = computed / read - 1 if read else np.inf, "above" if computed > read else "below"
+    block = f", {abs(weight_share(work, read, computed)):.1%} of the string's weight" if work.block else ""
+    text = (
+        f"rotating off bottom at {shown(point.bit_depth, 'length', work.units, 5)} the computed hook load, "
+        f"{shown(computed, 'force', work.units)}, is {abs(share):.1%} {more} the measured one, "
+        f"{shown(read, 'force', work.units)}{block}: an error of the weight (mud, pipe, block), which friction factors must not "
+        "absorb; --fit weight_factor or block_weight fits it"
+    )
+    gaps = weights[:, 1] - weights[:, 0]
+    if work.block and np.abs(gaps - work.block).max() < 0.5 * np.abs(gaps).min():
+        text += (
+            f"; the difference is about rig.block_weight, {shown(work.block, 'force', work.units)}: were the hook loads read "
+            "without the block (roadmap.hookload_excludes_block: true)?"
+        )
+    return [text]
+
+
+def weight_share(work: Calibration, read: float, computed: float) -> float:
+    """Difference of two hook loads [N] over the measured weight of the string without the block [-]."""
+    return (computed - read) / max(abs(read - work.block), 1.0)
 
 
 def _summary(

@@ -9,9 +9,12 @@ import numpy as np
 
 from drillpetsc.analysis.torque_drag.string_rows import StringRows, rows_at
 from drillpetsc.arrays import FloatArray
+from drillpetsc.case.blocks.ends import BitBottom
 from drillpetsc.case.blocks.roadmap import DepthRange, Roadmap
 from drillpetsc.case.case import Case
 from drillpetsc.errors import CaseError
+from drillpetsc.physics.bit_on_bottom import bit_torque
+from drillpetsc.unit_systems import shown
 from drillpetsc.units import to_si
 
 DEPTHS = 30  # bit depths where the case gives none
@@ -57,33 +60,27 @@ def plan_of(case: Case) -> Roadmap:
 
 def assumptions(case: Case, plan: Roadmap) -> list[str]:
     """What the case does not give and was assumed, as sentences."""
+    units = case.output.units or "metric"
     notes, given = [], plan.model_fields_set
     used = plan.operations
     if any(word.startswith("trip") for word in used) and "trip_speed" not in given:
-        notes.append("trip_speed 60 ft/min assumed (without rotation it changes nothing)")
-    if "rpm" not in given and {"rotate_off_bottom", "drilling"} & set(used):
-        notes.append("rpm 100 assumed for rotate_off_bottom and drilling")
+        speed = shown(plan.trip_speed, "trip_speed", units)
+        notes.append(f"trip_speed {speed} assumed (without rotation it changes nothing)")
+    if {"rotate_off_bottom", "drilling"} & set(used):
+        notes.append(rotation_note(case, plan))
     for word in ("drilling", "sliding"):
         if word not in used:
             continue
         block = getattr(plan, word)
         if block.wob is None:
-            source = f"{ASSUMED_WOB[word]} assumed" if case.initial.wob is None else "from initial.wob"
-            notes.append(f"{word}.wob {source}")
-        missing = [
-            key
-            for key in ("tob", "rop")
-            if key in type(block).model_fields and key not in block.model_fields_set
-        ]
-        if missing:
-            values = {"tob": {"drilling": "5", "sliding": "2"}[word] + " kft-lbf", "rop": "60 ft/h"}
-            notes.append(", ".join(f"{word}.{key} {values[key]}" for key in missing) + " assumed")
+            weight = shown(to_si(ASSUMED_WOB[word], "N"), "force", units)
+            notes.append(
+                f"{word}.wob " + (f"{weight} assumed" if case.initial.wob is None else "from initial.wob")
+            )
+        notes.append(assumed(case, plan, word))
     if "backreaming" in used:
-        block = plan.backreaming
-        values = {"speed": "20 ft/min", "rpm": "80", "tob": "1 kft-lbf"}
-        missing = [key for key in values if key not in block.model_fields_set]
-        if missing:
-            notes.append(", ".join(f"backreaming.{key} {values[key]}" for key in missing) + " assumed")
+        notes.append(assumed(case, plan, "backreaming"))
+    notes = [note for note in notes if note]
     if case.fluid is not None:
         still = [word for word in used if not load_of(case, plan, word).flow]
         if still:
@@ -97,6 +94,73 @@ def assumptions(case: Case, plan: Roadmap) -> list[str]:
     return notes
 
 
+_KINDS = {"tob": "torque", "rop": "rop", "speed": "trip_speed", "rpm": "rotation"}
+
+
+def assumed(case: Case, plan: Roadmap, word: str) -> str:
+    """What of drilling, sliding or backreaming was assumed, in the units of the case; empty where all is given."""
+    block, units = getattr(plan, word), case.output.units or "metric"
+    missing = [key for key in _KINDS if key in type(block).model_fields and key not in block.model_fields_set]
+    parts = []
+    if word == "drilling" and "tob" in missing and torque_of_bit(case, plan) != block.tob:
+        missing.remove("tob")
+        parts.append(
+            f"{word}.tob {shown(torque_of_bit(case, plan), 'torque', units, plot=True)} from bottom.friction"
+        )
+    if missing:
+        values = (
+            f"{word}.{key} {shown(getattr(block, key), kind, units, plot=kind == 'torque')}"
+            for key, kind in _KINDS.items()
+            if key in missing
+        )
+        parts.append(", ".join(values) + " assumed")
+    return "; ".join(parts)
+
+
+def torque_of_bit(case: Case, plan: Roadmap) -> float:
+    """Torque on the bit while drilling [N m]: roadmap.drilling.tob, else that of a bottom.friction that the case gives, else
+    the default of the roadmap."""
+    given = "tob" in plan.drilling.model_fields_set
+    bottom, bit = case.bottom, case.string[-1]
+    if (
+        given
+        or not isinstance(bottom, BitBottom)
+        or "friction" not in bottom.model_fields_set
+        or bit.od is None
+    ):
+        return plan.drilling.tob
+    return bit_torque(_wob(case, plan, "drilling"), bottom.friction, 0.5 * bit.od)
+
+
+def _wob(case: Case, plan: Roadmap, operation: str) -> float:
+    """Weight on bit of drilling or sliding [N]."""
+    given = getattr(plan, operation).wob
+    if given is None:
+        given = case.initial.wob
+    return to_si(ASSUMED_WOB[operation], "N") if given is None else float(given)
+
+
+def _rotation_of_top(case: Case) -> float | None:
+    """Rotation that the top prescribes at time 0 [rad/s]; None where it does not turn the string."""
+    own = 0.0 if case.top.rotation is None else float(case.top.rotation.value(0.0))
+    return own if own > 0 else None
+
+
+def rotation_of(case: Case, plan: Roadmap) -> float:
+    """Rotation off bottom and while drilling [rad/s]: roadmap.rpm, else that of the top, else the default of the roadmap."""
+    own = _rotation_of_top(case)
+    return plan.rpm if "rpm" in plan.model_fields_set or own is None else own
+
+
+def rotation_note(case: Case, plan: Roadmap) -> str:
+    """Where the rotation off bottom and while drilling comes from; empty where the roadmap gives it."""
+    if "rpm" in plan.model_fields_set:
+        return ""
+    where = "assumed" if _rotation_of_top(case) is None else "from top.rotation"
+    rpm = shown(rotation_of(case, plan), "rotation", "metric")
+    return f"{rpm} {where} for rotate_off_bottom and drilling"
+
+
 def load_of(case: Case, plan: Roadmap, operation: str) -> Load:
     """Weight, torque and speeds of an operation."""
     if operation == "trip_in":
@@ -104,19 +168,16 @@ def load_of(case: Case, plan: Roadmap, operation: str) -> Load:
     if operation == "trip_out":
         return Load(0.0, 0.0, plan.trip_speed, 0.0)
     if operation == "rotate_off_bottom":
-        return Load(0.0, 0.0, 0.0, plan.rpm)
+        return Load(0.0, 0.0, 0.0, rotation_of(case, plan))
     if operation == "backreaming":
         back = plan.backreaming
         return Load(0.0, back.tob, back.speed, back.rpm, back.flow_rate)
-    block = plan.drilling if operation == "drilling" else plan.sliding
-    wob = block.wob
-    if wob is None:
-        wob = case.initial.wob
-    if wob is None:
-        wob = to_si(ASSUMED_WOB[operation], "N")
+    wob = _wob(case, plan, operation)
     if operation == "drilling":
-        return Load(wob, block.tob, -plan.drilling.rop, plan.rpm, block.flow_rate)
-    return Load(wob, block.tob, -1.0, 0.0, block.flow_rate)  # all friction is axial, whatever the speed
+        block = plan.drilling
+        return Load(wob, torque_of_bit(case, plan), -block.rop, rotation_of(case, plan), block.flow_rate)
+    slide = plan.sliding
+    return Load(wob, slide.tob, -1.0, 0.0, slide.flow_rate)  # all friction is axial, whatever the speed
 
 
 def groups_of(case: Case) -> np.ndarray:
@@ -166,6 +227,11 @@ def pairs_of(case: Case, plan: Roadmap, notes: list[str]) -> list[Pair]:
     return out
 
 
+def _length(case: Case, depth: float) -> str:
+    """A depth [m] as text in the units of the case."""
+    return shown(depth, "length", case.output.units or "metric", 6)
+
+
 def shoes_of(case: Case) -> list[float]:
     """Measured depths of the casing shoes [m], rising."""
     assert case.well is not None
@@ -188,8 +254,8 @@ def strings_of(case: Case, plan: Roadmap, notes: list[str]) -> list[StringRows]:
             if depth > end + 1e-6:
                 raise CaseError(
                     at=f"roadmap.bit_depth[{i}]",
-                    got=f"{depth:g} m",
-                    want=f"at most {end:g} m, the end of the hole",
+                    got=_length(case, depth),
+                    want=f"at most {_length(case, end)}, the end of the hole",
                 )
         listed = [rows_at(case, depth) for depth in sorted(set(given))]
         return _told_lengthened(case, listed, notes)
@@ -199,12 +265,13 @@ def strings_of(case: Case, plan: Roadmap, notes: list[str]) -> list[StringRows]:
         first = shoes[-1] if given.from_ == "shoe" else float(given.from_)
         last = end if given.to == "td" else float(given.to)
         if not first < last <= end + 1e-6:
-            want = f"depths rising from 'from' to 'to', at most {end:g} m, the end of the hole"
-            raise CaseError(at="roadmap.bit_depth", got=f"{first:g} to {last:g} m", want=want)
+            want = f"depths rising from 'from' to 'to', at most {_length(case, end)}, the end of the hole"
+            got = f"{_length(case, first)} to {_length(case, last)}"
+            raise CaseError(at="roadmap.bit_depth", got=got, want=want)
         if (last - first) / given.step > 2000:
             raise CaseError(
                 at="roadmap.bit_depth.step",
-                got=f"{given.step:g} m",
+                got=_length(case, given.step),
                 want="a step that gives at most 2000 depths",
             )
         depths = [*np.arange(first, last - 1e-6, given.step), last]
@@ -221,8 +288,8 @@ def strings_of(case: Case, plan: Roadmap, notes: list[str]) -> list[StringRows]:
     if problem is not None and not out:
         raise problem
     if left:
-        which = ", ".join(f"{d:.6g}" for d in left[:5]) + (", ..." if len(left) > 5 else "")
-        notes.append(f"bit depths left out: {which} m ({problem.want if problem else ''})")
+        which = ", ".join(_length(case, d) for d in left[:5]) + (", ..." if len(left) > 5 else "")
+        notes.append(f"bit depths left out: {which} ({problem.want if problem else ''})")
     return _told_lengthened(case, out, notes)
 
 
@@ -230,9 +297,9 @@ def _told_lengthened(case: Case, strings: list[StringRows], notes: list[str]) ->
     """The strings, with a note where some are longer than that of the case, so that their weight is not that of its items."""
     longer = [rows.depth for rows in strings if rows.depth > case.string_length + LENGTHENED]
     if longer:
-        which = f"{longer[0]:.6g} m" if len(longer) == 1 else f"{longer[0]:.6g} m to {longer[-1]:.6g} m"
+        which = " to ".join(dict.fromkeys(_length(case, depth) for depth in (longer[0], longer[-1])))
         notes.append(
-            f"bit at {which}: the string of the case is {case.string_length:.6g} m long; its topmost item ({case.string[0].name}) "
+            f"bit at {which}: the string of the case is {_length(case, case.string_length)} long; its topmost item ({case.string[0].name}) "
             "is lengthened there, with its weight"
         )
     return strings

@@ -13,6 +13,7 @@ from petsc4py import PETSc
 
 from drillpetsc.analysis.torque_drag.batch import Columns, Hole, soft_strings
 from drillpetsc.analysis.torque_drag.circulation import Circulation, circulation
+from drillpetsc.analysis.torque_drag.measured import beside_curves, measured_lines, measured_warnings
 from drillpetsc.analysis.torque_drag.operations import (
     MOST_ROWS,
     Load,
@@ -24,7 +25,7 @@ from drillpetsc.analysis.torque_drag.operations import (
     shoes_of,
     strings_of,
 )
-from drillpetsc.analysis.torque_drag.string_rows import StringRows, gravity_of
+from drillpetsc.analysis.torque_drag.string_rows import StringRows, gravity_of, need_well
 from drillpetsc.analysis.torque_drag.table import OK, Pressures, failed, rows_of, still_mud
 from drillpetsc.analysis.torque_drag.torque_lines import passed, torque_lines
 from drillpetsc.analysis.transient import RunResult, make_folder
@@ -32,7 +33,6 @@ from drillpetsc.case.blocks.roadmap import MeasuredPoint
 from drillpetsc.case.case import Case
 from drillpetsc.errors import CaseError, SolveError
 from drillpetsc.geometry.well import Well
-from drillpetsc.model.hole import build_well
 from drillpetsc.output import write_summary, write_table
 from drillpetsc.output.files.run_folder import ROADMAP_FILE, ROADMAP_TABLE
 from drillpetsc.output.quantities.torque_drag import ROADMAP
@@ -55,14 +55,6 @@ def columns_of(loads: list[Load], placed: list[int], pairs: list[Pair]) -> Colum
         np.array([load.rotation for load in loads]),
         np.ones(len(loads)),
     )
-
-
-def need_well(case: Case, command: str) -> Well:
-    """The hole of a case; CaseError where it has none, or touches nothing."""
-    well = build_well(case)
-    if well is None:
-        raise CaseError(at="well", want=f"a well for {command}: without a hole there is no drag")
-    return well
 
 
 def densities_of(case: Case) -> tuple[float, float]:
@@ -223,6 +215,10 @@ def run_roadmap(
     system: System = units or case.output.units or "metric"
     lines_of_torque = torque_lines(case, strings, rows)
     warnings = _warnings(case, rows, lines_of_torque, system)
+    excludes = plan.hookload_excludes_block
+    found = beside_curves(rows, points or (), 0.0 if excludes else (block or 0.0))
+    end = None if case.well is None else float(case.well.survey.md[-1])
+    warnings += measured_warnings(found, points or (), end, block, excludes, system)
     folder = make_folder(comm, name, out, False, overwrite)
     summary = {
         "title": case.title,
@@ -251,6 +247,7 @@ def run_roadmap(
         write_summary(folder.summary, summary)
     lines = [f"{case.title or 'case'}: roadmap, {MODELS[model]}, {len(rows)} rows"]
     lines += _lines(rows, pairs, plan.operations, strings[-1].depth, system, block is not None)
+    lines += measured_lines(found, system)
     if stiff:
         lines += _compared(stiff, len(rows))
     lines += [f"  WARNING: {w}" for w in warnings] + [f"  note: {lengths_shown(n, system)}" for n in notes]

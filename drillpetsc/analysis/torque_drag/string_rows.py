@@ -13,6 +13,8 @@ from drillpetsc.case.blocks.tubulars import Jointed, Tubular
 from drillpetsc.case.case import Case
 from drillpetsc.case.section import metal_past, ring, tubular_section
 from drillpetsc.errors import CaseError
+from drillpetsc.geometry.well import Well
+from drillpetsc.model.hole import build_well
 from drillpetsc.units import to_si
 
 JOINT = to_si("31 ft", "m")  # length of a joint where the item names none, range 2 [m]
@@ -77,6 +79,14 @@ _COLUMNS = (
     "pressed_area",
     "half_joint",
 )
+
+
+def need_well(case: Case, command: str) -> Well:
+    """The hole of a case; CaseError where it has none, or touches nothing."""
+    well = build_well(case)
+    if well is None:
+        raise CaseError(at="well", want=f"a well for {command}: without a hole there is no drag")
+    return well
 
 
 def gravity_of(case: Case, command: str) -> float:

@@ -216,6 +216,16 @@ class SurfaceLine(Block):
         default=None, description="flow rate of the loss"
     )
 
+    @model_validator(mode="before")
+    @classmethod
+    def _a_mapping(cls, value: Any) -> Any:
+        if isinstance(value, (int, float, str)):
+            hint = f"{{case: {value}}}?" if str(value).strip() in ("1", "2", "3", "4") else ""
+            raise refuse(
+                got=value, want="{case: 1}, {length: ..., id: ...} or {loss: ..., at: ...}", hint=hint
+            )
+        return value
+
     @model_validator(mode="after")
     def _one_form(self) -> SurfaceLine:
         given = {key for key in SurfaceLine.model_fields if getattr(self, key) is not None}

@@ -13,7 +13,7 @@ from drillpetsc.case.block import Block, derived_default
 from drillpetsc.case.blocks.string import Friction
 from drillpetsc.case.importers.stations import Rules
 from drillpetsc.case.key_paths import refuse
-from drillpetsc.case.quantities import BARE_NUMBERS, InSI, Quantity
+from drillpetsc.case.quantities import BARE_NUMBERS, InSI, Quantity, said
 from drillpetsc.case.survey_file import read_survey
 
 DEFAULT_FRICTION = {"casing": 0.2, "open_hole": 0.3}
@@ -270,6 +270,11 @@ class Well(Block):
     @model_validator(mode="after")
     def _covered(self) -> Well:
         above, last = 0.0, len(self.sections) - 1
+        end = self.survey.md[-1]
+        for i, section in enumerate(self.sections[:last]):
+            if section.to is not None and section.to > end + 1e-3:
+                want = f"at most the depth of the last survey station, {said(end, 'length')}"
+                raise refuse("sections", i, "to", got=said(section.to, "length"), want=want)
         if self.sections[last].to is None:
             self.fill_defaults(
                 sections=(
@@ -284,14 +289,13 @@ class Well(Block):
                     "sections", i, "to", want="the measured depth of the section's lower end", hint=hint
                 )
             if section.to <= above:
-                want = f"rising depths: below the section above, {above:g} m"
+                want = f"rising depths: below the section above, {said(above, 'length')}"
                 raise refuse("sections", i, "to", got=section.to, want=want)
             above = section.to
-        end = self.survey.md[-1]
         if abs(above - end) > 1e-3:
             hint = "the survey ends there; add a station, or write `to: end`"
-            want = f"sections down to the last station, {end:g} m"
-            raise refuse("sections", last, "to", got=above, want=want, hint=hint)
+            want = f"sections down to the last station, {said(end, 'length')}"
+            raise refuse("sections", last, "to", got=said(above, "length"), want=want, hint=hint)
         return self
 
     def diameter_at(self, depth: float) -> float:

@@ -36,6 +36,13 @@ CLASSES = {"new": "new", "premium": "premium", "class2": "class_2"}
 _WEIGHT = re.compile(r"\s*(\d+(?:\.\d+)?)\s*(#|lbf?/ft|lbs/ft|ppf)?(?=[\s,]|$)", re.IGNORECASE)
 
 
+#: words of a tally that say what the kind of the item says, or nothing: `5" HWDP 49.3 # NC50`, `premium class`
+_SAID_BY_KIND = re.compile(
+    r"(?<![\w-])(?:hwdp|dp|drill\s?pipes?)(?![\w-])|(?<=premium )class(?![\w-])|(?<=new )class(?![\w-])",
+    re.IGNORECASE,
+)
+
+
 class ReferenceProblem(ValueError):
     """A text that names no row: what is wanted, and a hint."""
 
@@ -116,6 +123,7 @@ def find_threads(catalogue: Catalogue, name: str) -> Row | None:
 
 def parse(catalogue: Catalogue, text: str) -> Reference:
     """Read a text reference; raises ReferenceProblem."""
+    text = _SAID_BY_KIND.sub(" ", text)
     at_start = size_at_start(text.strip())
     if at_start is None or at_start[0] <= 0:
         raise ReferenceProblem("SIZE WEIGHT and further words, such as 5in 19.50 S-135 NC50 premium")
@@ -227,6 +235,18 @@ def _joint_text(row: Row) -> str:
     return f"{row['grade']}{upset} {row['connection']} {inch_text(row['od'])} x {inch_text(row['id'])}"
 
 
+def _drill_pipe(catalogue: Catalogue, reference: Reference) -> Row:
+    """Row of the tube; where only heavy-wall pipe has the size and weight, the hint says so."""
+    try:
+        return find_tube(catalogue, "drill_pipe", reference.size, reference.weight)
+    except ReferenceProblem as problem:
+        try:
+            find_tube(catalogue, "hwdp", reference.size, reference.weight)
+        except ReferenceProblem:
+            raise problem from None
+        raise ReferenceProblem(problem.want, f"heavy-wall pipe has it: kind: hwdp; {problem.hint}") from None
+
+
 def find_pipe(
     catalogue: Catalogue,
     text: str | Reference,
@@ -240,7 +260,7 @@ def find_pipe(
     """
     reference = parse(catalogue, text) if isinstance(text, str) else text
     given = given or {}
-    tube = find_tube(catalogue, "drill_pipe", reference.size, reference.weight)
+    tube = _drill_pipe(catalogue, reference)
     grade = find_grade(catalogue, "drill_pipe", given.get("grade") or reference.grade or DEFAULT_GRADE)
     connection = given.get("connection") or reference.connection
     size, nominal = tube["size"], tube["nominal"]

@@ -20,6 +20,8 @@ from drillpetsc.case.checks.sensors import check_sensors
 from drillpetsc.case.checks.steering import check_steering
 from drillpetsc.case.checks.window import check_window
 from drillpetsc.case.key_paths import refuse
+from drillpetsc.case.quantities import said
+from drillpetsc.unit_systems import System
 
 LENGTH_TOLERANCE = 1e-6  # [m] sums of item lengths
 
@@ -91,11 +93,16 @@ def _string_in_hole(case: CaseBlocks) -> None:
     if case.well is None:
         return
     end = case.well.survey.md[-1]
-    for i, (_, below) in enumerate(case.item_depths):
-        if below > end + LENGTH_TOLERANCE:
-            want = f"a string no longer than the hole, {end:g} m"
-            hint = f"the items down to this one are {below:g} m long"
-            raise refuse("string", i, "length", got=case.string[i].length, want=want, hint=hint)
+    units = case.output.units or case.units
+    if case.string_length > end + LENGTH_TOLERANCE:
+        whole, more = (said(v, "length", units) for v in (case.string_length, case.string_length - end))
+        want = f"a string no longer than the hole, {said(end, 'length', units)}"
+        raise refuse(
+            "string",
+            got=f"{len(case.string)} items, {whole}",
+            want=want,
+            hint=f"its {len(case.string)} items are {whole} long, {more} too long",
+        )
     if case.contact is None and not case.has_annulus:
         return
     for i, (item, (above, below)) in enumerate(zip(case.string, case.item_depths, strict=True)):
@@ -106,25 +113,32 @@ def _string_in_hole(case: CaseBlocks) -> None:
         if isinstance(item, (Tube, Beam)):
             widest = item.widest_od
             key = ("od",) if widest == item.od else ("tool_joint", "od")
-            _fits(case.well, i, widest, above, below, key)
+            _fits(case.well, i, widest, above, below, key, units)
 
 
 def _fits(
-    well: Well, i: int, outer: float | None, above: float, below: float, key: tuple[str, ...] = ("od",)
+    well: Well,
+    i: int,
+    outer: float | None,
+    above: float,
+    below: float,
+    key: tuple[str, ...] = ("od",),
+    units: System = "SI",
 ) -> None:
     """Raise unless the item is thinner than every section around it at the start.
 
     i: number of the item in the string
     outer: largest diameter [m]; key: where it stands in the item
-    above, below: measured depths of the ends of the item [m]
+    above, below: measured depths of the ends of the item [m]; units: of the message
     """
     top = 0.0
-    for section in well.sections:
+    for n, section in enumerate(well.sections):
         meets = section.to > above + LENGTH_TOLERANCE and top < below - LENGTH_TOLERANCE
         if outer is not None and meets and outer >= section.diameter:
-            place = f"the {section.kind.replace('_', ' ')} at {max(top, above):g} m"
-            want = f"less than the diameter of {place}, {section.diameter:g} m"
-            raise refuse("string", i, *key, got=outer, want=want)
+            place = f"the {section.kind.replace('_', ' ')} at {said(max(top, above), 'length', units)}"
+            want = f"less than the diameter of {place}, {said(section.diameter, 'diameter', units)}"
+            hint = f"or another well.sections[{n}].diameter"
+            raise refuse("string", i, *key, got=said(outer, "diameter", units), want=want, hint=hint)
         top = section.to
 
 
@@ -169,7 +183,9 @@ def _start(case: CaseBlocks) -> None:
 
 def _on_string(case: CaseBlocks) -> None:
     end = case.string_length
-    range_of_string = f"a measured depth on the string, 0 to {end:g} m"
+    range_of_string = (
+        f"a measured depth on the string, 0 to {said(end, 'length', case.output.units or case.units)}"
+    )
     for i, probe in enumerate(case.output.probes):
         if probe > end + LENGTH_TOLERANCE:
             raise refuse("output", "probes", i, got=probe, want=range_of_string)

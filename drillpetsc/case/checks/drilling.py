@@ -7,6 +7,7 @@ from drillpetsc.case.blocks.ends import BitBottom, DrivenTop
 from drillpetsc.case.blocks.reamer import Reamer
 from drillpetsc.case.blocks.string import Bit, Flexible
 from drillpetsc.case.key_paths import refuse
+from drillpetsc.case.quantities import said
 
 LENGTH_TOLERANCE = 1e-6  # [m] diameters and depths closer than this are equal
 ON_BOTTOM = 1.0  # a bit that is closer than this to the end of the hole stands on it [m]
@@ -45,11 +46,12 @@ def _bit_passes(case: CaseBlocks) -> None:
     bit = case.string[-1]
     if case.well is None or not isinstance(bit, Bit):
         return
-    top = 0.0
+    top, units = 0.0, case.output.units or case.units
     for section in case.well.sections:
         if bit.od > section.diameter + LENGTH_TOLERANCE and top < case.string_length - LENGTH_TOLERANCE:
-            place = f"the {section.kind.replace('_', ' ')} from {top:g} m to {section.to:g} m"
-            want = f"at most the diameter of {place}, {section.diameter:g} m"
+            ends = f"{said(top, 'length', units)} to {said(section.to, 'length', units)}"
+            place = f"the {section.kind.replace('_', ' ')} from {ends}"
+            want = f"at most the diameter of {place}, {said(section.diameter, 'diameter', units)}"
             raise refuse(
                 "string",
                 len(case.string) - 1,
@@ -67,7 +69,8 @@ def _bit_passes(case: CaseBlocks) -> None:
             len(case.string) - 1,
             "od",
             got=bit.od,
-            want=f"at least {SMALLEST_BIT:.0%} of the hole it stands in, {last.diameter:g} m",
+            want=f"at least {SMALLEST_BIT:.0%} of the hole it stands in, {said(last.diameter, 'diameter', units)}",
+            hint=f"is well.sections[{len(case.well.sections) - 1}].diameter right?",
         )
 
 

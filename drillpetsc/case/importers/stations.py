@@ -8,6 +8,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 from drillpetsc.case.importers.table import _THOUSANDS, NEEDED, SI_UNIT, Table
+from drillpetsc.case.quantities import said
 from drillpetsc.errors import CaseError
 from drillpetsc.unit_systems import System
 from drillpetsc.units import UnitError, to_si
@@ -251,13 +252,13 @@ def _from_the_top(
         values["md"][0] = 0.0
         return
     if inclination >= STEEPEST_START:
-        what = f"survey starts at {md:g} m with {math.degrees(inclination):.3g} deg"
+        what = f"survey starts at {said(md, 'length')} with {math.degrees(inclination):.3g} deg"
         want = "a first station at 0 m (the rotary table), or the tie-in station"
         hint = "survey: {file: ..., tie_in: {md: 0 m, inclination: 0 deg, azimuth: 0 deg}}"
         raise CaseError(
             at="md", got=what, want=want, hint=hint, file=table.file, line=numbers[0] or table.head_at
         )
-    remarks.append(f"survey starts at {md:g} m: a vertical station at 0 m put in front")
+    remarks.append(f"survey starts at {said(md, 'length')}: a vertical station at 0 put in front")
     for column, value in (("md", 0.0), ("inclination", 0.0), ("azimuth", values["azimuth"][0])):
         values[column].insert(0, value)
     numbers.insert(0, NO_ROW)

@@ -152,11 +152,11 @@ STABILITY_RUNS: tuple[Quantity, ...] = (
     ROTARY_SPEED,
     WEIGHT,
     _column(
-        "stick_slip_index", "-", "Stick-slip index", "SSI", "(max - min)/(2 mean) of the bit's speed in the last third of the run."
+        "stick_slip_index", "-", "Stick-slip index", "SSIR", "Range over twice the mean of the bit's speed in the last third of the run."
     ),
     _column("stick_slip_index_before", "-", "Stick-slip index before", "SSIB", "The same in the third before."),
-    _column("stuck_share", "-", "Share of the time at rest", "STSH", "Share of the last third in which the bit is below 1 rpm."),
+    _column("share_at_rest", "-", "Share of the time at rest", "STSH", "Share of the last third in which the bit is below 1 rpm."),
     _column(
-        "behaviour", "-", "Behaviour", "BHVR", "steady, decays, grows, stick_slip, or failed where the run could not be computed."
+        "behaviour", "-", "Behaviour", "BHVR", "One of steady, decays, grows, stick_slip, or failed where the run could not be computed."
     ),
 )  # fmt: skip

@@ -16,7 +16,7 @@ from drillpetsc.fem.component import ElementBlock, Energies, Field, Powers
 from drillpetsc.fem.string_mesh import StringMesh
 from drillpetsc.kernels.parameters import Parameters, Table, columns
 from drillpetsc.physics.fluid.bit_flow import NOZZLE_LENGTH
-from drillpetsc.physics.fluid.channel_flow import FLOW_SCALE, ChannelFlow, FluidConstants
+from drillpetsc.physics.fluid.channel_flow import ChannelFlow, FluidConstants
 from drillpetsc.physics.interfaces import SideOutlets
 from drillpetsc.physics.rigid_bodies import VERTEX_SLOTS, local_vertices
 from drillpetsc.time_function import TimeFunction
@@ -73,7 +73,12 @@ class SideNozzles(SideOutlets):
     def fields(self) -> tuple[Field, ...]:
         return (
             Field(
-                "side.flow", 1, physics="fluid", region="side_nozzles", scale=FLOW_SCALE, second_order=False
+                "side.flow",
+                1,
+                physics="fluid",
+                region="side_nozzles",
+                scale=self.fluid.usual_flow,
+                second_order=False,
             ),
         )
 

@@ -106,7 +106,11 @@ class MudMotor(Motor):
     ):
         self.mesh, self.frames, self.gravity = mesh, frames, gravity
         self.cell, self.law, self.rotor, self.joints = cell, law, rotor, joints
-        self.rotor_mass = rotor.mass
+        self.rotor_mass, self.lobes, self.orbit_unbalance = (
+            rotor.mass,
+            rotor.lobes,
+            rotor.mass * rotor.eccentricity,
+        )
         self.bend, self.outside = bend, outside
         self.flow, self.compressibility, self.balanced = flow, compressibility, balanced
         self._speed = self._start_speed = self._load = 0.0
@@ -233,8 +237,11 @@ class MudMotor(Motor):
         self.params["held"] = 0.0
         self.joints.lock(self.cell, False)
 
-    def balance_orbit(self) -> None:
-        self.params["balanced"] = 1.0
+    def balance_orbit(self, balanced: bool = True) -> None:
+        self.params["balanced"] = float(balanced)
+
+    def orbit_speed(self, t: float, state: Any) -> float:
+        return float(self.figures(t, state)[RESULTS["orbit_speed"]])
 
     # ------------------------------------------------------------------ results
     def _results(self, state: Any) -> FloatArray:

@@ -1,0 +1,49 @@
+"""The soft string of statics and limits carries rigid items with their own weight, less the mud that they displace."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from drillpetsc import Case
+from drillpetsc.analysis.soft_string_start import soft_string
+from drillpetsc.analysis.torque_drag.string_rows import rows_at
+from drillpetsc.model.drilling_model import build_model
+
+G = 9.80665
+OD, ID, STEEL, MUD = 0.127, 0.1086, 7850.0, 1300.0
+
+
+@pytest.mark.parametrize(
+    "fluid", [None, {"density": MUD, "rheology": {"model": "newtonian", "viscosity": 0.02}}]
+)
+@pytest.mark.parametrize("lean", [0.0, 0.7])
+def test_hook_load_of_pipes_with_rigid_items(fluid, lean):
+    """Sum of buoyed weights times the cosine of the inclination: metal less mud in its place, for pipes and rigid items.
+
+    A 20 m tool between long elements of pipe, and a bit: the distance of two nodes is not the length of the element there.
+    """
+    string = [
+        {"kind": "pipe", "length": 200, "od": OD, "id": ID, "element_length": 25},
+        {"kind": "body", "name": "tool", "length": 20, "od": 0.17, "id": 0.07, "mass": 2900},
+        {"kind": "pipe", "length": 30, "od": OD, "id": ID, "element_length": 10},
+        {"kind": "bit", "length": 0.3, "od": 0.2159, "mass": 60},
+    ]
+    case = Case(
+        well={
+            "survey": {"md": [0, 300], "inclination": [lean, lean], "azimuth": [0, 0]},
+            "sections": [{"kind": "open_hole", "diameter": 0.2159, "friction": 0.3}],
+        },
+        string=string,
+        top="clamped",
+        bottom="free",
+        **({} if fluid is None else {"fluid": fluid}),
+    )
+    steel = np.pi / 4 * (OD**2 - ID**2) * 230 * STEEL + 2960
+    share = 1 - (0 if fluid is None else MUD) / STEEL
+    soft = soft_string(build_model(case), (0.0, 10.0))
+    assert soft is not None
+    assert soft.hook_load == pytest.approx(steel * share * G * np.cos(lean), rel=1e-9)
+    rows = rows_at(case, case.string_length)  # of the roadmap
+    weight = float(rows.weight @ np.diff(rows.edges)) + rows.end_weight
+    assert soft.hook_load == pytest.approx(weight * np.cos(lean), rel=1e-9)
