@@ -388,6 +388,7 @@ HYDRAULICS: tuple[SummaryKey, ...] = (
         "",
         "From dial readings: plastic_viscosity [Pa s], yield_point [Pa], index [-] and consistency [Pa s^n] by API in pipe and annulus; null without.",
     ),
+    SummaryKey("warnings", "", "A string short of its hole, a window in measured depths."),
     SummaryKey("notes", "", "What the results leave out, and what was chosen."),
 )
 

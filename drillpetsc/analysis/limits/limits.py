@@ -21,7 +21,13 @@ from drillpetsc.analysis.limits.operations import OPERATIONS, case_of, motion_of
 from drillpetsc.analysis.limits.soft_limits import SoftLimits
 from drillpetsc.analysis.limits.table import Choices, Strength, element_values, rows
 from drillpetsc.analysis.statics import beyond_rig, static_summary
-from drillpetsc.analysis.torque_drag.operations import assumed, plan_of, rotation_note, torque_of_bit
+from drillpetsc.analysis.torque_drag.operations import (
+    assumed,
+    grades_assumed,
+    plan_of,
+    rotation_note,
+    torque_of_bit,
+)
 from drillpetsc.analysis.transient import RunResult, make_folder
 from drillpetsc.arrays import FloatArray
 from drillpetsc.case.blocks.ends import BitBottom
@@ -202,6 +208,7 @@ def _notes(model: DrillingModel, word: str | None) -> list[str]:
         out.append(
             f"no yield strength, so no strength limits: {', '.join(unknown)} (give a kind of pipe with a grade, or yield_strength)"
         )
+    out += grades_assumed(case)
     drill_pipe = [item for item in case.string if isinstance(item, DrillPipe)]
     other = sorted({item.grade for item in drill_pipe if item.grade and rule_of(item.grade) is None})
     if other:
