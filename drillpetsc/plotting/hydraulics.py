@@ -84,7 +84,7 @@ class _Axis:
 
 
 def _flow_curve(table: Table, summary: dict[str, Any], title: str, system: System) -> Any:
-    """Standpipe pressure and equivalent densities over the flow rate, with the flow rates asked for."""
+    """Pump pressure and equivalent densities over the flow rate, with the flow rates asked for."""
     flow, pressure = _Axis("pump_flow [m3/s]", system), _Axis("pump_pressure [Pa]", system)
     densities = [
         (_Axis(f"{name} [kg/m3]", system), words)
@@ -97,9 +97,7 @@ def _flow_curve(table: Table, summary: dict[str, Any], title: str, system: Syste
     x, asked = flow.values(table), [row["pump_flow"] / flow.size for row in summary.get("flows", ())]
     grid[0].plot(x, pressure.values(table), color=LINE_COLORS[0], linewidth=1.6)
     grid[0].plot(asked, np.interp(asked, x, pressure.values(table)), "o", color=LINE_COLORS[0], markersize=5)
-    grid[0].set(
-        xlabel=flow.label(), ylabel=pressure.label("Standpipe pressure"), ylim=(0, None), xlim=(0, None)
-    )
+    grid[0].set(xlabel=flow.label(), ylabel=pressure.label("Pump pressure"), ylim=(0, None), xlim=(0, None))
     drawn: list[np.ndarray] = []
     for (axis, name), color in zip(densities, LINE_COLORS, strict=False):
         y = axis.values(table)
@@ -135,15 +133,13 @@ def _losses(summary: dict[str, Any], title: str, system: System) -> Any:
     colors = (*LINE_COLORS[:2], "#2b8f8f", *LINE_COLORS[2:], "#7f7f7f")
     for q, color in zip((*LOSSES, *LEVELS), colors, strict=True):
         values = np.array([row.get(q.name) or 0.0 for row in flows]) / pressure.size
-        if not (np.abs(values) > 5e-3 * largest).any():
+        if not (np.abs(values) > 1e-3 * largest).any():
             continue
         bottom = np.where(values >= 0, up, down)
         axes.bar(at, values, 0.6, bottom=bottom, color=color, label=q.label)
         up, down = up + np.maximum(values, 0), down + np.minimum(values, 0)
     total = [row["pump_pressure"] / pressure.size for row in flows]
-    axes.hlines(
-        total, at - 0.36, at + 0.36, color="black", linewidth=1.6, label="Standpipe pressure", zorder=3
-    )
+    axes.hlines(total, at - 0.36, at + 0.36, color="black", linewidth=1.6, label="Pump pressure", zorder=3)
     axes.axhline(0.0, color="0.35", linewidth=0.8)
     axes.set_xticks(at, [f"{row['pump_flow'] / rate.size:.4g}" for row in flows])
     axes.set(xlabel=rate.label(), ylabel=pressure.label("Pressure"), xlim=(-0.7, len(flows) - 0.3))
@@ -331,8 +327,20 @@ def _trip_speeds(table: Table, title: str, system: System) -> Any:
     free = np.isin(table["limited_by [-]"], ("none", "-"))
     if free.any():
         x, y = speed.values(table)[free], depth.values(table)[free]
-        axes.plot(x, y, ">", color="0.25", markersize=7, fillstyle="none", label="no limit up to this speed")
-    axes.set(xlabel=speed.label(), ylabel=depth.label("Bit depth"), xlim=(0, None))
+        axes.plot(
+            x,
+            y,
+            ">",
+            color="0.25",
+            markersize=9,
+            fillstyle="none",
+            zorder=1,
+            label="no limit up to this speed",
+        )
+    slowest, fastest = (float(pick(speed.values(table))) for pick in (np.nanmin, np.nanmax))
+    left = max(slowest - 0.25 * (fastest - slowest), 0.0) if slowest > 0.3 * fastest else 0.0
+    right = fastest + 0.05 * max(fastest - left, 1e-9)
+    axes.set(xlabel=speed.label(), ylabel=depth.label("Bit depth"), xlim=(left, right))
     axes.invert_yaxis()
     axes.legend(frameon=False, fontsize=8)
     drawing.tight_layout(rect=(0, 0, 1, top))

@@ -53,9 +53,10 @@ def _limits(table: Table, title: str, summary: dict[str, Any], system: System) -
                 axes.plot(values / size, depth, color=color, linestyle=dash, linewidth=1.4, label=label)
         axes.set_xlabel(f"{text} [{name}]" if name else text)
         if axes.get_legend_handles_labels()[0]:
+            place = {"loc": "lower center", "bbox_to_anchor": (0.5, 1.0), "borderaxespad": 0.2}
             axes.legend(
-                frameon=True, framealpha=0.9, edgecolor="none", fontsize=8
-            )  # readable where it meets a line
+                frameon=False, fontsize=8, ncols=2, columnspacing=1.2, **place
+            )  # above: lines fill the panel
         else:
             place = {"transform": axes.transAxes, "ha": "center", "color": "0.4"}
             axes.text(0.5, 0.5, "not known", **place)
@@ -96,13 +97,25 @@ def _limits(table: Table, title: str, summary: dict[str, Any], system: System) -
     )
     compression = np.maximum(-force, 0.0)  # nan where it is not known
     helical = table["helical_limit [N]"]
+    pushed = compression > 0
+    for values, dash in (
+        (buckled, DASH),
+        (helical, (0, (1, 1.5))),
+    ):  # in tension a limit is passed by nothing
+        faint = np.where(pushed, np.nan, values) / display_unit("force", system, plot=True)[0]
+        grid[1, 0].plot(faint, depth, color=LIMIT, linestyle=dash, linewidth=0.8, alpha=0.35)
     panel(
         grid[1, 0],
         "force",
         "Compression",
         (compression, "effective", blue, "-"),
-        (buckled, "sinusoidal limit", LIMIT, DASH),
-        (helical, f"helical limit ({choices.get('helical', 'chen')})", LIMIT, (0, (1, 1.5))),
+        (np.where(pushed, buckled, np.nan), "sinusoidal limit", LIMIT, DASH),
+        (
+            np.where(pushed, helical, np.nan),
+            f"helical limit ({choices.get('helical', 'chen')})",
+            LIMIT,
+            (0, (1, 1.5)),
+        ),
     )
     known = helical[np.isfinite(helical)]
     if len(known):  # limits in a tight curve are far away
@@ -128,6 +141,9 @@ def _limits(table: Table, title: str, summary: dict[str, Any], system: System) -
     grid[0, 0].set_ylim(float(depth.max()), min(0.0, float(depth.min())))
     _cap(grid[0, 0], table["tension_limit [N]"], table["axial_force [N]"], depth, "force", system)
     _cap(grid[0, 1], table["torque_limit [N m]"], table["torque [N m]"], depth, "torque", system)
+    torque = table["torque [N m]"]
+    if np.nanmin(torque, initial=0.0) > -1e-3 * np.nanmax(np.abs(torque), initial=0.0):
+        grid[0, 1].set_xlim(left=0.0)
     drawing.tight_layout(rect=(0, 0, 1, top))
     return drawing
 

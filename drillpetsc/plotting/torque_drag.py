@@ -19,6 +19,8 @@ from drillpetsc.unit_systems import System, display_unit
 Table = dict[str, np.ndarray]
 
 #: operation -> words, colour; in the order of a broomstick from its left
+FREE_COLOR = "#e0a800"  # seen on the curve of rotating off bottom, which it follows
+FREE = (0, (4, 4))  # dashes of the free rotating weight
 OPERATIONS = {
     "trip_in": ("trip in", LINE_COLORS[0]),
     "sliding": ("sliding", LINE_COLORS[3]),
@@ -74,12 +76,14 @@ def _calibration(table: Table, summary: dict[str, Any], title: str, system: Syst
     found = summary["fit"].get("open_hole", {})
     if found.get("value") is not None:
         if found["interval"] is not None:
-            right.axvspan(*found["interval"], color="0.9", zorder=0, label="95 % interval")
+            low, high = np.clip(found["interval"], 0.0, 1.0)
+            right.axvspan(low, high, color="0.9", zorder=0, label="95 % interval")
         right.axvline(found["value"], color="0.25", linewidth=1.2, label=f"all points: {found['value']:.3f}")
-        right.legend(frameon=False, fontsize=8.5, loc="lower right")
+        right.legend(frameon=False, fontsize=8.5, loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=2)
     left.set(xlabel="computed less measured [standard errors]", ylabel=f"Bit depth (MD) [{unit}]")
     right.set(xlabel="open-hole friction factor of each point alone", xlim=(0, 1))
-    left.set_ylim(1.05 * float(md.max()), 0)
+    room = 0.15 * float(md.max())
+    left.set_ylim(float(md.max()) + 0.4 * room, max(float(md.min()) - room, 0.0))
     handles, labels = left.get_legend_handles_labels()
     drawing.legend(handles, labels, frameon=False, fontsize=8.5, loc="center right")
     drawing.tight_layout(rect=(0, 0, 0.8, top))
@@ -113,11 +117,14 @@ def _hook_load(table: Table, inputs: dict[str, Any], title: str, system: System)
     _curves(axes, table, column, size, depth)
     lines = inputs["lines [m, N]"]
     md = np.array(lines["bit_depth"]) / depth
-    axes.plot((np.array(lines["free_rotating_weight"]) + block) / size, md, color="0.45", linewidth=0.8)
+    free = (np.array(lines["free_rotating_weight"]) + block) / size
+    axes.plot(
+        free, md, color=FREE_COLOR, linewidth=0.9, linestyle=FREE, zorder=4
+    )  # on top of rotating off bottom
     axes.plot(
         (np.array(lines["weight_in_air"]) + block) / size, md, color="0.45", linewidth=0.8, linestyle=":"
     )
-    extra = [("0.45", "-", "free rotating weight"), ("0.45", ":", "weight in air")]
+    extra = [(FREE_COLOR, FREE, "free rotating weight"), ("0.45", ":", "weight in air")]
     if inputs["max_hookload [N]"] is not None:
         extra.append(_rig_limit(axes, inputs["max_hookload [N]"] / size, "largest hook load"))
     shift = block if inputs["hookload_excludes_block"] and total else 0.0
@@ -290,6 +297,10 @@ def _finish(
                 ha="right",
                 va="bottom",
             )
+    points = [point["bit_depth"] / depth for point in inputs["measured"]]
+    deepest = max(
+        [deepest, *(min(md, 1.3 * deepest) for md in points)]
+    )  # points below the hole are seen, too
     axes.set_ylim(1.02 * deepest, 0)
     handles = [
         Line2D([], [], color=color, linewidth=1.8, label=words)

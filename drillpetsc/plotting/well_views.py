@@ -111,7 +111,7 @@ def schematic(string: Sequence[Piece], hole: Sequence[Piece], title: str) -> Any
             _steel(axes, piece, max(piece.top, upper), size, width)
             labels.append((0.5 * (max(piece.top, upper) + piece.bottom) / size, piece.name))
         _labels(axes, labels, (upper - margin) / size, (lower + margin) / size, 0.78 * widest)
-        axes.set(xlabel=f"diameter [{width_unit}], to scale", ylabel=f"measured depth [{unit}]")
+        axes.set(xlabel=f"radius [{width_unit}]", ylabel=f"measured depth [{unit}]")
         axes.set_xticks([-0.5 * widest, 0, 0.5 * widest])
         axes.set_xticklabels([f"{0.5 * widest:.3g}", "0", f"{0.5 * widest:.3g}"])
         axes.grid(False)

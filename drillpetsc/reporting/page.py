@@ -151,7 +151,8 @@ def grid_of(
     csv_name: str = "",
     folded: bool | None = None,
 ) -> Grid:
-    """A table `name [unit]` -> (n,) in the units of a system. Of more than SHOWN rows, evenly spaced ones are shown.
+    """A table `name [unit]` -> (n,) in the units of a system. Of more than SHOWN rows, evenly spaced ones are shown, and those of the
+    deepest bit.
 
     columns: names to be shown; by default all that have a value
     csv_bytes: the whole table as it goes along, in SI; by default made from the table
@@ -163,6 +164,11 @@ def grid_of(
     kept = np.arange(count)
     if count > SHOWN:
         kept = np.unique(np.linspace(0, count - 1, SHOWN).round().astype(int))
+        if (
+            depth := table.get("bit_depth [m]")
+        ) is not None:  # a curve an operation: each with its deepest row
+            deepest = np.flatnonzero(depth >= np.nanmax(depth) - 1e-6)
+            kept = np.unique(np.concatenate([kept, deepest[:SHOWN]]))
     shown: list[list[str]] = []
     for title in titles:
         values = table[title]

@@ -99,6 +99,9 @@ OF_THE_WELL = ("trajectory",)
 _NO_ROWS = ("history.csv", "probes.csv", INDICES_TABLE)  # tables too long for a page: their ranges are shown
 
 
+_NO_FRICTION = ("block_weight", "weight_factor")  # parameters of a calibration that are no friction factors
+
+
 @dataclass(frozen=True)
 class Run:
     """A run folder that goes into a report: its name, files and summary."""
@@ -252,11 +255,30 @@ def _figures(kind: Kind, run: Run, system: System) -> list[Grid]:
         if quantity is not None and isinstance(value, int | float) and not quantity.numerics:
             rows.append((quantity.label, *number(value, quantity.title, system)))
     grids = [facts(rows, "Summary", source)] if rows and kind is run.kinds[0] else []
+    if kind.key == "roadmap":
+        grids += _fitted(run, system, source)
     if kind.key == "statics":
         grids += _forces(run, system, source)
     if kind.key == "limits":
         grids += _margins(run, system, source)
     return grids
+
+
+def _fitted(run: Run, system: System, source: str) -> list[Grid]:
+    """Parameters that calibrate fitted, with their 95 % intervals, and why others are not determined."""
+    rows = []
+    for name, found in run.summary.get("fit", {}).items():
+        scale, _, unit = unit_of("hook_load [N]", system) if name == "block_weight" else (1.0, 0.0, "")
+        words = name.replace("_", " ") if name in _NO_FRICTION else f"friction, {name.replace('_', ' ')}"
+        figures = (found.get("value"), *(found.get("interval") or [None, None]))
+        cells = ["-" if x is None else f"{x / scale:.4g}" for x in figures]
+        rows.append((words + (f" [{unit}]" if unit else ""), *cells, str(found.get("status", ""))))
+    if not rows:
+        return []
+    heads = ("Parameter", "Value", "95 % from", "to", "Status")
+    return [
+        Grid(heads, rows, "Fitted to the measured points", source, numeric=(False, True, True, True, False))
+    ]
 
 
 def _sensors(run: Run, system: System, source: str) -> list[Grid]:

@@ -43,7 +43,7 @@ def case(roadmap=None, friction=None, rotation="120 rpm", units="field"):
 @pytest.mark.parametrize(
     ("roadmap", "friction", "torque", "said"),
     [
-        (None, None, to_si("5 kft-lbf", "N m"), "drilling.tob 5 kft-lbf"),
+        (None, None, to_si("5 kft-lbf", "N m"), "drilling.tob 5 kft-lbf, drilling.rop 60 ft/h assumed"),
         (None, 0.5, 2 / 3 * 0.5 * WOB * OD / 2, "from bottom.friction"),
         ({"drilling": {"tob": "3 kN m"}}, 0.5, 3000.0, None),
     ],

@@ -21,7 +21,13 @@ from drillpetsc.analysis.limits.operations import OPERATIONS, case_of, motion_of
 from drillpetsc.analysis.limits.soft_limits import SoftLimits
 from drillpetsc.analysis.limits.table import Choices, Strength, element_values, rows
 from drillpetsc.analysis.statics import beyond_rig, static_summary
-from drillpetsc.analysis.torque_drag.operations import assumed, plan_of, rotation_note, torque_of_bit
+from drillpetsc.analysis.torque_drag.operations import (
+    assumed,
+    grades_assumed,
+    plan_of,
+    rotation_note,
+    torque_of_bit,
+)
 from drillpetsc.analysis.transient import RunResult, make_folder
 from drillpetsc.arrays import FloatArray
 from drillpetsc.case.blocks.ends import BitBottom
@@ -82,6 +88,7 @@ def run_limits(
             at="hold_string", got=True, want="a string that is free to move: a held one has no forces"
         )
     word = read_operation(operation)
+    given = case
     case = case if word is None else case_of(case, word)
     motion = None if word is None else motion_of(case, word)
     comm = comm or PETSc.COMM_WORLD
@@ -103,6 +110,7 @@ def run_limits(
             table = rows(model, values)
             contacts = [] if forces is None else contact_rows(model, found.nodes, found.tangent, forces)
             summary = _summary(model, word, choices, statics, table, contacts, units)
+            summary["notes"] += _torque_notes(given, word)
             if choices.sn is not None and not turning:
                 summary["notes"].append(
                     "no rotation at time 0 in this operation: no cycles and no damage (key top.rotation)"
@@ -183,7 +191,7 @@ def _summary(
         "weakest": {name: _worst(table, name, largest) for name, largest, _ in WEAKEST if name in table},
         "contacts": [{k: _plain(v) for k, v in row.items()} for row in contacts],
         "rig": None if case.rig is None else case.rig.model_dump(),
-        "notes": _notes(model, word),
+        "notes": _notes(model),
     }
     return out
 
@@ -194,7 +202,7 @@ def _plain(value: Any) -> Any:
     return value
 
 
-def _notes(model: DrillingModel, word: str | None) -> list[str]:
+def _notes(model: DrillingModel) -> list[str]:
     """What the table leaves out."""
     case, out = model.case, []
     unknown = sorted({case.string[i].name for i in model.mesh.item if np.isnan(_yield(case, i))})
@@ -202,6 +210,7 @@ def _notes(model: DrillingModel, word: str | None) -> list[str]:
         out.append(
             f"no yield strength, so no strength limits: {', '.join(unknown)} (give a kind of pipe with a grade, or yield_strength)"
         )
+    out += grades_assumed(case)
     drill_pipe = [item for item in case.string if isinstance(item, DrillPipe)]
     other = sorted({item.grade for item in drill_pipe if item.grade and rule_of(item.grade) is None})
     if other:
@@ -218,7 +227,6 @@ def _notes(model: DrillingModel, word: str | None) -> list[str]:
             "pressures are those of the case's flow rate, in every operation, and in the margin of overpull; trips of the roadmap "
             "have still mud, as with fluid.flow_rate: 0"
         )
-    out += _torque_notes(case, word)
     if model.contact is not None and any(isinstance(item, Jointed) for item in case.string):
         of = {item.clearance for item in case.string if isinstance(item, Jointed)}
         words = {"tool_joint": "the tool joints", "body": "the body of the pipe"}

@@ -89,9 +89,21 @@ def assumptions(case: Case, plan: Roadmap) -> list[str]:
             )
     if plan.hole_grows:
         notes.append("the open hole ends at the bit (hole_grows): the same rows as with the hole of the case")
+    notes += grades_assumed(case)
     if any(item.friction is not None for item in case.string):
         notes.append("items with a friction of their own keep it for given friction factors")
     return notes
+
+
+def grades_assumed(case: Case) -> list[str]:
+    """Say which drill pipe has the default grade: it decides strength, and with it the tool joint and the weight."""
+    names = [
+        case.string[i].name
+        for i, figures in case.figures.of_item.items()
+        for f in figures
+        if f.key == "grade" and f.source.startswith("default")
+    ]
+    return [f"no grade given for {', '.join(dict.fromkeys(names))}: E-75 assumed"] if names else []
 
 
 _KINDS = {"tob": "torque", "rop": "rop", "speed": "trip_speed", "rpm": "rotation"}

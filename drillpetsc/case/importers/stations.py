@@ -258,7 +258,9 @@ def _from_the_top(
         raise CaseError(
             at="md", got=what, want=want, hint=hint, file=table.file, line=numbers[0] or table.head_at
         )
-    remarks.append(f"survey starts at {said(md, 'length')}: a vertical station at 0 put in front")
+    remarks.append(
+        f"survey starts at {said(md, 'length')}: a vertical station at {said(0.0, 'length')} put in front"
+    )
     for column, value in (("md", 0.0), ("inclination", 0.0), ("azimuth", values["azimuth"][0])):
         values[column].insert(0, value)
     numbers.insert(0, NO_ROW)
