@@ -31,7 +31,8 @@ ROUGH = 1e-3  # as CONVERGED, of a shifted step, from which the next one starts
 MAX_CUTS, MOST_OVERSHOOT = 6, 0.8  # of a step whose slope rises beyond this share of the slope at its start
 WAY = 1e-4  # share of a step over which its direction is differenced
 MAX_STEPS = 1000
-MAX_ITERATIONS = 6000  # of all Newton steps of a descent
+MAX_ITERATIONS = 2000, 6000  # of all Newton steps of a descent: on any mesh, on a small one
+MAX_WORK = 1e7  # nodes times Newton steps of a descent, between these numbers of steps
 MAX_UNDISTURBED = 300  # the same of a string without side loads, which may be at a saddle
 SHIFT_SCALE = 1.1  # accuracy of the side spring with which the energy is convex
 SHIFT_MARGIN = 1.01  # of the side spring over the one with which the energy is convex
@@ -443,9 +444,11 @@ def lateral_state(
     return LateralState(U, turned, disturbed)
 
 
-def _settle(beam: LateralBeam, U: FloatArray, most: int = MAX_ITERATIONS) -> FloatArray | None:
+def _settle(beam: LateralBeam, U: FloatArray, most: int | None = None) -> FloatArray | None:
     """Find a stable state from ``U`` while the wall becomes stiff; None where none is found."""
     beam.iterations = 0
+    if most is None:
+        most = int(min(max(MAX_WORK / beam.nodes, MAX_ITERATIONS[0]), MAX_ITERATIONS[1]))
     for factor in beam.soften():
         beam.factor = factor
         found = _descend(beam, U, most)
