@@ -473,6 +473,8 @@ def stability(
     name: str | None = None,
     comm: Any = None,
     without_control: bool = False,
+    method: Literal["eigen", "time"] = "eigen",
+    duration: str | float = 60.0,
 ) -> Result:
     """Find the fastest growing mode about steady drilling over rotary speed and weight on bit (collective).
 
@@ -488,17 +490,22 @@ def stability(
     name: name of the case in the default folder
     comm: PETSc communicator; by default all ranks
     without_control: True to hold the top instead of the motor and controller that the case has
+    method: eigen, or time: also a run at each point, classed in stability_runs.csv
+    duration: of each run, "60 s" or in seconds
     """
-    from drillpetsc.case.speed_options import read_speeds, read_weights
+    from drillpetsc.case.speed_options import read_duration, read_speeds, read_weights
 
     speeds, weights = read_speeds(rpm, "--rpm", lowest_above_zero=True), read_weights(wob)
+    seconds = read_duration(duration)
     case, name = _loaded(case, name)
     initialise_petsc()
     from drillpetsc.analysis.frequency.stability_map import run_stability
     from drillpetsc.results.result import result_of
 
     return result_of(
-        run_stability(case, speeds, weights, out, count, kind, overwrite, name, comm, without_control)
+        run_stability(
+            case, speeds, weights, out, count, kind, overwrite, name, comm, without_control, method, seconds
+        )
     )
 
 
@@ -506,7 +513,7 @@ def response(
     case: Case | str | Path,
     out: str | Path | None = None,
     *,
-    excite: Literal["unbalance", "bit"],
+    excite: Literal["unbalance", "bit", "motor"],
     speeds: str | Sequence[float],
     amplitude: str | None = None,
     order: float | None = None,
@@ -519,7 +526,8 @@ def response(
 
     case: a Case, or the path of a case file
     out: run folder; by default results/<case>-NNN
-    excite: unbalance, what is off the axis in the case, once per turn; or bit, a motion, force or torque of the lower end
+    excite: unbalance, what is off the axis in the case, once per turn; bit, a motion, force or torque of the lower end; or
+        motor, the orbit of a downhole motor's rotor
     speeds: rotary speeds above 0, as text ("20:200:2 rpm", "60,90 rpm") or in rad/s, ascending
     amplitude: of the bit, with its unit: "3 mm", "5 kN", "1 kN m"
     order: cycles per turn of the bit; by default 3

@@ -42,8 +42,11 @@ class Buckling:
         """Ranges for summary.json [m]."""
         return {"sinusoidal": [list(q) for q in self.sinusoidal], "helical": [list(q) for q in self.helical]}
 
-    def lines(self, units: System = "metric") -> list[str]:
-        """Sentences for the user, with depths in a system of units."""
+    def lines(self, units: System = "metric", slides: bool = False) -> list[str]:
+        """Sentences for the user, with depths in a system of units.
+
+        slides: the state is one of steady sliding with friction that no path was followed to.
+        """
         size, _, unit = display_unit("length", units)
 
         def between(a: float, b: float) -> str:
@@ -61,6 +64,7 @@ class Buckling:
         if self.sinusoidal or self.helical:
             out.append(
                 "a buckled string may have other stable states; which one it is depends on its history"
+                + (" (this one is of steady sliding; --path sliding gives a band)" if slides else "")
             )
         return out + self.coarse_lines(units)
 

@@ -12,7 +12,7 @@ from __future__ import annotations
 import hashlib
 import io
 import json
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -75,6 +75,8 @@ def take(
 ) -> Checkpoint | None:
     """Collect the state on rank 0, None elsewhere, without changing it; collective.
 
+    Matrix entries of a run on one rank are those of the assembly, which the next step may overwrite: see ``lasting``.
+
     It is called after all other work of a step (``TimeIntegrator.on_step_end``).
 
     time: [s]; notes: texts and numbers to store.
@@ -128,6 +130,11 @@ def _gathered(system: DiscreteSystem, state: dict[str, FloatArray]) -> dict[str,
     return {on: values for on, values in gathered.items() if values is not None}
 
 
+def lasting(c: Checkpoint) -> Checkpoint:
+    """The checkpoint with copies of what the next step may overwrite."""
+    return replace(c, stepper={name: np.array(values) for name, values in c.stepper.items()})
+
+
 # ---------------------------------------------------------------------- files
 def write(path: Path, c: Checkpoint) -> None:
     """Write ``c`` to ``path``; the previous file remains until the new one is on the disk."""
@@ -148,7 +155,8 @@ def write(path: Path, c: Checkpoint) -> None:
         "top": c.top,
     }
     # in memory, since HDF5 does not recover cleanly when the disk becomes full
-    with h5py.File("checkpoint", "w", driver="core", backing_store=False, userblock_size=BLOCK) as file:
+    image = io.BytesIO()
+    with h5py.File(image, "w", userblock_size=BLOCK) as file:
         file.attrs["time"], file.attrs["notes"] = c.time, json.dumps(c.notes)
         # a dataset, since an attribute holds 64 kB at most
         file["provenance"] = np.frombuffer(json.dumps(c.provenance).encode(), dtype=np.uint8)
@@ -159,10 +167,15 @@ def write(path: Path, c: Checkpoint) -> None:
         for name, single in single_arrays.items():
             if single is not None:
                 file[name] = single
-        file.flush()
-        body = file.id.get_file_image()  # without the first block
+    body = image.getbuffer()[BLOCK:]
     first = MAGIC + f"{VERSION} sha256 {hashlib.sha256(body).hexdigest()}\n".encode()
-    replace_file(path, lambda target: target.write_bytes(first.ljust(BLOCK, b"\0") + body), lasting=True)
+
+    def put(target: Path) -> None:
+        with target.open("wb") as out:  # in two parts: together they would be one more copy
+            out.write(first.ljust(BLOCK, b"\0"))
+            out.write(body)
+
+    replace_file(path, put, lasting=True)
 
 
 def read(path: str | Path) -> Checkpoint:

@@ -16,7 +16,6 @@ from drillpetsc.analysis.friction_path import (
     FrictionPath,
     follow_paths,
     has_path,
-    pushed_at_end,
     refuse_path,
 )
 from drillpetsc.analysis.march import CRUSHING_STRAIN, March, march
@@ -103,21 +102,23 @@ def director_equilibrium(
     else:
         reached = _newton_with_flow(problem)
     if state.path is None:
-        if found is not None and found.top_on_wall and model.top is not None:
-            if not balance_across(model, solver, report):
+        placed = found is None or not found.top_on_wall or model.top is None
+        placed = placed or balance_across(model, solver, report)
+        problem.set_friction_aside()  # stability is counted without it
+        count = solver.negative_pivots()
+        if count <= 0 or not _slides_to_another_state(problem):
+            if not placed:
                 state.warnings.append(
                     "the place of the top across the hole was not found: it is held on the wall, and long elements below it "
                     "may carry its side force as contact (side force, torque and moment near the top)"
                 )
-        if lateral_friction and problem.moves and not reached:
-            state.warnings.append(
-                "no equilibrium with lateral friction (a turning pipe may whirl here): "
-                "the torque of friction acts, its lateral force is left out"
-            )
-        problem.set_friction_aside()  # stability is counted without it
-        count = solver.negative_pivots()
-        report.negative_pivots, report.singular = max(0, count), count < 0
-        problem.impose(reached)
+            if lateral_friction and problem.moves and not reached:
+                state.warnings.append(
+                    "no equilibrium with lateral friction (a turning pipe may whirl here): "
+                    "the torque of friction acts, its lateral force is left out"
+                )
+            report.negative_pivots, report.singular = max(0, count), count < 0
+            problem.impose(reached)
     _reactions(model, solver)
     model.system.assembly.freeze(None)
     beyond = _beyond_bottom(model)
@@ -193,7 +194,35 @@ def _answer_by_newton(problem: StaticProblem) -> float:
         if not problem.paths or not has_path(model, state.motion):
             raise
         _answer_by_path(problem, "sliding" if any(state.motion) else "without_friction")
+        return state.lateral_fraction
     return state.lateral_fraction
+
+
+def _slides_to_another_state(problem: StaticProblem) -> bool:
+    """Follow a path of steady sliding from a state with friction that has negative pivots; collective.
+
+    Such a state is no answer.  Returns whether the path has an end; the state is the former one where it has none, and
+    where a coarse mesh explains the pivots.
+    """
+    model, solver, state, report = problem.model, problem.solver, problem.state, problem.state.equilibrium
+    if not (problem.moves and problem.paths and solver.energy and has_path(model, state.motion)):
+        return False
+    if too_coarse(model) or model.motor is not None:
+        return False
+    asm = model.system.assembly
+    unstable, load, imperfection = Snapshot(model), asm.dead_load, report.imperfection
+    rates, y = solver.rates, asm.y.copy()
+    _begin_again(problem)
+    solver.rates, asm.y[:] = None, 0.0  # the path has its own surge
+    try:
+        _answer_by_path(problem, "sliding")
+    except SolveError:
+        unstable.restore()
+        asm.dead_load, report.imperfection = load, imperfection
+        solver.rates, asm.y[:] = rates, y
+        problem.set_friction_aside()
+        return False
+    return True
 
 
 def _begin_again(problem: StaticProblem) -> None:
@@ -212,8 +241,7 @@ def _answer_by_path(problem: StaticProblem, kind: AnyPath) -> None:
     assert clearance is not None and steps is not None
     surge = surge_rates(model, problem.lowering)
     path = FrictionPath(model, kind, problem.solver, state.motion, clearance, steps, surge)
-    overload = kind == "sliding" and pushed_at_end(model)  # a weight is not exceeded
-    state.path = follow_paths(path, ("straight", "overload") if overload else ("straight",))
+    state.path = follow_paths(path, ("straight", "overload") if kind == "sliding" else ("straight",))
     report, end = state.equilibrium, state.path.ends[0]
     report.imperfection, report.negative_pivots, report.converged = SEED, end.negative_pivots, True
     report.iterations += end.iterations

@@ -47,8 +47,12 @@ def build_fmu(
     inputs, outputs: names as of a session; None: all.
     interpolate: as of a session; name: of the model.
 
-    Raises CaseError for wrong arguments, and where PythonFMU is not installed.
+    Raises CaseError for wrong arguments, on several ranks, and where PythonFMU is not installed.
     """
+    if PETSc.COMM_WORLD.size > 1:
+        raise CaseError(
+            at="fmu", got=f"{PETSc.COMM_WORLD.size} ranks", want="one rank: an FMU is written, and runs, in one process"
+        )  # fmt: skip
     try:
         from pythonfmu import FmuBuilder
     except ImportError:

@@ -25,6 +25,8 @@ from drillpetsc.errors import SolveError
 
 LATERAL_STEPS = 15  # of Newton's method from a lateral equilibrium, which is close to the state
 NEAR_STEPS, NEAR_INCREMENT = 6, 10.0  # of its first steps, and the increment that they reach from there
+SETTLING_TURNS = 2  # minimisations with friction as a dead load where those do not converge
+SETTLING_STEPS, SETTLED_INCREMENT = 120, 1e-3  # of one of them, and the increment that ends it
 STALL_ROUNDS = 6  # rounds of friction without half the change before its substitution ends
 
 
@@ -58,29 +60,56 @@ def _from_lateral_start(problem: StaticProblem) -> float | None:
         problem.state.equilibrium,
         problem.straight,
     )
-    if straight is None or problem.state.motion[0] or not solver.energy:
+    if straight is None or not solver.energy:
         return None
     before = Snapshot(model)
-    for start in lateral_starts(model, straight, problem.state.motion, problem.fraction > 0):
+    for start in lateral_starts(model, straight, problem.state.motion, problem.fraction > 0, problem.found):
         fraction = problem.fraction if start.with_friction else 0.0
         problem.origin.restore()
         place_marched(model, start.march)
         if start.side_loads is not None:
             solver.add_imperfection(start.side_loads, SPACING)
             report.imperfection = model.case.initial.imperfection
-        problem.impose(fraction)
-        try:
-            solver.newton_damped(report, NEAR_INCREMENT, NEAR_STEPS)
-            solver.newton_damped(report, solver.start_increment, LATERAL_STEPS)
-        except SolveError:
-            continue
-        finally:
+        for turn in range(1 if fraction and problem.state.motion[1] else SETTLING_TURNS + 1):
+            if turn:
+                try:
+                    _settle_under_friction(problem, fraction)
+                except SolveError:
+                    break
+            placed = Snapshot(model)
+            problem.impose(fraction)
+            try:
+                solver.newton_damped(report, NEAR_INCREMENT, NEAR_STEPS)
+                solver.newton_damped(report, solver.start_increment, LATERAL_STEPS)
+                reached = True
+            except SolveError:
+                reached = False
             problem.set_friction_aside()
-        if not solver.negative_pivots():
-            return fraction
+            if reached and not solver.negative_pivots():
+                return fraction
+            placed.restore()
     before.restore()
     model.system.assembly.dead_load, report.imperfection = None, 0.0
     return None
+
+
+def _settle_under_friction(problem: StaticProblem, fraction: float) -> None:
+    """Minimise the energy with the friction of the present state as a dead load.
+
+    A buckle in a vertical hole rolls about the axis almost without work: far from the minimum Newton's method with
+    friction, which has no energy, goes astray.  Raises SolveError where no minimum is found.
+    """
+    solver, asm = problem.solver, problem.model.system.assembly
+    loads = asm.dead_load
+    without = solver.rows()
+    problem.impose(fraction)
+    friction = without - solver.rows()
+    problem.set_friction_aside()
+    asm.dead_load = friction if loads is None else loads + friction
+    try:
+        solver.minimise_energy(problem.state.equilibrium, SETTLING_STEPS, SETTLED_INCREMENT)
+    finally:
+        asm.dead_load = loads
 
 
 def _newton_with_friction(problem: StaticProblem, found: March) -> float | None:

@@ -118,12 +118,14 @@ class FrictionPath:
         self._wob = model.case.initial.wob if solver.depth is not None else None
         self.seeds = lateral_loads(model.system, SEED * nodal_weight(model), spacing=SEED_SPACING)
         self._push, self._rock = self._end_load(), self._bit_torque()
-        #: push that changes of the force are compared with [N]; 0: the largest of the straight string
+        #: push that changes of the force are compared with [N]: the given one, or the largest of the straight string
         self._scale = (
             abs(model.case.top.force.value(0.0)) if model.case.top.force is not None else self._wob or 0.0
         )
         self._anchor = None if model.top is None else model.top.anchor.copy()
         self.steps, self._depth_shift = 0, 0.0
+        #: (n,) push at the lower end of a string that nothing pushes there, of the largest push of the straight one [N]
+        self._obstacle = np.zeros(model.system.layout.size)
 
     def _end_load(self) -> FloatArray:
         """Given forces (n,) on the ends of the string by the local unknowns [N]: those that rise along a path."""
@@ -152,7 +154,7 @@ class FrictionPath:
     def _set_load(self, share: float) -> None:
         """Let ``share`` of the ends' forces, and of the weight on a bit that does not stand, act."""
         asm = self.model.system.assembly
-        asm.dead_load = self.seeds + (share - 1.0) * self._push
+        asm.dead_load = self.seeds + (share - 1.0) * self._push + max(0.0, share - 1.0) * self._obstacle
         if self._wob is not None and self.kind != "slack_off":
             assert self.model.bit is not None
             _, gradient = self.model.bit.depth_of_face(asm)
@@ -188,8 +190,12 @@ class FrictionPath:
         along = self.velocity if self.turns else (self.sign, 0.0)
         straight = march(model, along, coils=False, wob=LEAST_WEIGHT)
         assert straight is not None
-        if not self._scale:
-            self._scale = max(-float(straight.axial_force.min()), 1.0)
+        # a small weight may stand below a long level string, which friction alone pushes
+        pushed, largest_push = self._scale > 0.0, -float(straight.axial_force.min())
+        self._scale = max(self._scale, largest_push, 1.0)
+        if not pushed:
+            last = model.mesh.nodes - 1
+            self._obstacle[self._of_node("string.position", last)] = -self._scale * model.tangent[-1]
         self._lay_down(straight)
         slid, change = 0.0, 0.0
         asm = model.system.assembly

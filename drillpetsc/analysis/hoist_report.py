@@ -10,8 +10,6 @@ from drillpetsc.model.hoist import autodriller_of, gear_of
 from drillpetsc.physics.hoist import HoistLine
 from drillpetsc.physics.hoisting import fast_line_efficiency
 
-NOT_LINEARISED = ("torque", "differential_pressure")  # loops whose measurement is a sample
-
 
 def hoist_summary(model: DrillingModel) -> dict[str, Any]:
     """Entries of summary.json (SI); empty without a hoist."""

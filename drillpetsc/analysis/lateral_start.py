@@ -11,20 +11,31 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from drillpetsc.analysis.energy_descent import item_imperfection, nodal_weight
-from drillpetsc.analysis.march import March, friction_factors
+from drillpetsc.analysis.march import March, friction_factors, with_contact
 from drillpetsc.arrays import FloatArray
 from drillpetsc.fem.quadrature import exposed_ends, rule
+from drillpetsc.fem.string_mesh import StringJoint
 from drillpetsc.geometry.frames import directors
 from drillpetsc.model.drilling_model import DrillingModel
 from drillpetsc.output.static_table import at_nodes
 from drillpetsc.physics.contact import ONSET
-from drillpetsc.solvers.lateral_beam import ContactPoints, LateralBeam, element_matrices, lateral_state
+from drillpetsc.solvers.lateral_beam import (
+    ContactPoints,
+    LateralBeam,
+    LateralState,
+    element_matrices,
+    lateral_state,
+)
 from drillpetsc.solvers.lateral_loads import lateral_shares
 
 SPACING = 3.0  # of independent side loads, the same on all meshes [m]
 LYING_SHARE = 0.01  # of the push: a side load on the string above the buckle that holds it on the wall
 GROWTH, LONGEST = 1.3, 60.0  # of the elements above the buckle: ratio of neighbours, length [m]
 MARGIN = 6.0  # of (EI/w)^(1/3) above the uppermost push, over which a buckle dies out
+ROUGH_SHARE = 0.25  # length of rough elements over the pitch of a helix
+NO_LENGTH = 1e-9  # of an element that is a joint [m]
+MAX_ROUNDS = 10  # of lateral equilibrium and tension
+SETTLED_PUSH = 1e-3  # change of the tension, over the largest push, with which the rounds end
 
 
 @dataclass(frozen=True)
@@ -42,24 +53,78 @@ class LateralStart:
 
 
 def lateral_starts(
-    model: DrillingModel, found: March, motion: tuple[float, float], lateral: bool
+    model: DrillingModel,
+    found: March,
+    motion: tuple[float, float],
+    lateral: bool,
+    coiled: March | None = None,
 ) -> list[LateralStart]:
     """Find starts of a pushed string under the tension of the march ``found``, which does not coil.
 
     motion: axial velocity [m/s, down positive] and rotation [rad/s] that friction opposes.
     lateral: friction across the pipe is asked for.
+    coiled: the march of a string that may coil, whose friction is the first estimate where the string slides.
     Returns the starts in the order in which they are tried; none where nothing pushes the string, or where no stable state
     is found.  The same on all ranks.
     """
     mesh, fraction = model.mesh, model.case.initial.imperfection
-    buckling = _first_node(model, found)
-    if model.contact is None or model.contact.law.law == "hertz_point" or not fraction or buckling is None:
+    if model.contact is None or model.contact.law.law == "hertz_point" or not fraction:
         return []
-    if mesh.is_joint.any():
+    if any(_ties_slope(joint) is None for joint in mesh.joints):
         return []
-    t = found.direction
-    second, third = directors(model.frames, np.arange(mesh.nodes), t, np.zeros(mesh.nodes))
-    parts = _Parts(model, found, buckling)
+    frame = directors(model.frames, np.arange(mesh.nodes), found.direction, np.zeros(mesh.nodes))
+    if motion[0] and coiled is not None:
+        found = with_contact(model, found, motion, coiled.contact_force)
+    loads, turns, last = _side_loads(model, found), bool(motion[1]), None
+    state: LateralState | None = None
+    for number in range(MAX_ROUNDS):
+        buckling = _first_node(model, found)
+        if buckling is None:
+            return []
+        parts = _Parts(model, found, buckling, 0.0 if last is not None else _rough_length(model, found))
+        beam = _beam(model, found, parts, motion, frame)
+        state = _solved(model, found, beam, parts, frame, loads, lateral and turns, last)
+        if state is None:
+            return []
+        last = state.disturbed, *parts.spread(state.alone)
+        before, found = found, with_contact(model, found, motion, parts.contact(beam, state.alone, found))
+        change = np.abs(found.axial_force - before.axial_force).max()
+        if (number or not parts.rough) and change <= SETTLED_PUSH * -found.axial_force.min():
+            break
+    assert state is not None  # MAX_ROUNDS is at least 1
+    out = []
+    for U, with_friction in ((state.with_friction, True), (state.alone, not (turns and lateral))):
+        # a string that lies on the wall climbs it when it turns; only a buckled one may have no equilibrium
+        if U is not None and (with_friction or state.disturbed):
+            placed = _placed(model, found, found.direction, frame, parts.nodes[0], *parts.spread(U))
+            out.append(LateralStart(placed, with_friction, loads if state.disturbed else None))
+    return out
+
+
+def _ties_slope(joint: StringJoint) -> bool | None:
+    """Whether a joint holds both directions of the bending; None: one of them."""
+    if joint.kind == "universal":
+        return False
+    along = joint.kind == "revolute" and abs(joint.axes[0][0]) > 1 - 1e-9  # a motor's
+    return True if along or joint.kind != "revolute" else None
+
+
+def _rough_length(model: DrillingModel, found: March) -> float:
+    """Length [m] of elements that show a buckle: a share of the pitch 2 pi sqrt(2 EI/F) under the largest push F."""
+    pipe = ~model.mesh.is_joint
+    push = np.maximum(-found.effective_tension[pipe], 1e-9)
+    return ROUGH_SHARE * 2 * np.pi * float(np.sqrt(np.min(2 * model.mesh.bending_stiffness[pipe] / push)))
+
+
+def _beam(
+    model: DrillingModel,
+    found: March,
+    parts: _Parts,
+    motion: tuple[float, float],
+    frame: tuple[FloatArray, FloatArray],
+) -> LateralBeam:
+    """The lateral problem of ``parts`` under the tension of ``found``."""
+    mesh, t, (second, third) = model.mesh, found.direction, frame
     load = np.zeros((mesh.nodes, 4))
     load[:, 0] = np.sum(found.load_across * second, axis=1)
     load[:, 1] = np.sum(found.load_across * third, axis=1)
@@ -67,8 +132,12 @@ def lateral_starts(
     points = parts.contact_points(motion, found.position - found.offset, t, second, third)
     held = np.zeros((len(parts.nodes), 4), dtype=bool)
     held[0] = True
+    if found.top_on_wall:
+        held[0, :2] = False  # its place is part of the equilibrium
     bending, force = (parts.mean(q) for q in (mesh.bending_stiffness, found.effective_tension))
-    beam = LateralBeam(
+    clearance = _clearance(model, found)[parts.nodes]
+    hinged = [j.cell for j in mesh.joints if not _ties_slope(j)]
+    return LateralBeam(
         parts.length,
         bending,
         force,
@@ -77,55 +146,60 @@ def lateral_starts(
         points,
         _wall(model),
         held,
-        _clearance(model, found)[parts.nodes],
+        clearance,
+        np.isin(parts.nodes[:-1], hinged),
     )
-    start = np.zeros(held.shape)
-    start[:, 0], start[:, 1] = (np.sum(found.offset * e, axis=1)[parts.nodes] for e in (second, third))
-    disturbance = np.zeros((mesh.nodes, 4))
-    loads = _side_loads(model, found)
-    disturbance[:, :2] = loads[:, None] * lateral_shares(mesh.node_depth, spacing=SPACING)
-    if found.top_on_wall:
-        held[0, :2] = False  # its place is part of the equilibrium
-    elif model.top is not None and parts.nodes[0] == 0:
+
+
+def _solved(
+    model: DrillingModel,
+    found: March,
+    beam: LateralBeam,
+    parts: _Parts,
+    frame: tuple[FloatArray, FloatArray],
+    loads: FloatArray,
+    friction: bool,
+    last: tuple[bool, FloatArray, FloatArray] | None,
+) -> LateralState | None:
+    """State of ``beam`` from the string as it lies, or from the ``last`` one: disturbed, displacements and slopes."""
+    start = np.zeros((len(parts.nodes), 4))
+    disturbance = np.zeros((model.mesh.nodes, 4))
+    disturbance[:, :2] = loads[:, None] * lateral_shares(model.mesh.node_depth, spacing=SPACING)
+    if last is None:
+        start[:, 0], start[:, 1] = (np.sum(found.offset * e, axis=1)[parts.nodes] for e in frame)
+    else:
+        start = np.concatenate(last[1:], axis=1)[parts.nodes]
+    if not found.top_on_wall and model.top is not None and parts.nodes[0] == 0:
         start[0] = 0.0
-    turns = bool(motion[1])
-    state = lateral_state(beam, start, parts.gathered(disturbance), friction=lateral and turns)
-    if state is None:
-        return []
-    out = []
-    for U, with_friction in ((state.with_friction, True), (state.alone, not (turns and lateral))):
-        # a string that lies on the wall climbs it when it turns; only a buckled one may have no equilibrium
-        if U is not None and (with_friction or state.disturbed):
-            placed = _placed(model, found, t, (second, third), parts.nodes[0], *parts.spread(U))
-            out.append(LateralStart(placed, with_friction, loads if state.disturbed else None))
-    return out
+    return lateral_state(beam, start, parts.gathered(disturbance), friction, last is not None and last[0])
 
 
 class _Parts:
     """Elements of the lateral problem: those of the model from node ``buckling`` on, longer ones above it.
 
     Above it they reach up to where the string lies on the wall, or to its top: a string that hangs free passes a side
-    force over kilometres.
+    force over kilometres.  Elements of the model are merged up to the length ``least`` [m]; rough: some are.
     """
 
-    def __init__(self, model: DrillingModel, found: March, buckling: int):
+    def __init__(self, model: DrillingModel, found: March, buckling: int, least: float = 0.0):
         mesh, depth = model.mesh, model.mesh.node_depth
         self.model, self.md = model, found.measured_depth
         lying = np.cumsum(np.linalg.norm(found.side_load, axis=1)[:buckling][::-1])
         share = LYING_SHARE * float(-found.effective_tension.min())
-        if len(lying) and lying[-1] > share:
-            self._number(np.arange(mesh.nodes))
-            return
-        first = 0
-        nodes, length = [buckling], float(mesh.length[min(buckling, len(mesh.length) - 1)])
-        marks = {b.node for b in mesh.bodies}
-        while nodes[-1] > first:
-            length = min(GROWTH * length, LONGEST)
-            k = nodes[-1] - 1
-            while k > first and depth[nodes[-1]] - depth[k - 1] <= length and k not in marks:
+        free = not (len(lying) and lying[-1] > share)
+        joints = np.flatnonzero(mesh.is_joint)
+        marks = {b.node for b in mesh.bodies} | set(joints) | set(joints + 1)
+        self.rough = bool((2 * mesh.length[buckling:] <= least)[~mesh.is_joint[buckling:]].any())
+        nodes, length = [mesh.nodes - 1], least
+        while nodes[-1] > 0:
+            at = nodes[-1]
+            if at <= buckling and free:
+                length = min(GROWTH * max(length, float(mesh.length[at - 1])), LONGEST)
+            k = at - 1
+            while k > 0 and depth[at] - depth[k - 1] <= length and k not in marks and k != buckling:
                 k -= 1
             nodes.append(k)
-        self._number(np.concatenate([np.array(nodes[::-1], dtype=int), np.arange(buckling + 1, mesh.nodes)]))
+        self._number(np.array(nodes[::-1], dtype=int))
 
     def _number(self, nodes: np.ndarray) -> None:
         mesh, depth = self.model.mesh, self.model.mesh.node_depth
@@ -138,11 +212,13 @@ class _Parts:
     def mean(self, values: FloatArray) -> FloatArray:
         """Means (n,) over the length of the elements of the model's elements (m,)."""
         h = self.model.mesh.length
-        return np.add.reduceat(values * h, self.nodes[:-1])[:] / np.add.reduceat(h, self.nodes[:-1])
+        return np.add.reduceat(values * h, self.nodes[:-1]) / np.maximum(
+            np.add.reduceat(h, self.nodes[:-1]), NO_LENGTH
+        )
 
     def _shape(self, cell: np.ndarray, depth: FloatArray) -> FloatArray:
         """Factors (m, 4) of the displacements and slopes at the ends of elements ``cell`` (m,), at ``depth`` (m,) [m]."""
-        L = self.length[cell]
+        L = np.maximum(self.length[cell], NO_LENGTH)
         x = 1 - (self.model.mesh.node_depth[self.nodes[cell + 1]] - depth) / L
         N = np.column_stack(
             [1 - 3 * x**2 + 2 * x**3, L * (x - 2 * x**2 + x**3), 3 * x**2 - 2 * x**3, L * (x**3 - x**2)]
@@ -186,7 +262,7 @@ class _Parts:
             + N[:, 2:3] * U[cell + 1, :2]
             + N[:, 3:] * U[cell + 1, 2:]
         )
-        L = self.length[cell]
+        L = np.maximum(self.length[cell], NO_LENGTH)
         x = 1 - (self.model.mesh.node_depth[self.nodes[cell + 1]] - self.model.mesh.node_depth[first:]) / L
         a = U[cell, :2] + self.rigid[cell][:, None] * U[cell, 2:]
         slope[first:] = (
@@ -196,6 +272,18 @@ class _Parts:
         )
         across[self.nodes], slope[self.nodes] = U[:, :2], U[:, 2:]
         return across, slope
+
+    def contact(self, beam: LateralBeam, U: FloatArray, found: March) -> FloatArray:
+        """Contact force (n_nodes,) [N] of the state ``U``; that of ``found`` above the first node."""
+        depth, nodes = self.model.mesh.node_depth, self.model.mesh.nodes
+        out = found.contact_force.copy()
+        out[self.nodes[0] :] = 0.0
+        node = np.clip(np.searchsorted(depth, beam.points.at, side="right") - 1, 0, nodes - 2)
+        share = np.clip((beam.points.at - depth[node]) / np.maximum(np.diff(depth)[node], 1e-9), 0.0, 1.0)
+        force = beam.contact_force(U)
+        return (
+            out + np.bincount(node, (1 - share) * force, nodes) + np.bincount(node + 1, share * force, nodes)
+        )
 
     def contact_points(
         self,
@@ -223,7 +311,12 @@ class _Parts:
 
         columns: list[tuple] = []
         for ends in ((False, False), (False, True), (True, False), (True, True)):
-            e = np.flatnonzero((upper == ends[0]) & (lower == ends[1]) & (radius[self.nodes[:-1]] > 0))
+            e = np.flatnonzero(
+                (upper == ends[0])
+                & (lower == ends[1])
+                & (radius[self.nodes[:-1]] > 0)
+                & (self.length > NO_LENGTH)
+            )
             for x, weight in rule(law.points, *ends) if len(e) else ():
                 depth = mesh.node_depth[self.nodes[e + 1]] - (1 - x) * self.length[e]
                 below, L = md[self.nodes[e + 1]], np.diff(md[self.nodes])[e] - self.rigid[e]
@@ -237,7 +330,7 @@ class _Parts:
                     + L[:, None] * (x * (1 - x) ** 2 * t[a] - x**2 * (1 - x) * t[b])
                 )
                 off = across(ends_at - np.asarray(well.at(at)[0]), a)
-                columns.append((e, self._shape(e, depth), gap, weight * self.length[e], drag[a], off))
+                columns.append((e, self._shape(e, depth), gap, weight * self.length[e], drag[a], off, depth))
         for b in mesh.bodies:
             if b.radius <= 0 or b.node < self.nodes[0]:
                 continue
@@ -250,7 +343,8 @@ class _Parts:
                 node = np.array([b.node])
                 gap = np.maximum(np.asarray(well.radius(md[node] + y)) - b.radius, 0.0)
                 off = across(centre[node] + y * t[node] - np.asarray(well.at(md[node] + y)[0]), node)
-                columns.append((cell, factors, gap, np.array([weight * span]), drag[node], off))
+                at = mesh.node_depth[node] + y
+                columns.append((cell, factors, gap, np.array([weight * span]), drag[node], off, at))
         return ContactPoints(*(np.concatenate(q) for q in zip(*columns, strict=True)))
 
 
@@ -281,7 +375,9 @@ def _clearance(model: DrillingModel, found: March) -> FloatArray:
     """Radial clearance (n_nodes,) [m] of the thinner pipe at each node, not below zero."""
     mesh, well = model.mesh, model.well
     assert well is not None
-    pipe = mesh.contact_diameter
+    pipe = mesh.contact_diameter.copy()
+    for cell in np.flatnonzero(mesh.is_joint):
+        pipe[cell] = pipe[cell - 1] if cell else pipe[1]
     thin = np.append(pipe, pipe[-1])
     thin[1:-1] = np.minimum(pipe[1:], pipe[:-1])
     return np.maximum(np.asarray(well.radius(found.measured_depth)) - 0.5 * thin, 0.0)
@@ -297,14 +393,17 @@ def _add_curvature(
 ) -> None:
     """Add to ``load`` the rows of a string on the axis of the bent hole, under tension, with its stress-free curvature."""
     mesh = model.mesh
-    centre, L = found.position - found.offset, mesh.length
+    centre, L = found.position - found.offset, mesh.length_divisor
     own = np.zeros((len(L), 3))
     if np.any(mesh.curvature):
         two, three = directors(model.frames, np.arange(mesh.nodes), t, found.twist)
         own = mesh.curvature[:, 1:] * two[:-1] - mesh.curvature[:, :1] * three[:-1]
-    bending, tension = mesh.bending_stiffness, found.axial_force[1:-1]
+    bending, tension = (
+        np.where(mesh.is_joint, 0.0, q) for q in (mesh.bending_stiffness, found.axial_force[1:-1])
+    )
     K = element_matrices(L, bending, tension, np.zeros_like(L))
     chord = centre[1:] - centre[:-1] - mesh.rigid_above[:, None] * t[:-1]
+    chord[mesh.is_joint] = t[:-1][mesh.is_joint]
     pull = tension[:, None] * chord / np.linalg.norm(chord, axis=1, keepdims=True)
     for p, e in ((0, second), (1, third)):
         load[:-1, p] += np.sum(pull * e[:-1], axis=1)

@@ -18,6 +18,7 @@ from drillpetsc.analysis.equilibrium import StaticState
 from drillpetsc.analysis.linearised_model import linearise_model
 from drillpetsc.analysis.live_outputs import LiveOutputs
 from drillpetsc.analysis.modal import prepare_state, reference_rate
+from drillpetsc.analysis.state_differences import NOISE, StateDifferences, of_motion
 from drillpetsc.arrays import FloatArray
 from drillpetsc.case.quantities import largest
 from drillpetsc.errors import CaseError, DrillError
@@ -34,14 +35,15 @@ USUAL = {
     "top.lowering": 0.01,
     "top.force": 1e5,
     "top.torque": 1e4,
+    "top.autodriller.wob": 1e5,
+    "top.autodriller.rop": 0.005,
+    "top.autodriller.torque": 1e4,
+    "top.autodriller.differential_pressure": 2e6,
     "fluid.flow_rate": 0.03,
     "fluid.pump_pressure": 1e7,
     "fluid.outlet_pressure": 1e6,
 }
-STEP = 1e-3  # differences, in usual sizes
-ACCELERATION_STEP = 1e2  # of accelerations [1/s2], in usual sizes: rows are linear in them
-ROUNDINGS = 4  # random changes of the last digit, from which the rounding of the outputs is estimated
-NOISE = 1e-7  # derivatives below this fraction of the largest, in usual sizes, are rounding
+STEP = 1e-3  # differences by inputs, in usual sizes
 
 
 class DisturbedInput:
@@ -100,8 +102,8 @@ def steady_state(model: DrillingModel) -> StaticState:
     return state
 
 
-class _Differences:
-    """Central differences about the present state of a model; every call is collective."""
+class _Differences(StateDifferences):
+    """Central differences of the equations and of outputs about the present state; every call is collective."""
 
     def __init__(
         self,
@@ -110,47 +112,14 @@ class _Differences:
         sizes: FloatArray,
         outputs: Sequence[str],
     ) -> None:
-        self.system, self.inputs, self.sizes = model.system, inputs, sizes
-        self.asm, self.layout = model.system.assembly, model.system.layout
+        self.inputs, self.sizes = inputs, sizes
         self.live = LiveOutputs(Recorder(model))
         self.columns: list[TableColumn] = self.live.find(outputs)
-        self.numbers = self.layout.condensed_dm.getLGMap().getIndices()
-        self.rows = self.system.new_condensed()
-        self.size = self.rows.getSize()
-        self.noise = self._noise()
+        super().__init__(model, self._outputs)
 
-    def _noise(self) -> FloatArray:
-        """Changes of the outputs (p,) by the rounding of the unknowns."""
-        asm, start, n = self.asm, self.asm.x.copy(), self.layout.size
-        value, out = self.read(), np.zeros(len(self.columns))
-        rng = np.random.default_rng(2)
-        for _ in range(ROUNDINGS):
-            ulps = rng.choice([-1.0, 1.0], self.size)[self.numbers]
-            asm.x[:n] = start[:n] + ulps * np.spacing(start[:n])
-            out = np.maximum(out, np.abs(self.read() - value))
-        asm.x[:] = start
-        return 4.0 * out + 4e-16 * np.abs(value)
-
-    def read(self) -> FloatArray:
-        """Outputs (p,) now; the residual first, since reactions and contact forces are those of the last one."""
-        self.asm.invalidate_prescribed_values()
-        self.system.sum_residual(0.0, self.rows)
+    def _outputs(self) -> FloatArray:
         self.live.changed()
         return np.array(self.live.read(self.columns, 0.0))
-
-    def _owned(self) -> FloatArray:
-        """Residual of the owned unknowns now."""
-        self.asm.invalidate_prescribed_values()
-        self.system.sum_residual(0.0, self.rows)
-        return np.array(self.rows.getArray(readonly=1))
-
-    def _whole(self, owned: FloatArray) -> FloatArray:
-        """All unknowns (n,) on every rank from the owned ones."""
-        return (
-            owned
-            if self.system.comm.size == 1
-            else np.concatenate(self.system.comm.tompi4py().allgather(owned))
-        )
 
     def by_input(self, j: int, part: int) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Residual (n,), prescribed displacement (n,) and outputs (p,) by an input's integral, value or rate."""
@@ -158,12 +127,12 @@ class _Differences:
         found = []
         for sign in (1.0, -1.0):
             offset[part] = sign * h
-            rows, values = self._owned(), self.read()
+            rows, values = self.owned_rows(), self.read()
             found.append((rows, values, self._prescribed()))
         offset[part] = 0.0
         (r1, y1, p1), (r0, y0, p0) = found
         y = np.where(np.abs(y1 - y0) > self.noise, y1 - y0, 0.0)
-        return self._whole(r1 - r0) / (2 * h), self._whole(p1 - p0) / (2 * h), y / (2 * h)
+        return self.whole(r1 - r0) / (2 * h), self.whole(p1 - p0) / (2 * h), y / (2 * h)
 
     def _prescribed(self) -> FloatArray:
         """Displacement of the owned unknowns that the prescribed values ask for."""
@@ -173,40 +142,6 @@ class _Differences:
                 f.evaluate(0.0, self.asm.x)
                 local[f.rows] = np.linalg.pinv(f.D) @ (f.value - f.D @ self.asm.x[f.rows])
         return local[self.layout.local_of_owned]
-
-    def by_state(self, array: FloatArray, steps: FloatArray, chosen: np.ndarray) -> FloatArray:
-        """Outputs (p, n) by the unknowns ``chosen`` of one of the arrays x, y, a of the assembly.
-
-        steps: (n,) of all unknowns.  A group is changed at once; where no output changes, none of it matters.
-        """
-        out = np.zeros((len(self.columns), self.size))
-        direction = np.random.default_rng(1).uniform(0.5, 1.0, self.size) * steps
-        start, n = array.copy(), self.layout.size
-        change = np.zeros(self.size)
-
-        def difference(group: np.ndarray) -> FloatArray:
-            change[group] = direction[group]
-            values = []
-            for sign in (1.0, -1.0):
-                array[:n] = start[:n] + sign * change[self.numbers]
-                values.append(self.read())
-            change[group], array[:] = 0.0, start
-            d = values[0] - values[1]
-            return np.where(np.abs(d) > self.noise, d, 0.0)
-
-        groups = [chosen] if len(chosen) else []
-        while groups:
-            group = groups.pop()
-            d = difference(group)
-            if not d.any():
-                continue
-            if len(group) == 1:
-                out[:, group[0]] = d / (2 * direction[group[0]])
-            else:
-                groups += [group[: len(group) // 2], group[len(group) // 2 :]]
-        relative = np.abs(out) * steps
-        out[relative < NOISE * relative.max(axis=1, initial=0.0)[:, None]] = 0.0
-        return out
 
 
 def linear_model(
@@ -229,12 +164,7 @@ def linear_model(
     p = np.column_stack([q[1] for q in parts[0]])
     direct = [np.column_stack([q[2] for q in part]) for part in parts]
     chosen = on_first(model, lambda: _driven(linearised, by_rows, p, rate))
-    scale = d._whole(model.system.scale[model.system.layout.local_of_owned])
-    asm = model.system.assembly
-    Yx, Yy, Ya = (
-        d.by_state(array, step * scale, chosen)
-        for array, step in ((asm.x, STEP), (asm.y, STEP), (asm.a, ACCELERATION_STEP))
-    )
+    Y = d.by_state(chosen)
     d.read()
     if linearised is None:
         on_first(model, lambda: None)
@@ -242,7 +172,7 @@ def linear_model(
     found: list[LinearModel] = []
 
     def form() -> None:
-        found.append(_form(model, linearised, by_rows, p, direct, (Yx, Yy, Ya), rate))
+        found.append(_form(model, linearised, by_rows, p, direct, Y, rate))
 
     on_first(model, form)
     return found[0]
@@ -300,10 +230,9 @@ def _parents(q: Linearised) -> np.ndarray:
 
 
 def _form(model, q: Linearised, by_rows, p, direct, Y, rate: float) -> LinearModel:
-    Yx, Yy, Ya = Y
     K, C, M, scale = _free(q)
     parents = _parents(q)
-    by_position, by_rate, by_acceleration = Yx + Yy @ q.G, Yy @ q.P + Ya @ q.G, Ya @ q.P
+    by_position, by_rate, by_acceleration = of_motion(q, *Y)
     ex = Exchange(
         *_cleaned(_forcing(q, by_rows, p)),
         *(np.asarray(A @ q.T) for A in (by_position, by_rate, by_acceleration)),
@@ -346,10 +275,10 @@ def _name(field: str, node: int, component: int, model: DrillingModel) -> str:
 
 
 def kind_of(model: DrillingModel, linear: LinearModel, state: np.ndarray) -> str:
-    """Word for the motion of a state vector (order,): lateral, axial, torsional, control or fluid."""
+    """Word for the motion of a state vector (order,): lateral, axial, torsional, control, fluid or hole (rock)."""
     q = linear.linearised
     u = linear.shapes(state[:, None])
-    share = np.zeros(5)
+    share = np.zeros(6)
     for i, field in enumerate(model.system.layout.fields):
         at = np.flatnonzero(q.field == i)
         weight = np.abs(u[at, 0]) / q.scale[at]
@@ -364,7 +293,7 @@ def kind_of(model: DrillingModel, linear: LinearModel, state: np.ndarray) -> str
         elif field.name.startswith("string."):
             share[2] += float((weight**2).sum())
         else:
-            share[3 if field.physics == DRIVE else 4] += float((weight**2).sum())
+            share[{DRIVE: 3, "rock": 5}.get(field.physics, 4)] += float((weight**2).sum())
     if not share.any():
         return "of the input"
-    return ("lateral", "axial", "torsional", "control", "fluid")[int(share.argmax())]
+    return ("lateral", "axial", "torsional", "control", "fluid", "hole")[int(share.argmax())]

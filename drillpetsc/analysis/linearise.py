@@ -112,19 +112,9 @@ def run_linearise(
         raise CaseError(at="--reduce", got=method, want=" or ".join(METHODS))
     if order < 1:
         raise CaseError(at="--order", got=order, want="a number of states, at least 1")
-    if case.motor_joints:
-        raise CaseError(
-            at="string",
-            got="pdm",
-            want="no downhole motor in a linear model yet: its torque has no state; modes takes it",
-        )
-    if case.top.autodriller is not None:
-        raise CaseError(
-            at="top.autodriller",
-            want="no autodriller in a linear model: its measurements are taken after each step",
-            hint="leave it out, and take top.lowering as the input of a loop of your own",
-        )
     given = inputs_of(case)
+    if case.top.autodriller is not None:  # which acts in a linear model from the start
+        given.pop("top.lowering", None)
     refuse_unknown("--inputs", inputs, list(given))
     with options.applied(case.petsc):
         disturbed = {key: DisturbedInput(given[key]) for key in inputs}

@@ -1,6 +1,6 @@
-"""Linearised model: the discrete system's matrices, with a bottom of the hole that gives no work.
+"""Linearised model: the discrete system's matrices, with a bottom of the hole that gives no work and with measured loops.
 
-Manual: sec-eigen-bottom.
+Manual: sec-eigen-bottom, sec-autodriller-linear.
 """
 
 from __future__ import annotations
@@ -10,9 +10,34 @@ from dataclasses import replace
 import numpy as np
 import scipy.sparse as sparse
 
+from drillpetsc.analysis.state_differences import StateDifferences, of_motion
 from drillpetsc.arrays import FloatArray
+from drillpetsc.case.blocks.tools import Jar
 from drillpetsc.model.drilling_model import DrillingModel
 from drillpetsc.solvers.linearization import Linearised, linearise
+
+MEASURED_AT = 3  # nodes from each end of the string between which nothing is measured
+MEASURED_STEP = {"wob": 1e2, "torque": 1e1, "differential_pressure": 1e3}  # [N], [N m], [Pa]
+
+
+def settle(model: DrillingModel) -> list[str]:
+    """Leave out what moves on its own in a steady state, and close the autodriller's loop; returns notes.  Collective.
+
+    The model is in motion.  The valve of an agitator stands, and the rotor of a motor is balanced: both excite the
+    string, and have no part in how it answers.
+    """
+    notes = []
+    if model.motor is not None:
+        model.motor.balance_orbit()
+    if model.agitator is not None:
+        model.agitator.hold()
+        notes.append("the valve of the agitator stands: its pulses are no part of a linear model")
+    if any(isinstance(item, Jar) for item in model.case.string):
+        notes.append("the jar stays as it is at the start: its latch is a spring")
+    if model.hoist is not None:
+        note = model.hoist.balance(model.system.assembly)
+        notes += [note] if note else []
+    return notes
 
 
 def linearise_model(model: DrillingModel) -> Linearised | None:
@@ -23,8 +48,17 @@ def linearise_model(model: DrillingModel) -> Linearised | None:
     presses on the bit, so that only the face over which mud is displaced remains.
     """
     linearised = linearise(model.system)
+    fed = _fed_back(model, linearised)
     closed = _closed_face(model)
-    if linearised is None or not closed.any():
+    if linearised is None:
+        return None
+    if fed is not None:
+        K, C, M = (
+            sparse.csr_matrix(A + B)
+            for A, B in zip((linearised.K, linearised.C, linearised.M), fed, strict=True)
+        )
+        linearised = replace(linearised, K=K, C=C, M=M)
+    if not closed.any():
         return linearised
     names, last = [f.name for f in model.system.layout.fields], model.mesh.nodes - 1
     position, pressure = (
@@ -35,6 +69,40 @@ def linearise_model(model: DrillingModel) -> Linearised | None:
     columns = np.full(len(position), pressure[0])
     change = sparse.csr_matrix((force, (position, columns)), shape=linearised.K.shape)
     return replace(linearised, K=sparse.csr_matrix(linearised.K - change))
+
+
+def _fed_back(model: DrillingModel, q: Linearised | None) -> list[sparse.csr_matrix] | None:
+    """What a measurement of the autodriller adds to K, C and M, on rank 0; None without one.  Collective.
+
+    In a run the measurement follows each step.  Here it is a function of the state, whose derivatives are differences.
+    """
+    hoist = model.hoist
+    kind = hoist.sensed_loop() if hoist is not None else None
+    if hoist is None or kind is None:
+        return None
+    comm, asm, sensor = model.system.comm, model.system.assembly, hoist.sensors[kind]
+
+    def total(value: float) -> float:
+        return value if comm.size == 1 else float(comm.tompi4py().allreduce(value))
+
+    d = StateDifferences(model, lambda: np.array([total(sensor(0.0, asm))]))
+    ends: np.ndarray = np.zeros(0, dtype=int)
+    if q is not None:
+        ends = np.flatnonzero((q.node < MEASURED_AT) | (q.node >= model.mesh.nodes - MEASURED_AT))
+    chosen = ends if comm.size == 1 else comm.tompi4py().bcast(ends)
+    of_state = d.by_state(chosen)
+    step, before = MEASURED_STEP[kind], hoist.set_measured(kind, 0.0)
+    rows = []
+    for sign in (1.0, -1.0):
+        hoist.set_measured(kind, before + sign * step)
+        rows.append(d.owned_rows())
+    hoist.set_measured(kind, before)
+    d.read()
+    column = d.whole(rows[0] - rows[1]) / (2 * step)
+    if q is None:
+        return None
+    left = sparse.csr_matrix(column[:, None])
+    return [left @ sparse.csr_matrix(A) for A in of_motion(q, *of_state)]
 
 
 def _closed_face(model: DrillingModel) -> FloatArray:

@@ -6,7 +6,7 @@ unstrained along the hole, so that mud, pressure, rigid items and loads are cont
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -255,6 +255,45 @@ def march(
         measured_depth=measured_depth,
         direction=direction,
         effective_tension=inner + wet,
+    )
+
+
+def with_contact(
+    model: DrillingModel, found: March, motion: tuple[float, float], contact: FloatArray
+) -> March:
+    """``found`` with the axial force, torque, stretch and twist that belong to the contact forces (n,) [N].
+
+    motion: as of ``march``.  The bit stays where it is, or the top where its force is given.
+    """
+    mesh, case = model.mesh, model.case
+    drag, around = friction_factors(model, motion)
+    more = contact - found.contact_force
+    change = -np.append(np.cumsum((drag * more)[::-1])[::-1], 0.0)
+    if case.top.force is not None:
+        change -= change[0]
+    tension = found.axial_force + change
+    torque = found.torque + np.append(np.cumsum((around * more)[::-1])[::-1], 0.0)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        before, strain = (
+            np.where(mesh.is_joint, 0.0, q[1:-1] / mesh.axial_stiffness) for q in (found.axial_force, tension)
+        )
+        twist = np.where(mesh.is_joint, 0.0, torque[1:-1] * mesh.length / mesh.torsional_stiffness)
+    down = np.concatenate([[0.0], np.cumsum((strain - before) * mesh.length)])
+    if model.bit is not None and (case.initial.wob is not None or case.top.force is not None):
+        down -= down[-1]
+    above, below = _nodal_strains(mesh, strain)
+    unit = found.tangent / np.linalg.norm(found.tangent, axis=1, keepdims=True)
+    return replace(
+        found,
+        axial_force=tension,
+        effective_tension=found.effective_tension + change[1:-1],
+        contact_force=contact,
+        torque=torque,
+        twist=-np.concatenate([[0.0], np.cumsum(twist)]),
+        tangent=(1 + above)[:, None] * unit,
+        ratio=(1 + below) / (1 + above),
+        position=found.position + down[:, None] * found.direction,
+        top_motion=found.top_motion + down[0],
     )
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ctypes
 import resource
 import sys
 
@@ -14,6 +15,13 @@ WARM_UP = 0.1  # fraction of the simulated time after which memory should not gr
 def peak() -> int:
     """Return the largest resident memory of this process so far [bytes]."""
     return RSS_UNIT * resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+
+
+def give_back() -> None:
+    """Return memory that is no longer used to the operating system, where the C library can: after a phase with large work arrays."""
+    trim = getattr(ctypes.CDLL(None), "malloc_trim", None)
+    if trim is not None:
+        trim(0)
 
 
 class Memory:

@@ -25,7 +25,7 @@ from petsc4py import PETSc
 from drillpetsc.analysis.equilibrium import StaticState
 from drillpetsc.analysis.frequency.stokes import at_own_frequencies, frequency_dependent, stokes_numbers
 from drillpetsc.analysis.initial_state import find_equilibrium
-from drillpetsc.analysis.linearised_model import linearise_model
+from drillpetsc.analysis.linearised_model import linearise_model, settle
 from drillpetsc.analysis.mean_over_turn import mean_over_turn
 from drillpetsc.analysis.placement import move_rigidly, prescribed_motion, release
 from drillpetsc.analysis.steady_flow import release_flow
@@ -167,27 +167,23 @@ def prepare_state(model: DrillingModel, about: str = "steady") -> StaticState:
         state = find_equilibrium(model)
         release(model)
         move_rigidly(model)
-        _balance(model)
+        state.warnings += settle(model)
         return state
     state = find_equilibrium(model, (0.0, 0.0))
-    rest_of(model)
+    state.warnings += rest_of(model)
     return state
 
 
-def rest_of(model: DrillingModel) -> None:
-    """From an equilibrium, set the model to rest without friction; collective."""
+def rest_of(model: DrillingModel) -> list[str]:
+    """From an equilibrium, set the model to rest without friction; returns notes; collective."""
     release(model, at_rest=True)
-    _balance(model)
+    notes = settle(model)
     for part in model.imposed:
         # no sliding: without friction, which at rest would be a damper of mu N over the slip velocity
         part.impose_sliding_direction(0.0, 0.0)
     model.system.assembly.y[:] = 0.0
     release_flow(model)
-
-
-def _balance(model: DrillingModel) -> None:
-    if model.hoist is not None:
-        model.hoist.balance(model.system.assembly)
+    return notes
 
 
 def reference_rate(model: DrillingModel) -> float:

@@ -52,7 +52,7 @@ def _given_flow(model: DrillingModel) -> float:
     """Flow rate at the start that the case gives [m3/s], 0 where it is unknown before the flow is solved."""
     fluid: Fluid | None = model.case.fluid
     if fluid is not None:
-        return max(fluid.flow_rate.value(0.0), 0.0) if fluid.flow_rate is not None else 0.0
+        return fluid.flow_rate.value(0.0) if fluid.flow_rate is not None else 0.0
     return float(motor_flow(model))
 
 

@@ -22,7 +22,8 @@ from drillpetsc.fem.discrete_system import DiscreteSystem
 from drillpetsc.model.drilling_model import DrillingModel, build_model, is_quasi_static
 from drillpetsc.physics.quaternion.beam import minimal_rotation, product, quaternions, turned
 from drillpetsc.solvers.chain_lu import ZeroPivot
-from drillpetsc.solvers.newton import static_factor
+from drillpetsc.solvers.constraint_products import ConstraintProducts
+from drillpetsc.solvers.newton import shared_factor
 
 CONVERGED_INCREMENT = 2.0e-9  # largest increment of a converged state, in the fields' scales
 MAX_ITERATIONS = 40
@@ -123,7 +124,8 @@ def solve_at_rest(system: DiscreteSystem, t: float = 0.0, velocity: FloatArray |
 
 
 def _newton(system: DiscreteSystem, t: float, velocity: FloatArray | None) -> int:
-    asm, factor, q = system.assembly, static_factor(system), system.new_condensed()
+    asm, factor, q = system.assembly, shared_factor(system), system.new_condensed()
+    constraints = ConstraintProducts(system)
     rows, owned = system.new_condensed(), system.layout.local_of_owned
     step, before, mpi = np.zeros(len(owned)), np.inf, system.comm.tompi4py()
     for iteration in range(1, MAX_ITERATIONS + 1):
@@ -132,6 +134,7 @@ def _newton(system: DiscreteSystem, t: float, velocity: FloatArray | None) -> in
             asm.y[system.layout.dofs["string.position"]] = velocity
         system.sum_residual(t, rows)
         asm.jacobian(t, (1.0, 0.0, 0.0), condensed=False)
+        constraints.add(asm.values)
         try:
             factor.factor(asm.values)
         except ZeroPivot:

@@ -17,6 +17,7 @@ import numpy as np
 from drillpetsc.case.blocks.top_drive import PythonController
 from drillpetsc.errors import CaseError, SolveError
 from drillpetsc.model.drilling_model import DrillingModel
+from drillpetsc.parallel import total
 from drillpetsc.physics.sampled_law import SampledLaw
 from drillpetsc.physics.sampled_torque import SampledTorque
 from drillpetsc.physics.top_drive import MotorDrive
@@ -59,7 +60,7 @@ class SampledControl:
         """Set the torque from the time ``t`` [s] on; collective.  Raises SolveError for anything but a finite number."""
         model, drive = self._model, self._drive
         local = np.append(drive.figures(t, model.system.assembly)[: len(MEASURED)], drive.start_torque)
-        figures = model.system.comm.tompi4py().allreduce(local)
+        figures = total(model.system.comm, local)
         measured = dict(zip((*MEASURED, "start_torque"), map(float, figures), strict=True))
         if self._held.resumed:
             measured["motor_torque"], measured["pipe_torque"] = map(float, self._held.measured)

@@ -224,6 +224,7 @@ class Session:
         if self._recorder.comm.size > 1:
             c = self._recorder.comm.bcast(c)
         assert c is not None
+        c = checkpoint.lasting(c)
         sensed = {} if self._senses is None else dict(self._senses.latest)
         return SessionState(
             c, {n: q.get_state() for n, q in self._live.items()}, dict(self._largest), sensed, self._jumped

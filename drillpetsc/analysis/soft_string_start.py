@@ -12,7 +12,7 @@ from drillpetsc.analysis.placement import top_depth
 from drillpetsc.analysis.soft_string import TorqueDrag, torque_drag
 from drillpetsc.case.blocks.ends import ForcedBottom
 from drillpetsc.model.drilling_model import DrillingModel
-from drillpetsc.model.fluid import rigid_weights
+from drillpetsc.model.fluid import mud_of_rigid_items
 
 
 def soft_string(
@@ -33,24 +33,28 @@ def soft_string(
         return None
     depth = mesh.node_depth + top_depth(model)
     wob = (case.initial.wob or 0.0) if wob is None else wob
-    rigid = rigid_weights(case, mesh) * g
-    load = np.where(mesh.is_joint, 0.0, model.effective_mass * mesh.length * g)
+    # an interval is an element and the rigid items above it; a joint has no length and is left out
+    span, length = np.diff(depth), np.where(mesh.is_joint, 0.0, mesh.length)
+    weight = model.effective_mass * g * length
+    rigid = mud_of_rigid_items(case, mesh)
+    np.add.at(rigid, [b.node for b in mesh.bodies], [b.mass for b in mesh.bodies])
     for node in np.flatnonzero(rigid[:-1]):
-        load[node - 1 if mesh.is_joint[node] and node else node] += rigid[node]  # a joint is no element
-    # between two nodes lies an element and what is rigid above it: its length is not the distance of the nodes
-    span = np.diff(depth)
-    weight = np.divide(load, span, out=np.zeros_like(load), where=span > 0)
-    # joints have no length and are left out; both nodes of a joint get the same values
+        weight[node - 1 if node and not span[node] > 0 else node] += rigid[node] * g
     has_length = span > 0
+    share = (length / np.where(has_length, span, 1.0))[has_length]  # of an interval that stretches and twists
+    axial, torsional = (
+        np.divide(q[has_length], share, out=np.full(len(share), np.inf), where=share > 0)
+        for q in (mesh.axial_stiffness, mesh.torsional_stiffness)
+    )
     turning = motion[1] + (model.motor.static_speed if model.motor is not None else 0.0)
     soft = torque_drag(
         well,
         depth[np.append(True, has_length)],
-        weight[has_length],
+        (weight / np.where(has_length, span, 1.0))[has_length],
         0.5 * mesh.contact_diameter[has_length],
-        mesh.axial_stiffness[has_length],
-        mesh.torsional_stiffness[has_length],
-        bottom_force=_force_below(model, rigid[-1]) - wob,
+        axial,
+        torsional,
+        bottom_force=_force_below(model, g * float(rigid[-1])) - wob,
         bottom_torque=model.bit.torque_for(wob, turning) * np.sign(turning) if model.bit else 0.0,
         axial_velocity=-motion[0],
         rotation=motion[1],
@@ -75,10 +79,9 @@ def place_marched(model: DrillingModel, found: March) -> None:
         system.set_field("string.ratio", found.ratio[:, None])
 
 
-def _force_below(model: DrillingModel, rigid: float) -> float:
-    """Compute the axial force [N] on the lowest node from its rigid items, of weight ``rigid`` [N], and from a given force."""
-    bottom = model.case.bottom
-    force = np.array([0.0, 0.0, rigid])
+def _force_below(model: DrillingModel, weight: float) -> float:
+    """Compute the axial force [N] on the lowest node from the buoyed ``weight`` [N] of its rigid items and a given force."""
+    bottom, force = model.case.bottom, np.array([0.0, 0.0, weight])
     if isinstance(bottom, ForcedBottom):
         force += bottom.force
     return float(force @ model.tangent[-1])

@@ -12,8 +12,10 @@ from petsc4py import PETSc
 from drillpetsc.analysis.buckling import Buckling, buckling
 from drillpetsc.analysis.coarse_mesh import state_warnings
 from drillpetsc.analysis.equilibrium import MOTIONS, StaticState
+from drillpetsc.analysis.friction_path import has_path
 from drillpetsc.analysis.initial_state import find_equilibrium
 from drillpetsc.analysis.limits.operations import case_of, motion_of, read_operation
+from drillpetsc.analysis.mud_above_top import mud_above_top
 from drillpetsc.analysis.path_answer import PathKind
 from drillpetsc.analysis.placement import prescribed_motion, top_depth
 from drillpetsc.analysis.transient import make_folder
@@ -78,9 +80,12 @@ def run_statics(
         state = find_equilibrium(model, moving, False, path)
         columns, values = static_table(model)
         buckled = buckling(model, columns, values) if values is not None else Buckling()
-        state.warnings += buckled.lines(case.output.units or "metric")
+        is_buckled = bool(buckled.sinusoidal or buckled.helical)
+        slides = is_buckled and _slides_unfollowed(model, state)
+        state.warnings += buckled.lines(case.output.units or "metric", slides)
         state.warnings += [*state_warnings(model, columns, values), *model.mesh.notes]
         state.warnings += _hoisted_with_weight(model, moving)
+        state.warnings += mud_above_top(model)
         summary = {
             "title": case.title,
             **static_summary(model, state),
@@ -96,6 +101,18 @@ def run_statics(
         if comm.rank == 0:
             _write(model, folder, columns, values, summary, fields)
     return RunResult(folder.path, summary, _lines(case, folder, state, summary))
+
+
+def _slides_unfollowed(model: DrillingModel, state: StaticState) -> bool:
+    """Whether friction opposes a sliding string whose state was found without a path, although one has a meaning."""
+    if (
+        state.path is not None
+        or not state.motion[0]
+        or model.well is None
+        or not has_path(model, state.motion)
+    ):
+        return False
+    return bool(np.any(np.asarray(model.well.friction(model.mesh.node_depth)) > 0))
 
 
 def _hoisted_with_weight(model: DrillingModel, motion: tuple[float, float] | None) -> list[str]:

@@ -15,7 +15,7 @@ from drillpetsc.fem.discrete_system import DiscreteSystem
 from drillpetsc.model.drilling_model import DrillingModel
 from drillpetsc.model.fluid import FluidComponents
 from drillpetsc.solvers.chain_lu import ZeroPivot
-from drillpetsc.solvers.newton import static_factor
+from drillpetsc.solvers.newton import shared_factor
 
 CONVERGED_INCREMENT = 1e-12  # largest increment of a converged flow, in the fields' scales
 ROUNDING_INCREMENT = (
@@ -42,7 +42,8 @@ def fluid_unknowns(system: DiscreteSystem) -> np.ndarray:
 
 
 def set_fluid_at_rest(system: DiscreteSystem, fluid: FluidComponents, t: float = 0.0) -> None:
-    """Set hydrostatic pressures below the outlet's pressure, and the pump's flow rate in all channels.
+    """Set hydrostatic pressures below the outlet's pressure, and the pump's flow rate in all channels; nozzles above the bit
+    take their share by areas.
 
     Without an outlet the pressure at the top is zero.  ``t``: time of outlet and pump [s].
     """
@@ -64,19 +65,29 @@ def set_fluid_at_rest(system: DiscreteSystem, fluid: FluidComponents, t: float =
     gravity = fluid.constants.gravity
     head = fluid.constants.density * ((position - top) @ gravity)
     level = fluid.annulus.outlet.value(t) if fluid.annulus is not None else 0.0
+    closed = fluid.bit is None or not fluid.bit.has_link
+    vertices, through_bit = system.chain.vertices, 1.0
+    going_on = np.ones(len(vertices))  # share of the pump's flow in the cell above each local vertex
+    if fluid.side is not None:
+        dofs = system.layout.dofs["side.flow"][:, 0]
+        for link, share in zip(fluid.side.links, fluid.side.shares_of_pump(), strict=True):
+            through_bit -= share
+            going_on[vertices > link.node] -= share
+            here = dofs[vertices == link.node]
+            asm.x[here[here >= 0]] = flow * share
     for component, sign in ((fluid.bore, 1.0), (fluid.annulus, -1.0)):
         if component is None:
             continue
         pump = getattr(component, "pump_pressure", None)
         base = level if pump is None else pump.value(t)
-        closed = fluid.bit is None or not fluid.bit.has_link
         asm.x[system.layout.dofs[f"{component.name}.pressure"][:, 0]] = base + head
         if f"{component.name}.flow" in system.layout.dofs:
-            dofs = system.layout.dofs[f"{component.name}.flow"]
-            asm.x[dofs[dofs >= 0]] = 0.0 if closed else sign * flow
+            dofs = system.layout.dofs[f"{component.name}.flow"][:, 0]
+            start = np.zeros(len(dofs)) if closed and fluid.side is None else sign * flow * going_on
+            asm.x[dofs[dofs >= 0]] = start[dofs >= 0]
     if "bit.flow" in system.layout.dofs:
         dofs = system.layout.dofs["bit.flow"][:, 0]
-        asm.x[dofs[dofs >= 0]] = flow
+        asm.x[dofs[dofs >= 0]] = flow * through_bit
     if fluid.volumes is not None:
         for name, values in fluid.volumes(level).items():
             system.set_field(name, values[:, None])
@@ -95,7 +106,7 @@ def steady_flow(system: DiscreteSystem, t: float = 0.0, tolerance: float = CONVE
         component.locate_hole(asm)
     asm.freeze(~is_fluid)
     try:
-        factor, f = static_factor(system), system.new_condensed()
+        factor, f = shared_factor(system), system.new_condensed()
         weight, dofs = 1.0 / system.scale, np.flatnonzero(is_fluid)
         smallest, stalled, damping = np.inf, 0, 1.0
         asm.y[dofs] = asm.a[dofs] = 0.0

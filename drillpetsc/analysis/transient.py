@@ -20,7 +20,8 @@ from drillpetsc.analysis.drive_report import drive_warnings
 from drillpetsc.analysis.equilibrium import StaticState
 from drillpetsc.analysis.hoist_report import hoist_warnings
 from drillpetsc.analysis.initial_state import initial_state
-from drillpetsc.analysis.memory import Memory
+from drillpetsc.analysis.memory import Memory, give_back
+from drillpetsc.analysis.mud_above_top import mud_above_top
 from drillpetsc.analysis.quasi_static import QuasiStatic
 from drillpetsc.analysis.run_control import (
     FAILED,
@@ -116,6 +117,7 @@ def run(
                     f"{folder.path}: no checkpoint yet, so the run starts from its beginning", file=sys.stderr
                 )
             state = initial_state(model, case, saved, quasi)
+            give_back()
             return TransientRun(
                 model=model,
                 recorder=recorder,
@@ -375,8 +377,15 @@ class TransientRun:
         self.notes["warnings"] += [*run_warnings(self.model), *self.model.mesh.notes]
         self.notes["warnings"] += drive_warnings(self.model, self.saved is None)
         self.notes["warnings"] += hoist_warnings(self.case)
+        if self.saved is None:
+            self.notes["warnings"] += mud_above_top(self.model)
         if self.saved is not None:
             self.notes["warnings"] += provenance.version_warnings(self.saved.provenance)
+        if self.notes.get("accepted_changes"):
+            self.notes["warnings"].append(
+                "changes accepted at a restart act at once: what they add or take stands in the energy balance as gained or "
+                "lost by the time integration"
+            )
         self.boiling = BoilingMonitor(self.model.system, self.model.fluid)
         if self.saved is not None:
             self.boiling.set_notes(self.saved.notes.get("boiling", {}))
@@ -391,8 +400,11 @@ class TransientRun:
     def run(self) -> RunResult:
         """Compute all steps; files that were written stay even if the computation fails."""
         integrator, recorder, saved = self.integrator, self.recorder, self.saved
-        if integrator.is_bdf and integrator.inertia:  # without inertia the outputs follow the inputs at once
-            recorder.estimate_time_error(integrator.order)
+        formula = integrator.output_errors()
+        if (
+            formula is not None and integrator.inertia
+        ):  # without inertia the outputs follow the inputs at once
+            recorder.estimate_time_error(formula)
         self.estimate = LocalErrorEstimate(integrator)
         if saved is not None:
             recorder.set_state(saved.recorder)

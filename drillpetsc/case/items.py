@@ -138,6 +138,8 @@ class _Stabilizer(_Rigid, total=False):
     bypass_area: Value
     stiff: bool
     bend: Keys
+    nozzle_area: Value
+    nozzles: Value | Sequence[Value]
 
 
 class _Reamer(_Stabilizer, total=False):

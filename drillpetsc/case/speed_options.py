@@ -17,6 +17,7 @@ from drillpetsc.units import UnitError, to_si
 MAX_SPEEDS = 2000
 SPEED = Quantity("rad/s", at_least=0, at_most=1e3, kind="none")
 WEIGHT = Quantity("N", above=0, at_most=1e8)
+DURATION = Quantity("s", at_least=1, at_most=1e5)
 EXAMPLE = "0:240:10 rpm"
 _STEPS = re.compile(r"\s*([^:\s]+)\s*:\s*([^:\s]+)\s*:\s*([^:\s]+?)\s*([a-zA-Z/%]*)\s*")
 _WITH_UNIT = re.compile(r".*\d\.?\s*[a-zA-Z].*")
@@ -79,10 +80,10 @@ def _steps(text: str, at: str) -> tuple[float, ...]:
 class Excitation:
     """A harmonic excitation.
 
-    kind: ``unbalance``, or ``bit``.
+    kind: ``unbalance``, ``bit``, or ``motor``, the orbit of a downhole motor's rotor.
     what: of the bit: ``displacement`` along the string [m], ``force`` along it [N] or ``torque`` [N m]; else empty.
-    amplitude: [m], [N] or [N m], 0 with unbalance.
-    order: cycles per turn.
+    amplitude: [m], [N] or [N m], 0 with unbalance and motor.
+    order: cycles per turn; nan with motor, which sets its own frequency.
     """
 
     kind: str
@@ -95,11 +96,13 @@ class Excitation:
         """For people."""
         if self.kind == "unbalance":
             return "unbalance, once per turn"
+        if self.kind == "motor":
+            return "orbit of the motor's rotor"
         unit = {"displacement": "m", "force": "N", "torque": "N m"}[self.what]
         return f"{self.what} of {self.amplitude:g} {unit} at the lower end, {self.order:g} per turn"
 
 
-KINDS = ("unbalance", "bit")
+KINDS = ("unbalance", "bit", "motor")
 AMPLITUDES = {
     "displacement": Quantity("m", above=0, at_most=1, kind="none"),
     "force": Quantity("N", above=0, at_most=1e8, kind="none"),
@@ -110,19 +113,22 @@ AMPLITUDES = {
 def read_excitation(kind: str, amplitude: str | None = None, order: float | None = None) -> Excitation:
     """Read the excitation of `response`.
 
-    kind: ``unbalance`` or ``bit``.
+    kind: one of ``KINDS``.
     amplitude: of a motion (``3 mm``), force (``5 kN``) or torque (``1 kN m``) of the bit; its unit tells which.
     order: cycles per turn of the bit, None: 3 (the lobes that a roller-cone bit cuts).
     Raises CaseError.
     """
     if kind not in KINDS:
         raise CaseError(at="--excite", got=kind, want=f"one of {', '.join(KINDS)}")
-    if kind == "unbalance":
+    if kind != "bit":
+        says = {
+            "unbalance": "the case has the unbalance, which turns once per turn",
+            "motor": "the case has the mass and the orbit of the rotor",
+        }
         for name, value in (("--amplitude", amplitude), ("--order", order)):
             if value is not None:
-                want = "no such option with --excite unbalance: the case has the unbalance, which turns once per turn"
-                raise CaseError(at=name, got=value, want=want)
-        return Excitation("unbalance")
+                raise CaseError(at=name, got=value, want=f"no such option with --excite {kind}: {says[kind]}")
+        return Excitation(kind, order=1.0 if kind == "unbalance" else float("nan"))
     want = "the amplitude of a motion (3 mm), a force (5 kN) or a torque (1 kN m), with its unit"
     if amplitude is None:
         raise CaseError(at="--amplitude", want=want)
@@ -167,3 +173,8 @@ def read_lines(text: str | Sequence[float], at: str = "--lines") -> tuple[float,
             )
         out.append(value)
     return tuple(sorted(set(out)))
+
+
+def read_duration(text: str | float) -> float:
+    """Read the duration of runs [s] from text such as ``60 s``; raises CaseError."""
+    return read_numbers(text, DURATION, "--duration", "60 s")[0]

@@ -158,13 +158,12 @@ class _Completion:
             self._plain_weight()
             self._check_weight()
             self._checked_section()
-        elif isinstance(item, Stabilizer):
-            return self._stabilizer(item)
-        elif (
-            isinstance(item, Bit) and item.nozzles is not None and "nozzle_area" not in item.model_fields_set
-        ):
-            text = f"sum of pi d^2/4 of {len(item.nozzles)} nozzles"
-            self.note("nozzle_area", float(item.nozzle_area or 0.0), "m^2", text)
+        elif isinstance(item, (Stabilizer, Bit)):
+            if item.nozzles is not None and "nozzle_area" not in item.model_fields_set:
+                text = f"sum of pi d^2/4 of {len(item.nozzles)} nozzles"
+                self.note("nozzle_area", float(item.nozzle_area or 0.0), "m^2", text)
+            if isinstance(item, Stabilizer):
+                return self._stabilizer(item)
         if not self.values:
             return [item]
         return [item.model_copy(update=self.values)]

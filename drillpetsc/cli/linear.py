@@ -155,6 +155,15 @@ def _stability_arguments(command: argparse.ArgumentParser) -> None:
         metavar="N",
         help="oscillating modes at each point, the lowest (default: 20)",
     )
+    command.add_argument(
+        "--method",
+        choices=("eigen", "time"),
+        default="eigen",
+        help="eigen: growth of the modes; time: a run at each point, too (default: eigen)",
+    )
+    command.add_argument(
+        "--duration", default="60 s", metavar="TIME", help="of each run of --method time (default: 60 s)"
+    )
     _kind(command)
     _without_control(command)
     units_argument(command)
@@ -162,11 +171,12 @@ def _stability_arguments(command: argparse.ArgumentParser) -> None:
 
 def _stability(arguments: argparse.Namespace, petsc_options: list[str]) -> int:
     from drillpetsc.case import load_case
-    from drillpetsc.case.speed_options import read_speeds, read_weights
+    from drillpetsc.case.speed_options import read_duration, read_speeds, read_weights
 
     case = in_units(load_case(arguments.case), arguments.units)
     speeds = read_speeds(arguments.rpm, "--rpm", lowest_above_zero=True)
     weights = read_weights(arguments.wob, case.output.units or "SI")
+    duration = read_duration(arguments.duration)
     start_job(petsc_options)
     print_warnings(case)
     from drillpetsc.analysis.frequency.stability_map import run_stability
@@ -181,6 +191,8 @@ def _stability(arguments: argparse.Namespace, petsc_options: list[str]) -> int:
         arguments.overwrite,
         Path(arguments.case).stem,
         without_control=arguments.without_control,
+        method=arguments.method,
+        duration=duration,
     )
     return show(result.lines, result.folder, arguments)
 
@@ -192,7 +204,7 @@ def _response_arguments(command: argparse.ArgumentParser) -> None:
         required=True,
         metavar="KIND",
         help="unbalance: unbalances, eccentricities, bends and curvatures of the case; bit: a motion, force or torque of the "
-        "lower end",
+        "lower end; motor: the orbit of a motor's rotor",
     )
     command.add_argument(
         "--speeds",

@@ -20,6 +20,7 @@ from drillpetsc.fem.bound_parts import (
     BlockResults,
     BoundBlock,
     BoundStabilization,
+    ResultGroup,
     RowReplacement,
 )
 from drillpetsc.fem.component import ElementBlock, PrescribedMotion, VelocityStabilization
@@ -36,6 +37,7 @@ _fix_matrix = function("constraint_matrix", "ippppp")
 _gradient = function("spin_gradient", "ippppddp")
 _run_residuals = function("run_residuals", "ipip")
 _step_rows = function("step_rows", "ppp")
+_element_rows = function("element_rows", "pippp")
 _BlockCall = structure("block_call")  # BlockCall, PrescribedCall and StepCall of kernels/core/rows.cpp
 _PrescribedCall, _StepCall = structure("prescribed_call"), structure("step_call")
 
@@ -52,7 +54,7 @@ class Assembly:
     fields; the derived fields follow it (``DofLayout.derived``; ``derive`` computes them).
     r: (array_length,) residual, not summed over ranks.
     v0, v1: (n,) constants of the time formula, y = shift x + v0 and a = second shift y + v1.
-    values: all Jacobian entries, in the order of ``rows`` and ``columns`` (local dofs, -1: left out).
+    values: all Jacobian entries, in the order of ``places``.
     reference: (nv, 3) reference directions of the local nodes.
     """
 
@@ -73,6 +75,8 @@ class Assembly:
         self._results: dict[int, BlockResults] = {}  # by id of the block
         self._seen: list[ElementBlock] = []  # keeps blocks that are not bound, so that their ids stay theirs
         self._kept: dict[Any, Any] | None = None  # see ``unchanged``
+        self._group = ResultGroup({})  # what the last state was asked for: the next is asked for the same
+        self._asked: dict[Any, bool] = {}  # within ``unchanged``
         self.x[n] = 1.0  # an absent stretch ratio is one
         self.v0, self.v1 = np.zeros(n), np.zeros(n)
         size, self.bound_blocks = 0, []
@@ -94,25 +98,13 @@ class Assembly:
             for c in prescribed
             if c.vertex in local
         ]
+        self._after_blocks = size
         size = size + 49 * sum(f.owned for f in self.row_replacements)
         self.stabilized = [
             BoundStabilization(c, layout, self.bound_blocks, self.row_replacements) for c in stabilizations
         ]
         self._first_stabilization_entry = size  # these entries are the last ones
         self.values = np.zeros(size + sum(len(c.rows) for c in self.stabilized))
-        # the places of all entries are kept once, here
-        rows, columns = (
-            map(list, zip(*(b.places() for b in self.bound_blocks), strict=True)) if blocks else ([], [])
-        )
-        for f in self.row_replacements:
-            if f.owned:
-                rows.append(np.repeat(f.rows, 7))
-                columns.append(np.tile(f.rows, 7))
-        rows += [c.rows for c in self.stabilized]
-        columns += [c.columns for c in self.stabilized]
-        empty = [np.zeros(0, dtype=np.int32)]
-        self.rows = np.concatenate(rows + empty).astype(np.int32)
-        self.columns = np.concatenate(columns + empty).astype(np.int32)
         self._event = {k: PETSc.Log.Event(k) for k in ("Residual", "Jacobian")}
         self._state = tuple(map(pointer, (self.x, self.y, self.a, self.r)))
         self._weights = np.zeros(3)
@@ -129,10 +121,30 @@ class Assembly:
         self.version = 0  # counts new Jacobian values
         self.evaluations = 0  # counts residuals
         self.dead_load: FloatArray | None = None  # (n,) dead load [N, N m] at owned unknowns (imperfection)
-        #: (frozen dofs, entries in their rows or columns, their diagonal entries)
-        self._frozen: tuple[np.ndarray, np.ndarray, np.ndarray] | None = None
+        #: (fixed dofs, blocks with them and (count, width) where they are, of the other entries those in their rows or columns and
+        #: those on the diagonal)
+        self._frozen: (
+            tuple[np.ndarray, list[tuple[BoundBlock, np.ndarray]], np.ndarray, np.ndarray] | None
+        ) = None
         #: (dofs, rates, entries of each block by other dofs, by the block's first entry)
         self._imposed: tuple[np.ndarray, FloatArray, dict[int, np.ndarray]] | None = None
+
+    def places(self) -> tuple[np.ndarray, np.ndarray]:
+        """Local dofs of the rows and of the columns of all Jacobian entries, (len(values),) each, -1 where an entry is left out.
+
+        They are computed anew: kept, they would take as much memory as the entries.
+        """
+        both = np.empty((2, len(self.values)), dtype=np.int32)
+        for b in self.bound_blocks:
+            b.write_places(*(out[b.span].reshape(b.count, b.width, b.width) for out in both))
+        both[:, self._after_blocks :] = self._places_after_blocks()
+        return both[0], both[1]
+
+    def _places_after_blocks(self) -> np.ndarray:
+        """(2, k) the same for the entries after those of the blocks."""
+        parts = [(np.repeat(f.rows, 7), np.tile(f.rows, 7)) for f in self.row_replacements if f.owned]
+        parts += [(c.rows, c.columns) for c in self.stabilized]
+        return np.hstack([np.zeros((2, 0), dtype=np.int32), *map(np.array, parts)])
 
     def hold_rates(self, mask: np.ndarray | None, rates: FloatArray | None = None) -> None:
         """Evaluate blocks that have an unknown of ``mask`` (n,) with given rates and zero accelerations; None: no block.
@@ -160,14 +172,29 @@ class Assembly:
         if mask is None or not mask.any():
             self._frozen = None
             return
-        by_row, by_column = (
-            np.append(mask, False)[i] for i in (self.rows, self.columns)
-        )  # dof -1 selects the appended False
+        fixed = np.append(mask, False)  # dof -1 selects the appended False
+        blocks = [(b, held) for b in self.bound_blocks if (held := fixed[b.local]).any()]
+        rows, columns = self._places_after_blocks()
+        others = fixed[rows] | fixed[columns]
+        diagonal = fixed[rows] & (rows == columns)
+        start = self._after_blocks
         self._frozen = (
             np.flatnonzero(mask),
-            np.flatnonzero(by_row | by_column),
-            np.flatnonzero(by_row & (self.rows == self.columns)),
+            blocks,
+            start + np.flatnonzero(others),
+            start + np.flatnonzero(diagonal),
         )
+
+    def _fix_matrix_entries(self) -> None:
+        """Replace the rows and columns of fixed unknowns by those of the unit matrix."""
+        assert self._frozen is not None
+        _, blocks, others, diagonal = self._frozen
+        for b, held in blocks:
+            entries = self.values[b.span].reshape(b.count, b.width, b.width)
+            entries[held] = 0.0
+            entries.transpose(0, 2, 1)[held] = 0.0
+            np.einsum("eii->ei", entries)[held] = 1.0
+        self.values[others], self.values[diagonal] = 0.0, 1.0
 
     def set_imposed_rates(self, rates: FloatArray | None, mask: np.ndarray | None = None) -> None:
         """Impose rates on unknowns without inertia or storage; None ends it (manual: sec-time-imposed).
@@ -179,8 +206,11 @@ class Assembly:
         if rates is None or mask is None or not mask.any():
             self._imposed = None
             return
-        by_column = np.append(mask, True)[self.columns]
-        other = {b.span.start: np.flatnonzero(~by_column[b.span]) for b in self.bound_blocks}
+        imposed = np.append(mask, True)
+        other = {}
+        for b in self.bound_blocks:
+            by_row = np.broadcast_to(~imposed[b.local][:, None, :], (b.count, b.width, b.width))
+            other[b.span.start] = np.flatnonzero(by_row)
         self._imposed = np.flatnonzero(mask), rates, other
 
     @property
@@ -203,11 +233,14 @@ class Assembly:
     def unchanged(self) -> Iterator[None]:
         """Within this context ``evaluate_once`` keeps its results; x, y, a and parameters must not change."""
         outer = self._kept
-        self._kept = {} if outer is None else outer
+        if outer is None:
+            self._kept, self._asked = {}, {}
         try:
             yield
         finally:
             self._kept = outer
+            if outer is None and self._asked and self._asked != self._group.members:
+                self._group = ResultGroup(self._asked)
 
     def evaluate_once(self, function: Callable[..., Any], *arguments: Any) -> Any:
         """``function(*arguments)``, evaluated once within ``unchanged``.  The caller must not change the result."""
@@ -227,12 +260,18 @@ class Assembly:
         found = self._results.get(id(block))
         if found is None:
             found = self._results[id(block)] = BlockResults(kernel, columns, self.results_head(block))
-        if self._kept is None or found not in self._kept:
-            if id(block) in self._derived_index:
-                self.index_of(block)  # computes the derived fields
-            found.evaluate()
-            if self._kept is not None:
-                self._kept[found] = found
+        if self._kept is not None:
+            self._asked[found] = True
+            if found in self._kept:
+                return found
+            if found in self._group.members and self.derive is None:
+                self._group.evaluate()
+                self._kept |= self._group.members
+                return found
+            self._kept[found] = True
+        if id(block) in self._derived_index:
+            self.index_of(block)  # computes the derived fields
+        found.evaluate()
         return found
 
     # ------------------------------------------------------------------ state
@@ -315,10 +354,14 @@ class Assembly:
         bound = [b for b in self.bound_blocks if b.count]
         self._calls = (_BlockCall * len(bound))()
         for call, b in zip(self._calls, bound, strict=True):
-            call.residual = ctypes.cast(b.residual, ctypes.c_void_p).value
-            call.count, call.index, call.parameters, call.record = b.head
-            call.x, call.y, call.a, _ = self._held_state if b.holds_rates else self._state
+            self._fill_call(call, b, self._held_state if b.holds_rates else self._state)
         return self._calls
+
+    @staticmethod
+    def _fill_call(call: Any, b: BoundBlock, state: tuple[int, ...]) -> None:
+        call.residual = b.residual_at
+        call.count, call.index, call.parameters, call.record = b.head
+        call.x, call.y, call.a, _ = state
 
     def step_rows(
         self, t: float, sigma: float, second: float, owned: np.ndarray, at: tuple[int, int]
@@ -466,7 +509,7 @@ class Assembly:
             start += len(q.rows)
         self._replace_jacobian_rows(1.0 if c[0] else 0.0)
         if self._frozen is not None:
-            self.values[self._frozen[1]], self.values[self._frozen[2]] = 0.0, 1.0
+            self._fix_matrix_entries()
         self.version += 1
         self._event["Jacobian"].end()
 
@@ -540,10 +583,12 @@ class Assembly:
         """Compute the residual rows (n, d) of each element of one block at x, y, a and time ``t`` [s]."""
         if bound.block.update:
             bound.block.update(t)
-        rows = np.zeros((bound.count, bound.width))
+        rows = np.empty((bound.count, bound.width))
         separate = np.arange(rows.size, dtype=np.int32)  # one copy of the unknowns for every element
-        state = [values.take(bound.index) for values in (self.x, self.y, self.a)]
-        bound.residual(bound.count, pointer(separate), *bound.head[2:], *map(pointer, state), pointer(rows))
+        work = np.empty(3 * rows.size)
+        call = _BlockCall()
+        self._fill_call(call, bound, self._state)
+        _element_rows(ctypes.addressof(call), bound.width, pointer(separate), pointer(work), pointer(rows))
         return rows
 
     def power(self, block: ElementBlock, t: float) -> float:

@@ -23,6 +23,7 @@ if TYPE_CHECKING:
 
 
 _run_results = function("run_results", "p")
+_run_all_results = function("run_all_results", "ip")
 _lean_at = function("lean_at", "pppppp")
 _lean_derivative = function("lean_derivative", "pppp")
 _ResultCall = structure("result_call")  # ResultCall of kernels/core/rows.cpp
@@ -37,7 +38,7 @@ NODE_FIELDS = ("string.position", "string.tangent", "string.spin")
 class BoundBlock:
     """An element block with its dof table and the prepared arguments of its kernel.
 
-    index: (count, width) local dofs of each element.
+    index: (count, width) local dofs of each element; local: the same, -1 where an entry is left out.
     span: the block's entries in ``Assembly.values``, ``width**2`` an element.
     columns: those of each slot (field, end) in an element's unknowns.
     """
@@ -54,6 +55,7 @@ class BoundBlock:
             start += size
         self.spins = layout.spin_vertices(block)
         self.residual = function(f"{block.kernel}_residual", "ippppppp")
+        self.residual_at = ctypes.cast(self.residual, ctypes.c_void_p).value
         self.jacobian = function(f"{block.kernel}_jacobian", "ipppppppppp")
         self.span = slice(first_entry, first_entry + self.count * self.width**2)
         self.event = PETSc.Log.Event(block.name)
@@ -69,14 +71,13 @@ class BoundBlock:
         rows = np.where(self.index < layout.size, self.index, -1)
         self.holds_rates = False  # see ``Assembly.hold_rates``
         self.values_at = 0  # address of the block's entries, set by the assembly
-        self._local = rows
+        self.local = rows.astype(np.int32)
         self._numbers = (layout.chain.cells if block.on == "cell" else layout.chain.vertices)[block.points]
 
-    def places(self) -> tuple[np.ndarray, np.ndarray]:
-        """Local dofs of the rows and of the columns of the block's entries, -1 where an entry is left out."""
-        return np.repeat(self._local, self.width, axis=1).ravel(), np.tile(
-            self._local, (1, self.width)
-        ).ravel()
+    def write_places(self, rows: np.ndarray, columns: np.ndarray) -> None:
+        """Write the local dofs of the rows and of the columns of the block's entries, (count, width, width) each; -1 where an
+        entry is left out."""
+        rows[:], columns[:] = self.local[:, :, None], self.local[:, None, :]
 
     def update_parameters(self, t: float) -> None:
         """Evaluate time-dependent parameters at ``t`` [s].
@@ -116,11 +117,23 @@ class BlockResults:
             width=width,
             columns=columns,
         )
-        self._at = ctypes.addressof(self._call)
+        self.address = ctypes.addressof(self._call)
 
     def evaluate(self) -> None:
         """Compute the results at the present unknowns and rates."""
-        _run_results(self._at)
+        _run_results(self.address)
+
+
+class ResultGroup:
+    """Results of several blocks, computed in one call.  members: the blocks, as the keys of a dictionary."""
+
+    def __init__(self, members: dict[BlockResults, bool]):
+        self.members = members
+        self._calls = (ctypes.c_void_p * len(members))(*(one.address for one in members))
+
+    def evaluate(self) -> None:
+        """Compute the results at the present unknowns and rates."""
+        _run_all_results(len(self._calls), self._calls)
 
 
 class RowReplacement:

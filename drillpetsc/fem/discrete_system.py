@@ -19,6 +19,7 @@ from drillpetsc.fem.dof_layout import build_dof_layout
 from drillpetsc.fem.string_mesh import StringMesh
 from drillpetsc.geometry.frames import Frames
 from drillpetsc.kernels import function, pointer
+from drillpetsc.parallel import total
 
 _gather = function("chain_gather", "ippp")
 _scatter = function("chain_scatter", "ippp")
@@ -81,6 +82,9 @@ class DiscreteSystem:
             frames.reference[self.chain.vertices],
             tuple(s for s in stabilizations if s),
         )
+        #: components that store energy, and those with powers
+        self._storing = [c for c in self.components if type(c).energies is not Component.energies]
+        self._working = [c for c in self.components if type(c).powers is not Component.powers]
         layout, asm = self.layout, self.assembly
         asm.derive = other.derive if other else None
         self._x = PETSc.Vec().createWithArray(asm.x[: layout.size], comm=PETSc.COMM_SELF)
@@ -243,7 +247,7 @@ class DiscreteSystem:
             component.accept(self.assembly)
             if component.update_size:
                 change = component.local_update(self.assembly)
-                component.apply_update(change if self._serial else self.comm.tompi4py().allreduce(change))
+                component.apply_update(total(self.comm, change))
 
     def renew_reference_frames(self) -> bool:
         """Replace reference directions that are nearly opposite to the tangent.
@@ -257,12 +261,12 @@ class DiscreteSystem:
     def energies(self, t: float) -> Energies:
         """Compute the stored energies [J] at the assembly's x, y and time ``t`` [s], summed over ranks."""
         kinetic = strain = potential = 0.0
-        for component in self.components:
+        for component in self._storing:
             part = component.energies(t, self.assembly)
             kinetic, strain, potential = kinetic + part[0], strain + part[1], potential + part[2]
         if self._serial:
             return Energies(kinetic, strain, potential)
-        return Energies(*self.comm.tompi4py().allreduce(np.array([kinetic, strain, potential])))
+        return Energies(*total(self.comm, [kinetic, strain, potential]))
 
     def powers(self, t: float) -> Powers:
         """Compute the dissipated and supplied power [W] at the assembly's x, y, a, summed over ranks.
@@ -270,12 +274,12 @@ class DiscreteSystem:
         The supplied power includes that of the reactions of the last residual.
         """
         parts = self.local_powers(t)
-        return Powers(*(parts.tolist() if self._serial else self.comm.tompi4py().allreduce(parts)))
+        return Powers(*total(self.comm, parts).tolist())
 
     def local_powers(self, t: float) -> FloatArray:
         """Compute this rank's part (2,) of the dissipated and the supplied power [W]."""
         dissipated = supplied = 0.0
-        for component in self.components:
+        for component in self._working:
             part = component.powers(t, self.assembly)
             dissipated, supplied = dissipated + part[0], supplied + part[1]
         for f in self.assembly.row_replacements:
@@ -296,7 +300,7 @@ class DiscreteSystem:
             if f.owned and name in f.condition.names:
                 value += float(f.reaction[f.condition.names.index(name)])
         value += sum(component.reaction(name, self.assembly) for component in self.components)
-        return value if self._serial else float(self.comm.tompi4py().allreduce(value))
+        return float(total(self.comm, value))
 
     def all_entries(self, local_entries: list) -> list:
         """Join the lists of all ranks in the order of the ranks, on every rank; collective."""

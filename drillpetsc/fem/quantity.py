@@ -45,6 +45,8 @@ class Quantity:
     size: numbers of one entity that ``value`` returns.
     finish(source, values, depth): numbers to be written, from the ``size`` numbers of one entity; of nodes and probes
     from those of all, (n, size) at depths (n,), as (n, k); without it, the values themselves.
+    finish_rows(source, values): the numbers of ``finish`` of a scalar at k times, (k, m), from ``values`` (k, size); without it,
+    ``finish`` is called for each.
     index: which of these numbers is the quantity's; None: all.
     panel: quantities of one panel are drawn together, panels in ascending order; 0: with others of the same unit.
     numerics: describes the computation, not the string.
@@ -64,6 +66,7 @@ class Quantity:
     value: Callable[[Any, Any], Any] | None = None
     size: int = 1
     finish: Callable[[Any, FloatArray, Any], Any] | None = None
+    finish_rows: Callable[[Any, FloatArray], FloatArray] | None = None
     index: int | None = 0
     panel: int = 0
     numerics: bool = False

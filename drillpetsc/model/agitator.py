@@ -16,5 +16,7 @@ def build_agitator(case: Case, mesh: StringMesh) -> Agitator | None:
             cell = next(j.cell for j in mesh.joints if abs(j.depth - joint.at) < 1e-6)
             a = item.agitator
             valve = Valve(a.rev_per_volume, a.pressure_amplitude, a.piston_area, a.pulse == "square")
+            if case.fluid is not None:
+                return Agitator(mesh, cell, valve, None, 1.0 / case.fluid.bulk_modulus)
             return Agitator(mesh, cell, valve, a.flow_rate or Constant(0.0))
     return None

@@ -15,7 +15,9 @@ from drillpetsc.case.blocks.string import Rigid, Stabilizer, Tube
 from drillpetsc.case.blocks.tubulars import Jointed
 from drillpetsc.case.blocks.well import Section
 from drillpetsc.case.case import Case
+from drillpetsc.case.quantities import largest
 from drillpetsc.case.section import TubularSection, metal_past, tubular_section
+from drillpetsc.errors import CaseError
 from drillpetsc.fem.string_mesh import StringMesh
 from drillpetsc.geometry.growing_hole import GrowingHole
 from drillpetsc.geometry.well import Well
@@ -28,14 +30,16 @@ from drillpetsc.physics.fluid.added_mass import (
 from drillpetsc.physics.fluid.annulus_flow import AnnulusFlow
 from drillpetsc.physics.fluid.bit_flow import BitEnd, BitFlow
 from drillpetsc.physics.fluid.bore_flow import BoreFlow
-from drillpetsc.physics.fluid.channel_flow import FluidConstants
+from drillpetsc.physics.fluid.channel_flow import FLOW_SCALE, PRESSURE_SCALE, FluidConstants
 from drillpetsc.physics.fluid.channels import Annulus, AnnulusWalls, Bore, HoleVolume
 from drillpetsc.physics.fluid.hermite.flow import HermiteAnnulus, HermiteBit, HermiteBore, volumes_at_rest
 from drillpetsc.physics.fluid.joint_seals import JointSeals
 from drillpetsc.physics.fluid.moving_hole import LateralCoefficients, MovingHole
 from drillpetsc.physics.fluid.rheology import Rheology
+from drillpetsc.physics.fluid.side_nozzles import SideLink, SideNozzles
 from drillpetsc.physics.fluid.surface_line import SurfaceLine
 
+LEAST_OPEN = 1e-4  # share of the hole that must be open around a rigid item
 LARGEST_ECCENTRICITY = 0.98  # eccentricity [-] above which the added mass is constant
 
 
@@ -49,6 +53,7 @@ class FluidComponents:
     only with formulation hermite.
     surface_line: between pump and string, None without one.
     seals: of telescoping joints, None without any.
+    side: nozzles above the bit, None without any.
     """
 
     constants: FluidConstants
@@ -58,11 +63,28 @@ class FluidComponents:
     volumes: Callable[[float], dict[str, FloatArray]] | None = None
     surface_line: SurfaceLine | None = None
     seals: JointSeals | None = None
+    side: SideNozzles | None = None
 
     @property
     def components(self) -> tuple:
         """The components that are present."""
-        return tuple(r for r in (self.bore, self.annulus, self.bit, self.seals) if r is not None)
+        return tuple(r for r in (self.bore, self.annulus, self.bit, self.seals, self.side) if r is not None)
+
+
+def usual_sizes(case: Case, mesh: StringMesh) -> tuple[float, float]:
+    """Return the pressure [Pa] and the flow rate [m3/s] to which the tolerances of the mud refer.
+
+    The flow is at most half of the largest one of the pump, and the pressure at most that of a wave of this flow in the
+    narrowest bore, rho c Q/A (Joukowsky): a small pump's waves are small as well (manual: sec-time-error).
+    """
+    f = case.fluid
+    assert f is not None
+    pumped = 0.0 if f.pump_pressure is not None or not case.has_bore else 0.5 * largest(f.flow_rate)
+    areas = mesh.bore_area[mesh.bore_area > 0.0]
+    if pumped <= 0.0 or not len(areas):
+        return PRESSURE_SCALE, FLOW_SCALE
+    wave = float(np.sqrt(f.density * f.bulk_modulus) * pumped / areas.min())
+    return min(PRESSURE_SCALE, wave), min(FLOW_SCALE, pumped)
 
 
 def build_rheology(case: Case, annulus: bool = False) -> Rheology:
@@ -98,7 +120,12 @@ def build_fluid(
         return None
     gravity = np.array(case.gravity, dtype=float)
     constants = FluidConstants(
-        f.density, f.bulk_modulus, gravity, build_rheology(case).parameters(), f.clinging
+        f.density,
+        f.bulk_modulus,
+        gravity,
+        build_rheology(case).parameters(),
+        f.clinging,
+        *usual_sizes(case, mesh),
     )
     around = constants
     if f.annulus_rheology is not None:
@@ -120,6 +147,8 @@ def build_fluid(
         assert well is not None
         walls = build_walls(case, mesh)
         sizes = walls.annulus(HoleVolume(well), np.arange(len(mesh.upper)), mesh.upper, mesh.lower)
+        if not case.hold_string:  # the flow past a held string knows no rigid items
+            _refuse_closed_annulus(case, mesh, sizes)
         chi = _added_mass(case, sizes)
         if not case.hold_string and (hole is not None or not _is_uniform(well, walls)):
             moving_hole = MovingHole(
@@ -163,7 +192,59 @@ def build_fluid(
     seals = None
     if any(joint.seal_area > 0 for joint in mesh.joints):
         seals = JointSeals(mesh, constants, bore_flow is not None, annulus is not None, f.outlet_pressure)
-    return FluidComponents(constants, bore_flow, annulus, bit, volumes, _surface_line(case), seals)
+    side = None
+    if case.side_nozzles and isinstance(bore_flow, BoreFlow):
+        side = SideNozzles(
+            mesh,
+            side_links(case, mesh),
+            constants,
+            f.discharge_coefficient,
+            bore_flow,
+            annulus,
+            f.outlet_pressure,
+            _lower_end_area(case, mesh),
+            fixed_position,
+        )
+    return FluidComponents(constants, bore_flow, annulus, bit, volumes, _surface_line(case), seals, side)
+
+
+def _refuse_closed_annulus(case: Case, mesh: StringMesh, sizes: Annulus) -> None:
+    """Raise CaseError where the metal of rigid items fills the hole around them: that over them and the element below."""
+    left = np.where(mesh.rigid_above > 0, sizes.hole - sizes.outer_above, np.inf)
+    k = int(np.argmin(left / sizes.hole))
+    if left[k] > LEAST_OPEN * sizes.hole[k]:
+        return
+    names = ", ".join(b.name for b in mesh.bodies if b.node == k)
+    numbers = [i for i, item in enumerate(case.string) if isinstance(item, Rigid)]
+    number = next(i for i, b in zip(numbers, mesh.bodies, strict=True) if b.node == k)
+    raise CaseError(
+        at=f"string[{number}]",
+        got=f"{names}: metal and bore of {1e4 * sizes.outer_above[k]:.4g} cm2",
+        want=f"less than the hole around it, {1e4 * sizes.hole[k]:.4g} cm2: the mud must get past",
+        hint="body_od and blade_length, or mass, say how much metal it has; a hole that narrows right below counts as the mean over the item "
+        "and the first element below: end the wide section lower, or give the pipe below a short element_length",
+    )
+
+
+def side_links(case: Case, mesh: StringMesh) -> tuple[SideLink, ...]:
+    """Nozzles above the bit by their nodes, from the top down: those of an item are at its upper end, or at that of the rigid
+    items right above it."""
+    areas, bodies = dict(case.side_nozzles), iter(mesh.bodies)
+    found: dict[int, list[tuple[int, float]]] = {}
+    for number, item in enumerate(case.string):
+        body = next(bodies) if isinstance(item, Rigid) else None
+        if body is not None and number in areas:
+            found.setdefault(body.node, []).append((number, areas[number]))
+    return tuple(SideLink(node, sum(a for _, a in group), tuple(group)) for node, group in found.items())
+
+
+def _lower_end_area(case: Case, mesh: StringMesh) -> tuple[float, float]:
+    """Flow area [m2] and discharge coefficient [-] of the string's lower end; area 0: closed."""
+    assert case.fluid is not None
+    if case.bottom.plugged:
+        return 0.0, 1.0
+    nozzle = case.string[-1].nozzle_area
+    return (nozzle, case.fluid.discharge_coefficient) if nozzle else (float(mesh.bore_area[-1]), 1.0)
 
 
 def _surface_line(case: Case) -> SurfaceLine | None:
@@ -392,18 +473,24 @@ def _rigid_runs(case: Case, mesh: StringMesh) -> tuple[FloatArray, FloatArray]:
     return area, volume
 
 
-def rigid_weights(case: Case, mesh: StringMesh) -> FloatArray:
-    """(n+1,) mass of the rigid items below each node [kg]: their metal and the mud in their bore, less the displaced mud."""
-    length, mass = np.zeros(mesh.nodes), np.zeros(mesh.nodes)
-    for body in mesh.bodies:
-        length[body.node] += body.length
-        mass[body.node] += body.mass
+def mud_of_rigid_items(case: Case, mesh: StringMesh) -> FloatArray:
+    """(n+1,) mass [kg] of the mud in the rigid items below each node, less that of the mud which they displace.
+
+    Below the last node only the metal counts, as in the equations of the bit's flow.
+    """
+    out = np.zeros(mesh.nodes)
     if case.fluid is None:
-        return mass
-    area, metal = _rigid_runs(case, mesh)
-    bore = area[:, 0] * length
-    inside, around = (case.fluid.density * has for has in (case.has_bore, case.has_annulus))
-    return mass + inside * bore - around * (metal + bore)
+        return out
+    area, volume = _rigid_runs(case, mesh)
+    length = np.zeros(mesh.nodes)
+    np.add.at(length, [b.node for b in mesh.bodies], [b.length for b in mesh.bodies])
+    inside = area[:, 0] * length
+    inside[-1] = 0.0
+    if case.has_bore:
+        out += inside
+    if case.has_annulus:
+        out -= inside + volume
+    return np.asarray(case.fluid.density * out)
 
 
 def build_bore(case: Case, mesh: StringMesh) -> Bore:

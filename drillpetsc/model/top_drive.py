@@ -147,7 +147,17 @@ def build_drive(case: Case, mesh: StringMesh) -> MotorDrive:
 
 
 def continuous_control(case: Case) -> Case:
-    """The case of a linear analysis: a sampled controller is continuous, with half a sample more delay."""
+    """The case of a linear analysis: a sampled controller is continuous, with half a sample more delay.
+
+    Measurements of an autodriller that are held for a sample have a lag of first order of that delay.
+    """
+    top = case.top
+    drill = top.autodriller
+    if drill is not None and drill.sample > 0:
+        lag = {"sample": 0.0, "filter": drill.filter + 0.5 * drill.sample}
+        case = case.model_copy(
+            update={"top": top.model_copy(update={"autodriller": drill.model_copy(update=lag)})}
+        )
     if not any(
         getattr(q, "sample", 0.0) > 0 and q.kind != "python" for q in getattr(case.top, "control", ())
     ):

@@ -62,7 +62,7 @@ def end_forces(model: DrillingModel, time: float = 0.0) -> EndForces:
     asm, mesh, cells = system.assembly, system.mesh, system.chain.cells
     count = len(cells)
     turned = asm.x[asm.dofs_of(beam.orientation)][system.chain.ends]  # (nc, 2, k)
-    forces, turning = np.zeros((count, 2, 3)), np.zeros(turned.shape)  # rows of position and orientation
+    both = np.zeros((count, 2, 3 + turned.shape[2]))  # rows of position and orientation
     for bound in asm.bound_blocks:
         if bound.block.on == "cell" and bound.count:
             rows = _rows(asm, bound, time)
@@ -70,8 +70,12 @@ def end_forces(model: DrillingModel, time: float = 0.0) -> EndForces:
                 slice(None) if bound.count == count else bound.block.points
             )  # all of them are in depth order
             for end, (position, orientation) in _places(bound, beam.orientation).items():
-                forces[points, end] += rows[:, position]
-                turning[points, end] += rows[:, orientation]
+                if position.stop == orientation.start:  # as a rule: one sum instead of two
+                    both[points, end] += rows[:, position.start : orientation.stop]
+                else:
+                    both[points, end, :3] += rows[:, position]
+                    both[points, end, 3:] += rows[:, orientation]
+    forces, turning = np.ascontiguousarray(both[..., :3]), both[..., 3:]
     flat = turned.reshape(-1, turned.shape[2]), turning.reshape(-1, turned.shape[2])
     couples = beam.couple(*flat).reshape(count, 2, 3)
     slope = asm.x[asm.dofs_of("string.tangent")][system.chain.ends]

@@ -43,7 +43,10 @@ def listed_by_file() -> dict[str, tuple[Listed, ...]]:
         *_listed(_along_string(physics.CONTACT), where.CONTACT),
     )
     contact_scalars = tuple(q for q in physics.CONTACT if q.on == "scalar")
-    mud_at_ends = _listed(measured.MUD, where.MUD, **dict.fromkeys(measured.BORE_ONLY, where.BORE))
+    mud_at_ends = (
+        *_listed(measured.MUD, where.MUD, **dict.fromkeys(measured.BORE_ONLY, where.BORE)),
+        *_listed((measured.SIDE_FLOW,), where.SIDE_NOZZLES),
+    )
     mud_fields = tuple(
         Listed(q, where.BORE if q.name.startswith("internal") else where.ANNULUS) for q in measured.MUD_FIELDS
     )
@@ -139,16 +142,21 @@ def listed_by_file() -> dict[str, tuple[Listed, ...]]:
         "critical.csv": _listed(frequency.CRITICAL),
         "stability_map.csv": _listed(frequency.STABILITY_MAP),
         "stability_boundary.csv": _listed(frequency.STABILITY_BOUNDARY),
+        "stability_runs.csv": _listed(frequency.STABILITY_RUNS),
         "response.csv": _listed(frequency.RESPONSE),
         "reflection.csv": _listed(top_drive.REFLECTION),
         "trajectory.csv": _listed(measured.TRAJECTORY),
         "hydraulics.csv": _listed(hydraulics.LOSS_ROWS),
+        "nozzles.csv": _listed(hydraulics.NOZZLES, where.SIDE_NOZZLES),
         "pressure_profile.csv": _listed(hydraulics.PRESSURE_PROFILE),
         "flow_curve.csv": _listed(hydraulics.FLOW_CURVE),
         "dial_readings.csv": _listed(hydraulics.DIAL_READINGS, where.DIAL),
         "rheology_fits.csv": _listed(hydraulics.RHEOLOGY_FITS, where.DIAL),
         "summary.json of hydraulics": _listed(hydraulics.HYDRAULICS_SUMMARY),
-        "surge.csv": _listed((*hydraulics.SURGE, *hydraulics.DYNAMIC_SURGE)),
+        "surge.csv": _listed(
+            (*hydraulics.SURGE, *hydraulics.SIDE_SURGE, *hydraulics.DYNAMIC_SURGE),
+            side_flow=where.SIDE_NOZZLES,
+        ),
         "max_trip_speed.csv": _listed(hydraulics.MAX_TRIP_SPEED),
         "calibration.csv": _listed(torque_drag.MEASURED),
         "roadmap.csv": _listed(torque_drag.ROADMAP, hook_load_total=where.BLOCK, ff_groups=where.GROUPS),

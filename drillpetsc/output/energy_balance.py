@@ -46,7 +46,8 @@ class EnergyBalance:
         self.start_energy = self._stored
 
     def _set_energies(self, energies: FloatArray) -> None:
-        self.energies, self._stored = energies, float(energies.sum())
+        kinetic, strain, potential = energies.tolist()
+        self.energies, self._stored = energies, kinetic + strain + potential
 
     def step(self, dt: float, powers: tuple[float, float]) -> None:
         """Integrate the powers over an accepted step ``dt`` [s] by the trapezoidal rule."""

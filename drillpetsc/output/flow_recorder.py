@@ -36,7 +36,8 @@ class FlowRecorder:
         absent = () if bore else declared.BORE_ONLY
         ends = tuple(q for q in declared.MUD if q.name not in absent)
         fields = tuple(q for q in declared.MUD_FIELDS if (bore if q.name.startswith("internal") else annulus))
-        return ends + fields
+        side = (declared.SIDE_FLOW,) if self.fluid.side is not None else ()
+        return ends + side + fields
 
     # ------------------------------------------------------------------ ends
     def pump_flow(self, sample: Sample) -> float:
@@ -59,17 +60,22 @@ class FlowRecorder:
             return 0.0
         channel = self.fluid.annulus or self.fluid.bore
         assert channel is not None
-        return channel.pressures(self.system)[self._last]
+        return channel.pressure_at(self.system, self._last)
 
     def bit_flow(self, sample: Sample) -> float:
         """Flow rate out of the string [m3/s]."""
         bit = self.fluid.bit
         return 0.0 if bit is None else sample.once(bit.element_results)[_BIT_FLOW]
 
+    def side_flow(self, sample: Sample) -> float:
+        """Flow rate through nozzles above the bit [m3/s]."""
+        side = self.fluid.side
+        return 0.0 if side is None else side.outflow(sample.assembly)
+
     def outlet_flow(self, sample: Sample) -> float:
         """Flow rate out of the flow line, or out of the string without an annulus [m3/s]."""
         if self.fluid.annulus is None:
-            return self.bit_flow(sample)
+            return self.bit_flow(sample) + self.side_flow(sample)
         flow = self.fluid.annulus.outflow(sample.assembly)
         return 0.0 if flow is None else flow
 

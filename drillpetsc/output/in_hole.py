@@ -37,6 +37,13 @@ def measured_depth(model: DrillingModel, point: FloatArray) -> float:
     return float((point - model.position[0]) @ model.tangent[0])
 
 
+def measured_depths(model: DrillingModel, points: FloatArray) -> FloatArray:
+    """(k,) measured depths [m] of ``points`` (k, 3), as ``measured_depth``."""
+    if model.well is not None:
+        return np.asarray(model.well.project(points).md)
+    return np.array([measured_depth(model, point) for point in points])
+
+
 def along_hole(model: DrillingModel, point: FloatArray) -> float:
     """Measured depth [m] as ``measured_depth``, continued straight above the start of the hole."""
     if model.well is None:

@@ -14,6 +14,7 @@ from drillpetsc.fem.quantity import Sample
 from drillpetsc.model.drilling_model import DrillingModel
 from drillpetsc.output.probes import Probes
 from drillpetsc.output.rigid_items import RigidItems
+from drillpetsc.parallel import total
 
 MOSTLY, RARELY = 0.9, 0.1  # share of the time from which on a state holds, and up to which it does not
 WHIRL_RATIO, WHIRL_TURNS = (
@@ -80,7 +81,7 @@ class MotionClasses:
         if self.model.contact is not None:
             out[:m, 4] = self._items.forces(Sample(self.model.system, t))[:m]
             out[m:-1, 4] = self._probes.contact_force()
-        return out if self.comm.size == 1 else self.comm.allreduce(out)
+        return np.asarray(total(self.comm, out))
 
     def step(self, t: float, dt: float) -> None:
         """Count an accepted step of ``dt`` [s] that ends at ``t`` [s]; collective."""

@@ -52,6 +52,7 @@ class Probes:
         )
         self._rigid = model.mesh.rigid_above[self._cells][:, None]
         self._below_item = bool(self._rigid.any())
+        self._direct = self._direct_places()
 
     def _locate(self, depth: float) -> _Probe:
         mesh = self.model.mesh
@@ -59,6 +60,25 @@ class Probes:
         if mesh.is_joint[cell]:  # in a rigid item above a joint
             return _Probe(cell - 1, 1.0) if cell else _Probe(1, 0.0)
         return _Probe(cell, float(np.clip((depth - mesh.upper[cell]) / mesh.length[cell], 0.0, 1.0)))
+
+    def _direct_places(self) -> tuple[FloatArray, FloatArray, FloatArray] | None:
+        """Places (4, k, 3) in the unknowns of positions and slopes at both ends, (2, k) of the spins, weights (4, k, 1), of the k probes
+        of this rank; None where the motion between two nodes is not the cubic through them."""
+        beam, dofs = self.model.beam, self.model.system.layout.dofs
+        if beam is None or beam.formulation != "ancf" or self._below_item or not len(self._here):
+            return None
+        ratio = dofs.get("string.ratio")
+        if ratio is not None and ratio[self._upper].max() >= 0:
+            return None
+        ends = (
+            ("position", self._upper),
+            ("tangent", self._upper),
+            ("position", self._lower),
+            ("tangent", self._lower),
+        )
+        places = np.stack([dofs[f"string.{name}"][vertices] for name, vertices in ends])
+        spins = np.stack([dofs["string.spin"][vertices, 0] for vertices in (self._upper, self._lower)])
+        return places, spins, np.stack(self._weights)
 
     def quantities(self) -> tuple[Quantity, ...]:
         touches = self.model.contact is not None
@@ -71,6 +91,13 @@ class Probes:
         """
         out = np.zeros((len(self._probes), 4))
         if not len(self._here):
+            return out
+        if self._direct is not None:
+            places, spins, weights = self._direct
+            upper, slope, lower, other = state.x.take(places) * weights
+            spin0, spin1 = state.y.take(spins)
+            out[self._here, :3] = upper + slope + lower + other
+            out[self._here, 3] = (1 - self._share) * spin0 + self._share * spin1
             return out
         beam = self.model.beam
         assert beam is not None

@@ -26,6 +26,8 @@ from drillpetsc.output.rigid_items import RigidItems
 from drillpetsc.output.sensors.sensors import Sensors
 from drillpetsc.output.string_ends import DrilledHole, LowerEnd, TopEnd
 from drillpetsc.output.time_error import TimeError
+from drillpetsc.parallel import total
+from drillpetsc.solvers.local_error import OutputErrors
 
 STEPS_AHEAD = 3.0  # a step at most doubles: with it, the step before the one that passes a row is sampled
 
@@ -144,6 +146,21 @@ class _Finished:
             for column, index in places:
                 row[column] = one[index]
 
+    def write_rows(self, samples: FloatArray, rows: FloatArray) -> None:
+        """The same from samples (k, width) into rows (k, columns)."""
+        q, count = self.quantity, len(samples)
+        values = np.ascontiguousarray(samples[:, self.span])
+        if q.on == "probe":
+            assert q.finish is not None
+            numbers = q.finish(self.source, values.reshape(-1, q.size), np.tile(self.depths, count))
+            numbers = numbers.reshape(count, len(self.depths), -1)
+            rows[:, self.columns] = numbers[:, self.entities, self.indices]
+        elif q.finish_rows is not None:
+            rows[:, self.columns] = q.finish_rows(self.source, values)[:, self.indices]
+        else:
+            for sample, row in zip(samples, rows, strict=True):
+                self.write(sample, row)
+
 
 class TableRow:
     """Computes the rows of a table from samples.  columns: of the table; depths: of the entities, by kind [m]."""
@@ -168,6 +185,19 @@ class TableRow:
             found[key].entities.append(c.entity)
             found[key].indices.append(c.quantity.index or 0)
         self._finished = list(found.values())
+
+    def numbers_now(self) -> list[float]:
+        """Numbers of a row that do not come from a sample, at the time of writing."""
+        return [value(source, None) for _, value, source in self._now]  # type: ignore[misc]
+
+    def rows(self, samples: FloatArray, now: Sequence[Sequence[float]]) -> FloatArray:
+        """(k, columns) rows from samples (k, width) and the ``numbers_now`` of each."""
+        rows = np.empty((len(samples), self.width))
+        rows[:, self._plain] = samples[:, self._plain_at]
+        for group in self._finished:
+            group.write_rows(samples, rows)
+        rows[:, [i for i, _, _ in self._now]] = now
+        return rows
 
     def numbers(self, sample: FloatArray) -> list[float]:
         """(width,) the numbers of a row."""
@@ -232,7 +262,9 @@ class Recorder:
             *rates, self._content = (self.layout.add(self.mud, q).start for q in inputs)
             self._rates = np.array(rates)
         self._motion = self.layout.motion()
-        self._filled = [s for s in self.layout.slots.values() if s.span.stop > s.span.start]
+        filled = [s for s in self.layout.slots.values() if s.span.stop > s.span.start]
+        self._numbers, self._arrays = ([s for s in filled if s.is_number is kind] for kind in (True, False))
+        self._number_at = np.array([s.start for s in self._numbers], dtype=int)
         main = [c for c in self._history if c.quantity.interest and c.quantity.on == "scalar"]
         self._main = [(c, slot) for c in main if (slot := self.layout.slot_at(c.start)) is not None]
         spans = [np.arange(slot.span.start, slot.span.stop) for _, slot in self._main]
@@ -240,6 +272,7 @@ class Recorder:
         #: estimated time error of the main outputs; None without an estimate
         self.time_error: TimeError | None = None
         self._samples: deque[tuple[float, FloatArray]] = deque(maxlen=3)
+        self._kept: list[tuple[FloatArray, list[float], list[float]]] = []  # see ``keep_row``
         #: the last time and result of ``at``, which all tables share, and the last sample then
         self._found: tuple[float, FloatArray, FloatArray] | None = None
 
@@ -269,10 +302,10 @@ class Recorder:
         """(width,) all sampled values at the assembly's state and inputs at ``t`` [s], the same on all ranks."""
         sample, v = Sample(self.system, t), np.zeros(self.layout.width)
         with self.system.assembly.unchanged():
-            for slot in self._filled:
-                values = slot.value(slot.source, sample)
-                v[slot.span] = values if slot.is_number else values.ravel()
-        return v if self.system.comm.size == 1 else self.comm.allreduce(v)
+            v[self._number_at] = [slot.value(slot.source, sample) for slot in self._numbers]
+            for slot in self._arrays:
+                v[slot.span] = slot.value(slot.source, sample).ravel()
+        return np.asarray(total(self.comm, v))
 
     def value(self, sample: FloatArray, name: str) -> float:
         """The number of the history's column ``name`` in a sample, e.g. ``hook_load``."""
@@ -309,12 +342,12 @@ class Recorder:
         elif self.energy is not None:
             self.energy.step(dt, self.system.powers(seen))
 
-    def estimate_time_error(self, order: int) -> None:
-        """Estimate the time error of the main outputs of a run with BDF of this ``order``."""
+    def estimate_time_error(self, formula: OutputErrors) -> None:
+        """Estimate the time error of the main outputs of a run with this time formula."""
         titles = [c.title for c, _ in self._main]
         sizes = [slot.span.stop - slot.start for _, slot in self._main]
         if titles:
-            self.time_error = TimeError(order, [t[0] for t in titles], [t[1] for t in titles], sizes)
+            self.time_error = TimeError(formula, [t[0] for t in titles], [t[1] for t in titles], sizes)
 
     def count_time_error(self, t: float, dt: float, inputs_at: float, fresh: bool) -> None:
         """Count an accepted step in the estimate of the time error, after ``step``; collective."""
@@ -330,7 +363,7 @@ class Recorder:
             values = slot.value(slot.source, sample)
             parts.append(np.array([values]) if slot.is_number else np.asarray(values, dtype=float).ravel())
         v = np.concatenate(parts)
-        return v if self.system.comm.size == 1 else self.comm.allreduce(v)
+        return np.asarray(total(self.comm, v))
 
     def _powers_of(self, sample: FloatArray) -> tuple[float, float]:
         """Dissipated and supplied power [W] in a sample."""
@@ -397,6 +430,22 @@ class Recorder:
         """Row of history.csv at ``t`` [s]; step, newton: last step [s] and its Newton iterations."""
         self._row.time, self._row.step, self._row.newton = t, step, newton
         return self._history_row.numbers(self.at(t))
+
+    def keep_row(self, t: float, step: float, newton: float) -> None:
+        """Keep what the rows of both tables at ``t`` [s] need, for ``kept_rows``; arguments as for ``history_row``."""
+        self._row.time, self._row.step, self._row.newton = t, step, newton
+        self._kept.append((self.at(t), self._history_row.numbers_now(), self._probe_row.numbers_now()))
+
+    @property
+    def kept(self) -> int:
+        """Number of rows kept."""
+        return len(self._kept)
+
+    def kept_rows(self) -> tuple[FloatArray, FloatArray]:
+        """(k, columns) rows of history.csv and of probes.csv that have been kept, which are then forgotten."""
+        samples, history, probes = zip(*self._kept, strict=True)
+        self._kept, values = [], np.array(samples)
+        return self._history_row.rows(values, history), self._probe_row.rows(values, probes)
 
     def probe_row(self, t: float) -> list[float]:
         """Row of probes.csv at ``t`` [s]."""

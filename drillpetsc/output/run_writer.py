@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import time as clock
+from collections.abc import Callable
+from contextlib import suppress
 from pathlib import Path
 from typing import Protocol
 
@@ -13,9 +16,13 @@ from drillpetsc.fem.component import FloatArray
 from drillpetsc.model.drilling_model import DrillingModel
 from drillpetsc.output import FieldWriter, RunFolder, Table, read_series
 from drillpetsc.output.field_output import FieldOutput
+from drillpetsc.output.files.background import Background
 from drillpetsc.output.files.tables import header
 from drillpetsc.output.recorder import Recorder
 from drillpetsc.output.sensors.files import covered
+
+#: rows of the tables that are computed and written together, unless the first of them has waited for so long [s]
+ROWS_AT_ONCE, ROWS_WAIT = 64, 0.5
 
 
 class WriteErrors(Protocol):
@@ -44,6 +51,11 @@ class RunWriter:
             (0, 0) if restart_time is None else (after(restart_time, e) for e in self.every)
         )
         self.last_row = -1.0
+        # a hole that grows changes the places of points in it
+        self._rows_at_once, self._written = (
+            1 if model.drilling is not None else ROWS_AT_ONCE,
+            clock.monotonic(),
+        )
         self.event = PETSc.Log.Event("Output")
         if folder is not None:
             self.history = Table(folder.history, recorder.columns, restart_time=restart_time)
@@ -52,7 +64,7 @@ class RunWriter:
                 if recorder.probes.depths
                 else None
             )
-            self.frames = FieldWriter(folder.path, restart_time=restart_time)
+            self.frames, self._background = FieldWriter(folder.path, restart_time=restart_time), Background()
             if recorder.sensors is not None:
                 recorder.sensors.open(folder.path, restart_time)
 
@@ -71,22 +83,29 @@ class RunWriter:
             passed(self.next_frame * self.every[1], t),
         )
         if not row_due and not frame_due:
+            if self.recorder.kept and clock.monotonic() > self._written + ROWS_WAIT:
+                self._attempt(self._write_rows, errors)
             return False
         self.event.begin()
         if row_due and self.recorder.energy is not None:
             self.recorder.energy.update(t)
         fields = self.field_output.fields(t) if frame_due else None
         rows = range(self.next_row, after(t, self.every[0]) if row_due else self.next_row)
-        try:
-            self._write([row * self.every[0] for row in rows], t, dt, newton, fields)
-        except OSError as error:
-            errors.report_write_error(error, error.filename or str(self.folder.path))  # type: ignore[union-attr]
+        self._attempt(
+            lambda: self._write([row * self.every[0] for row in rows], t, dt, newton, fields), errors
+        )
         self.next_row = rows.stop
         self.last_row = rows[-1] * self.every[0] if rows else self.last_row
         if frame_due:
             self.next_frame = after(t, self.every[1])
         self.event.end()
         return True
+
+    def _attempt(self, task: Callable[[], None], errors: WriteErrors) -> None:
+        try:
+            task()
+        except OSError as error:
+            errors.report_write_error(error, error.filename or str(self.folder.path))  # type: ignore[union-attr]
 
     def _write(
         self,
@@ -98,12 +117,23 @@ class RunWriter:
     ) -> None:
         if self.folder is None:
             return
+        self._background.check()
         for row_time in times:
-            self.history.add(self.recorder.history_row(row_time, dt, newton))
-            if self.probes is not None:
-                self.probes.add(self.recorder.probe_row(row_time))
+            self.recorder.keep_row(row_time, dt, newton)
+        if self.recorder.kept >= self._rows_at_once or clock.monotonic() > self._written + ROWS_WAIT:
+            self._write_rows()
         if fields is not None:
-            self.frames.write(t, *fields)
+            self._background.submit(lambda: self.frames.write(t, *fields))
+
+    def _write_rows(self) -> None:
+        """Write the rows that wait."""
+        self._written = clock.monotonic()
+        if self.folder is None or not self.recorder.kept:
+            return
+        history, probes = self.recorder.kept_rows()
+        self.history.add_rows(history)
+        if self.probes is not None:
+            self.probes.add_rows(probes)
 
     def write_samples(self, errors: WriteErrors) -> None:
         """Take the samples of the recorded steps and write them; collective."""
@@ -122,15 +152,21 @@ class RunWriter:
     def flush(self) -> None:
         """Wait until the disk has everything, for a checkpoint that counts on it."""
         if self.folder is not None:
+            self._write_rows()
             self.history.flush()
             if self.probes is not None:
                 self.probes.flush()
+            self._background.wait()
             self.frames.flush()
             if self.recorder.sensors is not None:
                 self.recorder.sensors.flush()
 
     def close(self) -> None:
         if self.folder is not None:
+            # errors only of a run that failed: any other has written everything for its last checkpoint
+            for end in (self._write_rows, self._background.close):
+                with suppress(OSError):
+                    end()
             self.history.close()
             if self.probes is not None:
                 self.probes.close()

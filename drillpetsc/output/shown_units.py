@@ -17,6 +17,7 @@ _KIND_OF_UNIT = {
     "m/s": "trip_speed",
     "W": "power",
     "m3": "volume",
+    "m2": "flow_area",
     "Pa s^n": "consistency",
     "Pa s": "viscosity",
     "N": "force",
@@ -25,11 +26,17 @@ _KIND_OF_UNIT = {
 #: a depth or length in metres inside a sentence: `TVD 1233 m`, `casing to 1371.6 m`, `ends at MD 274.32 m, 2164 m above`
 _LENGTH = re.compile(r"(TVD |MD |, | to )(\d+(?:\.\d+)?) m(?=[ ,;:)]|$)")
 _MINUTE = ("min", 60.0)
+_JET = (("ft/s", to_si("1 ft/s", "m/s")), ("m/s", 1.0))
+_IMPACT = (("lbf", to_si("1 lbf", "N")), ("kN", 1e3))
+_PER_AREA = (("hp/in2", to_si("1 hp", "W") / to_si("1 in2", "m^2")), ("W/mm2", 1e6))
 #: name -> unit and its size in SI, in field and in metric units, where the trade has a unit of its own
 _OWN: dict[str, tuple[tuple[str, float], tuple[str, float]]] = {
-    "jet_velocity": (("ft/s", to_si("1 ft/s", "m/s")), ("m/s", 1.0)),
-    "impact_force": (("lbf", to_si("1 lbf", "N")), ("kN", 1e3)),
-    "bit_power_per_area": (("hp/in2", to_si("1 hp", "W") / to_si("1 in2", "m^2")), ("W/mm2", 1e6)),
+    "jet_velocity": _JET,
+    "impact_force": _IMPACT,
+    "bit_power_per_area": _PER_AREA,
+    "nozzle_jet_velocity": _JET,
+    "nozzle_impact_force": _IMPACT,
+    "nozzle_power_per_area": _PER_AREA,
     "bottoms_up_time": (_MINUTE, _MINUTE),
     "circulation_time": (_MINUTE, _MINUTE),
 }

@@ -13,7 +13,7 @@ from drillpetsc.fem.quantity import Quantity, Sample
 from drillpetsc.model.drilling_model import DrillingModel
 from drillpetsc.model.hole import hole_depth
 from drillpetsc.output import quantities as declared
-from drillpetsc.output.in_hole import along_hole, measured_depth
+from drillpetsc.output.in_hole import along_hole, measured_depth, measured_depths
 from drillpetsc.time_function import Constant
 
 
@@ -106,6 +106,10 @@ class LowerEnd:
     def depth_of(self, point: FloatArray) -> float:
         """Measured depth [m] of ``point`` (3,)."""
         return measured_depth(self.model, point)
+
+    def depths_of(self, points: FloatArray) -> FloatArray:
+        """(k,) measured depths [m] of ``points`` (k, 3)."""
+        return measured_depths(self.model, points)
 
 
 class DrilledHole:

@@ -381,14 +381,18 @@ HYDRAULICS: tuple[SummaryKey, ...] = (
     SummaryKey(
         "flows",
         "",
-        "List: for each flow rate the quantities of this page (null where absent), `limited_by` and `warnings`.",
+        "List: for each flow rate the quantities of this page (null where absent), `limited_by` and `warnings`; `nozzles`, the rows of nozzles.csv, where there are nozzles above the bit.",
     ),
     SummaryKey(
         "rheology",
         "",
         "From dial readings: plastic_viscosity [Pa s], yield_point [Pa], index [-] and consistency [Pa s^n] by API in pipe and annulus; null without.",
     ),
-    SummaryKey("warnings", "", "A string short of its hole, a window in measured depths."),
+    SummaryKey(
+        "warnings",
+        "",
+        "What the user should know of the string and its hole; those of a flow rate are in `flows`.",
+    ),
     SummaryKey("notes", "", "What the results leave out, and what was chosen."),
 )
 

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from drillpetsc.arrays import FloatArray
-from drillpetsc.solvers.local_error import local_errors
+from drillpetsc.solvers.local_error import BdfOutputErrors, OutputErrors
 
 #: an output whose range is below this fraction of its size, or below the value of its unit, does not move: what is
 #: left is rounding
@@ -36,15 +36,18 @@ MEANING = (
 
 
 class TimeError:
-    """Sums of the local errors of outputs over the steps of a run with BDF, and sums of its steps.
+    """Sums of the local errors of outputs over the steps of a run, and sums of its steps.
 
-    order: of the formula.
+    formula: the errors of its time formula, or the order of BDF.
     names, units: of the outputs.
     sizes: numbers of each output in the values, e.g. 3 for a position.
     """
 
-    def __init__(self, order: int, names: list[str], units: list[str], sizes: list[int]) -> None:
-        self.order, self.names, self.units = order, names, units
+    def __init__(
+        self, formula: OutputErrors | int, names: list[str], units: list[str], sizes: list[int]
+    ) -> None:
+        self.formula = BdfOutputErrors(formula) if isinstance(formula, int) else formula
+        self.names, self.units = names, units
         self._ends = np.cumsum([0, *sizes])
         self._times: list[
             float
@@ -86,14 +89,14 @@ class TimeError:
         new, self._new = np.array(self._values[-self._new :]), 0
         np.minimum(self._low, new.min(axis=0), out=self._low)
         np.maximum(self._high, new.max(axis=0), out=self._high)
-        if len(self._times) > self.order + 1:
-            e = local_errors(np.array(self._times), np.array(self._values), self.order)
+        if len(self._times) > self.formula.earlier:
+            e = self.formula.local_errors(np.array(self._times), np.array(self._values))
             size = np.sqrt(np.add.reduceat(e * e, self._ends[:-1], axis=1))
             extent = np.maximum.reduceat(self._high - self._low, self._ends[:-1])
             self._sum += size.sum(axis=0)
             self._switched += np.where(size > SWITCH * extent, size, 0.0).sum(axis=0)
             self._estimated += len(e)
-        kept = self.order + 1  # earlier states of the next step
+        kept = self.formula.earlier  # earlier states of the next step
         del self._times[:-kept], self._values[:-kept]
 
     def summary(self) -> dict[str, Any]:
@@ -110,7 +113,7 @@ class TimeError:
             size = float(np.max(np.abs([self._high[part], self._low[part]])))
             if not np.isfinite(extent) or extent <= max(CONSTANT * size, smallest_range(self.units[k])):
                 continue
-            error = 0.5 * pi * accumulation(self.order) * float(self._sum[k])
+            error = 0.5 * pi * self.formula.accumulation * float(self._sum[k])
             column = outputs.setdefault(
                 f"{name} [{self.units[k]}]", {"range": extent, "size": size, "error": None, "share": None}
             )
@@ -127,13 +130,15 @@ class TimeError:
         """Frequency [Hz] above which the formula takes more than ``LOSS`` of an amplitude in a period.
 
         It belongs to the median of the steps by time: half of the time it is lower.
-        None for orders above 2, which do not damp such vibrations, and before the first step.
+        None for orders above 2, which do not damp such vibrations, for other formulas, which know it themselves, and
+        before the first step.
         """
-        if self.order > 2 or not self._step_time.any():
+        order = self.formula.order if isinstance(self.formula, BdfOutputErrors) else np.inf
+        if order > 2 or not self._step_time.any():
             return None
         passed = np.cumsum(self._step_time)
         k = int(np.searchsorted(passed, 0.5 * passed[-1]))
-        return damped_frequency(self.order, float(self._step_moment[k] / self._step_time[k]))
+        return damped_frequency(int(order), float(self._step_moment[k] / self._step_time[k]))
 
     def get_state(self) -> dict[str, FloatArray]:
         """For a checkpoint; the same on all ranks."""
@@ -156,12 +161,6 @@ class TimeError:
         self._low, self._high = np.array(saved["time_error_range"])
         self._times = [float(row[0]) for row in saved["time_error_values"]]
         self._values = [np.array(row[1:]) for row in saved["time_error_values"]]
-
-
-def accumulation(order: int) -> float:
-    """Compute the sum of all later effects of one local error of BDF, of a motion that does not damp: 1 + 1/2 + ... +
-    1/order (manual: eq-time-accumulation)."""
-    return float(sum(1.0 / i for i in range(1, order + 1)))
 
 
 def damped_frequency(order: int, step: float) -> float:

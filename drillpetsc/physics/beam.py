@@ -183,9 +183,9 @@ class AncfBeam(interfaces.Beam):
         """Return position [m], slope [-] and spin rate [rad/s] of a local vertex, or of several."""
         place = state.layout.dofs
         return (
-            state.x[place["string.position"][vertex]],
-            state.x[place["string.tangent"][vertex]],
-            state.y[place["string.spin"][vertex, 0]],
+            state.x.take(place["string.position"][vertex]),
+            state.x.take(place["string.tangent"][vertex]),
+            state.y.take(place["string.spin"][vertex, 0]),
         )
 
     def nodal_motion(self, state, vertices: IntArray) -> FloatArray:

@@ -128,7 +128,9 @@ class HoistLine(Hoist):
         self.gear, self.line, self.top, self.autodriller = gear, gear.line, top, autodriller
         self.lowering, self._gravity, self._statics = lowering, gravity, statics
         self._at_top = np.arange(nodes) == 0
-        self._now, self._share, self._balanced, self._changed = 0.0, 1.0, False, True
+        self._now, self._share, self._changed = 0.0, 1.0, True
+        #: of linear models: the loop in charge, of ``AUTODRILLER_MODES``, and what its set point is raised by
+        self._linear: tuple[str, float] | None = None
         #: stretch of the lines at the start [m]
         self.stretch = 0.0
         # travel's zero on the path [m], hook load without weight [N], pressure off bottom [Pa], rise of the floor before
@@ -220,7 +222,14 @@ class HoistLine(Hoist):
         p["given"][:] = self._share * self.lowering.value(t)
         if self.gear.heave is not None:
             p["heave"][:], p["heave_rate"][:] = (self._share * q for q in self.gear.heave.crown(t))
-        if drill is None or self._balanced:
+        if drill is None:
+            return
+        if self._linear is not None:
+            kind, raised = self._linear
+            if kind == "rop" and drill.rate is not None:
+                p["rate"][:] = drill.rate.value(t) + raised
+            elif kind != "rop":
+                p["set"][:, LOOPS.index(kind)] = self._loops[kind].goal.value(t) + raised
             return
         p["closed"][:] = self._acting
         for j, kind in enumerate(LOOPS):
@@ -317,15 +326,49 @@ class HoistLine(Hoist):
                 state.x[place] = value
         self._update(0.0)
 
-    def balance(self, state: Any) -> None:
-        if self.autodriller is None or not self._here:
-            return
-        load = self._results(state)[RESULTS["load"]]
-        self._balanced = True
-        weight = float("wob" in self._loops and not self._sensed[0])
-        p = self.params
-        p["closed"], p["used"], p["rated"] = weight, [weight, 0.0, 0.0], 0.0
-        p["least"], p["most"], p["set"] = -OPEN, OPEN, [load, 0.0, 0.0]
+    def balance(self, state: Any) -> str:
+        drill = self.autodriller
+        if drill is None:
+            return ""
+        measured = {kind: self._measured(kind, 0.0) for kind in self._loops}
+        speed = self._share * self.lowering.value(0.0)
+        wanted = {
+            kind: speed + q.p * (float(q.goal.value(0.0)) - measured[kind]) for kind, q in self._loops.items()
+        }
+        if drill.rate is not None:
+            wanted["rop"] = float(drill.rate.value(0.0))
+        kind = min(wanted, key=lambda k: wanted[k])
+        if kind == "rop" and drill.rate is not None:
+            raised = speed - float(drill.rate.value(0.0))
+        else:
+            loop = self._loops[kind]
+            # without an integrator the error gives the speed
+            raised = measured[kind] - float(loop.goal.value(0.0)) + (0.0 if loop.i else speed / loop.p)
+        self._linear = kind, raised
+        if self._here:
+            p = self.params
+            p["closed"], p["least"], p["most"] = 1.0, -OPEN, OPEN
+            p["used"], p["rated"] = [float(q == kind) for q in LOOPS], float(kind == "rop")
+            p["measured"] = [measured.get(q, 0.0) for q in LOOPS]
+            self._update(0.0)
+        if kind == "rop":
+            return "the autodriller holds the speed of the drum (rop): no loop of it is closed"
+        others = " of its loops" if len(wanted) > 1 else ""
+        return f"the autodriller's loop {kind} is in charge{others}, about the present state and inside the limits"
+
+    def sensed_loop(self) -> str | None:
+        if self._linear is None or self._linear[0] == "rop":
+            return None
+        kind = self._linear[0]
+        return kind if self._sensed[LOOPS.index(kind)] else None
+
+    def set_measured(self, kind: str, value: float) -> float:
+        j = LOOPS.index(kind)
+        if not self._here:
+            return 0.0
+        before = float(self.params["measured"][0, j])
+        self.params["measured"][:, j] = value
+        return before
 
     def at_break(self, t: float, state: Any) -> bool:
         """Let the autodriller begin with the drum's speed of before; True where states change."""

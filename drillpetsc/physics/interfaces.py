@@ -282,8 +282,20 @@ class Hoist(Component):
         hook_load: static [N]; shared: sum of ``local_update`` over all ranks; at_rest: the drum stands still.
         """
 
-    def balance(self, state: Any) -> None:
-        """Put the set point of the weight at what is measured, inside the limits, for the modes."""
+    def balance(self, state: Any) -> str:
+        """Close the loop in charge about the present state, inside the limits, for linear models; returns what was done.
+
+        Empty without an autodriller.
+        """
+        return ""
+
+    def sensed_loop(self) -> str | None:
+        """Loop in charge after ``balance`` whose measurement is one of ``sensors``; None without."""
+        return None
+
+    def set_measured(self, kind: str, value: float) -> float:
+        """Set the measurement of a loop of ``sensors``; returns the one before, on the rank with the block."""
+        return 0.0
 
 
 class ReamingTool(Component):
@@ -361,6 +373,18 @@ class Motor(Component):
     def start(self, state: Any) -> None:
         """Begin the motion from statics with the static torque."""
 
+    #: lobes of the rotor, whose orbit turns back by so many turns for each of the rotor's; unbalance of the orbit [kg m]
+    lobes: int = 1
+    orbit_unbalance: float = 0.0
+
+    @abstractmethod
+    def balance_orbit(self, balanced: bool = True) -> None:
+        """Leave out the turning force of the rotor's orbit, for linear models, or take it in again."""
+
+    @abstractmethod
+    def orbit_speed(self, t: float, state: Any) -> float:
+        """Speed of the orbit in space [rad/s], clockwise positive; on the rank with the motor, 0 elsewhere."""
+
     @abstractmethod
     def figures(self, t: float, state: Any) -> FloatArray:
         """Numbers of its quantities at the time ``t`` [s] (``physics.tools.mud_motor.RESULTS``), this rank's share."""
@@ -430,6 +454,26 @@ class SealSet(Component):
         """Volume at zero pressure that the travel of the local joints adds to bore and annulus [m3]."""
 
 
+class SideOutlets(Component):
+    """Nozzles above the bit, through which mud leaves the bore."""
+
+    @abstractmethod
+    def shares_of_pump(self) -> FloatArray:
+        """(links,) shares of the pump's flow by areas alone [-], with which the steady flow starts."""
+
+    @abstractmethod
+    def local_links(self) -> tuple[int, ...]:
+        """Numbers of the links at nodes of this rank, in the order of ``element_results``."""
+
+    @abstractmethod
+    def element_results(self, state: Any) -> FloatArray:
+        """(k, 4) of the local links: the columns of ``physics.fluid.side_nozzles.RESULTS``."""
+
+    @abstractmethod
+    def outflow(self, state: Any) -> float:
+        """Flow rate out of the string through the local links [m3/s]."""
+
+
 class Channel(Component):
     """Flow of drilling fluid in the bore or in the annulus."""
 
@@ -465,6 +509,17 @@ class Channel(Component):
     @abstractmethod
     def pressures(self, system: Any) -> FloatArray:
         """(nv,) pressures at the local vertices [Pa]."""
+
+    def pressure_at(self, system: Any, vertex: int) -> float:
+        """Pressure at one local vertex [Pa]."""
+        return float(self.pressures(system)[vertex])
+
+    @abstractmethod
+    def velocity_power(self, above: np.ndarray, below: np.ndarray, state: Any) -> float:
+        """Kinetic energy that the flow brings to nodes, less what it takes away below them in the section above [W].
+
+        above, below: local cells that end, and that begin, at the nodes.
+        """
 
     @abstractmethod
     def upper_flow(self, state: Any) -> float | None:

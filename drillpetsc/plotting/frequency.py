@@ -13,6 +13,7 @@ from drillpetsc.output.files.run_folder import (
     CAMPBELL_TABLE,
     CRITICAL_TABLE,
     RESPONSE_TABLE,
+    STABILITY_RUNS_TABLE,
     STABILITY_TABLE,
     RunFolder,
 )
@@ -153,10 +154,35 @@ def draw_stability(folder: Path, title: str) -> Any:
                 found["boundary_speed [rpm]"].astype(float), found["weight_on_bit [N]"].astype(float) / unit, "o",
                 color="black", markersize=5, label="boundary",
             )  # fmt: skip
-            axes.legend(frameon=True, loc="upper right", fontsize=8.5)
+    if (folder / STABILITY_RUNS_TABLE).exists():
+        _mark_runs(axes, read_table(folder / STABILITY_RUNS_TABLE), unit)
+    if axes.get_legend_handles_labels()[0]:
+        axes.legend(frameon=True, loc="upper right", fontsize=8.5)
     axes.set(xlabel="Rotary speed [rpm]", ylabel=f"Weight on bit [{text}]", yticks=weights / unit)
     drawing.tight_layout(rect=(0, 0, 1, top))
     return drawing
+
+
+#: marker of the behaviour of a run
+RUN_MARKERS = {
+    "steady": ("o", "white"),
+    "decays": ("v", "white"),
+    "grows": ("^", "black"),
+    "stick_slip": ("s", "black"),
+    "failed": ("x", "black"),
+}
+
+
+def _mark_runs(axes: Any, table: dict[str, np.ndarray], unit: float) -> None:
+    """Mark what the runs in time did: white where the string is calm or calms down, black where it swings up or sticks."""
+    for behaviour, (marker, colour) in RUN_MARKERS.items():
+        here = table["run_behaviour [-]"] == behaviour
+        if here.any():
+            axes.scatter(
+                table["rotary_speed [rpm]"][here].astype(float), table["weight_on_bit [N]"][here].astype(float) / unit,
+                marker=marker, c=colour, edgecolors="black" if marker != "x" else None, s=42, linewidths=0.8,
+                label=f"run: {behaviour.replace('_', ' ')}", zorder=3,
+            )  # fmt: skip
 
 
 def _edges(values: np.ndarray) -> np.ndarray:

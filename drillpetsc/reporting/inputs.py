@@ -207,9 +207,11 @@ def mud_section(case: Case, system: System) -> Section:
         rows.append(("Flow rate", "varies over time", ""))
     else:
         rows.append(("Pump", "a given pressure", ""))
-    areas = [item.nozzle_area for item in case.string if item.nozzle_area]
-    if areas:
-        rows.append(("Nozzle area", *_split(float(areas[-1]), "flow_area", system)))
+    above = dict(case.side_nozzles)
+    for i, item in enumerate(case.string):
+        if item.nozzle_area:
+            label = f"Nozzle area of {item.name}" if i in above else "Nozzle area"
+            rows.append((label, *_split(float(item.nozzle_area), "flow_area", system)))
     line = mud.surface_line
     if line is not None:
         if line.length is not None and line.id is not None:

@@ -67,6 +67,7 @@ KINDS = (
         "Hydraulics",
         (
             "hydraulics.csv",
+            "nozzles.csv",
             "pressure_profile.csv",
             "flow_curve.csv",
             "dial_readings.csv",

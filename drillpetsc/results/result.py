@@ -50,6 +50,7 @@ TABLES = (
     "critical.csv",
     "stability_map.csv",
     "stability_boundary.csv",
+    "stability_runs.csv",
     "response.csv",
     "reflection.csv",
     *HYDRAULICS_TABLES,

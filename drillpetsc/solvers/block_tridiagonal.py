@@ -17,12 +17,15 @@ _SIZE, _LD, _DIAG, _UPPER, _LOWER, _LFAC, _LEFT, _TOP, _VEC = (
     _TABLE[name] for name in ("size", "ld", "diag", "upper", "lower", "lfac", "left", "top", "vec")
 )
 
-_factor = function("chain_factor", "iippppppppdppp", int)
+_factor = function("chain_factor", "iippppppppppdppp", int)
 _forward = function("chain_forward", "iippppp")
 _backward = function("chain_backward", "iippp")
 _solve = function("chain_solve", "ippppippppp")
 _residual = function("chain_residual", "ipppp")
-_set_entries = function("chain_entries", "ippppipppp", int)
+_count_runs = function("chain_count_runs", "ippppip", int)
+_runs = function("chain_runs", "ipppppippppipp", int)
+#: numbers for the patterns of the entries, more where they do not suffice (manual: sec-chain-storage)
+PATTERN_ROOM = 1 << 16
 _negative = function("chain_negative", "iipp", int)
 
 
@@ -63,6 +66,7 @@ class Piece:
             # at node 1 the fill is the matrix itself
             table[1:2, _LEFT], table[1:2, _TOP] = table[1:2, _LOWER], table[0, _UPPER]
         table[:, _VEC] = np.cumsum(ld) - ld
+        self.pivots = int((ld * b).sum())  # entries of all pivot blocks
         self.n, self.interfaces, self.table, self.length = n, interfaces, table, int(ld.sum())
         self.store, self.inverse = aligned(end), aligned(self.length)
         self.pivot = np.zeros(self.length, dtype=np.int32)
@@ -72,52 +76,42 @@ class Piece:
         self._piece = (n, interfaces, pointer(table), pointer(self.store))
         self._lu = (pointer(self.inverse), pointer(self.pivot))
 
-    def set_entries(self, row_node, row_at, column_node, column_at, source) -> None:
-        """Set the positions of m matrix entries in the blocks; all arguments are (m,) int.
-
-        row_node, column_node: local nodes of row and column, equal or neighbours.
-        row_at, column_at: components within these nodes.
-        source: number of the entry in the values of ``factor``; duplicates add up.
-        Raises ValueError where an entry couples nodes that are not neighbours.
-        """
-        t, step = self.table, column_node - row_node
-        if np.any(np.abs(step) > 1):
-            k = int(np.flatnonzero(np.abs(step) > 1)[0])
-            raise ValueError(
-                f"an entry couples local nodes {row_node[k]} and {column_node[k]}: not neighbours"
-            )
-        block = np.choose(step + 1, [t[row_node, _LOWER], t[row_node, _DIAG], t[row_node, _UPPER]])
-        by_node = np.argsort(row_node, kind="stable")
-        self.slot = (block + column_at * t[row_node, _LD] + row_at)[by_node].astype(np.int32)
-        self.source = np.asarray(source)[by_node].astype(np.int32)
-        self.start = np.searchsorted(row_node[by_node], np.arange(self.n + 1)).astype(np.int32)
-        self._entries = (pointer(self.start), pointer(self.slot), pointer(self.source))
-
     def set_matrix_entries(
-        self, rows: np.ndarray, columns: np.ndarray, node: np.ndarray, component: np.ndarray
+        self,
+        rows: np.ndarray,
+        columns: np.ndarray,
+        node: np.ndarray,
+        component: np.ndarray,
+        source: np.ndarray | None = None,
     ) -> None:
-        """Set the positions of the entries (m,) of a matrix in the blocks, as ``set_entries``.
+        """Set the positions of the entries (m,) of a matrix in the blocks.
 
         rows, columns: unknowns, negative where an entry is left out; node, component: (size,) of each unknown.
+        source: (m,) numbers of the entries in the values of ``factor``, None for 0 to m - 1; duplicates add up.
         Raises ValueError where an entry couples nodes that are not neighbours.
         """
         rows, columns, node, component = (
-            np.ascontiguousarray(a, dtype=np.int64) for a in (rows, columns, node, component)
+            np.ascontiguousarray(a, dtype=np.int32) for a in (rows, columns, node, component)
         )
-        used = int(np.count_nonzero((rows >= 0) & (columns >= 0)))
-        self.start = np.zeros(self.n + 1, dtype=np.int32)
-        self.slot, self.source = np.empty(used, dtype=np.int32), np.empty(used, dtype=np.int32)
-        wrong = _set_entries(
-            len(rows),
-            *(pointer(a) for a in (rows, columns, node, component)),
-            self.n,
-            *(pointer(a) for a in (self.table, self.start, self.slot, self.source)),
-        )
+        if source is not None:
+            source = np.ascontiguousarray(source, dtype=np.int32)
+        entries = pointer(rows), pointer(columns), 0 if source is None else pointer(source), pointer(node)
+        start = np.zeros(self.n + 1, dtype=np.int32)
+        wrong = _count_runs(len(rows), *entries, self.n, pointer(start))
         if wrong >= 0:
             raise ValueError(
                 f"an entry couples local nodes {node[rows[wrong]]} and {node[columns[wrong]]}: not neighbours"
             )
-        self._entries = (pointer(self.start), pointer(self.slot), pointer(self.source))
+        first, pattern = np.empty((2, start[-1]), dtype=np.int32)
+        begin, patterns, room = np.zeros(start[-1] + 1, dtype=np.int32), -1, PATTERN_ROOM
+        while patterns < 0:
+            slots, now = np.empty(room, dtype=np.int32), start.copy()
+            tables = (pointer(a) for a in (self.table, now, first, pattern))
+            found = pointer(begin), pointer(slots)
+            patterns = _runs(len(rows), *entries, pointer(component), self.n, *tables, room, *found)
+            room *= 8
+        self._runs = start, first, pattern, begin[: patterns + 1].copy(), slots[: begin[patterns]].copy()
+        self._entries = tuple(map(pointer, self._runs))
 
     def interface_blocks(self) -> list[np.ndarray]:
         """Return the positions in ``store`` of the blocks between interfaces, rows of the first interface first."""

@@ -128,6 +128,7 @@ class ChainFactor:
     over all nodes and ranks; columns that are zero in the block are not counted.
     smallest_pivot_node: number of its node along the chain.
     factor_flops, solve_flops: operations of one call on this rank, the interface system included.
+    factorisations: number of calls of ``factor`` so far.
 
     Raises ValueError on every rank where nodes, unknowns or entries do not form a chain.
     """
@@ -159,7 +160,7 @@ class ChainFactor:
         if backwards:
             nodes, sizes, node_of_dof, interfaces = nodes[::-1], sizes[::-1], n - 1 - node_of_dof, 2
         self.nodes, self.piece = nodes, Piece(sizes, interfaces)
-        self.refine, self.pivot_tolerance = refine, pivot_tolerance
+        self.refine, self.pivot_tolerance, self.factorisations = refine, pivot_tolerance, 0
         self._number_unknowns(node_of_dof, owned, np.asarray(local_of_owned))
         problem = None
         try:
@@ -248,7 +249,12 @@ class ChainFactor:
             positions += [interface.positions_of(j) for j in ends]
             if rank == self.comm.rank:
                 self._from_interface = np.concatenate([none] + [interface.positions_of(j) for j in ends])
-        interface.set_entries(*np.concatenate(entries, axis=1))
+        all_i, row, all_j, column, source = np.concatenate(entries, axis=1)
+        before = np.cumsum(b, dtype=np.int64) - b  # unknowns of the interfaces above each
+        node = np.repeat(np.arange(len(b)), b)
+        interface.set_matrix_entries(
+            before[all_i] + row, before[all_j] + column, node, interface.components(), source
+        )
         self._received_rhs = np.concatenate(positions).astype(np.int32)
         self._sent_blocks = np.concatenate([none] + self.piece.interface_blocks())
         self._at_interface = np.concatenate(
@@ -265,6 +271,7 @@ class ChainFactor:
 
         Raises ZeroPivot on every rank where a pivot is missing.
         """
+        self.factorisations += 1
         values = np.ascontiguousarray(values, dtype=float)
         if values.shape != (self._entries,):
             raise ValueError(f"{values.shape} values for {self._entries} entries")
@@ -367,7 +374,7 @@ class ChainFactor:
         """
         pieces = self.piece, self.interface
         for piece in pieces:
-            piece.blocks = aligned(piece.matrix)
+            piece.blocks = aligned(piece.pivots)
         try:
             self.factor(values)
             local, shared = self.piece.negative_eigenvalues(), self.interface.negative_eigenvalues()
@@ -404,6 +411,8 @@ class ChainPC:
 
         self.chain, self.provider, self.stop = chain, provider, stop
         self.version: int | None = None
+        #: number of the chain's factorisation with these values; others may use the chain, too
+        self._factored = -1
         self.factorisations = 0
         self.error: ZeroPivot | None = None
         self._log = PETSc.Log
@@ -411,13 +420,13 @@ class ChainPC:
 
     def setUp(self, pc) -> None:
         """Factor the matrix if its values are new."""
-        if self.version == self.provider.version:
+        if (self.version, self._factored) == (self.provider.version, self.chain.factorisations):
             return
         self.version, self.error = None, None
         self._factor_event.begin()
         try:
             self.chain.factor(self.provider.values)
-            self.version = self.provider.version
+            self.version, self._factored = self.provider.version, self.chain.factorisations
         except ZeroPivot as error:
             if self.stop:
                 raise

@@ -11,7 +11,7 @@ from petsc4py import PETSc
 from drillpetsc.arrays import FloatArray
 from drillpetsc.errors import SolveError
 from drillpetsc.fem.assembly import spin_derivatives
-from drillpetsc.solvers.newton import CondensedNewton, static_factor
+from drillpetsc.solvers.newton import CondensedNewton, shared_factor
 
 #: time [s] that weighs position and rate against acceleration in the matrix of the linear solve; it regularises
 #: the matrix and does not enter the solution
@@ -128,11 +128,11 @@ class ConsistentStart:
         tau = REGULARISATION
         asm = self.system.assembly
         asm.jacobian(t, (0.5 * tau * tau, tau, 1.0), condensed=False)
-        static_factor(self.system).factor(asm.values)
+        shared_factor(self.system).factor(asm.values)
 
     def _solve(self, rows: FloatArray) -> FloatArray:
         """Return the solution (n,) of the last matrix at local unknowns, ghosts included."""
-        static_factor(self.system).solve_owned(rows, self._step)
+        shared_factor(self.system).solve_owned(rows, self._step)
         self._rows.getArray()[:] = self._step
         self.system.layout.condensed_dm.globalToLocal(self._rows, self._local)
         return self._unknown.copy()

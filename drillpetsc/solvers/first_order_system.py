@@ -101,7 +101,8 @@ class FirstOrderSystem:
             self.matrix, *(np.where(i >= 0, lgm[np.maximum(i, 0)], -1) for i in (rows, columns))
         )
         self._values = np.zeros(len(rows))
-        self._first_order = np.flatnonzero((asm.columns >= 0) & ~self._has_rate[np.maximum(asm.columns, 0)])
+        columns = asm.places()[1]
+        self._first_order = np.flatnonzero((columns >= 0) & ~self._has_rate[np.maximum(columns, 0)])
         prescribed = np.zeros(layout.size, dtype=bool)
         for f in self._prescribed:
             prescribed[f.rows] = True
@@ -124,11 +125,12 @@ class FirstOrderSystem:
         tangent = (asm.spin_at[:, 1:2] + np.arange(3)).ravel()
         rows, columns = [kinematic, kinematic, spin, spin], [x[every], y[every], x[tangent], y[tangent]]
         dynamic = np.where(self._has_rate, y, x)  # index in the local state of each condensed row
-        block_rows = np.where(asm.rows >= 0, dynamic[np.maximum(asm.rows, 0)], -1)
+        entry_rows, entry_columns = asm.places()
+        block_rows = np.where(entry_rows >= 0, dynamic[np.maximum(entry_rows, 0)], -1)
         rows += [block_rows, block_rows]
         # the column of a first-order unknown's rate is that of the unknown
         columns += [
-            np.where(asm.columns >= 0, index[np.maximum(asm.columns, 0)], -1) for index in (x, dynamic)
+            np.where(entry_columns >= 0, index[np.maximum(entry_columns, 0)], -1) for index in (x, dynamic)
         ]
         for f in self._prescribed:
             for row, column in ((x, x), (x, y), (y, y)):

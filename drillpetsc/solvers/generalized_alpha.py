@@ -12,15 +12,19 @@ from petsc4py import PETSc
 from drillpetsc import petsc_compat
 from drillpetsc.arrays import FloatArray
 from drillpetsc.errors import OptionError, SolveError
-from drillpetsc.solvers.alpha_formula import ARRAYS, AlphaFormula, AlphaHistory, radius_of
+from drillpetsc.kernels.denormals import flushed_denormals
+from drillpetsc.parallel import total
+from drillpetsc.solvers.alpha_formula import ARRAYS, AlphaFormula, AlphaHistory, AlphaOutputErrors, radius_of
 from drillpetsc.solvers.bdf_history import BdfHistory, local, nodal
 from drillpetsc.solvers.consistent_start import ConsistentStart
+from drillpetsc.solvers.local_error import OutputErrors
 from drillpetsc.solvers.newton import CondensedNewton
 from drillpetsc.solvers.newton_work import SHARE, ResidualWork
 from drillpetsc.solvers.time_integrator import (
     CONSECUTIVE_FAILURES,
     CONSTRAINT_TOLERANCE_FACTOR,
     END_TOLERANCE,
+    EVENT_STEP,
     SHORTEST_STEP,
     TOLERANCE,
     Counters,
@@ -90,6 +94,7 @@ class GeneralizedAlpha(TimeIntegrator):
         factor = CONSTRAINT_TOLERANCE_FACTOR if system.multipliers else 1.0
         self.newton = CondensedNewton(system, tolerance=0.02 * self.tolerance * factor, work=self.work)
         self.begin = ConsistentStart(self.newton)
+        self._eventful = [c for c in system.components if c.has_events]
         self._restoring = [c for c in system.components if c.restores_constraints]
         layout = system.layout
         two = np.array([f.second_order for f in layout.fields])[layout.field_of]
@@ -143,10 +148,8 @@ class GeneralizedAlpha(TimeIntegrator):
         """Return the weighted norm of the step's local error; 1 is the tolerance; collective."""
         rows, tolerance = self._tolerances[self._mud_masked]
         share = self.alpha.local_error(later)[rows] / tolerance
-        total = float(share @ share)
-        if self.system.comm.size > 1:
-            total = float(self.system.comm.tompi4py().allreduce(total))
-        return float(np.sqrt(total / self._rows))
+        squares = float(share @ share)
+        return float(np.sqrt(total(self.system.comm, squares) / self._rows))
 
     def _step(self, t: float, h: float, stop: float) -> tuple[float, float]:
         """Take one step from ``t`` [s], of about ``h`` [s], not beyond ``stop`` [s].
@@ -171,6 +174,11 @@ class GeneralizedAlpha(TimeIntegrator):
                 rejected += 1
                 continue
             self._consecutive_failures = 0
+            if self._eventful and h > EVENT_STEP and self._events():  # shorter steps lead up to the event
+                h, rejected = max(FAILURE_FACTOR * h, 0.5 * EVENT_STEP), rejected + 1
+                self.counters.rejected += 1
+                self._load()
+                continue
             error = 0.0 if self._fixed else self._error(later)
             if error <= 1.0 or h <= self.shortest:
                 break
@@ -224,7 +232,9 @@ class GeneralizedAlpha(TimeIntegrator):
         self._steps_over_jump, self.fresh = max(0, self._steps_over_jump - 1), False
         self._mud_masked = self._mud_masked and self._steps_over_jump > 0
         n = self.system.layout.size
-        if self._step_number % REFRAME_INTERVAL == 0:
+        if self._eventful and self._change_laws(t):
+            pass
+        elif self._step_number % REFRAME_INTERVAL == 0:
             before = self.begin.second_derivative()
             if self.system.renew_reference_frames():
                 self._reframe(before)
@@ -256,6 +266,7 @@ class GeneralizedAlpha(TimeIntegrator):
         )
 
     # ------------------------------------------------------------------ run
+    @flushed_denormals()
     def run(self, start: float, end: float, breaks: tuple[float, ...] = (), resume: bool = False) -> None:
         """Integrate from ``start`` to ``end`` [s]; collective.  See ``TimeIntegrator.run``."""
         system = self.system
@@ -290,14 +301,21 @@ class GeneralizedAlpha(TimeIntegrator):
 
         keep_step: begin with the last step, where no prescribed velocity jumps.
         """
-        asm, n = self.system.assembly, self.system.layout.size
-        self.newton.discard_factor()
         jump = self._rates_jump(t)
         if jump:
+            self.newton.discard_factor()
             self._steps_over_jump, self._mud_masked = 1, True
             for call in self.at_jump:
                 call(t)
             self.begin.jump(t)
+        self._begin_formula(t)
+        if self._fixed or jump or not keep_step:
+            self._next_step = self.first_step
+
+    def _begin_formula(self, t: float) -> None:
+        """Begin at the assembly's positions and rates at ``t`` [s], with accelerations from the equations; collective."""
+        asm, n = self.system.assembly, self.system.layout.size
+        self.newton.discard_factor()
         self.begin.accelerations(t)
         self.alpha.start(
             asm.x[:n],
@@ -308,12 +326,19 @@ class GeneralizedAlpha(TimeIntegrator):
         )
         self.newton.discard_factor()
         self.fresh, self._earlier_error = True, 1.0
-        if self._fixed or jump or not keep_step:
-            self._next_step = self.first_step
+
+    def _restart_after_event(self, t: float) -> None:
+        """Begin the formula again after a law has changed at ``t`` [s]."""
+        self._begin_formula(t)
+        self._next_step = self.first_step
 
     def close(self) -> None:
         """Free the vectors of PETSc; the integrator cannot be used afterwards."""
         self.state.destroy()
+
+    def output_errors(self) -> OutputErrors:
+        """Return the errors of the formula in outputs."""
+        return AlphaOutputErrors(self.formula)
 
     def damped_above(self) -> float | None:
         """Frequency [Hz] above which the formula takes more than ``LOSS`` of an amplitude in a period.

@@ -16,16 +16,29 @@ WIDTH = 7  # diagonals above and below the main one: two nodes of four unknowns
 SOFT_SHARE = 0.05  # penetration of the softest wall under the contact force of a helix, over the clearance
 STIFFENING = 10.0  # factor of the wall's stiffness from one solve to the next
 LEAST_CLEARANCE = 1e-3  # that limits steps [m]
-LARGEST_MOVE = 0.5  # of a node across the hole in one step, as a share of the clearance
+LARGEST_MOVE = 0.5
 CONVERGED = 1e-6  # largest lateral motion of a converged step, as a share of the clearance
 TURNING_SHARE = 0.2  # of the clearance, closer to the axis than which a node does not turn about it
 ON_AXIS = 1e-12  # distance from the axis of the hole that is none [m]
+JOINT = 1e-9  # length of an element below which it is a joint [m]
+TIE = 1e3  # stiffness of a joint, over that of the stiffest element
 MAX_INNER = 80
-STALL = 30  # Newton steps without half the increment after which a solve ends
-MAX_STEPS = 300
-MAX_ITERATIONS = 2000  # of all Newton steps of a descent
-GROWTH_MOVE = 0.1  # motion of a step, as a share of the clearance, below which a buckle grows slowly
-SETTLED_MOVE = 0.3  # motion of a step from a stable state after which the shift is left out
+STALL, SHIFTED_STALL = (
+    30,
+    12,
+)  # Newton steps without half the increment after which a solve ends: full, shifted steps
+ROUGH = 1e-3  # as CONVERGED, of a shifted step, from which the next one starts
+MAX_CUTS, MOST_OVERSHOOT = 6, 0.8  # of a step whose slope rises beyond this share of the slope at its start
+WAY = 1e-4  # share of a step over which its direction is differenced
+MAX_STEPS = 1000
+MAX_ITERATIONS = 6000  # of all Newton steps of a descent
+MAX_UNDISTURBED = 300  # the same of a string without side loads, which may be at a saddle
+SHIFT_SCALE = 1.1  # accuracy of the side spring with which the energy is convex
+SHIFT_MARGIN = 1.01  # of the side spring over the one with which the energy is convex
+LEAST_SHIFT = 1e-4  # of a side spring that is tried after none, over the first
+STANDSTILL = 1e-6  # motion of a step, as a share of the clearance, that leaves a saddle where it is
+SETTLED_MOVE = 0.03  # motion of a quick step from a convex state after which the shift is left out
+QUICK = 8  # Newton steps of a solve that converges fast
 
 
 @dataclass
@@ -35,6 +48,7 @@ class ContactPoints:
     cell: element; shape: (m, 4) factors of its lateral displacements and slopes u, u', at the upper and lower end.
     clearance [m]; length: that the point stands for [m]; friction: force about the axis over contact force [-].
     offset: (m, 2) place from the axis of the hole where all displacements vanish [m].
+    at: depth along the string [m].
     """
 
     cell: np.ndarray
@@ -43,6 +57,7 @@ class ContactPoints:
     length: FloatArray
     friction: FloatArray
     offset: FloatArray
+    at: FloatArray
 
 
 class LateralBeam:
@@ -56,6 +71,8 @@ class LateralBeam:
     points: where it may touch the wall; wall(d, c): force [N/m] per length at depth d [m] where the clearance is c [m], and its derivative.
     held: (n+1, 4) mask of the unknowns that keep their values.
     clearance: (n+1,) of the nodes [m].
+    hinged: (n,) the slopes at both ends of an element without length are free of each other; None: of none.  An element
+    without length is a joint, which ties the displacements of its nodes, and their slopes else.
     """
 
     def __init__(
@@ -69,12 +86,13 @@ class LateralBeam:
         wall: Callable[[FloatArray, FloatArray], tuple[FloatArray, FloatArray]],
         held: np.ndarray,
         clearance: FloatArray,
+        hinged: np.ndarray | None = None,
     ):
         order = np.argsort(points.cell, kind="stable")
         self.points = ContactPoints(*(getattr(points, f.name)[order] for f in fields(points)))
         self.wall, self.load, self.held = wall, load, held
         self.nodes = len(length) + 1
-        self._elastic = element_matrices(length, bending, force, rigid)
+        self._elastic = self._with_ties(length, bending, force, rigid, hinged)
         self._band = self._assembled(self._elastic)
         h = np.zeros(self.nodes)
         h[:-1] += 0.5 * length
@@ -82,16 +100,44 @@ class LateralBeam:
         self._weight = np.column_stack([h, h, h**3 / 100, h**3 / 100])
         push = np.maximum(-force, 0.0)
         #: above the most negative curvature of the energy of a long beam, F^2/4EI [N/m2]
-        self.first_shift = 1.05 * float(np.max(push**2 / (4 * bending), initial=0.0))
+        pull = np.divide(
+            push**2, 4 * bending, out=np.zeros_like(push), where=(bending > 0) & (length > JOINT)
+        )
+        self.first_shift = 1.05 * float(np.max(pull, initial=0.0))
         self.clearance = np.maximum(clearance, LEAST_CLEARANCE)
         self.turning = clearance > LEAST_CLEARANCE
         self.factor = 1.0  # of the wall's stiffness
         self.iterations = 0
         loads = np.hypot(load[:, 0], load[:, 1]) / np.maximum(h, 1e-9)
-        helix = float(np.max(self.clearance[:-1] * push**2 / (4 * bending), initial=0.0))
+        helix = float(np.max(self.clearance[:-1] * pull, initial=0.0))
         self.usual_force = max(helix, float(np.quantile(loads, 0.9)))  # on the wall [N/m]
 
     # ---------------------------------------------------------------- matrices
+    @staticmethod
+    def _with_ties(
+        length: FloatArray,
+        bending: FloatArray,
+        force: FloatArray,
+        rigid: FloatArray,
+        hinged: np.ndarray | None,
+    ) -> FloatArray:
+        """Element matrices (n, 4, 4) of each plane; those of joints are stiff springs between their nodes."""
+        joint = length <= JOINT
+        if not joint.any():
+            return element_matrices(length, bending, force, rigid)
+        L = np.where(joint, 1.0, length)
+        EI, T = np.where(joint, 0.0, bending), np.where(joint, 0.0, force)
+        K = element_matrices(L, EI, T, rigid)
+        tie, turn = TIE * float(np.max(12 * EI / L**3)), TIE * float(np.max(4 * EI / L))
+        for e in np.flatnonzero(joint):
+            apart = np.array([1.0, rigid[e], -1.0, 0.0])
+            K[e] = tie * np.outer(apart, apart)
+            if hinged is None or not hinged[e]:
+                apart = np.array([0.0, 1.0, 0.0, -1.0])
+                K[e] += turn * np.outer(apart, apart)
+            K[e, 1, 1] += force[e] * rigid[e]  # the rigid part leans
+        return K
+
     def _assembled(self, plane: FloatArray) -> FloatArray:
         """Banded matrix (15, 4 nodes) of element matrices (n, 4, 4) of each plane."""
         n = self.nodes - 1
@@ -150,6 +196,11 @@ class LateralBeam:
                         band[WIDTH + i - j, j : j + 4 * elements : 4] += sums
         return rows.reshape(n, 4), band
 
+    def contact_force(self, U: FloatArray) -> FloatArray:
+        """Contact force (m,) [N] at the points."""
+        q, x = self.points, self.place(U)
+        return self.factor * self.wall(np.hypot(x[:, 0], x[:, 1]) - q.clearance, q.clearance)[0] * q.length
+
     # ---------------------------------------------------------------- steps
     def _hold(self, band: FloatArray, rows: FloatArray) -> None:
         for k in np.flatnonzero(self.held.ravel()):
@@ -176,6 +227,26 @@ class LateralBeam:
             return False
         return True
 
+    def least_shift(self, U: FloatArray, last: float) -> float:
+        """Smallest side spring [N/m2] with which the energy at ``U`` is convex, at most ``SHIFT_SCALE`` of it above; 0 where it is.
+
+        last: a guess.
+        """
+        band = self.rows(U)[1]
+        if self._definite(band, 0.0):
+            return 0.0
+        high, low = last, last
+        while not self._definite(band, high) and high < 1e6 * self.first_shift:
+            low, high = high, 2 * high
+        while low == high and high > 1e-8 * self.first_shift:
+            low = 0.5 * high
+            if self._definite(band, low):
+                high = low
+        while high > SHIFT_SCALE * low > 0:
+            middle = float(np.sqrt(low * high))
+            low, high = (low, middle) if self._definite(band, middle) else (middle, high)
+        return high
+
     def _advance(self, U: FloatArray, p: FloatArray) -> FloatArray:
         """``U`` after the step ``p``; nodes near the wall turn about the axis of the hole."""
         out = U + p
@@ -192,6 +263,10 @@ class LateralBeam:
         w = v - np.column_stack([-U[turns, 3], U[turns, 2]]) * angle[:, None]
         out[turns, 2:] = c * w + s * np.column_stack([-w[:, 1], w[:, 0]])
         return out
+
+    def _way(self, U: FloatArray, p: FloatArray, alpha: float) -> FloatArray:
+        """Direction (n+1, 4) of the way that ``_advance`` takes from ``U`` along ``p``, at ``alpha``."""
+        return (self._advance(U, (alpha + WAY) * p) - self._advance(U, (alpha - WAY) * p)) / (2 * WAY)
 
     def _limit(self, U: FloatArray, p: FloatArray) -> float:
         size = np.hypot(p[:, 0], p[:, 1]) / self.clearance
@@ -210,33 +285,77 @@ class LateralBeam:
         return float(np.max(np.hypot(d[:, 0], d[:, 1]) / self.clearance))
 
     def solve_step(
-        self, start: FloatArray, U: FloatArray, shift: float, friction: float
+        self, start: FloatArray, U: FloatArray, shift: float, friction: float, plain: bool = False
     ) -> FloatArray | None:
-        """Solve rows + shift M (U - start) = 0 from ``U`` by Newton's method; None where it does not converge."""
+        """Solve rows + shift M (U - start) = 0 from ``U`` by Newton's method; None where it does not converge.
+
+        friction: factor on the friction about the axis; without it the energy falls in each step, unless ``plain`` asks for
+        Newton's own steps, which converge to a saddle, too.
+        """
         import scipy.linalg
 
-        best, since = np.inf, 0
+        best, since, extra = np.inf, 0, 0.0
+        g, band = self._shifted_rows(start, U, shift, friction)
         for _ in range(MAX_INNER):
             self.iterations += 1
-            g, band = self.rows(U, friction)
-            g = g + shift * self._weight * (U - start)
-            band[WIDTH] += shift * self._weight.ravel()
-            self._hold(band, g)
-            p = scipy.linalg.solve_banded(
-                (WIDTH, WIDTH), band, -g.ravel(), overwrite_ab=True, check_finite=False
-            ).reshape(-1, 4)
-            alpha = self._limit(U, p)
-            U = self._advance(U, alpha * p)
+            if friction or plain:
+                p = scipy.linalg.solve_banded((WIDTH, WIDTH), band, -g.ravel(), check_finite=False).reshape(
+                    -1, 4
+                )
+            else:
+                p, extra = self._fall(band, g, extra)
             size = float(np.max(np.hypot(p[:, 0], p[:, 1]) / self.clearance))
             if not np.isfinite(size):
                 return None
-            if size < CONVERGED:
+            alpha, slope0, before = self._limit(U, p), float(np.sum(g * p)), U
+            for _ in range(MAX_CUTS):
+                U = self._advance(before, alpha * p)
+                g, band = self._shifted_rows(start, U, shift, friction)
+                slope = float(np.sum(g * self._way(before, p, alpha)))
+                if slope0 >= 0 or (size < CONVERGED) or slope <= MOST_OVERSHOOT * abs(slope0):
+                    break
+                alpha *= min(0.7, max(0.1, slope0 / (slope0 - slope)))
+            if size < (ROUGH if shift else CONVERGED) and not extra:
                 return U
             since = 0 if size < 0.5 * best else since + 1
             best = min(best, size)
-            if since > STALL:
+            if since > (SHIFTED_STALL if shift else STALL):
                 break
         return None
+
+    def _fall(self, band: FloatArray, g: FloatArray, extra: float) -> tuple[FloatArray, float]:
+        """Step (n+1, 4) along which the energy with the matrix ``band`` and the gradient ``g`` falls, and its side spring.
+
+        extra: side spring [N/m2] of the last step.
+        """
+        import scipy.linalg
+
+        weight, extra = np.where(self.held, 0.0, self._weight).ravel(), extra / 8
+        if extra < 1e-6 * self.first_shift:
+            extra = 0.0
+        for _ in range(40):
+            lower = band[WIDTH:].copy()
+            lower[0] += extra * weight
+            try:
+                factor = scipy.linalg.cholesky_banded(
+                    lower, lower=True, check_finite=False, overwrite_ab=True
+                )
+            except np.linalg.LinAlgError:
+                extra = max(4 * extra, 1e-5 * self.first_shift)
+                continue
+            p = scipy.linalg.cho_solve_banded((factor, True), -g.ravel(), check_finite=False)
+            return p.reshape(-1, 4), extra
+        return np.full(g.shape, np.nan), 0.0
+
+    def _shifted_rows(
+        self, start: FloatArray, U: FloatArray, shift: float, friction: float
+    ) -> tuple[FloatArray, FloatArray]:
+        """Rows (n+1, 4) and banded matrix at ``U`` with a side spring to ``start``, and the held unknowns' own rows."""
+        g, band = self.rows(U, friction)
+        g = g + shift * self._weight * (U - start)
+        band[WIDTH] += shift * self._weight.ravel()
+        self._hold(band, g)
+        return g, band
 
 
 def element_matrices(
@@ -291,7 +410,7 @@ class LateralState:
 
 
 def lateral_state(
-    beam: LateralBeam, start: FloatArray, disturbance: FloatArray, friction: bool
+    beam: LateralBeam, start: FloatArray, disturbance: FloatArray, friction: bool, disturbed: bool = False
 ) -> LateralState | None:
     """Find a stable state of ``beam``; None where none is found.
 
@@ -299,31 +418,37 @@ def lateral_state(
     the fall of the energy, on a soft wall first: each solves for the equilibrium with a side spring to the last state, with
     which the energy is convex but for the wall's part.
 
-    start: (n+1, 4) the string as it lies without buckling; disturbance: (n+1, 4) loads that lead it off a saddle, and stay.
+    disturbed: ``start`` is a buckled state under the disturbance, of almost the same loads.
+    start: (n+1, 4) otherwise the string as it lies without buckling; disturbance: (n+1, 4) loads that lead it off a saddle, and stay.
     friction: the state with the friction of ``ContactPoints`` is asked for, too.
     """
-    U = beam.solve_step(start, start, 0.0, 0.0)
-    if U is None:
-        U = _settle(beam, start)
-    disturbed = U is None or not beam.stable(U)
     if disturbed:
         beam.load += disturbance
-        U = _settle(beam, start)
+    U = beam.solve_step(start, start, 0.0, 0.0, plain=True)
+    if disturbed:
+        if U is None or not beam.stable(U):
+            U = _settle(beam, start)
+    else:
         if U is None:
-            return None
-    assert U is not None
+            U = _settle(beam, start, MAX_UNDISTURBED)
+        disturbed = U is None or not beam.stable(U)
+        if disturbed:
+            beam.load += disturbance
+            U = _settle(beam, start)
+    if U is None:
+        return None
     turned = beam.solve_step(U, U, 0.0, 1.0) if friction else None
     if turned is not None and not beam.stable(turned):
         turned = None
     return LateralState(U, turned, disturbed)
 
 
-def _settle(beam: LateralBeam, U: FloatArray) -> FloatArray | None:
+def _settle(beam: LateralBeam, U: FloatArray, most: int = MAX_ITERATIONS) -> FloatArray | None:
     """Find a stable state from ``U`` while the wall becomes stiff; None where none is found."""
     beam.iterations = 0
     for factor in beam.soften():
         beam.factor = factor
-        found = _descend(beam, U)
+        found = _descend(beam, U, most)
         if found is None:
             beam.factor = 1.0
             return None
@@ -331,25 +456,33 @@ def _settle(beam: LateralBeam, U: FloatArray) -> FloatArray | None:
     return U
 
 
-def _descend(beam: LateralBeam, U: FloatArray) -> FloatArray | None:
-    """Follow the fall of the energy from ``U`` to a stable state; None where none is found."""
-    shift = 0.0 if beam.stable(U) else beam.first_shift
+def _descend(beam: LateralBeam, U: FloatArray, most: int) -> FloatArray | None:
+    """Follow the fall of the energy from ``U`` to a stable state; None where none is found.
+
+    The side spring makes the energy convex where each step starts, and is weakened while the steps converge fast; one with
+    which a step failed is not tried again at once.  most: Newton steps.
+    """
+    least, floor, first, failed = beam.least_shift(U, beam.first_shift), 0.0, beam.first_shift, 0.0
     for _ in range(MAX_STEPS):
-        if beam.iterations > MAX_ITERATIONS:
-            return None
+        shift, before = max(SHIFT_MARGIN * least, floor), beam.iterations
         V = beam.solve_step(U, U, shift, 0.0)
-        if V is None:
-            if shift > 1e4 * beam.first_shift:
+        taken = beam.iterations - before
+        if beam.iterations > most:
+            return None
+        convex = 0.0 if V is None else beam.least_shift(V, max(least, LEAST_SHIFT * first))
+        if V is None or (convex and not shift):  # a full step ended at a saddle
+            if shift > 1e4 * first:
                 return None
-            shift = max(4 * shift, 1e-3 * beam.first_shift)
+            floor = failed = max(4 * shift, LEAST_SHIFT * first)
             continue
-        move, stable = beam.move(U, V), beam.stable(V)
-        U = V
-        if shift == 0.0 and stable:
+        move, U, least = beam.move(U, V), V, convex
+        if not shift:
             return U
-        if stable:
-            shift = 0.0 if move < SETTLED_MOVE or shift < 1e-3 * beam.first_shift else shift / 10
-        else:
-            # an unstable state is left as fast as the solves converge
-            shift = max(0.5 * shift, beam.first_shift) if move > GROWTH_MOVE else 0.5 * shift
+        if least and move < STANDSTILL:
+            return None  # nothing leads off this saddle
+        floor *= 0.1 if taken <= 3 else 0.5 if taken <= QUICK else 1.0
+        failed *= 0.5
+        small = floor < LEAST_SHIFT * first and failed < 0.1 * LEAST_SHIFT * first
+        settled = not least and move < SETTLED_MOVE and taken <= QUICK
+        floor = 0.0 if small or settled else max(floor, failed)
     return None

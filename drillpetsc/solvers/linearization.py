@@ -135,9 +135,13 @@ def linearise(system: DiscreteSystem, t: float = 0.0) -> Linearised | None:
     Collective.
     """
     layout, asm = system.layout, system.assembly
+    # which motions the ends leave free is known from the evaluation of the rows, not from that of the matrix
+    asm.invalidate_prescribed_values()
+    system.sum_residual(t, system.new_condensed())
     numbers = layout.condensed_dm.getLGMap().getIndices()
-    used = (asm.rows >= 0) & (asm.columns >= 0)
-    entries = [numbers[asm.rows[used]], numbers[asm.columns[used]]]
+    rows, columns = asm.places()
+    used = (rows >= 0) & (columns >= 0)
+    entries = [numbers[rows[used]], numbers[columns[used]]]
     for weights in ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)):
         asm.jacobian(t, weights, condensed=False)
         entries.append(asm.values[used])

@@ -13,14 +13,58 @@ Sums of e are not the error at the end: the motion may damp or amplify local err
 from __future__ import annotations
 
 from collections import deque
+from dataclasses import dataclass
 from math import prod
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
 
 from drillpetsc.arrays import FloatArray
 from drillpetsc.kernels import function, pointer
 from drillpetsc.solvers.bdf_history import local, nodal
+
+
+class OutputErrors(Protocol):
+    """Local errors of a time formula in outputs, from their values alone."""
+
+    @property
+    def earlier(self) -> int:
+        """Number of earlier values that a local error needs."""
+        ...
+
+    @property
+    def accumulation(self) -> float:
+        """Sum of all later effects of a local error in a motion that does not damp, over the error."""
+        ...
+
+    def local_errors(self, times: FloatArray, values: FloatArray) -> FloatArray:
+        """Compute the local errors (m - earlier, n) of all values that have ``earlier`` values before them.
+
+        times: (m,) ascending [s], with m > earlier; values: (m, n) [SI of each output].
+        """
+        ...
+
+
+@dataclass(frozen=True)
+class BdfOutputErrors:
+    """Local errors of BDF of an ``order`` in outputs (manual: sec-time-output-error); see ``OutputErrors``."""
+
+    order: int
+
+    @property
+    def earlier(self) -> int:
+        """Number of earlier values that a local error needs."""
+        return self.order + 1
+
+    @property
+    def accumulation(self) -> float:
+        """1 + 1/2 + ... + 1/order (manual: eq-time-accumulation)."""
+        return float(sum(1.0 / i for i in range(1, self.order + 1)))
+
+    def local_errors(self, times: FloatArray, values: FloatArray) -> FloatArray:
+        """Compute the local errors; see ``OutputErrors.local_errors``."""
+        return local_errors(times, values, self.order)
+
 
 _add_local_error = function("add_local_error", "iippppp")
 

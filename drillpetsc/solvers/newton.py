@@ -19,6 +19,7 @@ from petsc4py import PETSc
 from drillpetsc import petsc_compat
 from drillpetsc.fem.discrete_system import DiscreteSystem
 from drillpetsc.kernels import function, pointer
+from drillpetsc.parallel import all_true, largest, total
 from drillpetsc.solvers.chain_lu import ChainFactor, ChainPC, ZeroPivot
 from drillpetsc.solvers.newton_work import ResidualWork
 
@@ -83,6 +84,7 @@ class CondensedNewton:
         self._turns_with_string = any(component.turns_with_string for component in system.components)
         self.jacobians = self.iterations = self.linear_iterations = self.failures = 0
         self.eta, self._last, self._first, self._theta = 1.0, 0.0, 0.0, 0.0
+        self._factored = 0  # number of the last factorisation of this solve
         self.q, self._f = system.new_condensed(), system.new_condensed()
         owned = system.layout.local_of_owned
         self._scale = system.scale[owned]
@@ -140,13 +142,13 @@ class CondensedNewton:
         )
         if self.assembled:
             lgm = layout.condensed_dm.getLGMap().getIndices()
-            rows, columns = (np.where(p >= 0, lgm[np.maximum(p, 0)], -1) for p in (asm.rows, asm.columns))
+            rows, columns = (np.where(p >= 0, lgm[np.maximum(p, 0)], -1) for p in asm.places())
             petsc_compat.preallocate_coo(self.matrix, rows, columns)
         else:
             self.matrix.setUp()
             self.matrix.assemble()
         if pc.getType() == "python":
-            self.factor = chain_factor(system)
+            self.factor = shared_factor(system)
             self.pc = ChainPC(self.factor, asm, stop=False)
             pc.setPythonContext(self.pc)
         snes.setUp()
@@ -208,9 +210,19 @@ class CondensedNewton:
             )
         self.eta = 1.0 if self.eta > 1.0 else max(self.eta, 1e-10) ** 0.8
 
+    def factor_matrix(self) -> None:
+        """Factor the matrix of the assembly's entries.  Raises ZeroPivot."""
+        self.factor.factor(self.system.assembly.values)
+        self._factored = self.factor.factorisations
+
+    @property
+    def has_factor(self) -> bool:
+        """Whether the direct solver, which all solves of the system share, has the last factorisation of this one."""
+        return self._factored == self.factor.factorisations
+
     def true_on_all_ranks(self, local: bool) -> bool:
         """Whether ``local`` is true on all ranks; collective."""
-        return bool(self.system.comm.tompi4py().allreduce(int(local), op=_min()))
+        return all_true(self.system.comm, local)
 
     def can_reuse_factor(self, its: int) -> bool:
         """Whether the last factorisation may be used in iteration ``its``.
@@ -253,7 +265,7 @@ class CondensedNewton:
         spacing = RESOLUTION / self.tolerance
         size: float = _scaled_size(len(step), pointer(step), self._scale_at, spacing, pointer(unknowns))
         if self.system.comm.size > 1:
-            size = float(self.system.comm.tompi4py().allreduce(size, op=_max()))
+            size = largest(self.system.comm, size)
         if its > 1 and self._last > 0:
             self._theta = size / self._last
             if self._theta >= 2.0 and its > 4 and size > self._first:
@@ -294,13 +306,14 @@ class CondensedNewton:
 
         Collective.
 
-        The result is complete on rank 0 and may be empty elsewhere.
+        The result is complete on rank 0 and may be empty elsewhere.  On one rank the entries are those of the assembly itself, which
+        the next Jacobian overwrites: with a copy a checkpoint would need a third more memory.
         newton: convergence factor [-] and shift [1/s].
         entries: entries of all ranks; shares: their number on each rank; signatures: contact signature of
         each rank.
         """
         lag, mpi = self.lag, self.system.comm.tompi4py()
-        if lag is None or not lag.good:
+        if lag is None or not lag.good or (self.direct and not self.has_factor):
             return {"newton": np.array([self.eta])}
         local_values = self.system.assembly.values
         parts = (
@@ -310,7 +323,7 @@ class CondensedNewton:
             return {}
         return {
             "newton": np.array([self.eta, lag.shift]),
-            "entries": np.concatenate([p[0] for p in parts]),
+            "entries": local_values if mpi.size == 1 else np.concatenate([p[0] for p in parts]),
             "shares": np.array([len(p[0]) for p in parts]),
             "signatures": np.array([p[1] for p in parts]),
         }
@@ -337,7 +350,7 @@ class CondensedNewton:
             True,
         )
         if self.direct:
-            self.factor.factor(asm.values)
+            self.factor_matrix()
         elif self.assembled:
             petsc_compat.set_values_coo(self.matrix, asm.values)
         else:
@@ -437,12 +450,12 @@ class _DirectIteration:
     def _prepare(self, its: int) -> bool:
         """Factorise, unless the last factorisation can be reused; False where the matrix has no pivot."""
         newton = self.newton
-        if newton.lag and newton.lag.good and newton.can_reuse_factor(its):
+        if newton.lag and newton.lag.good and newton.has_factor and newton.can_reuse_factor(its):
             return True
         newton.update_jacobian()
         self.log[0].begin()
         try:
-            newton.factor.factor(newton.system.assembly.values)
+            newton.factor_matrix()
         except ZeroPivot:
             if newton.lag:
                 newton.lag.good = False
@@ -470,25 +483,13 @@ class _DirectIteration:
         newton, step = self.newton, self.step
         after = self._work_along_step(rows)
         if newton.system.comm.size > 1:
-            before, after = newton.system.comm.tompi4py().allreduce(np.array([before, after]))
+            before, after = total(newton.system.comm, [before, after]).tolist()
         if not (before < 0.0 and after > -OVERSHOOT_FRACTION * before):
             return rows
         fraction = max(SHORTEST_STEP_FRACTION, before / (before - after))
         unknowns += (fraction - 1.0) * step
         step *= fraction
         return newton.rows(x)
-
-
-def _max():
-    from mpi4py import MPI
-
-    return MPI.MAX
-
-
-def _min():
-    from mpi4py import MPI
-
-    return MPI.MIN
 
 
 def chain_factor(system: DiscreteSystem) -> ChainFactor:
@@ -502,20 +503,20 @@ def chain_factor(system: DiscreteSystem) -> ChainFactor:
         layout.chain.vertices,
         layout.vertex_of,
         layout.local_of_owned,
-        asm.rows,
-        asm.columns,
+        *asm.places(),
         pivot_tolerance=smallest,
     )
 
 
-_static_factors: WeakKeyDictionary[DiscreteSystem, ChainFactor] = WeakKeyDictionary()
+_shared_factors: WeakKeyDictionary[DiscreteSystem, ChainFactor] = WeakKeyDictionary()
 
 
-def static_factor(system: DiscreteSystem) -> ChainFactor:
-    """Return the direct solver that all static solves of a system share, created at the first call.
+def shared_factor(system: DiscreteSystem) -> ChainFactor:
+    """Return the direct solver that all solves of a system share, created at the first call.
 
-    Its tables take longer than a factorisation.  A caller factors before it solves and keeps no factors.
+    Its tables take longer than a factorisation, and factors are the second largest part of a model in memory.  A caller factors
+    before it solves; one that uses its factors again first compares ``factorisations``.
     """
-    if system not in _static_factors:
-        _static_factors[system] = chain_factor(system)
-    return _static_factors[system]
+    if system not in _shared_factors:
+        _shared_factors[system] = chain_factor(system)
+    return _shared_factors[system]

@@ -14,11 +14,12 @@ from drillpetsc.arrays import FloatArray
 from drillpetsc.fem.component import FLUID
 from drillpetsc.fem.discrete_system import DiscreteSystem
 from drillpetsc.kernels import function, pointer
+from drillpetsc.parallel import total
 
 _product = function("gathered_product", "ipppp", ctypes.c_double)
 SHARE = 1e-3  # default of -drillpetsc_newton_work
 SAMPLE_INTERVAL = 16  # accepted steps between two samples of the exchanged power
-EARLY_SAMPLES = (4, 8)  # steps of a run with a sample before the first interval has passed
+EARLY_SAMPLES = (1, 2, 4, 8)  # steps of a run with a sample before the first interval has passed
 
 
 class ResidualWork:
@@ -58,7 +59,7 @@ class ResidualWork:
         rows: (owned,) residual of the owned unknowns, summed over ranks.
         """
         power = self._local_power(rows)
-        return power if self.system.comm.size == 1 else float(self.system.comm.tompi4py().allreduce(power))
+        return float(total(self.system.comm, power))
 
     def _local_power(self, rows: FloatArray) -> float:
         asm = self.system.assembly
@@ -109,7 +110,7 @@ class ResidualWork:
         return self._over_ranks(np.array([self.left]))[0]
 
     def _over_ranks(self, parts: FloatArray) -> FloatArray:
-        return parts if self.system.comm.size == 1 else self.system.comm.tompi4py().allreduce(parts)
+        return np.asarray(total(self.system.comm, parts))
 
     def get_state(self) -> dict[str, FloatArray]:
         """For a checkpoint; the same on all ranks, empty before the start; collective."""

@@ -13,7 +13,8 @@ import numpy as np
 from drillpetsc.arrays import FloatArray
 from drillpetsc.fem.discrete_system import DiscreteSystem
 from drillpetsc.solvers.chain_lu import ZeroPivot
-from drillpetsc.solvers.newton import static_factor
+from drillpetsc.solvers.constraint_products import ConstraintProducts
+from drillpetsc.solvers.newton import shared_factor
 from drillpetsc.solvers.static_newton import Advance, diagonal_blocks, largest_of, nodal_length, sum_of
 
 MAX_ITERATIONS = 25
@@ -50,9 +51,10 @@ class OverdampedMotion:
     def __init__(self, system: DiscreteSystem, drag: Drag, clearance: FloatArray, advance: Advance):
         self.system, self.advance = system, advance
         self.iterations = 0
-        self._factor = static_factor(system)
+        self._factor = shared_factor(system)
         self._f = system.new_condensed()
         self._owned = system.owned_index >= 0
+        self._constraints = ConstraintProducts(system)
         here = system.chain.vertices
         self._clearance = clearance[here]
         h, t = nodal_length(system), drag.tangent[here]
@@ -103,6 +105,7 @@ class OverdampedMotion:
         asm.jacobian(0.0, (1.0, shift, 0.0), condensed=True)
         for _, M, entries in self._drag:
             asm.values[entries] += shift * M
+        self._constraints.add(asm.values)
         return asm.values
 
     def _side_share(self, p: FloatArray) -> float:

@@ -7,7 +7,8 @@ Manual: sec-linear-elimination.  The equations are
 
 Unknowns q are of second order, of first order, or algebraic.  Algebraic ones follow from their rows; where these rows do not
 have them (multipliers of constraints), the rows are constraints, and motions and equations are projected on what they
-leave free.  The rate u' leaves the state by x = z - E^-1 b u (manual: eq-linear-shift).
+leave free.  A constraint of rates (a motor that holds its speed) leaves all places free, and gives some of the rates by the
+others, by places, first-order unknowns and inputs.  The rate u' leaves the state by x = z - E^-1 b u (manual: eq-linear-shift).
 """
 
 from __future__ import annotations
@@ -22,6 +23,7 @@ from drillpetsc.arrays import FloatArray
 from drillpetsc.errors import SolveError
 
 RANK_TOLERANCE = 1e-9  # singular values below this fraction of the largest are zero
+SMALL = 1e-6  # parts of a constraint below this fraction of its largest, in usual units, are rounding
 RELATIVE_ZERO = 1e-10  # couplings below this fraction of the largest of their row, in usual units, are none
 
 
@@ -160,9 +162,9 @@ def eliminate(
     rd, ra = np.flatnonzero(dynamic), np.flatnonzero(~dynamic)
     free = _constraints(K, C, S, F, L, rd, ra, scale, rate, (f0, f1, f2))
     motions, left, stores = free.motions, free.left, free.stores
-    m, nP, nF = f0.shape[1], motions.shape[1], stores.shape[1]
+    m, nP, nF, nV = f0.shape[1], motions.shape[1], stores.shape[1], free.rates.shape[1]
     held = np.flatnonzero((ex.f0 != 0).any(axis=0) | (ex.d0 != 0).any(axis=0))  # inputs whose integral acts
-    n = 2 * nP + nF + len(held)
+    n = nP + nV + nF + len(held)
     zero = np.zeros
 
     def state(start: int, count: int) -> FloatArray:
@@ -173,16 +175,18 @@ def eliminate(
     def affine(z: FloatArray) -> _Affine:
         return _Affine(z, zero(z.shape), zero((len(z), m)), zero((len(z), m)))
 
-    p, w = state(0, nP), affine(state(nP, nP))
-    q_s = affine(motions @ p)
-    v_s = motions @ w
-    a_s = v_s.rate()
     integral = zero((m, n))
-    integral[held] = state(2 * nP + nF, len(held))
+    integral[held] = state(nP + nV + nF, len(held))
     inputs = affine(integral)
     value = _Affine(zero((m, n)), zero((m, n)), np.eye(m), zero((m, m)))
     slope = _Affine(zero((m, n)), zero((m, n)), zero((m, m)), np.eye(m))
-    f = affine(stores @ state(2 * nP, nF)) + (free.by_integral @ inputs) + (free.by_value @ value)
+    p = affine(state(0, nP))
+    f = affine(stores @ state(nP + nV, nF)) + (free.by_place @ p)
+    f = f + (free.by_integral @ inputs) + (free.by_value @ value)
+    w = affine(free.rates @ state(nP, nV)) + (free.rates_by_place @ p) + (free.rates_by_store @ f)
+    w = w + (free.rates_by_integral @ inputs) + (free.rates_by_value @ value)
+    q_s, v_s = motions @ p, motions @ w
+    a_s = v_s.rate()
     forcing = (f0 @ inputs) + (f1 @ value) + (f2 @ slope)
 
     def rows(which: np.ndarray) -> _Affine:
@@ -198,13 +202,14 @@ def eliminate(
     kept = left.T @ of_rows
     E = np.vstack([np.hstack([np.eye(nP), zero((nP, n - nP))]), kept.dz, zero((len(held), n))])
     Az = np.vstack([w.z, -kept.z, zero((len(held), n))])
-    Bv = np.vstack([zero((nP, m)), -kept.u, np.eye(m)[held]])
+    Bv = np.vstack([w.u, -kept.u, np.eye(m)[held]])
     Bd = np.vstack([zero((nP, m)), -kept.du, zero((len(held), m))])
     E[n - len(held) :, n - len(held) :] = np.eye(len(held))
     # in usual units: rates of second-order unknowns are rate times their size
     units = np.abs(motions.T) @ scale[S] if len(S) else zero(0)
+    of_rates = rate * (np.abs(free.rates.T) @ units)
     of_stores = np.abs(stores.T) @ scale[F] if len(F) else zero(0)
-    units = np.concatenate([units, rate * units, of_stores, np.ones(len(held)) / rate])
+    units = np.concatenate([units, of_rates, of_stores, np.ones(len(held)) / rate])
     A, B, G = _solved(E, units, Az, Bv, Bd)
     l_all = l_known
     if Z.shape[1]:
@@ -222,7 +227,7 @@ def eliminate(
     feed = y.du + y.dz @ G
     every = zero((len(K), n))
     every[S], every[F], every[L] = q_s.z, f.z, l_all.z
-    return StateSpace(A, B, Cz, D, feed, _state_names(names, motions, stores, S, F, held), every)
+    return StateSpace(A, B, Cz, D, feed, _state_names(names, free, S, F, held), every)
 
 
 @dataclass(frozen=True)
@@ -230,15 +235,23 @@ class _Free:
     """What algebraic rows leave free.
 
     motions: (S, k) second-order unknowns by free ones; stores: (F, l) first-order unknowns by free ones, to which
-    by_integral and by_value (F, m) add what inputs prescribe.
-    left: (rows, k + l) combinations of the dynamic rows without multipliers; multipliers: (L, c) their basis.
+    by_place (F, k) adds what the motions, by_integral and by_value (F, m) what inputs prescribe.
+    rates: (k, v) rates of the free motions by free ones, to which rates_by_place (k, k), rates_by_store (k, F),
+    rates_by_integral and rates_by_value (k, m) add what constraints of rates prescribe.
+    left: (rows, v + l) combinations of the dynamic rows without multipliers; multipliers: (L, c) their basis.
     resolved: (L, r) algebraic unknowns by the combinations solved_rows (r, rows) of algebraic rows.
     """
 
     motions: FloatArray
     stores: FloatArray
+    by_place: FloatArray
     by_integral: FloatArray
     by_value: FloatArray
+    rates: FloatArray
+    rates_by_place: FloatArray
+    rates_by_store: FloatArray
+    rates_by_integral: FloatArray
+    rates_by_value: FloatArray
     left: FloatArray
     multipliers: FloatArray
     resolved: FloatArray
@@ -248,8 +261,8 @@ class _Free:
 def _constraints(K, C, S, F, L, rd, ra, scale, rate, forcing) -> _Free:
     """Split the algebraic rows ``ra`` into those that determine unknowns ``L``, and constraints of all others.
 
-    forcing: rows (n, m) by integrals, values and rates of the inputs.  Raises SolveError where a constraint is one of rates, or
-    of motions that an input changes.
+    forcing: rows (n, m) by integrals, values and rates of the inputs.  Raises SolveError where a constraint is one of
+    motions that an input changes, of accelerations, or of rates that others hold already.
     """
     m = forcing[0].shape[1]
     A = K[np.ix_(ra, L)] * scale[L]
@@ -259,27 +272,52 @@ def _constraints(K, C, S, F, L, rd, ra, scale, rate, forcing) -> _Free:
     Y, Z = U[:, rank:], scale[L][:, None] * Vt[rank:].T
     motions, stores, left = np.eye(len(S)), np.eye(len(F)), np.eye(len(rd))
     by_integral, by_value = np.zeros((len(F), m)), np.zeros((len(F), m))
+    turning, by_place = np.zeros((0, len(ra))), np.zeros((len(F), 0))
     if Y.shape[1]:
+        Y, turning = _of_rates(Y, K, C, ra, S, F, scale, rate)
         by_motion, by_store = Y.T @ K[np.ix_(ra, S)] * scale[S], Y.T @ K[np.ix_(ra, F)] * scale[F]
         h0, h1, h2 = (Y.T @ f[ra] for f in forcing)
-        of_stores = scipy.linalg.null_space(by_motion.T, RANK_TOLERANCE) if len(S) else np.eye(Y.shape[1])
-        of_motions = scipy.linalg.null_space(of_stores.T) if of_stores.shape[1] else np.eye(Y.shape[1])
-        refused = [Y.T @ C[np.ix_(ra, S)] * scale[S] * rate, of_motions.T @ by_store, h2]
-        refused += [of_motions.T @ h0, of_motions.T @ h1]
         size = max(np.abs(by_motion).max(initial=0.0), np.abs(by_store).max(initial=0.0))
-        if any(np.abs(o).max(initial=0.0) > 1e-6 * size for o in refused):
-            raise SolveError(
-                "a constraint of rates, or of a motion that an input changes, has no state-space form here"
-            )
+        of_stores, of_motions = _split(by_store, SMALL * size)
+        refused = [h2, of_motions.T @ h0, of_motions.T @ h1]
+        if any(np.abs(o).max(initial=0.0) > SMALL * size for o in refused):
+            raise SolveError("a constraint of a motion that an input changes has no state-space form here")
         motions = _null_space(of_motions.T @ by_motion, scale[S])
         if of_stores.shape[1]:
             G = of_stores.T @ by_store
             stores = _null_space(G, scale[F])
             inverse = -scale[F][:, None] * np.linalg.pinv(G)
             by_integral, by_value = inverse @ of_stores.T @ h0, inverse @ of_stores.T @ h1
+            by_place = inverse @ of_stores.T @ Y.T @ K[np.ix_(ra, S)] @ motions
     if Z.shape[1]:
         left = scipy.linalg.null_space((K[np.ix_(rd, L)] @ Z).T)
-    return _Free(motions, stores, by_integral, by_value, left, Z, resolved, U[:, :rank].T)
+    if not by_place.shape[1]:
+        by_place = np.zeros((len(F), motions.shape[1]))
+    units = np.abs(motions.T) @ scale[S]
+    G = turning @ C[np.ix_(ra, S)] @ motions * units
+    if len(G) and np.linalg.matrix_rank(G) < len(G):
+        raise SolveError("a constraint of rates repeats another: no state-space form here")
+    inverse = -units[:, None] * np.linalg.pinv(G)
+    of_place, of_store = K[np.ix_(ra, S)] @ motions, K[np.ix_(ra, F)]
+    r0, r1, r2, r3 = (inverse @ turning @ q for q in (of_place, of_store, forcing[0][ra], forcing[1][ra]))
+    free = _null_space(G, units)
+    known = (left, Z, resolved, U[:, :rank].T)
+    return _Free(motions, stores, by_place, by_integral, by_value, free, r0, r1, r2, r3, *known)
+
+
+def _of_rates(Y, K, C, ra, S, F, scale, rate) -> tuple[FloatArray, FloatArray]:
+    """Split combinations Y (rows, k) of the rows ``ra`` into those without rates (rows, l) and those of rates (r, rows)."""
+    by_rate = Y.T @ C[np.ix_(ra, S)] * scale[S] * rate
+    others = [np.abs(Y.T @ K[np.ix_(ra, q)] * scale[q]).max(initial=0.0) for q in (S, F)]
+    of_rates, of_others = _split(by_rate, SMALL * max(np.abs(by_rate).max(initial=0.0), *others))
+    return Y @ of_others, (Y @ of_rates).T
+
+
+def _split(A: FloatArray, size: float) -> tuple[FloatArray, FloatArray]:
+    """Combinations of the rows of A (n, m) that are larger than ``size``, (n, r), and the others, (n, n - r)."""
+    U, s, _ = np.linalg.svd(A) if A.size else (np.eye(len(A)), np.zeros(0), None)
+    rank = int((s > size).sum())
+    return U[:, :rank], U[:, rank:]
 
 
 def _null_space(G: FloatArray, scale: FloatArray) -> FloatArray:
@@ -314,17 +352,17 @@ def _solved(E, units, *right: FloatArray) -> list[FloatArray]:
     return [units[:, None] * scipy.linalg.lu_solve((lu, pivots), R / rows[:, None]) for R in right]
 
 
-def _state_names(names: list[str], motions: FloatArray, stores: FloatArray, S, F, held) -> tuple[str, ...]:
+def _state_names(names: list[str], free: _Free, S, F, held) -> tuple[str, ...]:
     """Names of the states: of single unknowns, or of combinations that constraints leave free."""
 
-    def named(basis: FloatArray, of: np.ndarray, word: str) -> list[str]:
+    def named(basis: FloatArray, of: list[str], word: str) -> list[str]:
         out = []
         for k, column in enumerate(basis.T):
             at = np.flatnonzero(column)
-            out.append(names[of[at[0]]] if len(at) == 1 else f"{word} {k}")
+            out.append(of[at[0]] if len(at) == 1 else f"{word} {k}")
         return out
 
-    of_motions = named(motions, S, "motion within joints")
+    of_motions = named(free.motions, [names[i] for i in S], "motion within joints")
     integrals = [f"integral of input {j + 1}" for j in held]
-    rates = [f"rate of {n}" for n in of_motions]
-    return (*of_motions, *rates, *named(stores, F, "combination"), *integrals)
+    rates = named(free.rates, [f"rate of {n}" for n in of_motions], "rate within joints")
+    return (*of_motions, *rates, *named(free.stores, [names[i] for i in F], "combination"), *integrals)

@@ -22,9 +22,11 @@ from drillpetsc.errors import SolveError
 from drillpetsc.fem.bound_parts import ROW_SCALE, RowReplacement
 from drillpetsc.fem.discrete_system import DiscreteSystem
 from drillpetsc.kernels import function, pointer
+from drillpetsc.parallel import largest, total
 from drillpetsc.solvers.chain_lu import ZeroPivot
+from drillpetsc.solvers.constraint_products import ConstraintProducts
 from drillpetsc.solvers.lateral_loads import lateral_loads
-from drillpetsc.solvers.newton import static_factor
+from drillpetsc.solvers.newton import shared_factor
 
 _quasi_rows = function("quasi_rows", "iipppp")
 
@@ -45,6 +47,8 @@ AXIAL_SHIFT = (
     1e-6  # axial entries of the shift over the lateral ones; they hold a string that nothing else holds
 )
 MAX_SLOPE_CHANGE = 0.4  # largest change of a node's slope in one step
+#: lateral stiffness [N/m2] below which a motion in a hole is neutral: a helix without weight rolls without work
+NEUTRAL = 0.01
 
 
 #: (unknowns, step, factor) -> unknowns after the step
@@ -113,7 +117,7 @@ class StaticNewton:
         step = free if clearance is None else np.asarray(clearance, dtype=float)
         self._step_shares = (1.0, 1.0) if clearance is None else (STEP_SHARE, SHIFTED_STEP_SHARE)
         self.max_lateral_step = np.broadcast_to(step, (system.mesh.nodes,))[system.chain.vertices]
-        self.factor = static_factor(system)
+        self.factor = shared_factor(system)
         self.f = system.new_condensed()
         self.depth: Callable[[DiscreteSystem], tuple[float, FloatArray, float]] | None = None
         self.move_top: Callable[[float], None] | None = None
@@ -122,9 +126,8 @@ class StaticNewton:
         self.start_increment = CONVERGED_INCREMENT
         self._owned = system.owned_index >= 0
         self._entries = diagonal_blocks(system, ("string.position", "string.tangent"))
-        dofs = [system.layout.dofs[f.name].ravel() for f in system.layout.fields if f.multiplier]
-        self._multipliers = np.concatenate([*dofs, np.zeros(0, dtype=int)])
-        self._multipliers = self._multipliers[self._multipliers >= 0]
+        self._constraints = ConstraintProducts(system)
+        self._held_entries = self._couplings_of_held_unknowns()
         self._top_rows = next(
             (f for f in system.assembly.row_replacements if f.owned and f.condition.vertex == 0), None
         )
@@ -195,26 +198,26 @@ class StaticNewton:
             if item.count and item.width >= 7:
                 at = pointer(asm.values) + 8 * item.span.start
                 _quasi_rows(item.count, item.width, pointer(item.index), pointer(number), pointer(c), at)
-        self._add_constraint_products()
-
-    def _add_constraint_products(self) -> None:
-        """Add B^T B of the constraint rows B of joints to their elements (manual: eq-chain-constraints).
-
-        The piece of a string between two joints may float, which leaves a block of the chain singular, although the
-        matrix is not.  The solution stays the same but for the multipliers, by the error of the constraints, and so
-        does the number of negative eigenvalues.
-        """
-        multipliers = self._multipliers
-        for item in self.system.assembly.bound_blocks if len(multipliers) else ():
-            K = self.system.assembly.values[item.span].reshape(item.count, item.width, item.width)
-            for e, k in zip(*np.nonzero(np.isin(item.index, multipliers)), strict=True):
-                if K[e, k, k] == 0.0:
-                    K[e] += np.outer(K[e, :, k], K[e, k]) / ROW_SCALE
+        self._constraints.add(asm.values)
 
     def _advance(self, f: RowReplacement) -> FloatArray:
         """Change (7,) of the unknowns of a prescribed end by the length that it is moved down its path."""
         advance = f.condition.advance
         return f.D[0] if advance is None else advance(self.system.assembly.x[f.rows])
+
+    def _couplings_of_held_unknowns(self) -> np.ndarray:
+        """Places in the matrix where the unknowns of the rock couple to others (manual: sec-statics-stability).
+
+        Statics holds the rock by rows of its own.  The string's rows depend on it, those rows not on the string: the
+        eigenvalues are those of the string alone, while the symmetric part of the couplings has negative ones.
+        """
+        layout, asm = self.system.layout, self.system.assembly
+        rock = np.array([f.physics == "rock" for f in layout.fields])[layout.field_of]
+        if not rock.any():
+            return np.zeros(0, dtype=int)
+        rows, columns = asm.places()
+        by_row, by_column = (np.append(rock, False)[i] for i in (rows, columns))
+        return np.flatnonzero((by_row | by_column) & (rows != columns))
 
     def _factor(self, sigma: float) -> int:
         """Factor K + sigma M; ``sigma`` in N/m2 (manual: eq-statics-step).
@@ -222,7 +225,13 @@ class StaticNewton:
         Returns the number of negative pivots beyond those of multipliers, -1 where a pivot is missing, and 0
         where the loads have no energy.
         """
-        values = self.system.assembly.values.copy()
+        values, held = (
+            self.system.assembly.values,
+            self._held_entries if self.energy else np.zeros(0, dtype=int),
+        )
+        if sigma or len(held):
+            values = values.copy()
+        values[held] = 0.0
         if sigma:
             v = self.system.field("string.tangent")
             along = v[:, :, None] * v[:, None, :] / np.sum(v * v, axis=1)[:, None, None]
@@ -543,10 +552,11 @@ class StaticNewton:
 
         Manual: eq-statics-stable.
 
-        The count has a meaning without friction only.
+        The count has a meaning without friction only.  Neutral motions in a hole do not count.
         """
         self._stiffness()
-        return self._factor(0.0)
+        count = self._factor(0.0)
+        return self._factor(NEUTRAL) if count > 0 and self.searches else count
 
     def add_imperfection(self, size: FloatArray, spacing: float | None = None) -> None:
         """Add persistent random lateral loads, see ``lateral_loads``, as the assembly's dead load."""
@@ -555,14 +565,12 @@ class StaticNewton:
 
 def sum_of(system: DiscreteSystem, value: float) -> float:
     """Sum ``value`` over all ranks; collective."""
-    return value if system.comm.size == 1 else float(system.comm.tompi4py().allreduce(value))
+    return float(total(system.comm, value))
 
 
 def largest_of(system: DiscreteSystem, value: float) -> float:
     """Largest ``value`` of all ranks; collective."""
-    from mpi4py import MPI
-
-    return value if system.comm.size == 1 else float(system.comm.tompi4py().allreduce(value, op=MPI.MAX))
+    return largest(system.comm, value)
 
 
 def nodal_length(system: DiscreteSystem) -> FloatArray:

@@ -18,8 +18,11 @@ from drillpetsc.arrays import FloatArray
 from drillpetsc.errors import SolveError
 from drillpetsc.fem.component import Component, Field
 from drillpetsc.fem.discrete_system import DiscreteSystem
+from drillpetsc.kernels.denormals import flushed_denormals
+from drillpetsc.parallel import total
 from drillpetsc.solvers.bdf_history import BdfHistory, State
 from drillpetsc.solvers.first_order_system import FirstOrderSystem, refuse_integrator
+from drillpetsc.solvers.local_error import BdfOutputErrors, OutputErrors
 from drillpetsc.solvers.newton import CondensedNewton
 from drillpetsc.solvers.newton_work import SHARE, ResidualWork
 from drillpetsc.solvers.petsc_options import refused_by_petsc
@@ -292,8 +295,7 @@ class TimeIntegrator:
         out = []
         for component in self._eventful:
             numbers = component.event_numbers(self.system.assembly)
-            if self.system.comm.size > 1:
-                numbers = self.system.comm.tompi4py().allreduce(numbers)
+            numbers = total(self.system.comm, numbers)
             if component.event_passed(numbers):
                 out.append((component, numbers))
         return out
@@ -309,13 +311,17 @@ class TimeIntegrator:
             component.change_law(numbers)
         for call in self.after_event:
             call(t)
+        self._restart_after_event(t)
+        return True
+
+    def _restart_after_event(self, t: float) -> None:
+        """Restart the formula after a law has changed at ``t`` [s]."""
         asm = self.system.assembly
         self._discard_factor()
         self.ts.restartStep()
         self.fresh = True
         self.history.start(t, asm.x, asm.y)
         self.ts.setTimeStep(max(min(self.first_step, self._stop - t), SHORTEST_STEP))
-        return True
 
     def failure(self, what: str) -> SolveError:
         """Return the error that ends a run, with the place of the largest residual; collective."""
@@ -348,6 +354,10 @@ class TimeIntegrator:
         """Number of linear iterations so far."""
         return self.newton.linear_iterations if self.condensed else self.ts.getKSPIterations()
 
+    def output_errors(self) -> OutputErrors | None:
+        """Return the errors of the formula in outputs; None for formulas without an estimate."""
+        return BdfOutputErrors(self.order) if self.is_bdf else None
+
     def damped_above(self) -> float | None:
         """Frequency [Hz] above which the formula damps; None: the estimate of the outputs has it."""
         return None
@@ -359,9 +369,11 @@ class TimeIntegrator:
             self.first_order.accept(ts)
         dt = self.last_step = ts.getTime() - self._last
         self._last = ts.getTime()
-        # a remainder below rounding is not integrated
+        # a remainder below rounding is not integrated; PETSc has chosen it as the next step
         if abs(self._stop - self._last) < END_TOLERANCE * max(1.0, abs(self._stop)):
             ts.setConvergedReason(PETSc.TS.ConvergedReason.CONVERGED_TIME)
+            if ts.getTimeStep() < SHORTEST_STEP:
+                ts.setTimeStep(max(dt, SHORTEST_STEP))
         self.counters.steps += 1
         self._step_number += 1
         if self._fixed and ts.getTimeStep() < self.first_step:  # a fixed step that was shortened grows again
@@ -410,10 +422,9 @@ class TimeIntegrator:
             for f in self.system.assembly.row_replacements
             if f.owned
         )
-        return (
-            local if self.system.comm.size == 1 else bool(self.system.comm.tompi4py().allreduce(int(local)))
-        )
+        return bool(total(self.system.comm, local))
 
+    @flushed_denormals()
     def run(self, start: float, end: float, breaks: tuple[float, ...] = (), resume: bool = False) -> None:
         """Integrate from ``start`` to ``end`` [s]; collective.
 
@@ -453,6 +464,8 @@ class TimeIntegrator:
             elif not resume or at_break:
                 self._restored = None
                 self._start_formula(stop)
+            if ts.getTime() != begin:  # by the remainder that was not integrated; it must not add up
+                ts.setTime(begin)
             begin, at_break, continued, resume = stop, stop in jumps, False, True
             ts.setMaxTime(stop)
             rejected = ts.getStepRejections()

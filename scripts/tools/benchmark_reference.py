@@ -133,9 +133,10 @@ def free_motion(case, elements: int, times: np.ndarray, tolerance: float) -> np.
 def _mass(asm, size: int) -> np.ndarray:
     """Mass matrix (n, n) of the assembled rows, dense."""
     asm.jacobian(0.0, (0.0, 0.0, 1.0), condensed=False)
-    keep = (asm.rows >= 0) & (asm.columns >= 0)
+    rows, columns = asm.places()
+    keep = (rows >= 0) & (columns >= 0)
     M = np.zeros((size, size))
-    np.add.at(M, (asm.rows[keep], asm.columns[keep]), asm.values[keep])
+    np.add.at(M, (rows[keep], columns[keep]), asm.values[keep])
     return M
 
 

@@ -213,7 +213,7 @@ def _same_number(given: Any, held: float) -> bool:
     return False
 
 
-_UNITS = list(DIMENSIONS)
+_UNITS = [*DIMENSIONS, "rad/m^3"]
 
 
 def check_round_trip(case: Case, load: Callable[[str], Case]) -> None:

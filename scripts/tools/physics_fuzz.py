@@ -1,7 +1,9 @@
 """Fuzz test of statics: random realistic wells, strings, muds and operations, with checks that need no reference.
 
 Each case follows from --seed and its number alone.  A case ends as `right` (all checks hold), `refused` (with a
-reason), or `wrong` (a check fails, or there is no reason).  The checks, from the written results and the case alone:
+reason), `warned` (a check on the mesh or on the uniqueness of a buckled state fails, and the summary says of the same
+case that its elements are too long, or that there are other states), or `wrong` (a check fails without a word, or there
+is no reason).  The checks, from the written results and the case alone:
 
 - axial balance: hook load = weight along the hole - friction - weight on bit, from the table's contact forces
 - torque balance: surface torque = friction's + the bit's
@@ -35,11 +37,14 @@ PIPES = ((0.0889, 0.0702), (0.127, 0.1086), (0.1397, 0.1214), (0.1683, 0.1515)) 
 COLLARS = ((0.1207, 0.0572), (0.1651, 0.0714), (0.2032, 0.0714), (0.2286, 0.0762))
 BITS = (0.1524, 0.2159, 0.3111, 0.4445)
 MOTIONS = ("hoist", "lower", "rotate", None)
+OTHER_STATES = (
+    0.1  # spread of the hook loads of a buckled string's states, as a share of its largest axial force
+)
 
 
 @dataclass
 class Outcome:
-    """How one case ended.  kind: right, refused or wrong; problems: what was wrong, or the reason."""
+    """How one case ended.  kind: right, refused, warned or wrong; problems: what was wrong, or the reason."""
 
     number: int
     kind: str
@@ -237,6 +242,29 @@ def inside_hole(data: dict[str, Any], solved: Solved) -> list[str]:
     return []
 
 
+def warned(solved: Solved, problems: list[str]) -> bool:
+    """Whether the summary says why checks of the mesh, or of the uniqueness of a buckled state, fail.
+
+    ``OTHER_STATES`` of the largest force along the string is the spread of states between the thresholds of the helix
+    that the note on other states covers; published bands are wider (25 % of what friction takes).
+    """
+    said = solved.summary["warnings"]
+    if any("element_length of" in w for w in said):
+        return True
+    force = np.abs(solved.table.get("effective_tension [N]", solved.table["axial_force [N]"])).max()
+    return (
+        any("other stable states" in w for w in said)
+        and all(p.startswith("hook_load") for p in problems)
+        and all(abs(a - b) < OTHER_STATES * force for a, b in map(two_numbers, problems))
+    )
+
+
+def two_numbers(problem: str) -> tuple[float, float]:
+    """The values that a problem of ``symmetry`` compares."""
+    words = problem.replace(",", " ").split()
+    return float(words[1]), float(words[-1])
+
+
 def symmetry(data: dict[str, Any], motion: str | None, solved: Solved, folder: Path) -> list[str]:
     """Problems with the same hole turned about the vertical."""
     turned = {**data, "well": {**data["well"], "survey": dict(data["well"]["survey"])}}
@@ -272,9 +300,11 @@ def soft(solved: Solved, friction: float) -> list[str]:
     bound = solved.summary.get("soft_string")
     if solved.buckled or bound is None:
         return []
-    a, b = solved.summary["hook_load"], bound["hook_load"]
-    if abs(a - b) > (0.05 + 0.2 * friction) * abs(b) + 2e4:
-        return [f"hook load {a:.6g} N, soft string {b:.6g} N"]
+    # in mud the force above which only mud stands: the hook load of a top inside the hole leaves that mud's push out
+    force = solved.table.get("effective_tension [N]")
+    a, b = solved.summary["hook_load"] if force is None else float(force[0]), bound["hook_load"]
+    if abs(a - b) > (0.03 + 0.2 * friction) * abs(b) + 2e3:
+        return [f"force at the top {a:.6g} N, soft string {b:.6g} N"]
     return []
 
 
@@ -289,9 +319,14 @@ def judged(seed: int, number: int, folder: Path) -> Outcome:
             return Outcome(
                 number, "refused" if said else "wrong", title, said or ["unstable, without a word"]
             )
-        problems = balance(data, motion, solved) + inside_hole(data, solved)
-        problems += symmetry(data, motion, solved, folder / "b") + finer(data, motion, solved, folder / "c")
-        problems += soft(solved, friction) if "fluid" not in data else []
+        problems = balance(data, motion, solved)
+        # a flow drags the pipe, which the soft string leaves out
+        problems += soft(solved, friction) if not data.get("fluid", {}).get("flow_rate") else []
+        doubts = inside_hole(data, solved) + symmetry(data, motion, solved, folder / "b")
+        doubts += finer(data, motion, solved, folder / "c")
+        if doubts and not problems and warned(solved, doubts):
+            return Outcome(number, "warned", title, doubts)
+        problems += doubts
     except DrillError as error:
         text = str(error)
         return Outcome(number, "refused" if len(text) > 20 else "wrong", title, [text.splitlines()[0]])

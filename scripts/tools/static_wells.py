@@ -93,9 +93,9 @@ def solve(well: str, mud: bool, elements: int) -> dict[str, float] | None:
     built = time.perf_counter()
     state = find_equilibrium(model)
     end = time.perf_counter()
-    from drillpetsc.solvers.newton import static_factor
+    from drillpetsc.solvers.newton import shared_factor
 
-    own = counts.get(id(static_factor(model.system)), 0)
+    own = counts.get(id(shared_factor(model.system)), 0)
     figures = static_summary(model, state)
     if PETSc.COMM_WORLD.rank:
         return None

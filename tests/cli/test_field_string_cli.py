@@ -56,7 +56,7 @@ def test_check_lists_figures_with_sources(tmp_path: Path) -> None:
         "od 0.127 m (5 in): catalogue drill_pipe.csv line 19",
         "adjusted_weight 33.6325 kg/m (22.6 lb/ft): catalogue tool_joint.csv line 23 (unverified)",
         "class premium: default: no class given",
-        "tool_joint.make_up_torque 51580.1 N m (38044 ft-lbf): catalogue connection.csv line 12 (unverified), 60% of the torque",
+        "tool_joint.make_up_torque 51580.1 N m (38044 ft-lbf): catalogue connection.csv line 12, 60% of the torque",
         "joint_length 9.4488 m (31 ft): default, 31.0 ft",
         "EA +3.9 %, EI and GJ +4.0 % over the tube",
         "areas: bore 9016.46 mm2, outside 13300.9 mm2",

@@ -15,6 +15,7 @@ from drillpetsc.output.recorder import Recorder
 
 PIPE = {"kind": "pipe", "length": 30, "od": 0.127, "id": 0.1086}
 COLLAR = {"kind": "pipe", "length": 20, "od": 0.1778, "id": 0.0714}
+SIDE = {"kind": "stabilizer", "length": 0, "od": 0.2, "mass": 0, "nozzle_area": 1e-4}
 BIT = {"kind": "bit", "length": 0.5, "od": 0.2, "mass": 60}
 WELL = {
     "survey": {"md": [0, 60], "inclination": [0.1, 0.1], "azimuth": [0, 0]},
@@ -170,6 +171,14 @@ WET = {
         {"beam", "contact", "contact_below", "bore_flow", "pump", "bit_flow"},
         BASE | HELD | PUMPED,
         HOLE | INSIDE,
+    ),
+    "nozzles above the bit": (
+        {"string": [PIPE, SIDE, COLLAR], "hold_string": True, "well": WELL, "fluid": MUD},
+        4,
+        0,
+        {"bore_flow", "pump", "annulus_flow", "bit_flow", "side_nozzles"},
+        (BASE - {"bit_speed", "bit_depth"}) | PUMPED | {"side_flow"},
+        {"hole_radius [m]"} | INSIDE | AROUND,
     ),
     "plugged and empty": (
         {

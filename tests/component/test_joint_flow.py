@@ -3,6 +3,7 @@ and in both books of mud (manual: sec-mud-joints)."""
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -27,9 +28,9 @@ SEAL = 0.045
 KINDS = ("bore", "annulus", "bore annulus", "bore annulus arm", "annulus arm", "bore arm")
 
 
-def build(kind: str, seed: int = 4) -> DiscreteSystem:
+def build(kind: str, seed: int = 4, more: Callable[..., list] | None = None) -> DiscreteSystem:
     """Two elements, a slider with seals, an element; mud of density 3 and bulk modulus 60; a random moving state.
-    arm: a rigid arm of 0.3 m above the joint."""
+    arm: a rigid arm of 0.3 m above the joint; more: further components by mesh, frames and joints."""
     rng = np.random.default_rng(seed)
     arm = 0.3 if "arm" in kind else 0.0
     mesh = uniform_string(4.0, 4, **SECTION, inner_diameter=0.3)
@@ -60,6 +61,8 @@ def build(kind: str, seed: int = 4) -> DiscreteSystem:
             AnnulusFlow(mesh, sizes, well, fluid, poisson, side, Constant(0.4), 0.1, None, None)
         )
     components.append(JointSeals(mesh, fluid, "bore" in kind, "annulus" in kind, Constant(0.7)))
+    if more is not None:
+        components += more(mesh, frames, components[1])
     system = DiscreteSystem(mesh, frames, components)
     system.set_field("string.position", position + 0.05 * rng.standard_normal((5, 3)))
     system.set_field("string.tangent", tangents + 0.1 * rng.standard_normal((5, 3)))
@@ -178,3 +181,31 @@ def test_a_cell_without_length_loses_pressure_by_the_tools_loss_alone():
     density = 3.0 * np.exp(0.5 * (x[14] + x[15]) / 60.0)
     drop = x[15] - x[14] - density * (x[7:10] - x[:3]) @ GRAVITY + 40.0 * 9.0 / density * x[16] * abs(x[16])
     assert asm.block_rows(ready, 0.4)[0, 16] == pytest.approx(1e-2 * drop, rel=1e-12)
+
+
+@pytest.mark.parametrize("arm", [False, True])
+def test_a_joint_without_an_arm_shares_the_inertia_of_the_flow_above(arm):
+    """A quarter of rho0 L/A of the element above stands in the row of the joint; flow and inertia together are the same,
+    and the power of both rows is the rate of their energy."""
+    system = build("bore arm" if arm else "bore")
+    bore, asm = components_of(system)[0][0], system.assembly
+    ready = next(b for b in asm.bound_blocks if b.block.name == "bore_flow_inertia")
+    if arm:
+        assert len(ready.index) == 0  # the mud in the arm has inertia of its own
+        return
+    index, rate = ready.index[0], asm.y[ready.index[0]]
+    inertia = 0.25 * 3.0 * 1.0 / 0.07
+    rows = asm.block_rows(ready, 0.4)[0]
+    assert rows == pytest.approx(1e-2 * inertia * np.array([-rate[0], rate[1]]), rel=1e-12)
+
+    def kinetic(h: float) -> float:
+        asm.x[index] = flow + h * rate
+        with_joint = bore.energies(0.4, asm).kinetic
+        saved, bore._inertia = bore._inertia, None
+        without = bore.energies(0.4, asm).kinetic
+        bore._inertia = saved
+        return with_joint - without
+
+    flow = asm.x[index].copy()
+    power = (kinetic(1e-3) - kinetic(-1e-3)) / 2e-3
+    assert power == pytest.approx(1e2 * rows @ flow, rel=1e-8)

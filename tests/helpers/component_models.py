@@ -254,9 +254,10 @@ KINDS = [
 def dense(system: DiscreteSystem) -> np.ndarray:
     """(n, n) sum of the entries of the assembly."""
     asm, n = system.assembly, system.layout.size
-    keep = (asm.rows >= 0) & (asm.columns >= 0)
+    rows, columns = asm.places()
+    keep = (rows >= 0) & (columns >= 0)
     J = np.zeros((n, n))
-    np.add.at(J, (asm.rows[keep], asm.columns[keep]), asm.values[keep])
+    np.add.at(J, (rows[keep], columns[keep]), asm.values[keep])
     return J
 
 

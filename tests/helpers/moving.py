@@ -34,8 +34,9 @@ def matrices(system: DiscreteSystem) -> tuple[np.ndarray, np.ndarray, np.ndarray
     for triple in ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)):
         asm = system.assembly
         asm.jacobian(0.0, triple, condensed=False)
-        keep = (asm.rows >= 0) & (asm.columns >= 0)
+        rows, columns = asm.places()
+        keep = (rows >= 0) & (columns >= 0)
         A = np.zeros((system.layout.size, system.layout.size))
-        np.add.at(A, (asm.rows[keep], asm.columns[keep]), asm.values[keep])
+        np.add.at(A, (rows[keep], columns[keep]), asm.values[keep])
         out.append(A)
     return tuple(out)  # type: ignore[return-value]

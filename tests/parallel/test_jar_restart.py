@@ -23,15 +23,15 @@ string:
 top: clamped
 material: {damping: {stiffness: 1.0e-3}}
 time: {end: 0.14 s}
-petsc: {q_snes_stol: 1.0e-11}
+petsc: {ts_type: KIND, q_snes_stol: 1.0e-11}
 output: {history_every: 2 ms, field_every: 50 ms, checkpoint_every: 9 ms}
 """
 
 
-@pytest.fixture(scope="module")
-def case(tmp_path_factory) -> Path:
+@pytest.fixture(scope="module", params=["bdf", "alpha2"])
+def case(request, tmp_path_factory) -> Path:
     path: Path = tmp_path_factory.mktemp("case") / "case.yaml"
-    path.write_text(CASE)
+    path.write_text(CASE.replace("KIND", request.param))
     return path
 
 
@@ -47,7 +47,12 @@ def test_restarts_reproduce_the_run(case, tmp_path, monkeypatch):
 
 @pytest.mark.parallel
 def test_ranks_agree(case, tmp_path):
-    """Two and three ranks, against one: within 1e-6 of the largest value of each column."""
+    """Two and three ranks, against one: within 1e-6 of the largest value of each column.
+
+    Generalised-alpha: 5e-6. Its accelerations after a shot are differences of positions over steps of 0.1 ms, whose
+    rounding depends on the order of sums and is not a matter of Newton's tolerance.
+    """
+    limit = 5e-6 if "alpha2" in case.read_text() else 1e-6
     run(load_case(case), tmp_path / "1", progress="silent")
     one = read_table(tmp_path / "1" / "history.csv")
     for n in (2, 3):
@@ -55,4 +60,4 @@ def test_ranks_agree(case, tmp_path):
         other = read_table(tmp_path / str(n) / "history.csv")
         for column, values in one.items():
             if not column.startswith(("energy_error", "newton", "step")):
-                assert np.abs(other[column] - values).max() <= 1e-6 * max(np.abs(values).max(), 1e-3), column
+                assert np.abs(other[column] - values).max() <= limit * max(np.abs(values).max(), 1e-3), column

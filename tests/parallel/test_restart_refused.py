@@ -69,6 +69,7 @@ def test_accepted_changes_are_recorded(done, tmp_path):
     text = CASE.replace("end: 20 ms", "end: 30 ms") + "petsc: {ts_rtol: 1.0e-5}\n"
     result = restarted(done, tmp_path, text, accept_changes=True)
     assert result.summary["accepted_changes"] == ["at 0.02 s: petsc option -ts_rtol: absent -> 1e-05"]
+    assert any("accepted at a restart act at once" in w for w in result.summary["warnings"])
     assert result.summary["time"] == pytest.approx(0.03)
     again = restarted(done, tmp_path, text.replace("30 ms", "40 ms"))
     assert again.summary["accepted_changes"] == result.summary["accepted_changes"]

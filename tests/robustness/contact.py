@@ -6,7 +6,17 @@ from __future__ import annotations
 import numpy as np
 
 from drillpetsc.fem.component import FloatArray
-from tests.robustness.criteria import Row, Runs, allowed_penetration, at_least, at_most, common, holds, near
+from tests.robustness.criteria import (
+    Row,
+    Run,
+    Runs,
+    allowed_penetration,
+    at_least,
+    at_most,
+    common,
+    holds,
+    near,
+)
 from tests.robustness.run import PRESSED_DEPTH, PRESSED_SPEED
 
 GRAVITY = 9.81  # in all cases of the suite [m/s2]
@@ -43,12 +53,28 @@ def stiff_contact(runs: Runs) -> list[Row]:
     ]
 
 
+def bulge(run: Run) -> FloatArray:
+    """Offset (f, n) of the nodes from the chord between the two contact points beside them [m], that of bending."""
+    _, data = run.frames
+    stiffness = np.full(data["outer_radius"].shape[1], np.inf)
+    for item in run.case.string:
+        at = np.isclose(data["outer_radius"][0], 0.5 * item.od)
+        stiffness[at] = item.material.young * np.pi / 64 * (item.od**4 - item.id**4)
+        length = item.element_length
+    reach = 0.5 * (1 - 1 / np.sqrt(3)) * length
+    return np.asarray(0.5 * reach**2 * data["bending_moment"] / stiffness)
+
+
 def unbalance(runs: Runs) -> list[Row]:
     """X05 (manual: verif-robust-unbalance): allowed depth of the impacts and of the whirl along the wall.
 
     An unrestrained pipe rotates about its mass centre, so its axis moves with e Omega and may hit the wall with
     this speed. An undamped impact with speed v has the depth v sqrt(m/k), which at 1e8 N/m2 exceeds the common
     1 mm. It is added to the depth under the centrifugal load m (r + e) Omega^2 of the whirl along the wall.
+
+    Both hold where the wall acts: at two Gauss points of each element of 4 m, 0.85 m from the node between them. There a
+    bent pipe bulges by M/EI times half the square of that distance, up to 3 mm where the drill pipe bends above the
+    collars. In the chaotic whirl some frame may have a node in such a bulge.
     """
     rows: list[Row] = []
     for name in ("x05-unbalance-1e8", "x05-unbalance-1e10"):
@@ -70,7 +96,12 @@ def unbalance(runs: Runs) -> list[Row]:
         rough = float(np.abs(np.gradient(speed, p["time"], axis=0)).max())
         rows += common("X05", run, penetration=False)
         rows += [
-            at_most("X05", f"{name}: penetration at the frames [m]", float(run.penetration.max()), depth),
+            at_most(
+                "X05",
+                f"{name}: penetration at the frames less the bulge [m]",
+                float((run.penetration - bulge(run)).max()),
+                depth,
+            ),
             holds(
                 "X05",
                 f"{name}: whirl class and rate over rotation",

@@ -84,13 +84,57 @@ def test_square_pulses_and_no_flow(tmp_path):
     assert not still["agitator_force"].any()
 
 
-def test_mud_is_refused_in_words():
-    values = case(flow_rate=None) | {
-        "fluid": {"density": 1200, "rheology": {"model": "newtonian", "viscosity": 0.02}}
+def with_mud(flow: object = "30 l/s", rtol: float = 1e-5, **changes: Any) -> dict:
+    """The agitator at the end of a vertical pipe with mud in and around it, a body below it."""
+    values = case(flow_rate=None, **changes)
+    tool, _ = values["string"]
+    # the slider's loss: as large as the amplitude of the pulses, at 30 l/s
+    tool["pressure_loss"] = {"value": "250 psi", "at": "30 l/s", "density": 1200}
+    tool["mass"] = 100.0
+    return values | {
+        "string": [{"kind": "pipe", "length": 98.0, **PIPE, "element_length": 2.0}, tool],
+        "well": {
+            "survey": {"md": [0, 110], "inclination": [0, 0], "azimuth": [0, 0]},
+            "sections": [{"to": 110, "kind": "casing", "diameter": 0.2159, "friction": 0.0}],
+        },
+        "fluid": {
+            "density": 1200,
+            "rheology": {"model": "newtonian", "viscosity": 0.02},
+            "flow_rate": flow,
+        },
+        "contact": "none",
+        "bottom": "free",
+        "time": {"end": 0.4},
+        "petsc": {"ts_rtol": rtol},
     }
+
+
+def test_mud_turns_the_valve_and_pulses(tmp_path):
+    """C34 with mud: frequency Q n, force A_p dp, amplitude 250 psi; the standpipe pulses with it, the energy closes.
+
+    In a short bore with the flow given at its top the mud passes the valve at q = Q + dq; a pulse dp at the lower end of
+    pipe of impedance rho c/A meets that above it alone, |dq| < dp A/(rho c), 10 % of Q.
+    """
+    run_case = with_mud()
+    summary = run(Case(**run_case), tmp_path / "run", progress="silent").summary
+    got = {k.split(" [")[0]: q for k, q in read_table(tmp_path / "run" / "history.csv").items()}
+    force, t = got["agitator_force"], got["time"]
+    assert np.abs(force).max() == pytest.approx(4309.2, rel=1e-2)
+    assert force == pytest.approx(got["agitator_pressure"] * 25e-4, rel=1e-9, abs=1e-6)
+    ups = t[:-1][(force[:-1] < 0) & (force[1:] >= 0)]
+    assert len(ups) >= 4
+    assert 1 / np.diff(ups).mean() == pytest.approx(15.0, rel=0.03)
+    late = got["pump_pressure"][t > 0.15]
+    assert 0.2 * 250 * 6894.757 < np.ptp(late) < 6 * 250 * 6894.757
+    assert abs(summary["energy"]["error_share"]) < 1e-3
+
+
+def test_mud_gives_the_flow_rate():
+    values = with_mud()
+    values["string"][1]["agitator"]["flow_rate"] = "30 l/s"
     with pytest.raises(CaseError) as error:
         Case(**values)
-    assert "not with a fluid yet" in error.value.want
+    assert "no flow_rate with a fluid" in error.value.want
 
 
 @pytest.mark.parametrize(

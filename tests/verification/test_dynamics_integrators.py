@@ -162,13 +162,14 @@ def spoil(system, every: int, component: str = "beam") -> list[int]:
     return count
 
 
-@pytest.mark.parametrize(("plain", "every"), [(False, 7), (True, 41)])
+@pytest.mark.parametrize(("plain", "every"), [(False, 7), (True, 43)])
 def test_a_failed_step_is_reduced_not_accepted(reference, plain, every):
     """Every 7th evaluation fails: the motion is that of the undisturbed run within ten times the tolerance
     (manual: verif-failed-steps).
 
-    Every 41st with newtonls, whose line search needs more evaluations per step and tolerates some of the
-    failures.
+    Every 43rd with newtonls, whose line search needs more evaluations per step and tolerates some of the
+    failures.  Most steps have three evaluations and a tolerated failure two more: 41 - 2 is a multiple of 3, so
+    every 41st could fall into the line search each time.
     """
     model, taken = swinging(), []
     count = spoil(model.system, every)

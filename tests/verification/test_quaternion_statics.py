@@ -154,3 +154,34 @@ def test_a_bent_pipe_rests_in_its_own_shape(curvature, side):
     assert tip[:2] == pytest.approx(expected, abs=1e-5)
     assert tip[2] == pytest.approx(np.sin(curvature * L) / curvature, abs=1e-5)
     assert model.system.energies(0.0).strain < 1e-6
+
+
+@pytest.mark.parametrize("inclination", [0.0, 0.5])
+def test_a_piece_between_two_universal_joints_may_float(inclination):
+    """Its block of the chain is singular without B^T B: 18 instead of 3 Newton steps from the ANCF state in a vertical hole."""
+    found = []
+    for formulation in ("ancf", "quaternion"):
+        well = {
+            "survey": {"md": [0.0, 60.0], "inclination": [inclination] * 2, "azimuth": [0.0, 0.0]},
+            "sections": [{"to": 60.0, "kind": "open_hole", "diameter": 0.2159, "friction": 0.2}],
+        }
+        pipe = {"kind": "pipe", "length": 59.6, "od": 0.127, "id": 0.1086, "element_length": 2.0}
+        model = build_model(
+            Case(
+                well=well,
+                string=[pipe, {"kind": "bit", "length": 0.4, "od": 0.2159, "mass": 60.0}],
+                joints=[{"at": 20.0, "kind": "universal"}, {"at": 40.0, "kind": "universal"}],
+                top={"kind": "top_drive"},
+                bottom={"kind": "bit"},
+                gravity=9.81,
+                beam={"formulation": formulation},
+                initial={"from": "statics", "wob": 2e4},
+            )
+        )
+        state = find_equilibrium(model)
+        assert state.stable
+        weight = model.bit.weight_and_torque(model.system.assembly)[0]
+        found.append((state.equilibrium.iterations, weight, model.system.field("string.position").copy()))
+    (ancf, weight, position), (both, other, place) = found
+    assert both - ancf <= 5
+    assert other == pytest.approx(weight, rel=1e-6) and place == pytest.approx(position, abs=1e-5)

@@ -105,6 +105,45 @@ def test_eccentric_and_bent_pipe(tmp_path):
             assert found["bending_moment_amplitude"] == pytest.approx(moment, rel=5e-3)
 
 
+@pytest.mark.parametrize(("rpm", "lobes", "flow"), [("10,30 rpm", 3, 0.004), ("5,60 rpm", 7, 0.0021)])
+def test_orbit_of_a_motor(rpm, lobes, flow, tmp_path):
+    """M e (N w - Omega)^2 in the middle of a span hinged at both ends, backwards, at its own frequency; 0.5 %.
+
+    The dynamic stiffness is that of C20, with the rotor's mass; a motor without load turns by 2 pi n Q.
+    """
+    mass, eccentricity, turn = 120.0, 0.006, 200.0
+    half = m.drill_pipe(9.5, 10, 0.0)
+    size = {"od": half["od"], "id": half["id"]}
+    section = {
+        "rev_per_volume": turn, "stall_torque": 1e4, "flow_rate": flow, "rotor_mass": mass, "eccentricity": eccentricity,
+        "lobes": [lobes, lobes + 1],
+    }  # fmt: skip
+    motor = {
+        "kind": "pdm",
+        "name": "motor",
+        "length": 1.0,
+        **size,
+        "element_length": 0.5,
+        "mass": m.MASS + mass,
+    }
+    case = m.rotor() | {"string": [half, motor | {"pdm": section}, half]}
+    found = table(case | {"output": {"probes": [10.0]}}, tmp_path, "probe 10 m", excite="motor", speeds=rpm)
+    assert len(found["rotary_speed"]) == 2
+    w = lobes * turn * flow - found["rotary_speed"] * np.pi / 30
+    assert found["excitation_frequency"] == pytest.approx(np.abs(w) / (2 * np.pi), rel=1e-6)
+    k = (m.MASS * w**2 / m.EI) ** 0.25
+    stiffness = 4 * m.EI * k**3 / (np.tan(10 * k) - np.tanh(10 * k)) - mass * w**2
+    assert found["lateral_amplitude"] == pytest.approx(
+        np.abs(mass * eccentricity * w**2 / stiffness), rel=5e-3
+    )
+    assert found["whirl"] == pytest.approx(-np.sign(w), abs=1e-3)
+
+
+def test_a_motor_without_an_orbit_excites_nothing(tmp_path):
+    with pytest.raises(CaseError, match="rotor_mass, eccentricity and lobes"):
+        table(m.rotor(), tmp_path, "body", excite="motor", speeds="20 rpm")
+
+
 # ---------------------------------------------------------------------- the bit
 def test_bit_that_moves_three_times_a_turn(tmp_path):
     """Axial force at a lower end that moves by 3 mm, from the wave equation of drill pipe and collars: 14.811, 76.071, 307.98,

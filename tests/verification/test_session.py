@@ -180,3 +180,25 @@ def test_a_run_folder_goes_on(tmp_path):
         speed = s.get("top_speed")
     table = read_table(tmp_path / "whole" / "history.csv")
     assert speed == pytest.approx(table["top_speed [rad/s]"][-1], rel=1e-9)
+
+
+def test_a_step_that_was_cut_leaves_no_step_of_rounding(monkeypatch):
+    """A fixed step of 10 ms that fails is taken in parts, whose sum is off by some 1e-15 s: that is no step of its own."""
+    with drillpetsc.Session(drive(petsc={"ts_adapt_type": "none", "ts_dt": 0.01})) as s:
+        steps: list[float] = []
+        s._integrator.after_step.append(lambda t, dt: steps.append(dt))
+        newton, fails = s._integrator.newton, [False]
+        solve = newton.solve
+
+        def sometimes(*arguments: float) -> int:
+            if fails.pop():
+                fails.append(False)
+                return -3
+            fails.append(False)
+            return solve(*arguments)
+
+        monkeypatch.setattr(newton, "solve", sometimes)
+        for k in range(200):
+            s.step(0.01)
+            fails[0] = k % 10 == 9
+    assert min(steps) > 1e-3

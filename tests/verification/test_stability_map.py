@@ -11,6 +11,7 @@ import yaml
 
 import drillpetsc
 from drillpetsc import Case
+from drillpetsc.analysis.frequency.stability_runs import classify
 from drillpetsc.errors import CaseError
 from drillpetsc.output import read_table
 from tests.helpers import top_drive_models as m
@@ -172,6 +173,8 @@ def test_critical_speeds_by_weight(name, rpm, expected, tmp_path):
         ({}, {"wob": "50,20 kN"}, ("--wob", "ascending")),
         ({}, {"wob": "5 m"}, ("--wob", "N")),
         ({}, {"count": 0}, ("--count", "at least 1")),
+        ({}, {"method": "runs"}, ("--method", "eigen or time")),
+        ({}, {"method": "time", "duration": "0 s"}, ("--duration", "s")),
     ],
 )
 def test_bad_input_is_refused(changes, options, words, tmp_path):
@@ -188,3 +191,43 @@ def test_a_state_that_is_not_steady_is_told(tmp_path):
     stability(case, tmp_path, rpm="130 rpm", wob="20 kN", count=4)
     warnings = json.loads((tmp_path / "summary.json").read_text())["warnings"]
     assert any("not steady" in w for w in warnings)
+
+
+@pytest.mark.parametrize(
+    ("control", "speeds"),
+    [(m.STIFF, {110: ("grows", "stick_slip"), 150: ("decays", "steady")}), (m.COMPENSATED, {66: ("grows", "stick_slip"), 90: ("decays", "steady")})],
+    ids=["stiff", "soft"],
+)  # fmt: skip
+def test_runs_in_time_beside_the_eigenvalues(control, speeds, tmp_path):
+    """Below the critical 128.72 rpm (stiff; 77.63 rpm soft) of 100 kN a run swings up, above it calms down; both methods agree."""
+    law = {"kind": "velocity_weakening", "speed": 6.0}
+    law |= {"static_friction": 0.06 / (2 / 3 * 0.108), "dynamic_friction": 0.04 / (2 / 3 * 0.108)}
+    case = m.on_bottom(control, 10.0, 20, bit_law=law, loads=[], contact="none")
+    result = drillpetsc.stability(
+        Case(**case), tmp_path, rpm=",".join(map(str, speeds)) + " rpm", wob="100 kN", count=3, kind="torsional",
+        method="time", duration="45 s", overwrite=True,
+    )  # fmt: skip
+    runs = rows(tmp_path, "stability_runs.csv")
+    for rpm, behaviour, allowed in zip(
+        runs["rotary_speed"], runs["run_behaviour"], speeds.values(), strict=True
+    ):
+        assert behaviour in allowed, rpm
+    assert result.summary["runs"]["differ"] == 0
+    assert (rows(tmp_path, "stability_map.csv")["largest_growth"] > 0).tolist() == [True, False]
+
+
+def test_behaviour_of_a_run():
+    """Sines whose amplitude grows, decays or stays, and a bit that stands for a part of each period."""
+    t = np.linspace(0, 60, 1501)
+    wave = np.sin(2 * np.pi * t / 4)
+    for spin, expected in (
+        (10 + 0.1 * wave, "steady"),
+        (10 + 0.5 * np.exp(0.03 * t) * wave, "grows"),
+        (10 + 5 * np.exp(-0.02 * t) * wave, "decays"),
+        (10 + 9 * wave, "stick_slip"),
+        (np.maximum(10 + 14 * wave, 0.0), "stick_slip"),
+        (0.0 * t, "stick_slip"),
+    ):
+        assert classify(t, spin)[3] == expected
+    index, _, rest, _ = classify(t, 10 + 8 * wave)
+    assert index == pytest.approx(0.8, rel=5e-3) and rest == 0

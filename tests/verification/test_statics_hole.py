@@ -24,6 +24,7 @@ from drillpetsc.output import read_frame, read_series
 from drillpetsc.output.static_table import static_table
 from drillpetsc.physics.end_conditions import FixedEnd, Loads, NodeLoad
 from drillpetsc.solvers.static_newton import Equilibrium, StaticNewton
+from tests.helpers.bit_models import DRAG, drilling
 
 AREA, BENDING = 3.4047325e-3, 1.2240289e6  # [m2], [N m2]
 WEIGHT, CLEARANCE, CONTACT_RADIUS = 242.0, 0.04445, 0.0635  # [N/m], [m], [m]
@@ -468,3 +469,21 @@ def test_a_small_weight_on_bit_is_met(wob, formation):
     )
     model = build_model(made)
     assert static_summary(model, find_equilibrium(model))["wob"] == pytest.approx(wob, rel=1e-3)
+
+
+@pytest.mark.parametrize("law", [None, DRAG])
+@pytest.mark.parametrize("stiffness", [1e8, 1e9, 1e11])
+def test_a_stiff_bottom_under_a_drilling_bit_is_stable(stiffness, law):
+    """A column of 100 m under its own 9.81 kN, its Euler load pi^2 EI/4 L^2 = 247 kN: no negative pivot.
+
+    The unknowns of the rock were counted with the symmetric part of a one-sided coupling: one negative pivot from
+    k^2/4 > (k + EA/h) 1e8 N/m on, with EA 1e10 N and elements of 10 m from 6.6e8 N/m on.
+    """
+    formation = {"drillability": 1e-8} | ({"bit_law": law} if law else {})
+    model = drilling(
+        formation, {"kind": "top_drive"}, length=100.0, elements=10, stiffness=stiffness, friction=0.0,
+        gravity=9.81, initial={"from": "statics"},
+    )  # fmt: skip
+    state = find_equilibrium(model)
+    assert (state.equilibrium.negative_pivots, state.stable, state.warnings) == (0, True, [])
+    assert state.equilibrium.iterations <= 5

@@ -273,3 +273,29 @@ def test_lock_up_is_reported_at_the_depth_of_the_hole(tmp_path) -> None:
             statics(made, tmp_path / f"run{below:g}")
         depths.append(float(str(caught.value).split("passes MD ")[1].split(" m")[0]))
     assert depths[1] - depths[0] == pytest.approx(100.0, abs=1.0)
+
+
+def test_a_helix_without_weight_is_neutral_and_not_unstable(tmp_path) -> None:
+    """It rolls about the axis of the hole without work: an eigenvalue of rounding size, not a buckle.
+
+    Wall force r F^2/4EI (Lubinski, Althouse and Logan, JPT 14(6), 1962); a straight string under the same push is unstable.
+    """
+    force, od = 250e3, 0.1397
+    inertia = np.pi / 64 * (od**4 - 0.1214**4)
+    case = Case(
+        well={
+            "survey": {"md": [0.0, 200.0], "inclination": [0.0, 0.0], "azimuth": [0.0, 0.0]},
+            "sections": [{"to": 200.0, "kind": "open_hole", "diameter": 0.2159, "friction": 0.0}],
+        },
+        string=[{"kind": "pipe", "length": 200.0, "od": od, "id": 0.1214}],
+        top={"kind": "top_drive", "force": -force},
+        bottom={"kind": "bit", "friction": 0.0},
+        gravity=0.0,
+        initial={"from": "statics"},
+    )
+    summary = statics(case, tmp_path / "out").summary
+    assert summary["stable"] and summary["negative_pivots"] == 0
+    table = read_table(tmp_path / "out" / "statics.csv")
+    there = (table["md [m]"] > 40) & (table["md [m]"] < 160)
+    wall = 0.5 * (0.2159 - od) * force**2 / (4 * 206e9 * inertia)
+    assert table["contact_force [N/m]"][there].mean() == pytest.approx(wall, rel=0.03)

@@ -376,7 +376,7 @@ def test_frequencies_of_a_clamped_free_string(elements):
     def matrix(weights):
         asm.jacobian(0.0, weights, condensed=False)
         out = np.zeros((layout.size, layout.size))
-        np.add.at(out, (asm.rows, asm.columns), asm.values)
+        np.add.at(out, asm.places(), asm.values)
         return out
 
     stiffness, inertia = matrix((1.0, 0.0, 0.0)), matrix((0.0, 0.0, 1.0))

@@ -10,7 +10,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from drillpetsc import Case, Session, run
+from drillpetsc import Case, Session, run, statics
 from drillpetsc.analysis.initial_state import find_equilibrium
 from drillpetsc.analysis.statics import static_summary
 from drillpetsc.model.drilling_model import build_model
@@ -137,3 +137,40 @@ def test_a_block_that_lowers_the_string_through_the_curve(tmp_path):
         x = model.system.field("string.position")[0]
         offset = np.linalg.norm(model.well.project(x[None]).offset)
         assert offset == pytest.approx(np.hypot(*model.top.anchor[1:3]), abs=1e-6)
+
+
+@pytest.mark.parametrize("units", ["SI", "field"])
+def test_the_push_of_mud_above_a_top_inside_the_hole_is_stated(units, tmp_path):
+    """Hook load and p A_o of the face above make the effective tension: the buoyed weight less that on the bit.
+
+    The top stands 400 m down in mud that hardly gives: p A_o = 1200 g 400 m x 0.012668 m2 = 59.65 kN.
+    """
+    steel, area = np.pi / 4 * (0.127**2 - 0.1086**2) * 599.5 + 60.0 / 7850.0, np.pi / 4 * 0.127**2
+    case = Case(
+        well={
+            "survey": {"md": [0.0, 1000.0], "inclination": [0.0, 0.0], "azimuth": [0.0, 0.0]},
+            "sections": [{"to": 1000.0, "kind": "open_hole", "diameter": 0.2159, "friction": 0.0}],
+        },
+        string=[
+            {"kind": "pipe", "length": 599.5, "od": 0.127, "id": 0.1086, "element_length": 10.0},
+            {"kind": "bit", "length": 0.5, "od": 0.2159, "mass": 60.0},
+        ],
+        top={"kind": "top_drive"},
+        bottom={"kind": "bit"},
+        fluid={
+            "density": 1200.0,
+            "rheology": {"model": "newtonian", "viscosity": 0.03},
+            "bulk_modulus": 1e12,
+        },
+        gravity=9.81,
+        initial={"from": "statics", "wob": 2e4},
+        output={"units": units} if units != "SI" else {},
+        time={"end": 1e-3},
+    )
+    summary = statics(case, tmp_path / "out").summary
+    assert any("upper face" in w for w in run(case, tmp_path / "run", progress="silent").summary["warnings"])
+    push = 1200.0 * 9.81 * 400.0 * area
+    assert summary["hook_load"] + push == pytest.approx((7850.0 - 1200.0) * 9.81 * steel - 2e4, rel=2e-4)
+    (said,) = [w for w in summary["warnings"] if "upper face" in w]
+    number, unit = said.split("upper face, ")[1].split(";")[0].split()
+    assert float(number) * {"kN": 1e3, "lbf": 4.44822, "klbf": 4448.22}[unit] == pytest.approx(push, rel=2e-3)

@@ -62,6 +62,34 @@ def turning_load(balanced: DrillingModel, asymmetric: DrillingModel) -> np.ndarr
     return None if pieces is None else np.concatenate(pieces)
 
 
+def orbit_load(model: DrillingModel) -> tuple[np.ndarray | None, float]:
+    """Amplitudes (n,) of the rows of the orbit of a motor's rotor, and its angular frequency [rad/s] (manual: eq-response-orbit).
+
+    The rotor is turned below its joint so that the orbit stands at four angles.  The amplitudes are on rank 0, None
+    elsewhere; collective.
+    """
+    motor, system = model.motor, model.system
+    assert motor is not None
+    asm, layout = system.assembly, system.layout
+    speed = motor.orbit_speed(0.0, asm)
+    if system.comm.size > 1:
+        speed = float(system.comm.tompi4py().allreduce(speed))
+    below = layout.dofs["string.spin"][system.chain.vertices == motor.cell + 1, 0]
+    below = below[below >= 0]
+    start, rows = asm.x[below].copy(), []
+    motor.balance_orbit(False)
+    for angle in (0.0, 0.5 * np.pi, np.pi, 1.5 * np.pi):
+        asm.x[below] = start - angle / motor.lobes
+        local = asm.partial_residual(0.0, lambda block: block.name == "mud_motor").copy()
+        rows.append(system.sum_local(local)[layout.local_of_owned])
+    asm.x[below] = start
+    motor.balance_orbit()
+    # R = a cos(theta) + b sin(theta), theta = speed t
+    amplitude = 0.5 * (rows[0] - rows[2]) - 0.5j * np.sign(speed) * (rows[1] - rows[3])
+    pieces = [amplitude] if system.comm.size == 1 else system.comm.tompi4py().gather(amplitude)
+    return (None if pieces is None else np.concatenate(pieces)), abs(speed)
+
+
 def rock_load(model: DrillingModel, amplitude: float, omega: float) -> np.ndarray | None:
     """Amplitudes (n,) of the rows where the bottom of the hole moves by ``amplitude`` [m] along its axis.
 

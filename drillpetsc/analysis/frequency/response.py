@@ -16,6 +16,7 @@ from drillpetsc.analysis.frequency.harmonic import (
     Response,
     SectionForces,
     lower_end,
+    orbit_load,
     respond,
     rock_load,
     section_forces,
@@ -28,7 +29,7 @@ from drillpetsc.analysis.transient import make_folder
 from drillpetsc.arrays import FloatArray
 from drillpetsc.case.case import Case
 from drillpetsc.case.speed_options import Excitation
-from drillpetsc.errors import CaseError, DrillError
+from drillpetsc.errors import CaseError, DrillError, SolveError
 from drillpetsc.fem.string_mesh import StringMesh
 from drillpetsc.model.drilling_model import DrillingModel, build_model
 from drillpetsc.output import write_summary, write_table
@@ -43,6 +44,7 @@ from drillpetsc.unit_systems import display_unit
 
 RPM = 2 * np.pi / 60
 PHASES = np.exp(2j * np.pi * np.arange(48) / 48)  # of a period, at which clearances are checked
+LEAST_ORBIT = 1e-3  # angular frequency of a rotor's orbit that is none [rad/s]
 NO_LOSS = 1e-9  # dissipated over exchanged power below which the response is called undamped
 LEAST = 1e-10  # amplitude that is shown as 0 [SI]
 SMALL = 1e-6  # share of the largest amplitude below which a motion is rounding
@@ -283,6 +285,9 @@ def run_response(
         asymmetric = build_model(turning, comm) if excitation.kind == "unbalance" else None
         if asymmetric is not None:
             _demand_asymmetry(asymmetric)
+        if excitation.kind == "motor" and not (model.motor is not None and model.motor.orbit_unbalance > 0):
+            want = "a pdm with rotor_mass, eccentricity and lobes, which the case does not have"
+            raise CaseError(at="--excite", got="motor", want=want)
         folder = make_folder(comm, name, out, False, overwrite)
         mud = FlowRecorder(model.system, model.fluid) if model.fluid is not None else None
         table: list[list[Any]] = []
@@ -297,6 +302,12 @@ def run_response(
             load = None
             if asymmetric is not None:
                 load = turning_load(model, asymmetric)
+            elif excitation.kind == "motor":
+                load, omega = orbit_load(model)
+                if omega < LEAST_ORBIT:
+                    raise SolveError(
+                        f"at {rpm_of(speed):g} rpm the orbit of the motor's rotor stands still: it excites nothing"
+                    )
             elif excitation.what == "displacement" and model.bit is not None:
                 load = rock_load(model, excitation.amplitude, omega)
             wob = _weight_on_bit(model)
@@ -345,7 +356,7 @@ def run_response(
         summary = {
             "title": case.title,
             "excitation": excitation.words,
-            "order": excitation.order,
+            "order": None if excitation.kind == "motor" else excitation.order,
             "speeds": [rpm_of(s) for s in speeds],
             "validity": [word for word, _ in valid],
             "peaks": _peaks(table),

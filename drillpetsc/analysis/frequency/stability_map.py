@@ -11,21 +11,24 @@ from petsc4py import PETSc
 from scipy.optimize import brentq
 
 from drillpetsc.analysis.frequency.response import RPM, rpm_of, write_case_folder
+from drillpetsc.analysis.frequency.stability_runs import BEHAVIOURS, DURATION, RunPoint, refuse, run_point
 from drillpetsc.analysis.frequency.turning import TurningModel, turning_case
-from drillpetsc.analysis.modal import Modes, modes
+from drillpetsc.analysis.modal import Modes, modes, without_motor
 from drillpetsc.analysis.transient import make_folder
 from drillpetsc.case.blocks.ends import BitBottom
 from drillpetsc.case.case import Case
 from drillpetsc.errors import CaseError, SolveError
 from drillpetsc.model.drilling_model import DrillingModel
 from drillpetsc.output import write_summary, write_table
-from drillpetsc.output.files.run_folder import BOUNDARY_TABLE, STABILITY_TABLE
-from drillpetsc.output.quantities.frequency import STABILITY_BOUNDARY, STABILITY_MAP
+from drillpetsc.output.files.run_folder import BOUNDARY_TABLE, STABILITY_RUNS_TABLE, STABILITY_TABLE
+from drillpetsc.output.quantities.frequency import STABILITY_BOUNDARY, STABILITY_MAP, STABILITY_RUNS
 from drillpetsc.output.result import RunResult
 from drillpetsc.solvers import petsc_options as options
 from drillpetsc.unit_systems import display_unit
 
 SPEED_TOLERANCE = 0.05 * RPM  # of a boundary [rad/s]
+METHODS = ("eigen", "time")
+SAYS = {"steady": "is steady", "decays": "calms down", "grows": "swings up", "stick_slip": "sticks and slips"}
 IMBALANCE_SHARE = 1e-2  # unbalanced force over weight on bit beyond which a state counts as not steady
 
 
@@ -137,18 +140,25 @@ def run_stability(
     name: str = "case",
     comm: PETSc.Comm | None = None,
     without_control: bool = False,
+    method: str = "eigen",
+    duration: float = DURATION,
 ) -> RunResult:
     """Compute the largest growth over rotary speeds [rad/s] and weights on bit [N]; collective.
 
-    Writes stability_map.csv, stability_boundary.csv and summary.json.
+    Writes stability_map.csv, stability_boundary.csv and summary.json; with runs also stability_runs.csv.
     case: the user's case, with a bit on bottom; count, kind: of modes, as in ``modes``.
     out: run folder, None: a new one named after ``name``; overwrite: replace an existing one.
     comm: communicator, all ranks by default.
     without_control: leave out motor and controller, and hold the top at the rotation.
+    method: eigen, or time: a run at each point too, of a ``duration`` [s].
 
     Returns folder, summary and the lines to show.  Raises CaseError for wrong arguments.
     """
     turning = turning_case(case, "stability", without_control)
+    if method not in METHODS:
+        raise CaseError(at="--method", got=method, want=" or ".join(METHODS))
+    if method == "time":
+        refuse(case)
     comm = comm or PETSc.COMM_WORLD
     if not isinstance(case.bottom, BitBottom):
         raise CaseError(at="bottom", got=case.bottom.kind, want="a bit on bottom, which carries the weight")
@@ -158,21 +168,54 @@ def run_stability(
         raise CaseError(at="--count", got=count, want="a number of modes, at least 1")
     points: list[Point] = []
     edges: list[Boundary] = []
+    runs: list[RunPoint] = []
+    run_case = without_motor(case) if without_control else case
     with options.applied(case.petsc):
         folder = make_folder(comm, name, out, False, overwrite)
         for weight in weights:
             growth = StateGrowth(turning, weight, count, kind, comm)
             points += [growth.at(speed) for speed in speeds]
             edges += boundaries(growth, speeds)
+            for speed in speeds if method == "time" else ():
+                lowering = penetration(growth.states.model, weight, speed)
+                runs.append(run_point(run_case, speed, weight, lowering, duration, comm))
     summary = _summary(case, points, edges, speeds, weights, kind)
+    if runs:
+        _compare(summary, points, runs, duration)
     if comm.rank == 0:
         write_case_folder(case, folder.path)
         rows = [[rpm_of(p.speed), p.weight, p.growth, p.frequency, p.kind, p.imbalance] for p in points]
         write_table(folder.path / STABILITY_TABLE, [q.column for q in STABILITY_MAP], _columns(rows, 6))
         rows = [[b.weight, rpm_of(b.speed), "above" if b.stable_above else "below"] for b in edges]
         write_table(folder.path / BOUNDARY_TABLE, [q.column for q in STABILITY_BOUNDARY], _columns(rows, 3))
+        if runs:
+            rows = [[rpm_of(r.speed), r.weight, r.index, r.before, r.stuck, r.behaviour] for r in runs]
+            write_table(
+                folder.path / STABILITY_RUNS_TABLE, [q.column for q in STABILITY_RUNS], _columns(rows, 6)
+            )
         write_summary(folder.summary, summary)
     return RunResult(folder.path, summary, _lines(case, folder.path, points, edges, summary))
+
+
+def _compare(summary: dict[str, Any], points: list[Point], runs: list[RunPoint], duration: float) -> None:
+    """Add to the summary what the runs did, and where they differ from the eigenvalues."""
+    counts = {name: sum(r.behaviour == name for r in runs) for name in BEHAVIOURS}
+    summary["runs"] = {"duration": duration, **{name: n for name, n in counts.items() if n}}
+    differ = [
+        (p, r)
+        for p, r in zip(points, runs, strict=True)
+        if r.behaviour != "failed" and np.isfinite(p.growth) and (p.growth > 0) != r.unstable
+    ]
+    summary["runs"]["differ"] = len(differ)
+    if counts["failed"]:
+        summary["warnings"].append(f"{counts['failed']} of {len(runs)} runs failed: nan in the table")
+    for p, r in differ[:5]:
+        summary["warnings"].append(
+            f"at {rpm_of(p.speed):g} rpm and {p.weight:g} N the run {SAYS[r.behaviour]}, and the largest growth is {p.growth:.3g} 1/s "
+            f"({p.kind}, {p.frequency:.3g} Hz)"
+        )
+    if len(differ) > 5:
+        summary["warnings"].append(f"runs and eigenvalues differ at {len(differ) - 5} more points")
 
 
 def _columns(rows: list[list[Any]], count: int) -> list[np.ndarray]:
@@ -238,6 +281,11 @@ def _lines(
         if worst is not None:
             line += f"; largest growth {worst.growth:.3g} 1/s at {rpm_of(worst.speed):g} rpm ({worst.kind}, {worst.frequency:.4g} Hz)"
         lines.append(line)
+    if "runs" in summary:
+        done = ", ".join(f"{summary['runs'][name]} {name}" for name in BEHAVIOURS if name in summary["runs"])
+        lines.append(
+            f"  runs of {summary['runs']['duration']:g} s: {done}; {summary['runs']['differ']} differ from the eigenvalues"
+        )
     lines += [f"  note: {w}" for w in summary["warnings"]]
     lines.append(f"  results: {folder}")
     return lines

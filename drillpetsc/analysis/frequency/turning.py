@@ -9,6 +9,7 @@ from petsc4py import PETSc
 from drillpetsc.analysis.energy_descent import Snapshot
 from drillpetsc.analysis.equilibrium import StaticState
 from drillpetsc.analysis.initial_state import find_equilibrium
+from drillpetsc.analysis.linearised_model import settle
 from drillpetsc.analysis.live_input import LiveInput
 from drillpetsc.analysis.mean_over_turn import mean_over_turn
 from drillpetsc.analysis.modal import rest_of, without_motor
@@ -107,11 +108,13 @@ class TurningModel:
                 model.agitator.hold()
             state = self._static[1]
         if motion == (0.0, 0.0) and model.motor is None:
-            rest_of(model)
+            notes = rest_of(model)
         else:
             release(model)
             model.system.assembly.a[:] = 0.0
             move_rigidly(model)
+            notes = settle(model)
+        state.warnings += [note for note in notes if note not in state.warnings]
         return state
 
     def _key(self, motion: tuple[float, float]) -> Any:

@@ -199,6 +199,7 @@ def flow_case(
             at="gravity", got=0, want="gravity above 0: pressures and densities along the depth need it"
         )
     path = build_well(case)
+    plugged = case.bottom.plugged and bool(case.side_nozzles)  # the mud gets out above
     top = (
         string.top * gravity[2]
         if path is None
@@ -223,7 +224,7 @@ def flow_case(
             "beam": BeamTheory(),
             "hold_string": False,
             "top": HeldTop(kind="clamped"),
-            "bottom": HeldBottom(kind="free", plugged=pipe == "closed"),
+            "bottom": HeldBottom(kind="free", plugged=pipe == "closed" or plugged),
             "contact": None,
             "formation": None,
             "joints": (),

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import shlex
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -16,6 +16,7 @@ from drillpetsc.analysis.hydraulics import rheology_fits
 from drillpetsc.analysis.hydraulics import trade_formulas as trade
 from drillpetsc.analysis.hydraulics.flow_model import LARGEST_FLOW, FlowModel, need_mud, whole_string
 from drillpetsc.analysis.hydraulics.losses import Loss, balance, blend_excess, blend_note, loss_rows
+from drillpetsc.analysis.hydraulics.nozzles import NozzleGroup, bit_flow, nozzle_groups, side_notes
 from drillpetsc.analysis.hydraulics.open_hole import (
     NOT_CHECKED,
     NOTHING_OPEN,
@@ -41,6 +42,7 @@ from drillpetsc.output.files.run_folder import (
     FITS_TABLE,
     FLOW_CURVE_TABLE,
     LOSS_TABLE,
+    NOZZLE_TABLE,
     PROFILE_TABLE,
     READINGS_TABLE,
 )
@@ -51,6 +53,7 @@ from drillpetsc.output.quantities.hydraulics import (
     LEVELS,
     LOSS_ROWS,
     LOSSES,
+    NOZZLES,
     PRESSURE_PROFILE,
     RHEOLOGY_FITS,
 )
@@ -66,6 +69,7 @@ CURVE = np.linspace(0.1, 1.25, 12)  # flow rates of the curve over the largest o
 PER_BLOCK = 6  # flow rates side by side on the screen
 SPP = "--spp"
 SMALLEST_FLOW = 1e-5  # [m3/s]
+STANDING = 1e-9  # share of the pump's flow below which mud stands still
 
 Numbers = dict[str, float | None]
 
@@ -77,6 +81,7 @@ class FlowResult:
     flow_rate: [m3/s]; summary: values of HYDRAULICS_SUMMARY, None where absent; rows: of hydraulics.csv.
     profile: columns of pressure_profile.csv, nan where absent.
     limited_by: limit of the window that is passed, `none`, or `-` without a window.
+    nozzles: groups of nozzles, where there are any above the bit.
     """
 
     flow_rate: float
@@ -85,6 +90,7 @@ class FlowResult:
     profile: dict[str, FloatArray]
     limited_by: str
     warnings: list[str]
+    nozzles: list[NozzleGroup] = field(default_factory=list)
 
 
 def default_flow(case: Case, notes: list[str]) -> float:
@@ -153,7 +159,7 @@ class Hydraulics:
     def __init__(self, case: Case, units: System | None = None) -> None:
         """units: of figures in warnings; None: those of the case, or metric."""
         need_mud(case, "hydraulics")
-        if case.bottom.plugged or not case.has_bore:
+        if case.bottom.plugged and not case.side_nozzles or not case.has_bore:
             raise CaseError(
                 at="bottom.plugged" if case.bottom.plugged else "string",
                 got=True if case.bottom.plugged else None,
@@ -178,7 +184,12 @@ class Hydraulics:
         if case.fluid.formulation == "hermite":
             notes.append("fluid.formulation: hermite: hydraulics takes mixed, whose steady flow is the same")
         bit = self.flow.fluid.bit
-        if bit is None or not bit.end.nozzle:
+        side = self.flow.fluid.side
+        if side is not None:
+            notes += side_notes(self.flow)
+        if bit is None or not bit.has_link:
+            notes.append("bottom.plugged: all mud leaves through the nozzles above the bit")
+        elif not bit.end.nozzle:
             notes.append(
                 "no nozzles: the string ends open, without a loss; jet velocity, impact and power are absent"
             )
@@ -208,9 +219,9 @@ class Hydraulics:
         if limited not in (WITHIN, NOT_CHECKED):
             warnings.append(f"the pressure passes the window: {limited}")
         rows = loss_rows(flow)
-        summary = self._summary(rate, rows)
+        groups, summary = nozzle_groups(flow), self._summary(rate, rows)
         warnings += beyond_rig(case, summary, self.units)
-        return FlowResult(rate, summary, rows, self._profile(), limited, warnings)
+        return FlowResult(rate, summary, rows, self._profile(), limited, warnings, groups)
 
     def _summary(self, rate: float, rows: list[Loss]) -> Numbers:
         flow, case = self.flow, self.case
@@ -224,22 +235,26 @@ class Hydraulics:
         for name in ("bore", "annulus"):
             out[f"{name}_volume"] = sum(row.volume for row in rows if row.channel == name)
         bit = flow.fluid.bit
-        if bit is not None and bit.end.nozzle:
+        through = bit_flow(flow)
+        if flow.fluid.side is not None:
+            out["bit_flow"], out["side_flow"] = through, flow.fluid.side.outflow(flow.system.assembly)
+        if bit is not None and bit.has_link and bit.end.nozzle:
             density = flow.fluid.constants.density
-            power = trade.hydraulic_power(sums["bit_loss"], rate)
-            out["jet_velocity"] = trade.jet_velocity(rate, bit.end.nozzle)
-            out["impact_force"] = trade.impact_force(rate, density, bit.end.nozzle)
+            power = trade.hydraulic_power(sums["bit_loss"], through)
+            out["jet_velocity"] = trade.jet_velocity(through, bit.end.nozzle)
+            out["impact_force"] = trade.impact_force(through, density, bit.end.nozzle)
             out["bit_power"] = power
             out["bit_share"] = sums["bit_loss"] / sums["pump_pressure"]
             last = case.string[-1]
             if isinstance(last, Bit):
                 out["bit_power_per_area"] = trade.power_per_bit_area(power, last.od)
         out["hydraulic_power"] = trade.hydraulic_power(sums["pump_pressure"], rate)
-        annulus = [row.velocity for row in rows if row.channel == "annulus"]
+        annulus = [row for row in rows if row.channel == "annulus"]
         if annulus:
-            out["bottoms_up_time"] = out["annulus_volume"] / rate  # type: ignore[operator]
-            out["lowest_annular_velocity"] = min(annulus)
-        out["circulation_time"] = (out["bore_volume"] + out["annulus_volume"]) / rate  # type: ignore[operator]
+            out["bottoms_up_time"] = _time_through(annulus, rate)
+            out["lowest_annular_velocity"] = min(row.velocity for row in annulus)
+        both = [row for row in rows if row.channel in ("bore", "annulus")]
+        out["circulation_time"] = _time_through(both, rate)
         return out
 
     def densities(self) -> Numbers:
@@ -279,6 +294,16 @@ class Hydraulics:
         }
         for name, values in out.items():
             out[name] = np.append(values, last.get(name, np.nan))
+
+
+def _time_through(rows: list[Loss], rate: float) -> float | None:
+    """Time [s] that mud takes through the channels of ``rows``, by way of the bit; None where mud stands still.
+
+    rate: of the pump [m3/s].  Nozzles above the bit leave less flow below them.
+    """
+    if any(row.flow < STANDING * rate for row in rows):
+        return None
+    return float(sum(row.volume / row.flow for row in rows))
 
 
 def densities(flow: FlowModel, shoe: float | None, end: float | None) -> Numbers:
@@ -343,7 +368,7 @@ def run_hydraulics(
         summary = _summary(case, hydraulics, results) | {"units": units or case.output.units or "metric"}
         if comm.rank == 0:
             case.dump(folder.case)
-            _write(folder.path, results, curve, case.fluid.rheology)  # type: ignore[union-attr]
+            _write(folder.path, case, results, curve, case.fluid.rheology)  # type: ignore[union-attr]
             write_summary(folder.summary, summary)
     lines = _lines(case, results, summary)
     lines.append(f"  results: {folder.path}   (scripts/drillpetsc plot {shlex.quote(str(folder.path))})")
@@ -367,7 +392,29 @@ def _fit_cell(fit: rheology_fits.Fit, name: str) -> str | float:
     return ("yes" if value else "no") if name == "used" else value
 
 
-def _write(path: Path, results: list[FlowResult], curve: list[Numbers], rheology: Rheology) -> None:
+def nozzle_rows(case: Case, result: FlowResult) -> list[dict[str, Any]]:
+    """Rows of nozzles.csv at one flow rate: values by name, SI; nan where a number does not exist."""
+    return [
+        {
+            "pump_flow": result.flow_rate,
+            "item": case.string[group.item].name,
+            "md": group.md,
+            "nozzle_area": group.area,
+            "nozzle_flow": group.flow,
+            "nozzle_share": group.flow / result.flow_rate if result.flow_rate else np.nan,
+            "nozzle_jet_velocity": group.jet_velocity,
+            "nozzle_loss": group.pressure_loss,
+            "nozzle_power": group.power,
+            "nozzle_power_per_area": group.power_per_area,
+            "nozzle_impact_force": group.impact_force,
+        }
+        for group in result.nozzles
+    ]
+
+
+def _write(
+    path: Path, case: Case, results: list[FlowResult], curve: list[Numbers], rheology: Rheology
+) -> None:
     rows = [(result.flow_rate, row) for result in results for row in result.rows]
     renamed = {"from": "upper", "to": "lower", "mean_velocity": "velocity"}
     columns = [
@@ -375,6 +422,9 @@ def _write(path: Path, results: list[FlowResult], curve: list[Numbers], rheology
         for q in LOSS_ROWS
     ]
     write_table(path / LOSS_TABLE, [q.column for q in LOSS_ROWS], columns)
+    if results[0].nozzles:
+        cells = [[row[q.name] for r in results for row in nozzle_rows(case, r)] for q in NOZZLES]
+        write_table(path / NOZZLE_TABLE, [q.column for q in NOZZLES], cells)
     profile = [
         np.concatenate(
             [
@@ -407,11 +457,42 @@ def _summary(case: Case, hydraulics: Hydraulics, results: list[FlowResult]) -> d
         else float(vertical_depth(case, np.array([hydraulics.shoe]))[0]),
         "window": window_table(case.window),
         "outlet_pressure": case.fluid.outlet_pressure.value(0.0),  # type: ignore[union-attr]
-        "flows": [{**r.summary, "limited_by": r.limited_by, "warnings": r.warnings} for r in results],
+        "flows": [
+            {**r.summary, **_nozzles(case, r), "limited_by": r.limited_by, "warnings": r.warnings}
+            for r in results
+        ],
         "rheology": rheology_fits.figures(case.fluid.rheology) or None,  # type: ignore[union-attr]
         "warnings": hydraulics.warnings,
         "notes": hydraulics.notes,
     }
+
+
+def _nozzles(case: Case, result: FlowResult) -> dict[str, Any]:
+    """The rows of nozzles.csv under the key `nozzles`, with None for numbers that do not exist; nothing without side nozzles."""
+    if not result.nozzles:
+        return {}
+    rows = nozzle_rows(case, result)
+    plain = [{k: None if isinstance(v, float) and np.isnan(v) else v for k, v in row.items()} for row in rows]
+    return {"nozzles": plain}
+
+
+def _nozzle_lines(case: Case, results: list[FlowResult], system: System) -> list[str]:
+    """A line for each group of nozzles and flow rate; nothing without nozzles above the bit."""
+    if not results[0].nozzles:
+        return []
+    shown = [(q, *shown_unit(q.name, q.unit, system)) for q in NOZZLES if q.name != "item"]
+    lines = [
+        "  Nozzles: "
+        + ", ".join(f"{q.label.lower()} [{unit}]" if unit else q.label.lower() for q, _, unit in shown)
+    ]
+    for result in results:
+        for row in nozzle_rows(case, result):
+            cells = "".join(
+                f"{'-' if np.isnan(row[q.name]) else format(row[q.name] / size, '.5g'):>11}"
+                for q, size, _ in shown
+            )
+            lines.append(f"  {row['item'][:16]:<16}{cells}")
+    return lines
 
 
 def _lines(case: Case, results: list[FlowResult], summary: dict[str, Any]) -> list[str]:
@@ -442,6 +523,7 @@ def _lines(case: Case, results: list[FlowResult], summary: dict[str, Any]) -> li
         ]
     return (
         lines
+        + _nozzle_lines(case, results, summary["units"])
         + _mud_lines(case, summary["units"])
         + [f"  note: {lengths_shown(note, summary['units'])}" for note in summary["notes"]]
     )

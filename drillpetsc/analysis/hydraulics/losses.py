@@ -13,10 +13,10 @@ from scipy.optimize import brentq
 
 from drillpetsc.analysis.hydraulics import trade_formulas as trade
 from drillpetsc.analysis.hydraulics.flow_model import FlowModel
+from drillpetsc.analysis.hydraulics.nozzles import bit_flow, nozzle_groups, nozzle_loss
 from drillpetsc.arrays import FloatArray
 from drillpetsc.case.blocks.well import Section
 from drillpetsc.model.fluid import build_rheology
-from drillpetsc.physics.fluid.bit_flow import RESULTS
 from drillpetsc.physics.fluid.channel_flow import RESULT_NAMES, ChannelFlow
 from drillpetsc.physics.fluid.rheology import Rheology, wall_shear
 from drillpetsc.physics.tools.mud_motor import RESULTS as MOTOR_RESULTS
@@ -34,6 +34,7 @@ class Loss:
     upper, lower: measured depths [m]; od, id: outer and inner diameter of the channel [m].
     velocity: [m/s], positive with the pumped flow; critical_flow: flow rate at which laminar flow ends [m3/s].
     volume: of the channel [m3].
+    flow: flow rate at zero pressure [m3/s], positive with the pumped flow.
     """
 
     channel: str
@@ -50,6 +51,7 @@ class Loss:
     pressure_loss: float = 0.0
     critical_flow: float = np.nan
     volume: float = np.nan
+    flow: float = np.nan
 
     @property
     def length(self) -> float:
@@ -190,6 +192,7 @@ def channel_rows(flow: FlowModel, name: str) -> list[Loss]:
         outer, inner = component.parameter("diameter"), np.zeros(len(item))
         open_area = component.parameter("area")
     sign = -1.0 if slot else 1.0
+    rate = sign * component.flows(flow.system)
     rows: list[Loss] = []
 
     def add(group: np.ndarray) -> None:
@@ -209,6 +212,7 @@ def channel_rows(flow: FlowModel, name: str) -> list[Loss]:
                 b,
                 w,
                 volume=float(open_area[group] @ length),
+                flow=float(rate[group] @ mean),
                 pressure_loss=loss,
                 **_friction_numbers(
                     law, w, d - b, slot, rho, loss, float(length.sum()), float(open_area[group] @ mean)
@@ -239,6 +243,7 @@ def channel_rows(flow: FlowModel, name: str) -> list[Loss]:
                 b,
                 w,
                 volume=open_above * length,
+                flow=float(rate[k]),
                 pressure_loss=loss,
                 **_friction_numbers(law, w, d - b, slot, float(e.density[k]), loss, length, open_above),
             )
@@ -313,18 +318,6 @@ def tool_rows(flow: FlowModel) -> list[Loss]:
     return sorted(rows, key=lambda row: row.upper)
 
 
-def nozzle_loss(flow: FlowModel) -> float:
-    """Compute the loss of the nozzles and the check valve [Pa]; 0 without them (manual: eq-mud-nozzle)."""
-    bit, rates, bore = flow.fluid.bit, flow.flow_rate("bore"), flow.pressure("bore")
-    if bit is None or rates is None or bore is None or not rates[-1]:
-        return 0.0
-    lost = float(bit.element_results(flow.system.assembly)[RESULTS["lost"]])
-    mean = 0.5 * (
-        float(bore[-1]) + flow.bottom_pressure()
-    )  # the pressure at which the kernel takes the volume
-    return lost / float(rates[-1]) * np.exp(mean / flow.fluid.constants.bulk_modulus)
-
-
 def surface_line_loss(flow: FlowModel) -> float:
     """Compute the loss of the lines between pump and string [Pa]; 0 without them."""
     line, rates = flow.fluid.surface_line, flow.flow_rate("bore")
@@ -345,8 +338,14 @@ def loss_rows(flow: FlowModel) -> list[Loss]:
     rows, line = channel_rows(flow, "bore") + tool_rows(flow), surface_line_loss(flow)
     if line:
         rows.insert(0, Loss("surface line", "-", "-", pressure_loss=line))
+    for group in nozzle_groups(flow):
+        if group.item == len(flow.case.string) - 1:
+            continue
+        name = flow.case.string[group.item].name
+        speed, lost = group.jet_velocity, group.pressure_loss
+        rows.append(Loss("nozzles", name, "-", group.md, group.md, velocity=speed, pressure_loss=lost))
     if bit and flow.fluid.bit is not None:
-        rate = float(flow.flow_rate("bore")[-1])  # type: ignore[index]
+        rate = bit_flow(flow)
         depth = flow.string.depth
         rows.append(
             Loss(

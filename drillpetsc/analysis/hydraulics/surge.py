@@ -26,6 +26,7 @@ from drillpetsc.analysis.hydraulics.flow_model import (
 )
 from drillpetsc.analysis.hydraulics.hydraulics import Numbers, default_flow, densities, window_table
 from drillpetsc.analysis.hydraulics.losses import blend_excess, blend_note
+from drillpetsc.analysis.hydraulics.nozzles import bit_flow
 from drillpetsc.analysis.hydraulics.open_hole import (
     NOT_CHECKED,
     NOTHING_OPEN,
@@ -41,7 +42,7 @@ from drillpetsc.errors import CaseError, SolveError
 from drillpetsc.model.fluid import build_rheology
 from drillpetsc.output import write_summary, write_table
 from drillpetsc.output.files.run_folder import SURGE_TABLE, TRIP_SPEED_TABLE
-from drillpetsc.output.quantities.hydraulics import DYNAMIC_SURGE, MAX_TRIP_SPEED, SURGE
+from drillpetsc.output.quantities.hydraulics import DYNAMIC_SURGE, MAX_TRIP_SPEED, SIDE_SURGE, SURGE
 from drillpetsc.output.result import RunResult
 from drillpetsc.output.shown_units import lengths_shown, shown_unit
 from drillpetsc.physics.fluid.rheology import wall_shear
@@ -61,6 +62,7 @@ class SurgeRow:
     """One row of surge.csv, SI; None where absent.
 
     trip_speed, surge_pressure: signs as in the table; warnings: what makes the row invalid.
+    side_flow: through nozzles above the bit; nan without any, and where they are closed with the pipe.
     dynamic_surge_pressure, dynamic_surge_time: of the start from rest; nan where it was not run or failed.
     """
 
@@ -76,6 +78,7 @@ class SurgeRow:
     outlet_flow: float
     limited_by: str
     warnings: tuple[str, ...]
+    side_flow: float = np.nan
     dynamic_surge_pressure: float = np.nan
     dynamic_surge_time: float = np.nan
 
@@ -119,10 +122,10 @@ class Tripping:
         """
         flow = self.flow
         self._solve(f"{operation}, {speed:g} m/s", self.pump, OPERATIONS[operation] * speed)
-        annulus, bit = flow.fluid.annulus, flow.fluid.bit
-        assert annulus is not None and bit is not None
+        annulus = flow.fluid.annulus
+        assert annulus is not None
         state = flow.system.assembly
-        through_bit = flow.flow_rate("bore")
+        side = flow.fluid.side
         return SurgeRow(
             operation,
             self.pipe,
@@ -132,10 +135,11 @@ class Tripping:
             densities(flow, self.shoe, self.end),
             flow.bottom_pressure() - self.at_rest,
             self.pump,
-            0.0 if through_bit is None else float(through_bit[-1]),
+            bit_flow(flow),
             float(annulus.outflow(state) or 0.0),
             self._limited(),
             (*flow.warnings(), *blend_note(blend_excess(flow, OPERATIONS[operation] * speed))),
+            np.nan if side is None else side.outflow(state),
         )
 
     def failed(self, operation: str, speed: float, error: SolveError) -> SurgeRow:
@@ -208,7 +212,8 @@ def run_surge(
                 at="--flow", want="a flow rate for --pipe pumping", hint="the case has a pump_pressure"
             )
     notes += _notes(case, plan, hole)
-    quantities = (*SURGE, *DYNAMIC_SURGE) if plan.dynamic else SURGE
+    side = SIDE_SURGE if case.side_nozzles else ()
+    quantities = (*SURGE, *side, *(DYNAMIC_SURGE if plan.dynamic else ()))
     rows: list[SurgeRow] = []
     fastest: list[dict[str, Any]] = []
     by_area: list[dict[str, Any]] = []
@@ -278,12 +283,18 @@ def _notes(case: Case, plan: Trips, hole: OpenHole | None) -> list[str]:
         ]
     assert case.fluid is not None
     if "open" in plan.pipes and case.fluid.check_valve:
-        notes.append("open pipe with fluid.check_valve: the valve stays shut while running in")
+        way = "; mud enters through the nozzles above the bit" if case.side_nozzles else ""
+        notes.append(f"open pipe with fluid.check_valve: the valve stays shut while running in{way}")
     if "open" in plan.pipes and case.fluid.outlet_pressure.value(0.0) > 0:
         notes.append(
             "open pipe with an outlet_pressure: the mud flows up the pipe with the string at rest, too"
         )
-    if case.bottom.plugged and set(plan.pipes) != {"closed"}:
+    if case.side_nozzles and "closed" in plan.pipes:
+        notes.append(
+            "closed pipe: full of mud and closed at its top, so nothing flows through the nozzles above the bit on the whole; a float "
+            "below open nozzles is --pipe open with fluid.check_valve: true"
+        )
+    if case.bottom.plugged and not case.side_nozzles and set(plan.pipes) != {"closed"}:
         notes.append("bottom.plugged holds for a closed pipe only")
     if hole is None:
         notes.append(

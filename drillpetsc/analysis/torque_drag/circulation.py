@@ -25,7 +25,7 @@ class Circulation:
 
     md: (n+1,) measured depths [m]; below: (n+1,) force that lifts the string below them [N].
     thrust: of the jets on the bit, up [N].
-    inside, outside: (n+1,) pressures [Pa]; momentum: density times flow squared [N m2].
+    inside, outside: (n+1,) pressures [Pa]; momentum: (n+1,) density times the square of the flow in the bore [N m2].
     """
 
     md: FloatArray
@@ -33,7 +33,7 @@ class Circulation:
     thrust: float
     inside: FloatArray
     outside: FloatArray
-    momentum: float
+    momentum: FloatArray
 
     def lift(self, edges: FloatArray) -> FloatArray:
         """(k,) lift per length [N/m] between measured depths ``edges`` (k+1,) [m]."""
@@ -67,19 +67,24 @@ def circulation(case: Case, depth: float, flow: float, at: str) -> Circulation:
     below = np.append(np.cumsum(force[::-1])[::-1], 0.0)
     still = np.zeros(count + 1)
     bore, annulus = (model.pressure(name) for name in ("bore", "annulus"))
+    flows = model.flow_rate("bore")
+    through = np.zeros(count + 1) if flows is None else np.append(flows, flows[-1])  # below each node
     return Circulation(
         model.md,
         below,
-        _thrust(model, flow),
+        _thrust(model, float(through[-1])),
         still if bore is None else bore,
         still if annulus is None else annulus,
-        float(model.fluid.constants.density * flow**2),
+        model.fluid.constants.density * through**2,
     )
 
 
 def _thrust(model: FlowModel, flow: float) -> float:
-    """Momentum of the mud that leaves the bit [N]."""
+    """Momentum of the mud that leaves the bit [N]; jets above it point outward and give no thrust.
+
+    flow: through the bit [m3/s].
+    """
     bit = model.fluid.bit
-    if bit is None or not flow:
+    if bit is None or not bit.has_link or not flow:
         return 0.0
     return float(model.fluid.constants.density * flow**2 / (bit.end.nozzle or bit.end.bore))

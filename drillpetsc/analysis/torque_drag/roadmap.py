@@ -120,7 +120,7 @@ def _with_flow(
             lift[:, c], thrust[c] = flow.lift(hole.edges), flow.thrust
             mud.inside[:, c] = np.interp(hole.edges, flow.md, flow.inside)
             mud.outside[:, c] = np.interp(hole.edges, flow.md, flow.outside)
-            mud.momentum[c] = flow.momentum
+            mud.momentum[:, c] = np.interp(hole.edges, flow.md, flow.momentum)
     return replace(columns, lift=lift, thrust=thrust), mud
 
 

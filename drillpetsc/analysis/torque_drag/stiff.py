@@ -229,14 +229,17 @@ def _in_mud(model: DrillingModel, found: State, hole: Surroundings, job: Job) ->
     mesh = model.mesh
     if isinstance(job.flow, Circulation):
         inside, outside = (np.interp(hole.md, job.flow.md, p) for p in (job.flow.inside, job.flow.outside))
-        momentum = job.flow.momentum
+        momentum = np.interp(hole.md, job.flow.md, job.flow.momentum)
     else:
         gravity = float(np.linalg.norm(np.array(model.case.gravity, dtype=float)))
         depth = np.maximum(hole.tvd, 0.0)
-        (inside, outside), momentum = (density * gravity * depth for density in job.densities), 0.0
+        (inside, outside), momentum = (
+            (density * gravity * depth for density in job.densities),
+            np.zeros_like(depth),
+        )
     bore, whole = (np.pi / 4 * d**2 for d in (mesh.inner_diameter, mesh.outer_diameter))
     axial = found.axial + inside * bore[:, None] - outside * whole[:, None]
-    axial += np.divide(momentum, bore, out=np.zeros(len(bore)), where=bore > 0)[:, None]
+    axial += np.divide(momentum, bore[:, None], out=np.zeros_like(momentum), where=bore[:, None] > 0)
     return replace(found, axial=axial, inside=inside, outside=outside)
 
 

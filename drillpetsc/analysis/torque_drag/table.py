@@ -132,7 +132,7 @@ def neutral_point(md: FloatArray, tension: FloatArray) -> float:
 
 @dataclass(frozen=True)
 class Pressures:
-    """Pressures of the mud at the edges of the steps, (k+1, c) [Pa], and density times flow squared (c,) [N m2]."""
+    """At the edges of the steps, (k+1, c): pressures of the mud [Pa], and density times the square of the flow in the bore [N m2]."""
 
     inside: FloatArray
     outside: FloatArray
@@ -143,7 +143,7 @@ def still_mud(hole: Hole, count: int, densities: tuple[float, float], gravity: f
     """Pressures of still mud inside and outside ``count`` strings; densities: of both [kg/m3]."""
     depth = np.maximum(np.asarray(hole.well.at(hole.edges)[0])[:, 2], 0.0)
     inside, outside = (np.tile((density * gravity * depth)[:, None], (1, count)) for density in densities)
-    return Pressures(inside, outside, np.zeros(count))
+    return Pressures(inside, outside, np.zeros_like(inside))
 
 
 def _stress(hole: Hole, loads: Columns, batch: Batch, mud: Pressures) -> tuple[FloatArray, FloatArray]:
@@ -173,7 +173,7 @@ def _stress(hole: Hole, loads: Columns, batch: Batch, mud: Pressures) -> tuple[F
         inside, outside = mud.inside[ends], mud.outside[ends]
         with np.errstate(divide="ignore", invalid="ignore"):
             wall = tension + inside * opening - outside * (opening + pressed)
-            wall += np.where(opening > 0, mud.momentum / opening, 0.0)
+            wall += np.where(opening > 0, mud.momentum[ends] / opening, 0.0)
             gathered = 1 / tension_factor(np.maximum(tension, 0.0), stiffness, half)
             moment = bend * np.where(np.isfinite(gathered), gathered, 1.0)
             stress = stresses(2 * radius, 2 * bore, wall, moment, torque, inside, outside).von_mises

@@ -28,7 +28,7 @@ from drillpetsc.case.blocks.rig import STANDARD_GRAVITY, Rig
 from drillpetsc.case.blocks.roadmap import Roadmap
 from drillpetsc.case.blocks.settings import BeamTheory, Initial, MeshSettings, Output, Time
 from drillpetsc.case.blocks.steering import RotarySteerable
-from drillpetsc.case.blocks.string import Flexible, Material
+from drillpetsc.case.blocks.string import Bit, Flexible, Material
 from drillpetsc.case.blocks.tools import TelescopingTool
 from drillpetsc.case.blocks.tubulars import StringItem
 from drillpetsc.case.blocks.well import Well
@@ -200,11 +200,19 @@ class CaseBlocks(Block):
     def has_bore(self) -> bool:
         """Whether there is fluid in the string.
 
-        There is none in a solid string, nor in a plugged one that no pump pressure fills.
+        There is none in a solid string, nor in a plugged one that is filled neither by a pump pressure nor through
+        nozzles above the bit.
         """
-        if self.fluid is None or (self.bottom.plugged and self.fluid.pump_pressure is None):
+        sealed = self.bottom.plugged and not self.side_nozzles
+        if self.fluid is None or (sealed and self.fluid.pump_pressure is None):
             return False
         return any(isinstance(item, Flexible) and item.id > 0 for item in self.string)
+
+    @property
+    def side_nozzles(self) -> tuple[tuple[int, float], ...]:
+        """(number of the string item, flow area [m2]) of items with nozzles above the bit, from the top down."""
+        found = ((i, item.nozzle_area) for i, item in enumerate(self.string) if not isinstance(item, Bit))
+        return tuple((i, area) for i, area in found if area)
 
     @property
     def has_annulus(self) -> bool:

@@ -22,6 +22,10 @@ Angle = Annotated[float, Quantity("rad")]
 Friction = Annotated[float, Quantity("", at_least=0, at_most=10)]
 
 
+NozzleArea = Annotated[float, Quantity("m^2", above=0, at_most=0.1)] | None
+NozzleSizes = Annotated[tuple[float, ...], Nozzles()] | None
+
+
 MIN_WALL_RATIO = 1e-4  # (od - id) over od [-]
 MIN_BORE = 1e-4  # inner diameter [m]
 
@@ -296,6 +300,25 @@ class Rigid(Item):
         return 0.0, self.length
 
 
+def _area_of_nozzles(item: Bit | Stabilizer, od: float | None, what: str) -> float | None:
+    """Flow area [m2] of the nozzles of an item, by their sizes or as given; None without any.
+
+    od: of the item [m], None: not known yet; what: the item, for the message of an area above its face.
+    """
+    area = item.nozzle_area
+    if item.nozzles is not None:
+        sum_ = math.fsum(math.pi / 4 * d**2 for d in item.nozzles)
+        if area is not None and abs(area - sum_) > 1e-9 * sum_:
+            want = f"nozzles or nozzle_area, not both: the nozzles have {sum_:g} m2"
+            raise refuse("nozzle_area", got=area, want=want)
+        area = sum_
+    if area is not None and od is not None and area > math.pi / 4 * od**2:
+        key = "nozzle_area" if item.nozzles is None else "nozzles"
+        want = f"at most the area of {what}, {math.pi / 4 * od**2:g} m2"
+        raise refuse(key, got=f"{area:g} m2", want=want)
+    return area
+
+
 class Stabilizer(Rigid):
     """A stabilizer: contact with the hole over its blades, or over its length when blade_length is not given."""
 
@@ -327,6 +350,20 @@ class Stabilizer(Rigid):
         default=True, strict=True, description="true: a rigid item; false: its body bends, its blades do not"
     )
     bend: Bend | None = Field(default=None, description="bent sub: kink at the item's upper end")
+    nozzle_area: NozzleArea = Field(
+        default=None,
+        description="total flow area of nozzles in the side of the item, from the bore to the annulus; none when not given",
+    )
+    nozzles: NozzleSizes = Field(
+        default=None,
+        description="diameters of nozzles in the side of the item, `2 x 14/32 in` or [14, 14] in 32nds of an inch; sets nozzle_area",
+    )
+
+    @model_validator(mode="after")
+    def _side_nozzles(self) -> Stabilizer:
+        od = self.blade_od if self.od is None else self.od
+        self.fill_defaults(nozzle_area=_area_of_nozzles(self, od, "the item"))
+        return self
 
     @model_validator(mode="after")
     def _blades(self) -> Stabilizer:
@@ -388,30 +425,16 @@ class Bit(Rigid):
     bit_type: Literal["PDC", "roller_cone", "diamond", "core"] | None = Field(
         default=None, description="type of the bit; shown in reports, chooses nothing by itself"
     )
-    nozzle_area: Annotated[float, Quantity("m^2", above=0, at_most=0.1)] | None = Field(
+    nozzle_area: NozzleArea = Field(
         default=None,
         description="total flow area of the nozzles (used by a fluid); the open bore when not given",
     )
-    nozzles: Annotated[tuple[float, ...], Nozzles()] | None = Field(
+    nozzles: NozzleSizes = Field(
         default=None,
         description="diameters of the nozzles, `3 x 12/32 in` or [12, 12, 12] in 32nds of an inch; sets nozzle_area",
     )
 
     @model_validator(mode="after")
     def _flow_area(self) -> Bit:
-        area = self.nozzle_area
-        if self.nozzles is not None:
-            sum_ = math.fsum(math.pi / 4 * d**2 for d in self.nozzles)
-            if area is not None and abs(area - sum_) > 1e-9 * sum_:
-                raise refuse(
-                    "nozzle_area",
-                    got=area,
-                    want=f"nozzles or nozzle_area, not both: the nozzles have {sum_:g} m2",
-                )
-            area = sum_
-        face = math.pi / 4 * self.od**2
-        if area is not None and area > face:
-            key = "nozzle_area" if self.nozzles is None else "nozzles"
-            raise refuse(key, got=f"{area:g} m2", want=f"at most the area of the bit, {face:g} m2")
-        self.fill_defaults(nozzle_area=area)
+        self.fill_defaults(nozzle_area=_area_of_nozzles(self, self.od, "the bit"))
         return self

@@ -6,7 +6,7 @@ import math
 
 from drillpetsc.case.blocks.case_blocks import CaseBlocks
 from drillpetsc.case.blocks.ends import DrivenTop, ForcedBottom
-from drillpetsc.case.blocks.string import Beam, Flexible, Rigid
+from drillpetsc.case.blocks.string import Beam, Flexible, Rigid, Stabilizer
 from drillpetsc.case.key_paths import refuse
 from drillpetsc.case.quantities import largest
 
@@ -68,9 +68,33 @@ def check_fluid(case: CaseBlocks) -> None:
             raise refuse(
                 "string", i, "pressure_loss", want="no pressure_loss where nothing flows in the string"
             )
+    _side_nozzles(case)
     _metal_of_rigid_items(case)
     _lower_end(case)
     _bore(case)
+
+
+def _side_nozzles(case: CaseBlocks) -> None:
+    """Raise where mud cannot flow through the nozzles of an item above the bit."""
+    fluid, first = case.fluid, next(i for i, item in enumerate(case.string) if isinstance(item, Flexible))
+    assert fluid is not None
+    for i, _ in case.side_nozzles:
+        item = case.string[i]
+        sizes = isinstance(item, Stabilizer) and item.nozzles is not None
+        at = ("string", i, "nozzles" if sizes else "nozzle_area")
+        if i == len(case.string) - 1:
+            hint = "kind: bit has the nozzles of the string's end; without any, the bore is open there"
+            raise refuse(*at, want="no nozzles in the side of the string's last item", hint=hint)
+        if i < first:
+            raise refuse(*at, want="a pipe above the item with nozzles: the flow there is given")
+        if fluid.formulation == "hermite":
+            hint = "only formulation: mixed has branches of the flow"
+            raise refuse(
+                "fluid", "formulation", got="hermite", want="mixed with nozzles above the bit", hint=hint
+            )
+        if not case.has_bore:
+            want = "no nozzles where there is no mud in the string"
+            raise refuse(*at, want=want)
 
 
 def _metal_of_rigid_items(case: CaseBlocks) -> None:
@@ -116,7 +140,7 @@ def _lower_end(case: CaseBlocks) -> None:
     """
     fluid = case.fluid
     assert fluid is not None
-    if not case.bottom.plugged or fluid.pump_pressure is not None:
+    if not case.bottom.plugged or fluid.pump_pressure is not None or case.side_nozzles:
         return
     if largest(fluid.flow_rate) > 0:
         hint = "plugged: false, or flow_rate 0, or a pump_pressure instead of a flow_rate"

@@ -58,6 +58,9 @@ def _check_agitator(case: CaseBlocks) -> None:
     if not found:
         return
     number, item = found[0]
+    if case.hold_string and case.fluid is not None:
+        want = "no agitator in a string that hold_string keeps still"
+        raise refuse("string", number, "kind", got="agitator", want=want)
     if len(found) > 1:
         raise refuse(
             "string", found[1][0], "kind", got="agitator", want=f"one agitator; string[{number}] is one"
@@ -67,8 +70,16 @@ def _check_agitator(case: CaseBlocks) -> None:
         raise refuse(
             "string", number, "kind", got="agitator", want="no agitator in a quasi-static run", hint=hint
         )
-    if case.fluid is not None:
-        hint = "agitator.flow_rate gives the flow of a case without fluid"
+    if case.fluid is None:
+        return
+    at = ("string", number)
+    if item.agitator.flow_rate is not None:
+        hint = "the flow in the bore turns the valve: fluid.flow_rate"
         raise refuse(
-            "string", number, "kind", got="agitator", want="not with a fluid yet: an agitator", hint=hint
+            *at, "agitator", "flow_rate", got="a flow rate", want="no flow_rate with a fluid", hint=hint
         )
+    if case.fluid.formulation == "hermite":
+        raise refuse("fluid", "formulation", got="hermite", want="mixed with an agitator")
+    if not case.has_bore or item.id == 0:
+        want = "mud in the bore of the agitator: an id, and an open lower end"
+        raise refuse(*at, "kind", got="agitator", want=want)

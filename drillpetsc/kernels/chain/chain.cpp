@@ -15,8 +15,10 @@
 #include <cmath>
 #include <cstdint>
 #include <cstring>
+#include <unordered_map>
 #include <utility>
 #include <type_traits>
+#include <vector>
 
 #include "core/names.hpp"
 
@@ -335,21 +337,27 @@ void chain_scatter_add(int n, const int* index, const double* values, double* ta
         if (index[k] >= 0) target[index[k]] += values[k];
 }
 
-// Assemble and eliminate, a node at a time so that its blocks stay in the cache.  Entry k of the lists adds values[source[k]]
-// at store[slot[k]]; start (n+1): where each node's part of the lists begins.  saved: null, or receives the assembled blocks;
-// blocks: null, or receives the pivot blocks S_i = A(i,i) - A(i,i-1) S_(i-1)^-1 A(i-1,i) before their LU, at the offsets DIAG.
+// Assemble and eliminate, a node at a time so that its blocks stay in the cache.  Run r of a node adds values[first[r] + k] at
+// store[DIAG + slots[begin[pattern[r]] + k]], as chain_runs has set them; start (n+1): where each node's runs begin.  saved: null, or
+// receives the assembled blocks; blocks: null, or receives the pivot blocks S_i = A(i,i) - A(i,i-1) S_(i-1)^-1 A(i-1,i) before their LU,
+// one after the other.
 // tolerance: a pivot must exceed tolerance x the largest entry of its column of A(i,i).  Returns -1 or the node without a pivot
 // (stats[FAILED_COLUMN]: its column).
-int chain_factor(int n, int keep, const std::int64_t* table, double* store, const int* start, const int* slot, const int* source,
-                 const double* values, double* inverse, int* pivot, double tolerance, double* stats, double* saved,
-                 double* blocks) {
+int chain_factor(int n, int keep, const std::int64_t* table, double* store, const int* start, const int* first_entry,
+                 const int* pattern, const int* begin, const int* slots, const double* values, double* inverse, int* pivot,
+                 double tolerance, double* stats, double* saved, double* blocks) {
     int assembled = 0;
     const auto assemble_up_to = [&](int node) {
         for (; assembled <= node && assembled < n; assembled++) {
             const Row t = table + assembled * COLUMNS;
             const std::size_t bytes = sizeof(double) * (t[LFAC] - t[DIAG]);
             std::memset(store + t[DIAG], 0, bytes);
-            for (int k = start[assembled]; k < start[assembled + 1]; k++) store[slot[k]] += values[source[k]];
+            double* to = store + t[DIAG];
+            for (int r = start[assembled]; r < start[assembled + 1]; r++) {
+                const double* v = values + first_entry[r];
+                const int *slot = slots + begin[pattern[r]], *end = slots + begin[pattern[r] + 1];
+                for (; slot < end; slot++) to[*slot] += *v++;
+            }
             if (saved) std::memcpy(saved + t[DIAG], store + t[DIAG], bytes);
         }
     };
@@ -365,7 +373,10 @@ int chain_factor(int n, int keep, const std::int64_t* table, double* store, cons
         assemble_up_to(i + 1);
         double* W = next ? store + t[UPPER] : nullptr;
         double* fill = first ? store + t[LEFT] : nullptr;
-        if (blocks) std::memcpy(blocks + t[DIAG], store + t[DIAG], sizeof(double) * t[LD] * t[SIZE]);
+        if (blocks) {
+            std::memcpy(blocks, store + t[DIAG], sizeof(double) * t[LD] * t[SIZE]);
+            blocks += t[LD] * t[SIZE];
+        }
         const int bad = eliminate_node(t, store, W, next ? next[SIZE] : 0, fill, first ? top[SIZE] : 0, inverse, pivot, scale,
                                        tolerance, stats);
         if (bad >= 0) {
@@ -389,31 +400,67 @@ int chain_factor(int n, int keep, const std::int64_t* table, double* store, cons
     return -1;
 }
 
-// Lists of the matrix entries for chain_factor, sorted by node (a stable counting sort).  rows, columns: (m) unknowns of each entry,
-// negative where it is left out; node, component: of each unknown.  Out: start (n + 1), slot and source (as many as are used).
-// Returns -1, or the entry that couples nodes that are no neighbours.
-int chain_entries(int m, const std::int64_t* rows, const std::int64_t* columns, const std::int64_t* node, const std::int64_t* component,
-                  int n, const std::int64_t* table, int* start, int* slot, int* source) {
+// Runs of matrix entries for chain_factor: entries that follow each other in `values` and have their rows at one node.  Where they go,
+// relative to the node's first block, is the same for many runs (all elements of one kind between nodes of one size), so a run is the
+// number of its first entry and that of a pattern.
+//
+// rows, columns: (m) unknowns of each entry, negative where it is left out; source: (m) its place in `values`, null for 0 to m - 1;
+// node, component: of each unknown.
+
+// start (n + 1): where the runs of each node begin.  Returns -1, or the entry that couples nodes that are no neighbours.
+int chain_count_runs(int m, const int* rows, const int* columns, const int* source, const int* node, int n, int* start) {
     for (int i = 0; i <= n; i++) start[i] = 0;
-    for (int k = 0; k < m; k++) {
-        if (rows[k] < 0 || columns[k] < 0) continue;
-        const std::int64_t i = node[rows[k]], step = node[columns[k]] - i;
-        if (step < -1 || step > 1) return k;
-        start[i + 1]++;
+    for (int k = 0, last = -1; k < m; k++) {
+        const int i = rows[k] < 0 || columns[k] < 0 ? -1 : node[rows[k]];
+        if (i >= 0) {
+            const int step = node[columns[k]] - i;
+            if (step < -1 || step > 1) return k;
+            if (i != last || (source && source[k] != source[k - 1] + 1)) start[i + 1]++;
+        }
+        last = i;
     }
     for (int i = 0; i < n; i++) start[i + 1] += start[i];
-    for (int k = 0; k < m; k++) {
-        if (rows[k] < 0 || columns[k] < 0) continue;
-        const std::int64_t i = node[rows[k]], j = node[columns[k]];
+    return -1;
+}
+
+// The runs in the order of their nodes, those of a node as they come: first entry and pattern of each, slots of pattern p from begin[p]
+// to begin[p + 1].  Returns the number of patterns, -1 where `room` slots are too few.
+int chain_runs(int m, const int* rows, const int* columns, const int* source, const int* node, const int* component, int n,
+               const std::int64_t* table, int* start, int* first_entry, int* pattern, int room, int* begin, int* slots) {
+    std::unordered_map<std::uint64_t, std::vector<int>> known;  // patterns by a digest of their slots
+    int patterns = 0;
+    begin[0] = 0;
+    for (int k = 0; k < m;) {
+        if (rows[k] < 0 || columns[k] < 0) {
+            k++;
+            continue;
+        }
+        const int i = node[rows[k]], from = k, at = begin[patterns];
         const Row t = table + i * COLUMNS;
-        const std::int64_t block = t[j < i ? LOWER : j > i ? UPPER : DIAG];
-        const int at = start[i]++;
-        slot[at] = static_cast<int>(block + component[columns[k]] * t[LD] + component[rows[k]]);
-        source[at] = k;
+        int count = 0;
+        std::uint64_t digest = 1469598103934665603ull;
+        for (; k < m && rows[k] >= 0 && columns[k] >= 0 && node[rows[k]] == i && (k == from || !source || source[k] == source[k - 1] + 1); k++) {
+            if (at + count >= room) return -1;
+            const int j = node[columns[k]];
+            const std::int64_t block = t[j < i ? LOWER : j > i ? UPPER : DIAG] - t[DIAG];
+            const int slot = static_cast<int>(block + component[columns[k]] * t[LD] + component[rows[k]]);
+            slots[at + count++] = slot;
+            digest = (digest ^ static_cast<std::uint64_t>(slot)) * 1099511628211ull;
+        }
+        int found = -1;
+        for (int p : known[digest])
+            if (begin[p + 1] - begin[p] == count && !std::memcmp(slots + begin[p], slots + at, sizeof(int) * count)) found = p;
+        if (found < 0) {
+            known[digest].push_back(found = patterns++);
+            begin[patterns] = at + count;
+        }
+        const int r = start[i]++;
+        first_entry[r] = source ? source[from] : from;
+        pattern[r] = found;
     }
     for (int i = n; i > 0; i--) start[i] = start[i - 1];
     start[0] = 0;
-    return -1;
+    return patterns;
 }
 
 // Number of negative eigenvalues of the symmetric parts of the pivot blocks `blocks` of the eliminated nodes.
@@ -424,7 +471,8 @@ int chain_negative(int n, int keep, const std::int64_t* table, const double* blo
     for (int i = first; i < last; i++) {
         const Row t = table + i * COLUMNS;
         const int b = t[SIZE], ld = t[LD];
-        const double* D = blocks + t[DIAG];
+        const double* D = blocks;
+        blocks += ld * b;
         for (int k = 0; k < b; k++) {
             double size = 0;
             for (int m = 0; m < b; m++) size = std::fmax(size, std::fabs(D[ld * k + m] + D[ld * m + k]));

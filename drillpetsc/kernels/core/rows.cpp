@@ -21,6 +21,19 @@ extern "C" void run_residuals(int n, const BlockCall* calls, int length, double*
     }
 }
 
+// Rows (count, width) of each element of a block; separate (count, width): 0, 1, 2, ...; work (3, count, width): its x, y, a.
+extern "C" void element_rows(const BlockCall* call, int width, const int* separate, double* work, double* rows) {
+    const BlockCall& c = *call;
+    const long size = (long)c.count * width;
+    double *x = work, *y = work + size, *a = y + size;
+    for (long i = 0; i < size; ++i) {
+        const int k = c.index[i];
+        x[i] = c.x[k]; y[i] = c.y[k]; a[i] = c.a[k];
+        rows[i] = 0.0;
+    }
+    reinterpret_cast<Residual>(const_cast<void*>(c.residual))(c.count, separate, c.parameters, const_cast<void*>(c.record), x, y, a, rows);
+}
+
 // Results of a block of elements: entry point of the kernel and its arguments; out (count, columns), sums (columns) of the columns.
 DP_RECORD(ResultCall,
     const void* results; const int* index; const double* parameters; const void* record; const double* x; const double* y; double* out; double* sums;
@@ -35,6 +48,11 @@ extern "C" void run_results(const ResultCall* call) {
     for (int j = 0; j < c.columns; ++j) c.sums[j] = 0.0;
     for (int e = 0; e < c.count; ++e)
         for (int j = 0; j < c.columns; ++j) c.sums[j] += c.out[(long)e * c.columns + j];
+}
+
+// The same of n blocks.
+extern "C" void run_all_results(int n, const ResultCall* const* calls) {
+    for (int k = 0; k < n; ++k) run_results(calls[k]);
 }
 
 extern "C" {

@@ -32,16 +32,21 @@ extern "C" void add_local_error(int n, int m, const double* const* states, const
     }
 }
 
+namespace {
+// A function of its own, so that the last bit of a point does not depend on how many points there are.
+__attribute__((noinline)) void high_side_offset(const double* tangent, const double* offset, double* out) {
+    using namespace dp;
+    const Vec<double> t = vec(tangent), d = vec(offset);
+    Vec<double> across = {t.x * t.z, t.y * t.z, t.z * t.z - 1.0};
+    if (norm(across) < 1e-6) across = {1.0 - t.x * t.x, -t.y * t.x, -t.z * t.x};
+    const Vec<double> high = across / norm(across);
+    out[0] = dot(d, high);
+    out[1] = dot(d, cross(t, high));
+}
+}  // namespace
+
 // Components (n, 2) of offsets (n, 3) from the hole's axis with directions `tangent` (n, 3): towards the high side, which is north
 // where the hole is vertical, and to the right of it looking down (manual: eq-conv-high-side).
 extern "C" void high_side_offsets(int n, const double* tangent, const double* offset, double* out) {
-    using namespace dp;
-    for (int i = 0; i < n; ++i) {
-        const Vec<double> t = vec(tangent + 3 * i), d = vec(offset + 3 * i);
-        Vec<double> across = {t.x * t.z, t.y * t.z, t.z * t.z - 1.0};
-        if (norm(across) < 1e-6) across = {1.0 - t.x * t.x, -t.y * t.x, -t.z * t.x};
-        const Vec<double> high = across / norm(across);
-        out[2 * i] = dot(d, high);
-        out[2 * i + 1] = dot(d, cross(t, high));
-    }
+    for (int i = 0; i < n; ++i) high_side_offset(tangent + 3 * i, offset + 3 * i, out + 2 * i);
 }

@@ -2,6 +2,7 @@
 #include "fluid/bit_flow.hpp"
 #include "fluid/bore_flow_jacobian.hpp"
 #include "fluid/joint_flow.hpp"
+#include "fluid/side_nozzle.hpp"
 
 using namespace dp;
 typedef BoreFlow<false, false> PipePlain;
@@ -19,6 +20,10 @@ typedef BitFlow<true, true, true> BitNozzleHeld;
 typedef JointSeal<true, true> SealBoth;
 typedef JointSeal<true, false> SealBore;
 typedef JointSeal<false, true> SealAnnulus;
+typedef SideNozzle<true, false> SideBoth;
+typedef SideNozzle<false, false> SideJet;
+typedef SideNozzle<true, true> SideBothHeld;
+typedef SideNozzle<false, true> SideJetHeld;
 typedef BitFlow<true, false, true> BitJetHeld;
 typedef BitFlow<false, true, true> BitClosedHeld;
 DP_RESIDUAL(bore_flow, PipePlain)
@@ -31,6 +36,7 @@ DP_JACOBIAN(annulus_flow, run_annulus_flow_jacobian)
 DP_ENTRY(annulus_flow_junction, AnnulusJunction)
 DP_ENTRY(annulus_flow_held, AnnulusHeld)
 DP_ENTRY(annulus_flow_joint, AnnulusJoint)
+DP_ENTRY(joint_inertia, JointInertia)
 DP_ENTRY(joint_seal, SealBoth)
 DP_ENTRY(joint_seal_bore, SealBore)
 DP_ENTRY(joint_seal_annulus, SealAnnulus)
@@ -42,6 +48,10 @@ DP_ENTRY(bit_flow_closed_grow, BitClosedGrow)
 DP_ENTRY(bit_flow_held, BitNozzleHeld)
 DP_ENTRY(bit_flow_jet_held, BitJetHeld)
 DP_ENTRY(bit_flow_closed_held, BitClosedHeld)
+DP_ENTRY(side_nozzle, SideBoth)
+DP_ENTRY(side_nozzle_jet, SideJet)
+DP_ENTRY(side_nozzle_held, SideBothHeld)
+DP_ENTRY(side_nozzle_jet_held, SideJetHeld)
 // the same by differentiating all rows by all unknowns: the tests compare with these
 DP_JACOBIAN(bore_flow_dual, run_jacobian<PipePlain>)
 DP_JACOBIAN(annulus_flow_dual, run_jacobian<AnnulusPlain>)
@@ -53,6 +63,7 @@ DP_EXPORT_RECORD(fluid, Fluid)
 DP_EXPORT(flow_results, FlowResultsText)
 DP_EXPORT(bit_flow_results, BitFlowResultsText)
 DP_EXPORT(seal_results, SealResultsText)
+DP_EXPORT(side_nozzle_results, SideNozzleResultsText)
 DP_CONSTANT(gap_rounding, GAP_ROUNDING)
 
 // for tests: the friction of elements side by side, n values each (a multiple of four)
@@ -84,3 +95,7 @@ DP_FLOW_RESULTS(bit_flow_closed_held, BitClosedHeld, BitFlowResults)
 DP_FLOW_RESULTS(joint_seal, SealBoth, SealResults)
 DP_FLOW_RESULTS(joint_seal_bore, SealBore, SealResults)
 DP_FLOW_RESULTS(joint_seal_annulus, SealAnnulus, SealResults)
+DP_FLOW_RESULTS(side_nozzle, SideBoth, SideNozzleResults)
+DP_FLOW_RESULTS(side_nozzle_jet, SideJet, SideNozzleResults)
+DP_FLOW_RESULTS(side_nozzle_held, SideBothHeld, SideNozzleResults)
+DP_FLOW_RESULTS(side_nozzle_jet_held, SideJetHeld, SideNozzleResults)

@@ -126,6 +126,21 @@ struct AnnulusJoint : AnnulusFlow<false, false> {
     }
 };
 
+// A joint without an arm takes a share of the flow's inertia from the element above it.  Without inertia its flow rate would answer a jump of
+// the pressure by an impulse (an unknown of index 2).  Unknowns: flow rates of the element above and of the joint.
+struct JointInertia {
+    static constexpr int D = 2, NSPIN = 0;
+    static constexpr bool PACKED = false;
+    static constexpr int SPINS[1][2] = {{0, 0}};
+    DP_ENUM(Parameter, INERTIA, NP)  // pressure over rate of flow [kg/m4]
+
+    template <class T, class S>
+    static void force(int, const T*, const T* y, const T*, const S* p, void*, T* r) {
+        r[0] = y[0] * (-p[INERTIA] * MOMENTUM_ROW);
+        r[1] = y[1] * (p[INERTIA] * MOMENTUM_ROW);
+    }
+};
+
 // Energy [J], volumes [m3] and their rates [m3/s] that the seals of a joint move, at zero pressure; force apart [N] and travel [m].
 DP_RECORD(SealResults, double stored, potential, bore_content, annulus_content, push, travel;)
 

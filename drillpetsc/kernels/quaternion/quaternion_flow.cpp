@@ -1,6 +1,7 @@
 // The fluid in and about the quaternion string, and at its bit.
 #include "fluid/annulus_flow.hpp"
 #include "fluid/bit_flow.hpp"
+#include "fluid/side_nozzle.hpp"
 #include "quaternion/on_quaternion.hpp"
 #include "fluid/bore_flow.hpp"
 
@@ -13,6 +14,8 @@ typedef dp::BitFlow<true, false, false> QuaternionJet;
 typedef dp::BitFlow<false, true, false> QuaternionClosed;
 typedef dp::BitFlow<true, true, false, true> QuaternionNozzleGrow;
 typedef dp::BitFlow<false, true, false, true> QuaternionClosedGrow;
+typedef dp::SideNozzle<true, false> QuaternionSide;
+typedef dp::SideNozzle<false, false> QuaternionSideJet;
 DP_ON_QUATERNION(bore_flow, QuaternionPipe, 2)
 DP_ON_QUATERNION(bore_flow_junction, QuaternionPipeJunction, 2)
 DP_ON_QUATERNION(annulus_flow, QuaternionAnnulus, 2)
@@ -23,5 +26,7 @@ DP_ON_QUATERNION(bit_flow_jet, QuaternionJet, 1)
 DP_ON_QUATERNION(bit_flow_closed, QuaternionClosed, 1)
 DP_ON_QUATERNION(bit_flow_grow, QuaternionNozzleGrow, 1)
 DP_ON_QUATERNION(bit_flow_closed_grow, QuaternionClosedGrow, 1)
+DP_ON_QUATERNION(side_nozzle, QuaternionSide, 1)
+DP_ON_QUATERNION(side_nozzle_jet, QuaternionSideJet, 1)
 
 DP_EXPORT_RECORD(start_frames, dp::StartFrames)

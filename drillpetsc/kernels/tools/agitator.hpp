@@ -1,7 +1,8 @@
 // Agitator: a valve that a rotor of the mud opens and closes; its pressure pulses push the halves of a slider apart (manual: sec-agitator).
-// Unknowns: those of both nodes of the slider, the angle of the rotor [rad].
+// Unknowns: those of both nodes of the slider, the angle of the rotor [rad]; FLOWING: the pressures and the flow rate of the bore, which
+// loses the pressure of the pulses there.
 #pragma once
-#include "core/element.hpp"
+#include "fluid/flow.hpp"
 
 namespace dp {
 
@@ -11,16 +12,18 @@ struct AgitatorParameters {
         TURN,               // angle of the rotor per volume [rad/m3]
         AMPLITUDE, AREA,    // of the pressure [Pa], of the piston [m2]
         SQUARE,             // 1: square pulses, 0: sine
-        FLOW,               // flow rate [m3/s]
+        FLOW,               // flow rate where no mud is modelled [m3/s]
+        COMPRESSIBILITY,    // of the mud [1/Pa]
         NP)
     DP_ENUM(Result, PRESSURE, FORCE, FLOW_RATE, SPEED, RESULTS)
 };
 
+template <bool FLOWING>
 struct Agitator : AgitatorParameters {
-    static constexpr int D = 15, NSPIN = 2;
+    static constexpr int D = FLOWING ? 18 : 15, NSPIN = 2;
     static constexpr bool PACKED = false;
     static constexpr int SPINS[2][2] = {{6, 3}, {13, 10}};
-    enum Slot { ANGLE = 14 };
+    enum Slot { ANGLE = 14, PRESSURE1, PRESSURE2, RATE };
     static constexpr double EDGE = 0.05;         // sine over which a square pulse turns its sign
     static constexpr double LEAST_FLOW = 1e-4;   // flow rate over which the pulses set in [m3/s]
 
@@ -29,7 +32,8 @@ struct Agitator : AgitatorParameters {
     template <class T>
     static Values<T> evaluate(const T* x, const double* p) {
         Values<T> q;
-        q.flow = T(p[FLOW]);
+        if constexpr (FLOWING) q.flow = x[RATE] * exp((x[PRESSURE1] + x[PRESSURE2]) * (-0.5 * p[COMPRESSIBILITY]));
+        else q.flow = T(p[FLOW]);
         T wave = sin(x[ANGLE]);
         if (p[SQUARE] != 0) wave = wave / sqrt(wave * wave + EDGE * EDGE) * std::sqrt(1.0 + EDGE * EDGE);
         const T square = q.flow * q.flow;
@@ -45,6 +49,7 @@ struct Agitator : AgitatorParameters {
         r[0] = push.x; r[1] = push.y; r[2] = push.z;
         r[7] = -push.x; r[8] = -push.y; r[9] = -push.z;
         r[ANGLE] = p[HELD] > 0 ? x[ANGLE] * 1.0 : y[ANGLE] - q.flow * p[TURN];
+        if constexpr (FLOWING) r[RATE] = q.pressure * MOMENTUM_ROW;
     }
 
     // speed: of the halves apart [m/s]

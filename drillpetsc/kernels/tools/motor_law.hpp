@@ -26,7 +26,7 @@ struct MotorLaw {
 
 constexpr double MOTOR_CORNER = 0.01;    // share of the stall torque over which a corner is rounded [-]
 constexpr double MOTOR_SLIP = 1e-4;      // loss of speed under the stall torque that keeps the law invertible [rad/s]
-constexpr double MOTOR_LEAST_FLOW = 1e-4;  // flow rate over which the motor starts to turn [m3/s]
+constexpr double MOTOR_LEAST_FLOW = 1e-4;  // flow rate over which pressure and speed set in: below it the mud leaks [m3/s]
 
 // 0 for q < 0, q for q > d, between them a cubic with the slopes 0 and 1
 template <class T>
@@ -65,39 +65,46 @@ inline T of_table(const MotorTable& m, const double* f, const double* by_share, 
     return hermite(low, at_low, high, at_high, step, su);
 }
 
+// Mud that flows up turns the rotor backwards: the law of a positive flow rate with speed, torque and pressure of the other sign.
+// Without flow speed and pressure are zero under any torque, so that the power that the mud loses is never below that of the rotor.
 template <class T>
 inline MotorPoint<T> motor_point(const double* p, const MotorTable* table, const T& flow, const T& torque) {
-    const T q = rounded_up(T(flow - p[MotorLaw::BYPASS]), MOTOR_LEAST_FLOW);
+    constexpr double least = MOTOR_LEAST_FLOW;
+    const double down = val(flow) < 0 ? -1.0 : 1.0;
+    const T passing = flow * down, load = torque * down, q = rounded_up(T(passing - p[MotorLaw::BYPASS]), least);
+    const T runs = q / sqrt(q * q + least * least), flows = flow / sqrt(flow * flow + least * least);
     MotorPoint<T> out;
     if (table == nullptr) {
-        out.share = torque / p[MotorLaw::STALL];
-        const T s = rounded_share(out.share), lost = pow(s, p[MotorLaw::DROOP]);
-        const T running = q / sqrt(q * q + MOTOR_LEAST_FLOW * MOTOR_LEAST_FLOW);
-        out.leak = q * lost;
-        out.speed = (q - out.leak) * p[MotorLaw::TURN] - out.share * MOTOR_SLIP;
-        out.pressure = running * p[MotorLaw::NO_LOAD] + s * (p[MotorLaw::STALL] * p[MotorLaw::TURN] / p[MotorLaw::EFFICIENCY]);
-        return out;
+        out.share = load / p[MotorLaw::STALL];
+        const T s = rounded_share(out.share), used = q * runs * (1.0 - pow(s, p[MotorLaw::DROOP]));
+        out.leak = (q - used) * down;
+        out.speed = used * (p[MotorLaw::TURN] * down);
+        out.pressure = flows * p[MotorLaw::NO_LOAD] + runs * s * (down * p[MotorLaw::STALL] * p[MotorLaw::TURN] / p[MotorLaw::EFFICIENCY]);
+    } else {
+        const MotorTable& m = *table;
+        const double most = m.flow[m.flows - 1];
+        const bool beyond = val(q) > most;
+        const T inside = beyond ? T(most) : q;
+        int k = 0;
+        while (k < m.flows - 2 && val(inside) > m.flow[k + 1]) ++k;
+        const double h = m.flow[k + 1] - m.flow[k];
+        const T sq = (inside - m.flow[k]) / h;
+        const T stall = hermite(T(m.stall[k]), T(m.stall_by_flow[k]), T(m.stall[k + 1]), T(m.stall_by_flow[k + 1]), h, sq);
+        out.share = load / stall;
+        const T s = rounded_share(out.share), place = s * static_cast<double>(m.shares - 1);
+        int j = static_cast<int>(val(place));
+        if (j > m.shares - 2) j = m.shares - 2;
+        const T su = place - static_cast<double>(j);
+        const T speed = of_table(m, m.speed, m.speed_by_share, m.speed_by_flow, k, sq, j, su);
+        const T free = of_table(m, m.speed, m.speed_by_share, m.speed_by_flow, k, sq, 0, T(0.0));
+        const T loaded = of_table(m, m.pressure, m.pressure_by_share, m.pressure_by_flow, k, sq, j, su);
+        const T idle = of_table(m, m.pressure, m.pressure_by_share, m.pressure_by_flow, k, sq, 0, T(0.0));
+        out.pressure = flows * idle + runs * (loaded - idle) * down;
+        out.leak = val(free) > 0 ? q * (1.0 - runs * speed / free) * down : q * down;
+        out.speed = speed * runs * down;
+        if (beyond) out.speed = out.speed * (q / most);  // displacement: as the flow rate
     }
-    const MotorTable& m = *table;
-    const double most = m.flow[m.flows - 1];
-    const bool beyond = val(q) > most;
-    const T inside = beyond ? T(most) : q;
-    int k = 0;
-    while (k < m.flows - 2 && val(inside) > m.flow[k + 1]) ++k;
-    const double h = m.flow[k + 1] - m.flow[k];
-    const T sq = (inside - m.flow[k]) / h;
-    const T stall = hermite(T(m.stall[k]), T(m.stall_by_flow[k]), T(m.stall[k + 1]), T(m.stall_by_flow[k + 1]), h, sq);
-    out.share = torque / stall;
-    const T s = rounded_share(out.share), place = s * static_cast<double>(m.shares - 1);
-    int j = static_cast<int>(val(place));
-    if (j > m.shares - 2) j = m.shares - 2;
-    const T su = place - static_cast<double>(j);
-    T speed = of_table(m, m.speed, m.speed_by_share, m.speed_by_flow, k, sq, j, su);
-    const T free = of_table(m, m.speed, m.speed_by_share, m.speed_by_flow, k, sq, 0, T(0.0));
-    out.pressure = of_table(m, m.pressure, m.pressure_by_share, m.pressure_by_flow, k, sq, j, su);
-    out.leak = val(free) > 0 ? q * (1.0 - speed / free) : q * 0.0;
-    if (beyond) speed = speed * (q / most);  // displacement: as the flow rate
-    out.speed = speed - out.share * MOTOR_SLIP;
+    out.speed = out.speed - out.share * (MOTOR_SLIP * down);
     return out;
 }
 

@@ -14,6 +14,7 @@ from drillpetsc.output.files.atomic import remove_leftovers
 SWEEP_TABLE = "sweep.csv"  # table of a sweep, in its folder
 WELLS_TABLE = "wells.csv"  # table of a batch of several wells
 LOSS_TABLE = "hydraulics.csv"  # losses by string item and hole section
+NOZZLE_TABLE = "nozzles.csv"  # flow and power of the nozzles of bit and reamer
 PROFILE_TABLE = "pressure_profile.csv"  # pressures along the depth
 FLOW_CURVE_TABLE = "flow_curve.csv"  # losses and densities over the flow rate
 SURGE_TABLE = "surge.csv"  # pressures of tripping
@@ -22,6 +23,7 @@ READINGS_TABLE = "dial_readings.csv"  # viscometer readings of the mud
 FITS_TABLE = "rheology_fits.csv"  # flow curves fitted to them
 HYDRAULICS_TABLES = (
     LOSS_TABLE,
+    NOZZLE_TABLE,
     PROFILE_TABLE,
     FLOW_CURVE_TABLE,
     SURGE_TABLE,
@@ -40,7 +42,15 @@ CAMPBELL_TABLE = "campbell.csv"  # modes by rotary speed
 CRITICAL_TABLE = "critical.csv"  # critical speeds: where an excitation line meets a mode
 STABILITY_TABLE = "stability_map.csv"  # largest growth by rotary speed and weight on bit
 BOUNDARY_TABLE = "stability_boundary.csv"  # speeds at which it changes its sign
-SPEED_TABLES = (RESPONSE_TABLE, CAMPBELL_TABLE, CRITICAL_TABLE, STABILITY_TABLE, BOUNDARY_TABLE)
+STABILITY_RUNS_TABLE = "stability_runs.csv"  # what runs in time did, by rotary speed and weight on bit
+SPEED_TABLES = (
+    RESPONSE_TABLE,
+    CAMPBELL_TABLE,
+    CRITICAL_TABLE,
+    STABILITY_TABLE,
+    BOUNDARY_TABLE,
+    STABILITY_RUNS_TABLE,
+)
 LIMITS_TABLE = "limits.csv"  # stresses, strength and buckling along the string
 CONTACTS_TABLE = "contacts.csv"  # what the wall does to each item
 LIMITS_TABLES = (LIMITS_TABLE, CONTACTS_TABLE)

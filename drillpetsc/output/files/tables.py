@@ -50,8 +50,8 @@ def _line(values: Sequence[float]) -> str:
 class Table:
     """An append-only CSV whose first column is the time in seconds.
 
-    A row goes to the operating system in one unbuffered write as it is added (about 15 us for 17 columns), so
-    a killed run has lost nothing. With `restart_time` an existing table is continued: rows later than that
+    Rows go to the operating system in one unbuffered write as they are added (about 15 us for 17 columns), so
+    a killed run has lost nothing that was added. With `restart_time` an existing table is continued: rows later than that
     time, and a last row that a full disk or a power cut left incomplete, are dropped first; the columns must
     be as before.
     """
@@ -105,7 +105,8 @@ class Table:
         except OSError as error:
             raise OSError(error.errno, error.strerror, str(self.path)) from None
         if written != len(data):  # on a disk that is full: half a row is of no use
-            os.ftruncate(self._file, os.fstat(self._file).st_size - written)
+            whole = data.rfind(b"\n", 0, written) + 1
+            os.ftruncate(self._file, os.fstat(self._file).st_size - written + whole)
             raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC), str(self.path))
 
     def flush(self) -> None:

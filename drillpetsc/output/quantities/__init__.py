@@ -39,6 +39,7 @@ from drillpetsc.output.quantities.mud import (
     MUD_FIELDS,
     OUTLET_FLOW,
     PUMP_FLOW,
+    SIDE_FLOW,
 )
 from drillpetsc.output.quantities.probes import PROBES
 from drillpetsc.output.quantities.rigid_items import SIDE_FORCE
@@ -91,6 +92,7 @@ __all__ = [
     "PUMP_FLOW",
     "ROW_END",
     "ROW_START",
+    "SIDE_FLOW",
     "SIDE_FORCE",
     "STATIC_SUMMARY",
     "STEP",

@@ -148,3 +148,15 @@ STABILITY_BOUNDARY: tuple[Quantity, ...] = (
     ),
     _column("stable_side", "-", "Stable side", "SSID", "Stable above or below this speed."),
 )  # fmt: skip
+STABILITY_RUNS: tuple[Quantity, ...] = (
+    ROTARY_SPEED,
+    WEIGHT,
+    _column(
+        "run_stick_slip_index", "-", "Stick-slip index", "SSIR", "Difference of largest and smallest over twice the mean of the bit's speed in the last third of the run."
+    ),
+    _column("run_stick_slip_index_before", "-", "Stick-slip index before", "SSIB", "The same in the third before."),
+    _column("run_stuck_share", "-", "Share of the time at rest", "STSH", "Share of the last third in which the bit is below 1 rpm."),
+    _column(
+        "run_behaviour", "-", "Behaviour", "BHVR", "One of steady, decays, grows, stick_slip, or failed where the run could not be computed."
+    ),
+)  # fmt: skip

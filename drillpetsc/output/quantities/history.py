@@ -122,6 +122,7 @@ LOWER_END: tuple[Quantity, ...] = (
         value=lambda end, sample: sample.once(end.motion)[:3],
         size=3,
         finish=lambda end, point, depth: (end.depth_of(point),),
+        finish_rows=lambda end, points: end.depths_of(points)[:, None],
         panel=5,
         interest=5,
     ),

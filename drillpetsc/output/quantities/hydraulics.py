@@ -5,7 +5,7 @@ from __future__ import annotations
 from drillpetsc.fem.quantity import Quantity
 from drillpetsc.output.quantities.along_string import MD
 from drillpetsc.output.quantities.history import LOWER_END
-from drillpetsc.output.quantities.mud import MUD, MUD_FIELDS, PUMP_FLOW
+from drillpetsc.output.quantities.mud import MUD, MUD_FIELDS, PUMP_FLOW, SIDE_FLOW
 from drillpetsc.output.quantities.statics import ECD
 from drillpetsc.output.quantities.trajectory import TRAJECTORY
 
@@ -68,6 +68,55 @@ LOSS_ROWS: tuple[Quantity, ...] = (
     ),
     _row("volume", "m3", "Volume", "CVOL", "Volume of the channel.", "not negative"),
 )
+NOZZLES: tuple[Quantity, ...] = (
+    PUMP_FLOW,
+    LOSS_ROWS[2],
+    MD,
+    _row("nozzle_area", "m2", "Nozzle area", "TFA", "Flow area of the nozzles of the item.", "not negative"),
+    _row("nozzle_flow", "m3/s", "Flow rate", "NZFL", "Flow rate through these nozzles.", "out of the string"),
+    _row(
+        "nozzle_share",
+        "-",
+        "Share of the flow",
+        "NZSH",
+        "Flow rate through these nozzles over that of the pump.",
+    ),
+    _row(
+        "nozzle_jet_velocity", "m/s", "Jet velocity", "NZJV", "Flow rate over the area.", "out of the string"
+    ),
+    _row(
+        "nozzle_loss",
+        "Pa",
+        "Pressure loss",
+        "NZLS",
+        "Pressure inside less that outside the nozzles, by their loss.",
+        _LOSS,
+    ),
+    _row(
+        "nozzle_power",
+        "W",
+        "Hydraulic power",
+        "NZHP",
+        "Loss times the flow rate through these nozzles.",
+        "lost",
+    ),
+    _row(
+        "nozzle_power_per_area",
+        "W/m2",
+        "Power per area",
+        "NZHS",
+        "Power over the area of rock that the item cuts: the bit's hole, or the ring of a reamer.",
+        "lost",
+    ),
+    _row(
+        "nozzle_impact_force",
+        "N",
+        "Jet impact force",
+        "NZJF",
+        "Density times flow rate times jet velocity; jets above the bit point outward.",
+        "on the rock",
+    ),
+)
 ESD = Quantity(
     "esd",
     "kg/m3",
@@ -126,18 +175,23 @@ _FIGURES: tuple[Quantity, ...] = (
         "m/s",
         "Jet velocity",
         "JETV",
-        "Flow rate over the area of the nozzles.",
+        "Flow rate through the bit over the area of its nozzles.",
         "out of the bit",
     ),
     _sum(
-        "impact_force", "N", "Jet impact force", "JETF", "Density times flow rate times jet velocity.", "down"
+        "impact_force",
+        "N",
+        "Jet impact force",
+        "JETF",
+        "Density times flow rate through the bit times jet velocity.",
+        "down",
     ),
     _sum(
         "bit_power",
         "W",
         "Hydraulic power at the bit",
         "HHPB",
-        "Loss of the nozzles times the flow rate.",
+        "Loss of the bit's nozzles times the flow rate through them.",
         "lost",
     ),
     _sum(
@@ -163,9 +217,19 @@ _FIGURES: tuple[Quantity, ...] = (
         "Volume of the mud around the string.",
         "not negative",
     ),
-    _sum("bottoms_up_time", "s", "Bottoms-up time", "TBUP", "Volume of the annulus over the flow rate."),
     _sum(
-        "circulation_time", "s", "Circulation time", "TCIR", "Volume of bore and annulus over the flow rate."
+        "bottoms_up_time",
+        "s",
+        "Bottoms-up time",
+        "TBUP",
+        "Time of the mud from the bit to the flow line: volumes of the annulus over the flow rates in them.",
+    ),
+    _sum(
+        "circulation_time",
+        "s",
+        "Circulation time",
+        "TCIR",
+        "Time of the mud down the bore and up the annulus, by way of the bit.",
     ),
     _sum(
         "lowest_annular_velocity",
@@ -181,6 +245,8 @@ HYDRAULICS_SUMMARY: tuple[Quantity, ...] = (
     PUMP_PRESSURE,
     *LOSSES,
     *LEVELS,
+    _MUD["bit_flow"],
+    SIDE_FLOW,
     BIT_PRESSURE,
     ECD_BIT,
     ECD_SHOE,
@@ -272,6 +338,8 @@ SURGE: tuple[Quantity, ...] = (
         "Limit of the window that is passed, with its vertical depth; or none.",
     ),
 )
+#: further column of surge.csv with nozzles above the bit
+SIDE_SURGE: tuple[Quantity, ...] = (SIDE_FLOW,)
 #: further columns of surge.csv with --dynamic
 DYNAMIC_SURGE: tuple[Quantity, ...] = (
     _sum(

@@ -67,6 +67,17 @@ MUD: tuple[Quantity, ...] = (
         value=lambda mud, sample: mud.bit_flow(sample),
     ),
 )
+#: column that exists only with nozzles above the bit
+SIDE_FLOW = Quantity(
+    "side_flow",
+    "m3/s",
+    on="scalar",
+    label="Flow rate above the bit",
+    mnemonic="MFSD",
+    sign="out of the string",
+    doc="Flow rate through the nozzles of reamers and stabilizers, as volume at zero pressure.",
+    value=lambda mud, sample: mud.side_flow(sample),
+)
 #: columns that exist only with mud in the bore
 BORE_ONLY = ("pump_pressure", "pump_flow", "bit_flow")
 #: what the mass balance samples besides the two flow rates; not written anywhere

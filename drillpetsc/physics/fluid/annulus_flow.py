@@ -337,6 +337,12 @@ class AnnulusFlow(ChannelFlow):
                 supplied += pressure * self._upper_area() * along
         return self._channel_powers(state, supplied)
 
+    def _string_speed(self, block: ElementBlock, rows: np.ndarray, state) -> FloatArray:
+        if self.held:
+            return np.zeros(len(rows))
+        velocity, p = state.y[state.index_of(block)[rows, 7:10]], block.named  # of the lower node
+        return np.asarray(np.sum(velocity * p["tangent2"][rows], axis=1))
+
     def _upper_area(self) -> float:
         """Area of the annulus at the upper node [m2], on the rank that has it."""
         area = self.annulus.hole[0] if self._top_place is None else self.moving_hole.area[0]  # type: ignore[union-attr]

@@ -16,7 +16,7 @@ from drillpetsc.arrays import FloatArray
 from drillpetsc.fem.component import ElementBlock, Energies, Field, Powers
 from drillpetsc.geometry.growing_hole import GrowingHole
 from drillpetsc.kernels.parameters import Parameters, Table, columns, constant
-from drillpetsc.physics.fluid.channel_flow import FLOW_SCALE, FluidConstants
+from drillpetsc.physics.fluid.channel_flow import FluidConstants
 from drillpetsc.physics.fluid.moving_hole import OTHER_SIZE, MovingHole
 from drillpetsc.physics.interfaces import Nozzle
 from drillpetsc.physics.rigid_bodies import VERTEX_SLOTS, local_vertices
@@ -105,7 +105,16 @@ class BitFlow(Nozzle):
 
     def fields(self) -> tuple[Field, ...]:
         return (
-            (Field("bit.flow", 1, physics="fluid", region="bottom", scale=FLOW_SCALE, second_order=False),)
+            (
+                Field(
+                    "bit.flow",
+                    1,
+                    physics="fluid",
+                    region="bottom",
+                    scale=self.fluid.usual_flow,
+                    second_order=False,
+                ),
+            )
             if self.has_link
             else ()
         )
@@ -345,20 +354,20 @@ class BitFlow(Nozzle):
         e, f, results = self.end, self.fluid, self.element_results(state)
         index, moving = state.index_of(self._block)[0], self.held_at is None
         inside, outside, rising = self._end_flow(t, state)
-        velocity = state.y[index[:3]] if moving else np.zeros(3)
+        velocity = state.y.take(index[:3]) if moving else np.zeros(3)
         lost = supplied = 0.0
         if self.has_annulus:  # what enters the annulus starts from rest
             params = self._block.named
-            speed = (
-                float(velocity @ params["tangent"][0]) - rising * self._thinning(outside) / params["open"][0]
-            )
+            speed = float(velocity.dot(params["tangent"][0])) - rising * self._thinning(outside) / params[
+                "open"
+            ].item(0)
             lost -= 0.5 * f.density * rising * speed**2
             supplied += float(results[RESULTS["bottom"]])
         if self.has_link:
             flow = float(results[RESULTS["flow"]])
             jet = flow * self._thinning(outside) / (e.nozzle or e.bore)
             speed = flow * self._thinning(inside) / e.bore
-            tangent = state.x[index[3:6]] if moving else np.ones(3)
+            tangent = state.x.take(index[3:6]) if moving else np.ones(3)
             forward = float(velocity.dot(tangent)) / sqrt(tangent.dot(tangent))
             # power of the reaction on the moving string, which goes into the mud
             reaction = float(velocity.dot(velocity)) + 2 * jet * forward

@@ -9,13 +9,15 @@ from math import sqrt
 import numpy as np
 
 from drillpetsc.arrays import FloatArray
-from drillpetsc.fem.component import ElementBlock, Powers
+from drillpetsc.fem.component import ElementBlock, Energies, Powers
 from drillpetsc.fem.string_mesh import StringMesh
 from drillpetsc.kernels.parameters import Parameters, Table
 from drillpetsc.physics.fluid.channel_flow import ChannelFlow, FluidConstants
 from drillpetsc.physics.fluid.channels import Bore
 from drillpetsc.physics.rigid_bodies import local_vertices
 from drillpetsc.time_function import TimeFunction
+
+JOINT_SHARE = 0.25  # share of the inertia of the flow above a joint that moves with the flow of the joint
 
 
 class BoreFlow(ChannelFlow):
@@ -88,6 +90,9 @@ class BoreFlow(ChannelFlow):
         elements = super().blocks(part)
         _, vertices = local_vertices(part, np.array([0]))
         self._is_top = bool(len(vertices))
+        self._inertia = None if self.held or not self.mesh.is_joint.any() else self._inertia_of_joints(part)
+        if self._inertia is not None:
+            elements = (*elements, self._inertia)
         if self.flow_rate is None:
             return elements
         params, flow = Parameters("pump", len(vertices), flow=0.0), self.flow_rate
@@ -100,6 +105,30 @@ class BoreFlow(ChannelFlow):
             "pump", "pump", "vertex", vertices, (("bore.pressure", 0),), (), params.array, update=update
         )
         return (*elements, self._pump)
+
+    def _inertia_of_joints(self, part) -> ElementBlock:
+        """Block of the joints without an arm below an element, which share the inertia of the element's flow.
+
+        Manual: eq-mud-joint-inertia.
+        """
+        m = self.mesh
+        shares = m.is_joint & (m.rigid_above == 0)
+        shares[0] = False
+        shares[1:] &= ~m.is_joint[:-1]
+        chosen = np.flatnonzero(shares[part.cells]).astype(np.int32)
+        above = part.cells[chosen] - 1
+        inertia = JOINT_SHARE * self.fluid.density * m.length[above] / self.bore.area[above]
+        params = Parameters("joint_inertia", len(chosen), inertia=inertia)
+        slots = (("bore.flow", 0), ("bore.flow", 1))
+        return ElementBlock("bore_flow_inertia", "joint_inertia", "cell", chosen, slots, (), params.array)
+
+    def energies(self, t: float, state) -> Energies:
+        energies = super().energies(t, state)
+        if self._inertia is None or not len(self._inertia.points):
+            return energies
+        above, joint = state.x[state.index_of(self._inertia)].T
+        shared = 0.5 * float(self._inertia.named["inertia"] @ (joint**2 - above**2))
+        return energies._replace(kinetic=energies.kinetic + shared)
 
     def _update_of(self, block: ElementBlock):
         pressure = self.pump_pressure

@@ -24,6 +24,7 @@ RESULT_NAMES = columns("flow_results").names
 ENERGIES = columns("flow_results").span("kinetic", "potential")  # in the order of ``Energies``
 _DISSIPATED, _LEFT_OUT = RESULT_NAMES.index("dissipated"), RESULT_NAMES.index("left_out")
 _STORAGE_UPPER, _SPEED = RESULT_NAMES.index("storage_upper"), RESULT_NAMES.index("speed")
+_DENSITY = RESULT_NAMES.index("density")
 _Fluid = structure("fluid")  # Fluid of kernels/fluid/flow.hpp
 PRESSURE_SCALE, FLOW_SCALE = 1.0e7, 1.0e-2  # usual magnitudes [Pa], [m3/s]
 
@@ -35,6 +36,7 @@ class FluidConstants:
     density: at zero gauge pressure [kg/m3]; bulk_modulus: [Pa]; gravity: (3,) [m/s2].
     rheology: parameters in the layout of kernels/fluid/rheology.hpp.
     clinging: clinging factor [-] (manual: eq-mud-clinging).
+    usual_pressure, usual_flow: magnitudes to which tolerances refer [Pa], [m3/s] (manual: sec-time-error).
 
     ``address`` is the kernels' argument; the object must live as long as the blocks that use it.
     """
@@ -44,6 +46,8 @@ class FluidConstants:
     gravity: FloatArray
     rheology: FloatArray
     clinging: float = 0.45
+    usual_pressure: float = PRESSURE_SCALE
+    usual_flow: float = FLOW_SCALE
 
     def __post_init__(self) -> None:
         self.rheology = np.ascontiguousarray(self.rheology, dtype=float)
@@ -82,13 +86,19 @@ class ChannelFlow(Channel):
 
     def fields(self) -> tuple[Field, ...]:
         return (
-            Field(f"{self.name}.pressure", 1, physics="fluid", scale=PRESSURE_SCALE, second_order=False),
+            Field(
+                f"{self.name}.pressure",
+                1,
+                physics="fluid",
+                scale=self.fluid.usual_pressure,
+                second_order=False,
+            ),
             Field(
                 f"{self.name}.flow",
                 1,
                 physics="fluid",
                 region="below_top",
-                scale=FLOW_SCALE,
+                scale=self.fluid.usual_flow,
                 second_order=False,
             ),
         )
@@ -162,7 +172,10 @@ class ChannelFlow(Channel):
         return state.results(block, f"{block.kernel}_results", len(RESULT_NAMES))
 
     def totals(self, state) -> list[float]:
-        """10 sums of ``element_results`` over the local elements."""
+        """10 sums of ``element_results`` over the local elements; not to be changed."""
+        return state.evaluate_once(self._totals, state)
+
+    def _totals(self, state) -> list[float]:
         first, *others = (self._block_results(b, state).sums for b in self._blocks)
         total = first if not others else sum(others, first)
         return total.tolist()
@@ -182,6 +195,31 @@ class ChannelFlow(Channel):
         total = self.totals(state)
         return Powers(total[_DISSIPATED], at_end + total[_LEFT_OUT])
 
+    def velocity_power(self, above: np.ndarray, below: np.ndarray, state) -> float:
+        """Sum of q rho0 w^2/2 over cells ``above``, less that over cells ``below`` with their flow in the section above them.
+
+        The rows of the cells below give and take the velocity head of their own step of the section (manual:
+        eq-mud-momentum).
+        """
+        total = 0.0
+        for b in self._blocks:
+            results, q = self._block_results(b, state).table, state.x[state.index_of(b)[:, -1]]
+            for cells, sign in ((above, 1.0), (below, -1.0)):
+                rows = np.flatnonzero(np.isin(b.points, cells))
+                if not len(rows):
+                    continue
+                speed = results[rows, _SPEED]
+                square = (speed + self._string_speed(b, rows, state)) ** 2
+                if sign < 0:
+                    thin = self.fluid.density / results[rows, _DENSITY]
+                    square -= 2 * b.named["step"][rows] * (q[rows] * thin) ** 2
+                total += sign * 0.5 * self.fluid.density * float(q[rows] @ square)
+        return total
+
+    def _string_speed(self, block: ElementBlock, rows: np.ndarray, state) -> FloatArray:
+        """(k,) speed that the string adds to that of the mud in the ``rows`` (k,) of a block [m/s]: none in the bore."""
+        return np.zeros(len(rows))
+
     def upper_flow(self, state) -> float | None:
         """Compute the flow rate into the channel's upper end from the mass balance [m3/s].
 
@@ -189,7 +227,10 @@ class ChannelFlow(Channel):
         """
         if self._top is None:
             return None
-        block, row = self._top
+        return state.evaluate_once(self._flow_into_top, state)
+
+    def _flow_into_top(self, state) -> float:
+        block, row = self._top  # type: ignore[misc]
         storage = self._block_results(block, state).table.item(row, _STORAGE_UPPER)
         return storage + state.x.item(state.index_of(block).item(row, -1))
 
@@ -199,10 +240,16 @@ class ChannelFlow(Channel):
 
     def pressures(self, system) -> FloatArray:
         """Return the pressures (nv,) at the local vertices [Pa]."""
+        return np.asarray(system.assembly.x.take(self._pressure_places(system)))
+
+    def pressure_at(self, system, vertex: int) -> float:
+        return float(system.assembly.x.item(self._pressure_places(system).item(vertex)))
+
+    def _pressure_places(self, system) -> np.ndarray:
         if self._places is None or self._places[0] is not system.layout:
             dofs = system.layout.dofs[f"{self.name}.pressure"][:, 0]  # there is one at every node
             self._places = system.layout, np.ascontiguousarray(dofs)
-        return np.asarray(system.assembly.x.take(self._places[1]))
+        return self._places[1]
 
     def _speed_in_top(self, state) -> float:
         """Speed of the flow in the uppermost element [m/s], on the rank with this end."""

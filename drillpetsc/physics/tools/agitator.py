@@ -20,6 +20,7 @@ from drillpetsc.physics import quantities as declared
 from drillpetsc.physics.beam import SLOTS
 from drillpetsc.physics.end_conditions import Input
 from drillpetsc.physics.interfaces import PulsedTool
+from drillpetsc.physics.tools.mud_motor import MUD_SLOTS
 
 _values = function("agitator_values", "iippppp")
 RESULTS = columns("agitator_results")
@@ -44,14 +45,23 @@ class Agitator(PulsedTool):
 
     Field: ``agitator.angle`` of the rotor at the node below the slider [rad].
 
-    cell: of the slider; valve: of the tool; flow: flow rate over time [m3/s].
+    cell: of the slider; valve: of the tool; flow: without mud, flow rate over time [m3/s].
+    compressibility: of the mud [1/Pa], None without mud.  With mud the flow rate is that of the slider's cell, where the
+    mud loses the pressure of the pulses, too.
     """
 
     name = "agitator"
 
-    def __init__(self, mesh: StringMesh, cell: int, valve: Valve, flow: Input):
+    def __init__(
+        self,
+        mesh: StringMesh,
+        cell: int,
+        valve: Valve,
+        flow: Input | None,
+        compressibility: float | None = None,
+    ):
         self.mesh, self.cell, self.valve = mesh, cell, valve
-        self.flow = flow
+        self.flow, self.compressibility = flow, compressibility
 
     def regions(self) -> dict[str, np.ndarray]:
         below = np.zeros(self.mesh.nodes, dtype=bool)
@@ -64,9 +74,10 @@ class Agitator(PulsedTool):
     def blocks(self, part) -> tuple[ElementBlock, ...]:
         place = {int(c): i for i, c in enumerate(part.cells)}
         here = [place[self.cell]] if self.cell in place else []
-        v = self.valve
+        v, flowing = self.valve, self.flow is None
+        kernel = "agitator_flowing" if flowing else "agitator"
         self.params = Parameters(
-            "agitator",
+            kernel,
             len(here),
             held=0.0,
             turn=v.turn,
@@ -74,25 +85,27 @@ class Agitator(PulsedTool):
             area=v.area,
             square=float(v.square),
             flow=0.0,
+            compressibility=self.compressibility or 0.0,
         )
         self._now = self.params["flow"]
         self._block = ElementBlock(
             "agitator",
-            "agitator",
+            kernel,
             "cell",
             np.array(here, dtype=np.int32),
-            (*SLOTS, ("agitator.angle", 1)),
+            (*SLOTS, ("agitator.angle", 1), *(MUD_SLOTS if flowing else ())),
             (0, 1),
             self.params.array,
-            update=self._update,
+            update=None if flowing else self._update,
         )
         return (self._block,)
 
     def _update(self, t: float) -> None:
-        self._now[:] = self.flow.value(t)
+        if self.flow is not None:
+            self._now[:] = self.flow.value(t)
 
     def breaks(self) -> tuple[float, ...]:
-        return self.flow.breaks()
+        return self.flow.breaks() if self.flow is not None else ()
 
     def hold(self) -> None:
         self.params["held"] = 1.0
@@ -111,7 +124,10 @@ class Agitator(PulsedTool):
 
     def powers(self, t: float, state: Any) -> Powers:
         r = self.figures(t, state)
-        return Powers(supplied=float(r[RESULTS["force"]] * r[RESULTS["speed"]]))
+        shaken = float(r[RESULTS["force"]] * r[RESULTS["speed"]])
+        if self.flow is not None:
+            return Powers(supplied=shaken)
+        return Powers(dissipated=float(r[RESULTS["pressure"]] * r[RESULTS["flow_rate"]]) - shaken)
 
     def quantities(self) -> tuple[Quantity, ...]:
         return declared.AGITATOR

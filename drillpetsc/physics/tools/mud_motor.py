@@ -23,7 +23,7 @@ from drillpetsc.physics.beam import SLOTS
 from drillpetsc.physics.end_conditions import Input
 from drillpetsc.physics.interfaces import JointSet, Motor
 from drillpetsc.physics.rigid_bodies import end_frames, local_vertices
-from drillpetsc.physics.tools.motor_law import MotorLaw
+from drillpetsc.physics.tools.motor_law import SLIP, MotorLaw
 
 _values = function("mud_motor_values", "iippppp" + "p")
 _energies = function("mud_motor_energies", "iippppp")
@@ -106,7 +106,11 @@ class MudMotor(Motor):
     ):
         self.mesh, self.frames, self.gravity = mesh, frames, gravity
         self.cell, self.law, self.rotor, self.joints = cell, law, rotor, joints
-        self.rotor_mass = rotor.mass
+        self.rotor_mass, self.lobes, self.orbit_unbalance = (
+            rotor.mass,
+            rotor.lobes,
+            rotor.mass * rotor.eccentricity,
+        )
         self.bend, self.outside = bend, outside
         self.flow, self.compressibility, self.balanced = flow, compressibility, balanced
         self._speed = self._start_speed = self._load = 0.0
@@ -206,18 +210,24 @@ class MudMotor(Motor):
 
     def update_static_speed(self, torque: float, flow: float) -> float:
         before, free = self._speed, self.law.free_speed(flow)
+        turns = abs(free)  # backwards where the mud flows up
         change, self._load = abs(torque - self._load) / self.law.stall_torque(flow), torque
         self.params["load"] = torque
-        self._start_speed = max(self.law.speed(torque, flow), 0.0)
+        self._start_speed = self.law.speed(torque, flow)  # with the slip of one that stands
         # a stalled motor stands against the friction of rotation, whose direction is that of its rotation
-        self._speed = max(self._start_speed, LEAST_STATIC * free)
-        return max(abs(self._speed - before) / free, change) if free > 0 else change
+        least = LEAST_STATIC * turns
+        self._speed = min(self._start_speed, -least) if free < 0 else max(self._start_speed, least)
+        return max(abs(self._speed - before) / turns, change) if turns > SLIP else change
 
     def static_warnings(self, torque: float, flow: float) -> list[str]:
         rpm, stall = self.law.free_speed(flow) * 30 / pi, self.law.stall_torque(flow)
         gives = f"{self.label}: {flow * 1e3:.4g} l/s gives {rpm:.4g} rpm"
-        if flow <= 0 or rpm <= 0:
+        if abs(rpm) * pi / 30 <= SLIP:
             return [f"{self.label}: no flow through the motor, so it does not turn"]
+        if flow < 0:
+            return [
+                f"{self.label}: the mud flows up through the motor and turns it backwards with {-rpm:.4g} rpm"
+            ]
         if torque >= stall:
             return [
                 f"{gives}, torque of the start {torque / 1e3:.4g} kN m is above stall_torque {stall / 1e3:.4g} kN m: "
@@ -232,6 +242,12 @@ class MudMotor(Motor):
             state.x[state.index_of(self._block)[0, TORQUE]] = self._results(state)[RESULTS["torque"]]
         self.params["held"] = 0.0
         self.joints.lock(self.cell, False)
+
+    def balance_orbit(self, balanced: bool = True) -> None:
+        self.params["balanced"] = float(balanced)
+
+    def orbit_speed(self, t: float, state: Any) -> float:
+        return float(self.figures(t, state)[RESULTS["orbit_speed"]])
 
     # ------------------------------------------------------------------ results
     def _results(self, state: Any) -> FloatArray:

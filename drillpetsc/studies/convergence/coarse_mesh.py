@@ -12,11 +12,10 @@ from drillpetsc.case import Case
 from drillpetsc.model.mesh import coarsened
 from drillpetsc.output import RunFolder, read_summary, read_table, write_summary
 from drillpetsc.output.files.tables import split_name
-from drillpetsc.studies.convergence.error_norms import FloatArray, errors_of, extent, moves
+from drillpetsc.studies.convergence.error_norms import NUMERICS, FloatArray, errors_of, extent, moves
 
 COARSENING = 2.0  # element length of the coarse-mesh run over that of the run
 FOLDER = "coarse-mesh"  # folder of the coarse-mesh run, in that of the run
-NUMERICS = ("time", "step", "newton", "energy_error")  # columns about the computation, not about the well
 MEANING = (
     "difference of the history columns between this run and one on elements twice as long, as shares of the column's range in this "
     "run: with a mesh error of order p this run's own is 1/(2^p - 1) of it.  Time errors of both are in it, too"

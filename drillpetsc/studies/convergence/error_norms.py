@@ -10,6 +10,7 @@ import numpy.typing as npt
 
 FloatArray = npt.NDArray[np.float64]
 
+NUMERICS = ("time", "step", "newton", "energy_error")  # columns about the computation, not about the well
 NORMS = ("max", "rms", "end", "mean")
 UNRESOLVED_ERROR = 0.3  # error over range above which a run does not resolve the solution and shows no order
 CLEAR_OF_REFERENCE = 3.0  # smallest ratio of a point's error to that of the reference, for an observed order

@@ -12,7 +12,7 @@ import numpy.typing as npt
 
 from drillpetsc.case import Case
 from drillpetsc.errors import CaseError
-from drillpetsc.studies.convergence.error_norms import errors_of, extent, richardson
+from drillpetsc.studies.convergence.error_norms import NUMERICS, errors_of, extent, richardson
 from drillpetsc.studies.convergence.exact_solutions import exact_outputs
 from drillpetsc.studies.convergence.plan import (
     INTEGRATORS,
@@ -218,12 +218,14 @@ def _integrator(point: Point, base: Base) -> str:
 
 
 def distance(a: dict[str, FloatArray], b: dict[str, FloatArray]) -> dict[str, float]:
-    """Rms difference of the outputs of two runs, over the range in the second; constant outputs are left
-    out."""
+    """Rms difference of the outputs of two runs, over the range in the second.
+
+    Constant outputs, and columns about the computation such as the step, are left out.
+    """
     return {
         name: errors_of(a[name], b[name])["rms"]
         for name in b
-        if name in a and len(a[name]) == len(b[name]) and extent(b[name]) > 0
+        if name not in NUMERICS and name in a and len(a[name]) == len(b[name]) and extent(b[name]) > 0
     }
 
 

@@ -8,8 +8,11 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
+from drillpetsc import Case
 from drillpetsc.analysis.soft_string import slip_direction, torque_drag
+from drillpetsc.analysis.soft_string_start import soft_string
 from drillpetsc.geometry.well import Well
+from drillpetsc.model.drilling_model import build_model
 
 EA, GJ, RADIUS, WEIGHT = 7.0137489e8, 9.4156072e5, 0.0635, 242.0
 PULL, SLACK, TURN = {"axial_velocity": 0.3}, {"axial_velocity": -0.3}, {"rotation": 2 * np.pi}
@@ -166,3 +169,44 @@ def test_sections_of_the_string_and_reversed_rotation():
 def test_boundaries_must_increase():
     with pytest.raises(ValueError, match="increasing"):
         torque_drag(hole([0, 10], [0, 0], 0.3), [0, 5, 5], WEIGHT, RADIUS, EA, GJ)
+
+
+@pytest.mark.parametrize("element", [0.5, 5.0])
+@pytest.mark.parametrize("mud", [0.0, 1500.0])
+@pytest.mark.parametrize("place", [0, 1, 2], ids=["first", "middle", "last"])
+def test_rigid_items_weigh_once(place: int, mud: float, element: float) -> None:
+    """In a straight frictionless hole the hook load is the buoyed weight along it, less that on the bit.
+
+    The weight of a rigid item was spread over the element below it, and integrated over element and item: 21 times its
+    weight for an item of 20 m above elements of 1 m.  Its buoyancy was left out.
+    """
+    g, inclination, wob, heavy = 9.81, 0.4, 2e4, {"kind": "body", "length": 20.0, "mass": 1200.0, "od": 0.2}
+    pipe = {"kind": "pipe", "od": 0.127, "id": 0.1086, "element_length": element}
+    string = [{**pipe, "length": 100.0}, {**pipe, "length": 79.5}]
+    string.insert(place, heavy)
+    case = {
+        "well": {
+            "survey": {"md": [0.0, 200.0], "inclination": [inclination] * 2, "azimuth": [0.0, 0.0]},
+            "sections": [{"to": 200.0, "kind": "open_hole", "diameter": 0.2159, "friction": 0.0}],
+        },
+        "string": [*string, {"kind": "bit", "length": 0.5, "od": 0.2159, "mass": 60.0}],
+        "top": {"kind": "top_drive"},
+        "bottom": {"kind": "bit"},
+        "gravity": g,
+        "initial": {"from": "statics", "wob": wob},
+    }
+    if mud:
+        case["fluid"] = {
+            "density": mud,
+            "rheology": {"model": "newtonian", "viscosity": 0.03},
+            "bulk_modulus": 1e12,
+        }
+    steel = np.pi / 4 * (0.127**2 - 0.1086**2) * 179.5 + 1260.0 / 7850.0
+    found = soft_string(build_model(Case(**case)), (0.0, 0.0))
+    assert found is not None
+    assert found.hook_load == pytest.approx((7850.0 - mud) * steel * g * np.cos(inclination) - wob, rel=1e-9)
+    # rigid items do not stretch: the elongation is that of the tube, sum of T/EA over its elements
+    area = np.pi / 4 * (0.127**2 - 0.1086**2)
+    above = np.where(np.diff(found.md) > element + 1.0, element, np.diff(found.md))
+    middle = found.axial_force[1:] + 0.5 * (found.axial_force[:-1] - found.axial_force[1:])
+    assert found.stretch == pytest.approx(float(np.sum(middle * above)) / (206e9 * area), rel=0.05)

@@ -84,6 +84,34 @@ def test_a_killed_run_has_every_row_it_added(tmp_path: Path) -> None:
     assert np.array_equal(x, np.arange(len(x)) / 3)
 
 
+_FILLS_THE_DISK = """
+import resource, signal, sys
+import numpy as np
+from drillpetsc.output import Table
+table = Table(sys.argv[1], [("time", "s"), ("x", "m")])
+signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+resource.setrlimit(resource.RLIMIT_FSIZE, (1000, 1000))
+rows = np.column_stack([np.arange(100.0), np.arange(100.0) / 3])
+try:
+    table.add_rows(rows)
+except OSError as error:
+    print(error.filename)
+"""
+
+
+def test_of_many_rows_those_that_fit_on_the_disk_are_kept_whole(tmp_path: Path) -> None:
+    path = tmp_path / "history.csv"
+    done = subprocess.run(
+        [sys.executable, "-c", _FILLS_THE_DISK, str(path)], stdout=subprocess.PIPE, text=True, check=True
+    )
+    assert done.stdout.strip() == str(path)
+    text = path.read_text()
+    assert text.endswith("\n")
+    assert 970 < len(text) <= 1000
+    x = read_table(path)["x [m]"]
+    assert np.array_equal(x, np.arange(len(x)) / 3)
+
+
 def test_restart_drops_later_rows_and_goes_on(tmp_path: Path) -> None:
     path = tmp_path / "history.csv"
     times = [0.1 * k for k in range(11)]

@@ -24,7 +24,8 @@ def test_speed_and_pressure_at_30_litres_a_second(torque, rpm, megapascal):
     point = MOTOR.point(torque, 0.03)
     assert point.speed == pytest.approx(rpm * RPM, rel=1e-4)
     assert point.differential_pressure == pytest.approx(megapascal * 1e6, rel=1e-4)
-    assert point.leak == pytest.approx(0.03 * (torque / 14e3) ** 4, rel=1e-9)
+    runs = 0.03 / np.hypot(0.03, 1e-4)  # eq-motor-least-flow
+    assert point.leak == pytest.approx(0.03 * (1 - runs * (1 - (torque / 14e3) ** 4)), rel=1e-9)
 
 
 def test_efficiency_stall_and_ideal_torque():
@@ -86,11 +87,45 @@ def test_stall_backward_drive_and_no_flow():
     pulled = MOTOR.point(-5e3, 0.03)
     assert pulled.speed == pytest.approx(137.898 * RPM, rel=1e-4)
     assert pulled.differential_pressure == pytest.approx(0.6e6, rel=1e-4)
-    for flow in (0.0, -0.02):
-        still = MOTOR.point(3e3, flow)
-        assert abs(still.speed) < 1e-3 and still.leak == 0
+    still = MOTOR.point(3e3, 0.0)
+    assert abs(still.speed) < 1e-3 and still.leak == 0 and still.differential_pressure == 0
     with pytest.raises(ValueError, match="free speed"):
         MOTOR.torque(20.0, 0.03)
+
+
+def _measured() -> MotorLaw:
+    """The motor by points of its curves at three flow rates."""
+    torque = np.linspace(0, 14e3, 29)
+    return MotorLaw(
+        curves=[
+            MeasuredCurve(q, torque, *MOTOR.points(torque, np.array([q])).T[[1, 0]])
+            for q in (0.02, 0.03, 0.04)
+        ]
+    )
+
+
+@pytest.mark.parametrize("motor", [MOTOR, MotorLaw(60.0, 0.9, 0.2e6, 5e3, 1.0, 0.002), _measured()])
+def test_mud_that_flows_up_turns_the_rotor_backwards(motor):
+    """All of the law changes its sign with flow rate and torque."""
+    torque, flow = np.meshgrid(np.linspace(-6e3, 16e3, 23), [1e-5, 1e-3, 0.01, 0.03])
+    down, up = motor.points(torque.ravel(), flow.ravel()), motor.points(-torque.ravel(), -flow.ravel())
+    assert up[:, :3] == pytest.approx(-down[:, :3], rel=1e-12)
+    assert up[:, 3] == pytest.approx(down[:, 3], rel=1e-12)
+    assert motor.point(0.0, -0.03).speed == pytest.approx(-motor.point(0.0, 0.03).speed)
+
+
+@pytest.mark.parametrize("motor", [MOTOR, MotorLaw(60.0, 0.9, 0.2e6, 5e3, 1.0, 0.002), _measured()])
+def test_the_rotor_has_no_more_power_than_the_mud_loses(motor):
+    """dp Q >= T w at all flow rates, against the flow and next to none, too; nothing jumps where the flow turns."""
+    stall = motor.stall_torque(0.03)
+    for q in (0.0, 1e-7, 1e-6, 1e-5, 5e-5, 1e-4, 3e-4, 1e-3, 0.01, 0.03, 0.05):
+        for flow in (q, -q):
+            torque = np.linspace(-1.3, 1.3, 131) * stall
+            speed, pressure = motor.points(torque, np.full(131, flow)).T[:2]
+            assert (pressure * flow - torque * speed >= -1e-9).all()
+    torque = np.linspace(-1.3, 1.3, 53) * stall
+    before, after = (motor.points(torque, np.full(53, q)) for q in (-1e-12, 1e-12))
+    assert np.abs(after[:, 0] - before[:, 0]).max() < 1e-9 and np.abs(after[:, 1] - before[:, 1]).max() < 0.1
 
 
 @pytest.mark.parametrize("motor", [MOTOR, MotorLaw(60.0, 0.9, 0.2e6, 5e3, 1.0, 0.002)])

@@ -22,7 +22,7 @@ from drillpetsc.kernels.parameters import Parameters, Table
 from drillpetsc.physics.fluid.annulus_flow import AnnulusFlow
 from drillpetsc.physics.fluid.bit_flow import GAP_ROUNDING, RESULTS, BitFlow
 from drillpetsc.physics.fluid.bore_flow import BoreFlow
-from drillpetsc.physics.fluid.channel_flow import PRESSURE_SCALE, ChannelFlow
+from drillpetsc.physics.fluid.channel_flow import ChannelFlow, FluidConstants
 from drillpetsc.physics.fluid.channels import Bore
 from drillpetsc.physics.rigid_bodies import VERTEX_SLOTS, local_vertices
 from drillpetsc.time_function import TimeFunction
@@ -69,10 +69,10 @@ class Reference:
         return float(self.flow.rate(t, before=True) + late)
 
 
-def _fields(name: str) -> tuple[Field, ...]:
+def _fields(name: str, fluid: FluidConstants) -> tuple[Field, ...]:
     return (
         Field(f"{name}.volume", 1, physics="fluid", scale=VOLUME_SCALE),
-        Field(f"{name}.pressure", 1, physics="fluid", scale=PRESSURE_SCALE),
+        Field(f"{name}.pressure", 1, physics="fluid", scale=fluid.usual_pressure),
     )
 
 
@@ -167,7 +167,7 @@ class HermiteBore(BoreFlow):
         self.content = bore.area  # (n,) section at rest [m2]
 
     def fields(self) -> tuple[Field, ...]:
-        return _fields(self.name)
+        return _fields(self.name, self.fluid)
 
     def own_slots(self) -> tuple[tuple[str, int], ...]:
         return _slots(self.name)
@@ -230,6 +230,9 @@ class HermiteBore(BoreFlow):
     def pressures(self, system) -> FloatArray:
         return _pressures(self, system, self._now, self.heads)
 
+    def pressure_at(self, system, vertex: int) -> float:
+        return float(self.pressures(system)[vertex])
+
 
 class HermiteAnnulus(AnnulusFlow):
     """Annulus with the pump's flow upwards as reference flow.
@@ -247,7 +250,7 @@ class HermiteAnnulus(AnnulusFlow):
         self.heads = _heads(self.content)
 
     def fields(self) -> tuple[Field, ...]:
-        return _fields(self.name)
+        return _fields(self.name, self.fluid)
 
     def own_slots(self) -> tuple[tuple[str, int], ...]:
         return _slots(self.name)
@@ -306,6 +309,9 @@ class HermiteAnnulus(AnnulusFlow):
 
     def pressures(self, system) -> FloatArray:
         return _pressures(self, system, self._now, self.heads)
+
+    def pressure_at(self, system, vertex: int) -> float:
+        return float(self.pressures(system)[vertex])
 
 
 class HermiteBit(BitFlow):

@@ -1,0 +1,180 @@
+"""Nozzles above the bit, of reamers and stabilisers: branches of the flow from the bore to the annulus.
+
+Kernel: kernels/fluid/side_nozzle.hpp.  Manual: sec-mud-side-nozzles.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from drillpetsc.arrays import FloatArray
+from drillpetsc.fem.bound_parts import BlockResults
+from drillpetsc.fem.component import ElementBlock, Energies, Field, Powers
+from drillpetsc.fem.string_mesh import StringMesh
+from drillpetsc.kernels.parameters import Parameters, Table, columns
+from drillpetsc.physics.fluid.bit_flow import NOZZLE_LENGTH
+from drillpetsc.physics.fluid.channel_flow import ChannelFlow, FluidConstants
+from drillpetsc.physics.interfaces import SideOutlets
+from drillpetsc.physics.rigid_bodies import VERTEX_SLOTS, local_vertices
+from drillpetsc.time_function import TimeFunction
+
+RESULTS = columns("side_nozzle_results")
+_LOST, _FLOW, _KINETIC, _JET = (RESULTS[name] for name in ("lost", "flow", "kinetic", "jet"))
+
+
+@dataclass(frozen=True)
+class SideLink:
+    """All nozzles at one node.
+
+    node: number from the top; area: of all its nozzles [m2]; items: (number of the string item, area [m2]) of each.
+    """
+
+    node: int
+    area: float
+    items: tuple[tuple[int, float], ...]
+
+
+class SideNozzles(SideOutlets):
+    """One link a node with nozzles: unknown flow rate out of the string at zero pressure [m3/s].
+
+    links: from the top down; fluid: constants; discharge_coefficient: [-] (manual: eq-mud-side-nozzle).
+    bore, annulus: the channels; without an annulus the nozzles end in the pressure ``ambient`` over time [Pa].
+    lower_end: (area of the bit's nozzles or of the open end [m2], discharge coefficient [-]), area 0: closed; for the start of
+    the steady flow.
+    held_at: (n+1, 3) positions of the nodes of a held string [m], None for a string that moves.
+    """
+
+    name = "side_nozzles"
+
+    def __init__(
+        self,
+        mesh: StringMesh,
+        links: tuple[SideLink, ...],
+        fluid: FluidConstants,
+        discharge_coefficient: float,
+        bore: ChannelFlow,
+        annulus: ChannelFlow | None,
+        ambient: TimeFunction,
+        lower_end: tuple[float, float],
+        held_at: FloatArray | None = None,
+    ):
+        self.mesh, self.links, self.fluid, self.bore, self.annulus = mesh, links, fluid, bore, annulus
+        self.coefficient, self.ambient, self.lower_end = discharge_coefficient, ambient, lower_end
+        self.held_at = held_at
+
+    def regions(self) -> dict[str, np.ndarray]:
+        mask = np.zeros(self.mesh.nodes, dtype=bool)
+        mask[[link.node for link in self.links]] = True
+        return {"side_nozzles": mask}
+
+    def fields(self) -> tuple[Field, ...]:
+        return (
+            Field(
+                "side.flow",
+                1,
+                physics="fluid",
+                region="side_nozzles",
+                scale=self.fluid.usual_flow,
+                second_order=False,
+            ),
+        )
+
+    def blocks(self, part) -> tuple[ElementBlock, ...]:
+        chosen, vertices = local_vertices(part, np.array([link.node for link in self.links]))
+        held, wet = self.held_at is not None, self.annulus is not None
+        slots: tuple = () if held else VERTEX_SLOTS
+        slots += (("bore.pressure", 0),) + ((("annulus.pressure", 0),) if wet else ())
+        kernel = "side_nozzle" + "_jet" * (not wet) + "_held" * held
+        area = np.array([self.links[k].area for k in chosen])
+        params = Parameters(
+            kernel,
+            len(vertices),
+            inertance=self.fluid.density * NOZZLE_LENGTH / area,
+            nozzle=area,
+            loss=1 / (2 * self.coefficient**2 * area**2),
+            ambient=self.ambient.value(0.0),
+        )
+        self._part = part
+        self._chosen: tuple[int, ...] = tuple(int(k) for k in chosen)
+        self._block = ElementBlock(
+            "side_nozzles",
+            kernel,
+            "vertex",
+            vertices,
+            (*slots, ("side.flow", 0)),
+            (),
+            params.array,
+            context=self.fluid.address,
+            update=None if wet else self._ambient_update(params),
+        )
+        self._block.keep = (self.fluid,)
+        self._beside = self._cells_beside()
+        return (self._block,)
+
+    def _ambient_update(self, params: Table) -> Callable[[float], None]:
+        """Function of time that sets the pressure outside in the block's parameters."""
+        outside = params["ambient"]
+
+        def update(t: float) -> None:
+            outside[:] = self.ambient.value(t)
+
+        return update
+
+    def _cells_beside(self) -> tuple[np.ndarray, np.ndarray]:
+        """Local cells that end, and that begin, at a node with nozzles."""
+        nodes = np.array([link.node for link in self.links])
+        return tuple(np.flatnonzero(np.isin(self._part.cells + below, nodes)) for below in (1, 0))  # type: ignore[return-value]
+
+    def breaks(self) -> tuple[float, ...]:
+        return () if self.annulus is not None else self.ambient.breaks()
+
+    def shares_of_pump(self) -> FloatArray:
+        areas = np.array([link.area * self.coefficient for link in self.links])
+        return areas / (areas.sum() + self.lower_end[0] * self.lower_end[1])
+
+    # ------------------------------------------------------------------ results
+    def element_results(self, state) -> FloatArray:
+        return self._evaluated(state).table
+
+    def _evaluated(self, state) -> BlockResults:
+        return state.results(self._block, f"{self._block.kernel}_results", RESULTS.width)
+
+    def outflow(self, state) -> float:
+        return float(self._evaluated(state).sums.item(_FLOW))
+
+    def local_links(self) -> tuple[int, ...]:
+        return self._chosen
+
+    def energies(self, t: float, state) -> Energies:
+        return Energies(kinetic=self._evaluated(state).sums.item(_KINETIC))
+
+    def powers(self, t: float, state) -> Powers:
+        """Losses in the nozzles and of the jets, which come to rest beside the string.
+
+        The mud that goes on in the bore, and that which rises in the annulus, leaves or takes up the difference of the velocity heads
+        (manual: eq-mud-side-power).
+        """
+        lost = supplied = 0.0
+        for channel in (self.bore, self.annulus):
+            if channel is not None:
+                lost += channel.velocity_power(self._beside[0], self._beside[1], state)
+        f, moving = self.fluid, self.held_at is None
+        index = state.index_of(self._block)
+        for row, result in enumerate(self.element_results(state)):
+            flow = result[_FLOW]
+            velocity = state.y[index[row, :3]] if moving else np.zeros(3)
+            reaction = float(
+                velocity @ velocity
+            )  # power of the reaction on the string, which goes into the mud
+            lost += result[_LOST] + 0.5 * f.density * flow * reaction
+            if self.annulus is None:
+                node = self.links[self._chosen[row]].node
+                place = state.x[index[row, :3]] if moving else self.held_at[node]  # type: ignore[index]
+                leaving = 0.5 * f.density * flow * (result[_JET] ** 2 + reaction)
+                lost -= leaving
+                head = f.density * float(f.gravity @ place)
+                supplied -= flow * (float(f.enthalpy(self.ambient.value(t))) - head) + leaving
+        return Powers(float(lost), float(supplied))

@@ -1,0 +1,59 @@
+"""Tools together in mud, and the agitator, on 1, 2 and 3 ranks; the agitator restarted."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+import yaml
+
+from drillpetsc import load_case
+from drillpetsc.analysis.transient import run
+from drillpetsc.output import read_table
+from tests.helpers.mpi import run_mpi
+from tests.parallel.test_restart import files, run_with_copies
+from tests.verification.test_agitator import with_mud
+from tests.verification.test_tools_together import COLLAR, JAR, MOTOR, SHOCK, combined
+
+SCRIPT = Path(__file__).parent / "run_case.py"
+EXACT = ["-ts_adapt_type", "none", "-ts_dt", "1e-3", "-q_snes_stol", "1e-12"]
+STEER = {"kind": "push", "force": 3e3, "pad_offset": 1.0, "steer": {"tool_face": 1.0}}
+STEERED = {"kind": "rss", "length": 4.0, "od": 0.1715, "id": 0.0714, "mass": 560, "rss": STEER}
+
+
+def write(folder: Path, kind: str) -> Path:
+    case = with_mud() if kind == "agitator" else combined(JAR, COLLAR, SHOCK, MOTOR, STEERED)
+    case["time"], case["output"] = {"end": 0.02}, {"history_every": 0.004, "checkpoint_every": 0.004}
+    path = folder / "case.yaml"
+    path.write_text(yaml.safe_dump(case))
+    return path
+
+
+@pytest.mark.parallel
+@pytest.mark.parametrize("kind", ["agitator", "jar, shock sub, motor, steering"])
+def test_tools_are_the_same_on_1_2_and_3_ranks(kind, tmp_path):
+    """Histories are equal to rounding; torque and angles of joints that carry none are rounding themselves."""
+    path, runs = write(tmp_path, kind), []
+    for n in (1, 2, 3):
+        out = tmp_path / f"ranks{n}"
+        run_mpi(n, SCRIPT, [str(path), str(out), *EXACT], timeout=200)
+        runs.append((read_table(out / "history.csv"), json.loads((out / "summary.json").read_text())))
+    history, summary = runs[0]
+    for other, its_summary in runs[1:]:
+        assert its_summary["steps"] == summary["steps"]
+        for name, values in history.items():
+            if not name.startswith(("energy_error", "newton", "step")):
+                assert np.abs(other[name] - values).max() <= 1e-7 * np.abs(values).max() + 1e-10, name
+
+
+def test_an_agitator_in_mud_restarted_is_bit_identical(tmp_path, monkeypatch):
+    path = write(tmp_path, "agitator")
+    copies = run_with_copies(path, tmp_path / "run", monkeypatch)
+    whole = files(tmp_path / "run")
+    assert len(copies) >= 3
+    for copy in copies[:-1:2]:
+        run(load_case(path), copy, restart=True, progress="silent")
+        for name, content in files(copy).items():
+            assert content == whole[name], (copy, name)

@@ -1,0 +1,51 @@
+"""Errors at the default tolerance in cases with a closed form, and the sizes of the mud (manual: verif-default-tolerance)."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from drillpetsc import load_case, run
+from drillpetsc.model.drilling_model import build_model
+from drillpetsc.model.fluid import usual_sizes
+from drillpetsc.output import read_table
+from drillpetsc.studies.convergence.exact_solutions import exact_outputs
+
+CASES = Path(__file__).parents[2] / "cases"
+
+
+@pytest.mark.parametrize("kind", ["bdf", "alpha2"])
+@pytest.mark.parametrize(
+    ("name", "title"),
+    [("hanging-string", "bit_speed [rad/s]"), ("water-hammer", "pump_pressure [Pa]")],
+)
+def test_error_is_within_one_percent(name, title, kind, tmp_path):
+    """Rms error over the rows, as a share of the range, against waves by characteristics (Joukowsky)."""
+    case = load_case(
+        CASES / "verification" / f"study-{name}.yaml", [f"petsc.ts_type={kind}", "petsc.ts_rtol=1e-4"]
+    )
+    table = read_table(run(case, tmp_path / "out", progress="silent").folder / "history.csv")
+    found = exact_outputs(case, table["time [s]"])
+    assert found is not None
+    exact = found[0][title.split(" [")[0]]
+    error = np.sqrt(np.mean((table[title] - exact) ** 2)) / np.ptp(exact)
+    assert 1e-6 < error < 0.01
+
+
+@pytest.mark.parametrize(
+    ("flow", "pressure", "rate"),
+    [
+        # rho c Q/A of half the flow: sqrt(1200 2.2e9) 0.5e-3/(pi/4 0.1086^2)
+        ("1 l/s", 0.5e-3 * np.sqrt(1200 * 2.2e9) / (np.pi / 4 * 0.1086**2), 0.5e-3),
+        ("0 l/s", 1e7, 1e-2),
+        ("120 l/s", 1e7, 1e-2),
+    ],
+)
+def test_sizes_of_the_mud(flow, pressure, rate):
+    """A wave of half the pump's flow, at most the usual sizes; these without a flow."""
+    changes = ["fluid.flow_rate=" + flow, "time.end=1"]
+    case = load_case(CASES / "verification" / "study-water-hammer.yaml", changes)
+    sizes = usual_sizes(case, build_model(case).mesh)
+    assert sizes == pytest.approx((pressure, rate), rel=1e-9)
