@@ -39,7 +39,7 @@ def test_the_messy_survey_is_read() -> None:
     assert (
         "missing values" in remarks
         and "repeated stations" in remarks
-        and "vertical station at 0 m" in remarks
+        and "vertical station at 0 ft" in remarks
     )
     assert "WARNING" not in remarks  # TVD, N/S, E/W and doglegs of the file agree with its angles
 
