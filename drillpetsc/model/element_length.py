@@ -232,7 +232,9 @@ class _Asked:
         f = self.forces
         tension = np.maximum(f.least, -2 * np.sqrt(self.bending * f.mass) * omega)
         # the root of EI k^4 + T k^2 = m omega^2, in the form that does not cancel under a large tension
-        square = 2 * f.mass * omega**2 / (np.sqrt(tension**2 + 4 * self.bending * f.mass * omega**2) + tension)
+        square = (
+            2 * f.mass * omega**2 / (np.sqrt(tension**2 + 4 * self.bending * f.mass * omega**2) + tension)
+        )
         name = "highest frequency asked for" if asked is not None else "bending waves at the rotation speed"
         self._pieces(VIBRATION_STEP / np.sqrt(square), lambda k: name)
         if asked is not None:
