@@ -49,6 +49,7 @@ class BoreFlow(ChannelFlow):
             pump_pressure,
             held_at,
         )
+        self._inertia: ElementBlock | None = None
 
     def parameters(self, e: np.ndarray) -> Table:
         return Parameters("bore_flow", len(e), **self._channel(e), **self._entry(e))
