@@ -105,13 +105,13 @@ def test_eccentric_and_bent_pipe(tmp_path):
             assert found["bending_moment_amplitude"] == pytest.approx(moment, rel=5e-3)
 
 
-@pytest.mark.parametrize(("rpm", "lobes", "flow"), [("10,30 rpm", 3, 0.004), ("5,60 rpm", 7, 0.0021)])
+@pytest.mark.parametrize(("rpm", "lobes", "flow"), [("10,30 rpm", 3, 0.04), ("5,60 rpm", 7, 0.021)])
 def test_orbit_of_a_motor(rpm, lobes, flow, tmp_path):
     """M e (N w - Omega)^2 in the middle of a span hinged at both ends, backwards, at its own frequency; 0.5 %.
 
     The dynamic stiffness is that of C20, with the rotor's mass; a motor without load turns by 2 pi n Q.
     """
-    mass, eccentricity, turn = 120.0, 0.006, 200.0
+    mass, eccentricity, turn = 120.0, 0.006, 20.0
     half = m.drill_pipe(9.5, 10, 0.0)
     size = {"od": half["od"], "id": half["id"]}
     section = {
@@ -130,7 +130,7 @@ def test_orbit_of_a_motor(rpm, lobes, flow, tmp_path):
     found = table(case | {"output": {"probes": [10.0]}}, tmp_path, "probe 10 m", excite="motor", speeds=rpm)
     assert len(found["rotary_speed"]) == 2
     w = lobes * turn * flow - found["rotary_speed"] * np.pi / 30
-    assert found["excitation_frequency"] == pytest.approx(np.abs(w) / (2 * np.pi), rel=1e-6)
+    assert found["excitation_frequency"] == pytest.approx(np.abs(w) / (2 * np.pi), rel=3e-5)  # the slip without load
     k = (m.MASS * w**2 / m.EI) ** 0.25
     stiffness = 4 * m.EI * k**3 / (np.tan(10 * k) - np.tanh(10 * k)) - mass * w**2
     assert found["lateral_amplitude"] == pytest.approx(
@@ -267,7 +267,8 @@ def test_a_bit_that_lifts_off_is_marked(tmp_path):
         ({}, {"speeds": "30:60:5"}, ("--speeds", "unit")),
         ({}, {"speeds": "30:60:5 m"}, ("--speeds", "rad/s")),
         ({}, {"speeds": "60,30 rpm"}, ("--speeds", "ascending")),
-        ({}, {"excite": "motor"}, ("--excite", "unbalance, bit")),
+        ({}, {"excite": "motor"}, ("--excite", "a pdm with rotor_mass")),
+        ({}, {"excite": "wind"}, ("--excite", "unbalance, bit")),
         ({}, {"excite": "unbalance", "amplitude": "3 mm"}, ("--amplitude", "unbalance")),
         ({}, {"excite": "bit"}, ("--amplitude", "3 mm")),
         ({}, {"excite": "bit", "amplitude": "3"}, ("--amplitude", "unit")),
