@@ -24,6 +24,7 @@ from drillpetsc.errors import SolveError
 
 RANK_TOLERANCE = 1e-9  # singular values below this fraction of the largest are zero
 SMALL = 1e-6  # parts of a constraint below this fraction of its largest, in usual units, are rounding
+EQUILIBRATIONS = 20  # scalings of rows and columns by the square roots of their largest entries (Ruiz 2001)
 RELATIVE_ZERO = 1e-10  # couplings below this fraction of the largest of their row, in usual units, are none
 
 
@@ -339,9 +340,12 @@ def _solved(E, units, *right: FloatArray) -> list[FloatArray]:
     n = len(E)
     if not n:
         return [np.zeros_like(R) for R in right]
-    scaled = E * units
-    rows = np.maximum(np.abs(scaled).max(axis=1), 1e-300)
-    scaled = scaled / rows[:, None]
+    # rows and columns of size one: otherwise light unknowns beside heavy ones look like missing ones
+    scaled, rows, columns = E * units, np.ones(n), units.copy()
+    for _ in range(EQUILIBRATIONS):
+        by_row = np.sqrt(np.maximum(np.abs(scaled).max(axis=1), 1e-300))
+        by_column = np.sqrt(np.maximum(np.abs(scaled).max(axis=0), 1e-300))
+        scaled, rows, columns = scaled / by_row[:, None] / by_column, rows * by_row, columns / by_column
     anorm = np.abs(scaled).sum(axis=0).max()
     lu, pivots = scipy.linalg.lu_factor(scaled, check_finite=False)
     rcond, _ = scipy.linalg.lapack.dgecon(lu, anorm)
@@ -349,7 +353,7 @@ def _solved(E, units, *right: FloatArray) -> list[FloatArray]:
         raise SolveError(
             "an unknown of the linearised system has neither inertia nor storage: no state-space form"
         )
-    return [units[:, None] * scipy.linalg.lu_solve((lu, pivots), R / rows[:, None]) for R in right]
+    return [columns[:, None] * scipy.linalg.lu_solve((lu, pivots), R / rows[:, None]) for R in right]
 
 
 def _state_names(names: list[str], free: _Free, S, F, held) -> tuple[str, ...]:
