@@ -42,6 +42,9 @@ from drillpetsc.physics.fluid.surface_line import SurfaceLine
 LEAST_OPEN = 1e-4  # share of the hole that must be open around a rigid item
 LARGEST_ECCENTRICITY = 0.98  # eccentricity [-] above which the added mass is constant
 
+#: smallest flow rate of a pump to which tolerances refer, of the usual flow rate [-]
+LEAST_PUMPED = 0.05
+
 
 @dataclass(frozen=True)
 class FluidComponents:
@@ -75,7 +78,8 @@ def usual_sizes(case: Case, mesh: StringMesh) -> tuple[float, float]:
     """Return the pressure [Pa] and the flow rate [m3/s] to which the tolerances of the mud refer.
 
     The flow is at most half of the largest one of the pump, and the pressure at most that of a wave of this flow in the
-    narrowest bore, rho c Q/A (Joukowsky): a small pump's waves are small as well (manual: sec-time-error).
+    narrowest bore, rho c Q/A (Joukowsky): a small pump's waves are small as well (manual: sec-time-error).  A trickle counts
+    as ``LEAST_PUMPED`` of the usual flow, since the string moves the mud too.
     """
     f = case.fluid
     assert f is not None
@@ -83,6 +87,7 @@ def usual_sizes(case: Case, mesh: StringMesh) -> tuple[float, float]:
     areas = mesh.bore_area[mesh.bore_area > 0.0]
     if pumped <= 0.0 or not len(areas):
         return PRESSURE_SCALE, FLOW_SCALE
+    pumped = max(pumped, LEAST_PUMPED * FLOW_SCALE)
     wave = float(np.sqrt(f.density * f.bulk_modulus) * pumped / areas.min())
     return min(PRESSURE_SCALE, wave), min(FLOW_SCALE, pumped)
 

@@ -30,7 +30,7 @@ def test_random_cases_are_right_or_refused_with_a_reason(first: int, tmp_path: P
 
 
 @pytest.mark.parametrize(("number", "hinged"), [(645, False), (599, True)])
-def test_a_state_with_negative_pivots_is_followed_to_one_that_friction_holds(
+def test_strings_that_had_negative_pivots_are_stable_or_held_by_friction(
     number: int, hinged: bool, tmp_path: Path
 ) -> None:
     """Strings lowered into level holes of seed 7, with friction 0.4 and 0.3 and 8 N on the bit.
@@ -42,8 +42,12 @@ def test_a_state_with_negative_pivots_is_followed_to_one_that_friction_holds(
         data["top"] = {"kind": "top_drive", "hinged": True}
     solved = solve(data, motion, tmp_path)
     said = " ".join(solved.summary["warnings"])
-    assert "question answered: steady sliding" in said and "static state is unstable" not in said
-    assert solved.summary["stable"] or "held by friction only" in said
-    # the change that remains is a share of the push of many kN, not of the 8 N on the bit
-    assert all(0 <= end["change"] < 0.02 for end in solved.summary["path_states"])
+    assert "static state is unstable" not in said
+    if "path_states" in solved.summary:
+        assert "question answered: steady sliding" in said
+        assert solved.summary["stable"] or "held by friction only" in said
+        # the change that remains is a share of the push of many kN, not of the 8 N on the bit
+        assert all(0 <= end["change"] < 0.02 for end in solved.summary["path_states"])
+    else:  # a stable state from the lateral start
+        assert solved.summary["stable"] and solved.summary["negative_pivots"] == 0
     assert balance(data, motion, solved) == []

@@ -130,7 +130,9 @@ def test_orbit_of_a_motor(rpm, lobes, flow, tmp_path):
     found = table(case | {"output": {"probes": [10.0]}}, tmp_path, "probe 10 m", excite="motor", speeds=rpm)
     assert len(found["rotary_speed"]) == 2
     w = lobes * turn * flow - found["rotary_speed"] * np.pi / 30
-    assert found["excitation_frequency"] == pytest.approx(np.abs(w) / (2 * np.pi), rel=3e-5)  # the slip without load
+    assert found["excitation_frequency"] == pytest.approx(
+        np.abs(w) / (2 * np.pi), rel=3e-5
+    )  # the slip without load
     k = (m.MASS * w**2 / m.EI) ** 0.25
     stiffness = 4 * m.EI * k**3 / (np.tan(10 * k) - np.tanh(10 * k)) - mass * w**2
     assert found["lateral_amplitude"] == pytest.approx(
