@@ -18,12 +18,14 @@ import numpy as np
 from drillpetsc.errors import CaseError
 from drillpetsc.output.files.tables import read_table
 from drillpetsc.output.shown_units import lengths_shown
-from drillpetsc.reporting.units import heading_of, in_units, texts
+from drillpetsc.reporting.units import heading_of, in_units, label_of, texts, unit_of
 from drillpetsc.unit_systems import System
 
 WHOLE = 40  # rows of a table up to which it is shown unfolded
 SHOWN = 120  # rows of a longer table that are shown
 MOST_CSV = 200_000  # bytes of a table that goes along as CSV
+MIXED = "[N or N m]"  # unit of columns with forces and torques; the column COMPARED says which
+COMPARED, TRIP_SPEED, LIMITED_BY = "compared [-]", "max_trip_speed [m/s]", "limited_by [-]"
 MOST_SVG = 180_000  # bytes of a picture above which it is embedded as PNG
 MOST_POINTS = 8_000  # points of lines above which SVG is not tried
 
@@ -172,8 +174,13 @@ def grid_of(
     shown: list[list[str]] = []
     for title in titles:
         values = table[title]
-        if values.dtype.kind == "f":
+        if title.endswith(MIXED) and COMPARED in table:
+            shown.append(_mixed(values[kept], table[COMPARED][kept], system))
+        elif values.dtype.kind == "f":
             shown.append(texts(in_units(title, values[kept], system)))
+            if title == TRIP_SPEED and LIMITED_BY in table:  # no limit is passed at the fastest speed tried
+                free = np.isin(table[LIMITED_BY][kept].astype(str), ("none", "-"))
+                shown[-1] = [f"> {q}" if f else q for q, f in zip(shown[-1], free, strict=True)]
         else:
             shown.append([lengths_shown(str(value), system) for value in values[kept]])
     notes = []
@@ -186,7 +193,7 @@ def grid_of(
     if not small:
         notes.append(f"the whole table is in {source}" if source else "too large to go along as CSV")
     return Grid(
-        [heading_of(title, system) for title in titles],
+        [label_of(title) if title.endswith(MIXED) else heading_of(title, system) for title in titles],
         list(zip(*shown, strict=True)),
         caption,
         source,
@@ -196,6 +203,18 @@ def grid_of(
         [table[title].dtype.kind == "f" for title in titles],
         "; ".join(notes),
     )
+
+
+def _mixed(values: np.ndarray, names: np.ndarray, system: System) -> list[str]:
+    """Numbers (n,) with their units, of columns that hold forces and torques, by the name of the reading of each row."""
+    out = []
+    for value, name in zip(values, names, strict=True):
+        title = f"{name} [N m]" if "torque" in str(name) else f"{name} [N]"
+        unit = unit_of(title, system)[2]
+        number = float(in_units(title, value, system))
+        text = f"{number:.0f}" if abs(number) >= 1000 else f"{number:.4g}"
+        out.append(f"{text} {unit}" if np.isfinite(value) else "-")
+    return out
 
 
 def csv_of(table: Mapping[str, np.ndarray]) -> bytes:

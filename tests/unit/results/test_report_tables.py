@@ -31,3 +31,25 @@ def test_cut_table_keeps_the_deepest_row_of_each_curve():
     grid = grid_of(table, "SI", "roadmap.csv", "r/roadmap.csv")
     shown = [float(row[0]) for row in grid.rows]
     assert SHOWN <= len(shown) < len(depth) and shown.count(3000.0) == 12
+
+
+def test_each_reading_has_its_unit():
+    """A column that holds forces and torques: 1 klbf is 4448.2 N, 1000 ft-lbf are 1355.8 N m."""
+    table = {
+        "compared [-]": np.array(["hook_load", "surface_torque"]),
+        "measured [N or N m]": np.array([444_822.16, 13_558.18]),
+    }
+    shown = grid_of(table, "field", "calibration", "run/calibration.csv")
+    assert [row[1] for row in shown.rows] == ["100 klbf", "10000 ft-lbf"]
+    assert "N or N m" not in " ".join(shown.heads)
+
+
+def test_trip_speed_without_a_limit_is_a_lower_bound():
+    """The fastest speed tried, where nothing limits it."""
+    table = {
+        "max_trip_speed [m/s]": np.array([3.048, 1.524]),
+        "limited_by [-]": np.array(["none", "pore at TVD 1233 m"]),
+    }
+    shown = grid_of(table, "field", "trips", "run/max_trip_speed.csv")
+    first, second = (row[0] for row in shown.rows)
+    assert first.startswith("> 600") and second.startswith("300")
