@@ -26,7 +26,7 @@ from drillpetsc.output.shown_units import lengths_shown
 from drillpetsc.plotting import style
 from drillpetsc.reporting.inputs import mud_section, rig_rows, string_section, well_section
 from drillpetsc.reporting.page import Grid, Section, pictures_that_zoom
-from drillpetsc.reporting.results import KINDS, Run, result_sections, solver_section, warnings_of
+from drillpetsc.reporting.results import KINDS, NOTE, Run, result_sections, solver_section, warnings_of
 from drillpetsc.reporting.units import unit_of
 from drillpetsc.unit_systems import System
 from drillpetsc.version import __version__
@@ -149,9 +149,8 @@ def html(source: Source, system: System, wanted: Sequence[str], interactive: boo
         title=title,
         version=__version__,
         head=_head(source, system),
-        warnings=[
-            (where, [lengths_shown(text, system) for text in said]) for where, said in _warnings(source)
-        ],
+        warnings=_said(source, system, False),
+        notes=_said(source, system, True),
         agreed=AGREED,
         signs=_signs(source.runs, system),
         sections=parts,
@@ -214,6 +213,16 @@ def _date(source: Source) -> str:
     newest = max(file.stat().st_mtime for file in files)
     day = datetime.datetime.fromtimestamp(newest, datetime.UTC).date().isoformat()
     return f"{day} ({'newest result' if source.runs else 'case file'})"
+
+
+def _said(source: Source, system: System, notes_only: bool) -> list[tuple[str, list[str]]]:
+    """(where, texts) of the warnings, or of the notes: what the results assume and leave out."""
+    found = []
+    for where, texts in _warnings(source):
+        chosen = [text for text in texts if text.startswith(NOTE) is notes_only]
+        if chosen:
+            found.append((where, [lengths_shown(text.removeprefix(NOTE), system) for text in chosen]))
+    return found
 
 
 def _warnings(source: Source) -> list[tuple[str, list[str]]]:

@@ -99,6 +99,7 @@ OF_THE_WELL = ("trajectory",)
 _NO_ROWS = ("history.csv", "probes.csv", INDICES_TABLE)  # tables too long for a page: their ranges are shown
 
 
+NOTE = "note: "  # before what a run assumes and leaves out, which is no warning
 _NO_FRICTION = ("block_weight", "weight_factor")  # parameters of a calibration that are no friction factors
 
 
@@ -145,7 +146,7 @@ def warnings_of(run: Run) -> list[str]:
             file = run.folder.path / table
             if file.is_file():
                 found += _doubtful(file)
-    found += [f"note: {text}" for key, text in texts if key == "notes"]
+    found += [f"{NOTE}{text}" for key, text in texts if key == "notes"]
     return list(dict.fromkeys(found))
 
 

@@ -197,7 +197,7 @@ def test_warnings_come_first(runs: Path) -> None:
     doubtful = runs / "doubtful"
     shutil.copytree(runs / "dry", doubtful)
     summary = json.loads((doubtful / "summary.json").read_text())
-    summary |= {"status": "failed: <no convergence>", "warnings": ["look at <this>"]}
+    summary |= {"status": "failed: <no convergence>", "warnings": ["look at <this>"], "notes": ["60 rpm assumed"]}
     (doubtful / "summary.json").write_text(json.dumps(summary))
     (doubtful / "roadmap.csv").write_text("bit_depth [m],status [-]\n100,ok\n200,failed\n")
     assert main(["report", str(runs / "still"), str(doubtful), "--out", str(runs / "w.html")]) == 0
@@ -211,6 +211,9 @@ def test_warnings_come_first(runs: Path) -> None:
     ):
         assert words in warned
     assert text.index('id="warnings"') < text.index("<h2>Well")
+    # what a run assumes is no warning
+    noted = text[text.index('id="notes"') : text.index('id="conventions"')]
+    assert "assumed" in noted and "assumed" not in warned and "failed" not in noted
 
 
 def test_margins_of_limits_have_units_and_places(runs: Path) -> None:
@@ -223,7 +226,10 @@ def test_margins_of_limits_have_units_and_places(runs: Path) -> None:
     (folder / "contacts.csv").write_text("item [-],md [m],side_force [N]\nHWDP,304.8,1000\n")
     assert main(["report", str(folder), "--sections", "limits", "--out", str(runs / "l.html")]) == 0
     words = Page((runs / "l.html").read_text()).words
-    assert "Margin of overpull 100 klbf 1000 HWDP" in words and "note: mind <that>" in words
+    assert (
+        "Margin of overpull 100 klbf 1000 HWDP" in words
+        and "What the results assume and leave out limits mind <that>" in words
+    )
 
 
 @pytest.mark.parametrize(
