@@ -197,7 +197,11 @@ def test_warnings_come_first(runs: Path) -> None:
     doubtful = runs / "doubtful"
     shutil.copytree(runs / "dry", doubtful)
     summary = json.loads((doubtful / "summary.json").read_text())
-    summary |= {"status": "failed: <no convergence>", "warnings": ["look at <this>"], "notes": ["60 rpm assumed"]}
+    summary |= {
+        "status": "failed: <no convergence>",
+        "warnings": ["look at <this>"],
+        "notes": ["60 rpm assumed"],
+    }
     (doubtful / "summary.json").write_text(json.dumps(summary))
     (doubtful / "roadmap.csv").write_text("bit_depth [m],status [-]\n100,ok\n200,failed\n")
     assert main(["report", str(runs / "still"), str(doubtful), "--out", str(runs / "w.html")]) == 0

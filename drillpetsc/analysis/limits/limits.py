@@ -476,7 +476,8 @@ def _lines(case: Case, summary: dict[str, Any], units: System) -> list[str]:
         )
     for name, _, label in WEAKEST:
         worst = summary["weakest"].get(name)
-        if worst is not None and abs(worst["value"]) >= NO_SHARE:
+        least = NO_SHARE if name.endswith("_ratio") else 0.0
+        if worst is not None and abs(worst["value"]) >= least:
             value = (
                 shown(worst["value"], "force", units)
                 if name == "side_force_per_joint"
