@@ -173,11 +173,12 @@ def _scaled(random: Any, data: Any, old: Any) -> Any:
             return f"{float(match.group()) * factor!r}{old[match.end() :]}" if match else old * 2
         except ValueError:
             return old * 2
-    return (
-        old * factor
-        if isinstance(old, (int, float)) and not isinstance(old, bool)
-        else random.choice(SCALARS)
-    )
+    if not isinstance(old, (int, float)) or isinstance(old, bool):
+        return random.choice(SCALARS)
+    try:
+        return old * factor
+    except OverflowError:  # a number of hundreds of digits, of an earlier mutation
+        return old
 
 
 def _respelt(random: Any, data: Any, old: Any) -> Any:
