@@ -384,3 +384,28 @@ def test_a_coarse_mesh_run_has_about_half_the_elements():
     assert np.sum(coarse.item == 0) == pytest.approx(0.5 * np.sum(fine.item == 0), abs=1)
     automatic = [np.sum(mesh.item == 1) for mesh in (fine, coarse)]
     assert 0.4 * automatic[0] <= automatic[1] <= 0.75 * automatic[0]
+
+
+def test_a_beam_almost_without_stiffness_has_a_mesh_at_all():
+    """Bending waves of a string with EI of 1e-33 N m2 are nanometres long; it had millions of elements, and check never ended."""
+    beam = {
+        "kind": "beam",
+        "length": 8.0,
+        "od": 0.15,
+        "id": 0.07,
+        "mass": 140.0,
+        "bending_stiffness": 1e-33,
+        "axial_stiffness": 4e9,
+        "torsional_stiffness": 7.5e6,
+        "polar_inertia": 0.6,
+    }
+    case = Case(
+        well={
+            "survey": {"md": [0, 43], "inclination": [0, 0.1], "azimuth": [0.3, 0.3]},
+            "sections": [{"to": "end", "kind": "open_hole", "diameter": 0.2159, "friction": 0.3}],
+        },
+        string=[{"kind": "pipe", "length": 30.0, "od": 0.127, "id": 0.1086, "element_length": 10.0}, beam],
+        top={"kind": "top_drive", "rotation": "60 rpm"},
+        time={"end": 1.0},
+    )
+    assert build_model(case).mesh.nodes < 25_000
