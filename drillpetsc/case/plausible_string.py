@@ -1,12 +1,14 @@
-"""Doubts about a string that is valid, but hardly meant: too short for its hole, or listed from the bit up."""
+"""Doubts about a string that is valid, but hardly meant: too short for its hole, listed from the bit up, a valve that pumps."""
 
 from __future__ import annotations
 
 import math
 
+from drillpetsc.case.blocks.agitator import AgitatorTool
 from drillpetsc.case.blocks.case_blocks import CaseBlocks
 from drillpetsc.case.blocks.string import Beam, Bit, Flexible, Item, Rigid, Stabilizer, Tube
 from drillpetsc.case.blocks.tubulars import DrillCollar, DrillPipe, HeavyPipe, Tubular
+from drillpetsc.case.quantities import largest
 from drillpetsc.unit_systems import shown
 
 ONE_JOINT = (
@@ -55,6 +57,34 @@ def listed_upwards(case: CaseBlocks) -> list[str]:
         f"string[{above}] is {items[above].name}: {words} right above the bit, below the collars; the string is listed from "
         "the top down, so is its lower part the wrong way round?"
     ]
+
+
+def pumping_valves(case: CaseBlocks) -> list[str]:
+    """Say of each agitator in mud that its mean loss is below the amplitude of its pulses: part of each pulse would drive the mud.
+
+    With a given pump pressure the flow rate is not known, and only an agitator without a mean loss is doubted.
+    """
+    if case.fluid is None or not case.has_bore:
+        return []
+    units, fluid = case.output.units or "metric", case.fluid
+    flow = None if fluid.pump_pressure is not None else largest(fluid.flow_rate)
+    words = []
+    for i, item in enumerate(case.string):
+        if not isinstance(item, AgitatorTool) or flow == 0.0:
+            continue
+        amplitude, given = item.agitator.pressure_amplitude, item.pressure_loss
+        if given is None:
+            mean = 0.0
+        elif flow is None:
+            continue
+        else:
+            mean = given.coefficient * fluid.density * flow**2
+        if mean < (1 - 1e-9) * amplitude:
+            words.append(
+                f"string[{i}].pressure_loss is {shown(mean, 'pressure', units)} at the largest flow rate: less than "
+                f"agitator.pressure_amplitude, {shown(amplitude, 'pressure', units)}, so the valve drives the mud in a part of each pulse"
+            )
+    return words
 
 
 def beyond_lower_part(case: CaseBlocks) -> list[str]:

@@ -25,7 +25,7 @@ _residual = function("chain_residual", "ipppp")
 _count_runs = function("chain_count_runs", "ippppip", int)
 _runs = function("chain_runs", "ipppppippppipp", int)
 #: numbers for the patterns of the entries, more where they do not suffice (manual: sec-chain-storage)
-PATTERN_ROOM = 1 << 16
+PATTERN_CAPACITY = 1 << 16
 _negative = function("chain_negative", "iipp", int)
 
 
@@ -103,13 +103,13 @@ class Piece:
                 f"an entry couples local nodes {node[rows[wrong]]} and {node[columns[wrong]]}: not neighbours"
             )
         first, pattern = np.empty((2, start[-1]), dtype=np.int32)
-        begin, patterns, room = np.zeros(start[-1] + 1, dtype=np.int32), -1, PATTERN_ROOM
+        begin, patterns, capacity = np.zeros(start[-1] + 1, dtype=np.int32), -1, PATTERN_CAPACITY
         while patterns < 0:
-            slots, now = np.empty(room, dtype=np.int32), start.copy()
+            slots, now = np.empty(capacity, dtype=np.int32), start.copy()
             tables = (pointer(a) for a in (self.table, now, first, pattern))
             found = pointer(begin), pointer(slots)
-            patterns = _runs(len(rows), *entries, pointer(component), self.n, *tables, room, *found)
-            room *= 8
+            patterns = _runs(len(rows), *entries, pointer(component), self.n, *tables, capacity, *found)
+            capacity *= 8
         self._runs = start, first, pattern, begin[: patterns + 1].copy(), slots[: begin[patterns]].copy()
         self._entries = tuple(map(pointer, self._runs))
 

@@ -42,8 +42,8 @@ def test_patterns_of_entries_do_not_depend_on_the_room_for_them(kind, monkeypatc
     asm = system.assembly
     asm.jacobian(0.2, WEIGHTS, condensed=True)
     stores = []
-    for room in (block_tridiagonal.PATTERN_ROOM, 1):
-        monkeypatch.setattr(block_tridiagonal, "PATTERN_ROOM", room)
+    for capacity in (block_tridiagonal.PATTERN_CAPACITY, 1):
+        monkeypatch.setattr(block_tridiagonal, "PATTERN_CAPACITY", capacity)
         factor = chain_factor(system)
         factor.factor(asm.values)
         stores.append(factor.piece.store.tobytes())

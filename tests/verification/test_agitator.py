@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from drillpetsc import Case, run
+from drillpetsc.case.plausibility import plausibility
 from drillpetsc.errors import CaseError
 from drillpetsc.output import read_table
 
@@ -82,6 +83,27 @@ def test_square_pulses_and_no_flow(tmp_path):
     assert np.abs(got["agitator_force"][inside]) == pytest.approx(4309.2, rel=2e-2)
     still = history(case(flow_rate=None), tmp_path / "still")
     assert not still["agitator_force"].any()
+
+
+@pytest.mark.parametrize(
+    ("loss", "flow", "mean"),
+    [
+        (None, "30 l/s", "0 bar"),
+        ({"value": "100 psi", "at": "30 l/s", "density": 1200}, "30 l/s", "6.895 bar"),
+        ({"value": "250 psi", "at": "30 l/s", "density": 1200}, "15 l/s", "4.309 bar"),
+    ],
+)
+def test_a_valve_that_would_drive_the_mud_is_doubted(loss, flow, mean):
+    """Mean loss below the amplitude of the pulses, 250 psi: not given, too small, or at a flow rate that is too small."""
+    values = with_mud(flow)
+    if loss is None:
+        del values["string"][1]["pressure_loss"]
+    else:
+        values["string"][1]["pressure_loss"] = loss
+    (said,) = (line for line in plausibility(Case(**values)) if "pressure_amplitude" in line)
+    assert f"string[1].pressure_loss is {mean}" in said
+    assert not any("pressure_amplitude" in line for line in plausibility(Case(**with_mud())))
+    assert not any("pressure_amplitude" in line for line in plausibility(Case(**with_mud(0.0))))
 
 
 def with_mud(flow: object = "30 l/s", rtol: float = 1e-5, **changes: Any) -> dict:

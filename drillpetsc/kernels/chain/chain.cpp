@@ -424,9 +424,9 @@ int chain_count_runs(int m, const int* rows, const int* columns, const int* sour
 }
 
 // The runs in the order of their nodes, those of a node as they come: first entry and pattern of each, slots of pattern p from begin[p]
-// to begin[p + 1].  Returns the number of patterns, -1 where `room` slots are too few.
+// to begin[p + 1].  Returns the number of patterns, -1 where `capacity` slots are too few.
 int chain_runs(int m, const int* rows, const int* columns, const int* source, const int* node, const int* component, int n,
-               const std::int64_t* table, int* start, int* first_entry, int* pattern, int room, int* begin, int* slots) {
+               const std::int64_t* table, int* start, int* first_entry, int* pattern, int capacity, int* begin, int* slots) {
     std::unordered_map<std::uint64_t, std::vector<int>> known;  // patterns by a digest of their slots
     int patterns = 0;
     begin[0] = 0;
@@ -440,7 +440,7 @@ int chain_runs(int m, const int* rows, const int* columns, const int* source, co
         int count = 0;
         std::uint64_t digest = 1469598103934665603ull;
         for (; k < m && rows[k] >= 0 && columns[k] >= 0 && node[rows[k]] == i && (k == from || !source || source[k] == source[k - 1] + 1); k++) {
-            if (at + count >= room) return -1;
+            if (at + count >= capacity) return -1;
             const int j = node[columns[k]];
             const std::int64_t block = t[j < i ? LOWER : j > i ? UPPER : DIAG] - t[DIAG];
             const int slot = static_cast<int>(block + component[columns[k]] * t[LD] + component[rows[k]]);
