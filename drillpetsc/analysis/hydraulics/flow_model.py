@@ -324,6 +324,16 @@ class FlowModel:
         assert self.case.fluid is not None
         return self.case.fluid.outlet_pressure.value(0.0)
 
+    def pressure_above(self, depth: FloatArray) -> FloatArray:
+        """Compute the gauge pressure [Pa] of the mud above the string's top at vertical depths (k,) [m].
+
+        It is the column, of the density without pressure, that gives the annulus its pressure at the top.
+        """
+        pressure = self.pressure("annulus")
+        assert pressure is not None
+        rise = np.asarray(depth) - float(self.tvd[0])
+        return np.asarray(pressure[0] + self.fluid.constants.density * self.gravity * rise)
+
     def pressure_below(self, depth: FloatArray) -> FloatArray:
         """Compute the gauge pressure [Pa] of still mud below the bit at vertical depths (k,) [m]."""
         f, p, z = self.fluid.constants, self.bottom_pressure(), float(self.tvd[-1])

@@ -14,7 +14,13 @@ from scipy.optimize import brentq
 
 from drillpetsc.analysis.hydraulics import rheology_fits
 from drillpetsc.analysis.hydraulics import trade_formulas as trade
-from drillpetsc.analysis.hydraulics.flow_model import LARGEST_FLOW, FlowModel, need_mud, whole_string
+from drillpetsc.analysis.hydraulics.flow_model import (
+    LARGEST_FLOW,
+    SHORTEST_PIECE,
+    FlowModel,
+    need_mud,
+    whole_string,
+)
 from drillpetsc.analysis.hydraulics.losses import Loss, balance, blend_excess, blend_note, loss_rows
 from drillpetsc.analysis.hydraulics.nozzles import NozzleGroup, bit_flow, nozzle_groups, side_notes
 from drillpetsc.analysis.hydraulics.open_hole import (
@@ -183,6 +189,11 @@ class Hydraulics:
         assert case.fluid is not None
         if case.fluid.formulation == "hermite":
             notes.append("fluid.formulation: hermite: hydraulics takes mixed, whose steady flow is the same")
+        if self.flow.string.top > SHORTEST_PIECE:
+            notes.append(
+                f"the string's top lies at MD {self.flow.string.top:.6g} m: the pump pressure is the pressure there, and the mud "
+                "rises in the hole above it without friction"
+            )
         bit = self.flow.fluid.bit
         side = self.flow.fluid.side
         if side is not None:

@@ -64,12 +64,15 @@ class OpenHole:
 def annulus_pressure_at(flow: FlowModel, md: FloatArray, tvd: FloatArray) -> FloatArray:
     """Compute the gauge pressure [Pa] in the hole at measured depths (k,) [m]; still mud below the bit.
 
+    Above the string's top, where there is no annulus, the mud's friction in the open hole is left out.
+
     tvd: (k,) vertical depths of the same points [m].
     """
     pressure = flow.pressure("annulus")
     assert pressure is not None
-    inside = np.interp(md, flow.md, pressure)
-    return np.where(np.asarray(md) <= flow.md[-1], inside, flow.pressure_below(tvd))
+    md, inside = np.asarray(md, dtype=float), np.interp(md, flow.md, pressure)
+    inside = np.where(md < flow.md[0], flow.pressure_above(tvd), inside)
+    return np.where(md <= flow.md[-1], inside, flow.pressure_below(tvd))
 
 
 def window_in_measured_depth(case: Case, window: Window | None) -> list[str]:

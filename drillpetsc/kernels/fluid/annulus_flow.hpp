@@ -47,7 +47,7 @@ struct AnnulusFlow {
         TUBE_PULL, JOINT_PULL,     // force along the string per pi D_o and stress at the tube, at the tool joints
         CHI, DAMPING, TURNING,     // added mass / (rho A_o); k_v [N s/m2]; drag torque per length and spin [N s]
         STEP, LOSS,                // as in fluid/bore_flow.hpp
-        CONTROL, CONTROLLED,       // CONTROL 1: the upper node has the pressure CONTROLLED + rho0 (g.t_w)(t_w.r) [Pa]
+        CONTROL, CONTROLLED,       // CONTROL 1: the upper node has the pressure CONTROLLED + rho0 ((g.t_w)(t_w.r) + LEVEL) [Pa]
         DROP,                      // as in fluid/bore_flow.hpp
         TANGENT1, TANGENT2 = TANGENT1 + 3, BEND = TANGENT2 + 3,  // 3 each: directions of the hole at both ends, its curvature [1/m]
         HEAD = BEND + 3,           // as in fluid/bore_flow.hpp
@@ -171,7 +171,7 @@ struct AnnulusFlow {
         on.store(F4, p[RIGID], r);
         r[6] = (y[6] * 2.0 + y[13]) * (p[TURNING] * L * (1.0 / 6));
         r[13] = (y[13] * 2.0 + y[6]) * (p[TURNING] * L * (1.0 / 6));
-        const T head = dot(on.above, tw) * (gw * f.density);  // at the hole's axis, wherever in the hole the string is held
+        const T head = (dot(on.above, tw) * gw + p[LEVEL]) * f.density;  // at the hole's axis, wherever in the hole the string is held
         rows<RESULTS>(x, y, c, p, f, volume, swept1 * (c.theta * L), swept2 * (c.theta * L), head + p[CONTROLLED], q, mass * flow + momentum + resistance, r, results);
         if constexpr (RESULTS) energies(on, y, c, p, f, area, M, across, w, wall, V, tau.pull, resistance, q, drag, (swept1 + swept2) * L, (p1 + p2) * 0.5, volume, p1, p2, results);
     }

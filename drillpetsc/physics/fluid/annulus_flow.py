@@ -97,7 +97,6 @@ class AnnulusFlow(ChannelFlow):
             step=np.where(e > 0, 0.5 * (1 / own[e] ** 2 - 1 / own[above] ** 2), 0.0),
             loss=zero,
             control=np.where(e == 0, 1.0, 0.0),
-            level=self._level(self.well, self.mesh.upper[e], self.mesh.lower[e]),
             widening=zero,
         )
 
@@ -127,6 +126,7 @@ class AnnulusFlow(ChannelFlow):
             "controlled": zero,
             "drop": drop,
             "head": head,
+            "level": self._level(self.well, m.upper[e], m.lower[e]),
         } | self._directions(self.well, m.upper[e], m.lower[e])
 
     def blocks(self, part) -> tuple[ElementBlock, ...]:
@@ -209,9 +209,9 @@ class AnnulusFlow(ChannelFlow):
         directions = self._directions(around.current_well(), ends[:, 0] + m.rigid_above[e], ends[:, 1])
         for name, value in directions.items():
             params[name][rows] = value
+        params["level"][rows] = self._level(around.current_well(), ends[:, 0] + m.rigid_above[e], ends[:, 1])
         if not self.resizes:
             return
-        params["level"][rows] = self._level(around.current_well(), ends[:, 0] + m.rigid_above[e], ends[:, 1])
         own, over = around.annulus(e, ends), np.maximum(e - 1, 0)
         other = around.annulus(
             over, np.column_stack([ends[:, 0] - m.length[over] - m.rigid_above[over], ends[:, 0]])
@@ -365,5 +365,4 @@ class AnnulusFlow(ChannelFlow):
         place, p = state.x.take(state.index_of(block)[row, :3]), block.named
         along = p["tangent1"][row] + p["tangent2"][row]
         along /= sqrt(along.dot(along))
-        level = p["level"][row] if self.resizes else 0.0
-        return self.fluid.density * float(self.fluid.gravity.dot(along) * place.dot(along) + level)
+        return self.fluid.density * float(self.fluid.gravity.dot(along) * place.dot(along) + p["level"][row])

@@ -14,12 +14,13 @@ struct HermiteAnnulus {
         LENGTH, RIGID, POISSON, OUTER, HOLE, OUTER_ABOVE, WALL, DIAMETER, GAP, GAP_ABOVE, JOINT_SHARE, JOINT_GAP, TUBE_SPEED, JOINT_SPEED, TUBE_PULL, JOINT_PULL,
         CHI, DAMPING, TURNING,  // as in fluid/annulus_flow.hpp
         HEADS, REFERENCE_FLOW,  // as in fluid/hermite/hermite_bore.hpp
-        OPEN, CONTROLLED,       // OPEN 1: the upper end has the pressure CONTROLLED + rho0 (g.t_w)(t_w.r) [Pa]
+        OPEN, CONTROLLED,       // OPEN 1: the upper end has the pressure CONTROLLED + rho0 ((g.t_w)(t_w.r) + LEVEL) [Pa]
         DROP,                   // as in fluid/bore_flow.hpp
         TANGENT1, TANGENT2 = TANGENT1 + 3, BEND = TANGENT2 + 3,  // 3 each, as in fluid/annulus_flow.hpp
         HEAD = BEND + 3,        // as in fluid/bore_flow.hpp
         SURGE,                  // as in fluid/hermite/hermite_bore.hpp
         STEP,                   // what HEADS gains on the element above [1/m4]
+        LEVEL,                  // as in fluid/annulus_flow.hpp
         NP)
 
     template <class T, class S>
@@ -67,7 +68,7 @@ struct HermiteAnnulus {
             r[6] = (y[6] * 2.0 + y[13]) * (p[TURNING] * L * (1.0 / 6));
             r[13] = (y[13] * 2.0 + y[6]) * (p[TURNING] * L * (1.0 / 6));
             if constexpr (std::is_same_v<T, double>) if (results) results->dissipated += p[TURNING] * L / 3 * (y[6] * y[6] + y[6] * y[13] + y[13] * y[13]);
-            finish(line, y + F, dot(on.above, tw) * (dot(vec(f.gravity), tw) * f.density) + p[CONTROLLED], p, f, r + F, results);
+            finish(line, y + F, (dot(on.above, tw) * dot(vec(f.gravity), tw) + p[LEVEL]) * f.density + p[CONTROLLED], p, f, r + F, results);
         }
     }
 
@@ -111,7 +112,7 @@ struct HermiteAnnulus {
             const double part = weight * L, m = f.density * area, volume = q / thick;
             const Vec<double> X = value(at, on.x, L), moved = cut(V + rs * across), sideways = cut(V);
             results->kinetic += part * 0.5 * (m * wall * wall + M * dot(moved, moved));
-            results->potential -= part * (m * gw * dot(X, tw) - density * AO * dot(X, g - tw * gw));
+            results->potential -= part * (m * (gw * dot(X, tw) + p[LEVEL]) - density * AO * (dot(X, g - tw * gw) - p[LEVEL]));
             results->dissipated += part * (resistance * (volume + Va * content) - tau.pull * p[DIAMETER] * 3.14159265358979324 * Va + drag * dot(sideways, moved) +
                                           p[DAMPING] * dot(sideways, sideways));
             stored(line, content, w, thick, head, weight, p, f, results);

@@ -292,17 +292,8 @@ class HermiteAnnulus(AnnulusFlow):
     def upper_pressure(self, state) -> float:
         """Return the given pressure at the upper end [Pa], which the unknown at the node meets only in the mean."""
         block, row = self._top  # type: ignore[misc]
-        p = block.named
-        pressure = float(p["controlled"][row])
-        if not self.held:
-            along = p["tangent1"][row] + p["tangent2"][row]
-            along = along / np.linalg.norm(along)
-            pressure += (
-                self.fluid.density
-                * float(self.fluid.gravity @ along)
-                * float(along @ state.x[state.index_of(block)[row, :3]])
-            )
-        return pressure
+        pressure = float(block.named["controlled"][row])
+        return pressure if self.held else pressure + self._upper_head(state)
 
     def flows(self, system) -> FloatArray:
         return _flows(self, system, self._now)
