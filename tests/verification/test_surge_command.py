@@ -301,3 +301,40 @@ def test_open_pipe_is_full_to_the_flow_line_wherever_its_top_is():
     assert whole_string(low).top == pytest.approx(50.0)
     found = [Tripping(c, whole_string(c), "open").at("trip_in", 0.3).surge_pressure for c in (high, low)]
     assert found[0] == pytest.approx(found[1], rel=1e-6)
+
+
+def test_a_string_short_of_its_hole_trips_from_the_rig(tmp_path: Path):
+    """A string of 500 m in a hole of 800 m has the surge of the string lengthened to the rig, which is said; before, the
+    mud had friction along the 500 m only."""
+    case = Case(
+        string=[
+            {
+                "kind": "pipe",
+                "name": "five inch",
+                "length": 460.0,
+                "od": 0.127,
+                "id": 0.1,
+                "element_length": 20.0,
+            },
+            {"kind": "pipe", "length": 40.0, "od": 0.1651, "id": 0.07, "element_length": 20.0},
+        ],
+        top="clamped",
+        bottom="bit",
+        initial={"wob": 1e4},
+        well={
+            "survey": {"md": [0, 800], "inclination": [0, 0.3], "azimuth": [0, 0]},
+            "sections": [{"kind": "open_hole", "diameter": 0.2159}],
+        },
+        fluid={**STIFF, "density": 1200, "rheology": {"model": "newtonian", "viscosity": 0.05}},
+        output={"units": "field"},
+    )
+    plan = read_trips([0.3], window="1100,1500 kg/m3")
+    result = run_surge(case, plan, out=tmp_path / "out")
+    rows = read_table(tmp_path / "out" / "surge.csv")
+    whole = Tripping(case, string_at(case, 800.0), "closed").at("trip_in", 0.3).surge_pressure
+    short = Tripping(case, whole_string(case), "closed").at("trip_in", 0.3).surge_pressure
+    mine = (rows["operation [-]"] == "trip_in") & (rows["pipe [-]"] == "closed")
+    assert rows["surge_pressure [Pa]"][mine] == pytest.approx(whole, rel=1e-6)
+    assert whole > 1.3 * short
+    said = [line for line in result.lines if "top lies at MD" in line]
+    assert len(said) == 1 and "984.252 ft" in said[0] and "five inch" in said[0]

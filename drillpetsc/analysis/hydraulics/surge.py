@@ -17,6 +17,7 @@ from petsc4py import PETSc
 
 from drillpetsc.analysis.hydraulics.dynamic_surge import ACCELERATION, dynamic_surge
 from drillpetsc.analysis.hydraulics.flow_model import (
+    SHORTEST_PIECE,
     FlowModel,
     Pipe,
     PlacedString,
@@ -218,7 +219,7 @@ def run_surge(
     fastest: list[dict[str, Any]] = []
     by_area: list[dict[str, Any]] = []
     with options.applied(case.petsc):
-        whole = whole_string(case)
+        whole = _string_from_rig(case, notes)
         strings = [whole] if plan.bit_depths is None else [string_at(case, d) for d in plan.bit_depths]
         for pipe in plan.pipes:
             for string in strings:
@@ -303,6 +304,18 @@ def _notes(case: Case, plan: Trips, hole: OpenHole | None) -> list[str]:
     elif not len(hole.md):
         notes.append(NOTHING_OPEN)
     return notes
+
+
+def _string_from_rig(case: Case, notes: list[str]) -> PlacedString:
+    """The whole string, lengthened to the rig where its top lies in the hole: a trip moves it from there, which is noted."""
+    whole = whole_string(case)
+    if whole.top <= SHORTEST_PIECE:
+        return whole
+    name = case.string[0].name
+    notes.append(
+        f"the string's top lies at MD {whole.top:.6g} m: for a trip the topmost item ({name}) is lengthened to the rig"
+    )
+    return string_at(case, whole.depth)
 
 
 def _row(trip: Tripping, operation: str, speed: float) -> SurgeRow:
@@ -436,5 +449,5 @@ def _lines(case: Case, rows: list[SurgeRow], summary: dict[str, Any]) -> list[st
     return (
         lines
         + [f"  WARNING: {w}" for w in _distinct([w for row in rows for w in row.warnings])]
-        + [f"  note: {note}" for note in summary["notes"]]
+        + [f"  note: {lengths_shown(note, system)}" for note in summary["notes"]]
     )
