@@ -32,6 +32,7 @@ from drillpetsc.analysis.run_control import (
 from drillpetsc.analysis.sampled_control import sampled_control
 from drillpetsc.analysis.steady_flow import fluid_unknowns
 from drillpetsc.analysis.time_scales import longest_strict_step, step_warnings, time_scales
+from drillpetsc.analysis.whirl_steps import WhirlSteps
 from drillpetsc.case.case import Case
 from drillpetsc.errors import LONGEST, RESTART_HINT, CaseError, Interrupted, SolveError, cannot_write
 from drillpetsc.model.drilling_model import DrillingModel, build_model, is_quasi_static
@@ -392,6 +393,7 @@ class TransientRun:
         else:
             self.boiling.update(0.0)
         self.classes = MotionClasses(self.model, 0.5 * self.end) if self.watch_motion else None
+        self.whirl = WhirlSteps(self.model)
         self.newton, self.moving_since = 0, self.began
         mode: Any = self.progress if self.first else "silent"
         self.bar = Progress(self.end, self.start, mode=mode)
@@ -579,9 +581,18 @@ class TransientRun:
         if "error_estimate" in result and self.recorder.time_error is not None:
             result["error_estimate"]["outputs"] = self.recorder.time_error.summary()
             result["error_estimate"]["damped_above"] = self.recorder.time_error.damped_above()
-        frequency = self.integrator.damped_above()
+        frequency, product = self.integrator.damped_above(), self.integrator.damped_product()
         if frequency is not None:
             result["error_estimate"] = (result.get("error_estimate") or {}) | {"damped_above": frequency}
+        elif self.recorder.time_error is not None:
+            frequency, product = (
+                self.recorder.time_error.damped_above(),
+                self.recorder.time_error.damped_product(),
+            )
+        if error is None:
+            said = self.whirl.warnings(frequency, product)
+            result["warnings"] = [*result["warnings"], *said]
+            self._warn(said)
         if self.classes is not None:
             result["motion"] = self.classes.summary()
         result["warnings"] = [*result["warnings"], *self.boiling.warnings()]

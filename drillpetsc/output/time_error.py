@@ -133,12 +133,17 @@ class TimeError:
         None for orders above 2, which do not damp such vibrations, for other formulas, which know it themselves, and
         before the first step.
         """
-        order = self.formula.order if isinstance(self.formula, BdfOutputErrors) else np.inf
-        if order > 2 or not self._step_time.any():
+        product = self.damped_product()
+        if product is None or not self._step_time.any():
             return None
         passed = np.cumsum(self._step_time)
         k = int(np.searchsorted(passed, 0.5 * passed[-1]))
-        return damped_frequency(int(order), float(self._step_moment[k] / self._step_time[k]))
+        return product * float(self._step_time[k] / self._step_moment[k])
+
+    def damped_product(self) -> float | None:
+        """Product of that frequency and the step [-]; None as in ``damped_above``."""
+        order = self.formula.order if isinstance(self.formula, BdfOutputErrors) else np.inf
+        return damped_frequency(int(order), 1.0) if order <= 2 else None
 
     def get_state(self) -> dict[str, FloatArray]:
         """For a checkpoint; the same on all ranks."""

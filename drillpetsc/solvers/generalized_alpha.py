@@ -345,12 +345,17 @@ class GeneralizedAlpha(TimeIntegrator):
 
         It belongs to the median of the steps by time.  None at radius 1, and before the first step.
         """
-        product, (spent, moment) = self.formula.damped_product(), self._step_time
+        product, (spent, moment) = self.damped_product(), self._step_time
         if product is None or not spent.any():
             return None
         passed = np.cumsum(spent)
         k = int(np.searchsorted(passed, 0.5 * passed[-1]))
-        return float(product * spent[k] / moment[k] / (2 * np.pi))
+        return float(product * spent[k] / moment[k])
+
+    def damped_product(self) -> float | None:
+        """Product of that frequency and the step [-]; None at radius 1."""
+        product = self.formula.damped_product()
+        return None if product is None else product / (2 * np.pi)
 
     # ------------------------------------------------------------------ checkpoints
     def get_state(self) -> dict[str, FloatArray]:

@@ -362,6 +362,10 @@ class TimeIntegrator:
         """Frequency [Hz] above which the formula damps; None: the estimate of the outputs has it."""
         return None
 
+    def damped_product(self) -> float | None:
+        """Product of that frequency and the step [-]; None: the estimate of the outputs has it."""
+        return None
+
     # ------------------------------------------------------------------ run
     def _post_step(self, ts) -> None:
         """Finish an accepted step: history, callbacks, reference frames (manual: sec-time-update)."""
