@@ -19,8 +19,10 @@ from drillpetsc.model.element_length import (
     LARGEST_STRESS_FREE_TURN,
     LARGEST_TURN,
     LEAST_STEP,
+    STEP_STRESS,
     VERTICAL,
     free_length,
+    step_moment,
 )
 from drillpetsc.model.mesh import string_forces
 from drillpetsc.output.files.tables import Column
@@ -204,9 +206,7 @@ def _jumps(model: DrillingModel, load: _Loads) -> list[str]:
     above, below = (np.asarray(well.at(depth + shift + d)[2]) for d in (-1e-6, 1e-6))
     change = np.linalg.norm(below - above, axis=1)
     nodes = np.clip(np.searchsorted(mesh.node_depth, depth), 1, mesh.nodes - 1)
-    section = np.pi / 64 * (mesh.outer_diameter**4 - mesh.inner_diameter**4)
-    young = np.divide(mesh.bending_stiffness, section, out=np.zeros(len(section)), where=section > 0)
-    stress = 0.5 * mesh.outer_diameter[nodes - 1] * young[nodes - 1] * change
+    stress = (_stress_by_moment(model) * mesh.bending_stiffness)[nodes - 1] * change
     lines = [
         _beside(model, load, int(node), np.inf, "beside a jump of the hole's curvature at MD")
         for node in nodes[stress > SHARP_BEND]
@@ -226,6 +226,11 @@ def _steps(model: DrillingModel, load: _Loads) -> list[str]:
     ]
     touch = (mesh.contact_diameter > 0) & ~mesh.is_joint
     height = np.where(touch[1:] & touch[:-1], np.abs(gap[1] - gap[0]), 0.0)
+    # steps without a notable moment of their own, like that of a collar below tool joints of its diameter, are no support
+    by_moment, stress = _stress_by_moment(model), np.zeros(len(height))
+    for side in (slice(None, -1), slice(1, None)):
+        moment = step_moment(mesh.bending_stiffness[side], height, np.maximum(load.side[1:-1], 0.0))
+        stress = np.maximum(stress, by_moment[side] * moment)
     lines = [
         _beside(
             model,
@@ -235,9 +240,16 @@ def _steps(model: DrillingModel, load: _Loads) -> list[str]:
             "beside a step of the clearance between pipe and wall at MD",
             float(height[node]),
         )
-        for node in np.flatnonzero(height > LEAST_STEP)
+        for node in np.flatnonzero((height > LEAST_STEP) & (stress > STEP_STRESS))
     ]
     return _first([line for line in dict.fromkeys(lines) if line])
+
+
+def _stress_by_moment(model: DrillingModel) -> FloatArray:
+    """Bending stress over bending moment (n,) [1/m3] of the elements; zero without a section."""
+    mesh = model.mesh
+    section = np.pi / 64 * (mesh.outer_diameter**4 - mesh.inner_diameter**4)
+    return np.divide(0.5 * mesh.outer_diameter, section, out=np.zeros(len(section)), where=section > 0)
 
 
 # ---------------------------------------------------------------------- sentences

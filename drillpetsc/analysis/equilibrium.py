@@ -30,6 +30,7 @@ from drillpetsc.errors import CaseError, SolveError
 from drillpetsc.geometry.hole_steps import HoleSteps
 from drillpetsc.model.drilling_model import DrillingModel
 from drillpetsc.solvers.static_newton import CONVERGED_INCREMENT, Equilibrium, StaticNewton
+from drillpetsc.unit_systems import System, display, display_unit
 
 BEYOND_BOTTOM = 1e-3  # distance below the end of the hole that is reported [m]
 LEAST_CLEARANCE = 1e-3  # [m]
@@ -68,18 +69,22 @@ def director_equilibrium(
         )
     if path is not None:
         refuse_path(model, motion, path)
+    surge = surge_rates(model, lowering)
+    if surge is not None:
+        model.system.assembly.y[:] = surge
     freeze_flow(model, tolerance=FIRST_FLOW_INCREMENT)
-    soft, found = soft_string(model, motion), march(model, motion)
+    soft, found = soft_string(model, motion), march(model, motion, rates=surge)
     straight = found
     start = Snapshot(model)
     if found is not None:
         if found.locked_at is not None and path != "slack_off":
             raise _lock_up(model, found)
         if found.helical.any():
-            straight = march(model, motion, coils=False)
+            straight = march(model, motion, coils=False, rates=surge)
         if path is None:
             place_marched(model, found)
     solver = _solver(model)
+    solver.rates = surge
     wob = model.case.initial.wob
     if wob is not None:
         _set_weight_on_bit(model, solver, wob)
@@ -158,7 +163,8 @@ def _newton_with_flow(problem: StaticProblem) -> float:
             if increment == CONVERGED_INCREMENT:
                 raise
         start.restore()
-        solver.rates, asm.y[:], asm.dead_load, state.equilibrium.imperfection = None, 0.0, None, 0.0
+        solver.rates = surge_rates(model, problem.lowering)
+        asm.y[:], asm.dead_load, state.equilibrium.imperfection = 0.0, None, 0.0
         asm.freeze(fluid_unknowns(model.system))
         problem.set_friction_aside()
     return reached
@@ -213,7 +219,6 @@ def _slides_to_another_state(problem: StaticProblem) -> bool:
     unstable, load, imperfection = Snapshot(model), asm.dead_load, report.imperfection
     rates, y = solver.rates, asm.y.copy()
     _begin_again(problem)
-    solver.rates, asm.y[:] = None, 0.0  # the path has its own surge
     try:
         _answer_by_path(problem, "sliding")
     except SolveError:
@@ -240,6 +245,7 @@ def _answer_by_path(problem: StaticProblem, kind: AnyPath) -> None:
     clearance, steps = _node_clearance(model), _steps_in_hole(model)
     assert clearance is not None and steps is not None
     surge = surge_rates(model, problem.lowering)
+    problem.solver.rates, model.system.assembly.y[:] = None, 0.0  # the path has its own surge
     path = FrictionPath(model, kind, problem.solver, state.motion, clearance, steps, surge)
     state.path = follow_paths(path, ("straight", "overload") if kind == "sliding" else ("straight",))
     report, end = state.equilibrium, state.path.ends[0]
@@ -267,13 +273,19 @@ def _helix_hint(model: DrillingModel, found: March, moves: bool) -> str:
     depth = model.mesh.node_depth[found.helical] + top_depth(model)
     largest = -float(found.axial_force.min())
     pitch = 2 * np.pi * np.sqrt(2 * float(model.mesh.bending_stiffness[~model.mesh.is_joint].min()) / largest)
+    scale, _, unit = display_unit("length", _units(model))
+    push, force = display(largest, "force", _units(model))
     hint = (
-        f"by the march the string coils from MD {depth[0]:.0f} to {depth[-1]:.0f} m under a push of {largest:.3g} N; "
-        f"elements of {pitch / 4:.2g} m or less show it"
+        f"by the march the string coils from MD {depth[0] / scale:.0f} to {depth[-1] / scale:.0f} {unit} under a push of "
+        f"{push:.3g} {force}; elements of {pitch / 4 / scale:.2g} {unit} or less show it"
     )
     if moves:
         hint += "; with friction a coiled string has many states: `run` finds the one of a given motion"
     return hint
+
+
+def _units(model: DrillingModel) -> System:
+    return model.case.output.units or "metric"
 
 
 def _lock_up(model: DrillingModel, found: March) -> SolveError | CaseError:
@@ -289,8 +301,9 @@ def _lock_up(model: DrillingModel, found: March) -> SolveError | CaseError:
     assert found.locked_at is not None
     item = case.string[int(mesh.item[max(found.locked_node - 1, 0)])]
     what = "no weight" if case.initial.wob else "no push"
+    scale, _, unit = display_unit("length", _units(model))
     return SolveError(
-        f"locked up: {what} passes MD {found.locked_at:.0f} m ({item.name or item.kind}); "
+        f"locked up: {what} passes MD {found.locked_at / scale:.0f} {unit} ({item.name or item.kind}); "
         "below it the string coils in the hole, and friction takes any further push",
         hint="a stiffer or lighter string below that depth, less friction, rotation, or less weight",
     )

@@ -79,13 +79,14 @@ class March:
     effective_tension: FloatArray = field(default_factory=lambda: np.zeros(0))
 
 
-def nodal_loads(model: DrillingModel) -> tuple[FloatArray, FloatArray]:
+def nodal_loads(model: DrillingModel, rates: FloatArray | None = None) -> tuple[FloatArray, FloatArray]:
     """Compute force (n, 3) [N] and torque (n,) [N m] on every node but those of contact, bit and axial strain.
 
+    rates: (n+1,) of a steady motion that the mud sees [SI of each field per second]; None: at rest.
     The string must lie unstrained along the hole.  Collective; the same on all ranks.
     """
     system, asm = model.system, model.system.assembly
-    asm.y[:] = asm.a[:] = 0.0
+    asm.y[:], asm.a[:] = 0.0 if rates is None else rates, 0.0
     asm.partial_residual(0.0, lambda block: not block.kernel.startswith(LEFT_OUT))
     for bound in asm.bound_blocks:
         # a rigid item lies along a chord of a curved hole; what bends the short element below it is no load
@@ -154,13 +155,18 @@ class _Column:
 
 
 def march(
-    model: DrillingModel, motion: tuple[float, float], coils: bool = True, wob: float | None = None
+    model: DrillingModel,
+    motion: tuple[float, float],
+    coils: bool = True,
+    wob: float | None = None,
+    rates: FloatArray | None = None,
 ) -> March | None:
     """March from the bit up; None without contact.
 
     motion: axial velocity [m/s, down positive] and rotation [rad/s] that friction opposes.
     coils: the string coils where the push suffices; otherwise it stays straight in the hole.
     wob: weight on bit [N]; None takes that of the case.
+    rates: of a steady motion that the mud sees, as of ``nodal_loads``.
     The string must lie unstrained along the hole, its top at ``top_depth``.  Collective; the same on all ranks.
     """
     mesh, well, case = model.mesh, model.well, model.case
@@ -168,7 +174,7 @@ def march(
         return None
     start = top_depth(model)
     n, depth = mesh.nodes, mesh.node_depth + start
-    force, load_torque = nodal_loads(model)
+    force, load_torque = nodal_loads(model, rates)
     _, t, _ = well.at(depth)
     half = np.zeros(n)
     half[:-1] += 0.5 * mesh.length

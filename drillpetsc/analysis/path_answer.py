@@ -108,11 +108,12 @@ class PathAnswer:
                         f"{text(end.slid / 4, 'length')} of {text(end.slid, 'length')}"
                     )
         pivots = self.ends[0].negative_pivots
+        directions = f"{pivots} unstable direction{'s' if pivots > 1 else ''}"
         if self.held_by_friction:
-            out.append(f"held by friction only: without it the state has {pivots} unstable directions")
+            out.append(f"held by friction only: without it the state has {directions}")
         elif self.turns and pivots:
             out.append(
-                f"the state has {pivots} unstable directions: buckles go on travelling slowly, while force and torque stay"
+                f"the state has {directions}: buckles go on travelling slowly, while force and torque stay"
             )
         return out + [f"no state from the {start} start: {why}" for start, why in self.failed]
 

@@ -55,7 +55,7 @@ def soft_string(
         axial,
         torsional,
         bottom_force=_force_below(model, g * float(rigid[-1])) - wob,
-        bottom_torque=model.bit.torque_for(wob, turning) * np.sign(turning) if model.bit else 0.0,
+        bottom_torque=_torque_below(model, wob, turning),
         axial_velocity=-motion[0],
         rotation=motion[1],
     )
@@ -85,3 +85,11 @@ def _force_below(model: DrillingModel, weight: float) -> float:
     if isinstance(bottom, ForcedBottom):
         force += bottom.force
     return float(force @ model.tangent[-1])
+
+
+def _torque_below(model: DrillingModel, wob: float, turning: float) -> float:
+    """Compute the torque [N m] that the string must bring to its end, of a bit or a given moment; ``turning``: there [rad/s]."""
+    bottom = model.case.bottom
+    if isinstance(bottom, ForcedBottom):
+        return -float(np.array(bottom.moment) @ model.tangent[-1])
+    return float(model.bit.torque_for(wob, turning) * np.sign(turning)) if model.bit else 0.0

@@ -200,9 +200,9 @@ def _lines(case: Case, folder: RunFolder, state: StaticState, summary: dict[str,
         if held
         else f"UNSTABLE: {state.equilibrium.negative_pivots} negative pivots"
     )
-    lines.append(
-        f"  {stable}; {state.equilibrium.iterations} Newton iterations, residual {state.equilibrium.residual:.2g} N"
-    )
+    # a path ends in a motion, whose residual is not computed
+    residual = f", residual {state.equilibrium.residual:.2g} N" if state.path is None else ""
+    lines.append(f"  {stable}; {state.equilibrium.iterations} Newton iterations{residual}")
     lines += [f"  note: {w}" for w in state.warnings]
     lines.append(f"  results: {folder.path}   (scripts/drillpetsc plot {shlex.quote(str(folder.path))})")
     return lines

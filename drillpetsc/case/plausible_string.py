@@ -105,8 +105,8 @@ def beyond_lower_part(case: CaseBlocks) -> list[str]:
         same = [k for k in keys if keys[k] == wob]
         if wob is not None and wob > weight and key == same[0]:
             words.append(
-                f"{' and '.join(same)} is {shown(wob, 'force', units)}: more than what hangs below the drill pipe weighs in "
-                f"the mud along the hole, {shown(weight, 'force', units)} ({names}); drill pipe is in compression"
+                f"{' and '.join(same)} is {shown(wob, 'force', units)}: more than what hangs below the drill pipe weighs "
+                f"{'in the mud ' if case.fluid is not None else ''}along the hole, {shown(weight, 'force', units)} ({names}); drill pipe is in compression"
             )
     return words
 

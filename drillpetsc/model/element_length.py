@@ -136,7 +136,7 @@ def free_length(bending: float, clearance: float, side: float) -> float:
     return float((72 * bending * clearance / side) ** 0.25)
 
 
-def step_moment(bending: FloatArray, height: float, side: FloatArray) -> FloatArray:
+def step_moment(bending: FloatArray, height: float | FloatArray, side: FloatArray) -> FloatArray:
     """Bending moment [N m] where a string comes down from a step on the wall (manual: eq-mesh-step).
 
     bending: EI [N m2]; height: of the step [m]; side: load across the string [N/m].  A beam that is clamped on the

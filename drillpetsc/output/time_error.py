@@ -16,7 +16,7 @@ from drillpetsc.solvers.local_error import BdfOutputErrors, OutputErrors
 
 #: an output whose range is below this fraction of its size, or below the value of its unit, does not move: what is
 #: left is rounding
-CONSTANT, SMALLEST_RANGE = 1e-6, {"N": 1e-4, "N m": 1e-4, "Pa": 1e-2}
+CONSTANT, SMALLEST_RANGE = 1e-6, {"N": 1e-4, "N m": 1e-4, "Pa": 1e-2, "rad/s": 1e-6}
 SMALLEST_RANGE_SI = 1e-12  # of all other units
 #: a local error above this fraction of the range is a switch between two steps, e.g. of friction
 SWITCH = 0.05

@@ -10,6 +10,7 @@ import pytest
 
 from drillpetsc import Case, statics
 from drillpetsc.analysis.check import describe
+from drillpetsc.analysis.coarse_mesh import expected_warnings
 from drillpetsc.analysis.initial_state import find_equilibrium
 from drillpetsc.analysis.placement import place_along_hole
 from drillpetsc.analysis.statics import static_summary
@@ -192,3 +193,22 @@ def test_start_has_the_arc_length_of_its_elements():
     length = chord * (1 + turn**2 / 24)  # of a flat arc
     tension = found.axial_force[1:-1] / mesh.axial_stiffness
     assert np.max(abs(length / mesh.length - 1 - tension)) < 2e-5
+
+
+@pytest.mark.parametrize(("collar", "reported"), [(0.1207, False), (0.105, True)])
+def test_a_collar_of_the_diameter_of_the_tool_joints_is_no_support(tmp_path, collar, reported):
+    """A step of 25 um bends the pipe by sqrt(2 EI a w) = 90 N m, 1.5 MPa: its elements need not resolve it.
+
+    The warning named 0.71 m "(or auto)" on the automatic mesh itself.  A step of 8 mm bends it by 18 times as much.
+    """
+    case = Case(
+        well=hole([0.0, 350.0, 620.0, 1000.0], [0.0, 0.0, 78.0, 92.0], (0.1524,)),
+        string=[
+            {"kind": "drill_pipe", "length": 880.0, "pipe": "3 1/2in 13.30 E NC38 premium", "element_length": 6.0},
+            {"kind": "drill_collar", "length": 60.0, "od": collar, "id": 0.0572, "element_length": 6.0},
+        ],
+        top={"kind": "top_drive", "lowering": 0.5},
+        bottom={"kind": "free"},
+    )  # fmt: skip
+    for told in (statics(case, tmp_path / "run").summary["warnings"], expected_warnings(build_model(case))):
+        assert any("step of the clearance" in w for w in told) == reported

@@ -299,3 +299,22 @@ def test_a_helix_without_weight_is_neutral_and_not_unstable(tmp_path) -> None:
     there = (table["md [m]"] > 40) & (table["md [m]"] < 160)
     wall = 0.5 * (0.2159 - od) * force**2 / (4 * 206e9 * inertia)
     assert table["contact_force [N/m]"][there].mean() == pytest.approx(wall, rel=0.03)
+
+
+def test_lock_up_in_feet_of_a_field_case(tmp_path) -> None:
+    """The depth that no weight passes, in the units of the case: the same place as in metres."""
+    depth = {}
+    for units in ("field", "metric"):
+        made = Case(
+            well=straight(90.0, 3000.0, 0.4),
+            string=[{"kind": "pipe", "length": 3000.0, "od": 0.0603, "id": 0.0507, "element_length": 10.0}],
+            top={"kind": "top_drive", "lowering": 0.2},
+            bottom={"kind": "bit"},
+            initial={"from": "statics", "wob": 40e3},
+            output={"units": units},
+        )
+        with pytest.raises(SolveError, match="locked up") as caught:
+            statics(made, tmp_path / units)
+        number, unit = str(caught.value).split("passes MD ")[1].split()[:2]
+        depth[unit] = float(number)
+    assert depth["ft"] * 0.3048 == pytest.approx(depth["m"], abs=0.6)

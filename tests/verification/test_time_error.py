@@ -270,3 +270,11 @@ def test_the_estimate_of_a_restarted_run_is_that_of_one_run(tmp_path, last):
     assert continued["outputs"]["steps_without"] == whole["outputs"]["steps_without"] == 3
     for title, column in whole["outputs"]["columns"].items():
         assert continued["outputs"]["columns"][title]["error"] == pytest.approx(column["error"], rel=1e-12)
+
+
+def test_rounding_of_a_speed_is_no_error():
+    """A string that does not turn has a bit speed of some 1e-10 rad/s, which was "over 100 % of the range"."""
+    error, rng = TimeError(2, ["bit_speed", "torque"], ["rad/s", "N m"], [1, 1]), np.random.default_rng(5)
+    for k in range(100):
+        error.step(0.1 * k, 0.1, rng.normal(0.0, [1e-10, 1e-8], 2), k < 3)
+    assert error.summary()["columns"] == {}

@@ -47,3 +47,22 @@ def test_hook_load_of_pipes_with_rigid_items(fluid, lean):
     rows = rows_at(case, case.string_length)  # of the roadmap
     weight = float(rows.weight @ np.diff(rows.edges)) + rows.end_weight
     assert soft.hook_load == pytest.approx(weight * np.cos(lean), rel=1e-9)
+
+
+@pytest.mark.parametrize("lean", [0.0, 0.9])
+def test_a_moment_at_the_end_is_part_of_the_torque(lean):
+    """Without friction the top brings -M . t of a moment M on the lower end; the moment was left out."""
+    moment = np.array([-300.0, -200.0, -400.0])
+    case = Case(
+        well={
+            "survey": {"md": [0, 300], "inclination": [lean, lean], "azimuth": [0.4, 0.4]},
+            "sections": [{"kind": "casing", "diameter": 0.2159, "friction": 0.0}],
+        },
+        string=[{"kind": "pipe", "length": 250, "od": OD, "id": ID}],
+        top={"kind": "top_drive", "rotation": 3.0},
+        bottom={"kind": "force", "moment": list(moment)},
+    )
+    tangent = np.array([np.sin(lean) * np.cos(0.4), np.sin(lean) * np.sin(0.4), np.cos(lean)])
+    soft = soft_string(build_model(case), (0.0, 3.0))
+    assert soft is not None
+    assert soft.surface_torque == pytest.approx(-moment @ tangent, rel=1e-6)

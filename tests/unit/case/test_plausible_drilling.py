@@ -122,3 +122,9 @@ def test_highly_deviated_pipe_may_be_in_compression():
         "survey": {"md": [0, 3000, 6000, 8000], "inclination": [0, 0, 85, 85], "azimuth": [0] * 4},
     }
     assert doubts(well=well, initial={"wob": 30}) == []
+
+
+def test_weight_without_mud_is_not_said_to_be_in_mud():
+    dry = {k: v for k, v in USUAL.items() if k not in ("fluid", "roadmap")}
+    (line,) = plausibility(Case(**dry | {"initial": {"wob": 90}}))
+    assert "weighs along the hole" in line
