@@ -17,13 +17,15 @@ _SIZE, _LD, _DIAG, _UPPER, _LOWER, _LFAC, _LEFT, _TOP, _VEC = (
     _TABLE[name] for name in ("size", "ld", "diag", "upper", "lower", "lfac", "left", "top", "vec")
 )
 
-_factor = function("chain_factor", "iippppppppppdppp", int)
+_factor = function("chain_factor", "iipppppppppp" + "ppdppp", int)
 _forward = function("chain_forward", "iippppp")
 _backward = function("chain_backward", "iippp")
 _solve = function("chain_solve", "ippppippppp")
 _residual = function("chain_residual", "ipppp")
 _count_runs = function("chain_count_runs", "ippppip", int)
 _runs = function("chain_runs", "ipppppippppipp", int)
+_tiles = function("chain_tiles", "ippppp" + "p")
+_TILE = int(constant("tile"))  # numbers of a tile
 #: numbers for the patterns of the entries, more where they do not suffice (manual: sec-chain-storage)
 PATTERN_CAPACITY = 1 << 16
 _negative = function("chain_negative", "iipp", int)
@@ -110,7 +112,12 @@ class Piece:
             found = pointer(begin), pointer(slots)
             patterns = _runs(len(rows), *entries, pointer(component), self.n, *tables, capacity, *found)
             capacity *= 8
-        self._runs = start, first, pattern, begin[: patterns + 1].copy(), slots[: begin[patterns]].copy()
+        count = int(begin[patterns])
+        tile_begin, single_begin = np.empty((2, patterns + 1), dtype=np.int32)
+        tiles, singles = np.empty((count, _TILE), dtype=np.int32), np.empty((count, 2), dtype=np.int32)
+        _tiles(patterns, *map(pointer, (begin, slots, tile_begin, tiles, single_begin, singles)))
+        tiles, singles = tiles[: tile_begin[-1]].copy(), singles[: single_begin[-1]].copy()
+        self._runs = start, first, pattern, tile_begin, tiles, single_begin, singles
         self._entries = tuple(map(pointer, self._runs))
 
     def interface_blocks(self) -> list[np.ndarray]:
