@@ -38,6 +38,18 @@ def aligned(count: int) -> np.ndarray:
     return raw[start : start + count]
 
 
+def chain_flops(size: int, after: int, fill: int) -> tuple[int, int]:
+    """Count the operations of a factorisation and of a solve for one eliminated node (manual: sec-chain-cost).
+
+    size, after: unknowns of the node and of the next one; fill: of an interface at the other end, 0 without one.
+    """
+    factor = sum((size - k - 1) * (2 * (size - k - 1) + 1) for k in range(size)) + 2 * size * size * (
+        after + fill
+    )
+    factor += 2 * size * (after + fill) ** 2
+    return factor, 2 * size * size + 4 * size * (after + fill)
+
+
 class Piece:
     """Packed blocks of one run of n nodes on one process, without MPI.
 
@@ -195,16 +207,12 @@ class Piece:
 
         Manual: sec-chain-cost.
         """
-        b = self.table[:, _SIZE]
+        b = self.table[:, _SIZE].tolist()
         first, last = self.interfaces & 1, self.n - (self.interfaces >> 1)
-        fill = int(b[0]) if first else 0
-        factor = solve = 0
-        for i in range(first, last):
-            m, after = int(b[i]), int(b[i + 1]) if i + 1 < self.n else 0
-            factor += sum((m - k - 1) * (2 * (m - k - 1) + 1) for k in range(m)) + 2 * m * m * (after + fill)
-            factor += 2 * m * (after + fill) ** 2
-            solve += 2 * m * m + 4 * m * (after + fill)
-        return factor, solve
+        fill = b[0] if first else 0
+        parts = [chain_flops(b[i], b[i + 1] if i + 1 < self.n else 0, fill) for i in range(first, last)]
+        factor, solve = np.sum(parts, axis=0).tolist() if parts else (0, 0)
+        return int(factor), int(solve)
 
     def negative_eigenvalues(self) -> int:
         """Count the negative eigenvalues of the symmetrised pivot blocks of the last factorisation with ``blocks``.
