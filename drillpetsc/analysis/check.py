@@ -12,6 +12,7 @@ from drillpetsc.analysis.drive_report import drive_lines
 from drillpetsc.analysis.energy_descent import coarse_elements
 from drillpetsc.analysis.hoist_report import hoist_lines
 from drillpetsc.analysis.placement import top_depth
+from drillpetsc.analysis.rank_model import rank_lines, step_counts
 from drillpetsc.analysis.string_figures import figure_lines
 from drillpetsc.analysis.summary import field_counts
 from drillpetsc.analysis.time_scales import time_scales
@@ -25,9 +26,6 @@ from drillpetsc.case.plausibility import notes
 from drillpetsc.model.drilling_model import DrillingModel, build_model
 from drillpetsc.model.mesh import element_lengths
 from drillpetsc.unit_systems import System, display_unit, shown
-
-#: microseconds per element and evaluation, measured on one core (scripts/benchmark measures and prints them)
-COST = {"residual": 0.3, "jacobian": 1.2, "factor": 0.6, "solve": 0.15, "step": 2.0}
 
 MOST_RANGES = 40  # lines on automatic element lengths
 
@@ -203,17 +201,11 @@ def _lines(model: DrillingModel) -> list[str]:
     for f, n in counts:
         if f.region in REGION_TEXT and n:
             lines.append(f"    {f.name}: {f.size} at {n} nodes ({REGION_TEXT[f.region]})")
-    e = len(mesh.upper)
-    step = (
-        (3 * COST["residual"] + COST["jacobian"] + COST["factor"] + 2 * COST["solve"] + COST["step"])
-        * e
-        * 1e-3
-    )
     lines.append(
-        f"  expected cost: about {step:.2g} ms per step on one core"
+        f"  expected cost: about {1e3 * step_counts(model).time(1):.2g} ms per step on one core"
         + (f"; {case.time.end:g} s to simulate" if case.time is not None else "")
     )
-    lines += [f"  {line}" for line in time_scales(model).lines()]
+    lines += [f"  {line}" for line in (*rank_lines(model), *time_scales(model).lines())]
     lines += [f"  {line}" for line in notes(case)]
     lines += [f"  WARNING: {text}" for text in expected_warnings(model)]
     coarse = coarse_elements(model)

@@ -25,6 +25,7 @@ from drillpetsc.fem.bound_parts import (
 )
 from drillpetsc.fem.component import ElementBlock, PrescribedMotion, VelocityStabilization
 from drillpetsc.fem.dof_layout import DofLayout
+from drillpetsc.fem.end_exchange import EndExchange
 from drillpetsc.kernels import function, pointer
 from drillpetsc.kernels.parameters import structure
 
@@ -37,6 +38,8 @@ _fix_matrix = function("constraint_matrix", "ippppp")
 _gradient = function("spin_gradient", "ippppddp")
 _run_residuals = function("run_residuals", "ipip")
 _step_rows = function("step_rows", "ppp")
+_step_state, _step_blocks = function("step_state", "pp"), function("step_blocks", "pp")
+_step_prescribed = function("step_prescribed", "pp")
 _element_rows = function("element_rows", "pippp")
 _BlockCall = structure("block_call")  # BlockCall, PrescribedCall and StepCall of kernels/core/rows.cpp
 _PrescribedCall, _StepCall = structure("prescribed_call"), structure("step_call")
@@ -364,15 +367,24 @@ class Assembly:
         call.x, call.y, call.a, _ = state
 
     def step_rows(
-        self, t: float, sigma: float, second: float, owned: np.ndarray, at: tuple[int, int]
+        self,
+        t: float,
+        sigma: float,
+        second: float,
+        owned: np.ndarray,
+        at: tuple[int, int],
+        ends: EndExchange | None = None,
+        rows: FloatArray | None = None,
     ) -> bool:
-        """Compute the residual of a condensed step at time ``t`` [s] in one compiled call, on one rank.
+        """Compute the residual of a condensed step at time ``t`` [s] in one compiled call, on several ranks in three.
 
         The same as ``condense``, ``apply_prescribed_rates``, ``residual`` and ``replace_rows``.  False, and nothing is
         done, where the step needs more than these, or prescribed motion first needs the state.
 
         sigma, second: as for ``condense``.
         owned: (n,) local numbers of the unknowns; at: addresses of the unknowns (n,) and of the residual (n,).
+        ends: exchange with other ranks, None on one rank; rows: the residual, with ``ends``.  A rank may go this way and another
+        that of the separate calls: their messages are the same.
         """
         if (
             self.stabilized
@@ -398,7 +410,14 @@ class Assembly:
             self._step = self._step_call(calls, owned)
         _, call, address, _ = self._step
         call.sigma, call.second = sigma, second
-        _step_rows(address, *at)
+        if ends is None or rows is None:
+            _step_rows(address, *at)
+        else:
+            _step_state(address, at[0])
+            ends.spread(self.x)
+            _step_blocks(address, at[1])
+            ends.add(self.r, rows)
+            _step_prescribed(address, at[1])
         self._event["Residual"].end()
         return True
 
@@ -420,7 +439,7 @@ class Assembly:
         call = _StepCall(
             owned=pointer(owned), x=x, y=y, a=a, r=r, v0=self._history[0], v1=self._history[1], where=where, reference=reference,
             prescribed=ctypes.addressof(prescribed), blocks=ctypes.addressof(calls), scale=ROW_SCALE, n=len(owned),
-            length=len(self.r), spins=spins, prescriptions=len(prescribed), count=len(calls),
+            size=self.layout.size, length=len(self.r), spins=spins, prescriptions=len(prescribed), count=len(calls),
         )  # fmt: skip
         return calls, call, ctypes.addressof(call), (prescribed, rows, owned)
 

@@ -16,6 +16,7 @@ from drillpetsc.fem.assembly import Assembly
 from drillpetsc.fem.chain import build_chain
 from drillpetsc.fem.component import Component, Energies, Powers
 from drillpetsc.fem.dof_layout import build_dof_layout
+from drillpetsc.fem.end_exchange import EndExchange
 from drillpetsc.fem.string_mesh import StringMesh
 from drillpetsc.geometry.frames import Frames
 from drillpetsc.kernels import function, pointer
@@ -87,19 +88,24 @@ class DiscreteSystem:
         self._working = [c for c in self.components if type(c).powers is not Component.powers]
         layout, asm = self.layout, self.assembly
         asm.derive = other.derive if other else None
-        self._x = PETSc.Vec().createWithArray(asm.x[: layout.size], comm=PETSc.COMM_SELF)
         self._r = PETSc.Vec().createWithArray(asm.r[: layout.size], comm=PETSc.COMM_SELF)
-        self._state = layout.state_dm.createLocalVec()
         self.owned_index = np.full(layout.size, -1, dtype=np.int32)
         self.owned_index[layout.local_of_owned] = np.arange(len(layout.local_of_owned))
         self._serial = self.comm.size == 1
+        #: exchange with the ranks of the neighbouring pieces; None on one rank
+        self.ends: EndExchange | None = None
+        if not self._serial:
+            chain, mpi = self.chain, self.comm.tompi4py()
+            self.ends = EndExchange(mpi, chain.vertices, chain.owned, layout.vertex_of, self.owned_index)
         scale = np.array([f.scale for f in layout.fields])
         self.scale = scale[layout.field_of]  # (n,) usual magnitude of each local unknown
         self._with_rate = np.flatnonzero(layout.y_local >= 0)  # unknowns with a rate in the state
         owned = np.flatnonzero(layout.y_owned >= 0)
-        tables = (  # from the local state to x and y; from x and y to the owned part of a global state
-            layout.x_local,
-            layout.y_local,
+        from_state = np.full((2, layout.size), -1, dtype=np.int32)
+        from_state[:, layout.local_of_owned] = layout.x_owned, layout.y_owned
+        tables = (  # from the owned part of a global state to x and y, and back
+            from_state[0],
+            from_state[1],
             layout.local_of_owned,
             layout.x_owned,
             layout.local_of_owned[owned],
@@ -134,33 +140,33 @@ class DiscreteSystem:
 
     def load_unknowns(self, q: PETSc.Vec) -> None:
         """Copy the condensed global vector ``q`` into ``assembly.x``, ghosts included."""
-        self.layout.condensed_dm.globalToLocal(q, self._x)
+        self.assembly.x[self.layout.local_of_owned] = q.getArray(readonly=1)
+        if self.ends is not None:
+            self.ends.spread(self.assembly.x)
 
     def load_state(self, state: PETSc.Vec, rate: PETSc.Vec | None = None) -> None:
         """Copy a state into the assembly's x and y; with ``rate`` also the rates into y and a."""
-        layout, asm = self.layout, self.assembly
-        layout.state_dm.globalToLocal(state, self._state)
-        s = self._state.getArray(readonly=1)
-        _gather(layout.size, self._x_from, pointer(s), pointer(asm.x))
-        _gather(layout.size, self._y_from, pointer(s), pointer(asm.y))
+        asm = self.assembly
+        self._take(state, asm.x, asm.y)
         if rate is not None:
-            layout.state_dm.globalToLocal(rate, self._state)
-            s = self._state.getArray(readonly=1)
             known = asm.y[self._with_rate]
-            asm.y[: layout.size] = s[layout.x_local]
+            self._take(rate, asm.y, asm.a)
             asm.y[self._with_rate] = known
-            _gather(layout.size, self._y_from, pointer(s), pointer(asm.a))
 
     def load_history(self, constant: PETSc.Vec) -> None:
         """Copy the constant V of the time formula, Xdot = shift X + V, into v0 and v1.
 
         Manual: eq-time-bdf.
         """
-        layout, asm = self.layout, self.assembly
-        layout.state_dm.globalToLocal(constant, self._state)
-        s = self._state.getArray(readonly=1)
-        _gather(layout.size, self._x_from, pointer(s), pointer(asm.v0))
-        _gather(layout.size, self._y_from, pointer(s), pointer(asm.v1))
+        self._take(constant, self.assembly.v0, self.assembly.v1)
+
+    def _take(self, state: PETSc.Vec, unknowns: FloatArray, rates: FloatArray) -> None:
+        """Copy both parts of a global state into local arrays, ghosts included; zero where an unknown has no rate."""
+        s = pointer(state.getArray(readonly=1))
+        _gather(self.layout.size, self._x_from, s, pointer(unknowns))
+        _gather(self.layout.size, self._y_from, s, pointer(rates))
+        if self.ends is not None:
+            self.ends.spread(unknowns, rates)
 
     def store_state(self, state: PETSc.Vec) -> None:
         """Copy the assembly's x and y into the owned part of ``state``."""
@@ -181,13 +187,10 @@ class DiscreteSystem:
         Rows along prescribed directions are replaced (manual: eq-prescribed-rows).  ``t``: time [s].
         """
         self.assembly.residual(t)
-        if self._serial:
-            rows = out.getArray()
-            self.assembly.r.take(self.layout.local_of_owned, out=rows, mode="clip")
-        else:
-            out.set(0.0)
-            self.layout.condensed_dm.localToGlobal(self._r, out, addv=PETSc.InsertMode.ADD_VALUES)
-            rows = out.getArray()
+        rows = out.getArray()
+        self.assembly.r.take(self.layout.local_of_owned, out=rows, mode="clip")
+        if self.ends is not None:
+            self.ends.add(self.assembly.r, rows)
         if self.assembly.row_replacements:
             self.assembly.replace_rows(t, rows, self.owned_index)
 

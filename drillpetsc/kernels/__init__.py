@@ -7,6 +7,7 @@ package's own folder only, and only if no other user can have written it.
 from __future__ import annotations
 
 import ctypes
+import sys
 from functools import cache
 
 import numpy as np
@@ -40,11 +41,27 @@ def library() -> ctypes.CDLL:
     return ctypes.CDLL(str(path))
 
 
+def _reads_header() -> bool:
+    """Whether the first field of an array's object, after Python's own, is the address of its values, as in NumPy's C interface."""
+    if sys.implementation.name != "cpython":
+        return False
+    whole = np.zeros(5)
+    return all(
+        _word_at(id(a) + _HEADER).value == a.__array_interface__["data"][0] for a in (whole, whole[2:])
+    )
+
+
+_HEADER, _word_at = object.__basicsize__, ctypes.c_size_t.from_address
+_HEADER_READ = _reads_header()
+
+
 def pointer(array: np.ndarray) -> int:
     """Address of a C-contiguous array, to be passed as ``c_void_p``; the caller keeps the array alive."""
     if not array.flags.c_contiguous:
         raise ValueError("kernels take C-contiguous arrays")
-    return array.__array_interface__["data"][0]  # a third of the time of array.ctypes.data
+    if _HEADER_READ and isinstance(array, np.ndarray):
+        return _word_at(id(array) + _HEADER).value  # a sixth of the time of the way below
+    return array.__array_interface__["data"][0]
 
 
 def function(name: str, arguments: str, result: type | None = None) -> ctypes._FuncPointer:  # type: ignore[name-defined]

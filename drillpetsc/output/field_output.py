@@ -63,7 +63,8 @@ class FieldOutput:
 
     def _gathered(self, parts: dict[Key, FloatArray], on: str) -> dict[Key, FloatArray] | None:
         """Local values (k, ...) collected in depth order on rank 0, as (n, m); None elsewhere."""
-        flat = {key: values.reshape(len(values), -1) for key, values in parts.items()}
+        # -1 would not do on a rank without elements
+        flat = {k: v.reshape(len(v), int(np.prod(v.shape[1:]))) for k, v in parts.items()}
         whole = self.system.gather(np.hstack(list(flat.values())), on)
         if whole is None:
             return None

@@ -82,10 +82,14 @@ def _of_string(
         string.bending_components(sample),
         string.shear_components(sample),
     ]
-    across = np.concatenate([p.reshape(len(torque), 2, -1) for p in parts], axis=2)
+    # -1 would not do on a rank without elements
+    across = np.concatenate([p.reshape(len(p), 2, int(np.prod(p.shape[2:]))) for p in parts], axis=2)
     nodal = system.gather(np.hstack([system.field("string.position"), system.field("string.tangent")]))
     cell = system.gather(
-        np.column_stack([axial, torque, push, bend, across.reshape(len(torque), -1)]), "cell"
+        np.column_stack(
+            [axial, torque, push, bend, across.reshape(len(across), across.shape[1] * across.shape[2])]
+        ),
+        "cell",
     )
     if nodal is None or cell is None:
         return None

@@ -17,13 +17,15 @@ _SIZE, _LD, _DIAG, _UPPER, _LOWER, _LFAC, _LEFT, _TOP, _VEC = (
     _TABLE[name] for name in ("size", "ld", "diag", "upper", "lower", "lfac", "left", "top", "vec")
 )
 
-_factor = function("chain_factor", "iippppppppppdppp", int)
+_factor = function("chain_factor", "iipppppppppp" + "ppdppp", int)
 _forward = function("chain_forward", "iippppp")
 _backward = function("chain_backward", "iippp")
 _solve = function("chain_solve", "ippppippppp")
 _residual = function("chain_residual", "ipppp")
 _count_runs = function("chain_count_runs", "ippppip", int)
 _runs = function("chain_runs", "ipppppippppipp", int)
+_tiles = function("chain_tiles", "ippppp" + "p")
+_TILE = int(constant("tile"))  # numbers of a tile
 #: numbers for the patterns of the entries, more where they do not suffice (manual: sec-chain-storage)
 PATTERN_CAPACITY = 1 << 16
 _negative = function("chain_negative", "iipp", int)
@@ -34,6 +36,18 @@ def aligned(count: int) -> np.ndarray:
     raw = np.zeros(count + 8)
     start = -(pointer(raw) // 8) % 8
     return raw[start : start + count]
+
+
+def chain_flops(size: int, after: int, fill: int) -> tuple[int, int]:
+    """Count the operations of a factorisation and of a solve for one eliminated node (manual: sec-chain-cost).
+
+    size, after: unknowns of the node and of the next one; fill: of an interface at the other end, 0 without one.
+    """
+    factor = sum((size - k - 1) * (2 * (size - k - 1) + 1) for k in range(size)) + 2 * size * size * (
+        after + fill
+    )
+    factor += 2 * size * (after + fill) ** 2
+    return factor, 2 * size * size + 4 * size * (after + fill)
 
 
 class Piece:
@@ -110,7 +124,12 @@ class Piece:
             found = pointer(begin), pointer(slots)
             patterns = _runs(len(rows), *entries, pointer(component), self.n, *tables, capacity, *found)
             capacity *= 8
-        self._runs = start, first, pattern, begin[: patterns + 1].copy(), slots[: begin[patterns]].copy()
+        count = int(begin[patterns])
+        tile_begin, single_begin = np.empty((2, patterns + 1), dtype=np.int32)
+        tiles, singles = np.empty((count, _TILE), dtype=np.int32), np.empty((count, 2), dtype=np.int32)
+        _tiles(patterns, *map(pointer, (begin, slots, tile_begin, tiles, single_begin, singles)))
+        tiles, singles = tiles[: tile_begin[-1]].copy(), singles[: single_begin[-1]].copy()
+        self._runs = start, first, pattern, tile_begin, tiles, single_begin, singles
         self._entries = tuple(map(pointer, self._runs))
 
     def interface_blocks(self) -> list[np.ndarray]:
@@ -188,16 +207,12 @@ class Piece:
 
         Manual: sec-chain-cost.
         """
-        b = self.table[:, _SIZE]
+        b = self.table[:, _SIZE].tolist()
         first, last = self.interfaces & 1, self.n - (self.interfaces >> 1)
-        fill = int(b[0]) if first else 0
-        factor = solve = 0
-        for i in range(first, last):
-            m, after = int(b[i]), int(b[i + 1]) if i + 1 < self.n else 0
-            factor += sum((m - k - 1) * (2 * (m - k - 1) + 1) for k in range(m)) + 2 * m * m * (after + fill)
-            factor += 2 * m * (after + fill) ** 2
-            solve += 2 * m * m + 4 * m * (after + fill)
-        return factor, solve
+        fill = b[0] if first else 0
+        parts = [chain_flops(b[i], b[i + 1] if i + 1 < self.n else 0, fill) for i in range(first, last)]
+        factor, solve = np.sum(parts, axis=0).tolist() if parts else (0, 0)
+        return int(factor), int(solve)
 
     def negative_eigenvalues(self) -> int:
         """Count the negative eigenvalues of the symmetrised pivot blocks of the last factorisation with ``blocks``.

@@ -152,7 +152,7 @@ class CondensedNewton:
             self.pc = ChainPC(self.factor, asm, stop=False)
             pc.setPythonContext(self.pc)
         snes.setUp()
-        if self.direct and system.comm.size == 1:
+        if self.direct:
             #: arrays of unknowns and residual, their addresses: the rows of a step are one compiled call
             self._arrays = self.q.getArray(), self._f.getArray()
             self._arrays_at = pointer(self._arrays[0]), pointer(self._arrays[1])
@@ -176,8 +176,9 @@ class CondensedNewton:
         """Compute the residual at ``q``, owned rows; the next call overwrites the array."""
         if self._arrays is not None and q.handle == self.q.handle:
             owned = self.system.layout.local_of_owned
-            if self.system.assembly.step_rows(self.t, self.shift, self.second_shift, owned, self._arrays_at):
-                return self._arrays[1]
+            at, ends, rows = self._arrays_at, self.system.ends, self._arrays[1]
+            if self.system.assembly.step_rows(self.t, self.shift, self.second_shift, owned, at, ends, rows):
+                return rows
         self._function(None, q, self._f)
         return self._f.getArray(readonly=1)
 

@@ -14,10 +14,10 @@ from drillpetsc.errors import SolveError
 from drillpetsc.fem.assembly import Assembly
 
 KIND, CASE, OUT, CLOCK = sys.argv[1:]
-residual = Assembly.residual
+residual, step_rows = Assembly.residual, Assembly.step_rows
 
 
-def spoiled(self: Assembly, t: float):
+def spoil(self: Assembly, t: float) -> None:
     from petsc4py import PETSc
 
     if PETSc.COMM_WORLD.rank == 1 and t > 0.02:
@@ -35,8 +35,17 @@ def spoiled(self: Assembly, t: float):
             raise SolveError("spoiled on purpose", time=t, component="contact")
         else:
             contact.block.named["radius"][-1] = np.nan  # of this rank's last element
+
+
+def spoiled_residual(self: Assembly, t: float):
+    spoil(self, t)
     return residual(self, t)
 
 
-Assembly.residual = spoiled  # type: ignore[method-assign]
+def spoiled_step(self: Assembly, t: float, *rest):
+    spoil(self, t)
+    return step_rows(self, t, *rest)
+
+
+Assembly.residual, Assembly.step_rows = spoiled_residual, spoiled_step  # type: ignore[method-assign]
 raise SystemExit(main(["run", CASE, "--out", OUT, "--progress", "silent"]))

@@ -12,6 +12,7 @@
 //   TOP   fill G_i = coupling of node 0 to node i                        (only pieces that keep node 0)
 //   VEC   offset of the node in a padded vector; also in `inverse` and `pivot`.
 // keep: bit 0 node 0 is not eliminated, bit 1 the last node is not eliminated.
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <cstring>
@@ -323,11 +324,52 @@ int negative_eigenvalues(int b, double* S) {
     return count;
 }
 
+// A tile of a run: four neighbouring entries of up to four rows of an element matrix (by rows) are added to four columns of blocks (by
+// columns).  tile: places of the rows' first entries in the run, -1 from the first row that is missing on; places in the blocks of the
+// columns' first entries, -1 where another tile adds the column.  Missing rows add zero.
+constexpr int TILE = 8;
+
+inline void add_tile(const int* tile, const double* v, double* to) {
+    const d4 zero = {0, 0, 0, 0};
+    const d4 a = load(v + tile[0]), b = tile[1] < 0 ? zero : load(v + tile[1]), c = tile[2] < 0 ? zero : load(v + tile[2]),
+             d = tile[3] < 0 ? zero : load(v + tile[3]);
+    const d4 columns[4] = {{a[0], b[0], c[0], d[0]}, {a[1], b[1], c[1], d[1]}, {a[2], b[2], c[2], d[2]}, {a[3], b[3], c[3], d[3]}};
+    for (int j = 0; j < 4; j++)
+        if (tile[4 + j] >= 0) store4(to + tile[4 + j], load(to + tile[4 + j]) + columns[j]);
+}
+
+// Tiles of a pattern whose run is a matrix of rows of `width` entries, slot of (i, j) = slots[i width] + slots[j] - slots[0]; returns
+// their number, -1 where it is no such matrix.  tiles: null, or receives them.
+int tiles_of_width(int count, const int* slots, int width, int* tiles) {
+    const int rows = count / width;
+    for (int i = 1; i < rows; i++)
+        for (int j = 1; j < width; j++)
+            if (slots[i * width + j] - slots[i * width] != slots[j] - slots[0]) return -1;
+    std::vector<std::pair<int, int>> order;  // place in the blocks and number of each row
+    for (int i = 0; i < rows; i++) order.push_back({slots[i * width], i});
+    std::sort(order.begin(), order.end());
+    int found = 0;
+    for (int i = 0, n; i < rows; i += n) {
+        for (n = 1; n < 4 && i + n < rows && order[i + n].first == order[i].first + n;) n++;
+        for (int j = 0; j < width; j += 4, found++) {
+            if (!tiles) continue;
+            int* tile = tiles + TILE * found;
+            const int from = j + 4 <= width ? j : width - 4;  // the last columns: the tile overlaps the one before
+            for (int k = 0; k < 4; k++) {
+                tile[k] = k < n ? order[i + k].second * width + from : -1;
+                tile[4 + k] = from + k < j ? -1 : order[i].first + slots[from + k] - slots[0];
+            }
+        }
+    }
+    return found;
+}
+
 }  // namespace
 
 DP_EXPORT(chain_table, TableColumnText)
 DP_EXPORT(chain_stats, StatsEntryText)
 DP_CONSTANT(largest_block, LARGEST_BLOCK)
+DP_CONSTANT(tile, TILE)
 
 extern "C" {
 
@@ -337,15 +379,15 @@ void chain_scatter_add(int n, const int* index, const double* values, double* ta
         if (index[k] >= 0) target[index[k]] += values[k];
 }
 
-// Assemble and eliminate, a node at a time so that its blocks stay in the cache.  Run r of a node adds values[first[r] + k] at
-// store[DIAG + slots[begin[pattern[r]] + k]], as chain_runs has set them; start (n+1): where each node's runs begin.  saved: null, or
-// receives the assembled blocks; blocks: null, or receives the pivot blocks S_i = A(i,i) - A(i,i-1) S_(i-1)^-1 A(i-1,i) before their LU,
+// Assemble and eliminate, a node at a time so that its blocks stay in the cache.  Run r of a node adds the entries from
+// values[first[r]] on to the node's blocks, which begin at store[DIAG], by the tiles and single entries of its pattern (chain_tiles);
+// start (n+1): where each node's runs begin.  saved: null, or receives the assembled blocks; blocks: null, or receives the pivot blocks S_i = A(i,i) - A(i,i-1) S_(i-1)^-1 A(i-1,i) before their LU,
 // one after the other.
 // tolerance: a pivot must exceed tolerance x the largest entry of its column of A(i,i).  Returns -1 or the node without a pivot
 // (stats[FAILED_COLUMN]: its column).
 int chain_factor(int n, int keep, const std::int64_t* table, double* store, const int* start, const int* first_entry,
-                 const int* pattern, const int* begin, const int* slots, const double* values, double* inverse, int* pivot,
-                 double tolerance, double* stats, double* saved, double* blocks) {
+                 const int* pattern, const int* tile_begin, const int* tiles, const int* single_begin, const int* singles,
+                 const double* values, double* inverse, int* pivot, double tolerance, double* stats, double* saved, double* blocks) {
     int assembled = 0;
     const auto assemble_up_to = [&](int node) {
         for (; assembled <= node && assembled < n; assembled++) {
@@ -355,8 +397,11 @@ int chain_factor(int n, int keep, const std::int64_t* table, double* store, cons
             double* to = store + t[DIAG];
             for (int r = start[assembled]; r < start[assembled + 1]; r++) {
                 const double* v = values + first_entry[r];
-                const int *slot = slots + begin[pattern[r]], *end = slots + begin[pattern[r] + 1];
-                for (; slot < end; slot++) to[*slot] += *v++;
+                const int p = pattern[r];
+                for (const int *tile = tiles + TILE * tile_begin[p], *end = tiles + TILE * tile_begin[p + 1]; tile < end; tile += TILE)
+                    add_tile(tile, v, to);
+                for (const int *one = singles + 2 * single_begin[p], *end = singles + 2 * single_begin[p + 1]; one < end; one += 2)
+                    to[one[1]] += v[one[0]];
             }
             if (saved) std::memcpy(saved + t[DIAG], store + t[DIAG], bytes);
         }
@@ -461,6 +506,26 @@ int chain_runs(int m, const int* rows, const int* columns, const int* source, co
     for (int i = n; i > 0; i--) start[i] = start[i - 1];
     start[0] = 0;
     return patterns;
+}
+
+// Tiles of the patterns of chain_runs, TILE numbers each, those of pattern p from tile_begin[p] to tile_begin[p + 1]; the entries of
+// patterns that are no matrix are single: (place in the run, slot).  Both are no more than there are slots.  A slot occurs once in a pattern.
+void chain_tiles(int patterns, const int* begin, const int* slots, int* tile_begin, int* tiles, int* single_begin, int* singles) {
+    tile_begin[0] = single_begin[0] = 0;
+    for (int p = 0; p < patterns; p++) {
+        const int count = begin[p + 1] - begin[p], *own = slots + begin[p];
+        std::vector<int> sorted(own, own + count);
+        std::sort(sorted.begin(), sorted.end());
+        const bool once = std::adjacent_find(sorted.begin(), sorted.end()) == sorted.end();
+        int best = -1, least = count;  // a tile of a single entry is none
+        for (int width = 4; once && width <= count; width++) {
+            const int found = count % width ? -1 : tiles_of_width(count, own, width, nullptr);
+            if (found >= 0 && found < least) least = found, best = width;
+        }
+        tile_begin[p + 1] = tile_begin[p] + (best < 0 ? 0 : tiles_of_width(count, own, best, tiles + TILE * tile_begin[p]));
+        single_begin[p + 1] = single_begin[p] + (best < 0 ? count : 0);
+        for (int k = 0; best < 0 && k < count; k++) singles[2 * (single_begin[p] + k)] = k, singles[2 * (single_begin[p] + k) + 1] = own[k];
+    }
 }
 
 // Number of negative eigenvalues of the symmetric parts of the pivot blocks `blocks` of the eliminated nodes.

@@ -72,19 +72,24 @@ DP_RECORD(PrescribedCall,
 )
 DP_EXPORT_RECORD(prescribed_call, PrescribedCall)
 
-// What the residual of a condensed step needs, on one rank: n unknowns at places `owned` of x, y, a, r; constants v0, v1 of the time formula;
+// What the residual of a condensed step needs: n unknowns at places `owned` of x, y, a, r; constants v0, v1 of the time formula;
 // spins nodes with a spin angle (core/nodes.cpp); prescribed motion; blocks.
 DP_RECORD(StepCall,
     const int* owned; double* x; double* y; double* a; double* r; const double* v0; const double* v1; const int* where; const double* reference;
-    const PrescribedCall* prescribed; const BlockCall* blocks; double sigma, second, scale; int n, length, spins, prescriptions, count, unused;
+    const PrescribedCall* prescribed; const BlockCall* blocks; double sigma, second, scale; int n, size, length, spins, prescriptions, count;
 )
 DP_EXPORT_RECORD(step_call, StepCall)
 
-// Residual (n) at the unknowns q (n) of a condensed step: state, rates and accelerations, rows, prescribed rows.
-extern "C" void step_rows(const StepCall* call, const double* q, double* rows) {
+// State of a condensed step from the owned unknowns q (n).
+extern "C" void step_state(const StepCall* call, const double* q) {
     const StepCall& c = *call;
     for (int i = 0; i < c.n; ++i) c.x[c.owned[i]] = q[i];
-    condensed_rates(c.n, c.x, c.sigma, c.second, c.v0, c.v1, c.spins, c.where, c.reference, c.y, c.a);
+}
+
+// Rates and accelerations of all `size` local unknowns; rows of the owned ones (n), without what other ranks add.
+extern "C" void step_blocks(const StepCall* call, double* rows) {
+    const StepCall& c = *call;
+    condensed_rates(c.size, c.x, c.sigma, c.second, c.v0, c.v1, c.spins, c.where, c.reference, c.y, c.a);
     for (int k = 0; k < c.prescriptions; ++k) {
         const PrescribedCall& p = c.prescribed[k];
         constraint_rates(p.count, p.directions, p.rows, p.rate, c.second, c.v1, c.y, c.a);
@@ -95,10 +100,22 @@ extern "C" void step_rows(const StepCall* call, const double* q, double* rows) {
     }
     run_residuals(c.count, c.blocks, c.length, c.r);
     for (int i = 0; i < c.n; ++i) rows[i] = c.r[c.owned[i]];
+}
+
+// Replaces the rows (n) along prescribed directions.
+extern "C" void step_prescribed(const StepCall* call, double* rows) {
+    const StepCall& c = *call;
     for (int k = 0; k < c.prescriptions; ++k) {
         const PrescribedCall& p = c.prescribed[k];
         if (!p.places) continue;
         constraint_rows(p.count, p.directions, p.rows, p.places, c.x, p.value, c.scale, rows, p.reaction);
         if (p.axis) lean_rows(p.places, p.lean, p.reaction[p.count - 1], rows);
     }
+}
+
+// All three on one rank.
+extern "C" void step_rows(const StepCall* call, const double* q, double* rows) {
+    step_state(call, q);
+    step_blocks(call, rows);
+    step_prescribed(call, rows);
 }
