@@ -51,7 +51,7 @@ def _check(case: CaseBlocks, number: int) -> None:
     shoulder = case.well.sections[wide[-1]].to
     above, below = case.item_depths[number]
     cutters = above + sum(item.touching)
-    if isinstance(case.bottom, BitBottom) and case.initial.wob is not None and case.top.force is None:
+    if isinstance(case.bottom, BitBottom) and case.initial.wob is not None:
         cutters += case.well.survey.md[-1] - case.string_length
     if cutters > shoulder + TOUCHING:
         want = f"cutters at or above the end of the reamed hole, {shoulder:g} m"
