@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from drillpetsc import Case, hydraulics, limits, run, statics, surge
+from drillpetsc.analysis.check import describe
 from drillpetsc.analysis.hydraulics.flow_model import FlowModel, string_at, whole_string
 from drillpetsc.analysis.hydraulics.losses import motor_rows
 from drillpetsc.analysis.placement import top_depth
@@ -100,6 +101,22 @@ def test_a_closed_pipe_with_a_tool_that_mud_turns_trips(tool: dict, tmp_path):
 def test_hydraulics_says_that_a_motor_has_no_load(tmp_path):
     notes = hydraulics(case(MOTOR), tmp_path / "h").summary["notes"]
     assert any("motor: the motor's pressure is that without load" in note for note in notes)
+
+
+def test_check_names_every_tool_and_its_unknowns():
+    """A field with few unknowns that `check` does not list looks as if it were not there."""
+    found = case(MOTOR)
+    string = [*found.string]
+    stabilizer = {"kind": "stabilizer", "length": 1, "od": 0.2, "id": 0.0714, "mass": 100, "nozzles": "10 mm"}
+    rss = PADS | {"length": 4}
+    text = describe(
+        case(string=[string[0], AGITATOR, stabilizer, rss, MOTOR, {"kind": "pipe", "length": 30, **BORE}, string[-1]])
+    )
+    contains = next(line for line in text.splitlines() if line.startswith("  contains:"))
+    for word in ("downhole motor", "agitator", "rotary steerable tool", "nozzles above the bit"):
+        assert word in contains
+    for field in ("side.flow: 1 at 1 nodes", "agitator.angle: 1 at 1 nodes"):
+        assert field in text
 
 
 # ---------------------------------------------------------------------- top under a force, with a weight on bit

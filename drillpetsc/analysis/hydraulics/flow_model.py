@@ -30,6 +30,7 @@ from drillpetsc.model.fluid import build_rheology
 from drillpetsc.output.boiling import VAPOUR_PRESSURE
 from drillpetsc.output.mud_column import equivalent_density
 from drillpetsc.time_function import Constant, PiecewiseLinear
+from drillpetsc.unit_systems import shown
 
 Pipe = Literal["closed", "open", "pumping"]
 
@@ -347,14 +348,14 @@ class FlowModel:
 
     def warnings(self) -> list[str]:
         """Say where the pressure is below that of a vacuum."""
-        out = []
+        out, units = [], self.case.output.units or "metric"
         for channel in ("bore", "annulus"):
             pressure = self.pressure(channel)
             if pressure is None or not pressure.min() < VAPOUR_PRESSURE:
                 continue
             k = int(np.argmin(pressure))
             out.append(
-                f"the pressure in the {channel} falls to {pressure[k] / 1e6:.3g} MPa gauge at MD {self.md[k]:.6g} m, below a "
-                "vacuum: the mud would part there, and pressures and flow are not valid"
+                f"the pressure in the {channel} falls to {shown(float(pressure[k]), 'pressure', units, 3)} gauge at MD "
+                f"{shown(float(self.md[k]), 'length', units, 6)}, below a vacuum: the mud would part there, and pressures and flow are not valid"
             )
         return out
