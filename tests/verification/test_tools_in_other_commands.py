@@ -110,7 +110,17 @@ def test_check_names_every_tool_and_its_unknowns():
     stabilizer = {"kind": "stabilizer", "length": 1, "od": 0.2, "id": 0.0714, "mass": 100, "nozzles": "10 mm"}
     rss = PADS | {"length": 4}
     text = describe(
-        case(string=[string[0], AGITATOR, stabilizer, rss, MOTOR, {"kind": "pipe", "length": 30, **BORE}, string[-1]])
+        case(
+            string=[
+                string[0],
+                AGITATOR,
+                stabilizer,
+                rss,
+                MOTOR,
+                {"kind": "pipe", "length": 30, **BORE},
+                string[-1],
+            ]
+        )
     )
     contains = next(line for line in text.splitlines() if line.startswith("  contains:"))
     for word in ("downhole motor", "agitator", "rotary steerable tool", "nozzles above the bit"):
