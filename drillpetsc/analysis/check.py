@@ -34,6 +34,10 @@ TERMS = (
     ("curvature", "stress-free curvature"),
     ("contact", "contact with the hole"),
     ("bit", "bit on the bottom"),
+    ("reamer", "reamer cutting rock"),
+    ("steering", "rotary steerable tool"),
+    ("mud_motor", "downhole motor"),
+    ("agitator", "agitator"),
     ("loads", "loads"),
     ("joints", "joints"),
     ("drive", "rotary drive with spring and damper"),
@@ -41,6 +45,7 @@ TERMS = (
     ("hoist", "hoist"),
     ("bore", "drilling fluid in the string"),
     ("annulus", "drilling fluid in the annulus"),
+    ("side_nozzles", "nozzles above the bit"),
 )
 
 REGION_TEXT = {
@@ -49,6 +54,10 @@ REGION_TEXT = {
     "bottom": "the lower end",
     "joint": "joints",
     "stabilised_joint": "joints",
+    "side_nozzles": "nozzles above the bit",
+    "reamer": "the reamer",
+    "motor": "the downhole motor",
+    "agitator": "the agitator",
 }
 
 

@@ -200,7 +200,6 @@ def _answer_by_newton(problem: StaticProblem) -> float:
         if not problem.paths or not has_path(model, state.motion):
             raise
         _answer_by_path(problem, "sliding" if any(state.motion) else "without_friction")
-        return state.lateral_fraction
     return state.lateral_fraction
 
 

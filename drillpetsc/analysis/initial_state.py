@@ -69,10 +69,7 @@ def _equilibrium_at_weight(
     for component in system.components:
         component.update_reference_frames()
         component.locate_hole(system.assembly)
-    if model.contact is not None and held.contact is not None:
-        model.contact.copy_sliding_direction(held.contact)
-    if model.bit is not None and held.bit is not None:
-        model.bit.copy_sliding_direction(held.bit)
+    model.copy_sliding_direction(held)
     align_top(model)
     force, hook_load = model.case.top.force, -other.reaction("top.axial_reaction")
     assert force is not None

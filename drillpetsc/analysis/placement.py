@@ -34,7 +34,7 @@ def top_depth(model: DrillingModel) -> float:
     A string with a weight on bit is lowered onto the bottom of its hole, which may be deeper than the string is
     long.
     """
-    if model.well is None or model.case.initial.wob is None or model.case.top.force is not None:
+    if model.well is None or model.case.initial.wob is None:
         return 0.0
     depth = hole_depth(model.case) - model.mesh.total_length
     return depth if abs(depth) > ROUNDING else 0.0

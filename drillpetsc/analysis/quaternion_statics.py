@@ -46,10 +46,7 @@ def quaternion_equilibrium(
     # statics may have moved the top across the hole, to the wall
     if model.top is not None and ancf.top is not None:
         model.top.copy_position(ancf.top)
-    if model.contact is not None and ancf.contact is not None:
-        model.contact.copy_sliding_direction(ancf.contact)
-    if model.bit is not None and ancf.bit is not None:
-        model.bit.copy_sliding_direction(ancf.bit)
+    model.copy_sliding_direction(ancf)
     for (
         component
     ) in model.system.components:  # size and direction of the hole at the string's present position

@@ -22,6 +22,7 @@ from drillpetsc.analysis.hoist_report import hoist_warnings
 from drillpetsc.analysis.initial_state import initial_state
 from drillpetsc.analysis.memory import Memory, give_back
 from drillpetsc.analysis.mud_above_top import mud_above_top
+from drillpetsc.analysis.placement import top_depth
 from drillpetsc.analysis.quasi_static import QuasiStatic
 from drillpetsc.analysis.run_control import (
     FAILED,
@@ -387,7 +388,9 @@ class TransientRun:
                 "changes accepted at a restart act at once: what they add or take stands in the energy balance as gained or "
                 "lost by the time integration"
             )
-        self.boiling = BoilingMonitor(self.model.system, self.model.fluid)
+        self.boiling = BoilingMonitor(
+            self.model.system, self.model.fluid, self.case.output.units or "metric", top_depth(self.model)
+        )
         if self.saved is not None:
             self.boiling.set_notes(self.saved.notes.get("boiling", {}))
         else:

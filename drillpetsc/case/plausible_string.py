@@ -23,7 +23,9 @@ def short_of_hole(case: CaseBlocks) -> list[str]:
 
     With initial.wob such a string stands on the bottom with its top below the rig; without, it hangs above the bottom.
     """
-    if case.well is None or case.top.force is not None or case.bottom.kind != "bit":
+    if case.well is None or case.bottom.kind != "bit":
+        return []
+    if case.top.force is not None and case.initial.wob is None:
         return []
     missing = case.well.survey.md[-1] - case.string_length
     if missing <= ONE_JOINT:

@@ -612,7 +612,9 @@ class Assembly:
 
     def power(self, block: ElementBlock, t: float) -> float:
         """Compute the power [W] that the rows of ``block`` take from the motion at x, y, on this rank."""
-        bound = next(b for b in self.bound_blocks if b.block is block)
+        # a beam may have rewritten the block for its own unknowns; the parameters are the same
+        bound = next(b for b in self.bound_blocks if b.block.params is block.params)
+        block = bound.block
         if not bound.count:
             return 0.0
         if block.update:

@@ -336,6 +336,9 @@ class Component:
         slip: velocity that rounds off Coulomb's law [m/s].
         """
 
+    def copy_sliding_direction(self, other: Any) -> None:
+        """Take over what statics imposed on the same component of another model."""
+
     def impose_drilling(self, axial: float, spin: float, side: float = 1.0) -> None:
         """As ``impose_sliding_direction``, while a bit that cuts advances without inertia."""
         self.impose_sliding_direction(axial, spin, side)

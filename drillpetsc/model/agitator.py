@@ -10,7 +10,9 @@ from drillpetsc.time_function import Constant
 
 
 def build_agitator(case: Case, mesh: StringMesh) -> Agitator | None:
-    """Create the agitator of the string; None without one."""
+    """Create the agitator of the string; None without one, and in a plugged string without the mud that would turn it."""
+    if case.fluid is not None and not case.has_bore:
+        return None
     for _, item, joint in case.tools:
         if isinstance(item, AgitatorTool):
             cell = next(j.cell for j in mesh.joints if abs(j.depth - joint.at) < 1e-6)

@@ -101,6 +101,11 @@ class DrillingModel:
         """Components that statics gives a sliding direction or a mean over a turn."""
         return tuple(r for r in (self.contact, self.bit, self.reamer, self.steering) if r is not None)
 
+    def copy_sliding_direction(self, other: DrillingModel) -> None:
+        """Take over the sliding directions that statics imposed on another model of the same case."""
+        for mine, its in zip(self.imposed, other.imposed, strict=True):
+            mine.copy_sliding_direction(its)
+
     @property
     def drilling(self) -> interfaces.Bit | None:
         """The bit where it cuts rock, else None."""

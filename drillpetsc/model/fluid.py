@@ -38,6 +38,7 @@ from drillpetsc.physics.fluid.moving_hole import LateralCoefficients, MovingHole
 from drillpetsc.physics.fluid.rheology import Rheology
 from drillpetsc.physics.fluid.side_nozzles import SideLink, SideNozzles
 from drillpetsc.physics.fluid.surface_line import SurfaceLine
+from drillpetsc.unit_systems import shown
 
 LEAST_OPEN = 1e-4  # share of the hole that must be open around a rigid item
 LARGEST_ECCENTRICITY = 0.98  # eccentricity [-] above which the added mass is constant
@@ -222,10 +223,11 @@ def _refuse_closed_annulus(case: Case, mesh: StringMesh, sizes: Annulus) -> None
     names = ", ".join(b.name for b in mesh.bodies if b.node == k)
     numbers = [i for i, item in enumerate(case.string) if isinstance(item, Rigid)]
     number = next(i for i, b in zip(numbers, mesh.bodies, strict=True) if b.node == k)
+    units = case.output.units or "metric"
     raise CaseError(
         at=f"string[{number}]",
-        got=f"{names}: metal and bore of {1e4 * sizes.outer_above[k]:.4g} cm2",
-        want=f"less than the hole around it, {1e4 * sizes.hole[k]:.4g} cm2: the mud must get past",
+        got=f"{names}: metal and bore of {shown(sizes.outer_above[k], 'flow_area', units)}",
+        want=f"less than the hole around it, {shown(sizes.hole[k], 'flow_area', units)}: the mud must get past",
         hint="body_od and blade_length, or mass, say how much metal it has; a hole that narrows right below counts as the mean over the item "
         "and the first element below: end the wide section lower, or give the pipe below a short element_length",
     )

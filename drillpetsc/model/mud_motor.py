@@ -61,12 +61,14 @@ def _curves(section: MotorSection) -> list[MeasuredCurve]:
 def build_mud_motor(
     case: Case, mesh: StringMesh, frames: Frames, gravity: FloatArray, joints: JointSet, balanced: bool
 ) -> MudMotor | None:
-    """Create the motor of the string; None without one.
+    """Create the motor of the string; None without one, and in a plugged string without the mud that would turn it.
 
     balanced: leave out the turning force of the rotor's orbit.
     """
     found, cell = motor_item(case), mesh.motor_cell
     if found is None or cell is None:  # a piece of the item may end above its joint
+        return None
+    if case.fluid is not None and not case.has_bore:
         return None
     number, item = found
     section = item.pdm

@@ -51,7 +51,7 @@ def build_reamer(case: Case, mesh: StringMesh, well: Well | None, bit: Bit | Non
         0.5 * item.od, bit.shape.radius, item.blades, item.specific_energy, item.inclination_ratio
     )
     top = 0.0
-    if case.initial.wob is not None and case.top.force is None:
+    if case.initial.wob is not None:
         top = hole_depth(case) - mesh.total_length
     bit.hole.widen(section)
     return Reamer(

@@ -46,6 +46,6 @@ def _axis(case: Case, mesh: StringMesh, well: Well | None, tangent: FloatArray, 
     if well is None:
         return tangent[node]
     top = 0.0
-    if case.initial.wob is not None and case.top.force is None:
+    if case.initial.wob is not None:
         top = hole_depth(case) - mesh.total_length
     return np.asarray(well.at(np.array([mesh.node_depth[node] + top]))[1])[0]

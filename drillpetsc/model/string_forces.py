@@ -193,7 +193,7 @@ class _Pieces:
 
 def _top(case: Case) -> float:
     """Measured depth in the hole of the string's top [m]: a string with a weight on bit stands on the bottom."""
-    if case.well is None or case.initial.wob is None or case.top.force is not None:
+    if case.well is None or case.initial.wob is None:
         return 0.0
     return hole_depth(case) - case.string_length
 

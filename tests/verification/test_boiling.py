@@ -15,7 +15,7 @@ SPEED = np.sqrt(MODULUS / DENSITY)  # of sound between rigid walls [m/s]
 FLOW = 0.008  # [m3/s]
 
 
-def stopped(folder, outlet: float, **keywords):
+def stopped(folder, outlet: float, units: str = "metric", **keywords):
     """A frictionless pump stop after 50 ms in a held level pipe of 600 m, from the pressure ``outlet`` [Pa]."""
     case = Case(
         well={
@@ -33,7 +33,7 @@ def stopped(folder, outlet: float, **keywords):
             "flow_rate": {"time": [0, 0.05, 0.15], "value": [FLOW, FLOW, 0]},
         },
         time={"end": keywords.pop("end", 0.3)},
-        output={"history_every": 0.01},
+        output={"history_every": 0.01, "units": units},
     )
     return run(case, folder, progress="silent", **keywords)
 
@@ -50,6 +50,18 @@ def test_a_pressure_below_the_vapour_pressure_is_a_warning(tmp_path):
     first = float(warning.split("vapour pressure at ")[1].split(" s")[0])
     assert 0.05 < first < 0.15
     assert warning in json.loads((tmp_path / "run" / "summary.json").read_text())["warnings"]
+
+
+def test_the_warning_has_the_units_of_the_case(tmp_path):
+    texts = [
+        next(w for w in stopped(tmp_path / units, 0.5e6, units).summary["warnings"] if "boil" in w)
+        for units in ("metric", "field")
+    ]
+    bar, psi = (float(text.split(" falls to ")[1].split()[0]) for text in texts)
+    assert " bar gauge" in texts[0] and " psi gauge" in texts[1]
+    assert psi * 0.0689476 == pytest.approx(bar, rel=0.01)
+    m, ft = (float(text.split(" at MD ")[1].split()[0]) for text in texts)
+    assert ft * 0.3048 == pytest.approx(m, abs=0.01)
 
 
 def test_without_such_a_pressure_there_is_no_warning(tmp_path):

@@ -18,8 +18,10 @@ from drillpetsc.analysis.steady_flow import set_fluid_at_rest, steady_flow
 from drillpetsc.arrays import FloatArray
 from drillpetsc.case.blocks.ends import HeldBottom, HeldTop
 from drillpetsc.case.blocks.fluid import Fluid
+from drillpetsc.case.blocks.motor import PositiveDisplacementMotor
 from drillpetsc.case.blocks.settings import BeamTheory
 from drillpetsc.case.blocks.string import Flexible, Item
+from drillpetsc.case.blocks.tools import TelescopingTool
 from drillpetsc.case.blocks.well import Well as WellCase
 from drillpetsc.case.case import Case
 from drillpetsc.errors import CaseError, SolveError
@@ -28,6 +30,7 @@ from drillpetsc.model.fluid import build_rheology
 from drillpetsc.output.boiling import VAPOUR_PRESSURE
 from drillpetsc.output.mud_column import equivalent_density
 from drillpetsc.time_function import Constant, PiecewiseLinear
+from drillpetsc.unit_systems import shown
 
 Pipe = Literal["closed", "open", "pumping"]
 
@@ -73,21 +76,26 @@ class PlacedString:
         return self.top + self.length
 
 
-def with_length(item: AnyItem, length: float) -> AnyItem:
-    """A piece of an item, or the item lengthened; a tool's loss goes with the length.
+def with_length(item: AnyItem, length: float, above: float = 0.0) -> AnyItem:
+    """A piece of an item, or the item lengthened; a tool's loss goes with the length, its joint stays where it is.
 
-    length: [m]
+    length: of the piece [m]; above: length of the item that is cut off above it, negative where it is lengthened there [m].
     """
     loss = item.pressure_loss
     if loss is not None:
         loss = loss.model_copy(update={"value": loss.value * length / item.length})
-    return item.model_copy(update={"length": length, "pressure_loss": loss})
+    update: dict[str, object] = {"length": length, "pressure_loss": loss}
+    if isinstance(item, (TelescopingTool, PositiveDisplacementMotor)):
+        at = item.joint_at - above
+        # one piece has the joint; in the others it lies at the end, where there is none (``CaseBlocks.tools``)
+        update["joint_at"] = min(at, length - 0.5 * SHORTEST_PIECE) if 0 < at <= length else length
+    return item.model_copy(update=update)
 
 
 def whole_string(case: Case) -> PlacedString:
     """The case's string where statics puts it: on bottom with a weight on bit, else with its top at the rig."""
     top = 0.0
-    if case.well is not None and case.initial.wob is not None and case.top.force is None:
+    if case.well is not None and case.initial.wob is not None:
         top = case.well.survey.md[-1] - case.string_length
     return PlacedString(tuple(case.string), tuple(range(len(case.string))), top)
 
@@ -110,7 +118,7 @@ def string_at(case: Case, depth: float) -> PlacedString:
         if left < SHORTEST_PIECE:
             break
         if isinstance(item, Flexible) and (i == 0 or item.length > left):
-            item = with_length(item, left)
+            item = with_length(item, left, item.length - left)
         elif item.length > left + SHORTEST_PIECE:
             want = f"a depth at which the top of the string is not inside a rigid item ({item.name})"
             raise CaseError(at="--bit-depth", got=f"{depth:g} m", want=want)
@@ -134,7 +142,7 @@ def _split(string: PlacedString, depths: list[float]) -> PlacedString:
         inside = [d for d in depths if above + SHORTEST_PIECE < d < above + item.length - SHORTEST_PIECE]
         edges = [above, *(inside if isinstance(item, Flexible) else ()), above + item.length]
         for a, b in zip(edges, edges[1:], strict=False):
-            items.append(item if len(edges) == 2 else with_length(item, b - a))
+            items.append(item if len(edges) == 2 else with_length(item, b - a, a - above))
             number.append(i)
         above += item.length
     return PlacedString(tuple(items), tuple(number), string.top)
@@ -350,14 +358,14 @@ class FlowModel:
 
     def warnings(self) -> list[str]:
         """Say where the pressure is below that of a vacuum."""
-        out = []
+        out, units = [], self.case.output.units or "metric"
         for channel in ("bore", "annulus"):
             pressure = self.pressure(channel)
             if pressure is None or not pressure.min() < VAPOUR_PRESSURE:
                 continue
             k = int(np.argmin(pressure))
             out.append(
-                f"the pressure in the {channel} falls to {pressure[k] / 1e6:.3g} MPa gauge at MD {self.md[k]:.6g} m, below a "
-                "vacuum: the mud would part there, and pressures and flow are not valid"
+                f"the pressure in the {channel} falls to {shown(float(pressure[k]), 'pressure', units, 3)} gauge at MD "
+                f"{shown(float(self.md[k]), 'length', units, 6)}, below a vacuum: the mud would part there, and pressures and flow are not valid"
             )
         return out

@@ -43,6 +43,7 @@ from drillpetsc.case.case import Case
 from drillpetsc.case.plausible_string import short_of_hole
 from drillpetsc.case.quantities import largest
 from drillpetsc.errors import CaseError
+from drillpetsc.model.mud_motor import motor_item
 from drillpetsc.output import write_summary, write_table
 from drillpetsc.output.files.run_folder import (
     FITS_TABLE,
@@ -203,6 +204,13 @@ class Hydraulics:
         elif not bit.end.nozzle:
             notes.append(
                 "no nozzles: the string ends open, without a loss; jet velocity, impact and power are absent"
+            )
+        found = motor_item(case)
+        if found is not None:
+            more = ", and sends more mud through the nozzles above it" if side is not None else ""
+            notes.append(
+                f"{found[1].name}: the motor's pressure is that without load; torque on bit raises it and the pump pressure{more} "
+                "(statics and runs count it)"
             )
         last = max(i for i, item in enumerate(case.string) if isinstance(item, Flexible))
         below = [item.name for item in case.string[last + 1 :] if item.length > 0]

@@ -292,7 +292,7 @@ def motor_rows(flow: FlowModel) -> list[Loss]:
         return []
     depth = flow.string.top + float(flow.mesh.node_depth[motor.cell])
     lost = float(motor.figures(0.0, flow.system.assembly)[MOTOR_RESULTS["pressure"]])
-    name = flow.case.string[int(flow.mesh.item[motor.cell])].name
+    name = flow.case.string[flow.string.number[int(flow.mesh.item[motor.cell])]].name
     return [Loss("tool", name, "-", depth, depth, pressure_loss=lost)]
 
 

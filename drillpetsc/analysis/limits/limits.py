@@ -36,6 +36,7 @@ from drillpetsc.case.case import Case
 from drillpetsc.case.checks.limits import refuse_quaternion
 from drillpetsc.errors import CaseError
 from drillpetsc.model.drilling_model import DrillingModel, build_model
+from drillpetsc.model.string_forces import held_at_weight
 from drillpetsc.output import write_summary, write_table
 from drillpetsc.output.case_files import write_case
 from drillpetsc.output.files.run_folder import CONTACTS_TABLE, LIMITS_TABLE
@@ -89,7 +90,7 @@ def run_limits(
         )
     word = read_operation(operation)
     given = case
-    case = case if word is None else case_of(case, word)
+    case = held_at_weight(case if word is None else case_of(case, word))
     motion = None if word is None else motion_of(case, word)
     comm = comm or PETSc.COMM_WORLD
     with options.applied(case.petsc):

@@ -10,7 +10,7 @@ from pydantic import BeforeValidator, Discriminator, Field, Tag, model_validator
 from drillpetsc.case.block import Block, derived_default, tagged_union
 from drillpetsc.case.blocks.string import Tube
 from drillpetsc.case.key_paths import refuse
-from drillpetsc.case.quantities import OverTime, Quantity
+from drillpetsc.case.quantities import OverTime, Quantity, said
 from drillpetsc.time_function import Constant, TimeFunction
 
 
@@ -98,7 +98,7 @@ class RotarySteerable(Tube):
                 at = 0.5 * self.length
                 self.fill_defaults(joint_at=at)
         if at > self.length + 1e-9:
-            raise refuse(*key, got=at, want=f"at most the length of the item, {self.length:g} m")
+            raise refuse(*key, got=at, want=f"at most the length of the item, {said(self.length, 'length')}")
         if self.bend is not None:
             raise refuse(
                 "bend", want="no bend in a steerable tool", hint="give the bend to an item beside it"

@@ -11,7 +11,7 @@ from pydantic import Field, model_validator
 from drillpetsc.case.block import Block, derived_default
 from drillpetsc.case.key_paths import refuse
 from drillpetsc.case.nozzles import Nozzles
-from drillpetsc.case.quantities import Quantity, Vector, WordOrNumber
+from drillpetsc.case.quantities import Quantity, Vector, WordOrNumber, said
 
 Length = Annotated[float, Quantity("m", at_least=1e-3, at_most=50e3)]
 RigidLength = Annotated[float, Quantity("m", at_least=0, at_most=200)]
@@ -309,13 +309,13 @@ def _area_of_nozzles(item: Bit | Stabilizer, od: float | None, what: str) -> flo
     if item.nozzles is not None:
         sum_ = math.fsum(math.pi / 4 * d**2 for d in item.nozzles)
         if area is not None and abs(area - sum_) > 1e-9 * sum_:
-            want = f"nozzles or nozzle_area, not both: the nozzles have {sum_:g} m2"
+            want = f"nozzles or nozzle_area, not both: the nozzles have {said(sum_, 'flow_area')}"
             raise refuse("nozzle_area", got=area, want=want)
         area = sum_
     if area is not None and od is not None and area > math.pi / 4 * od**2:
         key = "nozzle_area" if item.nozzles is None else "nozzles"
-        want = f"at most the area of {what}, {math.pi / 4 * od**2:g} m2"
-        raise refuse(key, got=f"{area:g} m2", want=want)
+        want = f"at most the area of {what}, {said(math.pi / 4 * od**2, 'flow_area')}"
+        raise refuse(key, got=said(area, "flow_area"), want=want)
     return area
 
 

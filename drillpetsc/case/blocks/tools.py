@@ -11,7 +11,7 @@ from drillpetsc.case.block import Block, derived_default
 from drillpetsc.case.blocks.joints import Joint
 from drillpetsc.case.blocks.string import Tube
 from drillpetsc.case.key_paths import refuse
-from drillpetsc.case.quantities import Quantity
+from drillpetsc.case.quantities import Quantity, said
 
 Stroke = tuple[Annotated[float, Quantity("m")], Annotated[float, Quantity("m")]]
 BEHIND_LATCH = 0.01  # distance of the stop behind the latch of a jar that fires to one side [m]
@@ -179,7 +179,7 @@ class JarSection(Block):
         if self.metering_stroke > 0 and self.metering_resistance is None:
             raise refuse("metering_resistance", want="a resistance together with a metering_stroke")
         if not self.metering_stroke < self.stroke:
-            want = f"below the stroke, {self.stroke:g} m"
+            want = f"below the stroke, {said(self.stroke, 'length')}"
             raise refuse("metering_stroke", got=self.metering_stroke, want=want)
         return self
 

@@ -179,6 +179,11 @@ def _start(case: CaseBlocks) -> None:
     if case.top.force is not None and case.beam.formulation == "quaternion":
         want = "no wob with a top force: not with quaternion yet"
         raise refuse("initial", "wob", got=got, want=want, hint="take beam.formulation ancf")
+    if case.top.force is not None and case.time is not None and case.time.mode == "quasi_static":
+        hint = "leave wob out: without inertia the bit carries what the top force leaves"
+        raise refuse(
+            "initial", "wob", got=got, want="no wob with a top force in a quasi-static run", hint=hint
+        )
 
 
 def _on_string(case: CaseBlocks) -> None:

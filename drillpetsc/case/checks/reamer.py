@@ -7,6 +7,7 @@ from drillpetsc.case.blocks.ends import BitBottom
 from drillpetsc.case.blocks.reamer import Reamer
 from drillpetsc.case.blocks.string import Bit
 from drillpetsc.case.key_paths import refuse
+from drillpetsc.case.quantities import said
 
 SAME = 1e-6  # [m] diameters closer than this are equal
 TOUCHING = 1e-3  # [m] cutters deeper than the shoulder by more than this stand in rock
@@ -23,14 +24,19 @@ def check_reamer(case: CaseBlocks) -> None:
 
 
 def _check(case: CaseBlocks, number: int) -> None:
-    item, bit = case.string[number], case.string[-1]
+    item, bit, units = case.string[number], case.string[-1], case.output.units or case.units
+
+    def length(value: float) -> str:
+        return said(value, "length", units)
+
     assert isinstance(item, Reamer) and item.od is not None
     if not isinstance(bit, Bit):
         raise refuse("string", number, "kind", got="reamer", want="a bit below the reamer, as the last item")
+    width = said(bit.od, "diameter", units)
     if item.pilot is not None and abs(item.pilot - bit.od) > SAME:
-        raise refuse("string", number, "pilot", got=item.pilot, want=f"the diameter of the bit, {bit.od:g} m")
+        raise refuse("string", number, "pilot", got=item.pilot, want=f"the diameter of the bit, {width}")
     if item.od <= bit.od + SAME:
-        want = f"more than the diameter of the bit, {bit.od:g} m"
+        want = f"more than the diameter of the bit, {width}"
         raise refuse("string", number, "od", got=item.od, want=want, hint="kind: stabilizer does not cut")
     if case.formation is None or case.well is None:
         return
@@ -38,7 +44,8 @@ def _check(case: CaseBlocks, number: int) -> None:
     pilot = len(case.well.sections) - 1
     if not wide or wide[-1] == pilot:
         want = "a last section of the pilot hole, below the one that is reamed"
-        hint = f"sections: one of {item.od:g} m down to the reamer, one of {bit.od:g} m down to the bit"
+        reamed = said(item.od, "diameter", units)
+        hint = f"sections: one of {reamed} down to the reamer, one of {width} down to the bit"
         raise refuse(
             "well",
             "sections",
@@ -48,17 +55,23 @@ def _check(case: CaseBlocks, number: int) -> None:
             want=want,
             hint=hint,
         )
+    narrow = case.well.sections[pilot].diameter
+    for k in range(wide[-1] + 1, pilot):
+        if abs(case.well.sections[k].diameter - narrow) > SAME:
+            want = f"that of the pilot hole, {said(narrow, 'diameter', units)}, which the reamer widens below"
+            got = said(case.well.sections[k].diameter, "diameter", units)
+            raise refuse("well", "sections", k, "diameter", got=got, want=want)
     shoulder = case.well.sections[wide[-1]].to
     above, below = case.item_depths[number]
     cutters = above + sum(item.touching)
-    if isinstance(case.bottom, BitBottom) and case.initial.wob is not None and case.top.force is None:
+    if isinstance(case.bottom, BitBottom) and case.initial.wob is not None:
         cutters += case.well.survey.md[-1] - case.string_length
     if cutters > shoulder + TOUCHING:
-        want = f"cutters at or above the end of the reamed hole, {shoulder:g} m"
+        want = f"cutters at or above the end of the reamed hole, {length(shoulder)}"
         raise refuse(
-            "string", number, "length", got=f"cutters at {cutters:g} m", want=want,
-            hint=f"well.sections: the reamed hole down to {cutters:g} m",
+            "string", number, "length", got=f"cutters at {length(cutters)}", want=want,
+            hint=f"well.sections: the reamed hole down to {length(cutters)}",
         )  # fmt: skip
     if case.string_length - above - sum(item.touching) < LEAST_PILOT:
-        want = f"at least {LEAST_PILOT:g} m between the cutters and the bit's face"
+        want = f"at least {length(LEAST_PILOT)} between the cutters and the bit's face"
         raise refuse("string", number, "kind", got="reamer", want=want)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from drillpetsc.case.blocks.case_blocks import CaseBlocks
 from drillpetsc.case.key_paths import refuse
+from drillpetsc.case.quantities import said
 
 TOLERANCE = 1e-6  # [m] depths closer than this are equal
 
@@ -25,5 +26,6 @@ def check_steering(case: CaseBlocks) -> None:
         above, below = case.item_depths[number]
         for i, joint in enumerate(case.joints):
             if above + TOLERANCE < joint.at < below - TOLERANCE:
-                want = f"no joint inside the steerable tool string[{number}], from {above:g} to {below:g} m"
+                ends = " to ".join(said(v, "length", case.output.units or case.units) for v in (above, below))
+                want = f"no joint inside the steerable tool string[{number}], from {ends}"
                 raise refuse("joints", i, "at", got=joint.at, want=want)

@@ -163,6 +163,10 @@ class Reamer(ReamingTool):
     def release_sliding_direction(self) -> None:
         self.params["mode"] = MOTION
 
+    def copy_sliding_direction(self, other: Reamer) -> None:
+        for name in ("mode", "spin"):
+            self.params[name] = other.params[name]
+
     def contact_signature(self) -> int:
         """A number that changes when the cutters leave the shoulder or come back to it, on the reamer's rank."""
         return int(self._made.touching)

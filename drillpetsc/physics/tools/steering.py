@@ -192,6 +192,9 @@ class PushTool(Steering):
     def release_sliding_direction(self) -> None:
         self._turning = self.rotating
 
+    def copy_sliding_direction(self, other: PushTool) -> None:
+        self._turning = other._turning
+
     def quantities(self) -> tuple[Quantity, ...]:
         return declared.STEERING_PUSH
 

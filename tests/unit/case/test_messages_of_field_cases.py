@@ -32,6 +32,9 @@ BASE = {
 }
 
 
+REAMER = {"kind": "reamer", "length": 9, "od": 10, "body_od": 6.75, "blade_length": 20, "id": 2.8125}
+
+
 def changed(path, value):
     keys = copy.deepcopy(BASE)
     block = keys
@@ -68,6 +71,14 @@ def changed(path, value):
             ["640 at 600 rpm"],
         ),
         (("string", 0, "pipe"), "5in 49.3 NC50", "string[0].pipe", ["kind: hwdp"]),
+        (
+            ("string", 2, "nozzle_area"),
+            90,
+            "string[2].nozzle_area",
+            ["at most the area of the item, 55.0883 in2"],
+        ),
+        (("string", 2), REAMER | {"pilot": 8.25}, "string[2].pilot", ["the diameter of the bit, 8.5 in"]),
+        (("string", 2), REAMER | {"od": 8}, "string[2].od", ["more than the diameter of the bit, 8.5 in"]),
     ],
 )
 def test_message(path, value, at, words):
@@ -77,6 +88,16 @@ def test_message(path, value, at, words):
     text = str(found.value)
     assert all(word in text for word in words), text
     assert " m\n" not in text and not text.endswith(" m")
+
+
+def test_a_reamer_needs_one_pilot_hole_below_it():
+    """Sections between the reamed hole and the end of the hole have the pilot's diameter: the law of the cutters has one ring."""
+    keys = changed(("string", 2), REAMER) | {"formation": {"drillability": "1e-8 m/(s N)"}}
+    sections = [(7000, 10.0), (7995, 9.0), ("end", 8.5)]
+    keys["well"]["sections"] = [{"to": to, "kind": "open_hole", "diameter": d} for to, d in sections]
+    with pytest.raises(CaseError) as found:
+        Case(**keys)
+    assert found.value.at == "well.sections[1].diameter" and "the pilot hole, 8.5 in" in str(found.value)
 
 
 def test_si_cases_keep_si_messages():

@@ -1,0 +1,197 @@
+"""Tools of the string where they are easily forgotten: the flow of `hydraulics` and `surge`, limits of a forced top, both elements."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from drillpetsc import Case, hydraulics, limits, run, statics, surge
+from drillpetsc.analysis.check import describe
+from drillpetsc.analysis.hydraulics.flow_model import FlowModel, string_at, whole_string
+from drillpetsc.analysis.hydraulics.losses import motor_rows
+from drillpetsc.analysis.placement import top_depth
+from drillpetsc.errors import CaseError
+from drillpetsc.model.drilling_model import build_model
+from drillpetsc.output import read_table
+
+NO_LOAD = 1.2e6
+BORE = {"od": "171.5 mm", "id": "71.4 mm"}
+MOTOR = {"kind": "pdm", "name": "motor", "length": 8, "od": 0.1715, "id": 0.0714}
+MOTOR |= {"pdm": {"rev_per_volume": "265 rev/m3", "stall_torque": "12 kN m", "no_load_pressure": NO_LOAD}}
+AGITATOR = {"kind": "agitator", "name": "shaker", "length": 4, **BORE}
+AGITATOR |= {
+    "agitator": {
+        "rev_per_volume": "0.6 rev/l",
+        "pressure_amplitude": "1 MPa",
+        "piston_area": "150 cm2",
+        "spring": "10 MN/m",
+    }
+}
+PADS = {"kind": "rss", "length": 4, **BORE}
+PADS |= {"rss": {"kind": "push", "force": "8 kN", "pad_offset": 1, "pads": "rotating"}}
+DEPTH = 200.0
+
+
+def case(tool: dict | None = None, shoe: float = 100.0, **keys) -> Case:
+    """A string of ``DEPTH`` in an inclined hole, its ``tool`` from 150 m down."""
+    tool = tool or {"kind": "pipe", "length": 8, **BORE}
+    below = DEPTH - 150 - tool["length"] - 0.5
+    string = [
+        {"kind": "pipe", "name": "dp", "length": 150, "od": "127 mm", "id": "108.6 mm", "element_length": 10},
+        tool,
+        {"kind": "pipe", "name": "dc", "length": below, "element_length": 5, **BORE},
+        {"kind": "bit", "name": "bit", "length": 0.5, "od": "215.9 mm", "nozzle_area": "400 mm2"},
+    ]
+    sections = [
+        {"to": shoe, "kind": "casing", "diameter": "224.4 mm"},
+        {"to": "end", "kind": "open_hole", "diameter": "215.9 mm"},
+    ]
+    angles = {"inclination": ["20 deg"] * 2, "azimuth": [0, 0]}
+    given = {
+        "well": {"survey": {"md": [0, DEPTH], **angles}, "sections": sections},
+        "string": string,
+        "top": {"kind": "top_drive", "rotation": "60 rpm"},
+        "bottom": "bit",
+        "contact": {},
+        "fluid": {
+            "density": 1200,
+            "rheology": {"model": "newtonian", "viscosity": 0.01},
+            "flow_rate": "25 l/s",
+        },
+        "initial": {"wob": "20 kN"},
+    }
+    return Case(**(given | keys))
+
+
+def flow(of: Case) -> FlowModel:
+    found = FlowModel(of, whole_string(of), "pumping")
+    found.solve(0.025)
+    return found
+
+
+@pytest.mark.parametrize("shoe", [100.0, 152.0, 154.0, 157.0])
+def test_a_casing_shoe_inside_a_motor_leaves_its_pressure_and_name(shoe: float):
+    """The string is cut at the shoe; the motor's joint is at 154 m."""
+    (row,) = motor_rows(flow(case(MOTOR, shoe)))
+    assert row.item == "motor"
+    assert row.upper == pytest.approx(154.0, abs=1e-3)
+    assert row.pressure_loss == pytest.approx(NO_LOAD, rel=1e-3)
+
+
+def test_a_motor_that_is_partly_in_the_hole_keeps_its_joint():
+    """With the bit at 46.5 m the upper 3.5 m of the motor are above the rotary table; its joint is 4 m below its upper end."""
+    found = FlowModel(case(MOTOR), string_at(case(MOTOR), 46.5), "pumping")
+    found.solve(0.025)
+    (row,) = motor_rows(found)
+    assert row.upper == pytest.approx(0.5, abs=1e-9)
+
+
+@pytest.mark.parametrize("tool", [MOTOR, AGITATOR], ids=["motor", "agitator"])
+def test_a_closed_pipe_with_a_tool_that_mud_turns_trips(tool: dict, tmp_path):
+    """The pipe displaces what its outside does: the surge is that of a plain pipe of the same size."""
+    found = [
+        surge(case(t), tmp_path / f"{i}", speed="20 m/min", pipe="closed")
+        for i, t in enumerate((tool, {"kind": "pipe", "length": tool["length"], **BORE}))
+    ]
+    pressure = [[row["surge_pressure"] for row in q.summary["surge"]] for q in found]
+    assert pressure[0] == pytest.approx(pressure[1], rel=1e-3)
+    assert min(map(abs, pressure[1])) > 1e4
+
+
+def test_hydraulics_says_that_a_motor_has_no_load(tmp_path):
+    notes = hydraulics(case(MOTOR), tmp_path / "h").summary["notes"]
+    assert any("motor: the motor's pressure is that without load" in note for note in notes)
+
+
+def test_check_names_every_tool_and_its_unknowns():
+    """A field with few unknowns that `check` does not list looks as if it were not there."""
+    found = case(MOTOR)
+    string = [*found.string]
+    stabilizer = {"kind": "stabilizer", "length": 1, "od": 0.2, "id": 0.0714, "mass": 100, "nozzles": "10 mm"}
+    rss = PADS | {"length": 4}
+    text = describe(
+        case(
+            string=[
+                string[0],
+                AGITATOR,
+                stabilizer,
+                rss,
+                MOTOR,
+                {"kind": "pipe", "length": 30, **BORE},
+                string[-1],
+            ]
+        )
+    )
+    contains = next(line for line in text.splitlines() if line.startswith("  contains:"))
+    for word in ("downhole motor", "agitator", "rotary steerable tool", "nozzles above the bit"):
+        assert word in contains
+    for field in ("side.flow: 1 at 1 nodes", "agitator.angle: 1 at 1 nodes"):
+        assert field in text
+
+
+# ---------------------------------------------------------------------- top under a force, with a weight on bit
+def forced(**keys) -> Case:
+    return case(top={"kind": "top_drive", "rotation": "60 rpm", "force": "90 kN"}, **keys)
+
+
+def test_limits_under_a_top_force_and_a_weight_has_the_loads_of_the_held_top(tmp_path):
+    held, found = (limits(q, tmp_path / name).summary for name, q in (("held", case()), ("forced", forced())))
+    names = ("hook_load", "surface_torque", "wob", "bit_torque")
+    assert [found[q] for q in names] == pytest.approx([held[q] for q in names], rel=1e-9)
+    assert held["surface_torque"] > 500.0
+
+
+def test_a_short_string_under_a_top_force_and_a_weight_stands_on_the_bottom(tmp_path):
+    """`hydraulics` and the depths of a run place it as statics does."""
+    survey = {"md": [0, DEPTH + 15], "inclination": ["20 deg"] * 2, "azimuth": [0, 0]}
+    sections = [{"to": "end", "kind": "open_hole", "diameter": "215.9 mm"}]
+    found = forced(well={"survey": survey, "sections": sections})
+    assert whole_string(found).top == pytest.approx(15.0)
+    assert top_depth(build_model(found)) == pytest.approx(15.0)
+    pressure = hydraulics(found, tmp_path / "h").summary["flows"][0]["pump_pressure"]
+    assert pressure == pytest.approx(
+        statics(found, tmp_path / "s").summary["pump_pressure"], rel=2e-3
+    )  # of a string that stretches
+
+
+def test_a_quasi_static_run_takes_no_weight_beside_a_top_force():
+    with pytest.raises(CaseError) as error:
+        forced(time={"end": 10, "mode": "quasi_static"}, formation={"drillability": 1e-8})
+    assert error.value.at == "initial.wob" and "quasi-static" in error.value.want
+
+
+# ---------------------------------------------------------------------- quaternion element
+def test_pads_push_a_string_of_either_element_alike(tmp_path):
+    """With rotating pads both elements run, and the work of the pads stands in the energy balance."""
+    figures = []
+    for formulation in ("ancf", "quaternion"):
+        found = case(PADS, beam={"formulation": formulation}, time={"end": 0.1}, fluid=None)
+        summary = run(found, tmp_path / formulation).summary
+        assert abs(summary["energy"]["error_share"]) < 1e-3
+        figures.append([summary["final"][q] for q in ("hook_load [N]", "wob [N]", "kinetic_energy [J]")])
+    np.testing.assert_allclose(figures[1], figures[0], rtol=0.03)
+
+
+def test_a_reamer_starts_alike_with_either_element(tmp_path):
+    """Statics shares the weight between cutters and bit; the quaternion string takes that state over."""
+    blades = {"kind": "reamer", "name": "reamer", "length": 2, "id": "71.4 mm", "od": "250 mm", "mass": 400}
+    survey = {"md": [0, DEPTH], "inclination": [0, 0], "azimuth": [0, 0]}
+    sections = [
+        {"to": 152, "kind": "open_hole", "diameter": "250 mm"},
+        {"to": DEPTH, "kind": "open_hole", "diameter": "215.9 mm"},
+    ]
+    shares = []
+    for formulation in ("ancf", "quaternion"):
+        found = case(
+            blades,
+            well={"survey": survey, "sections": sections},
+            formation={"drillability": "1e-8 m/(s N)", "bit_law": "drag_bit"},
+            beam={"formulation": formulation},
+            time={"end": 1e-3},
+            output={"history_every": 1e-3},
+            fluid=None,
+        )
+        first = read_table(run(found, tmp_path / formulation).folder / "history.csv")
+        shares.append([first[q][0] for q in ("wob_reamer [N]", "wob [N]", "torque_reamer [N m]")])
+    assert min(shares[0]) > 10.0
+    np.testing.assert_allclose(shares[1], shares[0], rtol=0.01)
