@@ -26,7 +26,12 @@ SMALL = {
 FREE = {"hold_string": False, "well": hole(160.0), "top": LOWERED}
 CASES: dict[str, dict] = {
     "held": {"fluid": PUMP},
-    "moving": {"fluid": PUMP, "bottom": {"kind": "free"}, "contact": {"stiffness": 1e7}, **FREE},
+    "moving": {
+        "fluid": {**PUMP, "choke": {"area": 6e-4}},
+        "bottom": {"kind": "free"},
+        "contact": {"stiffness": 1e7},
+        **FREE,
+    },
     "drilling": {
         "fluid": {**PUMP, "cuttings": "returned"},
         "bottom": "bit",
