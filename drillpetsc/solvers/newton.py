@@ -88,6 +88,7 @@ class CondensedNewton:
         self._turns_with_string = any(component.turns_with_string for component in system.components)
         self.jacobians = self.iterations = self.linear_iterations = self.failures = self.contact_updates = 0
         self.eta, self._last, self._first, self._theta = 1.0, 0.0, 0.0, 0.0
+        self._renewed = 0  # iteration of this solve that renewed the contacts last
         self._factored, self._version = (
             0,
             -1,
@@ -228,10 +229,19 @@ class CondensedNewton:
         self.factor.factor(self.system.assembly.values)
         self._factored, self._version = self.factor.factorisations, self.system.assembly.version
 
-    def update_contacts(self) -> bool:
+    def contacts_suffice(self) -> bool:
+        """Whether contacts are the likely cause of slow convergence: they have switched, or the contraction is poor.
+
+        A good contraction that takes many iterations is that of the other entries, which are old.
+        """
+        lag = self.lag
+        assert lag is not None
+        return self._theta > lag.contraction or self.system.contact_signature() != lag.signature
+
+    def update_contacts(self, its: int) -> bool:
         """Renew the entries of the contacts in the last factorisation, all others stay (manual: sec-time-contact-entries).
 
-        Returns False where that is not possible.  Raises ZeroPivot.
+        its: number of the iteration.  Returns False where that is not possible.  Raises ZeroPivot.
         """
         asm, lag = self.system.assembly, self.lag
         if (
@@ -239,7 +249,7 @@ class CondensedNewton:
             or lag is None
             or not (lag.good and self.has_factor and self._version == asm.version)
             or abs(self.shift / lag.shift - 1.0) > lag.shift_change
-            or not self.contacts.possible
+            or not (self.contacts_suffice() and self.contacts.possible)
         ):
             return False
         first = self.contacts.update(self.t, self._weights)
@@ -248,6 +258,7 @@ class CondensedNewton:
         self._factored, self._version = self.factor.factorisations, asm.version
         lag.signature = self.system.contact_signature()
         self.contact_updates += 1
+        self._renewed = its
         return True
 
     @property
@@ -269,7 +280,7 @@ class CondensedNewton:
         reusable = (
             abs(self.shift / lag.shift - 1.0) <= lag.shift_change
             and self._theta <= lag.contraction
-            and its < lag.iterations
+            and its - self._renewed < lag.iterations
             and self.system.contact_signature() == lag.signature
         )
         if self.system.comm.size > 1 and self.system.has_contact:  # the signature is that of local contacts
@@ -293,7 +304,7 @@ class CondensedNewton:
         if not finite:
             return petsc_compat.not_a_number_reason()
         if its == 0:
-            self._theta = 0.0
+            self._theta, self._renewed = 0.0, 0
             return 0
         # increments below the spacing of numbers at the unknown's size (a depth of 2000 m) cannot be resolved
         unknowns = self.q.getArray(readonly=1)
@@ -489,7 +500,7 @@ class _DirectIteration:
             return True
         self.log[0].begin()
         try:
-            if its < CONTACT_ITERATIONS and newton.update_contacts():
+            if its < CONTACT_ITERATIONS and newton.update_contacts(its):
                 return True
             newton.update_jacobian()
             newton.factor_matrix()

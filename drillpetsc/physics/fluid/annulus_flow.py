@@ -153,11 +153,11 @@ class AnnulusFlow(ChannelFlow):
     def _valve(self, part) -> ElementBlock:
         """The choke at the flow line, above the upper node of the annulus."""
         first = np.flatnonzero(part.cells == 0).astype(np.int32)
-        node = ("annulus.pressure", 0), ("annulus.flow", 1)
+        slots: tuple[tuple[str, int], ...] = ("annulus.pressure", 0), ("annulus.flow", 1)
         if self.held:
-            kernel, slots, params = "choke", node, Parameters("choke", len(first), loss=self.choke)
+            kernel, params = "choke", Parameters("choke", len(first), loss=self.choke)
         else:
-            kernel, slots = "moving_choke", (*VERTEX_SLOTS, *node)
+            kernel, slots = "moving_choke", (*VERTEX_SLOTS, *slots)
             params = Parameters("moving_choke", len(first), loss=self.choke, area=0.0, direction=np.zeros(3))
 
         def update(t: float) -> None:
