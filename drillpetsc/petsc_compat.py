@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ctypes
 import sys
+import traceback
 from collections.abc import Iterator
 from contextlib import contextmanager
 
@@ -26,6 +27,7 @@ def own_errors() -> Iterator[None]:
     try:
         yield
     except PETSc.Error as error:
+        release_frames(error)
         link: BaseException | None = error
         seen: set[int] = set()
         while link is not None and link is not outer and id(link) not in seen:
@@ -34,6 +36,23 @@ def own_errors() -> Iterator[None]:
                 raise link from None
             link = link.__cause__ or link.__context__
         raise
+    except BaseException as error:
+        release_frames(error)
+        raise
+
+
+def release_frames(error: BaseException) -> None:
+    """Free what the finished frames of an exception hold: the PETSc objects that callbacks were called with.
+
+    A script that ends by the exception keeps its traceback to the end.  PETSc then frees a closed solver with a context in Python when the
+    interpreter is gone, which is a segmentation fault.
+    """
+    link: BaseException | None = error
+    seen: set[int] = set()
+    while link is not None and id(link) not in seen:
+        seen.add(id(link))
+        traceback.clear_frames(link.__traceback__)
+        link = link.__cause__ or link.__context__
 
 
 def reason_of(error: PETSc.Error) -> str:

@@ -245,6 +245,17 @@ class Assembly:
             if outer is None and self._asked and self._asked != self._group.members:
                 self._group = ResultGroup(self._asked)
 
+    @contextmanager
+    def elsewhere(self, x: FloatArray, y: FloatArray) -> Iterator[None]:
+        """Within this context the unknowns and rates are ``x`` and ``y`` (as long as those); results are evaluated anew."""
+        here, kept = (self.x.copy(), self.y.copy()), self._kept
+        self.x[:], self.y[:], self._kept = x, y, None
+        try:
+            yield
+        finally:
+            self.x[:], self.y[:] = here
+            self._kept = None if kept is None else {}
+
     def evaluate_once(self, function: Callable[..., Any], *arguments: Any) -> Any:
         """``function(*arguments)``, evaluated once within ``unchanged``.  The caller must not change the result."""
         if self._kept is None:
@@ -503,12 +514,7 @@ class Assembly:
         condensed: y depends on x as in ``condense``, spin terms included (manual: eq-time-spin-gradient).
         """
         self._event["Jacobian"].begin()
-        if condensed and len(self.spin_at):
-            _gradient(*self._nodes, *self._state[:2], c[1], 1.0 / c[1] if c[1] else 0.0, self._spin_at)
-        else:
-            self.spin_gradient[:] = 0.0
-        self._weights[:] = c
-        state = (self._weights_at, self._spin_at, *self._state[:3])
+        state = self.weigh(c, condensed)
         for b in self.bound_blocks:
             if b.count:
                 b.event.begin()
@@ -526,11 +532,26 @@ class Assembly:
         for q in self.stabilized:
             q.fill(self, c, self.values[start : start + len(q.rows)])
             start += len(q.rows)
-        self._replace_jacobian_rows(1.0 if c[0] else 0.0)
+        self.replace_jacobian_rows(1.0 if c[0] else 0.0)
         if self._frozen is not None:
             self._fix_matrix_entries()
         self.version += 1
         self._event["Jacobian"].end()
+
+    def weigh(self, c: tuple[float, float, float], condensed: bool) -> tuple[int, ...]:
+        """Set the weights of the next entries, as ``jacobian`` has them; returns the kernels' arguments of the state."""
+        if condensed and len(self.spin_at):
+            _gradient(*self._nodes, *self._state[:2], c[1], 1.0 / c[1] if c[1] else 0.0, self._spin_at)
+        else:
+            self.spin_gradient[:] = 0.0
+        self._weights[:] = c
+        return (self._weights_at, self._spin_at, *self._state[:3])
+
+    @property
+    def plain(self) -> bool:
+        """Whether all entries are those of the blocks and of prescribed motion: nothing is held, imposed or stabilised."""
+        held = any(b.holds_rates for b in self.bound_blocks)
+        return not (held or self.stabilized) and self._imposed is None and self._frozen is None
 
     def _jacobian_with_imposed_rates(self, b: BoundBlock, state: tuple) -> None:
         """Compute the entries of a block some of whose unknowns have imposed rates.
@@ -551,7 +572,7 @@ class Assembly:
         if len(other):
             self.values[b.span][other] = with_rates
 
-    def _replace_jacobian_rows(self, by_position: float) -> None:
+    def replace_jacobian_rows(self, by_position: float) -> None:
         """Replace the rows along prescribed directions; ``by_position``: 1 with dR/dx in the sum, else 0."""
         for f in self.row_replacements:
             if f.leans:

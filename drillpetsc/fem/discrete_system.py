@@ -71,7 +71,8 @@ class DiscreteSystem:
         # a string with other unknowns than position, slope and spin declares these as derived fields
         other = next((component for component in self.components if component.derived_fields), None)
         self.layout = build_dof_layout(self.chain, fields, regions, other.derived_fields if other else None)
-        blocks = tuple(b for component in self.components for b in component.blocks(self.chain))
+        by_component = [component.blocks(self.chain) for component in self.components]
+        blocks = tuple(b for own in by_component for b in own)
         if other is not None:
             blocks = tuple(map(other.translate, blocks))
         prescribed = tuple(p for component in self.components for p in component.prescribed())
@@ -83,6 +84,8 @@ class DiscreteSystem:
             frames.reference[self.chain.vertices],
             tuple(s for s in stabilizations if s),
         )
+        #: of each bound block: its component
+        self.component_of = [c for c, own in zip(self.components, by_component, strict=True) for _ in own]
         #: components that store energy, and those with powers
         self._storing = [c for c in self.components if type(c).energies is not Component.energies]
         self._working = [c for c in self.components if type(c).powers is not Component.powers]
@@ -261,15 +264,27 @@ class DiscreteSystem:
         return any(changed)
 
     # ------------------------------------------------------------------ energies and reactions
-    def energies(self, t: float) -> Energies:
-        """Compute the stored energies [J] at the assembly's x, y and time ``t`` [s], summed over ranks."""
+    def energies(self, t: float, physics: str = "") -> Energies:
+        """Compute the stored energies [J] at the assembly's x, y and time ``t`` [s], summed over ranks.
+
+        physics: only those of components whose elements have unknowns of this physics.
+        """
         kinetic = strain = potential = 0.0
+        chosen = self._with(physics) if physics else self._storing
         for component in self._storing:
+            if component not in chosen:
+                continue
             part = component.energies(t, self.assembly)
             kinetic, strain, potential = kinetic + part[0], strain + part[1], potential + part[2]
         if self._serial:
             return Energies(kinetic, strain, potential)
         return Energies(*total(self.comm, [kinetic, strain, potential]))
+
+    def _with(self, physics: str) -> list[Component]:
+        """Components with an element on this rank that has unknowns of ``physics``."""
+        names = {f.name for f in self.layout.fields if f.physics == physics}
+        pairs = zip(self.assembly.bound_blocks, self.component_of, strict=True)
+        return [c for b, c in pairs if b.count and any(name in names for name, _ in b.block.slots)]
 
     def powers(self, t: float) -> Powers:
         """Compute the dissipated and supplied power [W] at the assembly's x, y, a, summed over ranks.

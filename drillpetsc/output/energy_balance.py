@@ -12,6 +12,7 @@ from drillpetsc.fem.component import FloatArray
 from drillpetsc.fem.discrete_system import DiscreteSystem
 from drillpetsc.fem.quantity import Quantity
 from drillpetsc.output import quantities as declared
+from drillpetsc.parallel import total
 
 LIMIT = 0.01  # of the energy exchanged
 ROWS_ABOVE_LIMIT = 3  # consecutive rows above the limit that stop a run
@@ -34,6 +35,10 @@ class EnergyBalance:
         self._powers: tuple[float, float] = (0.0, 0.0)
         self._first_energies = self.energies = np.zeros(3)
         self._stored = 0.0  # sum of ``energies``
+        #: unknowns and rates at the last update, for unknowns that follow at once; None without such
+        self._before: tuple[FloatArray, FloatArray] | None = None
+        self.followed = 0.0  # sum since the start [J]
+        self._follows = False  # whether there are such unknowns, on any rank
 
     def quantities(self) -> tuple[Quantity, ...]:
         return declared.ENERGY
@@ -42,6 +47,7 @@ class EnergyBalance:
         """Begin at the present state.  powers: dissipated and supplied [W], summed over ranks."""
         self._powers = powers
         self._set_energies(np.array(self.system.energies(t)))
+        self._keep_state()
         self._first_energies = self.energies.copy()
         self.start_energy = self._stored
 
@@ -49,12 +55,39 @@ class EnergyBalance:
         kinetic, strain, potential = energies.tolist()
         self.energies, self._stored = energies, kinetic + strain + potential
 
-    def step(self, dt: float, powers: tuple[float, float]) -> None:
-        """Integrate the powers over an accepted step ``dt`` [s] by the trapezoidal rule."""
+    def step(self, t: float, dt: float, powers: tuple[float, float]) -> None:
+        """Integrate the powers over an accepted step ``dt`` [s] to ``t`` [s] by the trapezoidal rule; collective."""
+        self._count_mud_that_follows(t)
         self.dissipated += 0.5 * dt * (self._powers[0] + powers[0])
         self.supplied += 0.5 * dt * (self._powers[1] + powers[1])
         self.peak_exchange = max(self.peak_exchange, abs(self.supplied))
         self._powers = powers
+
+    def _keep_state(self) -> None:
+        asm = self.system.assembly
+        self._follows = bool(total(self.system.comm, float(asm.imposed is not None)))
+        self._before = (asm.x.copy(), asm.y.copy()) if self._follows else None
+
+    def _count_mud_that_follows(self, t: float) -> None:
+        """Count as supplied what quasi-steady mud stores by its change of pressures and flows (manual: eq-mud-follows).
+
+        Their rates are zero in the rows, so no power feeds this energy.  Collective.
+        """
+        if self._before is None:
+            return
+        system, asm = self.system, self.system.assembly
+        (x0, y0), x1, y1 = self._before, asm.x.copy(), asm.y.copy()
+        n, stored = system.layout.size, list[float]()
+        mask = np.zeros(n, dtype=bool) if asm.imposed is None else asm.imposed
+        for x, y in ((x1, y1), (x0, y0)):
+            for fluid in (x1, x0):
+                at = x.copy()
+                at[:n][mask] = fluid[:n][mask]
+                with asm.elsewhere(at, y):
+                    stored.append(sum(system.energies(t, "fluid")))
+        taken = 0.5 * (stored[0] - stored[1] + stored[2] - stored[3])
+        self.supplied, self.followed = self.supplied + taken, self.followed + taken
+        self._before = x1, y1
 
     def update(self, t: float) -> FloatArray:
         """Energies at the present state (collective); keeps the largest change since the start."""
@@ -118,6 +151,7 @@ class EnergyBalance:
             "error": self.last_error,
             "error_share": self.last_error / self.exchanged,
             **parts,
+            **({"followed": self.followed} if self._follows else {}),
         }
 
     def get_state(self) -> dict[str, FloatArray]:
@@ -131,6 +165,7 @@ class EnergyBalance:
             self.gained,
             self.last_error,
             *self._powers,
+            self.followed,
         ]
         return {
             "sums": np.array(sums),
@@ -151,8 +186,10 @@ class EnergyBalance:
             self.last_error,
         ) = sums[:7]
         self._powers = (sums[7], sums[8])
+        self.followed = sums[9] if len(sums) > 9 else 0.0  # checkpoints of version 0.x before it have none
         self._first_energies = np.array(saved["first_energies"])
         self._set_energies(np.array(saved["energies"]))
+        self._keep_state()
 
 
 class EnergyGainMonitor:

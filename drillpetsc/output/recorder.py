@@ -338,9 +338,9 @@ class Recorder:
             if self.mass is not None:
                 self.mass.step(v[self._rates], dt, fresh)
             if self.energy is not None:
-                self.energy.step(dt, self._powers_of(v))
+                self.energy.step(t, dt, self._powers_of(v))
         elif self.energy is not None:
-            self.energy.step(dt, self.system.powers(seen))
+            self.energy.step(t, dt, self.system.powers(seen))
 
     def estimate_time_error(self, formula: OutputErrors) -> None:
         """Estimate the time error of the main outputs of a run with this time formula."""

@@ -126,6 +126,12 @@ RUN: tuple[SummaryKey, ...] = (
         INERTIA,
     ),
     SummaryKey("energy.damped_share", "-", "Removed energy, as a share like error_share.", INERTIA),
+    SummaryKey(
+        "energy.followed",
+        "J",
+        "Energy that quasi-steady mud took up as its steady flow changed; counted as supplied (manual: eq-mud-follows).",
+        INERTIA,
+    ),
     SummaryKey("energy.gained", "J", "Largest energy error in any row of the history, at least 0.", INERTIA),
     SummaryKey("energy.gained_share", "-", "Gained energy, as a share like error_share.", INERTIA),
     SummaryKey("energy.gain_limit", "-", "Limit of gained_share (option -drillpetsc_gain_limit).", INERTIA),

@@ -17,7 +17,7 @@ _SIZE, _LD, _DIAG, _UPPER, _LOWER, _LFAC, _LEFT, _TOP, _VEC = (
     _TABLE[name] for name in ("size", "ld", "diag", "upper", "lower", "lfac", "left", "top", "vec")
 )
 
-_factor = function("chain_factor", "iipppppppppp" + "ppdppp", int)
+_factor = function("chain_factor", "iiipppppppppp" + "ppdppp", int)
 _forward = function("chain_forward", "iippppp")
 _backward = function("chain_backward", "iippp")
 _solve = function("chain_solve", "ippppippppp")
@@ -143,17 +143,28 @@ class Piece:
                 out.append((start + np.arange(b[j])[:, None] * t[i, _LD] + np.arange(b[i])).ravel())
         return out
 
-    def factor(self, values: np.ndarray, tolerance: float) -> int:
+    def factor(self, values: np.ndarray, tolerance: float, start: int = 0) -> int:
         """Assemble ``values`` (m,) and eliminate (manual: eq-chain-thomas, eq-chain-fill).
 
+        start: nodes before this one keep the factors of the last call, whose entries they share (manual: sec-chain-tail).
         tolerance: a pivot must exceed this fraction of the largest entry of its column in the diagonal block.
         Returns -1, or the local node without a pivot (``stats[0]``: its column).
         """
         saved = 0 if self.saved is None else pointer(self.saved)
         blocks = 0 if self.blocks is None else pointer(self.blocks)
         stats = pointer(self.stats)
+        if start and (self.interfaces & 1 or self.saved is not None or self.blocks is not None):
+            start = 0
         return _factor(
-            *self._piece, *self._entries, pointer(values), *self._lu, tolerance, stats, saved, blocks
+            start,
+            *self._piece,
+            *self._entries,
+            pointer(values),
+            *self._lu,
+            tolerance,
+            stats,
+            saved,
+            blocks,
         )
 
     def forward(self, vec: np.ndarray) -> None:

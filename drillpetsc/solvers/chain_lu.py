@@ -266,9 +266,10 @@ class ChainFactor:
         self._interface_vec = aligned(interface.length)
 
     # ------------------------------------------------------------------ numbers
-    def factor(self, values: np.ndarray) -> None:
+    def factor(self, values: np.ndarray, start: int = 0) -> None:
         """Factor the matrix with entries ``values`` (m,); collective.
 
+        start: on one process, the first node along the chain whose entries differ from those of the last call.
         Raises ZeroPivot on every rank where a pivot is missing.
         """
         self.factorisations += 1
@@ -276,7 +277,7 @@ class ChainFactor:
         if values.shape != (self._entries,):
             raise ValueError(f"{values.shape} values for {self._entries} entries")
         piece = self.piece
-        failed_node = piece.factor(values, self.pivot_tolerance)
+        failed_node = piece.factor(values, self.pivot_tolerance, start if self.comm is None else 0)
         column, smallest, largest, smallest_node = piece.stats
         heads = np.array(
             [

@@ -17,6 +17,7 @@ import numpy as np
 from petsc4py import PETSc
 
 from drillpetsc import petsc_compat
+from drillpetsc.fem.contact_entries import ContactEntries
 from drillpetsc.fem.discrete_system import DiscreteSystem
 from drillpetsc.kernels import function, pointer
 from drillpetsc.parallel import all_true, largest, total
@@ -35,6 +36,9 @@ WORK_REFINEMENT, WORK_FINEST_INCREMENT = 1e-3, 1e-9
 #: eq-time-line-search)
 OVERSHOOT_FRACTION = 0.1
 SHORTEST_STEP_FRACTION = 0.05
+#: iterations of a solve that renew a factorisation in its contacts alone, before all of it (manual:
+#: sec-time-contact-entries)
+CONTACT_ITERATIONS = 8
 Reason = PETSc.SNES.ConvergedReason
 
 
@@ -67,7 +71,7 @@ class CondensedNewton:
     lag: reuse factorisations.
     work: limit of the work that the residual may leave; None: increments alone are tested.
 
-    jacobians, iterations, linear_iterations, failures: counters over all solves.
+    jacobians, iterations, linear_iterations, failures, contact_updates: counters over all solves.
     """
 
     def __init__(
@@ -82,15 +86,21 @@ class CondensedNewton:
         self.t, self.shift, self.second_shift = 0.0, 0.0, 0.0
         self.lag = Lag() if lag else None
         self._turns_with_string = any(component.turns_with_string for component in system.components)
-        self.jacobians = self.iterations = self.linear_iterations = self.failures = 0
+        self.jacobians = self.iterations = self.linear_iterations = self.failures = self.contact_updates = 0
         self.eta, self._last, self._first, self._theta = 1.0, 0.0, 0.0, 0.0
-        self._factored = 0  # number of the last factorisation of this solve
+        self._renewed = 0  # iteration of this solve that renewed the contacts last
+        self._factored, self._version = (
+            0,
+            -1,
+        )  # of this solve: number of the last factorisation, version of its entries
         self.q, self._f = system.new_condensed(), system.new_condensed()
         owned = system.layout.local_of_owned
         self._scale = system.scale[owned]
         self._scale_at = pointer(self._scale)
         self._arrays: tuple[np.ndarray, np.ndarray] | None = None
         self.snes = self._make_snes(prefix)
+        apart = self.direct and lag and system.has_contact and system.comm.size == 1
+        self.contacts = ContactEntries(system) if apart else None
 
     def _make_snes(self, prefix: str) -> PETSc.SNES:
         system = self.system
@@ -197,11 +207,15 @@ class CondensedNewton:
         else:
             J.assemble()
 
+    @property
+    def _weights(self) -> tuple[float, float, float]:
+        """Weights of the Jacobian's parts [-, 1/s, 1/s2] (manual: eq-time-jacobian)."""
+        shift, second = self.shift, self.second_shift
+        return 1.0, shift, shift**2 if second == shift else shift * second
+
     def update_jacobian(self) -> None:
         """Compute the Jacobian's entries at the assembly's state (manual: eq-time-jacobian)."""
-        shift, second = self.shift, self.second_shift
-        by_acceleration = shift**2 if second == shift else shift * second
-        self.system.assembly.jacobian(self.t, (1.0, shift, by_acceleration), condensed=True)
+        self.system.assembly.jacobian(self.t, self._weights, condensed=True)
         self.jacobians += 1
         if self.lag:
             self.lag.shift, self.lag.good, self.lag.signature = (
@@ -214,7 +228,39 @@ class CondensedNewton:
     def factor_matrix(self) -> None:
         """Factor the matrix of the assembly's entries.  Raises ZeroPivot."""
         self.factor.factor(self.system.assembly.values)
-        self._factored = self.factor.factorisations
+        self._factored, self._version = self.factor.factorisations, self.system.assembly.version
+
+    def contacts_suffice(self) -> bool:
+        """Whether contacts are the likely cause of slow convergence: they have switched, or the contraction is poor.
+
+        A good contraction that takes many iterations is that of the other entries, which are old.
+        """
+        lag = self.lag
+        assert lag is not None
+        return self._theta > lag.contraction or self.system.contact_signature() != lag.signature
+
+    def update_contacts(self, its: int) -> bool:
+        """Renew the entries of the contacts in the last factorisation, all others stay (manual: sec-time-contact-entries).
+
+        its: number of the iteration.  Returns False where that is not possible.  Raises ZeroPivot.
+        """
+        asm, lag = self.system.assembly, self.lag
+        if (
+            self.contacts is None
+            or lag is None
+            or not (lag.good and self.has_factor and self._version == asm.version)
+            or abs(self.shift / lag.shift - 1.0) > lag.shift_change
+            or not (self.contacts_suffice() and self.contacts.possible)
+        ):
+            return False
+        first = self.contacts.update(self.t, self._weights)
+        if first < self.contacts.nodes:
+            self.factor.factor(asm.values, first)
+        self._factored, self._version = self.factor.factorisations, asm.version
+        lag.signature = self.system.contact_signature()
+        self.contact_updates += 1
+        self._renewed = its
+        return True
 
     @property
     def has_factor(self) -> bool:
@@ -235,7 +281,7 @@ class CondensedNewton:
         reusable = (
             abs(self.shift / lag.shift - 1.0) <= lag.shift_change
             and self._theta <= lag.contraction
-            and its < lag.iterations
+            and its - self._renewed < lag.iterations
             and self.system.contact_signature() == lag.signature
         )
         if self.system.comm.size > 1 and self.system.has_contact:  # the signature is that of local contacts
@@ -259,7 +305,7 @@ class CondensedNewton:
         if not finite:
             return petsc_compat.not_a_number_reason()
         if its == 0:
-            self._theta = 0.0
+            self._theta, self._renewed = 0.0, 0
             return 0
         # increments below the spacing of numbers at the unknown's size (a depth of 2000 m) cannot be resolved
         unknowns = self.q.getArray(readonly=1)
@@ -453,9 +499,11 @@ class _DirectIteration:
         newton = self.newton
         if newton.lag and newton.lag.good and newton.has_factor and newton.can_reuse_factor(its):
             return True
-        newton.update_jacobian()
         self.log[0].begin()
         try:
+            if its < CONTACT_ITERATIONS and newton.update_contacts(its):
+                return True
+            newton.update_jacobian()
             newton.factor_matrix()
         except ZeroPivot:
             if newton.lag:

@@ -369,6 +369,9 @@ class TimeIntegrator:
     # ------------------------------------------------------------------ run
     def _post_step(self, ts) -> None:
         """Finish an accepted step: history, callbacks, reference frames (manual: sec-time-update)."""
+        if ts.getConvergedReason() < 0:  # PETSc calls this after a step that failed for good, too
+            self.system.load_state(ts.getSolution())
+            return
         if not self.condensed:
             self.first_order.accept(ts)
         dt = self.last_step = ts.getTime() - self._last

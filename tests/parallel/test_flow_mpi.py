@@ -26,7 +26,12 @@ SMALL = {
 FREE = {"hold_string": False, "well": hole(160.0), "top": LOWERED}
 CASES: dict[str, dict] = {
     "held": {"fluid": PUMP},
-    "moving": {"fluid": PUMP, "bottom": {"kind": "free"}, "contact": {"stiffness": 1e7}, **FREE},
+    "moving": {
+        "fluid": {**PUMP, "choke": {"area": 6e-4}},
+        "bottom": {"kind": "free"},
+        "contact": {"stiffness": 1e7},
+        **FREE,
+    },
     "drilling": {
         "fluid": {**PUMP, "cuttings": "returned"},
         "bottom": "bit",
@@ -68,7 +73,8 @@ def test_flow_is_the_same_on_1_2_and_3_ranks(kind, runs):
     histories equal to 1e-9 of each column's size, equal counts of steps.
 
     Newton's tolerance is at rounding level here: at changes of contact, or with the bit on bottom, a step in
-    a hundred may need one iteration more or less.
+    a hundred may need one iteration more or less.  One rank renews contacts apart (manual: sec-time-contact-entries), with 2 % more
+    iterations at this tolerance; two and three ranks take the same path.
     """
     tables = [read_table(folder / kind / "history.csv") for folder in runs]
     summaries = [json.loads((folder / kind / "summary.json").read_text()) for folder in runs]
@@ -84,8 +90,9 @@ def test_flow_is_the_same_on_1_2_and_3_ranks(kind, runs):
                     np.abs(values).max(), SMALL.get(column, 0.0)
                 ), column
         assert summary["steps"] == summaries[0]["steps"]
-        assert abs(summary["newton_iterations"] - summaries[0]["newton_iterations"]) <= (
-            10 if kind in ("drilling", "moving") else 0  # of 630: sums in another order
-        )
+        switches = kind in ("drilling", "moving")  # of 630: contacts apart; sums in another order
+        iterations = [t["newton_iterations"] for t in (summary, summaries[0], summaries[1])]
+        assert abs(iterations[0] - iterations[1]) <= (13 if switches else 0)
+        assert abs(iterations[0] - iterations[2]) <= (10 if switches else 0)
         for figure in ("pumped", "returned", "content_change"):
             assert summary["mass"][figure] == pytest.approx(summaries[0]["mass"][figure], rel=1e-9)

@@ -41,14 +41,14 @@ BIT = {"kind": "bit", "od": HOLE, "mass": 60.0, "nozzle_area": NOZZLE}
 BACK = {"removed": PUMP - OPEN * ROP, "returned": PUMP + SOLID * ROP}
 
 
-def drilling(cuttings: str, length: float, modulus: float = 1e14, **case) -> DrillingModel:
+def drilling(cuttings: str, length: float, modulus: float = 1e14, valve=None, **case) -> DrillingModel:
     """A stiff string that drills straight down at ``ROP`` under ``WEIGHT``; modulus: of the mud [Pa]."""
     string = [{**pipe(length, 10), "bending_stiffness": 1e9}, {**BIT, "length": 0.5}]
     top, rock = (
         {"kind": "top_drive", "lowering": ROP, "rotation": TURNING},
         {"drillability": ROP / WEIGHT, "reference_speed": TURNING},
     )
-    mud = {**RIGID, "bulk_modulus": modulus, "flow_rate": PUMP, "cuttings": cuttings}
+    mud = {**RIGID, "bulk_modulus": modulus, "flow_rate": PUMP, "cuttings": cuttings, **(valve or {})}
     return loop(
         mud,
         hold_string=False,

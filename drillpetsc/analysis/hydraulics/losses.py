@@ -326,10 +326,11 @@ def surface_line_loss(flow: FlowModel) -> float:
 
 def choke_loss(flow: FlowModel) -> float:
     """Compute the loss of the choke at the flow line [Pa]; 0 without one."""
-    annulus, rates = flow.fluid.annulus, flow.flow_rate("annulus")
-    if annulus is None or rates is None:
+    annulus = flow.fluid.annulus
+    out = None if annulus is None else annulus.outflow(flow.system.assembly)
+    if annulus is None or out is None:
         return 0.0
-    return float(-annulus.choke * flow.fluid.constants.density * rates[0] * np.hypot(rates[0], FLOW_ROUNDING))
+    return float(annulus.choke * flow.fluid.constants.density * out * np.hypot(out, FLOW_ROUNDING))
 
 
 def loss_rows(flow: FlowModel) -> list[Loss]:

@@ -6,9 +6,13 @@ import math
 
 from drillpetsc.case.blocks.case_blocks import CaseBlocks
 from drillpetsc.case.blocks.ends import DrivenTop, ForcedBottom
+from drillpetsc.case.blocks.fluid import Fluid
 from drillpetsc.case.blocks.string import Beam, Flexible, Rigid, Stabilizer
 from drillpetsc.case.key_paths import refuse
 from drillpetsc.case.quantities import largest
+
+#: a pressure above this share of the mud's bulk modulus is none of a well: compression is no longer small (manual: sec-mud-content)
+SHARE_OF_MODULUS = 0.25
 
 
 def check_held_string(case: CaseBlocks) -> None:
@@ -117,6 +121,25 @@ def _metal_of_rigid_items(case: CaseBlocks) -> None:
                 )
 
 
+def _choke(fluid: Fluid) -> None:
+    """Raise where the pump's flow through the choke asks for a pressure that no mud has."""
+    if fluid.choke is None or fluid.pump_pressure is not None:
+        return
+    flow = largest(fluid.flow_rate)
+    most = fluid.bulk_modulus * SHARE_OF_MODULUS
+    loss = 0.5 * fluid.density * (flow / (fluid.choke.discharge_coefficient * fluid.choke.area)) ** 2
+    if loss > most:
+        least = fluid.choke.area * math.sqrt(loss / most)
+        raise refuse(
+            "fluid",
+            "choke",
+            "area",
+            got=f"{fluid.choke.area:g} m^2",
+            want=f"an area that passes {flow * 6e4:g} l/min: above {least:.2g} m^2",
+            hint=f"the choke would hold {loss / 1e6:.3g} MPa; for a well that is shut in give flow_rate 0",
+        )
+
+
 def _annulus(case: CaseBlocks) -> None:
     fluid = case.fluid
     assert fluid is not None
@@ -128,6 +151,7 @@ def _annulus(case: CaseBlocks) -> None:
         raise refuse("fluid", "flow_line", got=fluid.flow_line, want=want)
     if fluid.choke is not None and not fluid.annulus:
         raise refuse("fluid", "choke", want="no choke without an annulus: it is a valve at the flow line")
+    _choke(fluid)
     if case.well is not None and fluid.flow_line >= case.well.survey.md[-1]:
         want = f"above the end of the hole, {case.well.survey.md[-1]:g} m"
         raise refuse("fluid", "flow_line", got=fluid.flow_line, want=want)

@@ -385,10 +385,13 @@ void chain_scatter_add(int n, const int* index, const double* values, double* ta
 // one after the other.
 // tolerance: a pivot must exceed tolerance x the largest entry of its column of A(i,i).  Returns -1 or the node without a pivot
 // (stats[FAILED_COLUMN]: its column).
-int chain_factor(int n, int keep, const std::int64_t* table, double* store, const int* start, const int* first_entry,
+// from: above 0 (not with a kept node 0, `saved` or `blocks`) the nodes before it keep the factors of the last call: their entries and
+// those that couple them to node `from` must not have changed but in node `from` itself.  The same operations follow as in a whole
+// elimination, so the factors are those to the last bit.
+int chain_factor(int from, int n, int keep, const std::int64_t* table, double* store, const int* start, const int* first_entry,
                  const int* pattern, const int* tile_begin, const int* tiles, const int* single_begin, const int* singles,
                  const double* values, double* inverse, int* pivot, double tolerance, double* stats, double* saved, double* blocks) {
-    int assembled = 0;
+    int assembled = from;
     const auto assemble_up_to = [&](int node) {
         for (; assembled <= node && assembled < n; assembled++) {
             const Row t = table + assembled * COLUMNS;
@@ -406,13 +409,18 @@ int chain_factor(int n, int keep, const std::int64_t* table, double* store, cons
             if (saved) std::memcpy(saved + t[DIAG], store + t[DIAG], bytes);
         }
     };
-    stats[FAILED_COLUMN] = -1, stats[SMALLEST] = INFINITY, stats[LARGEST] = 0, stats[SMALLEST_NODE] = -1;
-    const int first = keep & 1 ? 1 : 0, last = keep & 2 ? n - 1 : n;
+    stats[FAILED_COLUMN] = -1;
+    if (from == 0) stats[SMALLEST] = INFINITY, stats[LARGEST] = 0, stats[SMALLEST_NODE] = -1;
+    const int first = keep & 1 ? 1 : 0, last = keep & 2 ? n - 1 : n, begin_at = from > first ? from : first;
     const Row top = table;
     double scale[LARGEST_BLOCK];
-    assemble_up_to(first);
-    if (first < last) scales(table + first * COLUMNS, store + table[first * COLUMNS + DIAG], scale);
-    for (int i = first; i < last; i++) {
+    assemble_up_to(begin_at);
+    if (begin_at < last) scales(table + begin_at * COLUMNS, store + table[begin_at * COLUMNS + DIAG], scale);
+    if (from > 0) {
+        const Row t = table + from * COLUMNS, above = t - COLUMNS;
+        subtract(t, store + t[DIAG], store + t[LOWER], store + above[UPPER], above, t[SIZE]);
+    }
+    for (int i = begin_at; i < last; i++) {
         const Row t = table + i * COLUMNS, next = i + 1 < n ? t + COLUMNS : nullptr;
         const double smallest = stats[SMALLEST];
         assemble_up_to(i + 1);

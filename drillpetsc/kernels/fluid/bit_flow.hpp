@@ -149,6 +149,21 @@ struct Choke {
     }
 };
 
+// The same where the string moves: the hole between the upper node and the fixed flow line takes AREA V of the flow out of the node.
+struct MovingChoke {
+    static constexpr int D = 9, NSPIN = 0;  // r, v, phi and pressure of the upper node, flow rate of the first element
+    static constexpr bool PACKED = false;
+    static constexpr int SPINS[1][2] = {{0, 0}};
+    DP_ENUM(Parameter, LOSS, AREA, DIRECTION, NP = DIRECTION + 3)  // [1/m4], of the annulus [m2], of the hole, downwards
+    template <class T, class S>
+    static void force(int, const T* x, const T* y, const T*, const S* p, void* context, T* r) {
+        const Fluid& f = *static_cast<const Fluid*>(context);
+        const T in = x[8] + (y[0] * p[DIRECTION] + y[1] * p[DIRECTION + 1] + y[2] * p[DIRECTION + 2]) * p[AREA];
+        for (int k = 0; k < D; k++) r[k] = T(0.0);
+        r[7] = in * sqrt(in * in + FLOW_ROUNDING * FLOW_ROUNDING) * (p[LOSS] * f.density * GIVEN_PRESSURE * MASS_ROW);
+    }
+};
+
 // Flow rate that a pump delivers into the bore.
 struct Pump {
     static constexpr int D = 1, NSPIN = 0;

@@ -132,20 +132,7 @@ class AnnulusFlow(ChannelFlow):
     def blocks(self, part) -> tuple[ElementBlock, ...]:
         elements = super().blocks(part)
         if self.choke:
-            first = np.flatnonzero(part.cells == 0).astype(np.int32)
-            slots = (("annulus.pressure", 0), ("annulus.flow", 1))
-            valve = ElementBlock(
-                "choke",
-                "choke",
-                "cell",
-                first,
-                slots,
-                (),
-                Parameters("choke", len(first), loss=self.choke).array,
-                context=self.fluid.address,
-            )
-            valve.keep = (self.fluid,)
-            elements = (*elements, valve)
+            elements = (*elements, self._valve(part))
         if self.held:
             return elements
         _, vertices = local_vertices(part, np.array([0]))
@@ -162,6 +149,35 @@ class AnnulusFlow(ChannelFlow):
                 area.array,
             ),
         )
+
+    def _valve(self, part) -> ElementBlock:
+        """The choke at the flow line, above the upper node of the annulus."""
+        first = np.flatnonzero(part.cells == 0).astype(np.int32)
+        slots: tuple[tuple[str, int], ...] = ("annulus.pressure", 0), ("annulus.flow", 1)
+        if self.held:
+            kernel, params = "choke", Parameters("choke", len(first), loss=self.choke)
+        else:
+            kernel, slots = "moving_choke", (*VERTEX_SLOTS, *slots)
+            params = Parameters("moving_choke", len(first), loss=self.choke, area=0.0, direction=np.zeros(3))
+
+        def update(t: float) -> None:
+            if self._top is not None:
+                block, row = self._top
+                params["area"], params["direction"] = self._upper_area(), block.named["tangent1"][row]
+
+        valve = ElementBlock(
+            kernel,
+            kernel,
+            "cell",
+            first,
+            slots,
+            (),
+            params.array,
+            context=self.fluid.address,
+            update=None if self.held else update,
+        )
+        valve.keep = (self.fluid,)
+        return valve
 
     def _update_of(self, block: ElementBlock):
         if self._top is None or self._top[0] is not block:

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
+from petsc4py import PETSc
 
 from drillpetsc import Case
 from drillpetsc.analysis.placement import place_along_hole
@@ -109,6 +112,8 @@ class Oscillator:
     """Stands for a system: unit mass and spring, x = cos t, with a damper's share of the power."""
 
     time = 0.0
+    comm = PETSc.COMM_SELF
+    assembly = SimpleNamespace(imposed=None)
 
     def energies(self, t: float) -> tuple[float, float, float]:
         return 0.5 * np.sin(t) ** 2, 0.5 * np.cos(t) ** 2, 0.0
@@ -119,12 +124,12 @@ def test_energy_balance_of_given_powers() -> None:
     balance = EnergyBalance(Oscillator())  # type: ignore[arg-type]
     balance.start(0.0, (0.0, 1.0))
     for k in range(4):
-        balance.step(0.25, (0.5 * (k + 1), 1.0))
+        balance.step(0.0, 0.25, (0.5 * (k + 1), 1.0))
     assert (balance.dissipated, balance.supplied) == pytest.approx((1.0, 1.0))
     balance.update(1.0)
     assert balance.error == pytest.approx(0.0, abs=1e-15)
     assert balance.exchanged == pytest.approx(max(1.0, np.sin(1.0) ** 2))
-    balance.step(1.0, (3.0, 1.0))
+    balance.step(0.0, 1.0, (3.0, 1.0))
     assert balance.error == pytest.approx(0.5 * (2.0 + 3.0) - 1.0)
     assert balance.summary()["error"] == balance.last_error != balance.error  # of the last update
 
@@ -133,10 +138,10 @@ def test_work_that_was_given_back_counts_as_exchanged() -> None:
     """2 J in, 2 J out: the scale of the error is 2 J, not the rounding of what was supplied in all."""
     balance = EnergyBalance(Oscillator())  # type: ignore[arg-type]
     balance.start(0.0, (0.0, 2.0))
-    balance.step(1.0, (0.0, 2.0))
+    balance.step(0.0, 1.0, (0.0, 2.0))
     for power in (-2.0, -2.0):
-        balance.step(0.5, (0.0, power))
-    balance.step(0.5, (0.0, -2.0))
+        balance.step(0.0, 0.5, (0.0, power))
+    balance.step(0.0, 0.5, (0.0, -2.0))
     assert balance.supplied == pytest.approx(0.0)
     assert balance.exchanged == pytest.approx(2.0)
 

@@ -291,3 +291,24 @@ def test_preconditioner_without_pivot(petsc, stop):
     ksp.solve(b, x)
     assert ksp.getConvergedReason() > 0
     assert np.abs(A @ x.getArray() - b.getArray()).max() < 1e-12
+
+
+@pytest.mark.parametrize("shape", SHAPES)
+def test_elimination_from_a_node_on(shape):
+    """With other entries from a node on, the elimination from there gives all factors, to the last bit."""
+    sizes, rng = SHAPES[shape], np.random.default_rng(11)
+    A, node = dense_chain(sizes, rng)
+    A += 2.0 * np.sqrt(3 * max(sizes)) * np.eye(len(A))
+    rows, columns = np.nonzero(np.abs(node[:, None] - node) <= 1)
+    for start in sorted({0, 1, len(sizes) // 2, len(sizes) - 1} & set(range(len(sizes)))):
+        part = factored(A, node)
+        B = A.copy()
+        tail = np.minimum(node[:, None], node) >= start
+        B[tail] *= 1.25
+        part.factor(B[rows, columns], start)
+        whole = factored(B, node)
+        assert part.piece.store.tobytes() == whole.piece.store.tobytes()
+        b = rng.standard_normal(len(B))
+        assert np.array_equal(solution(part, b), solution(whole, b))
+        if start == 0:
+            assert part.smallest_pivot == whole.smallest_pivot
