@@ -16,29 +16,32 @@ LEAST_PILOT = 1.0  # [m] between cutters and bit
 def check_reamer(case: CaseBlocks) -> None:
     """Raise where a reamer has no pilot hole to widen, or does not stand at the end of its hole."""
     found = [i for i, item in enumerate(case.string) if isinstance(item, Reamer)]
-    if len(found) > 1:
-        raise refuse("string", found[1], "kind", got="reamer", want="one reamer in a string")
-    for number in found:
-        _check(case, number)
+    for number, below in zip(found, [*found[1:], len(case.string) - 1], strict=False):
+        _check(case, number, below)
 
 
-def _check(case: CaseBlocks, number: int) -> None:
-    item, bit = case.string[number], case.string[-1]
+def _check(case: CaseBlocks, number: int, below: int) -> None:
+    """Raise where the reamer of ``number`` does not fit.  below: number of the item that cuts its pilot hole."""
+    item, cutter = case.string[number], case.string[below]
     assert isinstance(item, Reamer) and item.od is not None
-    if not isinstance(bit, Bit):
+    if not isinstance(case.string[-1], Bit):
         raise refuse("string", number, "kind", got="reamer", want="a bit below the reamer, as the last item")
-    if item.pilot is not None and abs(item.pilot - bit.od) > SAME:
-        raise refuse("string", number, "pilot", got=item.pilot, want=f"the diameter of the bit, {bit.od:g} m")
-    if item.od <= bit.od + SAME:
-        want = f"more than the diameter of the bit, {bit.od:g} m"
+    name = "the bit" if isinstance(cutter, Bit) else f"the reamer below, string[{below}]"
+    size = cutter.od
+    assert size is not None
+    if item.pilot is not None and abs(item.pilot - size) > SAME:
+        raise refuse("string", number, "pilot", got=item.pilot, want=f"the diameter of {name}, {size:g} m")
+    if item.od <= size + SAME:
+        want = f"more than the diameter of {name}, {size:g} m"
         raise refuse("string", number, "od", got=item.od, want=want, hint="kind: stabilizer does not cut")
     if case.formation is None or case.well is None:
         return
     wide = [k for k, q in enumerate(case.well.sections) if q.diameter >= item.od - SAME]
     pilot = len(case.well.sections) - 1
-    if not wide or wide[-1] == pilot:
+    reached = {k for k, q in enumerate(case.well.sections) if q.diameter >= size - SAME}
+    if not wide or wide[-1] == pilot or max(reached) <= wide[-1]:
         want = "a last section of the pilot hole, below the one that is reamed"
-        hint = f"sections: one of {item.od:g} m down to the reamer, one of {bit.od:g} m down to the bit"
+        hint = f"sections: one of {item.od:g} m down to the reamer, one of {size:g} m down to {name}"
         raise refuse(
             "well",
             "sections",
@@ -49,8 +52,8 @@ def _check(case: CaseBlocks, number: int) -> None:
             hint=hint,
         )
     shoulder = case.well.sections[wide[-1]].to
-    above, below = case.item_depths[number]
-    cutters = above + sum(item.touching)
+    above = case.item_depths[number][0]
+    cutters = _cutters(case, number)
     if isinstance(case.bottom, BitBottom) and case.initial.wob is not None and case.top.force is None:
         cutters += case.well.survey.md[-1] - case.string_length
     if cutters > shoulder + TOUCHING:
@@ -59,6 +62,14 @@ def _check(case: CaseBlocks, number: int) -> None:
             "string", number, "length", got=f"cutters at {cutters:g} m", want=want,
             hint=f"well.sections: the reamed hole down to {cutters:g} m",
         )  # fmt: skip
-    if case.string_length - above - sum(item.touching) < LEAST_PILOT:
-        want = f"at least {LEAST_PILOT:g} m between the cutters and the bit's face"
+    face = case.string_length if below == len(case.string) - 1 else _cutters(case, below)
+    if face - above - sum(item.touching) < LEAST_PILOT:
+        want = f"at least {LEAST_PILOT:g} m between the cutters and those of {name}"
         raise refuse("string", number, "kind", got="reamer", want=want)
+
+
+def _cutters(case: CaseBlocks, number: int) -> float:
+    """Distance of a reamer's cutters below the top of the string [m]."""
+    item = case.string[number]
+    assert isinstance(item, Reamer)
+    return case.item_depths[number][0] + sum(item.touching)

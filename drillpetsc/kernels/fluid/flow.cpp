@@ -58,6 +58,7 @@ DP_JACOBIAN(annulus_flow_dual, run_jacobian<AnnulusPlain>)
 DP_ENTRY(pump, Pump)
 DP_ENTRY(annulus_top, AnnulusTop)
 DP_ENTRY(choke, Choke)
+DP_ENTRY(reamed_ring, ReamedRing)
 
 DP_EXPORT_RECORD(fluid, Fluid)
 DP_EXPORT(flow_results, FlowResultsText)
