@@ -29,8 +29,9 @@ def settle(model: DrillingModel) -> list[str]:
     notes = []
     if model.motor is not None:
         model.motor.balance_orbit()
-    if model.agitator is not None:
-        model.agitator.hold()
+    for agitator in model.agitators:
+        agitator.hold()
+    if model.agitators:
         notes.append("the valve of the agitator stands: its pulses are no part of a linear model")
     if any(isinstance(item, Jar) for item in model.case.string):
         notes.append("the jar stays as it is at the start: its latch is a spring")

@@ -53,9 +53,9 @@ def place_along_hole(model: DrillingModel, top: float = 0.0) -> None:
     if model.motor is not None:
         model.motor.hold()
         system.set_field("motor.torque", np.zeros((system.mesh.nodes, 1)))
-    if model.agitator is not None:
-        model.agitator.hold()
-        system.set_field("agitator.angle", np.zeros((system.mesh.nodes, 1)))
+    for agitator in model.agitators:
+        agitator.hold()
+        system.set_field(f"{agitator.name}.angle", np.zeros((system.mesh.nodes, 1)))
     if model.beam is not None:
         position, tangent = model.position, model.tangent
         if top and model.well is not None:
@@ -99,8 +99,8 @@ def move_rigidly(model: DrillingModel) -> None:
         model.beam.set_rigid_motion(model.system, tangent, curvature, lowering, spin)
         if model.bit is not None:
             model.bit.first_cut(model.system.assembly)
-        if model.reamer is not None:
-            model.reamer.first_cut(model.system.assembly)
+        for reamer in model.reamers:
+            reamer.first_cut(model.system.assembly)
     release_flow(model)
 
 
@@ -115,8 +115,8 @@ def release(model: DrillingModel, at_rest: bool = False) -> None:
         model.drive.start(model.system.assembly, at_rest)
     if model.motor is not None:
         model.motor.start(model.system.assembly)
-    if model.agitator is not None:
-        model.agitator.start(model.system.assembly)
+    for agitator in model.agitators:
+        agitator.start(model.system.assembly)
     if model.hoist is not None:
         system, hoist = model.system, model.hoist
         shared = np.asarray(system.comm.tompi4py().allreduce(hoist.local_update(system.assembly)))

@@ -26,7 +26,6 @@ from drillpetsc.analysis.transient import make_integrator
 from drillpetsc.case.case import Case
 from drillpetsc.errors import CaseError
 from drillpetsc.model.drilling_model import build_model, is_quasi_static
-from drillpetsc.model.reamer import refuse_run_with_mud
 from drillpetsc.output.recorder import Recorder
 from drillpetsc.solvers import petsc_options as options
 from drillpetsc.units import UnitError, to_si
@@ -79,7 +78,6 @@ class Session:
         with options.applied(case.petsc):
             self._given = inputs_of(case)
             self._live = {name: LiveInput(given) for name, given in self._given.items()}
-            refuse_run_with_mud(case)
             self._model = build_model(with_inputs(case, self._live), comm)
             self._recorder = Recorder(self._model)
             self._model.case = case  # checkpoints hold the case as it was given

@@ -37,7 +37,6 @@ from drillpetsc.analysis.whirl_steps import WhirlSteps
 from drillpetsc.case.case import Case
 from drillpetsc.errors import LONGEST, RESTART_HINT, CaseError, Interrupted, SolveError, cannot_write
 from drillpetsc.model.drilling_model import DrillingModel, build_model, is_quasi_static
-from drillpetsc.model.reamer import refuse_run_with_mud
 from drillpetsc.output import RunFolder, read_summary, write_summary
 from drillpetsc.output.boiling import BoilingMonitor
 from drillpetsc.output.case_files import write_case
@@ -97,7 +96,6 @@ def run(
         raise CaseError(
             at="time", want="a block {end: ...}", hint="for the static state alone use: drillpetsc statics"
         )
-    refuse_run_with_mud(case)
     began = clock.perf_counter(), clock.process_time()
     with options.applied(case.petsc) as used:
         options.refuse_integrator_of_run(PETSc.Options().getAll())

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Literal, Protocol, TypeVar
 
 from drillpetsc.arrays import FloatArray
@@ -23,6 +23,11 @@ DEPTH = "NNN"
 #: stands for the name of a sensor in the name of a quantity
 NAME = "NAME"
 _PLACES = {DEPTH: r"([-+.\deE]+)", NAME: r"([A-Za-z0-9_-]+)"}
+
+
+def numbered(word: str, number: int) -> str:
+    """``word`` for the first of several in the string from the top, ``word_2`` for the second, and so on."""
+    return word if number == 1 else f"{word}_{number}"
 
 
 @dataclass(frozen=True)
@@ -52,6 +57,7 @@ class Quantity:
     numerics: describes the computation, not the string.
     interest: 1 for what a study compares first; 0: after all others.
     kind: key of ``unit_systems.KINDS``, for the unit in which people see it; empty: the usual kind of the unit.
+    tool: word in the name after which the number of a tool stands that is not the first of its kind in the string.
     """
 
     name: str
@@ -72,6 +78,16 @@ class Quantity:
     numerics: bool = False
     interest: int = 0
     kind: str = ""
+    tool: str = ""
+
+    def numbered(self, number: int) -> Quantity:
+        """The quantity of the tool of this ``number`` from the top; the first keeps the name."""
+        if number == 1 or not self.tool:
+            return self
+        name = self.name.replace(self.tool, numbered(self.tool, number), 1)
+        return replace(
+            self, name=name, label=f"{self.label} {number}", mnemonic=f"{self.mnemonic}{number}", tool=""
+        )
 
     @property
     def title(self) -> str:
@@ -93,6 +109,10 @@ class Quantity:
 
     def place(self, name: str) -> str | None:
         """Depth or name of a sensor in ``name``, empty for a quantity without; None where it is another quantity's name."""
+        if self.tool:
+            above, below = self.name.split(self.tool, 1)
+            found = re.fullmatch(f"{above}{self.tool}(?:_([0-9]+))?{below}", name)
+            return (found.group(1) or "") if found else None
         for word, pattern in _PLACES.items():
             if word in self.name:
                 found = re.fullmatch(re.escape(self.name).replace(word, pattern), name)
@@ -101,6 +121,8 @@ class Quantity:
 
     def label_at(self, place: str) -> str:
         """The label with the depth or the name of a sensor in it."""
+        if self.tool and place:
+            return f"{self.label} {place}"
         return self.label.replace(DEPTH, place).replace(NAME, place) if place else self.label
 
 

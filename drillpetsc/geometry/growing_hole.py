@@ -46,7 +46,10 @@ class GrowingHole:
         # rows: measured depth [m], position [m] and direction of the end
         self._trail = np.column_stack([s, position, tangent])
         self._drilled = 0.0
-        self._reamed_section, self._reamed_to, self._reamed_shown = -1, 0.0, 0.0
+        self._unreamed = well
+        #: by number of the section of the hole at the start: its end now and in ``well`` [m]
+        self._reamed_to: dict[int, float] = {}
+        self._reamed_shown: dict[int, float] = {}
         self.start_point = self.end  # (3,) at the start [m]
 
     @property
@@ -65,30 +68,28 @@ class GrowingHole:
 
     def widen(self, section: int) -> None:
         """Let the end of a ``section`` of the hole at the start move down with a reamer (``widen_to``)."""
-        self._reamed_section = section
-        self._reamed_to = self._reamed_shown = float(self.original.section_to[section])
+        self._reamed_to[section] = self._reamed_shown[section] = float(self.original.section_to[section])
 
-    def widen_to(self, distance: float) -> bool:
-        """Put the end of the reamed section ``distance`` [m] below its place at the start; returns whether the hole changes."""
-        self._reamed_to = float(self.original.section_to[self._reamed_section]) + distance
-        if abs(self._reamed_to - self._reamed_shown) < SMALLEST_GROWTH:
+    def widen_to(self, section: int, distance: float) -> bool:
+        """Put the end of a reamed ``section`` ``distance`` [m] below its place at the start; returns whether the hole changes."""
+        self._reamed_to[section] = float(self.original.section_to[section]) + distance
+        if abs(self._reamed_to[section] - self._reamed_shown[section]) < SMALLEST_GROWTH:
             return False
-        self.well = self._reamed(self.well)
+        self._show(self._unreamed)
         for call in self.followers:
             call(self.well)
         return True
 
     def _reamed(self, well: Well) -> Well:
-        """Return ``well`` with its reamed section down to where the reamer is."""
-        k = self._reamed_section
-        if k < 0:
+        """Return ``well``, as it is without reamers, with its reamed sections down to where their reamers are."""
+        if not self._reamed_to:
             return well
-        self._reamed_shown = self._reamed_to
-        below = np.flatnonzero(well.section_to > self._reamed_to + SHORTEST_SECTION)
-        below = below[below > k]
-        to = well.section_to.copy()
-        to[k] = self._reamed_to if len(below) else to[-1]
-        kept = np.r_[np.arange(k + 1), below]
+        to, first = well.section_to.copy(), min(self._reamed_to)
+        for section, end in self._reamed_to.items():
+            to[section] = end
+        kept = list(range(first + 1))  # and what the sections above have not reached
+        kept += [i for i in range(first + 1, len(to)) if to[i] > to[:i].max() + SHORTEST_SECTION]
+        to[kept[-1]] = well.section_to[-1]
         return replace(
             well,
             section_to=to[kept],
@@ -96,6 +97,11 @@ class GrowingHole:
             section_friction=well.section_friction[kept],
             section_kind=tuple(well.section_kind[i] for i in kept),
         )
+
+    def _show(self, unreamed: Well) -> None:
+        """Make the present hole from the one without reamers."""
+        self._unreamed, self._reamed_shown = unreamed, dict(self._reamed_to)
+        self.well = self._reamed(unreamed)
 
     def follow(self, drilled: float, position: FloatArray) -> bool:
         """Move the end; returns whether the hole has changed.
@@ -116,7 +122,7 @@ class GrowingHole:
         # this length is enough for the directions of coming nodes
         self._trail = self._trail[self._trail[:, 0] > s - 4 * self.interval - 1.0]
         live = s - self._frozen.node_md[-1] > 0.04 * self.interval
-        self.well = self._reamed(self._longer(self._frozen, s, position, tangent) if live else self._frozen)
+        self._show(self._longer(self._frozen, s, position, tangent) if live else self._frozen)
         for call in self.followers:
             call(self.well)
         return True
@@ -243,10 +249,8 @@ class GrowingHole:
         )
         s, end = self._trail[-1, 0], self._trail[-1]
         live = s - self._frozen.node_md[-1] > 0.04 * self.interval
-        self.well = self._longer(self._frozen, s, end[1:4], end[4:7]) if live else self._frozen
-        if self._drilled <= 0.0:
-            self.well = self.original
-        self.well = self._reamed(self.well)
+        unreamed = self._longer(self._frozen, s, end[1:4], end[4:7]) if live else self._frozen
+        self._show(unreamed if self._drilled > 0.0 else self.original)
         for call in self.followers:
             call(self.well)
 

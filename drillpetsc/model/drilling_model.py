@@ -17,14 +17,14 @@ from drillpetsc.fem.string_mesh import StringMesh
 from drillpetsc.geometry.frames import Frames, transported_frames
 from drillpetsc.geometry.growing_hole import GrowingHole
 from drillpetsc.geometry.well import Well
-from drillpetsc.model.agitator import build_agitator
+from drillpetsc.model.agitator import build_agitators
 from drillpetsc.model.fluid import FluidComponents, build_fluid
 from drillpetsc.model.hoist import build_hoist, connect_sensors
 from drillpetsc.model.hole import build_well, hole_depth
 from drillpetsc.model.mesh import build_mesh, curvature_by_tool_face
 from drillpetsc.model.mud_motor import build_mud_motor
 from drillpetsc.model.quaternion import quaternion_components
-from drillpetsc.model.reamer import build_reamer, well_of_reamer
+from drillpetsc.model.reamer import build_reamers, well_of_reamer
 from drillpetsc.model.rock_bit import build_rock_bit
 from drillpetsc.model.steering import build_steering
 from drillpetsc.model.top_drive import build_drive
@@ -57,7 +57,8 @@ class DrillingModel:
     system: the discrete system.
     fluid: components of the drilling fluid, None in a dry model.
     hoist: block and drum above the top, None where absent.
-    steering: rotary steerable tool; motor: downhole motor; agitator; reamer: cutters above the bit; None where absent.
+    steering: rotary steerable tool; motor: downhole motor; None where absent.
+    agitators, reamers: from the top.
     """
 
     case: Case
@@ -77,8 +78,8 @@ class DrillingModel:
     hoist: interfaces.Hoist | None = None
     steering: interfaces.SteeringTool | None = None
     motor: interfaces.Motor | None = None
-    agitator: interfaces.PulsedTool | None = None
-    reamer: interfaces.ReamingTool | None = None
+    agitators: tuple[interfaces.PulsedTool, ...] = ()
+    reamers: tuple[interfaces.ReamingTool, ...] = ()
 
     @property
     def effective_mass(self) -> FloatArray:
@@ -99,7 +100,7 @@ class DrillingModel:
     @property
     def imposed(self) -> tuple[Component, ...]:
         """Components that statics gives a sliding direction or a mean over a turn."""
-        return tuple(r for r in (self.contact, self.bit, self.reamer, self.steering) if r is not None)
+        return tuple(r for r in (self.contact, self.bit, *self.reamers, self.steering) if r is not None)
 
     def copy_sliding_direction(self, other: DrillingModel) -> None:
         """Take over the sliding directions that statics imposed on another model of the same case."""
@@ -145,7 +146,9 @@ def build_model(
     top: interfaces.Top | None = None
     drive: interfaces.Drive | None = None
     hoist: interfaces.Hoist | None = None
-    contact, bit, steering, motor, agitator, reamer = None, None, None, None, None, None
+    contact, bit, steering, motor = None, None, None, None
+    agitators: tuple[interfaces.PulsedTool, ...] = ()
+    reamers: tuple[interfaces.ReamingTool, ...] = ()
     components: list = []
     if case.beam.formulation == "quaternion":
         breaks = tuple(b for q in case.loads for b in q.value_over.breaks()) + _top_breaks(case)
@@ -171,8 +174,8 @@ def build_model(
             components.append(Joints(mesh, frames))
         components += [bit] if bit is not None else []
         steering = build_steering(case, mesh, well, frames, tangent)
-        reamer = build_reamer(case, mesh, well, bit)
-        components += [r for r in (steering, reamer) if r is not None]
+        reamers = build_reamers(case, mesh, well, bit)
+        components += [*((steering,) if steering is not None else ()), *reamers]
     elif not case.hold_string:
         gravity = np.array(case.gravity, dtype=float)
         contact, bit = _contact(case, mesh, well), _bit(case, mesh, well)
@@ -182,8 +185,8 @@ def build_model(
         if mesh.joints:
             joints = Joints(mesh, frames)
             motor = build_mud_motor(case, mesh, frames, gravity, joints, balanced)
-            agitator = build_agitator(case, mesh)
-            components += [joints, *(q for q in (motor, agitator) if q is not None)]
+            agitators = build_agitators(case, mesh)
+            components += [joints, *((motor,) if motor is not None else ()), *agitators]
         top, drive, hoist = _top_components(
             case, mesh, position[0], tangent[0], _top_path(well, frames), frames
         )
@@ -194,9 +197,9 @@ def build_model(
             breaks = tuple(b for q in case.loads for b in q.value_over.breaks())
             components.append(Loads(loads, frames, breaks + _top_breaks(case)))
         steering = build_steering(case, mesh, well, frames, tangent)
-        reamer = build_reamer(case, mesh, well, bit)
-        components += [r for r in (contact, bit, reamer, steering) if r is not None]
-    fluid = build_fluid(case, mesh, well, position, tangent, bit.hole if bit is not None else None)
+        reamers = build_reamers(case, mesh, well, bit)
+        components += [r for r in (contact, bit, *reamers, steering) if r is not None]
+    fluid = build_fluid(case, mesh, well, position, tangent, bit.hole if bit is not None else None, reamers)
     components += fluid.components if fluid is not None else ()
     system = DiscreteSystem(mesh, frames, components, comm)
     system.item_names = tuple(item.name or item.kind for item in case.string)
@@ -218,8 +221,8 @@ def build_model(
         hoist,
         steering,
         motor,
-        agitator,
-        reamer,
+        agitators,
+        reamers,
     )
     if hoist is not None:
         connect_sensors(hoist, drive, bit, fluid)

@@ -35,9 +35,11 @@ from drillpetsc.physics.fluid.channels import Annulus, AnnulusWalls, Bore, HoleV
 from drillpetsc.physics.fluid.hermite.flow import HermiteAnnulus, HermiteBit, HermiteBore, volumes_at_rest
 from drillpetsc.physics.fluid.joint_seals import JointSeals
 from drillpetsc.physics.fluid.moving_hole import LateralCoefficients, MovingHole
+from drillpetsc.physics.fluid.reamed_rings import ReamedRings
 from drillpetsc.physics.fluid.rheology import Rheology
 from drillpetsc.physics.fluid.side_nozzles import SideLink, SideNozzles
 from drillpetsc.physics.fluid.surface_line import SurfaceLine
+from drillpetsc.physics.interfaces import ReamingTool
 from drillpetsc.unit_systems import shown
 
 LEAST_OPEN = 1e-4  # share of the hole that must be open around a rigid item
@@ -57,7 +59,7 @@ class FluidComponents:
     only with formulation hermite.
     surface_line: between pump and string, None without one.
     seals: of telescoping joints, None without any.
-    side: nozzles above the bit, None without any.
+    side: nozzles above the bit, None without any; rings: that reamers cut out of the wall, None without any.
     """
 
     constants: FluidConstants
@@ -68,11 +70,13 @@ class FluidComponents:
     surface_line: SurfaceLine | None = None
     seals: JointSeals | None = None
     side: SideNozzles | None = None
+    rings: ReamedRings | None = None
 
     @property
     def components(self) -> tuple:
         """The components that are present."""
-        return tuple(r for r in (self.bore, self.annulus, self.bit, self.seals, self.side) if r is not None)
+        parts = (self.bore, self.annulus, self.bit, self.seals, self.side, self.rings)
+        return tuple(r for r in parts if r is not None)
 
 
 def usual_sizes(case: Case, mesh: StringMesh) -> tuple[float, float]:
@@ -115,11 +119,12 @@ def build_fluid(
     position: FloatArray,
     tangent: FloatArray,
     hole: GrowingHole | None = None,
+    reamers: tuple[ReamingTool, ...] = (),
 ) -> FluidComponents | None:
     """Create the components of the case's fluid, None without one.
 
     position, tangent: (n+1, 3) of the nodes along the hole [m, -].
-    hole: the growing hole of a bit that drills, else None.
+    hole: the growing hole of a bit that drills, else None; reamers: that widen it.
     """
     f = case.fluid
     if f is None:
@@ -158,7 +163,11 @@ def build_fluid(
         chi = _added_mass(case, sizes)
         if not case.hold_string and (hole is not None or not _is_uniform(well, walls)):
             moving_hole = MovingHole(
-                mesh, walls, lambda: well if hole is None else hole.well, partial(_lateral_coefficients, case)
+                mesh,
+                walls,
+                lambda: well if hole is None else hole.well,
+                partial(_lateral_coefficients, case),
+                reamers,
             )
         arguments = (
             mesh,
@@ -211,14 +220,19 @@ def build_fluid(
             _lower_end_area(case, mesh),
             fixed_position,
         )
-    return FluidComponents(constants, bore_flow, annulus, bit, volumes, _surface_line(case), seals, side)
+    rings = None
+    if reamers and annulus is not None and not case.hold_string:
+        rings = ReamedRings(mesh.nodes - 1, reamers, constants, f.cuttings == "returned")
+    return FluidComponents(
+        constants, bore_flow, annulus, bit, volumes, _surface_line(case), seals, side, rings
+    )
 
 
 def _refuse_closed_annulus(case: Case, mesh: StringMesh, sizes: Annulus) -> None:
     """Raise CaseError where the metal of rigid items fills the hole around them: that over them and the element below."""
-    left = np.where(mesh.rigid_above > 0, sizes.hole - sizes.outer_above, np.inf)
-    k = int(np.argmin(left / sizes.hole))
-    if left[k] > LEAST_OPEN * sizes.hole[k]:
+    left = np.where(mesh.rigid_above > 0, sizes.hole_around - sizes.outer_above, np.inf)
+    k = int(np.argmin(left / sizes.hole_around))
+    if left[k] > LEAST_OPEN * sizes.hole_around[k]:
         return
     names = ", ".join(b.name for b in mesh.bodies if b.node == k)
     numbers = [i for i, item in enumerate(case.string) if isinstance(item, Rigid)]
@@ -227,9 +241,9 @@ def _refuse_closed_annulus(case: Case, mesh: StringMesh, sizes: Annulus) -> None
     raise CaseError(
         at=f"string[{number}]",
         got=f"{names}: metal and bore of {shown(sizes.outer_above[k], 'flow_area', units)}",
-        want=f"less than the hole around it, {shown(sizes.hole[k], 'flow_area', units)}: the mud must get past",
-        hint="body_od and blade_length, or mass, say how much metal it has; a hole that narrows right below counts as the mean over the item "
-        "and the first element below: end the wide section lower, or give the pipe below a short element_length",
+        want=f"less than the hole around it, {shown(sizes.hole_around[k], 'flow_area', units)}: the mud must get past",
+        hint="body_od and blade_length, or mass, say how much metal it has; a hole that narrows beside the item counts as the mean over its "
+        "length: end the wide section lower",
     )
 
 

@@ -220,5 +220,13 @@ def label(name: str) -> str | None:
 
 def in_order(declared: list[tuple], file: str) -> list[tuple]:
     """(source, quantity) pairs in the order of a file's columns; what the catalogue does not list comes last."""
-    place = {q.name: i for i, q in enumerate(outputs_by_file()[file])}
-    return sorted(declared, key=lambda pair: place.get(pair[1].name, len(place)))
+    listed = outputs_by_file()[file]
+    place = {q.name: i for i, q in enumerate(listed)}
+
+    def order(pair: tuple) -> int:
+        name = pair[1].name
+        if name in place:
+            return place[name]
+        return next((i for i, q in enumerate(listed) if q.tool and q.matches(name)), len(place))
+
+    return sorted(declared, key=order)

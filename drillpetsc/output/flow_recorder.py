@@ -81,8 +81,9 @@ class FlowRecorder:
 
     def cuttings_flow(self, sample: Sample) -> float:
         """Rock that the mud takes up [m3/s]."""
-        bit = self.fluid.bit
-        return 0.0 if bit is None else sample.once(bit.element_results)[_CUTTINGS]
+        bit, rings = self.fluid.bit, self.fluid.rings
+        reamed = 0.0 if rings is None else rings.cuttings(sample.assembly)
+        return reamed + (0.0 if bit is None else sample.once(bit.element_results)[_CUTTINGS])
 
     def content(self, sample: Sample) -> float:
         """Volume of all mud at zero pressure [m3]."""

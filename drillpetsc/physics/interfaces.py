@@ -299,7 +299,26 @@ class Hoist(Component):
 
 
 class ReamingTool(Component):
-    """Cutters above the bit that widen the hole."""
+    """Cutters above the bit that widen the hole.
+
+    node: that carries the reamer; ring: area of the rock that it takes from the wall [m2]; depth_field: its unknown metres
+    reamed; shoulder: measured depth of the shoulder at the start [m].
+    """
+
+    node: int
+    ring: float
+    depth_field: str
+    shoulder: float
+
+    @property
+    @abstractmethod
+    def reamed(self) -> float:
+        """Metres reamed after the last accepted step."""
+
+    @property
+    @abstractmethod
+    def stands(self) -> bool:
+        """Whether the cutters stand on the shoulder."""
 
     @abstractmethod
     def element_results(self, state: Any) -> FloatArray:
@@ -439,7 +458,7 @@ class JointSet(Component):
 
     @abstractmethod
     def jar_figures(self, state: Any) -> FloatArray:
-        """(4,) state, travel [m], force of the stops [N] and number of shots of the jar, zero on ranks without it."""
+        """(4 k,) state, travel [m], force of the stops [N] and number of shots of each jar, zero on ranks without it."""
 
 
 class SealSet(Component):

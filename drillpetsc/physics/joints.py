@@ -46,11 +46,10 @@ class Joints(JointSet):
         self.mesh, self.frames, self.joints = mesh, frames, mesh.joints
         self._stabilised = np.array([j.stabilised for j in self.joints], dtype=bool)
         self._cells = np.array([j.cell for j in self.joints], dtype=int)
-        jars = [k for k, j in enumerate(self.joints) if j.jar is not None]
-        self._jar_joint = jars[0] if jars else -1
-        law = self.joints[self._jar_joint].jar if jars else None
-        self.jar = None if law is None else Jar(law)
-        self.has_events = law is not None
+        #: jars from the top, and the numbers of their joints
+        self.jars = [Jar(j.jar) for j in self.joints if j.jar is not None]
+        self._jar_joints = [k for k, j in enumerate(self.joints) if j.jar is not None]
+        self.has_events = bool(self.jars)
         #: number of multipliers; a stable equilibrium has exactly as many negative eigenvalues
         self.multipliers = 6 * len(self.joints) + 6 * int(self._stabilised.sum())
 
@@ -177,59 +176,66 @@ class Joints(JointSet):
                 if joint.cell == cell:
                     b.named["kind"][row] = KINDS.index("fixed" if locked else joint.kind)
 
-    # ------------------------------------------------------------------ jar
+    # ------------------------------------------------------------------ jars
     def _set_jar(self) -> None:
-        """Put the law of the jar's state into the parameters of its slider, where this rank has it."""
-        self._has_jar = False
-        if self.jar is None:
-            return
+        """Put the laws of the jars' states into the parameters of their sliders, where this rank has them."""
+        self._has_jar = np.zeros(len(self.jars), dtype=bool)
         for b, chosen in zip(self._blocks, self._chosen, strict=True):
-            for row in np.flatnonzero(chosen == self._jar_joint):
-                self._has_jar = True
-                for name, value in self.jar.slider().items():
-                    b.named[name][row] = value
+            for i, (jar, joint) in enumerate(zip(self.jars, self._jar_joints, strict=True)):
+                for row in np.flatnonzero(chosen == joint):
+                    self._has_jar[i] = True
+                    for name, value in jar.slider().items():
+                        b.named[name][row] = value
 
     def event_numbers(self, state) -> FloatArray:
-        if self.jar is None:
+        """(3 k,) travel [m], speed [m/s] and force [N] of each jar."""
+        if not self.jars:
             return np.zeros(0)
-        row = self.element_results(state)[self._jar_joint]
-        return row[[RESULT_NAMES.index(name) for name in ("travel", "speed", "tension")]]
+        rows = self.element_results(state)[self._jar_joints]
+        return rows[:, [RESULT_NAMES.index(name) for name in ("travel", "speed", "tension")]].ravel()
+
+    def _passed(self, numbers: FloatArray) -> list[tuple[Jar, FloatArray]]:
+        """Jars whose state has ended, with their numbers (3,)."""
+        each = zip(self.jars, np.reshape(numbers, (-1, 3)), strict=True)
+        return [(jar, own) for jar, own in each if jar.passed(*own)]
 
     def event_passed(self, numbers: FloatArray) -> bool:
-        return self.jar is not None and self.jar.passed(*numbers)
+        return bool(self._passed(numbers))
 
     def change_law(self, numbers: FloatArray) -> None:
-        assert self.jar is not None
-        self.jar.switch(*numbers)
+        for jar, own in self._passed(numbers):
+            jar.switch(*own)
         self._set_jar()
 
     def start_warnings(self, state) -> list[str]:
-        if self.jar is None or not self._has_jar:
-            return []
-        numbers = self.event_numbers(state)
-        if self.jar.mode != LATCHED or not self.jar.passed(*numbers):
-            return []
-        does = "meters" if self.jar.law.resistance > 0 and self.jar.law.metering > 0 else "fires"
-        return [
-            f"string[{self.jar.law.item}] jar: at time 0 the load {numbers[2] / 1e3:g} kN lies beyond its latch: "
-            f"it {does} at once"
-        ]
+        out = []
+        rows = self.event_numbers(state).reshape(-1, 3)
+        for jar, mine, numbers in zip(self.jars, self._has_jar, rows, strict=True):
+            if mine and jar.mode == LATCHED and jar.passed(*numbers):
+                does = "meters" if jar.law.resistance > 0 and jar.law.metering > 0 else "fires"
+                out.append(
+                    f"string[{jar.law.item}] jar: at time 0 the load {numbers[2] / 1e3:g} kN lies beyond its latch: "
+                    f"it {does} at once"
+                )
+        return out
 
     def get_state(self) -> dict[str, FloatArray]:
-        return {} if self.jar is None else {"jar": self.jar.numbers()}
+        return {"jar": np.concatenate([jar.numbers() for jar in self.jars])} if self.jars else {}
 
     def set_state(self, state: dict[str, FloatArray]) -> None:
-        if self.jar is not None and "jar" in state:
-            self.jar.set_numbers(np.ravel(state["jar"]))
+        if self.jars and "jar" in state:
+            for jar, numbers in zip(self.jars, np.reshape(state["jar"], (len(self.jars), -1)), strict=True):
+                jar.set_numbers(numbers)
             self._set_jar()
 
     def jar_figures(self, state) -> FloatArray:
-        """(4,) state, travel [m], force of the stops [N] and number of shots, zero where another rank has the jar."""
-        if self.jar is None or not self._has_jar:
-            return np.zeros(4)
-        row = self.element_results(state)[self._jar_joint]
-        stops = row[RESULT_NAMES.index("stop")]
-        return np.array([self.jar.mode, row[RESULT_NAMES.index("travel")], abs(stops), self.jar.fired])
+        """(4 k,) state, travel [m], force of the stops [N] and number of shots of each jar, zero where another rank has it."""
+        rows = self.element_results(state)[self._jar_joints]
+        travel, stops = (rows[:, RESULT_NAMES.index(name)] for name in ("travel", "stop"))
+        modes, shots = ([getattr(jar, key) for jar in self.jars] for key in ("mode", "fired"))
+        return np.asarray(
+            np.column_stack([modes, travel, abs(stops), shots]) * self._has_jar[:, None]
+        ).ravel()
 
     # ------------------------------------------------------------------ results
     def element_results(self, state) -> FloatArray:
@@ -254,19 +260,23 @@ class Joints(JointSet):
     def energies(self, t: float, state) -> Energies:
         results = self.element_results(state)
         strain = float(results[:, RESULT_NAMES.index("stored")].sum())
-        if self.jar is not None and self.jar.brake:  # of a constant force, which does not give it back
-            strain -= self.jar.brake * float(results[self._jar_joint, RESULT_NAMES.index("travel")])
+        for jar, joint, here in zip(self.jars, self._jar_joints, self._has_jar, strict=True):
+            if jar.brake:  # of a constant force, which does not give it back
+                strain -= jar.brake * float(results[joint, RESULT_NAMES.index("travel")])
+            strain += jar.at_latch if here else 0.0
         return Energies(strain=strain)
 
     def powers(self, t: float, state) -> Powers:
         results = self.element_results(state)
         lost = float(results[:, RESULT_NAMES.index("damping_power")].sum())
-        if self.jar is not None and self.jar.brake:
-            lost += self.jar.brake * float(results[self._jar_joint, RESULT_NAMES.index("speed")])
+        for jar, joint in zip(self.jars, self._jar_joints, strict=True):
+            if jar.brake:
+                lost += jar.brake * float(results[joint, RESULT_NAMES.index("speed")])
         return Powers(dissipated=lost)
 
     def quantities(self) -> tuple[Quantity, ...]:
-        return declared.JOINTS if self.jar is None else declared.JOINTS + declared.JAR
+        jars = (declared.jar(number) for number in range(1, len(self.jars) + 1))
+        return (*declared.JOINTS, *(q for each in jars for q in each))
 
 
 def _axes(joints: list[StringJoint]) -> FloatArray:

@@ -6,6 +6,7 @@ without PETSc and without compiled kernels.  Each component returns its tuple fr
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import partial
 from typing import Any
 
@@ -75,6 +76,7 @@ REAMER: tuple[Quantity, ...] = (
         doc="Force of the reamer on its shoulder, along the hole's axis.",
         value=lambda reamer, sample: float(sample.once(reamer.element_results)[0]),
         panel=2,
+        tool="reamer",
     ),
     Quantity(
         "torque_reamer",
@@ -86,6 +88,7 @@ REAMER: tuple[Quantity, ...] = (
         doc="Torque of the rock on the reamer.",
         value=lambda reamer, sample: float(sample.once(reamer.element_results)[1]),
         panel=3,
+        tool="reamer",
     ),
     Quantity(
         "hole_depth_reamer",
@@ -97,6 +100,7 @@ REAMER: tuple[Quantity, ...] = (
         doc="Measured depth of the shoulder between reamed and pilot hole.",
         mean=False,
         value=lambda reamer, sample: reamer.depth(sample.assembly),
+        tool="reamer",
     ),
 )
 
@@ -242,6 +246,7 @@ JAR: tuple[Quantity, ...] = (
         mean=False,
         value=partial(_of_jar, 0),
         finish=_whole,
+        tool="jar",
     ),
     Quantity(
         "jar_stroke",
@@ -252,6 +257,7 @@ JAR: tuple[Quantity, ...] = (
         sign="positive as the jar opens",
         doc="Travel of the jar from where it is cocked.",
         value=partial(_of_jar, 1),
+        tool="jar",
     ),
     Quantity(
         "jar_impact_force",
@@ -262,6 +268,7 @@ JAR: tuple[Quantity, ...] = (
         sign="not negative",
         doc="Force on the stop at the end of the jar's stroke.",
         value=partial(_of_jar, 2),
+        tool="jar",
     ),
     Quantity(
         "jar_fired",
@@ -274,8 +281,18 @@ JAR: tuple[Quantity, ...] = (
         mean=False,
         value=partial(_of_jar, 3),
         finish=_whole,
+        tool="jar",
     ),
 )
+
+
+def jar(number: int) -> tuple[Quantity, ...]:
+    """Quantities of the jar of this number from the top."""
+    return tuple(
+        replace(q.numbered(number), value=partial(_of_jar, len(JAR) * (number - 1) + i))
+        for i, q in enumerate(JAR)
+    )
+
 
 TOP_MOTOR: tuple[Quantity, ...] = (
     Quantity(
@@ -462,6 +479,7 @@ AGITATOR: tuple[Quantity, ...] = (
         sign="pressure above less pressure below",
         doc="Oscillating part of the pressure that the mud loses in the valve of the agitator.",
         value=partial(_of_mud_motor, 0),
+        tool="agitator",
     ),
     Quantity(
         "agitator_force",
@@ -473,6 +491,7 @@ AGITATOR: tuple[Quantity, ...] = (
         sign="pushes the halves apart",
         doc="Force of that pressure on the piston of the agitator.",
         value=partial(_of_mud_motor, 1),
+        tool="agitator",
     ),
 )
 

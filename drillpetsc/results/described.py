@@ -37,6 +37,8 @@ def attributes(title: str, file: str, words: bool = False) -> dict[str, str]:
     if q is None:
         return found | {"long_name": name.replace("_", " ")}
     place = q.place(name) or ""
+    if q.tool and place:
+        q = q.numbered(int(place))
     texts = {
         "long_name": q.label,
         "label": q.label,

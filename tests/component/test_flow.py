@@ -74,14 +74,16 @@ def test_mass_rows_add_up_to_the_change_of_content(kind):
     y[-1] = 0.0
     widening = [b for b in component._blocks if "widening" in kind]
     content, areas = [], [b.named["hole"].copy() for b in widening]
+    around = [b.named["hole_above"].copy() for b in widening]
     speed = mean_speeds(system) if "widening" in kind else np.zeros(4)
     for k in (-2, -1, 1, 2):
         asm.x[:] = x0 + k * h * y
-        for b, area in zip(widening, areas, strict=True):
-            b.named["hole"] = area + k * h * speed[b.points] * b.named["widening"]
+        for b, area, above in zip(widening, areas, around, strict=True):
+            wider = k * h * speed[b.points] * b.named["widening"]
+            b.named["hole"], b.named["hole_above"] = area + wider, above + wider
         content.append(component.element_results(asm)[:, RESULT_NAMES.index("content")].sum())
-    for b, area in zip(widening, areas, strict=True):
-        b.named["hole"] = area
+    for b, area, above in zip(widening, areas, around, strict=True):
+        b.named["hole"], b.named["hole_above"] = area, above
     asm.x[:] = x0
     rate = (content[0] - 8 * content[1] + 8 * content[2] - content[3]) / (12 * h)
     storage = sum(

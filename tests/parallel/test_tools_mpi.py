@@ -13,6 +13,7 @@ from drillpetsc import load_case
 from drillpetsc.analysis.transient import run
 from drillpetsc.output import read_table
 from tests.helpers.mpi import run_mpi
+from tests.helpers.whole_string import whole_string
 from tests.parallel.test_restart import files, run_with_copies
 from tests.verification.test_agitator import with_mud
 from tests.verification.test_tools_together import COLLAR, JAR, MOTOR, SHOCK, combined
@@ -24,7 +25,10 @@ STEERED = {"kind": "rss", "length": 4.0, "od": 0.1715, "id": 0.0714, "mass": 560
 
 
 def write(folder: Path, kind: str) -> Path:
-    case = with_mud() if kind == "agitator" else combined(JAR, COLLAR, SHOCK, MOTOR, STEERED)
+    if kind.startswith("whole"):
+        case = whole_string(two="two" in kind)
+    else:
+        case = with_mud() if kind == "agitator" else combined(JAR, COLLAR, SHOCK, MOTOR, STEERED)
     case["time"], case["output"] = {"end": 0.02}, {"history_every": 0.004, "checkpoint_every": 0.004}
     path = folder / "case.yaml"
     path.write_text(yaml.safe_dump(case))
@@ -32,7 +36,7 @@ def write(folder: Path, kind: str) -> Path:
 
 
 @pytest.mark.parallel
-@pytest.mark.parametrize("kind", ["agitator", "jar, shock sub, motor, steering"])
+@pytest.mark.parametrize("kind", ["agitator", "jar, shock sub, motor, steering", "whole", "whole, two"])
 def test_tools_are_the_same_on_1_2_and_3_ranks(kind, tmp_path):
     """Histories are equal to rounding; torque and angles of joints that carry none are rounding themselves."""
     path, runs = write(tmp_path, kind), []
@@ -48,8 +52,9 @@ def test_tools_are_the_same_on_1_2_and_3_ranks(kind, tmp_path):
                 assert np.abs(other[name] - values).max() <= 1e-7 * np.abs(values).max() + 1e-10, name
 
 
-def test_an_agitator_in_mud_restarted_is_bit_identical(tmp_path, monkeypatch):
-    path = write(tmp_path, "agitator")
+@pytest.mark.parametrize("kind", ["agitator", "whole, two"])
+def test_tools_in_mud_restarted_are_bit_identical(kind, tmp_path, monkeypatch):
+    path = write(tmp_path, kind)
     copies = run_with_copies(path, tmp_path / "run", monkeypatch)
     whole = files(tmp_path / "run")
     assert len(copies) >= 3

@@ -116,7 +116,7 @@ def test_the_static_shares_are_those_of_cutting():
     bit, reamer, energy, ratio, rpm, both = CASES[0]
     model = build_model(Case(**reaming(bit, reamer, energy, ratio, rpm, 0.0, 48e3, "dynamic")))
     find_equilibrium(model)
-    weight = model.reamer.element_results(model.system.assembly)[0]
+    weight = model.reamers[0].element_results(model.system.assembly)[0]
     assert model.bit.weight_and_torque(model.system.assembly)[0] == pytest.approx(48e3, rel=1e-6)
     deeper = 48e3 / 1e8 + 48e3 * (PILOT_LENGTH - 0.3) / 4e9  # bit into the rock, and pipe compressed between
     assert weight == pytest.approx(1e8 * (reamer - bit) / bit * deeper, rel=1e-3)
@@ -130,7 +130,7 @@ def test_jacobian_of_the_reamer(mode):
     for item in (case["string"][0], case["string"][2]):
         item |= {"axial_stiffness": 1e3, "bending_stiffness": 1e3, "torsional_stiffness": 1e3}
     model = build_model(Case(**case))
-    system, reamer, rng = model.system, model.reamer, np.random.default_rng(5)
+    system, reamer, rng = model.system, model.reamers[0], np.random.default_rng(5)
     asm, n = system.assembly, system.layout.size
     system.set_field(
         "string.position", model.position + 0.02 * rng.standard_normal((model.mesh.nodes, 3)) + [0, 0, 0.1]
@@ -167,7 +167,7 @@ def test_the_hole_has_both_diameters():
     hole, shoulder = model.bit.hole, LENGTH - PILOT_LENGTH
     start = hole.start_point
     for drilled in np.linspace(0, 9, 91):
-        hole.widen_to(drilled)
+        hole.widen_to(0, drilled)
         hole.follow(drilled, start + [0, 0, drilled])
         well = hole.well
         assert well.radius(shoulder + drilled - 0.05) == pytest.approx(0.5 * reamer, rel=1e-9)
@@ -175,7 +175,7 @@ def test_the_hole_has_both_diameters():
         assert well.radius(LENGTH + drilled - 0.3) == pytest.approx(0.5 * bit, rel=1e-9)
     saved = hole.get_state()
     other = build_model(Case(**reaming(bit, reamer, energy, ratio, rpm, 0.0, 48e3, "dynamic"))).bit.hole
-    other.widen_to(9.0)
+    other.widen_to(0, 9.0)
     other.set_state(saved)
     assert other.well.section_to == pytest.approx(hole.well.section_to)
 
@@ -202,15 +202,3 @@ def test_bad_reamers_are_refused(change, words):
         Case(**case)
     for word in words:
         assert word in str(error.value)
-
-
-def test_a_run_with_mud_in_the_annulus_is_refused(tmp_path):
-    case = reaming(0.2159, 0.2667, 30e6, 0.6, 120, 0.0, 48e3, "dynamic")
-    case["fluid"] = {
-        "density": 1200,
-        "rheology": {"model": "newtonian", "viscosity": 0.02},
-        "flow_rate": 0.02,
-    }
-    case["string"][1] |= {"body_od": 0.2, "blade_length": 0.4, "blade_position": 0.2}
-    with pytest.raises(CaseError, match="widens the hole"):
-        run(Case(**case), tmp_path / "run", progress="silent")

@@ -104,8 +104,8 @@ class TurningModel:
                 model.drive.hold()
             if model.motor is not None:
                 model.motor.hold()
-            if model.agitator is not None:
-                model.agitator.hold()
+            for agitator in model.agitators:
+                agitator.hold()
             state = self._static[1]
         if motion == (0.0, 0.0) and model.motor is None:
             notes = rest_of(model)

@@ -144,7 +144,7 @@ def element_losses(flow: FlowModel, channel: ChannelFlow, law: Rheology) -> Elem
     if bore:
         open_above, gap_above = channel.parameter("area_above"), channel.parameter("diameter_above")
     else:
-        open_above = channel.parameter("hole") - channel.parameter("outer_above")
+        open_above = channel.parameter("hole_above") - channel.parameter("outer_above")
         gap_above = channel.parameter("gap_above")
     speed_above, above = np.zeros(len(q)), np.zeros(len(q))
     rigid = mesh.rigid_above > 0
@@ -224,9 +224,10 @@ def channel_rows(flow: FlowModel, name: str) -> list[Loss]:
         """The rigid items above the element ``k``, as one piece."""
         names = [b.name for b in mesh.bodies if b.node == k]
         if slot:
-            d = float(outer[k])
-            b, open_above = d - float(component.parameter("gap_above")[k]), component.parameter("hole")[k]
-            open_above = float(open_above - component.parameter("outer_above")[k])
+            around = float(component.parameter("hole_above")[k])
+            d = float(np.sqrt(4 / np.pi * around))
+            b = d - float(component.parameter("gap_above")[k])
+            open_above = around - float(component.parameter("outer_above")[k])
         else:
             d, b = float(component.parameter("diameter_above")[k]), 0.0
             open_above = float(component.parameter("area_above")[k])

@@ -10,14 +10,18 @@ from drillpetsc.case.key_paths import refuse
 
 def check_motor(case: CaseBlocks) -> None:
     """Raise where a downhole motor does not fit the rest of the case."""
-    _check_agitator(case)
+    for i, tool in enumerate(case.string):
+        if isinstance(tool, AgitatorTool):
+            _check_agitator(case, i, tool)
     motors = [(i, q) for i, q in enumerate(case.string) if isinstance(q, PositiveDisplacementMotor)]
     if not motors:
         return
     number, item = motors[0]
     at = ("string", number)
     if len(motors) > 1:
-        raise refuse("string", motors[1][0], "kind", got="pdm", want=f"one motor; string[{number}] is one")
+        hint = "power sections on one shaft are one motor: stall_torque and no_load_pressure are their sums"
+        want = f"one motor; string[{number}] is one"
+        raise refuse("string", motors[1][0], "kind", got="pdm", want=want, hint=hint)
     if case.hold_string:
         raise refuse(*at, "kind", got="pdm", want="no motor in a string that hold_string keeps still")
     if case.beam.formulation == "quaternion":
@@ -52,19 +56,11 @@ def check_motor(case: CaseBlocks) -> None:
         )
 
 
-def _check_agitator(case: CaseBlocks) -> None:
-    """Raise where an agitator does not fit the rest of the case."""
-    found = [(i, q) for i, q in enumerate(case.string) if isinstance(q, AgitatorTool)]
-    if not found:
-        return
-    number, item = found[0]
+def _check_agitator(case: CaseBlocks, number: int, item: AgitatorTool) -> None:
+    """Raise where the agitator ``item``, that of ``number``, does not fit the rest of the case."""
     if case.hold_string and case.fluid is not None:
         want = "no agitator in a string that hold_string keeps still"
         raise refuse("string", number, "kind", got="agitator", want=want)
-    if len(found) > 1:
-        raise refuse(
-            "string", found[1][0], "kind", got="agitator", want=f"one agitator; string[{number}] is one"
-        )
     if case.time is not None and case.time.mode == "quasi_static":
         hint = "pulses need inertia: mode: dynamic"
         raise refuse(

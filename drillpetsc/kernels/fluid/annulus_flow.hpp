@@ -39,7 +39,8 @@ struct AnnulusFlow {
     DP_ENUM(Parameter,
         LENGTH, RIGID,             // of the element and of the rigid item above it [m]
         POISSON,                   // 0: the string does not narrow by stretch
-        OUTER, HOLE, OUTER_ABOVE,  // areas A_o, A_w; that of the rigid item [m2]
+        OUTER, HOLE,               // areas A_o, A_w [m2]
+        OUTER_ABOVE, HOLE_ABOVE,   // those of the rigid item and of the hole around it [m2]
         WALL,                      // d(ln A)/dp [1/Pa]
         DIAMETER, GAP, GAP_ABOVE,  // D_o; D_w less the tube's diameter; the gap about the rigid item [m]
         JOINT_SHARE, JOINT_GAP,    // share of the length that tool joints have; D_w less their diameter [m]
@@ -143,11 +144,11 @@ struct AnnulusFlow {
         const Vec<T> weight = (g - tw * gw) * (c.density * lam), bend = vec(p + BEND) * (c.density * lam * wall * wall);
         const Vec<T> side = (weight - bend) * outer;  // buoyancy across the hole, less what guides the flow round its bends
         if constexpr (JUNCTION) {
-            const T open = thick * (AW - p[OUTER_ABOVE]);
+            const T open = thick * (p[HOLE_ABOVE] - p[OUTER_ABOVE]);
             resistance += shear(f, q / open + V * (1.0 - f.clinging), c.density, p[GAP_ABOVE], 1.0) * (p[RIGID] * 4.0 / p[GAP_ABOVE]);
             mass += c.density * p[RIGID] / open;
             momentum += c.density * p[RIGID] * dot(on.a.r1, tw);
-            volume += T(0.0) + (AW - p[OUTER_ABOVE]) * p[RIGID];
+            volume += T(0.0) + (p[HOLE_ABOVE] - p[OUTER_ABOVE]) * p[RIGID];
         }
         // static part: pressure along the hole and buoyancy across
         const T along = gradient * outer - tau.pull * (p[DIAMETER] * 3.14159265358979324);

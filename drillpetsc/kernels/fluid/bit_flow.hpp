@@ -164,6 +164,20 @@ struct MovingChoke {
     }
 };
 
+// Mud that takes the place of the rock of a reamed ring, or rock that becomes mud.
+struct ReamedRing {
+    static constexpr int D = 2, NSPIN = 0;  // pressure at the reamer, metres reamed
+    static constexpr bool PACKED = false;
+    static constexpr int SPINS[1][2] = {{0, 0}};
+    DP_ENUM(Parameter, RING, NP)  // volume that the mud gains per metre reamed [m2], negative: rock that it takes up
+    template <class T, class S>
+    static void force(int, const T* x, const T* y, const T*, const S* p, void* context, T* r) {
+        const Fluid& f = *static_cast<const Fluid*>(context);
+        r[0] = y[1] * exp(x[0] * f.compressibility) * (p[RING] * MASS_ROW);
+        r[1] = T(0.0);
+    }
+};
+
 // Flow rate that a pump delivers into the bore.
 struct Pump {
     static constexpr int D = 1, NSPIN = 0;

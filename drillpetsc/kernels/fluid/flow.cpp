@@ -59,6 +59,7 @@ DP_ENTRY(pump, Pump)
 DP_ENTRY(annulus_top, AnnulusTop)
 DP_ENTRY(choke, Choke)
 DP_ENTRY(moving_choke, MovingChoke)
+DP_ENTRY(reamed_ring, ReamedRing)
 
 DP_EXPORT_RECORD(fluid, Fluid)
 DP_EXPORT(flow_results, FlowResultsText)

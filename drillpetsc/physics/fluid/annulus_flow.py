@@ -115,6 +115,7 @@ class AnnulusFlow(ChannelFlow):
             "outer": a.outer[e],
             "hole": a.hole[e],
             "outer_above": np.where(m.is_joint & (m.rigid_above == 0), 0.0, a.outer_above)[e],
+            "hole_above": a.hole_around[e],
             "wall": a.wall[e],
             "diameter": a.outer_diameter[e],
             "gap": a.gap[e],
@@ -131,6 +132,8 @@ class AnnulusFlow(ChannelFlow):
 
     def blocks(self, part) -> tuple[ElementBlock, ...]:
         elements = super().blocks(part)
+        if self.moving_hole is not None:
+            self.moving_hole.nodes = np.asarray(part.vertices)
         if self.choke:
             elements = (*elements, self._valve(part))
         if self.held:
@@ -232,7 +235,11 @@ class AnnulusFlow(ChannelFlow):
         other = around.annulus(
             over, np.column_stack([ends[:, 0] - m.length[over] - m.rigid_above[over], ends[:, 0]])
         )
-        params["hole"][rows], params["widening"][rows] = around.sizes(nodes, without_length[e])
+        params["hole_above"][rows] = own.hole_around
+        rigid = np.where(m.is_joint[e], 0.0, m.rigid_above[e])
+        params["hole"][rows], params["widening"][rows] = around.sizes(
+            nodes, without_length[e], rigid, own.hole_around
+        )
         params["wall"][rows] = own.wall
         params["gap"][rows], params["gap_above"][rows] = own.gap, own.gap_above
         for name, value in own.friction().items():
@@ -280,12 +287,10 @@ class AnnulusFlow(ChannelFlow):
         around, part = self.moving_hole, self._part
         if around is None or self.held or not around.evaluated:
             return {}
-        nodes, elements = (
-            np.zeros((len(part.vertices), 7)),
-            np.zeros((len(part.cells), self._blocks[0].params.shape[1] + 1)),
-        )
-        nodes[:, :4] = around.get_state()
-        nodes[:, 4:] = self._top_place if self._top_place is not None else 0.0
+        hole = around.get_state()
+        place = np.zeros(3) if self._top_place is None else self._top_place
+        nodes = np.hstack([hole, np.tile(place, (len(hole), 1))])
+        elements = np.zeros((len(part.cells), self._blocks[0].params.shape[1] + 1))
         for b in self._blocks:
             elements[b.points] = np.column_stack([b.params, self._hole[part.cells[b.points]]])
         return {"vertex": nodes, "cell": elements}
@@ -295,14 +300,14 @@ class AnnulusFlow(ChannelFlow):
         around, part = self.moving_hole, self._part
         if around is None or not saved:
             return
-        around.set_state(saved["vertex"][:, :4])
+        around.set_state(saved["vertex"][:, :-3])
         for b in self._blocks:
             b.params[:], self._hole[part.cells[b.points]] = (
                 saved["cell"][b.points, :-1],
                 saved["cell"][b.points, -1],
             )
         if self._top is not None and self.resizes:
-            self._top_place = np.array(saved["vertex"][0, 4:])
+            self._top_place = np.array(saved["vertex"][0, -3:])
 
     def breaks(self) -> tuple[float, ...]:
         return self.outlet.breaks()

@@ -70,6 +70,7 @@ class Annulus:
     outer_above: area of the rigid item above the element [m2].
     body: area of the tube between tool joints [m2], for friction; None: ``outer``.
     joint_share: share of the length that tool joints have [-], joint_area: their area [m2]; None: no tool joints.
+    hole_above: area of the hole around the rigid item [m2]; None: that of the element.
     """
 
     outer: FloatArray
@@ -79,6 +80,12 @@ class Annulus:
     body: FloatArray | None = None
     joint_share: FloatArray | None = None
     joint_area: FloatArray | None = None
+    hole_above: FloatArray | None = None
+
+    @property
+    def hole_around(self) -> FloatArray:
+        """Area of the hole around the rigid item above the element [m2]."""
+        return self.hole if self.hole_above is None else self.hole_above
 
     @property
     def outer_diameter(self) -> FloatArray:
@@ -96,7 +103,7 @@ class Annulus:
 
     @property
     def gap_above(self) -> FloatArray:
-        return self.hole_diameter - np.sqrt(4 / np.pi * self.outer_above)
+        return np.sqrt(4 / np.pi * self.hole_around) - np.sqrt(4 / np.pi * self.outer_above)
 
     def friction(self) -> dict[str, FloatArray]:
         """Parameters (n,) of the friction past tube and tool joints in series (manual: sec-tubulars)."""
@@ -207,9 +214,15 @@ class AnnulusWalls:
             self.inner[e] ** 2,
             np.zeros(len(e)),
         )
-        long = np.abs(lower - top) > SHORTEST
-        area = (hole.volume(lower) - hole.volume(top)) / np.where(long, lower - top, 1.0)
-        area = np.where(long, area, hole.area(lower))
+
+        def mean(first: FloatArray, last: FloatArray) -> FloatArray:
+            long = np.abs(last - first) > SHORTEST
+            area = (hole.volume(last) - hole.volume(first)) / np.where(long, last - first, 1.0)
+            return np.where(long, area, hole.area(last))
+
+        below = np.abs(lower - upper) > SHORTEST  # a joint below a rigid item has nothing but its arm
+        area = mean(np.where(below, upper, top), lower)
+        above = np.where(below & (self.rigid_above[e] > 0), mean(top, upper), area)
         if self.elastic:
             square = area / np.pi
             section = np.minimum(
@@ -219,9 +232,5 @@ class AnnulusWalls:
             wall = 2 / (square - outer) * (square * self.give[section] + steel)
         tube = np.pi * outer
         section = tube if self.section is None else self.section[e]
-        joints = (
-            ()
-            if self.joint_share is None or self.joint_area is None
-            else (self.joint_share[e], self.joint_area[e])
-        )
-        return Annulus(section, area, wall, self.outer_above[e], tube, *joints)
+        share, joint = (None if q is None else q[e] for q in (self.joint_share, self.joint_area))
+        return Annulus(section, area, wall, self.outer_above[e], tube, share, joint, above)

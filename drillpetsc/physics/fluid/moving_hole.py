@@ -7,6 +7,9 @@ rates (WIDENING in kernels/fluid/annulus_flow.hpp is a2 - a1 over the length); w
 narrower at the new position, mud flows in or out.  When the geometry is re-evaluated, W has changed by a ds,
 which is what the rates have integrated to; mass is conserved for any a.  a is chosen so that W becomes the
 hole's true volume ``AHEAD`` further on.
+
+A reamer that advances by db adds its ring to the hole above all nodes below it, dW = ring db.  While it cuts, a is
+chosen for a shoulder that moves along with the string.
 """
 
 from __future__ import annotations
@@ -22,6 +25,7 @@ from drillpetsc.fem.string_mesh import StringMesh
 from drillpetsc.geometry.well import Well
 from drillpetsc.kernels import function, pointer
 from drillpetsc.physics.fluid.channels import Annulus, AnnulusWalls, HoleVolume
+from drillpetsc.physics.interfaces import ReamingTool
 
 _moved_along = function("moved_along", "ipppdd", ctypes.c_int)
 REFRESH = 0.01  # motion of a node after which the hole is re-evaluated [m]; 3 deg/30 m turn the hole by 2e-5 over it
@@ -59,6 +63,8 @@ class MovingHole:
     mesh: of the string; walls: of the annulus.
     current_well(): the present hole, a new object whenever it has grown.
     lateral(annulus): coefficients of the mud's force on elements of this annulus.
+    reamers: that widen the hole, from the top.
+    nodes: (nv,) numbers of the local nodes.
 
     At the last evaluation of the hole at a node, (nv,) each: depth, measured [m]; volume of hole above it
     [m3]; area [m2]; ahead: motion for which these values are valid [m].
@@ -70,13 +76,15 @@ class MovingHole:
         walls: AnnulusWalls,
         current_well: Callable[[], Well],
         lateral: Callable[[Annulus], LateralCoefficients],
+        reamers: tuple[ReamingTool, ...] = (),
     ):
+        self.reamers, self.nodes = reamers, np.arange(mesh.nodes)
         self.mesh, self.walls, self.current_well, self.lateral = mesh, walls, current_well, lateral
         self._hole = HoleVolume(current_well())
         self._near: np.ndarray | None = None
         #: hole, places (nv, 3) of the nodes' positions in the unknowns, position of each node at its depth and direction there (nv, 6)
         self._from: tuple[Well, np.ndarray, FloatArray] | None = None
-        self.depth = self.volume = self.area = self.ahead = np.zeros(0)
+        self.depth = self.volume = self.area = self.ahead = self._ringed = np.zeros(0)
 
     @property
     def evaluated(self) -> bool:
@@ -132,40 +140,70 @@ class MovingHole:
                 np.zeros((3, len(depths))),
                 False,
             )
-            moved = np.ones(len(depths), dtype=bool)
+            moved, self._ringed = np.ones(len(depths), dtype=bool), np.zeros(len(depths))
         else:
             moved = np.abs(depths - self.depth) > REFRESH
         if moved.any():
             hole, here, way = self.hole, depths[moved], depths[moved] - self.depth[moved]
             volume, ahead = hole.volume(here), np.full(len(here), AHEAD)
+            ringed = self._rings(moved, lambda reamer: reamer.reamed)
             if keep:
                 volume = np.where(
-                    np.abs(way) > self.ahead[moved], volume, self.volume[moved] + self.area[moved] * way
+                    np.abs(way) > self.ahead[moved],
+                    volume,
+                    self.volume[moved] + self.area[moved] * way + ringed - self._ringed[moved],
                 )
                 ahead = np.copysign(np.maximum(AHEAD, 2 * np.abs(way)), way)
             self.depth[moved], self.volume[moved], self.ahead[moved] = here, volume, np.abs(ahead)
-            self.area[moved] = (hole.volume(here + ahead) - volume) / ahead
+            self._ringed[moved] = ringed
+            self.area[moved] = (self._volume_ahead(moved, here, ahead) - volume) / ahead
         return moved
 
-    def sizes(self, ends: np.ndarray, without_length: np.ndarray) -> tuple[FloatArray, FloatArray]:
+    def _rings(self, moved: np.ndarray, share: Callable[[ReamingTool], float]) -> FloatArray:
+        """(k,) sum over the reamers above the ``moved`` nodes of their ring times ``share`` of the reamer."""
+        out = np.zeros(int(moved.sum()))
+        for reamer in self.reamers:
+            out[self.nodes[moved] > reamer.node] += reamer.ring * share(reamer)
+        return out
+
+    def _volume_ahead(self, moved: np.ndarray, here: FloatArray, ahead: FloatArray) -> FloatArray:
+        """(k,) volume of hole [m3] above the ``moved`` nodes at ``here`` when they are ``ahead`` further on, less the rings
+        that are cut on the way: those come by the rates of the reamers."""
+        hole = self.hole
+        if not self.reamers or not all(reamer.stands for reamer in self.reamers):
+            return hole.volume(here + ahead)
+        # all of the hole below the uppermost shoulder moves along, and the hole above is as wide as there
+        shoulder = self.reamers[0].shoulder + self.reamers[0].reamed
+        first, last = np.minimum(here, shoulder), np.minimum(here + ahead, shoulder)
+        moving = hole.volume(here) + hole.volume(last) - hole.volume(first)
+        moving += hole.area(shoulder) * (ahead - (last - first))
+        moving -= ahead * self._rings(moved, lambda reamer: 1.0)
+        return np.where(ahead > 0, moving, hole.volume(here + ahead))
+
+    def sizes(
+        self, ends: np.ndarray, without_length: np.ndarray, rigid: FloatArray, around: FloatArray
+    ) -> tuple[FloatArray, FloatArray]:
         """Compute the mean area of the hole (k,) [m2] between nodes ``ends`` (k, 2), and its change with
         their depth (k,) [m].
 
         without_length: (k,) mask of joints, between whose nodes there is no more than their travel.
+        rigid: (k,) length of the rigid item below the first node [m], which is left out; around: (k,) area of the hole there [m2].
         """
         first, second = ends.T
         length = np.where(without_length, 1.0, self.depth[second] - self.depth[first])
-        area = (self.volume[second] - self.volume[first]) / length
+        area = (self.volume[second] - self.volume[first] - around * rigid) / (length - rigid)
         return (
             np.where(without_length, self.area[second], area),
             np.where(without_length, 0.0, (self.area[second] - self.area[first]) / length),
         )
 
     def get_state(self) -> FloatArray:
-        """Return (nv, 4) depth, volume, area, ahead, for a checkpoint."""
-        return np.column_stack([self.depth, self.volume, self.area, self.ahead])
+        """Return (nv, 4) depth, volume, area, ahead, for a checkpoint; (nv, 5) with the rings where there are reamers."""
+        rings = [self._ringed] if self.reamers else []
+        return np.column_stack([self.depth, self.volume, self.area, self.ahead, *rings])
 
     def set_state(self, saved: FloatArray) -> None:
         """Continue from the result of ``get_state``."""
-        self.depth, self.volume, self.area, self.ahead = np.array(saved.T)
+        self.depth, self.volume, self.area, self.ahead = np.array(saved.T[:4])
+        self._ringed = np.array(saved.T[4]) if self.reamers else np.zeros(len(self.depth))
         self._from = None

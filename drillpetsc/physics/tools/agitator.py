@@ -12,7 +12,7 @@ import numpy as np
 
 from drillpetsc.arrays import FloatArray
 from drillpetsc.fem.component import DRIVE, ElementBlock, Field, Powers
-from drillpetsc.fem.quantity import Quantity
+from drillpetsc.fem.quantity import Quantity, numbered
 from drillpetsc.fem.string_mesh import StringMesh
 from drillpetsc.kernels import function, pointer
 from drillpetsc.kernels.parameters import Parameters, columns
@@ -48,6 +48,7 @@ class Agitator(PulsedTool):
     cell: of the slider; valve: of the tool; flow: without mud, flow rate over time [m3/s].
     compressibility: of the mud [1/Pa], None without mud.  With mud the flow rate is that of the slider's cell, where the
     mud loses the pressure of the pulses, too.
+    number: of the agitator in the string, from the top.
     """
 
     name = "agitator"
@@ -59,17 +60,21 @@ class Agitator(PulsedTool):
         valve: Valve,
         flow: Input | None,
         compressibility: float | None = None,
+        number: int = 1,
     ):
+        self._number, self.name = number, numbered("agitator", number)
         self.mesh, self.cell, self.valve = mesh, cell, valve
         self.flow, self.compressibility = flow, compressibility
 
     def regions(self) -> dict[str, np.ndarray]:
         below = np.zeros(self.mesh.nodes, dtype=bool)
         below[self.cell + 1] = True
-        return {"agitator": below}
+        return {self.name: below}
 
     def fields(self) -> tuple[Field, ...]:
-        return (Field("agitator.angle", 1, region="agitator", scale=0.1, second_order=False, physics=DRIVE),)
+        return (
+            Field(f"{self.name}.angle", 1, region=self.name, scale=0.1, second_order=False, physics=DRIVE),
+        )
 
     def blocks(self, part) -> tuple[ElementBlock, ...]:
         place = {int(c): i for i, c in enumerate(part.cells)}
@@ -89,11 +94,11 @@ class Agitator(PulsedTool):
         )
         self._now = self.params["flow"]
         self._block = ElementBlock(
-            "agitator",
+            self.name,
             kernel,
             "cell",
             np.array(here, dtype=np.int32),
-            (*SLOTS, ("agitator.angle", 1), *(MUD_SLOTS if flowing else ())),
+            (*SLOTS, (f"{self.name}.angle", 1), *(MUD_SLOTS if flowing else ())),
             (0, 1),
             self.params.array,
             update=None if flowing else self._update,
@@ -130,4 +135,4 @@ class Agitator(PulsedTool):
         return Powers(dissipated=float(r[RESULTS["pressure"]] * r[RESULTS["flow_rate"]]) - shaken)
 
     def quantities(self) -> tuple[Quantity, ...]:
-        return declared.AGITATOR
+        return tuple(q.numbered(self._number) for q in declared.AGITATOR)

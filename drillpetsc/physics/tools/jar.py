@@ -10,7 +10,8 @@ from drillpetsc.arrays import FloatArray
 from drillpetsc.fem.string_mesh import JarLaw
 
 LATCHED, METERING, FREE = 0, 1, 2
-TURNED_BACK = 1e-6  # speed against the pull at which metering ends [m/s]
+TURNED_BACK = 1e-6  # speed against the pull at which metering ends, with it at which the way back ends [m/s]
+PUSHED = 1e-3  # push, over the threshold, at which a jar runs back from within its metering stroke [-]
 
 
 @dataclass
@@ -19,6 +20,7 @@ class Jar:
 
     law: constants; mode: LATCHED, METERING or FREE; side: 1 up (the jar opens), -1 down, of the last pull.
     place: travel at which the latch holds [m]; load: its force there [N, tension positive]; fired: number of shots.
+    returning: it is free on its way back to the latch, without having fired: pulled again, it meters from where it is.
     """
 
     law: JarLaw
@@ -27,6 +29,7 @@ class Jar:
     place: float = 0.0
     load: float = 0.0
     fired: int = 0
+    returning: bool = False
 
     def slider(self) -> dict[str, float]:
         """Spring [N/m], damper [N s/m] and preload [N] of the slider in this state."""
@@ -45,15 +48,21 @@ class Jar:
         """Force of the latch while the jar meters, beside that of the metering [N]."""
         return self.side * self.law.threshold if self.mode == METERING else 0.0
 
+    @property
+    def at_latch(self) -> float:
+        """What the energy of a spring with preload lacks of one that begins where the latch holds [J]."""
+        held = self.mode == LATCHED
+        return (0.5 * self.law.latch * self.place - self.load) * self.place if held else 0.0
+
     def passed(self, travel: float, speed: float, force: float) -> bool:
         """Whether the state has ended at the present travel [m], speed [m/s] and force [N, tension positive]."""
         law = self.law
         if self.mode == LATCHED:
             beyond = (law.up and force > law.threshold) or (law.down and force < -law.threshold)
-            return beyond or (self.place != 0.0 and self.side * force < 0.0)
+            return beyond or (self.place != 0.0 and self.side * force < -PUSHED * law.threshold)
         if self.mode == METERING:
             return self.side * travel >= law.metering or self.side * speed < -TURNED_BACK
-        return self.side * travel <= 0.0
+        return self.side * travel <= 0.0 or (self.returning and self.side * speed > TURNED_BACK)
 
     def switch(self, travel: float, speed: float, force: float) -> None:
         """Go over to the state that follows."""
@@ -64,21 +73,24 @@ class Jar:
             if pulled and law.resistance > 0 and self.side * travel < law.metering:
                 self.mode = METERING
             else:
-                self.mode, self.fired = FREE, self.fired + pulled
+                self.mode, self.fired, self.returning = FREE, self.fired + pulled, not pulled
         elif self.mode == METERING:
             if self.side * travel >= law.metering:
-                self.mode, self.fired = FREE, self.fired + 1
+                self.mode, self.fired, self.returning = FREE, self.fired + 1, False
             else:  # the pull has fallen to the latch's force
                 self.load = self.side * law.threshold
                 self.mode, self.place = LATCHED, travel
         else:
-            self.mode, self.place, self.load = LATCHED, 0.0, 0.0
+            self.mode, self.load = LATCHED, 0.0
+            self.place = travel if self.returning and self.side * travel > 0 else 0.0
 
     def numbers(self) -> FloatArray:
         """All that changes, for a checkpoint."""
-        return np.array([self.mode, self.side, self.place, self.load, self.fired], dtype=float)
+        return np.array(
+            [self.mode, self.side, self.place, self.load, self.fired, self.returning], dtype=float
+        )
 
     def set_numbers(self, numbers: FloatArray) -> None:
         """Continue from ``numbers``."""
-        self.mode, self.fired = int(numbers[0]), int(numbers[4])
+        self.mode, self.fired, self.returning = int(numbers[0]), int(numbers[4]), bool(numbers[5])
         self.side, self.place, self.load = (float(q) for q in numbers[1:4])

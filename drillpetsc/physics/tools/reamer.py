@@ -13,7 +13,7 @@ import numpy as np
 
 from drillpetsc.arrays import FloatArray
 from drillpetsc.fem.component import ElementBlock, Energies, Field, Powers
-from drillpetsc.fem.quantity import Quantity
+from drillpetsc.fem.quantity import Quantity, numbered
 from drillpetsc.geometry.growing_hole import GrowingHole
 from drillpetsc.geometry.well import Well
 from drillpetsc.kernels import function, pointer
@@ -27,6 +27,7 @@ from drillpetsc.physics.rock_bit import CHIPS, KINDS, MOTION, QUASI_STATIC, STAT
 _results = function("reamer_results", "ipppppp")
 _Law = structure("bit_law")
 RESULTS = columns("reamer_results")
+LIFTED = 0.01  # distance of the cutters from the shoulder above which they do not stand on it [m]
 
 
 @dataclass(frozen=True)
@@ -56,7 +57,7 @@ class ReamerLaw:
 class Reamer(ReamingTool):
     """The cutters of a reamer, and the shoulder on which they stand.
 
-    Unknowns: metres reamed hole.reamed [m], and with inertia the profile reamer.chips [m].
+    Unknowns: metres reamed hole.reamer [m], and with inertia the profile reamer.chips [m].
 
     node: that carries the item; face: distance of the cutters below it [m].
     law: of its cutting; stiffness: of cutters on the shoulder, without inertia [N/m].
@@ -64,6 +65,7 @@ class Reamer(ReamingTool):
     well, hole: at the start, and the growing hole, whose reamed part follows.
     start: measured depth of the cutters in the unstrained string [m]; slip: velocity that rounds off the torque [m/s].
     nodes: of the string; inertia: the string has inertia; driven: a downhole motor turns the reamer.
+    section: of the hole at the start that it has reamed; number: of the reamer in the string, from the top.
     """
 
     name = "reamer"
@@ -84,8 +86,13 @@ class Reamer(ReamingTool):
         nodes: int,
         inertia: bool = True,
         driven: bool = False,
+        section: int = 0,
+        number: int = 1,
     ):
-        self._nodes, self.driven = nodes, driven
+        self._nodes, self.driven, self._section, self._number = nodes, driven, section, number
+        self.name = numbered("reamer", number)
+        self.depth_field, self._chips_field = f"hole.{self.name}", f"{self.name}.chips"
+        self.ring = np.pi * (law.radius**2 - law.pilot**2)
         self.node, self.face, self.law, self.stiffness, self.shoulder = node, face, law, stiffness, shoulder
         self.profiled, self._hole = inertia, hole
         self._derivative = profile_derivative(CHIPS, 2 * np.pi / law.blades)
@@ -101,6 +108,14 @@ class Reamer(ReamingTool):
         self._reamed = 0.0
         self._place(start)
 
+    @property
+    def reamed(self) -> float:
+        return self._reamed
+
+    @property
+    def stands(self) -> bool:
+        return float(self._frame[6]) - self._reamed > -LIFTED
+
     def _place(self, md: float) -> None:
         """Measure places from the point of the hole's axis at ``md`` [m]."""
         point, axis, _ = self._well.at(np.array([md]))
@@ -109,25 +124,27 @@ class Reamer(ReamingTool):
     # ------------------------------------------------------------------ discretisation
     def fields(self) -> tuple[Field, ...]:
         out: tuple[Field, ...] = (
-            Field("hole.reamed", 1, physics="rock", region="reamer", scale=1e-3, second_order=False),
+            Field(self.depth_field, 1, physics="rock", region=self.name, scale=1e-3, second_order=False),
         )
         if self.profiled:
             out += (
-                Field("reamer.chips", CHIPS, physics="rock", region="reamer", scale=1e-4, second_order=False),
+                Field(
+                    self._chips_field, CHIPS, physics="rock", region=self.name, scale=1e-4, second_order=False
+                ),
             )
         return out
 
     def regions(self) -> dict[str, np.ndarray]:
         mask = np.zeros(self._nodes, dtype=bool)
         mask[self.node] = True
-        return {"reamer": mask}
+        return {self.name: mask}
 
     def blocks(self, part) -> tuple[ElementBlock, ...]:
         _, vertices = local_vertices(part, np.array([self.node]))
         self._mine = bool(len(vertices))
-        slots: tuple[tuple[str, int], ...] = (*VERTEX_SLOTS, ("hole.reamed", 0))
+        slots: tuple[tuple[str, int], ...] = (*VERTEX_SLOTS, (self.depth_field, 0))
         if self.profiled:
-            slots += (("reamer.chips", 0),)
+            slots += ((self._chips_field, 0),)
         self.params = Parameters(
             "reamer",
             len(vertices),
@@ -140,7 +157,7 @@ class Reamer(ReamingTool):
             spin=0.0,
         )
         self._block = ElementBlock(
-            "reamer",
+            self.name,
             "reamer_profile" if self.profiled else "reamer",
             "vertex",
             vertices,
@@ -205,7 +222,7 @@ class Reamer(ReamingTool):
         """Places are measured from the hole's axis at the cutters; the hole's reamed part follows the shoulder."""
         self._reamed, self._frame = float(total[0]), total[1:8].copy()
         self._follow()
-        self._hole.widen_to(self._reamed)
+        self._hole.widen_to(self._section, self._reamed)
 
     def _follow(self) -> None:
         p, f = self.params, self._frame
@@ -220,7 +237,7 @@ class Reamer(ReamingTool):
     def set_state(self, state: dict[str, FloatArray]) -> None:
         self._reamed, self._frame = float(state["reamed"][0]), np.array(state["frame"])
         self._follow()
-        self._hole.widen_to(self._reamed)
+        self._hole.widen_to(self._section, self._reamed)
 
     # ------------------------------------------------------------------ results
     def element_results(self, state) -> FloatArray:
@@ -252,4 +269,4 @@ class Reamer(ReamingTool):
         return Powers(float(self.element_results(state)[RESULTS["dissipated"]]))
 
     def quantities(self) -> tuple[Quantity, ...]:
-        return declared.REAMER
+        return tuple(q.numbered(self._number) for q in declared.REAMER)

@@ -11,7 +11,7 @@ struct HermiteAnnulus {
     static constexpr bool PACKED = true;
     static constexpr int SPINS[2][2] = {{6, 3}, {13, 10}};
     DP_ENUM(Parameter,
-        LENGTH, RIGID, POISSON, OUTER, HOLE, OUTER_ABOVE, WALL, DIAMETER, GAP, GAP_ABOVE, JOINT_SHARE, JOINT_GAP, TUBE_SPEED, JOINT_SPEED, TUBE_PULL, JOINT_PULL,
+        LENGTH, RIGID, POISSON, OUTER, HOLE, OUTER_ABOVE, HOLE_ABOVE, WALL, DIAMETER, GAP, GAP_ABOVE, JOINT_SHARE, JOINT_GAP, TUBE_SPEED, JOINT_SPEED, TUBE_PULL, JOINT_PULL,
         CHI, DAMPING, TURNING,  // as in fluid/annulus_flow.hpp
         HEADS, REFERENCE_FLOW,  // as in fluid/hermite/hermite_bore.hpp
         OPEN, CONTROLLED,       // OPEN 1: the upper end has the pressure CONTROLLED + rho0 ((g.t_w)(t_w.r) + LEVEL) [Pa]
@@ -55,7 +55,7 @@ struct HermiteAnnulus {
             const Tube<T> t1(on.x.v1, on.y.v1, on.a.v1, p[POISSON]), t2(on.x.v2, on.y.v2, on.a.v2, p[POISSON]);
             const Jet<T> less1 = along(on.x.v1, on.y.v1, on.a.v1, tw, p) - t1.less.times(p[OUTER]), less2 = along(on.x.v2, on.y.v2, on.a.v2, tw, p) - t2.less.times(p[OUTER]);
             const Jet<T> rest = {T(0.0) + A, T(0.0), T(0.0)};
-            VolumeLine<T, S> line(x + F, y + F, a + F, f, L, p[WALL], JUNCTION ? (p[HOLE] - p[OUTER_ABOVE]) * p[RIGID] : zero, less1 + rest, less1, less2 + rest, less2);
+            VolumeLine<T, S> line(x + F, y + F, a + F, f, L, p[WALL], JUNCTION ? (p[HOLE_ABOVE] - p[OUTER_ABOVE]) * p[RIGID] : zero, less1 + rest, less1, less2 + rest, less2);
             const Vec<T> none = {T(0.0), T(0.0), T(0.0)};
             Four<T> rows = {none, none, none, none};
             const Stretch<T> stretch(on.x, il);
@@ -124,7 +124,7 @@ struct HermiteAnnulus {
     static void above(const R& on, const T& q, const T& q1, const Vec<S>& tw, const T& gradient, const S* p, const Fluid& f, VolumeLine<T, S>& line,
                       Four<T>& rows, FlowResults* results) {
         const Vec<double> g = vec(f.gravity);
-        const S gw = dot(g, tw), A = p[HOLE] - p[OUTER_ABOVE];
+        const S gw = dot(g, tw), A = p[HOLE_ABOVE] - p[OUTER_ABOVE];
         const T thick = exp((line.p1.x - heads(f, q, line.p1.x, p[HEADS])) * f.compressibility), V = dot(on.y.r1, tw);
         const T tau = shear(f, T(q / (thick * A) + V * (1.0 - f.clinging)), T(thick * f.density), p[GAP_ABOVE], 1.0), drag = tau * (p[RIGID] * 4.0 / p[GAP_ABOVE]);
         line.spread(q1 * (p[RIGID] * f.density / A) + thick * (dot(on.a.r1, tw) * p[RIGID] - dot(on.x.r1 - on.above, tw) * gw) * f.density + drag);
@@ -149,7 +149,7 @@ struct HermiteAnnulus {
         line.row[0] -= outlet * p[OPEN];
         line.store(f, r);
         if constexpr (std::is_same_v<T, double>) if (results) {
-            const double own = JUNCTION ? (p[HOLE] - p[OUTER_ABOVE]) * p[RIGID] : 0.0;
+            const double own = JUNCTION ? (p[HOLE_ABOVE] - p[OUTER_ABOVE]) * p[RIGID] : 0.0;
             results->content = (p[HOLE] - p[OUTER]) * p[LENGTH] + own + line.V1.x - line.V2.x;
             if (own > 0.0) results->content += own * Filled<double>(f, line.p1, p[WALL]).excess.x;
             results->storage_upper = 0.5 * (y[0] - y[1]); results->storage_lower = results->storage_upper;
