@@ -9,31 +9,23 @@ import numpy as np
 
 from drillpetsc.analysis.coarse_start import coarse_factor, coarse_model, place_like, whole_model
 from drillpetsc.analysis.energy_descent import START_INCREMENT, Snapshot, coarse_elements, too_coarse
-from drillpetsc.analysis.flow_coupling import couple_flow_and_string, surge_rates
+from drillpetsc.analysis.flow_coupling import couple_flow_and_string
 from drillpetsc.analysis.friction_newton import reach
-from drillpetsc.analysis.friction_path import (
-    SEED,
-    FrictionPath,
-    follow_paths,
-    has_path,
-    refuse_path,
-)
-from drillpetsc.analysis.march import CRUSHING_STRAIN, March, march
-from drillpetsc.analysis.path_answer import AnyPath, PathKind
+from drillpetsc.analysis.march import CRUSHING_STRAIN, March, helix_band, march
+from drillpetsc.analysis.path_answer import PathKind
+from drillpetsc.analysis.path_question import has_path, refuse_path
+from drillpetsc.analysis.paths_of_problem import answer_by_path, node_clearance, steps_in_hole
 from drillpetsc.analysis.placement import place_along_hole, prescribed_motion, top_depth
 from drillpetsc.analysis.soft_string_start import place_marched, soft_string
 from drillpetsc.analysis.static_problem import StaticProblem, StaticState
 from drillpetsc.analysis.steady_flow import fluid_unknowns, freeze_flow, steady_flow
 from drillpetsc.analysis.top_on_wall import balance_across
-from drillpetsc.arrays import FloatArray
 from drillpetsc.errors import CaseError, SolveError
-from drillpetsc.geometry.hole_steps import HoleSteps
 from drillpetsc.model.drilling_model import DrillingModel
 from drillpetsc.solvers.static_newton import CONVERGED_INCREMENT, Equilibrium, StaticNewton
 from drillpetsc.unit_systems import System, display, display_unit
 
 BEYOND_BOTTOM = 1e-3  # distance below the end of the hole that is reported [m]
-LEAST_CLEARANCE = 1e-3  # [m]
 FIRST_FLOW_INCREMENT = 1e-2  # of the flow from which flow and string are solved together
 #: axial direction (down positive) and rotation of each motion of the `statics` command
 MOTIONS = {"hoist": (-1.0, 0.0), "lower": (1.0, 0.0), "rotate": (0.0, 1.0)}
@@ -76,6 +68,7 @@ def director_equilibrium(
     soft, found = soft_string(model, motion), march(model, motion, rates=surge)
     straight = found
     start = Snapshot(model)
+    band = helix_band(model, motion, surge) if found is not None else None
     if found is not None:
         if found.locked_at is not None and path != "slack_off":
             raise _lock_up(model, found)
@@ -91,7 +84,7 @@ def director_equilibrium(
     problem = StaticProblem(
         model,
         solver,
-        StaticState(motion, Equilibrium(), soft),
+        StaticState(motion, Equilibrium(), soft, band=band),
         tuple(r for r in (model.contact, model.bit) if r is not None),
         1.0 if lateral_friction else 0.0,
         lowering,
@@ -103,7 +96,7 @@ def director_equilibrium(
     state, report = problem.state, problem.state.equilibrium
     problem.set_friction_aside()
     if path is not None:
-        _answer_by_path(problem, path)
+        answer_by_path(problem, path)
     else:
         reached = _newton_with_flow(problem)
     if state.path is None:
@@ -199,7 +192,8 @@ def _answer_by_newton(problem: StaticProblem) -> float:
         _begin_again(problem)
         if not problem.paths or not has_path(model, state.motion):
             raise
-        _answer_by_path(problem, "sliding" if any(state.motion) else "without_friction")
+        answer_by_path(problem, "sliding" if any(state.motion) else "without_friction")
+        return state.lateral_fraction
     return state.lateral_fraction
 
 
@@ -219,7 +213,7 @@ def _slides_to_another_state(problem: StaticProblem) -> bool:
     rates, y = solver.rates, asm.y.copy()
     _begin_again(problem)
     try:
-        _answer_by_path(problem, "sliding")
+        answer_by_path(problem, "sliding")
     except SolveError:
         unstable.restore()
         asm.dead_load, report.imperfection = load, imperfection
@@ -233,25 +227,6 @@ def _begin_again(problem: StaticProblem) -> None:
     """Put the string back along the hole, without side loads."""
     problem.origin.restore()
     problem.model.system.assembly.dead_load, problem.state.equilibrium.imperfection = None, 0.0
-
-
-def _answer_by_path(problem: StaticProblem, kind: AnyPath) -> None:
-    """Find the state of a string with friction at the end of a path, and what other starts give.
-
-    Raises SolveError where the path has no end.
-    """
-    model, state = problem.model, problem.state
-    clearance, steps = _node_clearance(model), _steps_in_hole(model)
-    assert clearance is not None and steps is not None
-    surge = surge_rates(model, problem.lowering)
-    problem.solver.rates, model.system.assembly.y[:] = None, 0.0  # the path has its own surge
-    path = FrictionPath(model, kind, problem.solver, state.motion, clearance, steps, surge)
-    state.path = follow_paths(path, ("straight", "overload") if kind == "sliding" else ("straight",))
-    report, end = state.equilibrium, state.path.ends[0]
-    report.imperfection, report.negative_pivots, report.converged = SEED, end.negative_pivots, True
-    report.iterations += end.iterations
-    state.lateral_fraction = 0.0 if state.path.turns else 1.0
-    state.warnings += state.path.lines(model.case.output.units or "metric")
 
 
 def _beyond_bottom(model: DrillingModel) -> float:
@@ -389,45 +364,9 @@ def _solver(model: DrillingModel) -> StaticNewton:
     return StaticNewton(
         model.system,
         symmetric=_conservative(model),
-        clearance=_node_clearance(model),
-        advance=_steps_in_hole(model),
+        clearance=node_clearance(model),
+        advance=steps_in_hole(model),
     )
-
-
-def _gap(model: DrillingModel) -> FloatArray:
-    """Radial clearance (n_nodes,) [m] of the thicker pipe at each node, not below zero."""
-    mesh, well = model.mesh, model.well
-    assert well is not None
-    outer = np.zeros(mesh.nodes)
-    np.maximum.at(outer, np.arange(mesh.nodes - 1), mesh.contact_diameter)
-    np.maximum.at(outer, np.arange(1, mesh.nodes), mesh.contact_diameter)
-    return np.maximum(np.asarray(well.radius(mesh.node_depth + top_depth(model))) - 0.5 * outer, 0.0)
-
-
-def _node_clearance(model: DrillingModel) -> FloatArray | None:
-    """Clearance (n_nodes,) [m] that limits steps, ``LEAST_CLEARANCE`` at least; None without contact."""
-    if model.well is None or model.contact is None:
-        return None
-    return np.maximum(_gap(model), LEAST_CLEARANCE)
-
-
-def _steps_in_hole(model: DrillingModel) -> HoleSteps | None:
-    """Create the steps in the hole's coordinates of this rank's nodes; None without contact.
-
-    Ends with prescribed positions take plain steps; rigid items, joints and their neighbours do not move
-    about the axis.
-    """
-    if model.well is None or model.contact is None:
-        return None
-    system, mesh = model.system, model.mesh
-    gap = _gap(model)
-    gap[[b.node for b in mesh.bodies]] = 0.0
-    gap[:-1][mesh.is_joint] = gap[1:][mesh.is_joint] = 0.0
-    vertices, dofs = system.chain.vertices, system.layout.dofs
-    at = np.column_stack([dofs["string.position"][:, 0], dofs["string.tangent"][:, 0]])
-    prescribed = {f.condition.vertex for f in system.assembly.row_replacements}
-    free = np.array([v not in prescribed for v in vertices], dtype=bool)
-    return HoleSteps(model.well, at[free], gap[vertices[free]])
 
 
 def _conservative(model: DrillingModel) -> bool:

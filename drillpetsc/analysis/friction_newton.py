@@ -19,6 +19,7 @@ from drillpetsc.analysis.energy_descent import (
 )
 from drillpetsc.analysis.lateral_start import SPACING, lateral_starts
 from drillpetsc.analysis.march import March
+from drillpetsc.analysis.paths_of_problem import slides_on
 from drillpetsc.analysis.soft_string_start import place_marched
 from drillpetsc.analysis.static_problem import StaticProblem
 from drillpetsc.errors import SolveError
@@ -88,6 +89,8 @@ def _from_lateral_start(problem: StaticProblem) -> float | None:
             if reached and not solver.negative_pivots():
                 return fraction
             placed.restore()
+            if start.with_friction and start.side_loads is not None and slides_on(problem):
+                return fraction
     before.restore()
     model.system.assembly.dead_load, report.imperfection = None, 0.0
     return None

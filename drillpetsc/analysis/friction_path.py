@@ -19,7 +19,7 @@ from drillpetsc.analysis.soft_string_start import place_marched
 from drillpetsc.analysis.steady_flow import fluid_unknowns, freeze_flow, steady_flow
 from drillpetsc.arrays import FloatArray
 from drillpetsc.case.blocks.ends import ForcedBottom
-from drillpetsc.errors import CaseError, SolveError
+from drillpetsc.errors import SolveError
 from drillpetsc.model.drilling_model import DrillingModel
 from drillpetsc.solvers.lateral_loads import lateral_loads
 from drillpetsc.solvers.overdamped import SPIN_ARM, Drag, OverdampedMotion
@@ -34,6 +34,9 @@ SETTLE, HOLD, START = 0.5, 0.5, 1.0  # times of: the string lies down; its load 
 SLIDE, LONGEST_SLIDE = 30.0, 60.0  # distance that the string slides [m]
 LONGEST_STEP = 0.4  # distance that it slides in one step [m]; longer implicit steps damp a growing buckle
 RAMP_STEPS = 50  # least steps in which a top force rises on a bit that stands
+#: from a state near its own, where no buckle has to grow: distances that the string slides on, the second one where it has
+#: not settled; longest and first step [m, s]
+SLIDES_ON, LONGEST_STEP_ON, FIRST_STEP_ON = (2.0, 8.0), 1.0, 2e-2
 SLIP_SHARE = 5e-3  # rounding velocity over that of the top, where the push is given
 RUN_IN = 5.0  # distance that the string is run in before it is slacked off [m]
 LIFT = 0.2  # height of the bit over the bottom from which the string is slacked off [m]
@@ -45,7 +48,7 @@ REST, LONGEST_REST = (
     10.0,
 )  # time in which a string without friction comes to rest, and its longest step [s]
 FIRST_STEP, SHORTEST_STEP = 1e-3, 1e-9  # [s]
-MOST_STEPS = 4000
+MOST_STEPS, MOST_STEPS_ON = 4000, 40
 FLOW_STEPS = 10  # steps after which the steady flow is solved again
 FARTHEST_SLIDE = 5e-3  # of the string at the end of a path to where its bit carries its weight [m]
 FREE_BIT = 1e-3  # weight on the spring in place of a bit that carries a given force [N]
@@ -123,7 +126,7 @@ class FrictionPath:
             abs(model.case.top.force.value(0.0)) if model.case.top.force is not None else self._wob or 0.0
         )
         self._anchor = None if model.top is None else model.top.anchor.copy()
-        self.steps, self._depth_shift = 0, 0.0
+        self.steps, self.most_steps, self._depth_shift = 0, MOST_STEPS, 0.0
         #: (n,) push at the lower end of a string that nothing pushes there, of the largest push of the straight one [N]
         self._obstacle = np.zeros(model.system.layout.size)
 
@@ -197,18 +200,62 @@ class FrictionPath:
             last = model.mesh.nodes - 1
             self._obstacle[self._of_node("string.position", last)] = -self._scale * model.tangent[-1]
         self._lay_down(straight)
-        slid, change = 0.0, 0.0
+
+        def move() -> tuple[float, float]:
+            slid, change = 0.0, 0.0
+            if self.kind == "without_friction":
+                self._come_to_rest()
+            elif self.kind == "sliding":
+                slid, change = self._slide(OVERLOAD if start == "overload" else 1.0)
+            else:
+                self._slack_off()
+            return slid, change
+
+        return self._moved(start, move)
+
+    def follow_on(self, largest_push: float) -> PathEnd:
+        """Let the string slide on from its present state, near an equilibrium under its whole load; collective.
+
+        The side loads that act now stay, or small ones are added where none act.  The string slides further where it has
+        not settled, or friction alone holds it.
+        largest_push: along the string [N], with which changes of the force are compared.
+        Raises SolveError where a step collapses.
+        """
+        asm = self.model.system.assembly
+        if asm.dead_load is not None:
+            self.seeds = asm.dead_load.copy()
+        self._scale = max(self._scale, largest_push, 1.0)
+        self.most_steps, slid = MOST_STEPS_ON, 0.0
+        freeze_flow(self.model)
+
+        def move() -> tuple[float, float]:
+            self._friction(self.sign * SPEED)
+            first = FIRST_STEP_ON if not slid else LONGEST_STEP_ON / SPEED
+            log = self._advance(
+                way / SPEED, lambda t: 1.0, LONGEST_STEP_ON / SPEED, bit_to_bottom=True, first=first
+            )
+            t, force, _ = np.array(log).T
+            return slid + way, abs(float(force[-1] - np.interp(0.5 * t[-1], t, force))) / self._scale
+
+        for way in SLIDES_ON:
+            end = self._moved("buckled", move)
+            slid += way
+            if end.steady and not end.negative_pivots:
+                break
+        return end
+
+    def _moved(self, start: str, move: Callable[[], tuple[float, float]]) -> PathEnd:
+        """Let ``move`` move the string, and close on the state that it reaches; returns the end of the path.
+
+        move() returns the distance that the string slid [m] and the change of what it transmits.
+        """
+        model = self.model
         asm = model.system.assembly
         if model.fluid is not None:
             asm.hold_rates(fluid_unknowns(model.system), self._surge)
         try:
             with self._free_bit() if self.kind != "slack_off" else nullcontext():
-                if self.kind == "without_friction":
-                    self._come_to_rest()
-                elif self.kind == "sliding":
-                    slid, change = self._slide(OVERLOAD if start == "overload" else 1.0)
-                else:
-                    self._slack_off()
+                slid, change = move()
                 if model.fluid is not None:
                     self._renew_flow()
                 held = self._held()
@@ -368,17 +415,18 @@ class FrictionPath:
         target: float | None = None,
         bit_to_bottom: bool = False,
         past: Callable[[float], float] | None = None,
+        first: float = FIRST_STEP,
     ) -> list[tuple[float, float, float]]:
         """Advance by ``duration`` [s] under ``load(t)`` with steps of ``longest`` [s] at most.
 
         speed: of the top [m/s, down]; target: weight on bit [N] at which the advance ends.
         bit_to_bottom: the top moves so that the free bit comes to where it carries its weight.
-        past(t): speed of the string past the hole [m/s]; None: it does not change.
+        past(t): speed of the string past the hole [m/s]; None: it does not change.  first: length of the first step [s].
         Returns (time, transmitted force, surface torque) after each step.  Raises SolveError where the steps collapse.
         """
         model, system = self.model, self.model.system
         asm, n, top = system.assembly, system.layout.size, model.top
-        t, dt, last, last_dt, log = 0.0, FIRST_STEP, None, 1.0, [(0.0, *self._transmitted())]
+        t, dt, last, last_dt, log = 0.0, first, None, 1.0, [(0.0, *self._transmitted())]
         if speed:  # friction is that of a string that moves with its top
             last = np.zeros(n)
             last[system.layout.dofs["string.position"]] = speed * self._tangent[system.chain.vertices]
@@ -393,11 +441,11 @@ class FrictionPath:
                 self._friction(past(t + d))
             guess = last * (d / last_dt) if last is not None and d <= 2 * last_dt else None
             iterations = None
-            for first in (guess, None) if guess is not None else (None,):
+            for guessed in (guess, None) if guess is not None else (None,):
                 before.restore()
                 if moved and top is not None:
                     top.shift(moved)
-                iterations = self.motion.step(d, first)
+                iterations = self.motion.step(d, guessed)
                 if iterations is not None:
                     break
             wob = self._end_forces()[1] if target and iterations is not None else 0.0
@@ -419,8 +467,8 @@ class FrictionPath:
                 self._renew_flow()
             if target is not None and wob >= (1 - WEIGHT_TOLERANCE) * target:
                 break
-            if self.steps > MOST_STEPS:
-                raise SolveError(f"the path of the buckled string did not end in {MOST_STEPS} steps")
+            if self.steps > self.most_steps:
+                raise SolveError(f"the path of the buckled string did not end in {self.most_steps} steps")
             factor = 2.0 if iterations <= 6 else 1.5 if iterations <= 10 else 1.0 if iterations <= 18 else 0.7
             if d >= 0.5 * min(dt, longest):
                 dt = min(d * factor, longest)
@@ -556,59 +604,3 @@ def follow_paths(path: FrictionPath, starts: tuple[str, ...]) -> PathAnswer:
     ends.append(path.follow(starts[0]))
     force_given = path.model.case.top.force is not None
     return PathAnswer(path.kind, tuple(ends[::-1]), path.seeds, force_given, path.turns, tuple(failed))
-
-
-def has_path(model: DrillingModel, motion: tuple[float, float]) -> bool:
-    """Whether a path has a meaning for ``model`` and ``motion``: of steady sliding, or of a string that nothing moves."""
-    try:
-        refuse_path(model, motion if any(motion) else (1.0, 0.0), "sliding")
-    except CaseError:
-        return False
-    return True
-
-
-def refuse_path(model: DrillingModel, motion: tuple[float, float], got: str) -> None:
-    """Raise CaseError where a path has no meaning for ``model``, unstrained along the hole, and ``motion``."""
-    at = "--path"
-    if got == "slack_off" and motion[0] < 0:
-        raise CaseError(at=at, got=got, want="a string that is lowered (--motion lower)")
-    if model.case.initial.wob is not None and motion[0] < 0:
-        raise CaseError(
-            at=at,
-            got=f"{got}, hoisted with initial.wob",
-            want="a case without initial.wob where the string is hoisted: it slides upward only once the bit is off bottom",
-            hint="leave initial.wob and --path out for the pick-up load off bottom; with initial.wob, --motion lower or rotate",
-        )
-    if model.contact is None or model.well is None or model.beam is None:
-        raise CaseError(at=at, got=got, want="a string in a hole with contact")
-    if got == "slack_off" and (motion[1] or not motion[0]):
-        raise CaseError(at=at, got=got, want="a string that is lowered and does not turn (--motion lower)")
-    if not any(motion):
-        raise CaseError(
-            at=at, got=got, want="a string that slides or turns (--motion hoist, lower or rotate)"
-        )
-    if got == "slack_off" and model.case.top.force is None and model.case.initial.wob is None:
-        raise CaseError(
-            at=at, got=got, want="a push on the bit that stands: initial.wob, or a force of the top"
-        )
-    if pushed_at_end(model):
-        return
-    found = march(model, motion, coils=False)
-    if found is None or not found.axial_force.min() < 0:
-        ends = "a force of the top or at the bottom, or its weight"
-        raise CaseError(
-            at=at,
-            got=f"{got}, and nothing pushes the string",
-            want=f"a string that is pushed: by {ends if motion[0] < 0 else 'initial.wob, ' + ends}",
-            hint="a string that nothing pushes has one state: leave --path out",
-        )
-
-
-def pushed_at_end(model: DrillingModel) -> bool:
-    """Whether the case pushes the string at one of its ends."""
-    case = model.case
-    return (
-        case.top.force is not None
-        or case.initial.wob is not None
-        or (isinstance(case.bottom, ForcedBottom) and float(np.dot(case.bottom.force, model.tangent[-1])) < 0)
-    )

@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from drillpetsc.analysis.energy_descent import item_imperfection, nodal_weight
-from drillpetsc.analysis.march import March, friction_factors, with_contact
+from drillpetsc.analysis.march import March, axial_compliance, friction_factors, stands, with_contact
 from drillpetsc.arrays import FloatArray
 from drillpetsc.fem.quadrature import exposed_ends, rule
 from drillpetsc.fem.string_mesh import StringJoint
@@ -35,6 +35,8 @@ MARGIN = 6.0  # of (EI/w)^(1/3) above the uppermost push, over which a buckle di
 ROUGH_SHARE = 0.25  # length of rough elements over the pitch of a helix
 NO_LENGTH = 1e-9  # of an element that is a joint [m]
 MAX_ROUNDS = 10  # of lateral equilibrium and tension
+NEAR_BRACKET = 0.05  # least distance of a trial of the push of a string that stands from the ends of its bracket, over it
+SETTLED_STANDING = 2e-2  # the same of a string that stands, whose buckles give way
 SETTLED_PUSH = 1e-3  # change of the tension, over the largest push, with which the rounds end
 
 
@@ -73,8 +75,10 @@ def lateral_starts(
     if any(_ties_slope(joint) is None for joint in mesh.joints):
         return []
     frame = directors(model.frames, np.arange(mesh.nodes), found.direction, np.zeros(mesh.nodes))
-    if motion[0] and coiled is not None:
-        found = with_contact(model, found, motion, coiled.contact_force)
+    bottom = _Bottom(model, found) if stands(model) else None
+    if coiled is not None and (motion[0] or bottom is not None):
+        push = -float(coiled.axial_force[-1]) if bottom is not None else None
+        found = with_contact(model, found, motion, coiled.contact_force, push)
     loads, turns, last = _side_loads(model, found), bool(motion[1]), None
     state: LateralState | None = None
     for number in range(MAX_ROUNDS):
@@ -87,9 +91,15 @@ def lateral_starts(
         if state is None:
             return []
         last = state.disturbed, *parts.spread(state.alone)
-        before, found = found, with_contact(model, found, motion, parts.contact(beam, state.alone, found))
+        before, contact = found, parts.contact(beam, state.alone, found)
+        found = with_contact(model, before, motion, contact)
+        if bottom is not None:
+            drawn_up = _drawn_up(model, found, found.direction, frame, parts.nodes[0], *last[1:])[0][-1]
+            push = bottom.next_push(found, float(drawn_up))
+            found = with_contact(model, before, motion, contact, push)
         change = np.abs(found.axial_force - before.axial_force).max()
-        if (number or not parts.rough) and change <= SETTLED_PUSH * -found.axial_force.min():
+        settled = SETTLED_PUSH if bottom is None else SETTLED_STANDING
+        if (number or not parts.rough) and change <= settled * -found.axial_force.min():
             break
     assert state is not None  # MAX_ROUNDS is at least 1
     out = []
@@ -99,6 +109,43 @@ def lateral_starts(
             placed = _placed(model, found, found.direction, frame, parts.nodes[0], *parts.spread(U))
             out.append(LateralStart(placed, with_friction, loads if state.disturbed else None))
     return out
+
+
+class _Bottom:
+    """Push of the bottom on a string whose top is held: as large as the room for the bent string asks for.
+
+    found: the string before it bends, whose bit stands at the depth of its weight.
+    """
+
+    def __init__(self, model: DrillingModel, found: March):
+        assert model.bit is not None
+        self.bit, self.start = model.bit, found
+        self.compliance = axial_compliance(model.mesh)
+        #: pushes between which it lies [N], and the last one and by how much the string under it asks for more
+        self.low, self.high = 0.0, max(-float(found.axial_force[-1]), 0.0)
+        self.last: tuple[float, float] | None = None
+
+    def next_push(self, found: March, drawn_up: float) -> float:
+        """Push [N] under which the string has room: by the secant, between the pushes that are too small and too large.
+
+        found: with the tension of the bent string under the present push; drawn_up: way [m] by which its bends lift the bit.
+        """
+        push = max(-float(found.axial_force[-1]), 0.0)
+        end = self.start.direction[-1] @ (found.position[-1] - self.start.position[-1]) - drawn_up
+        before = self.bit.depth_for(max(-float(self.start.axial_force[-1]), 0.0))
+        miss = end - (self.bit.depth_for(push) - before)
+        more = miss / (self.compliance + self.bit.depth_for(1.0 + push) - self.bit.depth_for(push))
+        if more > 0:
+            self.low, self.high = max(self.low, push), max(self.high, push)
+        else:
+            self.low, self.high = min(self.low, push), min(self.high, push)
+        step = more
+        if self.last is not None and push != self.last[0]:
+            slope = (more - self.last[1]) / (push - self.last[0])
+            step = more / max(-slope, 1.0)
+        self.last = push, more
+        margin = NEAR_BRACKET * (self.high - self.low)
+        return min(max(push + step, self.low + margin), self.high - margin)
 
 
 def _ties_slope(joint: StringJoint) -> bool | None:
@@ -451,13 +498,9 @@ def _placed(
     slope: FloatArray,
 ) -> March:
     """``found`` with the lateral displacement (n, 2) and slope (n, 2) of the nodes from ``first`` on."""
-    case, frames = model.case, np.stack(frame, axis=1)  # (n, 2, 3)
-    unit = found.tangent / np.linalg.norm(found.tangent, axis=1, keepdims=True)
-    unit /= np.sum(unit * t, axis=1, keepdims=True)
-    before = _in_frame(frames, found.offset), _in_frame(frames, unit)
-    after = before[0].copy(), before[1].copy()
-    after[0][first:], after[1][first:] = across[first:], slope[first:]
-    short = _shortening(model, t, frames, *after) - _shortening(model, t, frames, *before)
+    case = model.case
+    short, after = _drawn_up(model, found, t, frame, first, across, slope)
+    frames = np.stack(frame, axis=1)  # (n, 2, 3)
     offset, lean = (np.einsum("npi,np->ni", frames, q) for q in after)
     tangent = t + lean
     tangent *= (np.linalg.norm(found.tangent, axis=1) / np.linalg.norm(tangent, axis=1))[:, None]
@@ -466,6 +509,28 @@ def _placed(
     return replace(
         found, position=position, tangent=tangent, offset=offset, top_motion=found.top_motion + down
     )
+
+
+def _drawn_up(
+    model: DrillingModel,
+    found: March,
+    t: FloatArray,
+    frame: tuple[FloatArray, FloatArray],
+    first: int,
+    across: FloatArray,
+    slope: FloatArray,
+) -> tuple[FloatArray, tuple[FloatArray, FloatArray]]:
+    """Way (n,) [m] by which displacement and slope (n, 2) from node ``first`` on draw the nodes up from those of ``found``.
+
+    Also offsets and slopes (n, 2) of all nodes.
+    """
+    frames = np.stack(frame, axis=1)
+    unit = found.tangent / np.linalg.norm(found.tangent, axis=1, keepdims=True)
+    unit /= np.sum(unit * t, axis=1, keepdims=True)
+    before = _in_frame(frames, found.offset), _in_frame(frames, unit)
+    after = before[0].copy(), before[1].copy()
+    after[0][first:], after[1][first:] = across[first:], slope[first:]
+    return _shortening(model, t, frames, *after) - _shortening(model, t, frames, *before), after
 
 
 def _in_frame(frames: FloatArray, vectors: FloatArray) -> FloatArray:

@@ -26,9 +26,15 @@ LATERAL_LOAD_THRESHOLD = 0.1
 CROSSING = 12.0  # half length over which a helix begins and ends [m]
 #: axial force over which a string that lies on the wall coils (Chen, Lin and Cheatham 1990): 2 sqrt(2) sqrt(EI w/r)
 HELIX_FACTOR = 2 * np.sqrt(2.0)
+#: the same where a helix begins at the earliest, by the wall force of snakes (Chen 1990), and at the latest, 1.83 times
+#: 2 sqrt(EI w/r) (Wu and Juvkam-Wold 1993)
+HELIX_FACTORS = (HELIX_FACTOR, 3.66)
+NO_BAND = 5e-3  # width of a band over the largest push, below which the string has one state
 #: force over which a vertical string coils: 2.65 (EI w^2)^(1/3) (manual: eq-statics-march)
 VERTICAL_FACTOR = 2.65
 LEAST_LOAD = 1e-3  # load per length that holds the string in the middle of the hole, over its weight [-]
+MAX_STANDING_ROUNDS = 40  # of the search for the weight that a held string leaves on the bottom
+STANDING_TOLERANCE = 1e-6  # way of its bit that is left [m]
 CRUSHING_STRAIN = 0.01  # a push that compresses the string by more means that no push passes [-]
 #: largest rotation of a helix within one element, so that the mesh can represent it [rad]
 MAX_ROTATION = 0.45 * np.pi
@@ -77,6 +83,15 @@ class March:
     measured_depth: FloatArray = field(default_factory=lambda: np.zeros(0))
     direction: FloatArray = field(default_factory=lambda: np.zeros((0, 3)))
     effective_tension: FloatArray = field(default_factory=lambda: np.zeros(0))
+
+
+@dataclass(frozen=True)
+class HelixBand:
+    """Band [N] of what a string transmits: ``wob`` under a given force at the top, else ``hook_load``."""
+
+    name: str
+    low: float
+    high: float
 
 
 def nodal_loads(model: DrillingModel, rates: FloatArray | None = None) -> tuple[FloatArray, FloatArray]:
@@ -129,8 +144,13 @@ class _Column:
     def __init__(self, *values: FloatArray) -> None:
         self.rows = np.column_stack(values).tolist()
 
-    def run(self, bottom: float) -> tuple[FloatArray, FloatArray, np.ndarray, int | None]:
-        """Return tension (n+1,), contact force (n,), helical (n,) and the node of lock-up, from the force below."""
+    def run(
+        self, bottom: float, coils_above: float = HELIX_FACTOR
+    ) -> tuple[FloatArray, FloatArray, np.ndarray, int | None]:
+        """Return tension (n+1,), contact force (n,), helical (n,) and the node of lock-up, from the force below.
+
+        coils_above: axial force above which a string on the wall coils, over sqrt(EI w/r).
+        """
         n = len(self.rows)
         tension, contact, helical, locked = np.empty(n + 1), np.empty(n), np.zeros(n, dtype=bool), None
         tension[n] = below = bottom
@@ -142,7 +162,7 @@ class _Column:
                 side = max(kk * mean * mean + 2 * kw * mean + ww, 0.0) ** 0.5
                 push, coil = -mean - wet, 0.0
                 if push > 0 and length > 0 and clearance > 0:
-                    critical = HELIX_FACTOR * (bending * side / length / clearance) ** 0.5
+                    critical = coils_above * (bending * side / length / clearance) ** 0.5
                     if push > max(critical, vertical):
                         coil = clearance * push * push / (4 * bending) * length
                 total, coils = max(side, coil), coil > 0
@@ -152,6 +172,117 @@ class _Column:
             helical[i], contact[i], tension[i] = coils, total, above
             below = above
         return tension, contact, helical, locked
+
+
+class _Marcher:
+    """Loads and stiffnesses of a string along its hole, and its march from any force below it."""
+
+    def __init__(
+        self, model: DrillingModel, motion: tuple[float, float], coils: bool, rates: FloatArray | None = None
+    ):
+        mesh, well = model.mesh, model.well
+        assert well is not None
+        n, depth = mesh.nodes, mesh.node_depth + top_depth(model)
+        force, load_torque = nodal_loads(model, rates)
+        _, t, _ = well.at(depth)
+        half = np.zeros(n)
+        half[:-1] += 0.5 * mesh.length
+        half[1:] += 0.5 * mesh.length
+        middle = np.concatenate([[depth[0]], 0.5 * (depth[1:] + depth[:-1]), [depth[-1]]])
+        turn = np.diff(np.asarray(well.at(middle)[1]), axis=0)  # of the hole over each node's own length
+        along = np.sum(force * t, axis=1)
+        across = force - along[:, None] * t
+        bending = np.append(mesh.bending_stiffness, mesh.bending_stiffness[-1])
+        bending[:-1][mesh.is_joint] = mesh.bending_stiffness[~mesh.is_joint].max()
+        radius = _radius(model)
+        clearance = np.maximum(np.asarray(well.radius(depth)) - radius, 0.0)
+        drag, around = friction_factors(model, motion)
+        weight = np.linalg.norm(force, axis=1) / np.maximum(half, 1e-9)
+        axial = np.where(mesh.is_joint, mesh.axial_stiffness[~mesh.is_joint].max(), mesh.axial_stiffness)
+        wet = pressure_tension(model)
+        self.column = _Column(
+            along,
+            drag,
+            np.sum(turn * turn, axis=1),
+            np.sum(turn * across, axis=1),
+            np.sum(across * across, axis=1),
+            half,
+            bending,
+            np.maximum(clearance, 1e-3) if coils else np.zeros(n),
+            VERTICAL_FACTOR * np.cbrt(bending * weight**2),
+            CRUSHING_STRAIN * np.append(axial, axial[-1]),
+            at_nodes(wet, wet),
+        )
+        self.model, self.motion, self.half, self.turn, self.across = model, motion, half, turn, across
+        self.depth, self.bending, self.clearance, self.weight, self.wet = (
+            depth,
+            bending,
+            clearance,
+            weight,
+            wet,
+        )
+        self.around, self.load_torque = around, load_torque
+
+    def result(self, bottom: float, wob: float, top: float | None) -> March:
+        """The march from the axial force ``bottom`` [N] below the string.
+
+        wob: weight on bit, of which its torque is [N].
+        top: measured depth of the upper end [m]; None: where the bit carries ``wob``.
+        """
+        model, motion, mesh, depth = self.model, self.motion, self.model.mesh, self.depth
+        bending, clearance, wet, half = self.bending, self.clearance, self.wet, self.half
+        tension, contact, helical, locked = self.column.run(bottom)
+        rock = 0.0
+        if model.bit is not None:
+            turning = motion[1] + (model.motor.static_speed if model.motor is not None else 0.0)
+            rock = model.bit.torque_for(wob, turning) * np.sign(turning)
+        steps = self.around * contact - self.load_torque
+        torque = np.append(np.cumsum(steps[::-1])[::-1], 0.0) + rock
+        inner = tension[1:-1]
+        coils = helical[:-1] & helical[1:] & ~mesh.is_joint
+        pitch = np.where(coils, np.sqrt(np.maximum(-inner - wet, 0.0) / (2 * bending[:-1])), 0.0)
+        pitch = np.minimum(pitch, MAX_ROTATION / np.maximum(mesh.length, 1e-9))
+        gap = 0.5 * (clearance[:-1] + clearance[1:])
+        with np.errstate(divide="ignore", invalid="ignore"):
+            strain = np.where(mesh.is_joint, 0.0, inner / mesh.axial_stiffness)
+            twist = np.where(mesh.is_joint, 0.0, torque[1:-1] * mesh.length / mesh.torsional_stiffness)
+        load = 0.5 * (tension[:-1] + tension[1:])[:, None] * self.turn + self.across
+        on_wall = bool(contact[0] > LATERAL_LOAD_THRESHOLD * self.weight[1] * half[0] and not helical[0])
+        per_length = contact / np.maximum(half, 1e-9)
+        bed = np.maximum(per_length, LEAST_LOAD * self.weight) / np.maximum(clearance, 1e-3)
+        beam = Beam(mesh.length, mesh.bending_stiffness, inner, mesh.is_joint, bed)
+        phase = np.concatenate([[0.0], np.cumsum(pitch * mesh.length)])
+        shape, shortening = _shape(model, depth, load, per_length, clearance, beam, helical, phase, on_wall)
+        stretch = np.concatenate(
+            [[0.0], np.cumsum((strain - 0.5 * (gap * pitch) ** 2 - shortening) * mesh.length)]
+        )
+        if top is None:
+            assert model.bit is not None
+            top = hole_depth(model.case) - (mesh.total_length + stretch[-1]) + model.bit.depth_for(wob)
+        measured_depth = mesh.node_depth + stretch + top
+        position, tangent, offset, direction = _place(model, measured_depth, shape)
+        strain_above, strain_below = _nodal_strains(mesh, strain)
+        return March(
+            axial_force=tension,
+            contact_force=contact,
+            helical=helical,
+            torque=torque,
+            position=position,
+            tangent=(1 + strain_above)[:, None] * tangent,
+            ratio=(1 + strain_below) / (1 + strain_above),
+            twist=-np.concatenate([[0.0], np.cumsum(twist)]),
+            offset=offset,
+            top_on_wall=on_wall,
+            top_motion=top,
+            usual_contact_force=float(np.quantile(per_length, 0.9)),
+            locked_at=None if locked is None else float(depth[locked]),
+            locked_node=locked or 0,
+            side_load=load,
+            load_across=self.across,
+            measured_depth=measured_depth,
+            direction=direction,
+            effective_tension=inner + wet,
+        )
 
 
 def march(
@@ -165,116 +296,126 @@ def march(
 
     motion: axial velocity [m/s, down positive] and rotation [rad/s] that friction opposes.
     coils: the string coils where the push suffices; otherwise it stays straight in the hole.
-    wob: weight on bit [N]; None takes that of the case.
+    wob: weight on bit [N]; None takes that of the case.  Under a top that is held, and without a weight in the case, the
+    weight is what the string leaves on the bottom that it stands on, whatever ``wob`` is.
     rates: of a steady motion that the mud sees, as of ``nodal_loads``.
     The string must lie unstrained along the hole, its top at ``top_depth``.  Collective; the same on all ranks.
     """
-    mesh, well, case = model.mesh, model.well, model.case
-    if model.contact is None or well is None:
+    if model.contact is None or model.well is None:
         return None
-    start = top_depth(model)
-    n, depth = mesh.nodes, mesh.node_depth + start
-    force, load_torque = nodal_loads(model, rates)
-    _, t, _ = well.at(depth)
-    half = np.zeros(n)
-    half[:-1] += 0.5 * mesh.length
-    half[1:] += 0.5 * mesh.length
-    middle = np.concatenate([[depth[0]], 0.5 * (depth[1:] + depth[:-1]), [depth[-1]]])
-    turn = np.diff(np.asarray(well.at(middle)[1]), axis=0)  # of the hole over each node's own length
-    along = np.sum(force * t, axis=1)
-    across = force - along[:, None] * t
-    bending = np.append(mesh.bending_stiffness, mesh.bending_stiffness[-1])
-    bending[:-1][mesh.is_joint] = mesh.bending_stiffness[~mesh.is_joint].max()
-    radius = _radius(model)
-    clearance = np.maximum(np.asarray(well.radius(depth)) - radius, 0.0)
-    drag, around = friction_factors(model, motion)
-    weight = np.linalg.norm(force, axis=1) / np.maximum(half, 1e-9)
-    axial = np.where(mesh.is_joint, mesh.axial_stiffness[~mesh.is_joint].max(), mesh.axial_stiffness)
-    wet = pressure_tension(model)
-    column = _Column(
-        along,
-        drag,
-        np.sum(turn * turn, axis=1),
-        np.sum(turn * across, axis=1),
-        np.sum(across * across, axis=1),
-        half,
-        bending,
-        np.maximum(clearance, 1e-3) if coils else np.zeros(n),
-        VERTICAL_FACTOR * np.cbrt(bending * weight**2),
-        CRUSHING_STRAIN * np.append(axial, axial[-1]),
-        at_nodes(wet, wet),
-    )
-    wob = (case.initial.wob or 0.0) if wob is None else wob
-    bottom, on_bottom = -wob, 0.0
-    if case.top.force is not None and model.bit is not None:
-        bottom = on_bottom = _bottom_force(column)
-    tension, contact, helical, locked = column.run(bottom)
-    rock = 0.0
-    if model.bit is not None:
-        turning = motion[1] + (model.motor.static_speed if model.motor is not None else 0.0)
-        rock = model.bit.torque_for(max(wob, -on_bottom), turning) * np.sign(turning)
-    steps = around * contact - load_torque
-    torque = np.append(np.cumsum(steps[::-1])[::-1], 0.0) + rock
-    inner = tension[1:-1]
-    coils = helical[:-1] & helical[1:] & ~mesh.is_joint
-    pitch = np.where(coils, np.sqrt(np.maximum(-inner - wet, 0.0) / (2 * bending[:-1])), 0.0)
-    pitch = np.minimum(pitch, MAX_ROTATION / np.maximum(mesh.length, 1e-9))
-    gap = 0.5 * (clearance[:-1] + clearance[1:])
-    with np.errstate(divide="ignore", invalid="ignore"):
-        strain = np.where(mesh.is_joint, 0.0, inner / mesh.axial_stiffness)
-        twist = np.where(mesh.is_joint, 0.0, torque[1:-1] * mesh.length / mesh.torsional_stiffness)
-    load = 0.5 * (tension[:-1] + tension[1:])[:, None] * turn + across
-    on_wall = bool(contact[0] > LATERAL_LOAD_THRESHOLD * weight[1] * half[0] and not helical[0])
-    per_length = contact / np.maximum(half, 1e-9)
-    bed = np.maximum(per_length, LEAST_LOAD * weight) / np.maximum(clearance, 1e-3)
-    beam = Beam(mesh.length, mesh.bending_stiffness, inner, mesh.is_joint, bed)
-    phase = np.concatenate([[0.0], np.cumsum(pitch * mesh.length)])
-    shape, shortening = _shape(model, depth, load, per_length, clearance, beam, helical, phase, on_wall)
-    stretch = np.concatenate(
-        [[0.0], np.cumsum((strain - 0.5 * (gap * pitch) ** 2 - shortening) * mesh.length)]
-    )
-    top_motion = start
-    if model.bit is not None and case.initial.wob is not None:
-        top_motion = hole_depth(case) - (mesh.total_length + stretch[-1]) + model.bit.depth_for(wob)
-    elif on_bottom < -1.0 and model.bit is not None:
-        top_motion = hole_depth(case) - (mesh.total_length + stretch[-1]) + model.bit.depth_for(-on_bottom)
-    measured_depth = depth + stretch + top_motion - start
-    position, tangent, offset, direction = _place(model, measured_depth, shape)
-    strain_above, strain_below = _nodal_strains(mesh, strain)
-    return March(
-        axial_force=tension,
-        contact_force=contact,
-        helical=helical,
-        torque=torque,
-        position=position,
-        tangent=(1 + strain_above)[:, None] * tangent,
-        ratio=(1 + strain_below) / (1 + strain_above),
-        twist=-np.concatenate([[0.0], np.cumsum(twist)]),
-        offset=offset,
-        top_on_wall=on_wall,
-        top_motion=top_motion,
-        usual_contact_force=float(np.quantile(per_length, 0.9)),
-        locked_at=None if locked is None else float(depth[locked]),
-        locked_node=locked or 0,
-        side_load=load,
-        load_across=across,
-        measured_depth=measured_depth,
-        direction=direction,
-        effective_tension=inner + wet,
+    marcher, case, start = _Marcher(model, motion, coils, rates), model.case, top_depth(model)
+    weight = (case.initial.wob or 0.0) if wob is None else wob
+    if model.bit is None:
+        return marcher.result(-weight, weight, start)
+    if case.top.force is not None:
+        bottom = _bottom_force(marcher.column)
+        return marcher.result(bottom, max(weight, -bottom), start if bottom >= -1.0 else None)
+    if case.initial.wob is not None:
+        return marcher.result(-weight, weight, None)
+    return _standing(marcher, start) if stands(model) else marcher.result(-weight, weight, start)
+
+
+def helix_band(
+    model: DrillingModel, motion: tuple[float, float], rates: FloatArray | None = None
+) -> HelixBand | None:
+    """What a string that slides transmits by theory, as it coils early or late; None where that is the same, or not asked for.
+
+    Between ``HELIX_FACTORS`` a pipe on the wall may snake or coil, which its history decides.  The helix presses on the wall
+    with r F^2/4EI, and friction takes its share.  rates: as of ``nodal_loads``.  The string must lie unstrained along the
+    hole.  Collective.
+    """
+    case = model.case
+    if model.contact is None or model.well is None or not motion[0] or motion[1] or stands(model):
+        return None
+    column, values, push = _Marcher(model, motion, True, rates).column, [], 1.0
+    for factor in HELIX_FACTORS:
+        if case.top.force is not None:
+            if model.bit is None:
+                return None
+            bottom = _bottom_force(column, factor)
+            values.append(-bottom)
+            push = max(push, abs(float(case.top.force.value(0.0))))
+        else:
+            tension, _, _, locked = column.run(-(case.initial.wob or 0.0), factor)
+            if locked is not None:
+                return None
+            values.append(float(tension[0]))
+            push = max(push, -float(tension.min()))
+    low, high = min(values), max(values)
+    if high - low < NO_BAND * push:
+        return None
+    return HelixBand("wob" if case.top.force is not None else "hook_load", low, high)
+
+
+def _standing(marcher: _Marcher, top: float) -> March:
+    """The march of a string whose held top, at measured depth ``top`` [m], lets its bit stand on the bottom or hang above it."""
+    model, mesh, low = marcher.model, marcher.model.mesh, 0.0
+    assert model.bit is not None
+    bit, end = model.bit, hole_depth(model.case) - (mesh.total_length - mesh.node_depth[-1])
+
+    def room(weight: float) -> tuple[float, March]:
+        """Way [m] of the bit down to where it carries ``weight`` [N], and the march under it."""
+        found = marcher.result(-weight, weight, top)
+        return end + bit.depth_for(weight) - float(found.measured_depth[-1]), found
+
+    miss_low, found = room(low)
+    if miss_low >= 0:
+        return found
+    most = 2 * CRUSHING_STRAIN * float(mesh.axial_stiffness[~mesh.is_joint].max())
+    high = -miss_low / axial_compliance(mesh)
+    miss_high, found = room(high)
+    while miss_high < 0:
+        if high > most:
+            return found  # no push shortens the string that much
+        low, miss_low, high = high, miss_high, 2 * high
+        miss_high, found = room(high)
+    for _ in range(MAX_STANDING_ROUNDS):  # regula falsi with the Illinois rule
+        middle = (low * miss_high - high * miss_low) / (miss_high - miss_low)
+        miss, found = room(middle)
+        if abs(miss) <= STANDING_TOLERANCE or high - low <= 1e-6 * high:
+            break
+        if miss < 0:
+            low, miss_low, miss_high = middle, miss, 0.5 * miss_high
+        else:
+            high, miss_high, miss_low = middle, miss, 0.5 * miss_low
+    return found
+
+
+def axial_compliance(mesh: StringMesh) -> float:
+    """Elongation [m/N] of the string under a unit pull."""
+    pipe = ~mesh.is_joint
+    return float(np.sum(mesh.length[pipe] / mesh.axial_stiffness[pipe]))
+
+
+def stands(model: DrillingModel) -> bool:
+    """Whether the bit may stand on the bottom under a top that is held, with a weight that no one gives."""
+    case = model.case
+    return (
+        model.bit is not None
+        and model.top is not None
+        and case.initial.wob is None
+        and case.top.force is None
     )
 
 
 def with_contact(
-    model: DrillingModel, found: March, motion: tuple[float, float], contact: FloatArray
+    model: DrillingModel,
+    found: March,
+    motion: tuple[float, float],
+    contact: FloatArray,
+    push: float | None = None,
 ) -> March:
     """``found`` with the axial force, torque, stretch and twist that belong to the contact forces (n,) [N].
 
-    motion: as of ``march``.  The bit stays where it is, or the top where its force is given.
+    motion: as of ``march``.  push: of the bottom on the bit [N], None: as before.
+    The bit stays where it is, or the top where its force is given, or where the bit stands under a held top.
     """
     mesh, case = model.mesh, model.case
     drag, around = friction_factors(model, motion)
     more = contact - found.contact_force
     change = -np.append(np.cumsum((drag * more)[::-1])[::-1], 0.0)
+    if push is not None:
+        change -= push + found.axial_force[-1]
     if case.top.force is not None:
         change -= change[0]
     tension = found.axial_force + change
@@ -333,17 +474,17 @@ def _radius(model: DrillingModel) -> FloatArray:
     return radius
 
 
-def _bottom_force(column: _Column) -> float:
+def _bottom_force(column: _Column, coils_above: float = HELIX_FACTOR) -> float:
     """Find the axial force at the bottom [N] that belongs to the given force at the top, by bisection.
 
     The top's load is among the loads of the first node, so the tension above it vanishes.
     """
     low, high = -1e7, 0.0
-    if column.run(high)[0][0] <= 0:  # friction takes the push, or the top pulls
+    if column.run(high, coils_above)[0][0] <= 0:  # friction takes the push, or the top pulls
         return 0.0
     for _ in range(60):
         middle = 0.5 * (low + high)
-        if column.run(middle)[0][0] > 0:
+        if column.run(middle, coils_above)[0][0] > 0:
             high = middle
         else:
             low = middle

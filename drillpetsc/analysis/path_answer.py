@@ -19,7 +19,7 @@ STEADY = 2e-3  # largest change from quarter to quarter of the slide of what the
 class PathEnd:
     """End of one path; its state is in the model's system.
 
-    start: ``straight`` or ``overload``.
+    start: ``straight``, ``overload``, or ``buckled``: near an equilibrium of the buckled string.
     hook_load, wob: forces at both ends [N]; surface_torque: of a string that turns [N m], else 0.
     negative_pivots: of the stiffness with friction as a dead load; above 0 friction alone holds the state.
     change: from the third to the last quarter of the slide, of the mean transmitted force over the push, or of the mean
@@ -99,6 +99,11 @@ class PathAnswer:
                     for name, what, kind in bands
                 ]
                 out.append("the table is that of the string from a straight start")
+            elif self.ends[0].start == "buckled" and not self.failed:
+                out.append(
+                    "its buckles creep along the wall while it slides; the state is that after "
+                    f"{text(self.ends[0].slid, 'length')} from its lateral equilibrium"
+                )
             measure = "torque or force" if self.turns else what
             for end in self.ends:
                 if not end.steady:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 from drillpetsc.analysis.energy_descent import Snapshot
-from drillpetsc.analysis.march import March
+from drillpetsc.analysis.march import HelixBand, March
 from drillpetsc.analysis.path_answer import PathAnswer
 from drillpetsc.analysis.soft_string import TorqueDrag
 from drillpetsc.model.drilling_model import DrillingModel
@@ -24,6 +24,7 @@ class StaticState:
     lateral_fraction: fraction of the lateral friction force in the equilibrium [-] (chi in the manual:
     eq-statics-imposed-friction).
     path: answer of the paths of a buckled string with friction, None where Newton's method found the state.
+    band: by theory, of what a buckled string that slides transmits; None where it is the same early and late.
     """
 
     motion: tuple[float, float]
@@ -32,6 +33,7 @@ class StaticState:
     warnings: list[str] = field(default_factory=list)
     lateral_fraction: float = 1.0
     path: PathAnswer | None = None
+    band: HelixBand | None = None
 
     @property
     def stable(self) -> bool:

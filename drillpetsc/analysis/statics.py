@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import shlex
+from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
@@ -12,11 +13,11 @@ from petsc4py import PETSc
 from drillpetsc.analysis.buckling import Buckling, buckling
 from drillpetsc.analysis.coarse_mesh import state_warnings
 from drillpetsc.analysis.equilibrium import MOTIONS, StaticState
-from drillpetsc.analysis.friction_path import has_path
 from drillpetsc.analysis.initial_state import find_equilibrium
 from drillpetsc.analysis.limits.operations import case_of, motion_of, read_operation
 from drillpetsc.analysis.mud_above_top import mud_above_top
 from drillpetsc.analysis.path_answer import PathKind
+from drillpetsc.analysis.path_question import has_path
 from drillpetsc.analysis.placement import prescribed_motion, top_depth
 from drillpetsc.analysis.transient import make_folder
 from drillpetsc.case.case import Case
@@ -83,6 +84,7 @@ def run_statics(
         is_buckled = bool(buckled.sinusoidal or buckled.helical)
         slides = is_buckled and _slides_unfollowed(model, state)
         state.warnings += buckled.lines(case.output.units or "metric", slides)
+        state.warnings += band_of_theory(state, case.output.units or "metric") if is_buckled else []
         state.warnings += [*state_warnings(model, columns, values), *model.mesh.notes]
         state.warnings += _hoisted_with_weight(model, moving)
         state.warnings += mud_above_top(model)
@@ -92,6 +94,7 @@ def run_statics(
             "motion": motion or word or "as the top prescribes",
             **(state.path.as_dict() if state.path is not None else {}),
             **({"buckling": buckled.as_dict()} if model.beam is not None else {}),
+            **({"helix_band": asdict(state.band)} if is_buckled and state.band is not None else {}),
         }
         beyond = beyond_rig(case, summary)
         if beyond:
@@ -101,6 +104,19 @@ def run_statics(
         if comm.rank == 0:
             _write(model, folder, columns, values, summary, fields)
     return RunResult(folder.path, summary, _lines(case, folder, state, summary))
+
+
+def band_of_theory(state: StaticState, units: System) -> list[str]:
+    """Sentence on the band by theory to which the one state found of a buckled string belongs; none where two were found."""
+    band = state.band
+    if band is None or (state.path is not None and len(state.path.ends) > 1):
+        return []
+    what = {"wob": "weight on bit", "hook_load": "hook load"}[band.name]
+    low, high = (shown(q, "force", units) for q in (band.low, band.high))
+    return [
+        f"the {what} is one of a band: by theory it may lie between {low} and {high}, as the pipe coils at 1.83 or at 1.41 times "
+        "the load at which it snakes, or has a history between; --path sliding gives the states from a straight string and after an overload"
+    ]
 
 
 def _slides_unfollowed(model: DrillingModel, state: StaticState) -> bool:

@@ -42,6 +42,7 @@ class SummaryKey:
 
 STATIC_START = "static start"
 STATIC_PATH = "path of a buckled string"
+STATIC_BAND = "buckled string that slides"
 MESH_ERROR = "run --mesh-error"
 TOLERANCE_CHECK = "run --check-tolerance"
 ACCEPTED_CHANGES = "run --accept-changes"
@@ -275,6 +276,13 @@ STATICS: tuple[SummaryKey, ...] = (
     ),
     SummaryKey(
         "buckling.helical", "", "Measured depths (from, to) between which the string coils [m].", STRING
+    ),
+    SummaryKey(
+        "helix_band",
+        "",
+        "Of a buckled string that slides along an inclined hole with friction, where theory gives no single value: name (hook_load, or wob "
+        "under a given force at the top), low and high [N], as the pipe coils late or early.",
+        STATIC_BAND,
     ),
     SummaryKey(
         "path",

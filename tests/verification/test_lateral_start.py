@@ -258,6 +258,13 @@ def lowered(
         (deep(0.0, 80e3, 5.0, lowering=0.1), 20),
         (deep(0.0, 150e3, 5.0, lowering=0.1), 20),  # 579 with 2000 m
         (deep(3.0, 80e3, 5.0, mud=True, lowering=0.1), 30),
+        # helices that creep along the wall while the string slides: along a path before
+        (lowered(100e3, 5.0), 30),  # 4927
+        (lowered(100e3, 2.5), 30),
+        (lowered(150e3, 5.0), 45),
+        (lowered(150e3, 5.0, mu=0.1), 35),
+        (lowered(100e3, 5.0, mud=True), 55),  # 1240
+        (lowered(150e3, 2.0, inclination=10.0), 45),
     ],
 )
 def test_factorisations_of_lowered_strings(case, most, monkeypatch):
@@ -292,10 +299,11 @@ def test_factorisations_with_a_universal_joint(joint, wob, motion, monkeypatch):
     assert count <= 30
 
 
-def test_lowered_strings_on_a_mesh_of_half_the_length():
+@pytest.mark.parametrize("wob", [50e3, 100e3])
+def test_lowered_strings_on_a_mesh_of_half_the_length(wob):
     """The hook load of a buckled string that is lowered is the same within 0.01 % from elements of 5 and 2.5 m."""
     loads = []
     for element in (5.0, 2.5):
-        model = build_model(lowered(50e3, element))
+        model = build_model(lowered(wob, element))
         loads.append(static_summary(model, find_equilibrium(model))["hook_load"])
     assert loads[1] == pytest.approx(loads[0], rel=1e-4)

@@ -204,6 +204,6 @@ def test_the_coarse_mesh_of_a_fine_one_follows_no_path(monkeypatch, tmp_path) ->
     monkeypatch.setattr(coarse_start, "FINE", 100)
     monkeypatch.setattr(coarse_start, "COARSE", 50)
     monkeypatch.setattr(equilibrium, "reach", on_fine_meshes)
-    monkeypatch.setattr(equilibrium, "_answer_by_path", followed)
+    monkeypatch.setattr(equilibrium, "answer_by_path", followed)
     assert statics(made, tmp_path / "b").summary["hook_load"] == pytest.approx(expected, rel=1e-6)
     assert min(meshes) < 100 < max(meshes)
