@@ -191,7 +191,7 @@ def bare_number(value: object) -> float | None:
 
 def _is_number_like(value: object) -> bool:
     """Whether a value is a number of another package, such as a whole number of numpy, or an array of one number."""
-    if isinstance(value, (str, bool)) or getattr(value, "ndim", 0):
+    if isinstance(value, (str, bool)) or getattr(value, "ndim", None) not in (None, 0):
         return False
     return hasattr(value, "__float__") and getattr(getattr(value, "dtype", None), "kind", "f") != "b"
 
