@@ -86,8 +86,8 @@ def to_si(value: object, unit: str) -> float:
             number = float(value)
         except OverflowError:  # a whole number of more than 308 digits
             number = math.inf
-    elif hasattr(value, "__float__") and not isinstance(value, bool) and getattr(value, "ndim", 0) == 0:
-        number = float(value)  # numpy scalars
+    elif _is_number_like(value):
+        number = float(value)  # type: ignore[arg-type]
     else:
         raise UnitError(value, wanted(unit))
     if not math.isfinite(number):
@@ -185,7 +185,15 @@ def bare_number(value: object) -> float | None:
         if fraction:
             return _of_fraction(fraction)
         return float(text) if _NUMBER.fullmatch(text) else None
-    return float(value) if isinstance(value, (int, float)) and not isinstance(value, bool) else None
+    is_number = isinstance(value, (int, float)) and not isinstance(value, bool)
+    return float(value) if is_number or _is_number_like(value) else None  # type: ignore[arg-type]
+
+
+def _is_number_like(value: object) -> bool:
+    """Whether a value is a number of another package, such as a whole number of numpy, or an array of one number."""
+    if isinstance(value, (str, bool)) or getattr(value, "ndim", None) not in (None, 0):
+        return False
+    return hasattr(value, "__float__") and getattr(getattr(value, "dtype", None), "kind", "f") != "b"
 
 
 def _neat(number: float) -> float:

@@ -121,8 +121,9 @@ def director_equilibrium(
     model.system.assembly.freeze(None)
     beyond = _beyond_bottom(model)
     if beyond > BEYOND_BOTTOM:
+        distance, unit = display(beyond, "length", _units(model))
         state.warnings.append(
-            f"the string's end lies {beyond:.3g} m below the end of the hole, which its stretch makes it reach; "
+            f"the string's end lies {distance:.3g} {unit} below the end of the hole, which its stretch makes it reach; "
             "bottom: {kind: bit} stands on it, and a shorter string hangs above it"
         )
     if report.negative_pivots and (state.path is None or state.path.kind == "without_friction"):

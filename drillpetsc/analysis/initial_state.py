@@ -13,6 +13,7 @@ from drillpetsc.analysis.placement import align_top, find_reactions, move_rigidl
 from drillpetsc.analysis.quasi_static import QuasiStatic
 from drillpetsc.analysis.quaternion_statics import quaternion_equilibrium
 from drillpetsc.case.case import Case
+from drillpetsc.errors import SolveError
 from drillpetsc.model.drilling_model import DrillingModel, build_model
 from drillpetsc.model.string_forces import held_at_weight
 from drillpetsc.unit_systems import shown
@@ -41,7 +42,20 @@ def find_equilibrium(
         return _equilibrium_at_weight(model, motion, lateral_friction, path)
     if model.motor is not None:
         return motor_equilibrium(model, model.motor, motion, lateral_friction, path)
-    return director_equilibrium(model, motion, lateral_friction, path)
+    try:
+        return director_equilibrium(model, motion, lateral_friction, path)
+    except SolveError as error:
+        if _falls(model):
+            error.what = f"nothing holds the string along the hole: it falls ({error.what})"
+            error.hint = "initial: {from: rest} with time: {..} lets it fall; a top of another kind, or a bottom, holds it"
+        raise
+
+
+def _falls(model: DrillingModel) -> bool:
+    """Whether the string has no end that takes a force along the hole."""
+    case = model.case
+    free = getattr(case.top, "kind", "") == "free" and case.top.force is None
+    return free and getattr(case.bottom, "kind", "") in ("free", "force")
 
 
 def _equilibrium_at_weight(

@@ -24,6 +24,7 @@ from drillpetsc.analysis.memory import Memory, give_back
 from drillpetsc.analysis.mud_above_top import mud_above_top
 from drillpetsc.analysis.placement import top_depth
 from drillpetsc.analysis.quasi_static import QuasiStatic
+from drillpetsc.analysis.restart import ROUNDING, check_restart, is_finished, saved_state
 from drillpetsc.analysis.run_control import (
     FAILED,
     NOTHING,
@@ -35,7 +36,7 @@ from drillpetsc.analysis.steady_flow import fluid_unknowns
 from drillpetsc.analysis.time_scales import longest_strict_step, step_warnings, time_scales
 from drillpetsc.analysis.whirl_steps import WhirlSteps
 from drillpetsc.case.case import Case
-from drillpetsc.errors import LONGEST, RESTART_HINT, CaseError, Interrupted, SolveError, cannot_write
+from drillpetsc.errors import RESTART_HINT, CaseError, Interrupted, SolveError, cannot_write
 from drillpetsc.model.drilling_model import DrillingModel, build_model, is_quasi_static
 from drillpetsc.output import RunFolder, read_summary, write_summary
 from drillpetsc.output.boiling import BoilingMonitor
@@ -47,7 +48,7 @@ from drillpetsc.output.motion_classes import MotionClasses
 from drillpetsc.output.progress import Progress, Receiver, check_progress
 from drillpetsc.output.recorder import Recorder
 from drillpetsc.output.result import RunResult
-from drillpetsc.output.run_writer import RunWriter, after, missing_output, passed
+from drillpetsc.output.run_writer import RunWriter, after, passed
 from drillpetsc.output.well_files import write_well_files
 from drillpetsc.parallel import first_rank_does
 from drillpetsc.solvers import generalized_alpha
@@ -57,7 +58,6 @@ from drillpetsc.solvers.time_integrator import TimeIntegrator
 
 #: largest spectral radius at which long fixed steps across impacts lose energy; larger ones gain
 STEADY_RADIUS = 0.5
-ROUNDING = 1e-9  # output times closer than this fraction of the end time are one
 
 
 def run(
@@ -106,8 +106,8 @@ def run(
         options.refuse_unread(used)
         folder = make_folder(comm, name or "case", out, restart, overwrite)
         try:
-            saved = _saved(comm, folder, restart)
-            accepted = _check_restart(comm, saved, folder, case, recorder, integrator, accept_changes)
+            saved = saved_state(comm, folder, restart)
+            accepted = check_restart(comm, saved, folder, case, recorder, integrator, accept_changes)
             if saved is not None and is_finished(saved.time, case.time.end):
                 done = _result_of_finished_run(comm, folder)
                 if done is not None:
@@ -247,68 +247,6 @@ def make_folder(comm, name: str, out, restart: bool, overwrite: bool) -> RunFold
     if isinstance(answer, CaseError):
         raise answer
     return answer
-
-
-def _saved(comm, folder: RunFolder, restart: bool) -> checkpoint.Checkpoint | None:
-    """The checkpoint that a restart continues; None at a start, or if the folder has none yet."""
-    if not restart:
-        return None
-    answer: Any = None
-    if comm.rank == 0 and folder.checkpoint.exists():
-        try:
-            answer = checkpoint.read(folder.checkpoint)
-        except CaseError as error:
-            answer = error
-    answer = comm.tompi4py().bcast(answer)
-    if isinstance(answer, CaseError):
-        raise answer
-    return answer
-
-
-def _check_restart(
-    comm,
-    saved: checkpoint.Checkpoint | None,
-    folder: RunFolder,
-    case: Case,
-    recorder: Recorder,
-    integrator: TimeIntegrator,
-    accept_changes: bool,
-) -> list[str]:
-    """Raise CaseError, on all ranks, where ``saved`` cannot be continued; returns accepted changes; collective."""
-    if saved is None:
-        if accept_changes:
-            raise CaseError(at="--accept-changes", want="--restart of a run with a checkpoint")
-        return []
-    assert case.time is not None
-    changes = provenance.changes(saved.provenance, case, integrator.user_options)
-    if changes and not accept_changes:
-        raise CaseError(
-            file=folder.checkpoint,
-            got="changed since the checkpoint: " + provenance.listed(changes),
-            want="the case, the PETSc options and the drillpetsc of the run; "
-            f"only {', '.join(provenance.FREE_KEYS)} may change",
-            hint="--accept-changes continues nevertheless; --overwrite begins anew",
-            longest=LONGEST,
-        )
-    if case.time.end < saved.time * (1 - ROUNDING):
-        raise CaseError(
-            at="time.end",
-            got=f"{case.time.end:.9g} s",
-            want=f"at least {saved.time:.9g} s, the time of the checkpoint",
-            hint=f"the run in {folder.path} has already passed this time",
-        )
-    refusal: CaseError | None = None
-    if comm.rank == 0:
-        refusal = missing_output(folder, recorder, saved.time, saved.notes["last_row"])
-    refusal = comm.tompi4py().bcast(refusal)
-    if refusal is not None:
-        raise refusal
-    return changes
-
-
-def is_finished(time: float, end: float) -> bool:
-    """Whether a run that has reached ``time`` [s] is at its ``end`` [s]."""
-    return time >= end * (1 - ROUNDING)
 
 
 def _result_of_finished_run(comm, folder: RunFolder) -> RunResult | None:

@@ -27,6 +27,8 @@ class Block(BaseModel):
 
     unsupported_keys: ClassVar[tuple[str, ...]] = ()
     """Keys of the case format that this version refuses."""
+    keys_elsewhere: ClassVar[Mapping[str, str]] = {}
+    """Keys that belong to another block, and what to write there."""
     unsupported_values: ClassVar[Mapping[str, tuple[str, ...]]] = {}
     """Values of the case format that this version refuses, by key."""
     discriminator: ClassVar[str] = "kind"
@@ -75,6 +77,8 @@ class Block(BaseModel):
             return data
         allowed = set(cls.keys()) | set(cls.model_fields)
         for key, value in data.items():
+            if key in cls.keys_elsewhere:
+                raise refuse(key, got=value, want=cls.keys_elsewhere[key])
             if key in cls.unsupported_keys:
                 raise unsupported(key, got=value, what=key)
             if isinstance(value, str) and value in cls.unsupported_values.get(key, ()):

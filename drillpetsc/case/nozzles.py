@@ -49,6 +49,8 @@ class Nozzles:
     def _entry(self, whole: object, entry: object) -> list[float]:
         if isinstance(entry, str):
             return self._share(whole, entry)
+        if getattr(entry, "dtype", None) is not None:
+            entry = entry.item()  # type: ignore[attr-defined]  # a number of numpy
         if isinstance(entry, bool) or not isinstance(entry, (int, float)):
             raise refuse(got=whole, want=WANT)
         if float(entry).is_integer() and 6 <= entry <= 40:

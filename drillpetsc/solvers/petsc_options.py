@@ -88,6 +88,14 @@ WORDS = {
     "ts_exact_final_time": ("matchstep",),
     "snes_linesearch_type": ("basic", "bt", "cp", "l2", "nleqerr"),
 }
+#: classes of PETSc whose types are asked for; the last words of the option's name stand for all prefixes
+TYPES = {
+    "snes_type": PETSc.SNES,
+    "ksp_type": PETSc.KSP,
+    "pc_type": PETSc.PC,
+    "mat_type": PETSc.Mat,
+    "vec_type": PETSc.Vec,
+}
 #: options that something else sets
 SET_ELSEWHERE = {
     "ts_max_time": "time.end of the case is the end of the run",
@@ -116,7 +124,7 @@ def refuse_values(options: Mapping[str, str]) -> None:
         for ending, words in WORDS.items():
             if name.endswith(ending) and text not in words:
                 raise OptionError(at=f"petsc option -{name}", got=text, want=" | ".join(words))
-        for ending, kind in (("snes_type", PETSc.SNES), ("ksp_type", PETSc.KSP), ("pc_type", PETSc.PC)):
+        for ending, kind in TYPES.items():
             if name == ending or name.endswith(f"_{ending}"):
                 _refuse_type(name, text, kind)
 

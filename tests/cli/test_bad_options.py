@@ -46,6 +46,7 @@ BAD = [
     ("-q_snes_type x", "SNES type"),
     ("-q_ksp_type x", "KSP type"),
     ("-q_pc_type x", "PC type"),
+    ("-mat_type x", "Mat type"),
     ("-q_snes_linesearch_type x", "bt"),
     ("-ts_adapt_type x", "basic"),
     ("-ts_adapt_clip 5", "-ts_adapt_clip"),

@@ -94,6 +94,26 @@ def test_an_end_before_the_checkpoint_is_refused(done, tmp_path):
     assert "time.end" in message and "0.01 s" in message and "at least 0.02 s" in message
 
 
+def test_an_end_before_the_checkpoint_is_told_with_the_changed_keys(done, tmp_path):
+    """Both reasons at once, and no hint to accept changes that would be refused after all."""
+    text = CASE.replace("end: 20 ms", "end: 10 ms") + "gravity: 9.7 m/s2\n"
+    with pytest.raises(CaseError) as refusal:
+        restarted(done, tmp_path, text)
+    message = str(refusal.value)
+    assert "gravity" in message and "at least 0.02 s" in message
+    assert "--accept-changes continues" not in message
+
+
+def test_a_deleted_checkpoint_is_refused(done, tmp_path):
+    """A finished run whose checkpoint is gone was run again from its start, over its results."""
+    shutil.copytree(done, tmp_path / "run")
+    (tmp_path / "run" / "checkpoint.h5").unlink()
+    before = files(tmp_path / "run")
+    with pytest.raises(CaseError, match=r"(?s)checkpoint.h5.*no such file"):
+        restarted(done, tmp_path, CASE.replace("end: 20 ms", "end: 40 ms"))
+    assert files(tmp_path / "run") == before
+
+
 @pytest.mark.parametrize("name", ["history.csv", "probes.csv", "string.pvd", "string/000002.vtu"])
 def test_a_deleted_file_is_refused(name, done, tmp_path):
     shutil.copytree(done, tmp_path / "run")

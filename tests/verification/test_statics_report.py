@@ -318,3 +318,35 @@ def test_lock_up_in_feet_of_a_field_case(tmp_path) -> None:
         number, unit = str(caught.value).split("passes MD ")[1].split()[:2]
         depth[unit] = float(number)
     assert depth["ft"] * 0.3048 == pytest.approx(depth["m"], abs=0.6)
+
+
+def test_a_string_that_nothing_holds_is_said_to_fall(tmp_path) -> None:
+    """The answer was that a stiffness matrix could not be made positive definite."""
+    made = Case(
+        well=straight(15.0, 300.0, 0.2),
+        string=[{"kind": "pipe", "length": 200.0, "od": 0.127, "id": 0.1086}],
+        top="free",
+        bottom="free",
+    )
+    with pytest.raises(SolveError, match="nothing holds the string along the hole") as caught:
+        statics(made, tmp_path / "run")
+    assert "initial: {from: rest}" in str(caught.value)
+
+
+@pytest.mark.parametrize(("units", "unit", "size"), [("field", "ft", 0.3048), ("metric", "m", 1.0)])
+def test_an_end_below_the_hole_in_the_units_of_the_case(tmp_path, units, unit, size) -> None:
+    """3000 m of steel in a vertical hole stretch by rho g L^2/2E, 1.68 m; 1 m above the bottom the end lies 0.68 m below it."""
+    made = Case(
+        well=straight(0.0, 3000.0, 0.0),
+        string=[{"kind": "pipe", "length": 2999.0, "od": 0.127, "id": 0.1086, "material": {"young": 2.06e11, "density": 7850.0}}],
+        top="clamped",
+        bottom="free",
+        gravity=9.81,
+        output={"units": units},
+    )  # fmt: skip
+    (line,) = (
+        w for w in statics(made, tmp_path / "run").summary["warnings"] if "below the end of the hole" in w
+    )
+    number, found = line.split("lies ")[1].split()[:2]
+    assert found == unit
+    assert float(number) * size == pytest.approx(7850 * 9.81 * 2999.0**2 / 2 / 2.06e11 - 1.0, rel=0.01)

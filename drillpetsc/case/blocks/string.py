@@ -115,7 +115,9 @@ class PressureLoss(Block):
 class Item(Block):
     """Base of every string item. A kind without one of the optional keys has the value None for it."""
 
-    unsupported_keys: ClassVar[tuple[str, ...]] = ("joints",)
+    keys_elsewhere: ClassVar[Mapping[str, str]] = {
+        "joints": "joints at the top level of the case, at measured depths in the string: joints: [{kind: universal, at: 120 m}]"
+    }
     optional_attributes: ClassVar[Mapping[str, Any]] = {
         "bend": None,
         "initial": None,

@@ -146,3 +146,19 @@ def test_a_bend_right_below_a_joint_has_no_place() -> None:
         build_mesh(
             make_case([{"at": 9, "kind": "fixed"}], string=[PIPE, {**BODY, "bend": {"angle": 0.01}}, PIPE])
         )
+
+
+def test_joints_of_an_item_are_told_their_place():
+    """They stand at the top level of the case; the answer was "not available in this version"."""
+    with pytest.raises(CaseError, match="joints at the top level of the case"):
+        Case(
+            string=[
+                {
+                    "kind": "pipe",
+                    "length": 10,
+                    "od": 0.1,
+                    "id": 0.08,
+                    "joints": [{"at": 0, "kind": "universal"}],
+                }
+            ]
+        )

@@ -4,6 +4,7 @@ import math
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 
 from drillpetsc.case import Case, load_case
@@ -253,3 +254,32 @@ def test_rate_and_range_of_a_sensor_in_field_units() -> None:
     assert read.rate == 50 and read.filter is not None and read.filter.cutoff == 20
     assert read.range == pytest.approx(16 * 9.80665)
     assert (read.at, read.radius) == (pytest.approx(20 * 0.3048), pytest.approx(2 * 0.0254))
+
+
+@pytest.mark.parametrize("kind", [np.int64, np.int32, np.float32, np.float64])
+def test_numbers_of_numpy_have_the_units_of_the_case(kind):
+    """Whole numbers and short floats of numpy were read as SI in a field case: 100 was 100 m instead of 100 ft."""
+
+    def made(number):
+        def many(*values):
+            return [number(v) for v in values]
+
+        return Case(
+            units="field",
+            well={
+                "survey": {"md": many(0, 2000, 6000), "inclination": many(0, 0, 40), "azimuth": many(0, 10, 20)},
+                "sections": [{"to": "end", "kind": "open_hole", "diameter": number(9), "friction": 0.3}],
+            },
+            string=[
+                {"kind": "drill_pipe", "length": number(5000), "pipe": "5in 19.50 S-135 NC50 premium"},
+                {"kind": "bit", "length": number(1), "od": number(9), "nozzles": many(12, 12, 14)},
+            ],
+            top={"kind": "top_drive", "rotation": number(100)},
+            fluid={"density": number(10), "flow_rate": number(500), "rheology": {"pv": number(20), "yp": number(15)}},
+            time={"end": 1},
+        )  # fmt: skip
+
+    assert made(kind).to_yaml() == made(int).to_yaml()
+    assert made(lambda v: np.array(kind(v))).to_yaml() == made(int).to_yaml()
+    arrays = made(int).replace({"fluid.density": kind(11)})
+    assert arrays.fluid.density == pytest.approx(11 * 0.45359237 / 0.003785411784)
