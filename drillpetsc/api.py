@@ -429,11 +429,12 @@ def campbell(
     speeds: str | Sequence[float],
     count: int = 20,
     kind: str | None = None,
-    lines: str | Sequence[float] | None = None,
+    lines: str | Sequence[float | str] | None = None,
     overwrite: bool = False,
     name: str | None = None,
     comm: Any = None,
     without_control: bool = False,
+    frequency: str = "wd",
 ) -> Result:
     """Compute modes over rotary speeds, follow them by shape, and write campbell.csv and critical.csv (collective).
 
@@ -442,11 +443,12 @@ def campbell(
     speeds: rotary speeds, as text ("0:240:10 rpm", "60,90 rpm") or in rad/s, ascending
     count: number of oscillating modes at each speed, the lowest
     kind: lateral, axial, torsional or fluid; by default all
-    lines: excitation lines in cycles per turn; by default 1, 2, 3 and the blades of a drag bit
+    lines: excitation lines in cycles per turn, "blades" or "motor"; by default 1, 2, 3 and the blades of a drag bit
     overwrite: True to replace the results in an existing folder
     name: name of the case in the default folder
     comm: PETSc communicator; by default all ranks
     without_control: True to hold the top instead of the motor and controller that the case has
+    frequency: wd, critical speeds are where lines meet damped frequencies; wn, natural ones
     """
     from drillpetsc.case.speed_options import read_lines, read_speeds
 
@@ -457,7 +459,9 @@ def campbell(
     from drillpetsc.results.result import result_of
 
     return result_of(
-        run_campbell(case, values, out, count, kind, orders, overwrite, name, comm, without_control)
+        run_campbell(
+            case, values, out, count, kind, orders, overwrite, name, comm, without_control, frequency
+        )
     )
 
 

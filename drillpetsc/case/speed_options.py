@@ -158,21 +158,31 @@ def read_weights(text: Numbers, units: System = "SI") -> tuple[float, ...]:
 
 
 # ---------------------------------------------------------------------- lines
-def read_lines(text: str | Sequence[float], at: str = "--lines") -> tuple[float, ...]:
-    """Read excitation lines: cycles per turn, such as ``1,2,3,6``; CaseError for a number that is not above 0."""
+#: excitation lines by name: the blades of bit and reamer, the orbit of a downhole motor's rotor
+LINE_NAMES = ("blades", "motor")
+
+
+def read_lines(text: str | Sequence[float | str], at: str = "--lines") -> tuple[float | str, ...]:
+    """Read excitation lines: cycles per turn and ``LINE_NAMES``, such as ``1,2,3,motor``; CaseError for another word, or for a
+    number that is not above 0.  Numbers come first, ascending."""
     parts = text.split(",") if isinstance(text, str) else list(text) if isinstance(text, Iterable) else [text]
-    out = []
+    out, names = [], list[str]()
     for part in parts:
+        if str(part).strip() in LINE_NAMES:
+            names.append(str(part).strip())
+            continue
         try:
             value = float(part)
         except ValueError:
             value = -1.0
         if not 0 < value <= 1000:
             raise CaseError(
-                at=at, got=str(part).strip(), want="cycles per turn, above 0, at most 1000, such as 1,2,3"
+                at=at,
+                got=str(part).strip(),
+                want="cycles per turn, above 0, at most 1000, such as 1,2,3; or blades, or motor",
             )
         out.append(value)
-    return tuple(sorted(set(out)))
+    return (*sorted(set(out)), *sorted(set(names)))
 
 
 def read_duration(text: str | float) -> float:

@@ -106,7 +106,14 @@ def _campbell_arguments(command: argparse.ArgumentParser) -> None:
     command.add_argument(
         "--lines",
         metavar="N1,N2",
-        help="excitation lines in cycles per turn (default: 1,2,3 and the blades of a drag bit)",
+        help="excitation lines: cycles per turn, blades (of drag bit and reamer), motor (orbit of a pdm's rotor) (default: 1,2,3 and the "
+        "blades of a drag bit)",
+    )
+    command.add_argument(
+        "--frequency",
+        choices=("wd", "wn"),
+        default="wd",
+        help="critical speeds are where lines meet damped (wd) or natural frequencies (wn) (default: wd)",
     )
     _without_control(command)
     units_argument(command)
@@ -133,6 +140,7 @@ def _campbell(arguments: argparse.Namespace, petsc_options: list[str]) -> int:
         arguments.overwrite,
         Path(arguments.case).stem,
         without_control=arguments.without_control,
+        frequency=arguments.frequency,
     )
     return show(result.lines, result.folder, arguments)
 

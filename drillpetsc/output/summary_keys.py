@@ -198,7 +198,7 @@ RUN: tuple[SummaryKey, ...] = (
     SummaryKey("new_hole.end_right", "m", "Offset to the right of that, looking down the hole.", DRILLS),
     SummaryKey("final", "", "Last values of history.csv, by column."),
     SummaryKey(
-        "error_estimate.time", "", "Local errors of the BDF formula by unknown, largest over the string."
+        "error_estimate.time", "", "Local errors of the time formula by unknown, largest over the string."
     ),
     SummaryKey(
         "error_estimate.outputs",

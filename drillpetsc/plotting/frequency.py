@@ -93,6 +93,11 @@ def draw_campbell(folder: Path, title: str) -> Any:
         )
         axes.annotate(f"{line:g}x", (end, end * line / 60), xytext=(3, 2 + 9 * (k % 2)), textcoords="offset points", fontsize=8, color="0.35",
                       annotation_clip=False)  # fmt: skip
+    if "motor_line" in summary:
+        speeds = np.sort(np.array([*summary["speeds"], *summary["added_speeds"]]))
+        axes.plot(
+            speeds, summary["motor_line"], color="0.35", linewidth=0.9, linestyle=(0, (1, 2)), label="motor"
+        )
     if (folder / CRITICAL_TABLE).exists():
         found = read_table(folder / CRITICAL_TABLE)
         sharp = found["damping_ratio [-]"] < SHARP

@@ -144,6 +144,11 @@ class AlphaOutputErrors:
         """The local errors contain all later effects."""
         return 1.0
 
+    @property
+    def method(self) -> str:
+        """What the summary calls the estimate."""
+        return f"third differences, generalised-alpha of radius {self.formula.radius:g}"
+
     def local_errors(self, times: FloatArray, values: FloatArray) -> FloatArray:
         """Compute ``phase_error`` times step^3 times the third derivative, (m - 3, n).
 
@@ -153,6 +158,10 @@ class AlphaOutputErrors:
         for j in range(1, 4):
             third = j * np.diff(third, axis=0) / (times[j:] - times[:-j])[:, None]
         return self.formula.phase_error * np.diff(times)[2:, None] ** 3 * third
+
+    def weights(self, times: list[float]) -> FloatArray:
+        """Weights (4,) of the states at ``times`` (4,), ascending [s], in the local error of the last one: those of ``local_errors``."""
+        return self.local_errors(np.array(times), np.eye(4))[0]
 
 
 def radius_of(alpha_m: float, alpha_f: float, gamma: float | None = None, beta: float | None = None) -> float:

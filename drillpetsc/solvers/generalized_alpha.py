@@ -84,7 +84,7 @@ class GeneralizedAlpha(TimeIntegrator):
         self._last, self._t, self._jump, self._stop = 0.0, 0.0, np.inf, np.inf
         self._mud_masked, self._next_step, self._earlier_error = False, 0.0, 1.0
         self._restored: dict[str, FloatArray] | None = None
-        self._replayed, self.history = None, BdfHistory(0)
+        self._replayed, self.history, self.estimate = None, BdfHistory(0), None
         system = self.system
         self.state = system.new_state()
         self.work: ResidualWork | None = None
@@ -392,6 +392,8 @@ class GeneralizedAlpha(TimeIntegrator):
             self.work.set_state(state)
         if "alpha" in state and float(state["alpha_clock"][6]) == self.formula.radius:
             self._restored = state
+        if self.estimate is not None:
+            self.estimate.set_state(state)
 
     def _restore(self, state: dict[str, FloatArray]) -> None:
         clock, n = state["alpha_clock"], self.system.layout.size

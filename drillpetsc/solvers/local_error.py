@@ -1,4 +1,4 @@
-"""Local errors of the time formula in a run with BDF, summed by unknown (manual: eq-time-local-error).
+"""Local errors of the time formula in a run, summed by unknown (manual: eq-time-local-error).
 
 A step of BDF k solves p'(t_n) = f, where p is the polynomial through x_n and the k states before it.  Let D
 be the divided difference of order k + 1 of the last k + 2 states.  Then x'(t_n) - p'(t_n) = D prod_i (t_n -
@@ -44,6 +44,15 @@ class OutputErrors(Protocol):
         """
         ...
 
+    def weights(self, times: list[float]) -> FloatArray:
+        """Weights (earlier + 1,) of the states at ``times``, ascending [s], in the local error of the last one."""
+        ...
+
+    @property
+    def method(self) -> str:
+        """What the summary calls the estimate."""
+        ...
+
 
 @dataclass(frozen=True)
 class BdfOutputErrors:
@@ -65,6 +74,15 @@ class BdfOutputErrors:
         """Compute the local errors; see ``OutputErrors.local_errors``."""
         return local_errors(times, values, self.order)
 
+    def weights(self, times: list[float]) -> FloatArray:
+        """Weights of the states; see ``OutputErrors.weights``."""
+        return local_error_weights(times, self.order)
+
+    @property
+    def method(self) -> str:
+        """What the summary calls the estimate."""
+        return f"divided differences of BDF {self.order}"
+
 
 _add_local_error = function("add_local_error", "iippppp")
 
@@ -76,30 +94,27 @@ MEANING = (
 
 
 class LocalErrorEstimate:
-    """Sums of local errors of a run with BDF, and its number of residuals.
+    """Sums of local errors of a run with BDF or generalised-alpha, and its number of residuals.
 
-    Other integrators have no estimate.
+    Other integrators have no estimate.  Generalised-alpha keeps no earlier states: after a restart from a checkpoint its first three
+    steps have none either.
 
     integrator: the ``TimeIntegrator`` of the run; the estimate is updated after each of its steps, and is part of its
     checkpoints.
     """
 
     def __init__(self, integrator: Any):
-        system, options = integrator.system, integrator.options
-        self.system, self.order, self.estimated, self.steps = (
-            system,
-            int(options.get("ts_bdf_order", 2)),
-            0,
-            0,
-        )
-        self.is_bdf = options.get("ts_type", "bdf") == "bdf"
+        self.system, self.estimated, self.steps = integrator.system, 0, 0
+        #: the errors of the formula; None without an estimate
+        self.formula: OutputErrors | None = integrator.output_errors()
+        earlier = 0 if self.formula is None else self.formula.earlier
         self._residuals = self.system.assembly.evaluations
-        layout = system.layout
+        layout = self.system.layout
         differential = np.array([f.differential for f in layout.fields])
         owned = np.sort(layout.local_of_owned)
         self._rows = owned[differential[layout.field_of[owned]]]
         self._field = layout.field_of[self._rows]
-        self._recent: deque[tuple[float, FloatArray, int]] = deque(maxlen=self.order + 2)
+        self._recent: deque[tuple[float, FloatArray, int]] = deque(maxlen=earlier + 1)
         self._largest, self._sum, self._net = (np.zeros(len(self._rows)) for _ in range(3))
         self._history = integrator.history
         integrator.estimate = self
@@ -110,15 +125,15 @@ class LocalErrorEstimate:
 
         t: time at its end [s]; fresh: the first step after the formula was restarted.
         """
-        if not self.is_bdf:
+        if self.formula is None:
             return
         self.steps += 1
         if fresh:
             self._recent.clear()
         self._add(t, self.system.assembly.x)
-        if len(self._recent) < self.order + 2:
+        if len(self._recent) <= self.formula.earlier:
             return
-        weights = local_error_weights([q for q, _, _ in self._recent], self.order)
+        weights = np.ascontiguousarray(self.formula.weights([q for q, _, _ in self._recent]))
         states = np.array([address for _, _, address in self._recent], dtype=np.int64)
         sums = map(pointer, (self._net, self._sum, self._largest))
         _add_local_error(len(self._rows), len(states), pointer(states), pointer(weights), *sums)
@@ -136,7 +151,7 @@ class LocalErrorEstimate:
         local_error: (3,) steps, steps with an estimate, earlier states that the next estimate uses.
         local_error_sums: (nodes, 3, m) largest, sum and net by field.
         """
-        if not self.is_bdf:
+        if self.formula is None:
             return {}
         columns = []
         for sums in (self._largest, self._sum, self._net):
@@ -154,7 +169,7 @@ class LocalErrorEstimate:
 
     def set_state(self, state: dict[str, FloatArray]) -> None:
         """Continue from a checkpoint, whose history the integrator has read; one without the sums starts afresh."""
-        if not self.is_bdf or "local_error_sums" not in state:
+        if self.formula is None or "local_error_sums" not in state:
             return
         self.steps, self.estimated, earlier = (int(n) for n in state["local_error"])
         zero = np.zeros_like(self.system.assembly.x)
@@ -177,7 +192,7 @@ class LocalErrorEstimate:
 
         Collective.
         """
-        if not self.is_bdf:
+        if self.formula is None:
             return None
         sums = {"largest_step": self._largest, "sum": self._sum, "net": np.abs(self._net)}
         comm = self.system.comm.tompi4py() if self.system.comm.size > 1 else None
@@ -196,7 +211,7 @@ class LocalErrorEstimate:
                 **largest,
             }
         return {
-            "method": f"divided differences of BDF {self.order}",
+            "method": self.formula.method,
             "meaning": MEANING,
             "steps": self.estimated,
             "steps_without": self.steps - self.estimated,

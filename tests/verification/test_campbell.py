@@ -11,6 +11,7 @@ import yaml
 
 import drillpetsc
 from drillpetsc import Case
+from drillpetsc.analysis.frequency.campbell import named_lines
 from drillpetsc.analysis.frequency.tracking import SpeedModes, pair, track
 from drillpetsc.errors import CaseError
 from drillpetsc.output import read_table
@@ -134,6 +135,87 @@ def test_lines_and_damping(tmp_path):
     assert critical["amplification"] == pytest.approx(1 / (w * b), rel=2e-3)
     near = json.loads((tmp_path / "summary.json").read_text())["warnings"]
     assert any("within 15 %" in w for w in near)  # 38.4 rpm of 40 rpm
+
+
+def axial_pipe(length: float, damping: float) -> dict:
+    """A pipe that is held at its top, with axial modes (2k - 1) c/4L; other motion is far above."""
+    section = {"axial_stiffness": m.YOUNG * m.AREA, "bending_stiffness": 1e12, "torsional_stiffness": 1e12}
+    inertia = {"mass": m.MASS, "polar_inertia": 1.0, "damping": {"stiffness": damping}}
+    beam = {"kind": "beam", "length": length, "element_length": length / 60, **section, **inertia}
+    return m.two_part_string() | {"string": [beam], "top": {"kind": "top_drive", "rotation": "40 rpm"}}
+
+
+@pytest.mark.parametrize(
+    ("frequency", "length", "damping"), [("wd", 1000, 0.03), ("wn", 1000, 0.03), ("wn", 700, 0.02)]
+)
+def test_lines_meet_damped_or_natural_frequencies(frequency, length, damping, tmp_path):
+    """Strain damping b leaves |s| = w and makes Im s = w sqrt(1 - (w b/2)^2) [closed form]: critical speeds 60 f/n, 0.1 %."""
+    keys = {"speeds": "0:120:20 rpm", "count": 1, "kind": "axial", "lines": "1,2", "frequency": frequency}
+    _, critical = tables(axial_pipe(length, damping), tmp_path, **keys)
+    w = 2 * np.pi * m.AXIAL_SPEED / (4 * length)
+    ratio = w * damping / 2
+    assert ratio > 0.1
+    f = w / (2 * np.pi) * (1.0 if frequency == "wn" else np.sqrt(1 - ratio**2))
+    expected = sorted(60 * f / n for n in (1, 2) if 60 * f / n < 120)
+    assert expected
+    assert critical["critical_rotary_speed"] == pytest.approx(expected, rel=1e-3)
+    assert critical["frequency"] == pytest.approx(f, rel=1e-3)
+    assert critical["damping_ratio"] == pytest.approx(ratio, rel=2e-3)
+
+
+@pytest.mark.parametrize(("lobes", "flow", "length"), [([7, 8], 0.02, 900.0), ([5, 6], 0.02, 1300.0)])
+def test_line_of_the_motor(lobes, flow, length, tmp_path):
+    """The rotor of a motor without load orbits with |N_r n Q - Omega| in space, n in rad per volume [derived]; axial modes (2k - 1) c/4L."""
+    turn = 100.0  # rad/m3
+    pipe = {"od": 0.127, "id": 0.1086}
+    section = {
+        "rev_per_volume": turn,
+        "stall_torque": 14e3,
+        "no_load_pressure": 6e5,
+        "flow_rate": flow,
+        "lobes": lobes,
+    }
+    case = {
+        "string": [
+            {"kind": "pipe", "length": length - 6, **pipe, "element_length": length / 60},
+            {"kind": "pdm", "length": 6.0, **pipe, "element_length": 3.0, "pdm": section},
+        ],
+        "top": {"kind": "top_drive", "rotation": 4.0},
+        "bottom": {"kind": "free"},
+        "gravity": 0.0,
+        "time": {"end": 1.0},
+    }
+    branches, critical = tables(case, tmp_path, speeds="10:160:25 rpm", count=3, kind="axial", lines="motor")
+    orbit = lobes[0] * turn * flow
+    assert set(critical["excitation"]) == {"motor"}
+    w = np.pi / 2 * 5122.698 / length * np.array([1, 3, 5])  # c of the pipe, 206 GPa and 7850 kg/m3
+    expected = sorted(q for q in (*(orbit - w), *(orbit + w)) if 1.05 < q < 16.75)
+    assert expected
+    found = critical["critical_rotary_speed"] * np.pi / 30
+    assert found == pytest.approx(expected, abs=2e-3 * orbit)
+    assert critical["excitation_line"] * found == pytest.approx(np.abs(orbit - found), rel=1e-3)
+    summary = json.loads((tmp_path / "summary.json").read_text())
+    assert summary["motor_line"][0] == pytest.approx(
+        (orbit - np.pi / 3) / (2 * np.pi), abs=lobes[0] * 1e-4 / (2 * np.pi)
+    )  # the law's slope of 1e-4 rad/s (manual: eq-motor-speed)
+
+
+def test_line_of_the_blades(tmp_path):
+    """``blades`` stands for the number of a drag bit's blades."""
+    case = axial_pipe(1000.0, 1e-4)
+    case["string"].append({"kind": "bit", "length": 0.3, "od": 0.2, "mass": 1.0})
+    case |= {"contact": None, "bottom": {"kind": "bit"}}
+    case["well"] = {
+        "survey": {"md": [0, 1000.3], "inclination": [0, 0], "azimuth": [0, 0]},
+        "sections": [{"to": 1000.3, "kind": "open_hole", "diameter": 0.216, "friction": 0.2}],
+    }
+    case["formation"] = {"bit_law": {"kind": "drag_bit", "blades": 5}}
+    drilling = Case(**case)
+    assert named_lines(drilling, (1.0, "blades")) == (1.0, 5.0)
+    with pytest.raises(CaseError, match="without a drag bit or a reamer"):
+        named_lines(Case(**axial_pipe(1000.0, 1e-4)), ("blades",))
+    with pytest.raises(CaseError, match="a pdm with lobes"):
+        named_lines(drilling, ("motor",))
 
 
 # ---------------------------------------------------------------------- tracking

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -25,7 +26,10 @@ from drillpetsc.analysis.frequency.turning import TurningModel, turning_case
 from drillpetsc.analysis.linearised_model import linearise_model
 from drillpetsc.analysis.modal import ROW_WEIGHT, ZERO_FRACTION, _of_kind, _shares, reference_rate
 from drillpetsc.analysis.transient import make_folder
+from drillpetsc.arrays import FloatArray
 from drillpetsc.case.blocks.formation import DragBit
+from drillpetsc.case.blocks.motor import PositiveDisplacementMotor
+from drillpetsc.case.blocks.reamer import Reamer
 from drillpetsc.case.case import Case
 from drillpetsc.errors import CaseError, DrillError
 from drillpetsc.fem.component import DRIVE
@@ -47,6 +51,7 @@ PURE = 0.9  # share of the energy in forward orbits above which a mode whirls fo
 SHARP = 0.1  # damping ratio below which a critical speed near the case's speed is warned of
 MARGIN = 15.0  # margin to the case's speed [%] below which a critical speed is warned of
 DEFAULT_LINES = (1.0, 2.0, 3.0)
+FREQUENCIES = ("wd", "wn")  # lines meet damped or natural frequencies
 
 
 @dataclass(frozen=True)
@@ -54,7 +59,7 @@ class Critical:
     """Crossing of a branch with an excitation line.
 
     branch: number; kind, whirl: of the mode; line: cycles per turn; speed: [rad/s]; frequency: [Hz].
-    damping_ratio: [-].
+    damping_ratio: [-]; excitation: ``turn``, or ``motor`` for the orbit of a motor's rotor.
     """
 
     branch: int
@@ -64,6 +69,7 @@ class Critical:
     speed: float
     frequency: float
     damping_ratio: float
+    excitation: str = "turn"
 
     @property
     def amplification(self) -> float:
@@ -79,11 +85,13 @@ class Campbell:
 
     speeds: modes at each speed, ascending, those between the given ones included; branches: tracked modes.
     critical: crossings with the excitation lines, by speed.
+    orbit: angular frequencies of the orbit of a motor's rotor at the ``speeds`` [rad/s]; None without such a line.
     """
 
     speeds: list[SpeedModes]
     branches: list[Branch]
     critical: list[Critical]
+    orbit: FloatArray | None = None
 
 
 # ---------------------------------------------------------------------- one speed
@@ -198,31 +206,55 @@ def campbell(
     states: TurningModel,
     speeds: tuple[float, ...],
     count: int,
-    lines: tuple[float, ...],
+    lines: tuple[float | str, ...],
     kind: str | None = None,
+    natural: bool = False,
 ) -> Campbell:
     """Compute modes at ``speeds`` [rad/s], track them, and find critical speeds; collective.
+
+    lines: cycles per turn, and ``motor``; natural: lines meet natural frequencies |s|, else damped ones Im s.
 
     Where a branch finds no partner of ``LEAST_MAC``, speeds are added between the two, down to an eighth of the step;
     as many as there are given ones at most.
     """
-    found = [modes_at(states, speeds[0], count, kind)]
+    orbit = dict[float, float]()
+
+    def at(speed: float) -> SpeedModes:
+        modes = modes_at(states, speed, count, kind)
+        if "motor" in lines:
+            orbit[speed] = orbit_rate(states.model)
+        return modes
+
+    found = [at(speeds[0])]
     pairings: list[Pairing] = []
     budget = len(speeds)
     for speed in speeds[1:]:
-        waiting = [modes_at(states, speed, count, kind)]
+        waiting = [at(speed)]
         step = (speed - found[-1].speed) / SMALLEST_STEP
         while waiting:
             here, there = found[-1], waiting[-1]
             pairing = pair(here, there)
             if _unpaired(here, there, pairing) and budget > 0 and there.speed - here.speed > 1.5 * step:
                 budget -= 1
-                waiting.append(modes_at(states, 0.5 * (here.speed + there.speed), count, kind))
+                waiting.append(at(0.5 * (here.speed + there.speed)))
                 continue
             pairings.append(pairing)
             found.append(waiting.pop())
     branches = track(found, pairings)
-    return Campbell(found, branches, critical_speeds(found, branches, lines))
+    rates = np.array([orbit[m.speed] for m in found]) if orbit else None
+    return Campbell(found, branches, critical_speeds(found, branches, lines, natural, rates), rates)
+
+
+def orbit_rate(model: DrillingModel) -> float:
+    """Angular frequency of the orbit of a motor's rotor in space at the present state [rad/s], negative backwards; collective.
+
+    nan in a string at rest, whose rotor stands as well.
+    """
+    assert model.motor is not None
+    rate = model.motor.orbit_speed(0.0, model.system.assembly)
+    if model.system.comm.size > 1:
+        rate = float(model.system.comm.tompi4py().allreduce(rate))
+    return rate if rate else float("nan")
 
 
 def _unpaired(here: SpeedModes, there: SpeedModes, pairing: Pairing) -> bool:
@@ -235,22 +267,35 @@ def _unpaired(here: SpeedModes, there: SpeedModes, pairing: Pairing) -> bool:
 
 
 def critical_speeds(
-    speeds: list[SpeedModes], branches: list[Branch], lines: tuple[float, ...]
+    speeds: list[SpeedModes],
+    branches: list[Branch],
+    lines: tuple[float | str, ...],
+    natural: bool = False,
+    orbit: FloatArray | None = None,
 ) -> list[Critical]:
-    """Find where branches meet the lines f = n Omega/2 pi, by cubic interpolation over the speed."""
+    """Find where branches meet the lines, by cubic interpolation over the speed.
+
+    A line is f = n Omega/2 pi, or, for ``motor``, the frequency of the ``orbit`` at each speed [rad/s].
+    natural: of the natural frequencies |s|, else of the damped ones, Im s.
+    """
     out = []
     for branch in branches:
         if len(branch.points) < 2:
             continue
-        omega = np.array([speeds[k].speed for k, _ in branch.points])
+        at = [k for k, _ in branch.points]
+        omega = np.array([speeds[k].speed for k in at])
         s = np.array([speeds[k].s[j] for k, j in branch.points])
-        rate, growth = CubicSpline(omega, s.imag), CubicSpline(omega, s.real)
+        rates = np.abs(s) if natural else s.imag
+        rate, growth, size = (CubicSpline(omega, q) for q in (rates, s.real, np.abs(s)))
         for line in lines:
+            excitation, moving = _excitation(line, omega, None if orbit is None else orbit[at])
 
-            def gap(w: float, rate: CubicSpline = rate, line: float = line) -> float:
-                return float(rate(w)) - line * w
+            def gap(
+                w: float, rate: CubicSpline = rate, excitation: Callable[[Any], Any] = excitation
+            ) -> float:
+                return float(rate(w)) - float(excitation(w))
 
-            values = s.imag - line * omega
+            values = np.where(moving, rates - excitation(omega), np.nan)
             for k in np.flatnonzero(values[:-1] * values[1:] <= 0):
                 if values[k] == 0 and (k > 0 or omega[k] == 0):
                     continue  # counted with the interval before; nothing excites a string at rest
@@ -258,11 +303,35 @@ def critical_speeds(
                 number, mode = branch.points[k]
                 modes = speeds[branch.points[k + 1][0]]
                 sense = modes.whirl[branch.points[k + 1][1]]
-                frequency, sigma = float(rate(w)), float(growth(w))
-                ratio = -sigma / max(float(np.hypot(frequency, sigma)), 1e-300)
-                kind = speeds[number].kind[mode]
-                out.append(Critical(branch.number, kind, sense, line, w, frequency / (2 * np.pi), ratio))
+                ratio = -float(growth(w)) / max(float(size(w)), 1e-300)
+                per_turn = float(excitation(w)) / w if line == "motor" else float(line)
+                out.append(
+                    Critical(
+                        branch.number,
+                        speeds[number].kind[mode],
+                        sense,
+                        per_turn,
+                        w,
+                        float(rate(w)) / (2 * np.pi),
+                        ratio,
+                        "motor" if line == "motor" else "turn",
+                    )
+                )
     return sorted(out, key=lambda c: (c.speed, c.line, c.branch))
+
+
+def _excitation(
+    line: float | str, omega: FloatArray, orbit: FloatArray | None
+) -> tuple[Callable[[Any], Any], np.ndarray]:
+    """Frequency of a line [rad/s] as a function of the speed, and at which of the speeds ``omega`` there is one."""
+    if line != "motor":
+        return (lambda w: float(line) * w), np.full(len(omega), True)
+    assert orbit is not None
+    moving = np.isfinite(orbit)
+    if moving.sum() < 2:
+        return (lambda w: np.nan * w), np.full(len(omega), False)
+    rate = CubicSpline(omega[moving], orbit[moving])  # it passes zero where the rotor's orbit stands in space
+    return (lambda w: np.abs(rate(w))), moving
 
 
 # ---------------------------------------------------------------------- command
@@ -272,16 +341,18 @@ def run_campbell(
     out: str | Path | None = None,
     count: int = 20,
     kind: str | None = None,
-    lines: tuple[float, ...] | None = None,
+    lines: tuple[float | str, ...] | None = None,
     overwrite: bool = False,
     name: str = "case",
     comm: PETSc.Comm | None = None,
     without_control: bool = False,
+    frequency: str = "wd",
 ) -> RunResult:
     """Compute modes over rotary speeds [rad/s]; write campbell.csv, critical.csv and summary.json; collective.
 
     case: the user's case; count, kind: of modes, as in ``modes``.
-    lines: excitation lines in cycles per turn, None: 1, 2, 3 and the blades of a drag bit.
+    lines: excitation lines in cycles per turn, ``blades`` or ``motor``; None: 1, 2, 3 and the blades of a drag bit.
+    frequency: wd, lines meet damped frequencies; wn, natural ones.
     out: run folder, None: a new one named after ``name``; overwrite: replace an existing one.
     comm: communicator, all ranks by default.
     without_control: leave out motor and controller, and hold the top at the rotation.
@@ -297,12 +368,14 @@ def run_campbell(
         raise CaseError(
             at="--speeds", got=f"{rpm_of(speeds[0]):g} rpm", want="two speeds or more; `modes` is for one"
         )
-    lines = lines or default_lines(case)
+    if frequency not in FREQUENCIES:
+        raise CaseError(at="--frequency", got=frequency, want=" or ".join(FREQUENCIES))
+    lines = named_lines(case, lines) if lines else default_lines(case)
     with options.applied(case.petsc):
         states = TurningModel(turning, comm)
         folder = make_folder(comm, name, out, False, overwrite)
-        found = campbell(states, speeds, count, lines, kind)
-    summary = _summary(case, found, speeds, lines, states, kind)
+        found = campbell(states, speeds, count, lines, kind, frequency == "wn")
+    summary = _summary(case, found, speeds, lines, states, kind) | {"frequency": frequency}
     if comm.rank == 0:
         write_case_folder(case, folder.path)
         write_table(folder.path / CAMPBELL_TABLE, [q.column for q in CAMPBELL], _campbell_columns(found))
@@ -312,7 +385,28 @@ def run_campbell(
     return RunResult(folder.path, summary, _lines(case, folder.path, found, summary))
 
 
-def default_lines(case: Case) -> tuple[float, ...]:
+def _blades(case: Case) -> tuple[float, ...]:
+    """Blades of a drag bit and of reamers."""
+    law = case.formation.bit_law if case.formation is not None else None
+    bit = (float(law.blades),) if isinstance(law, DragBit) else ()
+    return bit + tuple(float(item.blades) for item in case.string if isinstance(item, Reamer))
+
+
+def named_lines(case: Case, lines: tuple[float | str, ...]) -> tuple[float | str, ...]:
+    """Excitation lines with the blades of the case; raises CaseError for lines that it has not."""
+    out: set[float | str] = {line for line in lines if line != "blades"}
+    if "blades" in lines:
+        if not (found := _blades(case)):
+            want = "no line blades in a case without a drag bit or a reamer: give their number"
+            raise CaseError(at="--lines", got="blades", want=want)
+        out |= set(found)
+    motors = [item for item in case.string if isinstance(item, PositiveDisplacementMotor)]
+    if "motor" in lines and not any(item.pdm.lobes is not None for item in motors):
+        raise CaseError(at="--lines", got="motor", want="a pdm with lobes: the orbit of its rotor excites")
+    return (*sorted(q for q in out if not isinstance(q, str)), *sorted(q for q in out if isinstance(q, str)))
+
+
+def default_lines(case: Case) -> tuple[float | str, ...]:
     """Once, twice and three times per turn, the blades of a drag bit, and the lobes under a roller cone."""
     law = case.formation.bit_law if case.formation is not None else None
     blades: tuple[float, ...] = (float(law.blades),) if isinstance(law, DragBit) else ()
@@ -334,7 +428,7 @@ def _summary(
     case: Case,
     found: Campbell,
     speeds: tuple[float, ...],
-    lines: tuple[float, ...],
+    lines: tuple[float | str, ...],
     states: TurningModel,
     kind: str | None,
 ) -> dict[str, Any]:
@@ -356,7 +450,7 @@ def _summary(
     for c in near[:5]:
         ratio = "undamped" if np.isinf(c.amplification) else f"damping ratio {c.damping_ratio:.2g}"
         warnings.append(
-            f"critical speed {rpm_of(c.speed):.4g} rpm ({c.line:g} per turn, {c.kind} {c.frequency:.4g} Hz, {ratio}) is within "
+            f"critical speed {rpm_of(c.speed):.4g} rpm ({'motor, ' if c.excitation == 'motor' else ''}{c.line:.4g} per turn, {c.kind} {c.frequency:.4g} Hz, {ratio}) is within "
             f"{MARGIN:g} % of the case's {case_speed:g} rpm"
         )
     if len(near) > 5:
@@ -374,7 +468,12 @@ def _summary(
         "speeds": [rpm_of(s) for s in speeds],
         "added_speeds": [rpm_of(m.speed) for m in found.speeds if m.speed not in speeds],
         "case_speed": case_speed,
-        "lines": list(lines),
+        "lines": [line for line in lines if not isinstance(line, str)],
+        **(
+            {"motor_line": [None if np.isnan(q) else abs(q) / (2 * np.pi) for q in found.orbit]}
+            if found.orbit is not None
+            else {}
+        ),
         "searched": kind or "all kinds",
         "branches": len(found.branches),
         "lost": len(lost),
@@ -403,7 +502,7 @@ def _campbell_columns(found: Campbell) -> list[Any]:
 
 def _critical_columns(found: Campbell, case_speed: float) -> list[Any]:
     rows = [
-        [c.branch, c.kind, c.whirl, c.line, rpm_of(c.speed), c.frequency, c.damping_ratio, c.amplification,
+        [c.branch, c.kind, c.whirl, c.excitation, c.line, rpm_of(c.speed), c.frequency, c.damping_ratio, c.amplification,
          margin(c, case_speed)]
         for c in found.critical
     ]  # fmt: skip
@@ -421,7 +520,7 @@ def _lines(case: Case, folder: Path, found: Campbell, summary: dict[str, Any]) -
     shown = sorted(found.critical, key=lambda c: c.damping_ratio)[:SHOWN]
     for c in shown:
         lines.append(
-            f"  {c.speed / RPM:>9.3f} {c.frequency:>9.4g} {c.line:>8g}     {c.kind:<11} {c.whirl:<9} {c.damping_ratio:>12.3g}   "
+            f"  {c.speed / RPM:>9.3f} {c.frequency:>9.4g} {c.line:>8.4g}     {c.kind:<11} {c.whirl:<9} {c.damping_ratio:>12.3g}   "
             f"{_amplification(c):>13}   {c.branch:>6}"
         )
     if not shown:

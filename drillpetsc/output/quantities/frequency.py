@@ -107,6 +107,10 @@ CRITICAL: tuple[Quantity, ...] = (
     BRANCH,
     _MODE["kind"],
     WHIRL_SENSE,
+    _column(
+        "excitation", "-", "Kind of the excitation", "XKND",
+        "Turn: cycles per turn of the string; motor: the orbit of a motor's rotor.",
+    ),
     _column("excitation_line", "-", "Excitation line", "XLIN", "Cycles of the excitation per turn."),
     _column(
         "critical_rotary_speed", "rpm", "Critical rotary speed", "CSPD",
