@@ -24,7 +24,7 @@ def test_the_case_has_the_elements_asked_for(elements, tmp_path):
 
 
 def test_pictures_are_drawn(tmp_path):
-    calls = {name: 1e-3 for name in scaling.PHASES}
+    calls = dict.fromkeys(scaling.PHASES, 0.001)
     stored = {
         "phases": [{"elements": n, "calls": calls, "step": 1e-2} for n in (2400, 600)],
         "ranks": [{"elements": 2399, "ranks": p, "step": 1e-2 / p} for p in (1, 2)],
