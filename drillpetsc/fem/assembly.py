@@ -397,13 +397,7 @@ class Assembly:
         ends: exchange with other ranks, None on one rank; rows: the residual, with ``ends``.  A rank may go this way and another
         that of the separate calls: their messages are the same.
         """
-        if (
-            self.stabilized
-            or self._imposed
-            or self._frozen
-            or self.dead_load is not None
-            or self.block_by_block
-        ):
+        if self.stabilized or self._imposed or self._frozen or self.block_by_block:
             return False
         for f in self.row_replacements:
             if f.time != t and f.condition.along_path is not None:
@@ -421,6 +415,7 @@ class Assembly:
             self._step = self._step_call(calls, owned)
         _, call, address, _ = self._step
         call.sigma, call.second = sigma, second
+        call.dead = None if self.dead_load is None else pointer(self.dead_load)
         if ends is None or rows is None:
             _step_rows(address, *at)
         else:

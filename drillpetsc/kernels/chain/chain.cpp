@@ -17,6 +17,7 @@
 #include <cstdint>
 #include <cstring>
 #include <unordered_map>
+#include <unordered_set>
 #include <utility>
 #include <type_traits>
 #include <vector>
@@ -517,22 +518,30 @@ int chain_runs(int m, const int* rows, const int* columns, const int* source, co
 }
 
 // Tiles of the patterns of chain_runs, TILE numbers each, those of pattern p from tile_begin[p] to tile_begin[p + 1]; the entries of
-// patterns that are no matrix are single: (place in the run, slot).  Both are no more than there are slots.  A slot occurs once in a pattern.
+// patterns that are not made of matrices are single: (place in the run, slot).  Both are no more than there are slots.  Where a slot comes
+// again, another matrix begins: two neighbouring elements have rows at one node.  Sums keep their order.
 void chain_tiles(int patterns, const int* begin, const int* slots, int* tile_begin, int* tiles, int* single_begin, int* singles) {
     tile_begin[0] = single_begin[0] = 0;
     for (int p = 0; p < patterns; p++) {
         const int count = begin[p + 1] - begin[p], *own = slots + begin[p];
-        std::vector<int> sorted(own, own + count);
-        std::sort(sorted.begin(), sorted.end());
-        const bool once = std::adjacent_find(sorted.begin(), sorted.end()) == sorted.end();
-        int best = -1, least = count;  // a tile of a single entry is none
-        for (int width = 4; once && width <= count; width++) {
-            const int found = count % width ? -1 : tiles_of_width(count, own, width, nullptr);
-            if (found >= 0 && found < least) least = found, best = width;
+        int made = 0;
+        for (int from = 0, to; from < count && made >= 0; from = to) {
+            std::unordered_set<int> seen;
+            for (to = from; to < count && seen.insert(own[to]).second;) to++;
+            int best = -1, least = to - from;  // a tile of a single entry is none
+            for (int width = 4; width <= to - from; width++) {
+                const int found = (to - from) % width ? -1 : tiles_of_width(to - from, own + from, width, nullptr);
+                if (found >= 0 && found < least) least = found, best = width;
+            }
+            int* tile = tiles + TILE * (tile_begin[p] + made);
+            made = best < 0 ? -1 : made + tiles_of_width(to - from, own + from, best, tile);
+            for (; best >= 0 && tile < tiles + TILE * (tile_begin[p] + made); tile += TILE)
+                for (int k = 0; k < 4; k++)
+                    if (tile[k] >= 0) tile[k] += from;
         }
-        tile_begin[p + 1] = tile_begin[p] + (best < 0 ? 0 : tiles_of_width(count, own, best, tiles + TILE * tile_begin[p]));
-        single_begin[p + 1] = single_begin[p] + (best < 0 ? count : 0);
-        for (int k = 0; best < 0 && k < count; k++) singles[2 * (single_begin[p] + k)] = k, singles[2 * (single_begin[p] + k) + 1] = own[k];
+        tile_begin[p + 1] = tile_begin[p] + (made < 0 ? 0 : made);
+        single_begin[p + 1] = single_begin[p] + (made < 0 ? count : 0);
+        for (int k = 0; made < 0 && k < count; k++) singles[2 * (single_begin[p] + k)] = k, singles[2 * (single_begin[p] + k) + 1] = own[k];
     }
 }
 

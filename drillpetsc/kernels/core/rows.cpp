@@ -73,10 +73,10 @@ DP_RECORD(PrescribedCall,
 DP_EXPORT_RECORD(prescribed_call, PrescribedCall)
 
 // What the residual of a condensed step needs: n unknowns at places `owned` of x, y, a, r; constants v0, v1 of the time formula;
-// spins nodes with a spin angle (core/nodes.cpp); prescribed motion; blocks.
+// spins nodes with a spin angle (core/nodes.cpp); prescribed motion; blocks; dead: null, or a dead load at the `size` local unknowns.
 DP_RECORD(StepCall,
     const int* owned; double* x; double* y; double* a; double* r; const double* v0; const double* v1; const int* where; const double* reference;
-    const PrescribedCall* prescribed; const BlockCall* blocks; double sigma, second, scale; int n, size, length, spins, prescriptions, count;
+    const PrescribedCall* prescribed; const BlockCall* blocks; const double* dead; double sigma, second, scale; int n, size, length, spins, prescriptions, count;
 )
 DP_EXPORT_RECORD(step_call, StepCall)
 
@@ -98,7 +98,11 @@ extern "C" void step_blocks(const StepCall* call, double* rows) {
             lean_rates(p.rows, p.lean, c.second, c.v1, c.y, c.a);
         }
     }
-    run_residuals(c.count, c.blocks, c.length, c.r);
+    if (c.dead) {
+        for (int i = 0; i < c.size; ++i) c.r[i] = 0.0 - c.dead[i];
+        for (int i = c.size; i < c.length; ++i) c.r[i] = 0.0;
+    }
+    run_residuals(c.count, c.blocks, c.dead ? 0 : c.length, c.r);
     for (int i = 0; i < c.n; ++i) rows[i] = c.r[c.owned[i]];
 }
 
