@@ -23,6 +23,9 @@ from drillpetsc.arrays import FloatArray
 from drillpetsc.errors import SolveError
 
 RANK_TOLERANCE = 1e-9  # singular values below this fraction of the largest are zero
+NOTHING = (
+    1e-13  # entries below this fraction of the largest of an algebraic row, in usual units, are rounding
+)
 SMALL = 1e-6  # parts of a constraint below this fraction of its largest, in usual units, are rounding
 EQUILIBRATIONS = 20  # scalings of rows and columns by the square roots of their largest entries (Ruiz 2001)
 RELATIVE_ZERO = 1e-10  # couplings below this fraction of the largest of their row, in usual units, are none
@@ -266,7 +269,8 @@ def _constraints(K, C, S, F, L, rd, ra, scale, rate, forcing) -> _Free:
     motions that an input changes, of accelerations, or of rates that others hold already.
     """
     m = forcing[0].shape[1]
-    A = K[np.ix_(ra, L)] * scale[L]
+    A = K[np.ix_(ra, L)] * scale[L]  # the largest entry of a whole row is 1
+    A[np.abs(A) < NOTHING] = 0.0
     U, s, Vt = np.linalg.svd(A) if A.size else (np.eye(len(ra)), np.zeros(0), np.eye(len(L)))
     rank = int((s > RANK_TOLERANCE * s.max()).sum()) if s.max(initial=0.0) > 0 else 0
     resolved = -(scale[L][:, None] * Vt[:rank].T) / s[:rank]

@@ -5,9 +5,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from drillpetsc import Case, hydraulics, limits, run, statics, surge
+from drillpetsc import Case, hydraulics, limits, linearise, run, statics, surge
 from drillpetsc.analysis.check import describe
 from drillpetsc.analysis.hydraulics.flow_model import FlowModel, string_at, whole_string
+from drillpetsc.analysis.hydraulics.hydraulics import Hydraulics
 from drillpetsc.analysis.hydraulics.losses import motor_rows
 from drillpetsc.analysis.placement import top_depth
 from drillpetsc.errors import CaseError
@@ -127,6 +128,32 @@ def test_check_names_every_tool_and_its_unknowns():
         assert word in contains
     for field in ("side.flow: 1 at 1 nodes", "agitator.angle: 1 at 1 nodes"):
         assert field in text
+
+
+@pytest.mark.parametrize(
+    "tool",
+    [
+        {"kind": "shock_sub", "stiffness": "8 MN/m", "damping": "50 kN s/m", "stroke": [-0.1, 0.1]},
+        {"kind": "jar", "jar": {"threshold": "300 kN", "stroke": "0.2 m"}},
+    ],
+    ids=["shock sub", "jar"],
+)
+def test_a_slider_in_mud_has_a_linear_model(tool: dict, tmp_path):
+    """Slow changes of the flow rate: the gain of the pump pressure is the slope of the steady flow's (`hydraulics`); 1e-4.
+
+    The pressures on both sides of the joint are one: a rounding error in that row must not become a resistance.
+    """
+    found = case({"length": 4, **BORE} | tool)
+    linearise(found, ["fluid.flow_rate"], ["pump_pressure"], out=tmp_path / "linear")
+    with np.load(tmp_path / "linear" / "linear.npz") as z:
+        A, B, C, D = (z[name] for name in "ABCD")
+        assert z["frequency"][-1] < 1e6
+    slow = 2j * np.pi * 1e-4 * np.eye(len(A)) - A
+    rows = np.abs(slow).max(axis=1, keepdims=True)
+    gain = (C @ np.linalg.solve(slow / rows, B / rows) + D).item()
+    steady = Hydraulics(found)
+    above, below = (steady.at(q).summary["pump_pressure"] for q in (0.02501, 0.02499))
+    assert abs(gain) == pytest.approx((above - below) / 2e-5, rel=1e-4)
 
 
 # ---------------------------------------------------------------------- top under a force, with a weight on bit
