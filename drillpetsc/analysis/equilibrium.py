@@ -9,7 +9,7 @@ import numpy as np
 
 from drillpetsc.analysis.coarse_start import coarse_factor, coarse_model, place_like, whole_model
 from drillpetsc.analysis.energy_descent import START_INCREMENT, Snapshot, coarse_elements, too_coarse
-from drillpetsc.analysis.flow_coupling import couple_flow_and_string
+from drillpetsc.analysis.flow_coupling import couple_flow_and_string, surge_rates
 from drillpetsc.analysis.friction_newton import reach
 from drillpetsc.analysis.march import CRUSHING_STRAIN, March, helix_band, march
 from drillpetsc.analysis.path_answer import PathKind
