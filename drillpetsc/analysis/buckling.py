@@ -12,6 +12,7 @@ import numpy as np
 from drillpetsc.analysis.placement import top_depth
 from drillpetsc.arrays import FloatArray
 from drillpetsc.model.drilling_model import DrillingModel
+from drillpetsc.model.element_length import instead_of_length
 from drillpetsc.output.files.tables import Column
 from drillpetsc.output.static_table import at_nodes
 from drillpetsc.unit_systems import System, display_unit
@@ -32,11 +33,13 @@ class Buckling:
     sinusoidal: the compression exceeds the sinusoidal load but the string does not coil.
     helical: the string coils about the axis of the hole.
     coarse: (from, to, element length, length that would do) [m] of buckled ranges with too long elements.
+    instead: what the case may say instead of a shorter length.
     """
 
     sinusoidal: tuple[tuple[float, float], ...] = ()
     helical: tuple[tuple[float, float], ...] = ()
     coarse: tuple[tuple[float, float, float, float], ...] = ()
+    instead: str = "or auto"
 
     def as_dict(self) -> dict[str, list[list[float]]]:
         """Ranges for summary.json [m]."""
@@ -73,7 +76,7 @@ class Buckling:
         size, _, unit = display_unit("length", units)
         return [
             f"elements of {length / size:.3g} {unit} from MD {a / size:.0f} to {b / size:.0f} {unit} are too long for "
-            f"the buckled shape: element_length of {enough / size:.2g} {unit} or less (or auto)"
+            f"the buckled shape: element_length of {enough / size:.2g} {unit} or less ({self.instead})"
             for a, b, length, enough in self.coarse
         ]
 
@@ -106,7 +109,8 @@ def buckling(model: DrillingModel, columns: list[Column], values: FloatArray) ->
     for a, b in _ranges(depth, coarse):
         there = coarse & (depth >= a) & (depth <= b)
         ranges.append((a, b, float(length[there].max()), float(pitch[there].min() / ELEMENTS_PER_PITCH)))
-    return Buckling(_ranges(depth, buckled & ~helical), _ranges(depth, helical), tuple(ranges))
+    instead = instead_of_length(model.case)
+    return Buckling(_ranges(depth, buckled & ~helical), _ranges(depth, helical), tuple(ranges), instead)
 
 
 def _winds(model: DrillingModel, table: dict[str, FloatArray], pitch: FloatArray) -> np.ndarray:

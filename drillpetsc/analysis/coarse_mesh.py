@@ -22,6 +22,7 @@ from drillpetsc.model.element_length import (
     STEP_STRESS,
     VERTICAL,
     free_length,
+    instead_of_length,
     step_moment,
 )
 from drillpetsc.model.mesh import string_forces
@@ -291,7 +292,7 @@ def _beside(
     return (
         f"elements of {length / scale:.3g} {unit} {where} {depth:.0f} {unit} leave {size} in the bending moment, and make side forces "
         f"and their friction too large: "
-        f"element_length of {enough / scale:.2g} {unit} or less there (or auto)"
+        f"element_length of {enough / scale:.2g} {unit} or less there ({instead_of_length(model.case)})"
     )
 
 
@@ -307,7 +308,7 @@ def _ranged(
         out.append(
             f"elements of {mesh.length[a:b].max() / scale:.3g} {unit} from MD {(mesh.upper[a] + shift) / scale:.0f} to "
             f"{(mesh.lower[b - 1] + shift) / scale:.0f} {unit} are too long for {cause(worst)}: element_length of "
-            f"{enough[worst] / scale:.2g} {unit} or less (or auto)"
+            f"{enough[worst] / scale:.2g} {unit} or less ({instead_of_length(model.case)})"
         )
     return _first(out)
 

@@ -91,6 +91,12 @@ def is_automatic(case: Case) -> bool:
     return any(isinstance(item, Flexible) and isinstance(item.element_length, str) for item in case.string)
 
 
+def instead_of_length(case: Case) -> str:
+    """What a case may say instead of a shorter ``element_length``: auto, or a finer mesh where all lengths are automatic."""
+    given = any(isinstance(getattr(item, "element_length", None), float) for item in case.string)
+    return "or auto" if given else f"or mesh: {{refinement: {2 * case.mesh.refinement:g}}}"
+
+
 def choose_lengths(
     case: Case,
     well: Well | None,

@@ -15,6 +15,8 @@ from drillpetsc.output import quantities as declared
 from drillpetsc.parallel import total
 
 LIMIT = 0.01  # of the energy exchanged
+#: share of the strain energy below which an exchange is the settling of a state that is known to the solver's tolerance
+SETTLING = 1e-5
 ROWS_ABOVE_LIMIT = 3  # consecutive rows above the limit that stop a run
 
 
@@ -123,9 +125,12 @@ class EnergyBalance:
     @property
     def exchanged(self) -> float:
         """Scale of an energy error [J]: the larger of the peaks, since the start, of the supplied work and of the change
-        of kinetic and strain energy, at least the rounding of the energies.  Work that was supplied and given back
-        counts."""
-        return max(abs(self.supplied), self.peak_exchange, 1e-9 * float(np.abs(self.energies).sum()), 1e-300)
+        of kinetic and strain energy, at least the rounding of the energies and the settling of the start.  Work that was
+        supplied and given back counts."""
+        least = max(
+            1e-9 * float(np.abs(self.energies).sum()), SETTLING * abs(float(self.energies[1])), 1e-300
+        )
+        return max(abs(self.supplied), self.peak_exchange, least)
 
     @property
     def error(self) -> float:

@@ -179,3 +179,24 @@ def test_false_side_force_beside_a_bit():
     (coarse, (line,)), (fine, silent) = found
     assert coarse > 1.1 * fine and silent == []
     assert "side forces and their friction too large" in line
+
+
+@pytest.mark.parametrize(
+    ("lengths", "refinement", "words"),
+    [
+        (["auto", "auto"], 1.5, "or mesh: {refinement: 3}"),
+        (["auto", 6.0], 1.0, "or auto"),
+        ([6, 6], 1.0, "or auto"),
+    ],
+)
+def test_what_is_told_instead_of_a_length(lengths, refinement, words):
+    """A mesh that is automatic throughout was told to be automatic."""
+    from drillpetsc.model.element_length import instead_of_length
+
+    case = Case(
+        string=[{"kind": "pipe", "length": 30, "od": 0.127, "id": 0.1, "element_length": e} for e in lengths],
+        top="clamped",
+        bottom="free",
+        mesh={"refinement": refinement},
+    )
+    assert instead_of_length(case) == words
