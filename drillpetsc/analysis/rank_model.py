@@ -94,12 +94,13 @@ class StepCounts:
         """Time on one rank over that on several."""
         return self.time(1) / self.time(ranks)
 
-    def least_elements(self) -> int:
-        """Fewest elements of a rank with which two ranks gain ``GAIN`` over one."""
+    def least_elements(self, ranks: int = 2) -> int:
+        """Fewest elements of a rank with which so many ranks gain ``GAIN`` over half as many."""
         few, many = 1, 1 << 24
         while few < many:
             middle = (few + many) // 2
-            if StepCounts(2 * middle, self.entries, self.block).speed_up(2) >= GAIN:
+            string = StepCounts(ranks * middle, self.entries, self.block)
+            if string.time(ranks // 2) / string.time(ranks) >= GAIN:
                 many = middle
             else:
                 few = middle + 1
@@ -124,12 +125,15 @@ def rank_lines(model: DrillingModel) -> list[str]:
 def lines_of(counts: StepCounts) -> list[str]:
     """The same from counts."""
     pay = [p for p in RANKS if p <= counts.elements and counts.time(p // 2) / counts.time(p) >= GAIN]
-    two, least = counts.speed_up(2), counts.least_elements()
+    two = counts.speed_up(2)
     if 2 not in pay:
         what = f"2 would be {two:.2g} x as fast" if two >= 1.0 else f"2 would take {1 / two:.2g} x as long"
         best = "1 rank is fastest" if two < 1.0 else "a second rank hardly pays"
-        return [f"expected on several ranks: {best}, {what}; ranks pay above {least} elements each"]
+        return [
+            f"expected on several ranks: {best}, {what}; ranks pay above {counts.least_elements()} elements each"
+        ]
     parts = ", ".join(f"{p} ranks: {counts.speed_up(p):.2g} x" for p in pay)
+    least = counts.least_elements(pay[-1])
     return [
         f"expected on ranks with a core each: {parts}; a rank with fewer than {least} elements does not pay"
     ]

@@ -40,11 +40,13 @@ def test_long_strings_reach_the_limit_of_the_work():
 
 
 @pytest.mark.parametrize("entries, block", [WET, DRY])
-def test_least_elements(entries, block):
-    """With one element less on each of two ranks they gain less than GAIN."""
-    least = StepCounts(1, entries, block).least_elements()
-    assert StepCounts(2 * least, entries, block).speed_up(2) >= GAIN
-    assert StepCounts(2 * least - 2, entries, block).speed_up(2) < GAIN
+@pytest.mark.parametrize("ranks", [2, 4, 64])
+def test_least_elements(ranks, entries, block):
+    """With one element less on each rank they gain less than GAIN over half as many."""
+    least = StepCounts(1, entries, block).least_elements(ranks)
+    for elements, pays in ((least, True), (least - 1, False)):
+        string = StepCounts(ranks * elements, entries, block)
+        assert (string.time(ranks // 2) / string.time(ranks) >= GAIN) is pays
 
 
 def test_lines():
@@ -55,3 +57,16 @@ def test_lines():
     (line,) = lines_of(StepCounts(4800, *WET))
     shown = [float(part.split()[2]) for part in line.split("each: ")[1].split("; ")[0].split(", ")]
     assert len(shown) >= 3 and shown == sorted(shown) and 1.5 < shown[0] < 2.0, line
+
+
+@pytest.mark.parametrize("entries, block", [WET, DRY])
+@pytest.mark.parametrize("elements", [600, 1199, 2400, 4800, 20000])
+def test_the_line_agrees_with_itself(elements, entries, block):
+    """Ranks that are said to pay have at least the elements that are said to be needed."""
+    (line,) = lines_of(StepCounts(elements, entries, block))
+    if "core each" in line:
+        ranks = int(line.split(" ranks: ")[-2].split()[-1])
+        needed = int(line.split("fewer than ")[1].split()[0])
+        assert elements / ranks >= needed - 1, line
+    else:
+        assert elements / 2 < int(line.split("above ")[1].split()[0]), line
