@@ -10,6 +10,7 @@ from collections import deque
 from collections.abc import Iterable
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from petsc4py import PETSc
@@ -58,6 +59,7 @@ class Session:
     """A model that is advanced step by step.
 
     case: a Case, the path of a case file, or a run folder whose checkpoint is continued.
+    estimate_error: estimate the time error of the main outputs at every inner step, for ``error_estimate``.
     interpolate: ``held``, an input is constant from its ``set`` on; ``linear``, it goes to the new value over the next step.
     comm: PETSc communicator, all ranks by default; then every call is collective.
 
@@ -66,7 +68,12 @@ class Session:
     """
 
     def __init__(
-        self, case: Case | str | Path, *, interpolate: str = "held", comm: PETSc.Comm | None = None
+        self,
+        case: Case | str | Path,
+        *,
+        interpolate: str = "held",
+        estimate_error: bool = False,
+        comm: PETSc.Comm | None = None,
     ) -> None:
         if interpolate not in ("held", "linear"):
             raise CaseError(at="interpolate", got=interpolate, want="held or linear")
@@ -96,6 +103,15 @@ class Session:
         self._outputs = LiveOutputs(self._recorder)
         if self._senses is not None:
             self._integrator.after_step.append(self._sense)
+        self._estimated_from = self.time
+        if estimate_error:
+            formula = self._integrator.output_errors()
+            if formula is None:
+                raise CaseError(
+                    at="estimate_error", got="True", want="False: this time integrator has no estimate"
+                )
+            self._recorder.estimate_time_error(formula)
+            self._integrator.after_step.append(self._count_error)
         self._integrator.on_step_end.append(self._watch)
 
     # ------------------------------------------------------------------ what there is
@@ -117,6 +133,18 @@ class Session:
             return float("nan")
         simulated, wall = (sum(q[k] for q in self._wall) for k in (0, 1))
         return simulated / wall if wall > 0 else float("inf")
+
+    @property
+    def error_estimate(self) -> dict[str, Any]:
+        """Estimated time error of the main outputs since the start, as `error_estimate.outputs` of a run's summary; collective.
+
+        Raises ValueError in a session without ``estimate_error``.
+        """
+        self._check_open()
+        estimate = self._recorder.time_error
+        if estimate is None:
+            raise ValueError("error_estimate: open the session with estimate_error=True")
+        return {"since": self._estimated_from, **estimate.summary(), "damped_above": estimate.damped_above()}
 
     # ------------------------------------------------------------------ inputs and outputs
     def set(self, name: str, value: float | str) -> None:
@@ -173,6 +201,11 @@ class Session:
         finally:
             self._deadline = np.inf
         return StepReport(self.time, self.time < t)
+
+    def _count_error(self, t: float, dt: float) -> None:
+        """After every inner step: add its local error to the estimate."""
+        integrator = self._integrator
+        self._recorder.count_time_error(t, dt, integrator.input_time(t), integrator.fresh)
 
     def _sense(self, t: float, dt: float) -> None:
         """After every inner step: record it for the sensors."""
@@ -249,6 +282,8 @@ class Session:
         self._integrator.set_state(c.stepper)
         if self._senses is not None:
             self._senses.set_state(c, state.sensed)
+        if self._recorder.time_error is not None:
+            self._recorder.time_error.set_state(c.recorder)
         for name, live in self._live.items():
             live.set_state(state.inputs[name], self._given[name])
         self.time, self._largest = c.time, dict(state.largest)

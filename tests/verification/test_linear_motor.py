@@ -99,3 +99,57 @@ def test_roots_of_linearise_modes_and_campbell(length, torque, tmp_path):
     assert rows["frequency [Hz]"][lowest] == pytest.approx(first.imag / (2 * np.pi), rel=1e-4)
     assert rows["growth [1/s]"][lowest] == pytest.approx(first.real, rel=1e-3)
     assert lowest.sum() == 3
+
+
+@pytest.mark.parametrize(("length", "flow", "viscosity"), [(300.0, 0.03, 0.02), (500.0, 0.02, 0.01)])
+def test_slow_answer_of_a_motor_without_load_in_mud(length, flow, viscosity, tmp_path):
+    """A vertical string off bottom: the model's speed per flow at low frequency is the difference of two steady states, 3e-4.
+
+    It is below 2 pi n, since mud is denser under pressure, and the pressure grows with the flow.
+    """
+    depth = length + 40.0
+    section = {"rev_per_volume": TURN, "stall_torque": STALL, "no_load_pressure": 6e5, "rotor_inertia": 3.0}
+
+    def case(rate: float) -> Case:
+        return Case(
+            well={
+                "survey": {"md": [0, depth], "inclination": [0, 0], "azimuth": [0, 0]},
+                "sections": [{"to": depth, "kind": "open_hole", "diameter": 0.2159, "friction": 0.0}],
+            },
+            string=[
+                {"kind": "pipe", "length": length - 9, **PIPE, "element_length": 20.0},
+                {
+                    "kind": "pdm",
+                    "length": 9.0,
+                    "od": 0.1715,
+                    "id": 0.1,
+                    "element_length": 4.5,
+                    "pdm": section,
+                },
+                {"kind": "bit", "length": 0.3, "od": 0.2159, "mass": 60.0, "nozzle_area": 4e-4},
+            ],
+            top={"kind": "top_drive", "rotation": 0.0},
+            bottom={"kind": "free"},
+            fluid={
+                "density": 1200.0,
+                "rheology": {"model": "newtonian", "viscosity": viscosity},
+                "flow_rate": rate,
+            },
+            initial={"from": "statics"},
+            time={"end": 1.0},
+        )
+
+    speeds = []
+    for rate in (flow - 1e-4, flow + 1e-4):
+        with drillpetsc.Session(case(rate)) as s:
+            speeds.append(s.get("motor_speed"))
+    expected = (speeds[1] - speeds[0]) / 2e-4
+    assert 0.97 * TURN < expected < 0.999 * TURN
+    model = drillpetsc.linearise(
+        case(flow), inputs=["fluid.flow_rate"], outputs=["motor_speed"], out=tmp_path / "linear"
+    ).system
+    real = []
+    for w in (0.01, 0.02):
+        x = np.linalg.solve(1j * w * np.eye(len(model.A)) - model.A, model.B)
+        real.append((model.C @ x + model.D + 1j * w * model.F)[0, 0].real)
+    assert real[0] + (real[0] - real[1]) / 3 == pytest.approx(expected, rel=3e-4)  # even in the frequency

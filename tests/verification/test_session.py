@@ -202,3 +202,31 @@ def test_a_step_that_was_cut_leaves_no_step_of_rounding(monkeypatch):
             s.step(0.01)
             fails[0] = k % 10 == 9
     assert min(steps) > 1e-3
+
+
+def test_error_estimate_of_a_session(tmp_path):
+    """The same steps as a run have the same estimate; a session without it says so."""
+    keys = {"time.end": 0.4, "petsc.ts_adapt_type": "none", "petsc.ts_dt": 2.5e-3}
+    case = load_case(LYING).replace(keys)
+    expected = run(case, tmp_path / "run", progress="silent").summary["error_estimate"]
+    with drillpetsc.Session(case, estimate_error=True) as s:
+        for k in range(8):
+            s.step(0.05)
+            if k == 4:
+                middle = s.state()
+        got = s.error_estimate
+        s.set_state(middle)
+        for _ in range(3):
+            s.step(0.05)
+        assert s.error_estimate == got
+    assert got["since"] == 0.0
+    assert got["damped_above"] == pytest.approx(expected["damped_above"])
+    assert got["columns"].keys() == expected["outputs"]["columns"].keys()
+    for name, column in got["columns"].items():
+        reference = expected["outputs"]["columns"][name]
+        assert column["range"] == pytest.approx(reference["range"], rel=1e-6), name
+        assert column["error"] == (
+            None if reference["error"] is None else pytest.approx(reference["error"], rel=1e-3)
+        ), name
+    with drillpetsc.Session(case) as s, pytest.raises(ValueError, match="estimate_error=True"):
+        _ = s.error_estimate
