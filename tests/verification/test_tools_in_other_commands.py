@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from drillpetsc import Case, hydraulics, limits, linearise, run, statics, surge
+from drillpetsc import Case, hydraulics, limits, linearise, roadmap, run, statics, surge
 from drillpetsc.analysis.check import describe
 from drillpetsc.analysis.hydraulics.flow_model import FlowModel, string_at, whole_string
 from drillpetsc.analysis.hydraulics.hydraulics import Hydraulics
@@ -185,6 +185,32 @@ def test_a_quasi_static_run_takes_no_weight_beside_a_top_force():
     with pytest.raises(CaseError) as error:
         forced(time={"end": 10, "mode": "quasi_static"}, formation={"drillability": 1e-8})
     assert error.value.at == "initial.wob" and "quasi-static" in error.value.want
+
+
+# ---------------------------------------------------------------------- torque and drag
+@pytest.mark.parametrize("model", ["soft", "stiff"])
+def test_torque_and_drag_name_the_tools_that_they_leave_out(model: str, tmp_path):
+    """Both models know no cutters above the bit; the soft string knows no pads either, and the stiff one does."""
+    hole = [
+        {"to": to, "kind": "open_hole", "diameter": q} for to, q in ((152, "250 mm"), (DEPTH, "215.9 mm"))
+    ]
+    well = {"survey": {"md": [0, DEPTH], "inclination": ["20 deg"] * 2, "azimuth": [0, 0]}, "sections": hole}
+    plan = {"operations": ["rotate_off_bottom"], "bit_depth": [DEPTH]}
+    reamer = {"kind": "reamer", "name": "opener", "length": 2, "id": "71.4 mm", "od": "250 mm", "mass": 400}
+    notes = " ".join(roadmap(case(PADS, roadmap=plan), tmp_path / "pads", model=model).summary["notes"])
+    assert ("steering and bends: rss" in notes) is (model == "soft") and "cutters" not in notes
+    found = case(
+        reamer, well=well, roadmap=plan, formation={"drillability": 1e-8, "bit_law": "drag_bit"}, fluid=None
+    )
+    notes = " ".join(roadmap(found, tmp_path / "reamer", model=model).summary["notes"])
+    assert "cutters above the bit: opener" in notes and "steering" not in notes
+
+
+def test_limits_name_the_tools_that_their_soft_string_leaves_out(tmp_path):
+    assert any("steering and bends: rss" in q for q in limits(case(PADS), tmp_path / "pads").summary["notes"])
+    assert not any(
+        "leave" in q and "steering" in q for q in limits(case(), tmp_path / "plain").summary["notes"]
+    )
 
 
 # ---------------------------------------------------------------------- quaternion element

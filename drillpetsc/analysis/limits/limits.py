@@ -21,6 +21,7 @@ from drillpetsc.analysis.limits.operations import OPERATIONS, case_of, motion_of
 from drillpetsc.analysis.limits.soft_limits import SoftLimits
 from drillpetsc.analysis.limits.table import Choices, Strength, element_values, rows
 from drillpetsc.analysis.statics import beyond_rig, static_summary
+from drillpetsc.analysis.torque_drag.left_out import bends_left_out, cutters_left_out
 from drillpetsc.analysis.torque_drag.operations import (
     assumed,
     grades_assumed,
@@ -339,6 +340,7 @@ def _margins(
     block = (rig.block_weight if rig is not None else None) or 0.0
     out["available_wob"] = {word: soft.available_wob(word, block) for word in ("drilling", "sliding")}
     notes.append("margin of overpull, max_wob, max_slackoff and available_wob are those of the soft string")
+    notes += bends_left_out(model.case) + cutters_left_out(model.case)
     return out
 
 

@@ -17,6 +17,7 @@ from drillpetsc.analysis.torque_drag.calibration import (
     Calibration,
     Fit,
 )
+from drillpetsc.analysis.torque_drag.left_out import bends_left_out, cutters_left_out
 from drillpetsc.analysis.torque_drag.operations import KINDS, plan_of
 from drillpetsc.analysis.transient import RunResult, make_folder
 from drillpetsc.case.blocks.roadmap import MeasuredPoint
@@ -108,7 +109,7 @@ def _notes(case: Case, work: Calibration, parameters: tuple[str, ...]) -> list[s
         )
     if any(item.friction is not None for item in case.string):
         notes.append("items with a friction of their own keep it")
-    return notes
+    return notes + cutters_left_out(case) + bends_left_out(case)
 
 
 def _warnings(work: Calibration, fit: Fit, parameters: tuple[str, ...]) -> list[str]:

@@ -13,6 +13,7 @@ from petsc4py import PETSc
 
 from drillpetsc.analysis.torque_drag.batch import Columns, Hole, soft_strings
 from drillpetsc.analysis.torque_drag.circulation import Circulation, circulation
+from drillpetsc.analysis.torque_drag.left_out import bends_left_out, cutters_left_out
 from drillpetsc.analysis.torque_drag.measured import beside_curves, measured_lines, measured_warnings
 from drillpetsc.analysis.torque_drag.operations import (
     MOST_ROWS,
@@ -194,7 +195,8 @@ def run_roadmap(
     well = need_well(case, "roadmap")
     gravity_of(case, "roadmap")
     plan = plan_of(case)
-    notes: list[str] = assumptions(case, plan)
+    notes: list[str] = assumptions(case, plan) + cutters_left_out(case)
+    notes += bends_left_out(case) if model == "soft" else []
     pairs = pairs_of(case, plan, notes)
     strings = strings_of(case, plan, notes)
     if len(plan.operations) * len(pairs) * len(strings) > MOST_ROWS:
