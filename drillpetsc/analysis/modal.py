@@ -59,6 +59,7 @@ from drillpetsc.solvers.quadratic_eigenproblem import (
 )
 
 STATES = ("steady", "rest")
+FREE_SPIN = 1e3  # spin over way above which a vector of a root zero turns freely [rad/m]
 ZERO_FRACTION = 1e-3  # eigenvalues below this fraction of the reference rate are zero: unconstrained motions
 PAYING = 1e-3  # share of the pay-out in the shape of a free drum, over that in any other mode about zero
 #: weights of the fluid's rows [per m3/s] and [per Pa] (kernels/fluid/flow.hpp)
@@ -295,10 +296,19 @@ def modes(
 
 
 def _without_free_angle(model: DrillingModel, linearised: Linearised, found: Eigenvalues) -> Eigenvalues:
-    """Leave out the root zero of the angle of the whole string, which a controlled speed leaves free."""
+    """Leave out the root zero of an angle that nothing holds: of the whole string under a controlled speed, of a motor's rotor.
+
+    With other roots zero, such as that of the metres drilled, vectors are mixtures without energy: the one with much more spin
+    than way is taken.
+    """
     small = np.flatnonzero(np.abs(found.s) <= ZERO_FRACTION * reference_rate(model))
-    share = _shares(model, linearised, found.s[small], linearised.vectors(found.subset(small)))
-    turning = small[share.argmax(axis=1) == KINDS.index("torsional")]
+    u, names = linearised.vectors(found.subset(small)), [f.name for f in model.system.layout.fields]
+    share = _shares(model, linearised, found.s[small], u)
+    spin, way = (
+        np.abs(u[linearised.field == names.index(f"string.{name}")]).max(axis=0, initial=0.0)
+        for name in ("spin", "position")
+    )
+    turning = small[(share.argmax(axis=1) == KINDS.index("torsional")) | (spin > FREE_SPIN * way)]
     return found if not len(turning) else found.subset(np.arange(len(found.s)) != turning[0])
 
 

@@ -19,7 +19,7 @@ from tests.verification.test_agitator import with_mud
 from tests.verification.test_tools_together import COLLAR, JAR, MOTOR, SHOCK, combined
 
 SCRIPT = Path(__file__).parent / "run_case.py"
-EXACT = ["-ts_adapt_type", "none", "-ts_dt", "1e-3", "-q_snes_stol", "1e-12"]
+EXACT = ["-ts_adapt_type", "none", "-q_snes_stol", "1e-12", "-ts_dt"]
 STEER = {"kind": "push", "force": 3e3, "pad_offset": 1.0, "steer": {"tool_face": 1.0}}
 STEERED = {"kind": "rss", "length": 4.0, "od": 0.1715, "id": 0.0714, "mass": 560, "rss": STEER}
 
@@ -29,7 +29,9 @@ def write(folder: Path, kind: str) -> Path:
         case = whole_string(two="two" in kind)
     else:
         case = with_mud() if kind == "agitator" else combined(JAR, COLLAR, SHOCK, MOTOR, STEERED)
-    case["time"], case["output"] = {"end": 0.02}, {"history_every": 0.004, "checkpoint_every": 0.004}
+    # impacts of 1.6 ms in the whole string: steps that do not resolve them magnify the rounding of sums over ranks
+    every = 1e-3 if kind.startswith("whole") else 4e-3
+    case["time"], case["output"] = {"end": 5 * every}, {"history_every": every, "checkpoint_every": every}
     path = folder / "case.yaml"
     path.write_text(yaml.safe_dump(case))
     return path
@@ -42,7 +44,8 @@ def test_tools_are_the_same_on_1_2_and_3_ranks(kind, tmp_path):
     path, runs = write(tmp_path, kind), []
     for n in (1, 2, 3):
         out = tmp_path / f"ranks{n}"
-        run_mpi(n, SCRIPT, [str(path), str(out), *EXACT], timeout=200)
+        step = "2e-4" if kind.startswith("whole") else "1e-3"
+        run_mpi(n, SCRIPT, [str(path), str(out), *EXACT, step], timeout=200)
         runs.append((read_table(out / "history.csv"), json.loads((out / "summary.json").read_text())))
     history, summary = runs[0]
     for other, its_summary in runs[1:]:

@@ -10,13 +10,17 @@ import numpy as np
 import pytest
 
 from drillpetsc import Case, load_case, modes, mud_motor, run, statics
+from drillpetsc.analysis.modal import modes as find_modes
+from drillpetsc.analysis.modal import prepare_state
 from drillpetsc.errors import CaseError
+from drillpetsc.model.drilling_model import build_model
 from drillpetsc.output import read_table
 
 GJ = 9.4156072e5  # of 127 x 108.6 mm, E 206 GPa, nu 0.3 [N m2]
 PIPE = {"od": 0.127, "id": 0.1086}
 LAW = {"rev_per_volume": "0.29 rev/gal", "no_load_pressure": "0.6 MPa", "stall_torque": "14 kN m"}
 SECTION = {**LAW, "flow_rate": "30 l/s"}
+CASES = Path(__file__).parents[2] / "cases"
 WELL = {
     "survey": {"md": [0, 60], "inclination": [0.7, 0.7], "azimuth": [0, 0]},
     "sections": [{"to": 60, "kind": "open_hole", "diameter": 0.2159, "friction": 0.2}],
@@ -241,6 +245,15 @@ def test_modes_of_a_string_with_a_motor(tmp_path):
     assert lowest(SECTION, 0.0) == pytest.approx(c / 4000, rel=2e-3)
     soft = {**SECTION, "droop": 1, "stall_torque": 30.0}
     assert lowest(soft, 15.0) == pytest.approx(c / (4 * 820), rel=2e-2)
+
+
+def test_a_motor_with_a_bit_that_cuts_has_one_root_zero():
+    """The metres drilled, on which nothing depends; the free angle of the rotor is left out, though both vectors mix."""
+    model = build_model(load_case(CASES / "motor-slide.yaml"))
+    prepare_state(model)
+    found = find_modes(model, count=20)
+    (zero,) = np.flatnonzero(np.abs(found.eigenvalue) < 1e-9)
+    assert np.abs(found.shapes["hole.drilled"][zero]).max() > 0
 
 
 # ---------------------------------------------------------------------- messages

@@ -29,6 +29,7 @@ from drillpetsc.physics.interfaces import ReamingTool
 
 _moved_along = function("moved_along", "ipppdd", ctypes.c_int)
 REFRESH = 0.01  # motion of a node after which the hole is re-evaluated [m]; 3 deg/30 m turn the hole by 2e-5 over it
+REAMED = 2e-4  # metres reamed after which it is re-evaluated at all nodes: they need not be those of the string [m]
 AHEAD = 0.5  # [m], as long as the shortest transition of a hole between two diameters
 OTHER_SIZE = 0.01  # relative change of the hole's diameter after which added mass and damping are recomputed
 
@@ -79,6 +80,7 @@ class MovingHole:
         reamers: tuple[ReamingTool, ...] = (),
     ):
         self.reamers, self.nodes = reamers, np.arange(mesh.nodes)
+        self._reamed = [0.0] * len(reamers)  # of each reamer when all nodes were evaluated last [m]
         self.mesh, self.walls, self.current_well, self.lateral = mesh, walls, current_well, lateral
         self._hole = HoleVolume(current_well())
         self._near: np.ndarray | None = None
@@ -104,13 +106,18 @@ class MovingHole:
 
         keep: volumes change by the integral of the rates, as in ``update``.
         """
-        if keep and self._stays(state):
+        reamed = [reamer.reamed for reamer in self.reamers]
+        ringed = any(abs(b - before) > REAMED for b, before in zip(reamed, self._reamed, strict=True))
+        if keep and not ringed and self._stays(state):
             return np.zeros(len(self.depth), dtype=bool)
         well, places = self.current_well(), state.layout.dofs["string.position"]
         position = state.x[places]
         found = well.project(position, self._near)
         self._near = found.segment
-        moved = self.update(found.md, keep)
+        # at the start the shoulder is where it is, whatever the string has moved since
+        moved = self.update(found.md, keep, ringed or (bool(self.reamers) and not keep))
+        if moved.all():
+            self._reamed = reamed
         at_depth = position - found.tangent * (found.md - self.depth)[:, None]
         places = np.ascontiguousarray(places, dtype=np.int32)
         self._from = well, places, np.hstack([at_depth, found.tangent])
@@ -127,10 +134,10 @@ class MovingHole:
         """Create the annulus of the elements ``e`` (k,) whose nodes are at measured depths ``ends`` (k, 2) [m]."""
         return self.walls.annulus(self.hole, e, ends[:, 0] + self.mesh.rigid_above[e], ends[:, 1])
 
-    def update(self, depths: FloatArray, keep: bool) -> np.ndarray:
+    def update(self, depths: FloatArray, keep: bool, everywhere: bool = False) -> np.ndarray:
         """Re-evaluate the hole at the nodes that have moved; returns their mask (nv,).
 
-        depths: (nv,) present measured depths of the nodes [m].
+        depths: (nv,) present measured depths of the nodes [m]; everywhere: at all nodes.
         keep: volumes change by the integral of the rates.  A node that has moved further than ``ahead`` gets
         the true volume.  Without ``keep`` all volumes are those of the hole.
         """
@@ -142,7 +149,7 @@ class MovingHole:
             )
             moved, self._ringed = np.ones(len(depths), dtype=bool), np.zeros(len(depths))
         else:
-            moved = np.abs(depths - self.depth) > REFRESH
+            moved = (np.abs(depths - self.depth) > REFRESH) | everywhere
         if moved.any():
             hole, here, way = self.hole, depths[moved], depths[moved] - self.depth[moved]
             volume, ahead = hole.volume(here), np.full(len(here), AHEAD)
