@@ -11,8 +11,10 @@ from drillpetsc.unit_systems import shown
 LEAST_DEPTH = 1.0  # of the top below the flow line that is reported [m]
 
 
-def mud_above_top(model: DrillingModel) -> list[str]:
+def mud_above_top(model: DrillingModel, hook_load: float | None = None) -> list[str]:
     """Sentence on the push of the mud on the upper face of a string whose top lies in it; none elsewhere.  Collective.
+
+    hook_load: the force at the top [N], to which the push is added; None: it is not known.
 
     The force at the top balances the string below it.  The face above it is not part of the model: what stands there,
     a running string or a hanger, carries the mud's push on it.
@@ -31,9 +33,13 @@ def mud_above_top(model: DrillingModel) -> list[str]:
     if not found[0] >= LEAST_DEPTH:  # nan without gravity
         return []
     units = model.case.output.units or "metric"
-    push = shown(found[1] * float(fluid.annulus.annulus.outer[0]), "force", units)
+    force = found[1] * float(fluid.annulus.annulus.outer[0])
+    push = shown(force, "force", units)
+    both = (
+        "" if hook_load is None else f", {shown(hook_load + force, 'force', units)} in all, the buoyed load"
+    )
     return [
         f"the string's top stands in mud, {shown(found[0], 'length', units)} below the flow line: the hook load is the force on "
-        f"the string there, without the mud's push on its upper face, {push}; a rig above sees this force, that push, and the "
+        f"the string there, without the mud's push on its upper face, {push}; a rig above sees this force, that push{both}, and the "
         "buoyed weight of what carries the string"
     ]

@@ -10,6 +10,7 @@ import numpy as np
 from drillpetsc.analysis.energy_descent import Snapshot
 from drillpetsc.analysis.flow_coupling import surge_rates
 from drillpetsc.analysis.friction_path import SEED, FrictionPath, follow_paths
+from drillpetsc.analysis.march import stands
 from drillpetsc.analysis.path_answer import AnyPath, PathAnswer
 from drillpetsc.analysis.placement import top_depth
 from drillpetsc.analysis.static_problem import StaticProblem
@@ -47,7 +48,8 @@ def slides_on(problem: StaticProblem) -> bool:
         return False  # a turning string has no path with friction across the hole
     if model.case.initial.wob is not None and state.motion[0] < 0:
         return False
-    if state.band is not None and model.mesh.nodes <= NODES_OF_BAND:
+    several = state.band is not None or (state.motion[1] and not stands(model))
+    if several and model.mesh.nodes <= NODES_OF_BAND:
         return False  # a small string with several states is followed from two starts
     asm, before = model.system.assembly, Snapshot(model)
     load, y, rates = asm.dead_load, asm.y.copy(), solver.rates

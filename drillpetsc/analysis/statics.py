@@ -87,10 +87,12 @@ def run_statics(
         state.warnings += band_of_theory(state, case.output.units or "metric") if is_buckled else []
         state.warnings += [*state_warnings(model, columns, values), *model.mesh.notes]
         state.warnings += _hoisted_with_weight(model, moving)
-        state.warnings += mud_above_top(model)
+        figures = static_summary(model, state)
+        state.warnings += mud_above_top(model, figures.get("hook_load"))
+        figures["warnings"] = list(state.warnings)
         summary = {
             "title": case.title,
-            **static_summary(model, state),
+            **figures,
             "motion": motion or word or "as the top prescribes",
             **(state.path.as_dict() if state.path is not None else {}),
             **({"buckling": buckled.as_dict()} if model.beam is not None else {}),
