@@ -279,6 +279,11 @@ class Component:
     #: the component restores its constraints after each solve of a step
     restores_constraints: bool = False
 
+    @property
+    def touches_wall(self) -> bool:
+        """Whether a contact with the wall is closed on this rank (manual: sec-time-contact-entries)."""
+        return False
+
     def contact_signature(self) -> int:
         """A number that changes when contacts open or close on this rank, the same in every process."""
         return 0

@@ -18,6 +18,7 @@ class ContactEntries:
         self._asm, self.nodes = asm, len(layout.chain.vertices)
         pairs = zip(asm.bound_blocks, system.component_of, strict=True)
         self._blocks = [b for b, c in pairs if b.count and c.has_contact]
+        self._components = [c for c in system.components if c.has_contact]
         self._values = [asm.values[b.span] for b in self._blocks]
         self._before = [np.empty(len(values)) for values in self._values]
         self._changed = [np.empty(len(values), dtype=bool) for values in self._values]
@@ -29,8 +30,8 @@ class ContactEntries:
 
     @property
     def possible(self) -> bool:
-        """Whether contacts can be computed apart from all else."""
-        return bool(self._blocks) and self._asm.plain
+        """Whether contacts can be computed apart from all else, and there are any at the wall: a bit alone has another cause."""
+        return bool(self._blocks) and any(c.touches_wall for c in self._components) and self._asm.plain
 
     def update(self, t: float, c: tuple[float, float, float]) -> int:
         """Compute the contacts' entries of ``Assembly.jacobian(t, c, condensed=True)``, the others stay.

@@ -361,6 +361,10 @@ class Contact(WallContact):
         for record in self._laws:
             record.stiffness = self.law.stiffness * factor
 
+    @property
+    def touches_wall(self) -> bool:
+        return any(bool(touching.any()) for touching in self._touching)
+
     def contact_signature(self) -> int:
         """A number that changes when a contact opens or closes on this rank.
 

@@ -200,7 +200,7 @@ class RockBit(Bit):
 
     name = "bit"
     has_contact = True
-    update_size = 6
+    update_size = 12
     hole: GrowingHole
 
     def __init__(
@@ -227,10 +227,13 @@ class RockBit(Bit):
         self.profiled = isinstance(law, DragBit) and inertia
         if pattern:
             assert not isinstance(law, DragBit)
-            self.update_size = 7  # and the angle from which the pattern counts
+            self.update_size = 13  # and the angle from which the pattern counts
         self._zero_angle = 0.0
         self._made = self._law_record()
         self._time = self._accepted = 0.0
+        self._turned = np.zeros(
+            3
+        )  # displacement of the bottom that keeps the bit's depth as its axis turns [m]
         self._end = np.zeros(
             4
         )  # displacement of the hole's end (3) and metres drilled at the last accepted step
@@ -488,10 +491,10 @@ class RockBit(Bit):
 
     # ------------------------------------------------------------------ growth
     def local_update(self, state) -> FloatArray:
-        """Return (6,) after an accepted step, zero without the bit; (7,) with a pattern.
+        """Return (12,) after an accepted step, zero without the bit; (13,) with a pattern.
 
-        Displacement of the end (3) [m] and length drilled since the start [m], time [s], number of bits, angle
-        from which the pattern counts [rad].
+        Displacement of the end (3) [m] and length drilled since the start [m], time [s], number of bits, the bit's centre from the
+        end (3) [m], its direction (3), angle from which the pattern counts [rad].
         With ``post_step`` the end is moved in this call.
         """
         now = np.zeros(self.update_size)
@@ -501,17 +504,37 @@ class RockBit(Bit):
             i = state.index_of(self._block)[0]
             now[:4] = self.params["hold"][0] if self.rock.post_step else state.x[i[7:11]]
             now[4:6] = self._time, 1.0
+            direction = state.x[i[3:6]] / np.linalg.norm(state.x[i[3:6]])
+            place = state.x[i[:3]] + self.params["centre"][0] * direction
+            now[6:9], now[9:12] = place - self.params["end"][0] - now[:3], direction
             if self.pattern:
-                now[6] = self.params["angle"][0]
+                now[12] = self.params["angle"][0]
         return now
 
     def apply_update(self, total: FloatArray) -> None:
         """Store the sum of ``local_update`` over all ranks; the wall follows the end."""
         self._end, self._accepted = total[:4].copy(), float(total[4])
         if self.pattern:
-            self._zero_angle = float(total[6])
+            self._zero_angle = float(total[12])
+        before = self.hole.direction
         if self.hole.follow(total[3], self.hole.start_point + total[:3]):
             self._follow()
+            self._turn_bottom(before, self.hole.direction, total[6:9], total[9:12])
+
+    def _turn_bottom(
+        self, before: FloatArray, now: FloatArray, place: FloatArray, direction: FloatArray
+    ) -> None:
+        """Let the bottom turn about the place where the bit stands: the depth of the bit stays (manual: eq-bit-turn).
+
+        before, now: (3,) axes of the end; place: (3,) of the bit's centre from the end [m]; direction: (3,) of the bit.
+        """
+        s = self.shape
+        reach = [
+            np.sqrt(s.radius**2 + (s.half**2 - s.radius**2) * float(direction @ axis) ** 2)
+            for axis in (before, now)
+        ]
+        self._turned = self._turned + (float(place @ (now - before)) + reach[1] - reach[0]) * now
+        self.params["end"] = self.hole.start_point + self._turned
 
     def drilled_hole(self) -> Well:
         """Return the hole with its new part after the last accepted step."""
@@ -527,13 +550,15 @@ class RockBit(Bit):
     def get_state(self) -> dict[str, FloatArray]:
         """History variables for a checkpoint, the same on all ranks; those of the hole included."""
         angle = {"pattern_angle": np.array([self._zero_angle])} if self.pattern else {}
-        return {"hold": self._end, "accepted": np.array([self._accepted])} | angle | self.hole.get_state()
+        own = {"hold": self._end, "accepted": np.array([self._accepted]), "turned": self._turned}
+        return own | angle | self.hole.get_state()
 
     def set_state(self, saved: dict[str, FloatArray]) -> None:
         """Continue from the history variables of a checkpoint."""
         self.hole.set_state(saved)
         self.params["hold"] = self._end = np.array(saved["hold"])
-        self.params["end"] = saved["first"]
+        self._turned = np.array(saved.get("turned", np.zeros(3)))
+        self.params["end"] = saved["first"] + self._turned
         self._accepted = self._time = float(saved["accepted"][0])
         if self.pattern:
             self.params["angle"] = self._zero_angle = float(saved["pattern_angle"][0])

@@ -6,6 +6,7 @@ import pytest
 
 from drillpetsc import Case, run
 from drillpetsc.errors import CaseError
+from drillpetsc.fem.contact_entries import ContactEntries
 from drillpetsc.solvers.newton_work import SHARE, ResidualWork
 from tests.helpers.component_models import KINDS, SHIFT, build
 
@@ -60,15 +61,19 @@ def energy_of_whirl(folder, **petsc) -> dict:
     return run(case, folder, progress="silent").summary["energy"]
 
 
-def test_newton_leaves_less_than_a_thousandth_of_the_exchanged_energy(tmp_path):
+@pytest.mark.parametrize("apart", [True, False])
+def test_newton_leaves_less_than_a_thousandth_of_the_exchanged_energy(apart, tmp_path, monkeypatch):
     """Against the same steps with Newton near rounding: the energy error differs by less than the limit, 1e-3
-    of the energy exchanged.  Without the limit it differs by more."""
+    of the energy exchanged.  Without the limit it differs by more where whole Jacobians are renewed, as on several ranks; contacts
+    apart (manual: sec-time-contact-entries) leave 3e-4 without it."""
+    if not apart:
+        monkeypatch.setattr(ContactEntries, "possible", False)
     exact = energy_of_whirl(tmp_path / "exact", q_snes_stol=1e-9, drillpetsc_newton_work=0)
     limited = energy_of_whirl(tmp_path / "limited")
     without = energy_of_whirl(tmp_path / "without", drillpetsc_newton_work=0)
     exchanged = exact["error"] / exact["error_share"]
     assert abs(limited["error"] - exact["error"]) < SHARE * exchanged
-    assert abs(without["error"] - exact["error"]) > 1.5 * SHARE * exchanged
+    assert apart or abs(without["error"] - exact["error"]) > 1.5 * SHARE * exchanged
 
 
 @pytest.mark.parametrize("value", ["-1", "2", "some"])

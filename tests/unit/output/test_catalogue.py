@@ -60,6 +60,12 @@ CASES: dict[str, dict[str, Any]] = {
         "joints": [{"at": 15.0, "kind": "universal"}],
         "output": SHORT["output"] | {"probes": [20.0]},
     },
+    "quasi-steady mud": {
+        "string": [PIPE],
+        "top": DRIVE,
+        "well": WELL,
+        "fluid": MUD | {"dynamics": "quasi_steady"},
+    },
     "drilling with mud": {
         "string": [PIPE | {"length": 29.5}, BIT_ITEM | {"nozzle_area": 4e-4}],
         "top": DRIVE,
@@ -78,6 +84,7 @@ _IN_WELL = {where.WELL, where.CONTACT, where.TOP}
 CONDITIONS: dict[str, set[str]] = {
     "dry with bit": {*_STRING, *_IN_WELL, where.TUBES, where.BIT, where.BLOCK},
     "mud": {*_STRING, *_IN_WELL, *_MUD, where.TUBES, where.MUD_AND_STRING},
+    "quasi-steady mud": {*_STRING, *_IN_WELL, *_MUD, where.TUBES, where.MUD_AND_STRING, where.FOLLOWS},
     "joints": {*_STRING, where.TUBES, where.TOP, where.JOINTS},
     "drilling with mud": {
         *_STRING,
