@@ -55,9 +55,15 @@ class FlowRecorder:
         return bore.upper_pressure(sample.assembly) + (0.0 if line is None else line.loss(flow))
 
     def bit_pressure(self, sample: Sample) -> float:
-        """Pressure at the last node [Pa]: of the annulus, or of the bore where there is none."""
+        """Pressure outside the lower end [Pa]: of the annulus, or at the outlet where there is none.
+
+        A closed string without an annulus has no mud outside: the pressure inside its end.
+        """
         if self._last is None:
             return 0.0
+        bit = self.fluid.bit
+        if self.fluid.annulus is None and bit is not None and bit.has_link:
+            return bit.end.ambient.value(sample.time)
         channel = self.fluid.annulus or self.fluid.bore
         assert channel is not None
         return channel.pressure_at(self.system, self._last)

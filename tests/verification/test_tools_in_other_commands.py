@@ -248,3 +248,21 @@ def test_a_reamer_starts_alike_with_either_element(tmp_path):
         shares.append([first[q][0] for q in ("wob_reamer [N]", "wob [N]", "torque_reamer [N m]")])
     assert min(shares[0]) > 10.0
     np.testing.assert_allclose(shares[1], shares[0], rtol=0.01)
+
+
+# ---------------------------------------------------------------------- no annulus
+def test_pressure_under_the_bit_without_an_annulus_is_that_of_the_outlet(tmp_path):
+    """The loss of the nozzles lies between both sides of the bit: statics, runs and `hydraulics` give the side outside."""
+    rheology = {"model": "newtonian", "viscosity": 0.01}
+    mud = {
+        "density": 1200,
+        "rheology": rheology,
+        "flow_rate": 0.025,
+        "annulus": False,
+        "outlet_pressure": 3e5,
+    }
+    found = case(fluid=mud, time={"end": 1e-3}, output={"history_every": 1e-3})
+    assert statics(found, tmp_path / "s").summary["bit_pressure"] == pytest.approx(3e5)
+    history = read_table(run(found, tmp_path / "r").folder / "history.csv")
+    np.testing.assert_allclose(history["bit_pressure [Pa]"], 3e5)
+    assert Hydraulics(found).at(0.025).summary["bit_pressure"] == pytest.approx(3e5)
