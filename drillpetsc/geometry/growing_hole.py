@@ -80,12 +80,12 @@ class GrowingHole:
             call(self.well)
         return True
 
-    def _reamed(self, well: Well) -> Well:
+    def _reamed(self, well: Well, ends: dict[int, float] | None = None) -> Well:
         """Return ``well``, as it is without reamers, with its reamed sections down to where their reamers are."""
         if not self._reamed_to:
             return well
         to, first = well.section_to.copy(), min(self._reamed_to)
-        for section, end in self._reamed_to.items():
+        for section, end in (self._reamed_to if ends is None else ends).items():
             to[section] = end
         kept = list(range(first + 1))  # and what the sections above have not reached
         kept += [i for i in range(first + 1, len(to)) if to[i] > to[:i].max() + SHORTEST_SECTION]
@@ -224,6 +224,7 @@ class GrowingHole:
         first: (3,) end at the start [m]; drilled: (1,) length of new hole [m].
         trail: (k, 7) measured depth, position, direction of the end; nodes: (m, 7) the same of fixed nodes.
         sections: (j, 3) lower end [m], radius [m], friction [-].
+        reamed: (k, 2) number of each reamed section and its end in the present hole [m]; absent without reamers.
         """
         w = self._frozen
         return {
@@ -232,7 +233,7 @@ class GrowingHole:
             "drilled": np.array([self._drilled]),
             "nodes": np.column_stack([w.node_md, w.node_position, w.node_tangent]),
             "sections": np.column_stack([w.section_to, w.section_radius, w.section_friction]),
-        }
+        } | ({"reamed": np.array(list(self._reamed_shown.items()))} if self._reamed_shown else {})
 
     def set_state(self, state: dict[str, FloatArray]) -> None:
         """Continue from a checkpoint: ``state`` as returned by ``get_state``."""
@@ -250,7 +251,10 @@ class GrowingHole:
         s, end = self._trail[-1, 0], self._trail[-1]
         live = s - self._frozen.node_md[-1] > 0.04 * self.interval
         unreamed = self._longer(self._frozen, s, end[1:4], end[4:7]) if live else self._frozen
-        self._show(unreamed if self._drilled > 0.0 else self.original)
+        self._unreamed = unreamed if self._drilled > 0.0 else self.original
+        if "reamed" in state:
+            self._reamed_shown = {int(section): float(end) for section, end in state["reamed"]}
+        self.well = self._reamed(self._unreamed, self._reamed_shown)
         for call in self.followers:
             call(self.well)
 

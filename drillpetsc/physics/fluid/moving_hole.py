@@ -205,12 +205,13 @@ class MovingHole:
         )
 
     def get_state(self) -> FloatArray:
-        """Return (nv, 4) depth, volume, area, ahead, for a checkpoint; (nv, 5) with the rings where there are reamers."""
-        rings = [self._ringed] if self.reamers else []
+        """Return (nv, 4) depth, volume, area, ahead, for a checkpoint; with k reamers (nv, 5 + k), rings and metres reamed, too."""
+        rings = [self._ringed, *(np.full(len(self.depth), b) for b in self._reamed)] if self.reamers else []
         return np.column_stack([self.depth, self.volume, self.area, self.ahead, *rings])
 
     def set_state(self, saved: FloatArray) -> None:
         """Continue from the result of ``get_state``."""
         self.depth, self.volume, self.area, self.ahead = np.array(saved.T[:4])
         self._ringed = np.array(saved.T[4]) if self.reamers else np.zeros(len(self.depth))
+        self._reamed = [float(row[0]) for row in saved.T[5:]]
         self._from = None
