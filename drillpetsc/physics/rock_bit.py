@@ -524,7 +524,7 @@ class RockBit(Bit):
     def _turn_bottom(
         self, before: FloatArray, now: FloatArray, place: FloatArray, direction: FloatArray
     ) -> None:
-        """Let the bottom turn about the place where the bit stands: the depth of the bit stays (manual: eq-bit-turn).
+        """Let the bottom turn about the place where the bit stands: the depth of the bit stays (manual: eq-bit-bottom-turn).
 
         before, now: (3,) axes of the end; place: (3,) of the bit's centre from the end [m]; direction: (3,) of the bit.
         """
