@@ -299,7 +299,7 @@ STATICS: tuple[SummaryKey, ...] = (
         "iterations; the first is the state of the table.",
         STATIC_PATH,
     ),
-    SummaryKey("warnings", "", "What the user should know.", STRING),
+    SummaryKey("warnings", "", "What the user should know."),
     SummaryKey(
         "rigid_items",
         "",

@@ -333,6 +333,14 @@ class ReamingTool(Component):
         """Set profile and rate so that the cutters carry their static weight at the start of the motion."""
 
 
+class RockInMud(Component):
+    """Rock that reamers cut out of the wall, and the mud that takes its place."""
+
+    @abstractmethod
+    def cuttings(self, state: Any) -> float:
+        """Rock that becomes mud [m3/s at zero pressure], on this rank."""
+
+
 class SteeringTool(Component):
     """A rotary steerable tool."""
 

@@ -219,9 +219,10 @@ def test_a_checkpoint_of_another_string_is_refused(saved, tmp_path):
 
 
 def test_without_a_checkpoint_a_restart_is_a_start(saved, tmp_path):
-    """Killed before its first checkpoint, a run starts from the beginning."""
+    """Killed before its first checkpoint, a run starts from the beginning.  (A run that has ended has lost it: test_restart_refused.)"""
     shutil.copytree(saved, tmp_path / "run")
-    (tmp_path / "run" / "checkpoint.h5").unlink()
+    for name in ("checkpoint.h5", "summary.json"):
+        (tmp_path / "run" / name).unlink()
     run(load_case(saved.parent / "case.yaml"), tmp_path / "run", restart=True, progress="silent")
     assert files(tmp_path / "run") == files(saved)
 

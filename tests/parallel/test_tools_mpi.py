@@ -54,7 +54,12 @@ def test_tools_are_the_same_on_1_2_and_3_ranks(kind, tmp_path):
         for name, values in history.items():
             if not name.startswith(("energy_error", "newton", "step")):
                 share = 1e-6 if kind.startswith("whole") else 1e-7
-                assert np.abs(other[name] - values).max() <= share * np.abs(values).max() + 1e-10, name
+                size = np.abs(values).max()
+                if name.startswith(
+                    "bearing_load"
+                ):  # a small difference between the force of its joint and the mud's thrust
+                    size = max(np.abs(q).max() for n, q in history.items() if n.endswith("_force [N]"))
+                assert np.abs(other[name] - values).max() <= share * size + 1e-10, name
 
 
 @pytest.mark.parametrize("kind", ["agitator", "whole, two"])

@@ -7,14 +7,14 @@ from __future__ import annotations
 
 import numpy as np
 
-from drillpetsc.fem.component import Component, ElementBlock, Powers
+from drillpetsc.fem.component import ElementBlock, Powers
 from drillpetsc.kernels.parameters import Parameters
 from drillpetsc.physics.fluid.channel_flow import FluidConstants
-from drillpetsc.physics.interfaces import ReamingTool
+from drillpetsc.physics.interfaces import ReamingTool, RockInMud
 from drillpetsc.physics.rigid_bodies import local_vertices
 
 
-class ReamedRings(Component):
+class ReamedRings(RockInMud):
     """Volume that the annulus gains, and rock that becomes mud, as reamers advance (manual: eq-reamer-mud).
 
     The hole above the nodes below a reamer grows by its ring (``physics.fluid.moving_hole``).  Mud fills the ring where the
