@@ -300,9 +300,11 @@ class LateralBeam:
         for _ in range(MAX_INNER):
             self.iterations += 1
             if friction or plain:
-                p = scipy.linalg.solve_banded((WIDTH, WIDTH), band, -g.ravel(), check_finite=False).reshape(
-                    -1, 4
-                )
+                try:
+                    p = scipy.linalg.solve_banded((WIDTH, WIDTH), band, -g.ravel(), check_finite=False)
+                except np.linalg.LinAlgError:  # nothing holds a motion across the hole
+                    return None
+                p = p.reshape(-1, 4)
             else:
                 p, extra = self._fall(band, g, extra)
             size = float(np.max(np.hypot(p[:, 0], p[:, 1]) / self.clearance))

@@ -38,7 +38,7 @@ OVERSHOOT_FRACTION = 0.1
 SHORTEST_STEP_FRACTION = 0.05
 #: iterations of a solve that renew a factorisation in its contacts alone, before all of it (manual:
 #: sec-time-contact-entries)
-CONTACT_ITERATIONS = 8
+CONTACT_ITERATIONS = 5
 Reason = PETSc.SNES.ConvergedReason
 
 
