@@ -25,7 +25,6 @@ if TYPE_CHECKING:
 _run_results = function("run_results", "p")
 _run_all_results = function("run_all_results", "ip")
 _lean_at = function("lean_at", "pppppp")
-_lean_derivative = function("lean_derivative", "pppp")
 _ResultCall = structure("result_call")  # ResultCall of kernels/core/rows.cpp
 
 #: weight of a replaced row, position error [m or rad] to force [N or N m]; it has the order of a pipe's
@@ -250,13 +249,6 @@ class RowReplacement:
         """Take the direction from which the spin counts, which may have changed."""
         assert self.condition.spin_reference is not None
         self._axis[:] = self.condition.spin_reference()
-
-    def lean_derivative(self, x: FloatArray) -> FloatArray:
-        """Derivative (3, 3) of c(v) by v at ``x``."""
-        self.renew_axis()
-        out = np.empty((3, 3))
-        _lean_derivative(self.head[2], self.axis_at, pointer(x), pointer(out))
-        return out
 
 
 class BoundStabilization:

@@ -2,9 +2,16 @@
 
 from __future__ import annotations
 
+import ctypes
+
 import numpy as np
 
+from drillpetsc.fem.bound_parts import BoundBlock
 from drillpetsc.fem.discrete_system import DiscreteSystem
+from drillpetsc.kernels import pointer
+from drillpetsc.kernels.parameters import structure
+
+_ContactCall = structure("contact_call")  # ContactCall of kernels/newton/newton.cpp
 
 
 class ContactEntries:
@@ -18,7 +25,7 @@ class ContactEntries:
         self._asm, self.nodes = asm, len(layout.chain.vertices)
         pairs = zip(asm.bound_blocks, system.component_of, strict=True)
         self._blocks = [b for b, c in pairs if b.count and c.has_contact]
-        self._components = [c for c in system.components if c.has_contact]
+        self._at_wall = [flags.values for flags in system.contact_flags if flags.wall]
         self._values = [asm.values[b.span] for b in self._blocks]
         self._before = [np.empty(len(values)) for values in self._values]
         self._changed = [np.empty(len(values), dtype=bool) for values in self._values]
@@ -26,12 +33,23 @@ class ContactEntries:
         self._first = []
         for b in self._blocks:
             node = np.where(b.local >= 0, layout.vertex_of[np.maximum(b.local, 0)], self.nodes).min(axis=1)
-            self._first.append(np.minimum.accumulate(node[::-1])[::-1])
+            first = np.minimum.accumulate(node[::-1])[::-1]
+            self._first.append(np.ascontiguousarray(first, dtype=np.int32))
 
     @property
     def possible(self) -> bool:
         """Whether contacts can be computed apart from all else, and there are any at the wall: a bit alone has another cause."""
-        return bool(self._blocks) and any(c.touches_wall for c in self._components) and self._asm.plain
+        return (
+            bool(self._blocks) and any(bool(touching.any()) for touching in self._at_wall) and self._asm.plain
+        )
+
+    def record(self, blocks: list[BoundBlock]) -> ctypes.Array:
+        """The same for the compiled iteration, where the blocks of contacts are some of ``blocks``."""
+        calls = (_ContactCall * len(self._blocks))()
+        for call, b, first, before in zip(calls, self._blocks, self._first, self._before, strict=True):
+            call.block = next(k for k, other in enumerate(blocks) if other is b)
+            call.first, call.before = pointer(first), pointer(before)
+        return calls
 
     def update(self, t: float, c: tuple[float, float, float]) -> int:
         """Compute the contacts' entries of ``Assembly.jacobian(t, c, condensed=True)``, the others stay.

@@ -5,6 +5,7 @@ Manual: sec-time-state (state and condensed vector).
 
 from __future__ import annotations
 
+import zlib
 from collections.abc import Sequence
 from typing import Any
 
@@ -89,6 +90,8 @@ class DiscreteSystem:
         #: components that store energy, and those with powers
         self._storing = [c for c in self.components if type(c).energies is not Component.energies]
         self._working = [c for c in self.components if type(c).powers is not Component.powers]
+        #: of all components
+        self.contact_flags = tuple(f for c in self.components for f in c.contact_flags())
         layout, asm = self.layout, self.assembly
         asm.derive = other.derive if other else None
         self._r = PETSc.Vec().createWithArray(asm.r[: layout.size], comm=PETSc.COMM_SELF)
@@ -127,10 +130,11 @@ class DiscreteSystem:
         return any(component.has_contact for component in self.components)
 
     def contact_signature(self) -> int:
-        """A number that changes when contacts open or close on this rank; the Jacobian is then rebuilt."""
-        return hash(
-            tuple(component.contact_signature() for component in self.components if component.has_contact)
-        )
+        """A number that changes when contacts open or close on this rank; the Jacobian is then rebuilt.
+
+        Unlike ``hash`` the same in every process.
+        """
+        return zlib.crc32(b"".join(flags.values.tobytes() for flags in self.contact_flags))
 
     # ------------------------------------------------------------------ vectors
     def new_state(self) -> PETSc.Vec:

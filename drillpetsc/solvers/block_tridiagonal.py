@@ -167,6 +167,21 @@ class Piece:
             blocks,
         )
 
+    def record(self) -> dict[str, int]:
+        """Sizes and addresses of the piece for compiled code, by the names of ChainCall in kernels/newton/newton.cpp."""
+        names = ("start", "first_entry", "pattern", "tile_begin", "tiles", "single_begin", "singles")
+        n, _, table, store = self._piece
+        inverse, pivot = self._lu
+        own = {
+            "n": n,
+            "length": self.length,
+            "table": table,
+            "store": store,
+            "inverse": inverse,
+            "pivot": pivot,
+        }
+        return own | dict(zip(names, self._entries, strict=True)) | {"stats": pointer(self.stats)}
+
     def forward(self, vec: np.ndarray) -> None:
         """Sweep towards the interfaces, in place on a padded vector (manual: eq-chain-sweeps).
 

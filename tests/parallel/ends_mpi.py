@@ -61,8 +61,8 @@ def check(kind: str) -> bool:
     kept = [a.copy() for a in (asm.x, asm.y, asm.a)]
     for a in (asm.x, asm.y, asm.a):
         a[:n] = np.nan
-    owned, at = layout.local_of_owned, (pointer(q.getArray()), pointer(rows.getArray()))
-    done = asm.step_rows(0.4, SHIFT, second, owned, at, system.ends, rows.getArray())
+    at = pointer(q.getArray()), pointer(rows.getArray())
+    done = asm.step_rows(0.4, SHIFT, second, at, system.ends, rows.getArray())
     assert done == (not asm.stabilized)
     if done:
         assert np.array_equal(rows.getArray(), expected.getArray())
