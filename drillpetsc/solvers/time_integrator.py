@@ -263,8 +263,7 @@ class TimeIntegrator:
         snes.computeFunction(x, self._f)
         snes.computeJacobian(x, self._matrix)
         self._xdot.axpy(-self._shift, x)  # constant V of the time formula (manual: eq-time-bdf)
-        self.system.load_history(self._xdot)
-        self.system.load_state(x)
+        self.system.load_step(x, self._xdot)
         for call in self.before_solve:
             call(self._t)
         reason = self.newton.solve(self._t, self._shift)

@@ -38,7 +38,9 @@ def check(kind: str) -> bool:
     assert np.array_equal(asm.y[:n][rates], s[layout.y_local[rates]])
     assert np.array_equal(asm.y[:n][~rates], v[layout.x_local[~rates]])
     assert np.array_equal(asm.a[:n][rates], v[layout.y_local[rates]])
-    system.load_history(rate)
+    system.load_step(state, rate)
+    assert np.array_equal(asm.x[:n], s[layout.x_local])
+    assert np.array_equal(asm.y[:n][rates], s[layout.y_local[rates]])
     assert np.array_equal(asm.v0, v[layout.x_local])
     assert np.array_equal(asm.v1[rates], v[layout.y_local[rates]])
     # the sum of both ranks' rows

@@ -73,6 +73,26 @@ DP_EXPORT_RECORD(matrix_call, MatrixCall)
 DP_EXPORT_RECORD(prescribed_matrix, PrescribedMatrix)
 DP_EXPORT_RECORD(jacobian_call, JacobianCall)
 
+// Both parts of two global states in local arrays of n unknowns: the state to x, y and the constants of the time formula to v0, v1;
+// zero where a place is negative.
+extern "C" void load_step(int n, const int* x_from, const int* y_from, const double* state, const double* constant, double* x, double* y,
+                          double* v0, double* v1) {
+    for (int i = 0; i < n; ++i) {
+        const int p = x_from[i], q = y_from[i];
+        x[i] = p >= 0 ? state[p] : 0.0;
+        v0[i] = p >= 0 ? constant[p] : 0.0;
+        y[i] = q >= 0 ? state[q] : 0.0;
+        v1[i] = q >= 0 ? constant[q] : 0.0;
+    }
+}
+
+// The other way: n unknowns and m rates.
+extern "C" void store_step(int n, const int* unknowns, const int* x_to, int m, const int* rates, const int* y_to, const double* x, const double* y,
+                           double* state) {
+    for (int i = 0; i < n; ++i) state[x_to[i]] = x[unknowns[i]];
+    for (int i = 0; i < m; ++i) state[y_to[i]] = y[rates[i]];
+}
+
 // State of a condensed step from the owned unknowns q (n).
 extern "C" void step_state(const StepCall* call, const double* q) {
     const StepCall& c = *call;

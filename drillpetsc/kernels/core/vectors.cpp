@@ -32,6 +32,23 @@ extern "C" void add_local_error(int n, int m, const double* const* states, const
     }
 }
 
+// Weights (order + 2) of the states at ascending times (order + 2) in the local error of BDF in the last one (manual: eq-time-local-error).
+extern "C" void bdf_error_weights(int order, const double* times, double* weights) {
+    const int m = order + 2;
+    double gaps = 1.0, sum = 0.0;
+    for (int i = order; i > 0; --i) {
+        const double gap = times[m - 1] - times[i];
+        gaps *= gap;
+        sum += 1.0 / gap;
+    }
+    for (int k = 0; k < m; ++k) {
+        double product = 1.0;
+        for (int j = 0; j < m; ++j)
+            if (j != k) product *= times[k] - times[j];
+        weights[k] = gaps / sum / product;
+    }
+}
+
 namespace {
 // A function of its own, so that the last bit of a point does not depend on how many points there are.
 __attribute__((noinline)) void high_side_offset(const double* tangent, const double* offset, double* out) {
