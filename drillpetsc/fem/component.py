@@ -146,10 +146,13 @@ class ContactFlags(NamedTuple):
 
     values: one of them for each contact; never reallocated.
     wall: a value that is not zero is a closed contact with the wall (manual: sec-time-contact-entries).
+    context: record of the block whose elements have no Jacobian entries where all of their values are zero, in the order of
+    the elements; 0: there is none.
     """
 
     values: np.ndarray
     wall: bool = False
+    context: int = 0
 
 
 @dataclass(frozen=True)

@@ -25,7 +25,8 @@ class ContactEntries:
         self._asm, self.nodes = asm, len(layout.chain.vertices)
         pairs = zip(asm.bound_blocks, system.component_of, strict=True)
         self._blocks = [b for b, c in pairs if b.count and c.has_contact]
-        self._at_wall = [flags.values for flags in system.contact_flags if flags.wall]
+        self._flags = system.contact_flags
+        self._at_wall = [flags.values for flags in self._flags if flags.wall]
         self._values = [asm.values[b.span] for b in self._blocks]
         self._before = [np.empty(len(values)) for values in self._values]
         self._changed = [np.empty(len(values), dtype=bool) for values in self._values]
@@ -43,12 +44,20 @@ class ContactEntries:
             bool(self._blocks) and any(bool(touching.any()) for touching in self._at_wall) and self._asm.plain
         )
 
-    def record(self, blocks: list[BoundBlock]) -> ctypes.Array:
-        """The same for the compiled iteration, where the blocks of contacts are some of ``blocks``."""
+    def record(self, blocks: list[BoundBlock], flags_before: np.ndarray) -> ctypes.Array:
+        """The same for the compiled iteration.
+
+        blocks: of the assembly; flags_before: bytes of all contact flags at the factorisation, one after the other.
+        """
         calls = (_ContactCall * len(self._blocks))()
+        starts = np.cumsum([0, *(flags.values.nbytes for flags in self._flags)])
         for call, b, first, before in zip(calls, self._blocks, self._first, self._before, strict=True):
             call.block = next(k for k, other in enumerate(blocks) if other is b)
             call.first, call.before = pointer(first), pointer(before)
+            for flags, start in zip(self._flags, starts[:-1].tolist(), strict=True):
+                if flags.context and flags.context == b.block.context:
+                    call.touching, call.touched = pointer(flags.values), pointer(flags_before) + start
+                    call.points = len(flags.values) // b.count
         return calls
 
     def update(self, t: float, c: tuple[float, float, float]) -> int:

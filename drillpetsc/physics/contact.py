@@ -361,7 +361,8 @@ class Contact(WallContact):
             record.stiffness = self.law.stiffness * factor
 
     def contact_flags(self) -> tuple[ContactFlags, ...]:
-        return tuple(ContactFlags(touching, wall=True) for touching in self._touching)
+        pairs = zip(self._touching, self._laws[-len(self._touching) :], strict=True)
+        return tuple(ContactFlags(touching, True, ctypes.addressof(law)) for touching, law in pairs)
 
     def normal_force(self, cell: int) -> float:
         """Return the normal force on a local cell in the last residual [N]."""

@@ -93,7 +93,7 @@ class CompiledNewton:
         self._calls = calls
         self._call.step, self._call.jacobian = calls.step_at, calls.jacobian_at
         contacts = self._newton.contacts
-        self._contacts = None if contacts is None else contacts.record(calls.blocks)
+        self._contacts = None if contacts is None else contacts.record(calls.blocks, self._flags_before)
         if self._contacts is not None:
             self._call.contacts = ctypes.addressof(self._contacts)
             self._call.contact_count = len(self._contacts)

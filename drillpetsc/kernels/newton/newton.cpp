@@ -18,8 +18,9 @@ DP_RECORD(ChainCall,
 )
 
 // A block of contacts: number of its MatrixCall; first (elements): first node along the chain of an element or of any after it; before: copy of
-// its entries.
-DP_RECORD(ContactCall, const int* first; double* before; int block, unused;)
+// its entries.  touching, touched (elements, points): flags now and at the factorisation; an element all of whose flags are zero has no entries.
+// Null where entries do not depend on them.
+DP_RECORD(ContactCall, const int* first; double* before; const signed char* touching; const signed char* touched; int block, points;)
 
 // Bytes that change where contacts open or close; wall: any that is not zero is a closed contact at the wall.
 DP_RECORD(FlagCall, const void* bytes; int size, wall;)
@@ -152,21 +153,37 @@ bool factor(NewtonCall& c, int from) {
                         c.jacobian->values, h.inverse, h.pivot, h.tolerance, h.stats, nullptr, nullptr) < 0;
 }
 
-// First node along the chain that has a changed entry, `nodes` where there is none.
-int changed_node(const NewtonCall& c) {
+// Whether an element has entries, or had some at the factorisation.
+bool has_entries(const ContactCall& contact, int e) {
+    if (!contact.touching) return true;
+    const signed char *now = contact.touching + (long)e * contact.points, *before = contact.touched + (long)e * contact.points;
+    int any = 0;
+    for (int q = 0; q < contact.points; ++q) any |= now[q] | before[q];
+    return any;
+}
+
+// The entries of contacts are computed anew; first node along the chain that has a changed one, `nodes` where there is none.
+int changed_node(NewtonCall& c) {
+    weigh_entries(c.jacobian);
+    for (int k = 0; k < c.contact_count; ++k) {
+        const ContactCall& contact = c.contacts[k];
+        const MatrixCall& b = c.jacobian->blocks[contact.block];
+        const std::size_t each = (std::size_t)b.width * b.width;
+        for (int e = 0; e < b.count; ++e)
+            if (has_entries(contact, e)) std::memcpy(contact.before + e * each, b.values + e * each, each * sizeof(double));
+        block_entries(c.jacobian, &b);
+    }
+    prescribed_entries(c.jacobian, 1.0);
     int first = c.nodes;
     for (int k = 0; k < c.contact_count; ++k) {
         const ContactCall& contact = c.contacts[k];
         const MatrixCall& b = c.jacobian->blocks[contact.block];
-        const long each = (long)b.width * b.width;
-        for (int e = 0; e < b.count && contact.first[e] < first; ++e) {
-            bool same = true;
-            for (long i = e * each; i < (e + 1) * each; ++i) same &= b.values[i] == contact.before[i];
-            if (!same) {
+        const std::size_t each = (std::size_t)b.width * b.width;
+        for (int e = 0; e < b.count && contact.first[e] < first; ++e)
+            if (has_entries(contact, e) && std::memcmp(contact.before + e * each, b.values + e * each, each * sizeof(double))) {
                 first = contact.first[e];
                 break;
             }
-        }
     }
     return first;
 }
@@ -175,13 +192,6 @@ int changed_node(const NewtonCall& c) {
 int renew_contacts(NewtonCall& c) {
     if (!c.contacts_apart || c.iterations >= c.contact_iterations || !(c.good && c.factored && c.current) || !shift_fits(c)) return 0;
     if (!(c.theta > c.contraction || flags_changed(c)) || !c.contact_count || !touches_wall(c)) return 0;
-    weigh_entries(c.jacobian);
-    for (int k = 0; k < c.contact_count; ++k) {
-        const MatrixCall& b = c.jacobian->blocks[c.contacts[k].block];
-        std::memcpy(c.contacts[k].before, b.values, sizeof(double) * b.count * b.width * b.width);
-        block_entries(c.jacobian, &b);
-    }
-    prescribed_entries(c.jacobian, 1.0);
     const int first = changed_node(c);
     if (first < c.nodes && !factor(c, first)) return -1;
     keep_flags(c);
