@@ -83,7 +83,8 @@ class Piece:
         self.pivots = int((ld * b).sum())  # entries of all pivot blocks
         self.n, self.interfaces, self.table, self.length = n, interfaces, table, int(ld.sum())
         self.store, self.inverse = aligned(end), aligned(self.length)
-        self.pivot = np.zeros(self.length, dtype=np.int32)
+        # each node's rows in their own order, as those of the padding stay
+        self.pivot = (np.arange(self.length) - np.repeat(table[:, _VEC], ld)).astype(np.int32)
         self.stats = np.zeros(_STATS.width)
         self.saved: np.ndarray | None = None
         self.blocks: np.ndarray | None = None
