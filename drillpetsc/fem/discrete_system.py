@@ -186,7 +186,15 @@ class DiscreteSystem:
         x, y, _, _ = self.assembly.state_at
         unknowns, rates = self._owned_counts
         _store_step(
-            unknowns, self._owned, self._x_to, rates, self._owned_rates, self._y_to, x, y, pointer(state.getArray())
+            unknowns,
+            self._owned,
+            self._x_to,
+            rates,
+            self._owned_rates,
+            self._y_to,
+            x,
+            y,
+            pointer(state.getArray()),
         )
 
     def store_unknowns(self, q: PETSc.Vec) -> None:
