@@ -8,10 +8,12 @@ import numpy as np
 
 from drillpetsc.fem.bound_parts import BoundBlock
 from drillpetsc.fem.discrete_system import DiscreteSystem
+from drillpetsc.fem.step_calls import fill_prescribed
 from drillpetsc.kernels import pointer
 from drillpetsc.kernels.parameters import structure
 
 _ContactCall = structure("contact_call")  # ContactCall of kernels/newton/newton.cpp
+_PrescribedMatrix = structure("prescribed_matrix")
 
 
 class ContactEntries:
@@ -30,6 +32,8 @@ class ContactEntries:
         self._values = [asm.values[b.span] for b in self._blocks]
         self._before = [np.empty(len(values)) for values in self._values]
         self._changed = [np.empty(len(values), dtype=bool) for values in self._values]
+        #: rows that prescribed motion replaces in these blocks; those in other blocks stay with their entries
+        self._replaced = [f.elements_in(self._blocks) for f in asm.row_replacements]
         #: of each block: first node of an element or of any after it
         self._first = []
         for b in self._blocks:
@@ -44,8 +48,15 @@ class ContactEntries:
             bool(self._blocks) and any(bool(touching.any()) for touching in self._at_wall) and self._asm.plain
         )
 
+    def replaced_record(self) -> ctypes.Array:
+        """Rows that prescribed motion replaces in the blocks of contacts, for the compiled iteration."""
+        calls = (_PrescribedMatrix * len(self._replaced))()
+        for call, f, elements in zip(calls, self._asm.row_replacements, self._replaced, strict=True):
+            fill_prescribed(call, f, elements)
+        return calls
+
     def record(self, blocks: list[BoundBlock], flags_before: np.ndarray) -> ctypes.Array:
-        """The same for the compiled iteration.
+        """The blocks for the compiled iteration.
 
         blocks: of the assembly; flags_before: bytes of all contact flags at the factorisation, one after the other.
         """
@@ -72,7 +83,8 @@ class ContactEntries:
             if b.block.update:
                 b.update_parameters(t)
             b.jacobian(*b.matrix_head, *state, b.values_at)
-        asm.replace_jacobian_rows(1.0 if c[0] else 0.0)
+        for replacement, elements in zip(asm.row_replacements, self._replaced, strict=True):
+            replacement.replace_matrix_rows(asm.values, elements)
         asm.version += 1
         first = self.nodes
         for k, b in enumerate(self._blocks):

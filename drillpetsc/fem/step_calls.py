@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from drillpetsc.fem.bound_parts import ROW_SCALE, BoundBlock
+from drillpetsc.fem.bound_parts import ROW_SCALE, BoundBlock, RowReplacement
 from drillpetsc.kernels import pointer
 from drillpetsc.kernels.parameters import structure
 
@@ -24,6 +24,15 @@ def block_call(call: Any, b: BoundBlock, state: tuple[int, ...]) -> None:
     call.residual = b.residual_at
     call.count, call.index, call.parameters, call.record = b.head
     call.x, call.y, call.a, _ = state
+
+
+def fill_prescribed(
+    call: Any, f: RowReplacement, elements: tuple[np.ndarray, np.ndarray, np.ndarray]
+) -> None:
+    """Fill the ``call`` that replaces rows in the entries of ``elements`` (``RowReplacement.elements_in``)."""
+    first, width, slots = elements
+    call.count, call.keep = len(first), pointer(f.row_complement)
+    call.at, call.width, call.slots = pointer(first), pointer(width), pointer(slots)
 
 
 class StepCalls:
@@ -87,7 +96,7 @@ class StepCalls:
         calls = (_PrescribedMatrix * len(asm.row_replacements))()
         at = pointer(asm.values) + 8 * asm.entries_of_blocks
         for call, f in zip(calls, asm.row_replacements, strict=True):
-            call.count, call.keep, call.at, call.width, call.slots = f.matrix_head
+            fill_prescribed(call, f, f.all_elements)
             call.projector = pointer(f.projector)
             if f.owned:
                 call.own, at = at, at + 8 * 49

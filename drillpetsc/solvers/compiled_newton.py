@@ -93,10 +93,14 @@ class CompiledNewton:
         self._calls = calls
         self._call.step, self._call.jacobian = calls.step_at, calls.jacobian_at
         contacts = self._newton.contacts
-        self._contacts = None if contacts is None else contacts.record(calls.blocks, self._flags_before)
-        if self._contacts is not None:
-            self._call.contacts = ctypes.addressof(self._contacts)
-            self._call.contact_count = len(self._contacts)
+        if contacts is not None:
+            self._contacts = contacts.record(calls.blocks, self._flags_before)
+            self._replaced = contacts.replaced_record()
+            self._call.contacts, self._call.contact_count = (
+                ctypes.addressof(self._contacts),
+                len(self._contacts),
+            )
+            self._call.replaced = ctypes.addressof(self._replaced)
 
     def solve(self) -> int | None:
         """Solve from the assembly's x; returns the reason to end, None where a solve needs more than the compiled call does.

@@ -152,14 +152,19 @@ extern "C" void block_entries(const JacobianCall* call, const MatrixCall* block)
                                                               call->spin, s.x, s.y, s.a, b.values);
 }
 
+// Leaves in the entries of elements at a prescribed motion what remains of the node's rows.
+extern "C" void replace_rows(const JacobianCall* call, const PrescribedMatrix* matrix) {
+    const PrescribedMatrix& m = *matrix;
+    constraint_matrix(m.count, m.keep, static_cast<const long long*>(m.at), m.width, m.slots, call->values);
+}
+
 // Replaces the rows along prescribed directions; by_position: 1 with dR/dx in the sum, else 0.  Those of all nodes first, since an element may have two.
 extern "C" void prescribed_entries(const JacobianCall* call, double by_position) {
     const StepCall& s = *call->step;
     for (int k = 0; k < s.prescriptions; ++k) {
         const PrescribedCall& p = s.prescribed[k];
-        const PrescribedMatrix& m = call->prescribed[k];
         if (p.axis) lean_at(p.rows, p.axis, s.x, p.lean, p.keep, p.direction);
-        constraint_matrix(m.count, m.keep, static_cast<const long long*>(m.at), m.width, m.slots, call->values);
+        replace_rows(call, call->prescribed + k);
     }
     for (int k = 0; k < s.prescriptions; ++k) {
         const PrescribedCall& p = s.prescribed[k];

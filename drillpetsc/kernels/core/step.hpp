@@ -44,6 +44,7 @@ extern "C" {
 void step_rows(const dp::StepCall*, const double* q, double* rows);
 void weigh_entries(const dp::JacobianCall*);
 void block_entries(const dp::JacobianCall*, const dp::MatrixCall*);
+void replace_rows(const dp::JacobianCall*, const dp::PrescribedMatrix*);
 void prescribed_entries(const dp::JacobianCall*, double by_position);
 double residual_power(const dp::StepCall*, int n, const int* i, const double* rows, const int* j);
 }

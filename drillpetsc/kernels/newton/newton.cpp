@@ -29,11 +29,13 @@ DP_RECORD(FlagCall, const void* bytes; int size, wall;)
 DP_RECORD(ReasonCall, int converged, not_a_number, no_pivot, too_many, diverging, unused;)
 
 // q, rows, increment, scale (n): unknowns, residual, increment, usual sizes.  forces (force_count): rows that do work along an increment, null
-// for all.  power_rows, power_rates (power_count): rows and rates of the remaining power.  contacts, flags, flags_before: see above; the last are
-// those of the factorisation.  lag_shift: shift of the factorisation.  good, factored: there is one, and the chain has it; current: of the present
-// entries.  work_limit: 0 without a limit.  seconds: of phases, added up.
+// for all.  replaced: elements of contacts at each prescribed motion.  power_rows, power_rates (power_count): rows and rates of the remaining
+// power.  contacts, flags, flags_before: see above; the last are those of the factorisation.  lag_shift: shift of the factorisation.
+// good, factored: there is one, and the chain has it; current: of the present entries.  work_limit: 0 without a limit.  seconds: of phases,
+// added up.
 DP_RECORD(NewtonCall,
-    const StepCall* step; const JacobianCall* jacobian; const ChainCall* chain; const ContactCall* contacts; const FlagCall* flags; const ReasonCall* reasons;
+    const StepCall* step; const JacobianCall* jacobian; const ChainCall* chain; const ContactCall* contacts; const PrescribedMatrix* replaced;
+    const FlagCall* flags; const ReasonCall* reasons;
     double* q; double* rows; double* increment; const double* scale; const int* forces; const int* power_rows; const int* power_rates; signed char* flags_before;
     double lag_shift, shift_change, contraction, tolerance, spacing, rounding, finest, work_limit, overshoot, shortest, eta, last, first, theta, seconds[4];
     int n, nodes, force_count, power_count, contact_count, flag_count, line_search, max_iterations, lag_iterations, contact_iterations;
@@ -173,7 +175,8 @@ int changed_node(NewtonCall& c) {
             if (has_entries(contact, e)) std::memcpy(contact.before + e * each, b.values + e * each, each * sizeof(double));
         block_entries(c.jacobian, &b);
     }
-    prescribed_entries(c.jacobian, 1.0);
+    // rows of prescribed motion in other blocks stay with their entries
+    for (int k = 0; k < c.step->prescriptions; ++k) replace_rows(c.jacobian, c.replaced + k);
     int first = c.nodes;
     for (int k = 0; k < c.contact_count; ++k) {
         const ContactCall& contact = c.contacts[k];
