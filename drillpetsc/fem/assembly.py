@@ -75,7 +75,7 @@ class Assembly:
         self.derive: Callable[[Assembly], None] | None = None
         self._derived_index: dict[int, np.ndarray] = {}  # dofs of blocks that use derived fields, by id
         self._results_heads: dict[int, tuple[int, ...]] = {}
-        self._results: dict[int, BlockResults] = {}  # by id of the block
+        self._results: dict[tuple[int, str], BlockResults] = {}  # by id of the block and kernel
         self._seen: list[ElementBlock] = []  # keeps blocks that are not bound, so that their ids stay theirs
         self._kept: dict[Any, Any] | None = None  # see ``unchanged``
         self._group = ResultGroup({})  # what the last state was asked for: the next is asked for the same
@@ -271,9 +271,7 @@ class Assembly:
         kernel: entry point of the results; columns: their number for one element.
         The tables are not to be changed, nor kept: the next evaluation overwrites them.
         """
-        found = self._results.get(id(block))
-        if found is None:
-            found = self._results[id(block)] = BlockResults(kernel, columns, self.results_head(block))
+        found = self.block_results(block, kernel, columns)
         if self._kept is not None:
             self._asked[found] = True
             if found in self._kept:
@@ -287,6 +285,19 @@ class Assembly:
             self.index_of(block)  # computes the derived fields
         found.evaluate()
         return found
+
+    def block_results(self, block: ElementBlock, kernel: str, columns: int) -> BlockResults:
+        """The tables of ``results``, as they were evaluated last."""
+        found = self._results.get((id(block), kernel))
+        if found is None:
+            found = self._results[id(block), kernel] = BlockResults(kernel, columns, self.results_head(block))
+            self._seen.append(block)
+        return found
+
+    def have_results(self, members: dict[BlockResults, bool]) -> None:
+        """Say that these results have just been evaluated, for what asks for them within ``unchanged``."""
+        if self._kept is not None:
+            self._kept |= members
 
     # ------------------------------------------------------------------ state
     def condense(self, sigma: float, second: float | None = None) -> None:
