@@ -362,6 +362,7 @@ class TransientRun:
             integrator.before_event.append(recorder.before_event)
             integrator.after_event.append(recorder.after_event)
         integrator.on_step_end.append(self._finish_step)
+        integrator.on_failure.append(recorder.catch_up)
         self.memory = Memory(self.mpi, self.start, self.end)
         self._warn(self.notes["warnings"])
         if saved is None:
@@ -470,6 +471,7 @@ class TransientRun:
             self.writer.write_waiting(self.control)
             asked = NOTHING
         if asked == FAILED:
+            self.recorder.catch_up()
             reported = self.mpi.allreduce(self.control.error)  # a text on one rank only
             raise SolveError(reported, time=t, hint=RESTART_HINT)
         due = (
@@ -512,10 +514,10 @@ class TransientRun:
     def _close(self, error: BaseException | None) -> dict[str, Any]:
         """Close the files and write the summary."""
         model, folder = self.model, self.folder
-        if (
-            self.mpi.size == 1 or error is None or isinstance(error, SolveError)
-        ):  # else another rank may not come here
+        if self.mpi.size == 1 or error is None:
             self.recorder.catch_up()
+        else:  # another rank may not come here; after an error of all ranks nothing waits
+            self.recorder.forget_waiting()
         if error is not None and self.mpi.size == 1:
             self.writer.write_samples(self.control)
         self.writer.close()

@@ -18,7 +18,7 @@ from drillpetsc.fem.component import ElementBlock
 from drillpetsc.fem.quantity import Sample
 from drillpetsc.kernels import function, pointer
 
-_record_step = function("record_step", "ipipp")
+_record_step = function("record_step", "ipiipp")
 Places = int | Sequence[int] | np.ndarray
 
 
@@ -56,10 +56,12 @@ class StepRecord:
         self._always = False
 
     def _close(self) -> None:
-        self._table = np.zeros((self.capacity, len(self._addresses)))
+        self._table = np.zeros(
+            (len(self._addresses), self.capacity)
+        )  # what is computed of a number runs along its row
         self._values = np.zeros((self.capacity, self._own))
         self._from = (ctypes.c_void_p * max(1, len(self._addresses)))(*self._addresses)
-        self._row_size, self._start = 8 * len(self._addresses), pointer(self._table)
+        self._start = pointer(self._table)
         groups = [[r for r, (_, always) in self._results.items() if always or every] for every in (0, 1)]
         self._groups = [
             (dict.fromkeys(g, True), (ctypes.c_void_p * max(1, len(g)))(*(r.address for r in g)))
@@ -81,7 +83,7 @@ class StepRecord:
             count = 0
             for found in members:
                 asm.results(*self._results[found][0])
-        _record_step(count, calls, len(self._addresses), self._from, self._start + k * self._row_size)
+        _record_step(count, calls, len(self._addresses), self.capacity, self._from, self._start + 8 * k)
         asm.have_results(members)
         if self._functions:
             sample, row = Sample(self.system, time), self._values[k]
@@ -127,7 +129,7 @@ class StepRecord:
         if self._table is None:
             found = array.reshape(-1)[np.asarray(places, dtype=int).reshape(-1)][None].copy()
         else:
-            found = self._table[: len(self.times), span]
+            found = self._table[span, : len(self.times)].T
         return np.asarray(found[:, 0] if one else found)
 
     def sums(self, block: ElementBlock, kernel: str, columns: int) -> FloatArray:

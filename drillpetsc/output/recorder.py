@@ -290,6 +290,11 @@ class Recorder:
         if times and self._keeps:
             self._kept.append(between(*taken, np.array(times), np.array(rows), self._motion))
 
+    def forget_waiting(self) -> None:
+        """Drop the steps that wait: their outputs are lost."""
+        self._waiting = []
+        self._record.clear()
+
     def _keep_rows(self, times: Sequence[float], dt: float, newton: float) -> None:
         """Keep what the rows of both tables at ``times`` [s] after the last step need."""
         if self._keeps and times:
