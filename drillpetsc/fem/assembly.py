@@ -118,6 +118,8 @@ class Assembly:
         self._nodes = (len(self.spin_at), pointer(self.spin_at), pointer(self.reference))
         self._history = pointer(self.v0), pointer(self.v1)
         self._calls: ctypes.Array | None = None  # see ``_block_calls``
+        #: of ``block_rows``
+        self._one_call, self._separate, self._work = _BlockCall(), np.zeros(0, dtype=np.int32), np.zeros(0)
         self._step: tuple[ctypes.Array, Any, int, Any] | None = None  # see ``_step_call``
         #: evaluate rows block by block, each with its event, for -log_view; otherwise all blocks are one call
         self.block_by_block = PETSc.Options().hasName("log_view")
@@ -629,12 +631,17 @@ class Assembly:
         """Compute the residual rows (n, d) of each element of one block at x, y, a and time ``t`` [s]."""
         if bound.block.update:
             bound.block.update(t)
-        rows = np.empty((bound.count, bound.width))
-        separate = np.arange(rows.size, dtype=np.int32)  # one copy of the unknowns for every element
-        work = np.empty(3 * rows.size)
-        call = _BlockCall()
-        self._fill_call(call, bound, self._state)
-        _element_rows(ctypes.addressof(call), bound.width, pointer(separate), pointer(work), pointer(rows))
+        rows, size = np.empty((bound.count, bound.width)), bound.count * bound.width
+        if size > len(self._separate):  # one copy of the unknowns for every element
+            self._separate, self._work = np.arange(size, dtype=np.int32), np.empty(3 * size)
+        self._fill_call(self._one_call, bound, self._state)
+        _element_rows(
+            ctypes.addressof(self._one_call),
+            bound.width,
+            pointer(self._separate),
+            pointer(self._work),
+            pointer(rows),
+        )
         return rows
 
     def power(self, block: ElementBlock, t: float) -> float:
