@@ -219,9 +219,9 @@ class Recorder:
         self._keep_rows(times, dt, newton)
 
     @property
-    def waiting(self) -> bool:
-        """Whether there are steps that are recorded and not evaluated."""
-        return bool(self._waiting)
+    def recorded(self) -> int:
+        """Number of steps that are recorded and not evaluated."""
+        return len(self._waiting)
 
     # ------------------------------------------------------------------ recorded steps
     def _ask(self, t: float) -> None:

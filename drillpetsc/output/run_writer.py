@@ -106,7 +106,7 @@ class RunWriter:
     @property
     def is_overdue(self) -> bool:
         """Whether rows of this rank that are due have waited so long that they should be written now."""
-        waiting = self.recorder.waiting or self.recorder.kept
+        waiting = self.recorder.recorded or self.recorder.kept
         return bool(self.folder is not None and waiting and clock.monotonic() > self._written + ROWS_WAIT)
 
     def write_waiting(self, errors: WriteErrors) -> None:
