@@ -9,6 +9,7 @@ from itertools import groupby
 from typing import Any
 
 import numpy as np
+from petsc4py import PETSc
 
 from drillpetsc.errors import CaseError
 from drillpetsc.fem.component import FloatArray
@@ -135,6 +136,7 @@ class Recorder:
         #: steps whose outputs are not computed yet; a hole that grows changes the places of points in it
         self._record = StepRecord(self.system, 1 if model.drilling is not None else STEPS_AT_ONCE)
         self._waiting: list[_Step] = []
+        self._event = PETSc.Log.Event("Output")
 
     def _table(self, pairs: Sequence[tuple[Source, Quantity]]) -> list[TableColumn]:
         """Columns of (source, quantity) pairs; neighbours on joints or probes are ordered by depth first."""
@@ -258,6 +260,7 @@ class Recorder:
         """Evaluate the steps that wait: samples, balances, time error and rows; collective."""
         if not self._waiting:
             return
+        self._event.begin()
         waiting, self._waiting = self._waiting, []
         with np.errstate(all="ignore"):  # steps that are not sampled have no numbers in some columns
             values = total_in_order(self.comm, self._evaluated())
@@ -286,9 +289,10 @@ class Recorder:
                 times += step.rows
                 rows += [len(taken[0]) - 1] * len(step.rows)
                 self._note_rows(step.rows, step.length, step.newton)
-        self._samples.extend(zip(*(part[-3:] for part in taken), strict=True))
+        self._samples = deque(zip(*(part[-3:] for part in taken), strict=True), maxlen=3)
         if times and self._keeps:
             self._kept.append(between(*taken, np.array(times), np.array(rows), self._motion))
+        self._event.end()
 
     def forget_waiting(self) -> None:
         """Drop the steps that wait: their outputs are lost."""

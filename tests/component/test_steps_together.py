@@ -8,10 +8,11 @@ import numpy as np
 import pytest
 
 from drillpetsc.analysis.initial_state import initial_state
-from drillpetsc.analysis.transient import make_integrator
+from drillpetsc.analysis.transient import make_integrator, run
 from drillpetsc.case import load_case
 from drillpetsc.fem.step_record import StepRecord
 from drillpetsc.model.drilling_model import build_model
+from drillpetsc.output import recorder as recorders
 from drillpetsc.output.recorder import Recorder
 
 STEPS = 12
@@ -61,3 +62,16 @@ def test_outputs_of_steps_together_are_those_of_each_step(scene: str) -> None:
     scale[-3:] = scale[-3:].max()
     worst = np.max(np.abs(together - expected) / scale, axis=0)
     assert worst.max() < 1e-11, worst
+
+
+def test_files_do_not_depend_on_how_many_steps_are_evaluated_together(tmp_path: Path, monkeypatch) -> None:
+    """One, seven and all at once: the same bytes."""
+    file, changes = SCENES["coupled"]  # with rows between the first steps
+    case, found = load_case(CASES / file, [*changes, "time.end=0.01 s", "output.history_every=0.02 ms"]), []
+    for count in (1, 7, 256):
+        monkeypatch.setattr(recorders, "STEPS_AT_ONCE", count)
+        result = run(case, tmp_path / f"{count}", progress="silent")
+        tables = [(tmp_path / f"{count}" / f"{name}.csv").read_bytes() for name in ("history", "probes")]
+        found.append((*tables, result.summary["energy"], result.summary["mass"]))
+    assert found[0][0].count(b"\n") == 502
+    assert found[0] == found[1] == found[2]

@@ -17,8 +17,6 @@ from pathlib import Path
 
 import numpy as np
 
-from drillpetsc.kernels import function, pointer
-from drillpetsc.kernels.parameters import constant
 from drillpetsc.output.files.atomic import replace_text
 
 Column = tuple[str, str]  # name, unit; unit "-" for a pure number
@@ -53,7 +51,10 @@ def _line(values: Sequence[float]) -> str:
 
 @cache
 def _compiled() -> tuple[Callable[..., int], int]:
-    """The function that writes rows, and the room that a number takes; not at import, which needs no compiled code."""
+    """The function that writes rows, and the room that a number takes."""
+    from drillpetsc.kernels import function  # here: tables are also read by programs without kernels
+    from drillpetsc.kernels.parameters import constant
+
     return function("write_rows", "iipp", ctypes.c_int), int(constant("text_width"))
 
 
@@ -62,7 +63,7 @@ def rows_as_text(rows: np.ndarray) -> bytes:
     write, width = _compiled()
     values = np.ascontiguousarray(rows, dtype=float)
     text = np.empty(values.size * width, dtype=np.uint8)
-    length = write(*values.shape, pointer(values), pointer(text))
+    length = write(*values.shape, values.ctypes.data, text.ctypes.data)
     if length < 0:
         return "".join(map(_line, values.tolist())).encode()
     return text[:length].tobytes()
