@@ -521,6 +521,7 @@ def response(
     speeds: str | Sequence[float],
     amplitude: str | None = None,
     order: float | None = None,
+    stress: bool = False,
     overwrite: bool = False,
     name: str | None = None,
     comm: Any = None,
@@ -535,6 +536,7 @@ def response(
     speeds: rotary speeds above 0, as text ("20:200:2 rpm", "60,90 rpm") or in rad/s, ascending
     amplitude: of the bit, with its unit: "3 mm", "5 kN", "1 kN m"
     order: cycles per turn of the bit; by default 3
+    stress: True to add the alternating stresses of the turning pipe
     overwrite: True to replace the results in an existing folder
     name: name of the case in the default folder
     comm: PETSc communicator; by default all ranks
@@ -549,7 +551,9 @@ def response(
     from drillpetsc.analysis.frequency.response import run_response
     from drillpetsc.results.result import result_of
 
-    return result_of(run_response(case, excitation, values, out, overwrite, name, comm, without_control))
+    return result_of(
+        run_response(case, excitation, values, out, overwrite, name, comm, without_control, stress)
+    )
 
 
 def fmu(

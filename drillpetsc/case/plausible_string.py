@@ -82,7 +82,7 @@ def pumping_valves(case: CaseBlocks) -> list[str]:
         elif flow is None:
             continue
         else:
-            mean = given.coefficient * fluid.density * flow**2
+            mean = item.flow_resistance * fluid.density * flow**2
         if mean < (1 - 1e-9) * amplitude:
             words.append(
                 f"string[{i}].pressure_loss is {shown(mean, 'pressure', units)} at the largest flow rate: less than "

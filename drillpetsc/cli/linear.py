@@ -226,6 +226,11 @@ def _response_arguments(command: argparse.ArgumentParser) -> None:
         help="of the bit: a motion along the string ('3 mm'), a force ('5 kN') or a torque ('1 kN m')",
     )
     command.add_argument("--order", type=float, metavar="N", help="cycles per turn of the bit (default: 3)")
+    command.add_argument(
+        "--stress",
+        action="store_true",
+        help="add the alternating stresses of the pipe, which turns, for its fatigue",
+    )
     _without_control(command)
     units_argument(command)
 
@@ -249,6 +254,7 @@ def _response(arguments: argparse.Namespace, petsc_options: list[str]) -> int:
         arguments.overwrite,
         Path(arguments.case).stem,
         without_control=arguments.without_control,
+        stress=arguments.stress,
     )
     return show(result.lines, result.folder, arguments)
 

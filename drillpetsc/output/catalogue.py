@@ -143,7 +143,7 @@ def listed_by_file() -> dict[str, tuple[Listed, ...]]:
         "stability_map.csv": _listed(frequency.STABILITY_MAP),
         "stability_boundary.csv": _listed(frequency.STABILITY_BOUNDARY),
         "stability_runs.csv": _listed(frequency.STABILITY_RUNS),
-        "response.csv": _listed(frequency.RESPONSE),
+        "response.csv": (*_listed(frequency.RESPONSE), *_listed(frequency.RESPONSE_STRESS, where.STRESS)),
         "reflection.csv": _listed(top_drive.REFLECTION),
         "trajectory.csv": _listed(measured.TRAJECTORY),
         "hydraulics.csv": _listed(hydraulics.LOSS_ROWS),

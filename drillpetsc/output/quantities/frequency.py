@@ -68,6 +68,19 @@ RESPONSE: tuple[Quantity, ...] = (
     ),
 )  # fmt: skip
 
+#: more columns of the response, with --stress
+RESPONSE_STRESS: tuple[Quantity, ...] = (
+    _column(
+        "stress_amplitude", "Pa", "Amplitude of the stress", "STAM",
+        "Largest alternating normal stress at the surface of the pipe that turns: axial force and bending of the response, and bending of the "
+        "steady state.", "tension",
+    ),
+    _column(
+        "shear_stress_amplitude", "Pa", "Amplitude of the shear stress", "SSAM", "Of the torque of the response, at the surface of the pipe."
+    ),
+    _column("mean_stress", "Pa", "Mean stress", "MNST", "Of the axial force of the steady state.", "tension"),
+)  # fmt: skip
+
 _MODE = {q.name: q for q in MODES}
 BRANCH = _column(
     "branch", "-", "Branch", "BRCH", "Number of a mode that is followed over the speeds, from 1."
