@@ -140,6 +140,7 @@ def listed_by_file() -> dict[str, tuple[Listed, ...]]:
         "modes.csv": (*_listed(measured.MODES), *_listed((STOKES_NUMBER,), where.STOKES)),
         "campbell.csv": _listed(frequency.CAMPBELL),
         "critical.csv": _listed(frequency.CRITICAL),
+        "critical_map.csv": _listed(frequency.CRITICAL_MAP, where.STIFFNESS),
         "stability_map.csv": _listed(frequency.STABILITY_MAP),
         "stability_boundary.csv": _listed(frequency.STABILITY_BOUNDARY),
         "stability_runs.csv": _listed(frequency.STABILITY_RUNS),

@@ -116,6 +116,13 @@ CAMPBELL: tuple[Quantity, ...] = (
     ),
 )  # fmt: skip
 
+_CRITICAL_SPEED = _column(
+    "critical_rotary_speed",
+    "rpm",
+    "Critical rotary speed",
+    "CSPD",
+    "Rotary speed at which the line meets the branch, interpolated.",
+)
 CRITICAL: tuple[Quantity, ...] = (
     BRANCH,
     _MODE["kind"],
@@ -125,10 +132,7 @@ CRITICAL: tuple[Quantity, ...] = (
         "Turn: cycles per turn of the string; motor: the orbit of a motor's rotor.",
     ),
     _column("excitation_line", "-", "Excitation line", "XLIN", "Cycles of the excitation per turn."),
-    _column(
-        "critical_rotary_speed", "rpm", "Critical rotary speed", "CSPD",
-        "Rotary speed at which the line meets the branch, interpolated.",
-    ),
+    _CRITICAL_SPEED,
     _MODE["frequency"],
     _MODE["damping_ratio"],
     _column(
@@ -140,6 +144,12 @@ CRITICAL: tuple[Quantity, ...] = (
         "Critical speed less that of the case, over the latter; nan for a case that does not turn.", "the critical speed is higher",
     ),
 )  # fmt: skip
+CRITICAL_MAP: tuple[Quantity, ...] = (
+    _column("wall_stiffness", "Pa", "Stiffness of the wall", "WSTF", "Force per length and penetration."),
+    *CRITICAL[:5],
+    _CRITICAL_SPEED,
+    _MODE["frequency"],
+)
 
 WEIGHT = _column(
     "weight_on_bit", "N", "Weight on bit of the state", "WOBS", "Weight on bit of the steady state."
