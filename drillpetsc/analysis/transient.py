@@ -37,6 +37,7 @@ from drillpetsc.analysis.steady_flow import fluid_unknowns
 from drillpetsc.analysis.time_scales import longest_strict_step, step_warnings, time_scales
 from drillpetsc.analysis.top_push import top_push
 from drillpetsc.analysis.whirl_steps import WhirlSteps
+from drillpetsc.case.blocks.formation import VelocityWeakening
 from drillpetsc.case.case import Case
 from drillpetsc.errors import RESTART_HINT, CaseError, Interrupted, SolveError, cannot_write
 from drillpetsc.model.drilling_model import DrillingModel, build_model, is_quasi_static
@@ -58,6 +59,8 @@ from drillpetsc.solvers import petsc_options as options
 from drillpetsc.solvers.local_error import LocalErrorEstimate
 from drillpetsc.solvers.time_integrator import TimeIntegrator
 
+#: default spectral radius of generalised-alpha under a bit that sticks (manual: verif-default-tolerance)
+STICKING_RADIUS = 0.5
 #: largest spectral radius at which long fixed steps across impacts lose energy; larger ones gain
 STEADY_RADIUS = 0.5
 
@@ -147,6 +150,12 @@ def make_integrator(model: DrillingModel, quasi: QuasiStatic | None = None) -> T
         return _make_integrator(model, quasi)
 
 
+def _sticks(case: Case) -> bool:
+    """Whether the law of the bit falls with its speed, so that the bit sticks and slips."""
+    law = None if case.formation is None else case.formation.bit_law
+    return isinstance(law, VelocityWeakening) or isinstance(getattr(law, "base", None), VelocityWeakening)
+
+
 @contextmanager
 def _chosen_integrator(case: Case) -> Iterator[None]:
     """Set ``time.integrator`` as PETSc options, unless -ts_type is given, while an integrator is made."""
@@ -157,6 +166,10 @@ def _chosen_integrator(case: Case) -> Iterator[None]:
         chosen["ts_type"] = generalized_alpha.NAMES[0]
         if time.spectral_radius is not None and not options.hasName("ts_alpha_radius"):
             chosen["ts_alpha_radius"] = repr(time.spectral_radius)
+    selected = options.getString("ts_type", chosen.get("ts_type", "")) in generalized_alpha.NAMES
+    given = {*chosen, *(name for name in ("ts_alpha_radius", "ts_alpha_alpha_m") if options.hasName(name))}
+    if selected and not given & {"ts_alpha_radius", "ts_alpha_alpha_m"} and _sticks(case):
+        chosen["ts_alpha_radius"] = repr(STICKING_RADIUS)
     for name, value in chosen.items():
         options.setValue(name, value)
     try:

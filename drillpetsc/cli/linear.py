@@ -114,16 +114,22 @@ def _campbell_arguments(command: argparse.ArgumentParser) -> None:
         default="wd",
         help="critical speeds are where lines meet damped (wd) or natural frequencies (wn) (default: wd)",
     )
+    command.add_argument(
+        "--stiffness",
+        metavar="K1,K2",
+        help="critical speeds without damping at these stiffnesses of the wall, too: '1e6,1e7,1e8 Pa'",
+    )
     _without_control(command)
     units_argument(command)
 
 
 def _campbell(arguments: argparse.Namespace, petsc_options: list[str]) -> int:
-    from drillpetsc.case.speed_options import read_lines, read_speeds
+    from drillpetsc.case.speed_options import read_lines, read_speeds, read_stiffnesses
 
     case = in_units(read_case(arguments), arguments.units)
     speeds = read_speeds(arguments.speeds, "--speeds")
     lines = None if arguments.lines is None else read_lines(arguments.lines)
+    stiffness = read_stiffnesses(arguments.stiffness) if arguments.stiffness else ()
     start_job(petsc_options)
     print_warnings(case)
     from drillpetsc.analysis.frequency.campbell import run_campbell
@@ -139,6 +145,7 @@ def _campbell(arguments: argparse.Namespace, petsc_options: list[str]) -> int:
         Path(arguments.case).stem,
         without_control=arguments.without_control,
         frequency=arguments.frequency,
+        stiffness=stiffness,
     )
     return show(result.lines, result.folder, arguments)
 
@@ -223,6 +230,11 @@ def _response_arguments(command: argparse.ArgumentParser) -> None:
         help="of the bit: a motion along the string ('3 mm'), a force ('5 kN') or a torque ('1 kN m')",
     )
     command.add_argument("--order", type=float, metavar="N", help="cycles per turn of the bit (default: 3)")
+    command.add_argument(
+        "--stress",
+        action="store_true",
+        help="add the alternating stresses of the pipe, which turns, for its fatigue",
+    )
     _without_control(command)
     units_argument(command)
 
@@ -245,6 +257,7 @@ def _response(arguments: argparse.Namespace, petsc_options: list[str]) -> int:
         arguments.overwrite,
         Path(arguments.case).stem,
         without_control=arguments.without_control,
+        stress=arguments.stress,
     )
     return show(result.lines, result.folder, arguments)
 
