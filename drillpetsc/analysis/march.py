@@ -429,9 +429,10 @@ def with_contact(
     if model.bit is not None and (case.initial.wob is not None or case.top.force is not None):
         down -= down[-1]
     above, below = _nodal_strains(mesh, strain)
-    unit = found.tangent / np.linalg.norm(found.tangent, axis=1, keepdims=True)
+    moved = moved_along(model, found, down)
+    unit = moved.tangent / np.linalg.norm(moved.tangent, axis=1, keepdims=True)
     return replace(
-        found,
+        moved,
         axial_force=tension,
         effective_tension=found.effective_tension + change[1:-1],
         contact_force=contact,
@@ -439,8 +440,31 @@ def with_contact(
         twist=-np.concatenate([[0.0], np.cumsum(twist)]),
         tangent=(1 + above)[:, None] * unit,
         ratio=(1 + below) / (1 + above),
-        position=found.position + down[:, None] * found.direction,
-        top_motion=found.top_motion + down[0],
+    )
+
+
+def moved_along(model: DrillingModel, found: March, down: FloatArray) -> March:
+    """``found`` with its nodes moved along the axis of the hole by ``down`` (n,) [m], at the same place across it.
+
+    A straight way would leave the wall of a bent hole: 0.1 m at 2 deg/30 m by 6 um, which carries 0.6 kN/m.
+    """
+    depth = found.measured_depth + down
+    old = np.stack([found.direction, *_frame(model, found.direction)], axis=1)  # (n, 3, 3)
+    well, size = model.well, np.linalg.norm(found.tangent, axis=1, keepdims=True)
+    assert well is not None
+    centre, direction, _ = well.at(depth)
+    new = np.stack([direction, *_frame(model, np.asarray(direction))], axis=1)
+    offset, tangent = (
+        np.einsum("nk,nki->ni", np.einsum("nki,ni->nk", old, q), new) for q in (found.offset, found.tangent)
+    )
+    return replace(
+        found,
+        measured_depth=depth,
+        direction=np.asarray(direction),
+        offset=offset,
+        position=np.asarray(centre) + offset,
+        tangent=size * tangent / np.linalg.norm(tangent, axis=1, keepdims=True),
+        top_motion=found.top_motion + float(down[0]),
     )
 
 
@@ -586,7 +610,12 @@ def _directors(model: DrillingModel, s: FloatArray) -> tuple[FloatArray, FloatAr
     """
     assert model.well is not None
     t = np.asarray(model.well.at(s)[1])
-    return t, *directors(model.frames, np.arange(len(t)), t, np.zeros(len(t)))
+    return t, *_frame(model, t)
+
+
+def _frame(model: DrillingModel, t: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Both directors (n, 3) at zero spin of nodes with the tangents ``t`` (n, 3)."""
+    return directors(model.frames, np.arange(len(t)), t, np.zeros(len(t)))
 
 
 def _place(
