@@ -21,7 +21,7 @@ from drillpetsc.analysis.march import (
 )
 from drillpetsc.arrays import FloatArray
 from drillpetsc.fem.quadrature import exposed_ends, rule
-from drillpetsc.fem.string_mesh import StringJoint
+from drillpetsc.fem.string_mesh import RigidItem, StringJoint
 from drillpetsc.geometry.frames import directors
 from drillpetsc.model.drilling_model import DrillingModel
 from drillpetsc.output.static_table import at_nodes
@@ -40,10 +40,13 @@ LYING_SHARE = 0.01  # of the push: a side load on the string above the buckle th
 GROWTH, LONGEST = 1.3, 60.0  # of the elements above the buckle: ratio of neighbours, length [m]
 MARGIN = 6.0  # of (EI/w)^(1/3) above the uppermost push, over which a buckle dies out
 ROUGH_SHARE = 0.25  # length of rough elements over the pitch of a helix
+BIT_DEPTH = 1e-4  # of a bit in the side of its hole, where the law of Hertz has the force of its spring [m]
 NO_LENGTH = 1e-9  # of an element that is a joint [m]
 MAX_ROUNDS = 10  # of lateral equilibrium and tension
 NEAR_BRACKET = 0.05  # least distance of a trial of the push of a string that stands from the ends of its bracket, over it
 SETTLED_STANDING = 2e-2  # the same of a string that stands, whose buckles give way
+STRAIGHT = 1e-9  # change of the hole's direction from node to node that is none
+SETTLED_PLACE = 1e-3  # way of the nodes along a bent hole in the last round [m]
 SETTLED_PUSH = 1e-3  # change of the tension, over the largest push, with which the rounds end
 
 
@@ -85,7 +88,8 @@ def lateral_starts(
     if coiled is not None and (motion[0] or bottom is not None):
         push = -float(coiled.axial_force[-1]) if bottom is not None else None
         found = with_contact(model, found, motion, coiled.contact_force, push)
-    loads, turns, last = _side_loads(model, found), bool(motion[1]), None
+    loads, turns, last = _side_loads(model, found), _turns(model, motion), None
+    bent = bool(np.abs(np.diff(found.direction, axis=0)).max() > STRAIGHT)
     state: LateralState | None = None
     for number in range(MAX_ROUNDS):
         buckling = _first_node(model, found)
@@ -106,7 +110,14 @@ def lateral_starts(
             found = with_contact(model, before, motion, contact, push)
         change = np.abs(found.axial_force - before.axial_force).max()
         settled = SETTLED_PUSH if bottom is None else SETTLED_STANDING
-        if (number or not parts.rough) and change <= settled * -found.axial_force.min():
+        if bottom is None and bent:  # the beam lay on the wall of another part of the hole
+            placed = _placed(model, found, parts.nodes[0], *last[1:])
+            moved = np.abs(placed.measured_depth - before.measured_depth).max()
+            found = placed if moved > SETTLED_PLACE else found
+        else:
+            moved = 0.0
+        enough = change <= settled * -found.axial_force.min() and moved <= SETTLED_PLACE
+        if (number or not parts.rough) and enough:
             break
     assert state is not None  # MAX_ROUNDS is at least 1
     out = []
@@ -125,6 +136,11 @@ def _directors(model: DrillingModel, found: March) -> tuple[FloatArray, FloatArr
     """Both directors (n_nodes, 3) at zero spin across the hole where the string lies."""
     nodes = model.mesh.nodes
     return directors(model.frames, np.arange(nodes), found.direction, np.zeros(nodes))
+
+
+def _turns(model: DrillingModel, motion: tuple[float, float]) -> bool:
+    """Whether any part of the string turns."""
+    return bool(motion[1] or (model.motor is not None and model.motor.static_speed))
 
 
 class _Bottom:
@@ -398,18 +414,34 @@ class _Parts:
         for b in mesh.bodies:
             if b.radius <= 0 or b.node < self.nodes[0]:
                 continue
-            last = b.node == mesh.nodes - 1
-            span = b.contact_length or 2 * b.radius
-            cell = np.searchsorted(self.nodes, [b.node]) - last
-            for x, weight in rule(law.points, True, True):
-                y = b.contact_above + x * b.contact_length
+            last, node = b.node == mesh.nodes - 1, np.array([b.node])
+            cell = np.searchsorted(self.nodes, node) - last
+            for y, length, clearance in _points_of_item(model, b):
                 factors = np.array([[0.0, 0.0, 1.0, y] if last else [1.0, y, 0.0, 0.0]])
-                node = np.array([b.node])
                 gap = np.maximum(np.asarray(well.radius(md[node] + y)) - b.radius, 0.0)
+                if clearance is not None:
+                    gap[:] = clearance
                 off = across(centre[node] + y * t[node] - np.asarray(well.at(md[node] + y)[0]), node)
                 at = mesh.node_depth[node] + y
-                columns.append((cell, factors, gap, np.array([weight * span]), drag[node], off, at))
+                columns.append((cell, factors, gap, np.array([length]), drag[node], off, at))
         return ContactPoints(*(np.concatenate(q) for q in zip(*columns, strict=True)))
+
+
+def _points_of_item(model: DrillingModel, item: RigidItem) -> list[tuple[float, float, float | None]]:
+    """Points where a rigid item may touch the wall: distance below its node [m], length of wall [m], clearance [m].
+
+    The clearance is None where it is that of the item.  A bit that cuts touches the side of its hole at one point.
+    """
+    assert model.contact is not None
+    law, side = model.contact.law, model.bit.side_contact if model.bit is not None else None
+    if item.kind == "bit" and side is not None:
+        per_length = law.stiffness * (1.0 if law.law == "linear" else np.sqrt(BIT_DEPTH))
+        return [(side.below, side.stiffness / per_length, side.clearance)] if side.stiffness else []
+    span = item.contact_length or 2 * item.radius
+    return [
+        (item.contact_above + x * item.contact_length, weight * span, None)
+        for x, weight in rule(law.points, True, True)
+    ]
 
 
 def _side_loads(model: DrillingModel, found: March) -> FloatArray:

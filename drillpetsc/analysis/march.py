@@ -104,8 +104,9 @@ def nodal_loads(model: DrillingModel, rates: FloatArray | None = None) -> tuple[
     asm.y[:], asm.a[:] = 0.0 if rates is None else rates, 0.0
     asm.partial_residual(0.0, lambda block: not block.kernel.startswith(LEFT_OUT))
     for bound in asm.bound_blocks:
-        # a rigid item lies along a chord of a curved hole; what bends the short element below it is no load
-        if bound.block.kernel.startswith("beam_junction") and bound.count:
+        # what bends the string along the hole is no load: it lies along chords of rigid items, and the hole's curvature changes within
+        # an element
+        if bound.block.kernel.startswith("beam") and bound.count:
             table = bound.block.named
             gravity = np.array(table["gravity"])
             table["gravity"] = 0.0
@@ -475,18 +476,21 @@ def friction_factors(
 
     depth: (n,) measured depth of the nodes in the hole [m]; None: unstrained.
 
-    As in torque_drag: the slip direction has the axial speed and the speed of the circumference.
+    As in torque_drag: the slip direction has the axial speed and the speed of the circumference.  Below a downhole motor the
+    string turns with the motor's speed, too.
     """
     mesh, well = model.mesh, model.well
     assert well is not None
-    radius = _radius(model)
+    radius, spin = _radius(model), np.full(mesh.nodes, motion[1])
+    if model.motor is not None and mesh.motor_cell is not None:
+        spin[mesh.motor_cell + 1 :] += model.motor.static_speed
     at = mesh.node_depth + top_depth(model) if depth is None else depth
     mu = np.asarray(well.friction(at)).copy()
     own = np.append(mesh.friction, mesh.friction[-1])
     mu = np.where(np.isnan(own), mu, own)
-    speed = np.hypot(motion[0], motion[1] * radius)
+    speed = np.hypot(motion[0], spin * radius)
     scale = np.divide(mu, speed, out=np.zeros(mesh.nodes), where=speed > 0)
-    return motion[0] * scale, motion[1] * scale * radius**2
+    return motion[0] * scale, spin * scale * radius**2
 
 
 def _radius(model: DrillingModel) -> FloatArray:
