@@ -12,6 +12,7 @@ import numpy as np
 
 from drillpetsc.analysis.placement import top_depth
 from drillpetsc.analysis.resting_shape import Beam, resting_shape
+from drillpetsc.analysis.slider_travel import travels
 from drillpetsc.arrays import FloatArray
 from drillpetsc.fem.string_mesh import StringMesh
 from drillpetsc.geometry.frames import directors
@@ -43,6 +44,7 @@ LEFT_OUT = (
     "body_contact",
     "bit_contact",
     "bit_rock",
+    "reamer",
 )  # first words of kernels whose forces are no loads
 
 
@@ -146,17 +148,20 @@ class _Column:
         self.rows = np.column_stack(values).tolist()
 
     def run(
-        self, bottom: float, coils_above: float = HELIX_FACTOR
+        self, bottom: float, coils_above: float = HELIX_FACTOR, standing: dict[int, float] | None = None
     ) -> tuple[FloatArray, FloatArray, np.ndarray, int | None]:
         """Return tension (n+1,), contact force (n,), helical (n,) and the node of lock-up, from the force below.
 
         coils_above: axial force above which a string on the wall coils, over sqrt(EI w/r).
+        standing: weights [N] that stand on the hole above its bottom, by their nodes.
         """
+        standing = standing or {}
         n = len(self.rows)
         tension, contact, helical, locked = np.empty(n + 1), np.empty(n), np.zeros(n, dtype=bool), None
         tension[n] = below = bottom
         for i in range(n - 1, -1, -1):
             load, drag, kk, kw, ww, length, bending, clearance, vertical, crushing, wet = self.rows[i]
+            load -= standing.get(i, 0.0)
             above, total, coils = below + load, 0.0, False
             for _ in range(3):
                 mean = 0.5 * (below + above)
@@ -232,12 +237,17 @@ class _Marcher:
         """
         model, motion, mesh, depth = self.model, self.motion, self.model.mesh, self.depth
         bending, clearance, wet, half = self.bending, self.clearance, self.wet, self.half
-        tension, contact, helical, locked = self.column.run(bottom)
+        reamers = self._standing_reamers(bottom, wob) if top is None else {}
+        tension, contact, helical, locked = self.column.run(
+            bottom, standing={node: weight for node, (weight, _) in reamers.items()}
+        )
         rock = 0.0
         if model.bit is not None:
             turning = motion[1] + (model.motor.static_speed if model.motor is not None else 0.0)
             rock = model.bit.torque_for(wob, turning) * np.sign(turning)
         steps = self.around * contact - self.load_torque
+        for node, (_, rocks) in reamers.items():
+            steps[node] += rocks * np.sign(self.around[node])
         torque = np.append(np.cumsum(steps[::-1])[::-1], 0.0) + rock
         inner = tension[1:-1]
         coils = helical[:-1] & helical[1:] & ~mesh.is_joint
@@ -255,7 +265,12 @@ class _Marcher:
         phase = np.concatenate([[0.0], np.cumsum(pitch * mesh.length)])
         shape, shortening = _shape(model, depth, load, per_length, clearance, beam, helical, phase, on_wall)
         stretch = np.concatenate(
-            [[0.0], np.cumsum((strain - 0.5 * (gap * pitch) ** 2 - shortening) * mesh.length)]
+            [
+                [0.0],
+                np.cumsum(
+                    (strain - 0.5 * (gap * pitch) ** 2 - shortening) * mesh.length + travels(mesh, inner)
+                ),
+            ]
         )
         if top is None:
             assert model.bit is not None
@@ -284,6 +299,27 @@ class _Marcher:
             direction=direction,
             effective_tension=inner + wet,
         )
+
+    def _standing_reamers(self, bottom: float, wob: float) -> dict[int, tuple[float, float]]:
+        """Weight [N] and torque [N m] of the reamers under the force ``bottom`` [N] below the string, by their nodes.
+
+        A reamer stands where bit and string below it let it; what stands above does not count.
+        """
+        model, mesh = self.model, self.model.mesh
+        found: dict[int, tuple[float, float]] = {}
+        bit = model.bit
+        for reamer in reversed(model.reamers) if bit is not None else ():
+            assert bit is not None
+            tension = self.column.run(bottom, standing={node: weight for node, (weight, _) in found.items()})[
+                0
+            ]
+            with np.errstate(divide="ignore", invalid="ignore"):
+                strain = np.where(mesh.is_joint, 0.0, tension[1:-1] / mesh.axial_stiffness)
+            longer = float(np.sum((strain * mesh.length + travels(mesh, tension[1:-1]))[reamer.node :]))
+            end = hole_depth(model.case) - (mesh.total_length - mesh.node_depth[-1]) + bit.depth_for(wob)
+            depth = end - (mesh.node_depth[-1] - mesh.node_depth[reamer.node]) - longer
+            found[reamer.node] = reamer.weight_and_torque_at(float(depth))
+        return found
 
 
 def march(
@@ -426,7 +462,8 @@ def with_contact(
             np.where(mesh.is_joint, 0.0, q[1:-1] / mesh.axial_stiffness) for q in (found.axial_force, tension)
         )
         twist = np.where(mesh.is_joint, 0.0, torque[1:-1] * mesh.length / mesh.torsional_stiffness)
-    down = np.concatenate([[0.0], np.cumsum((strain - before) * mesh.length)])
+    more_travel = travels(mesh, tension[1:-1]) - travels(mesh, found.axial_force[1:-1])
+    down = np.concatenate([[0.0], np.cumsum((strain - before) * mesh.length + more_travel)])
     if model.bit is not None and (case.initial.wob is not None or case.top.force is not None):
         down -= down[-1]
     above, below = _nodal_strains(mesh, strain)

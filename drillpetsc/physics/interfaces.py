@@ -328,6 +328,10 @@ class ReamingTool(Component):
     depth_field: str
     shoulder: float
 
+    @abstractmethod
+    def weight_and_torque_at(self, depth: float) -> tuple[float, float]:
+        """Weight [N] and torque, not negative [N m], at the start of a reamer whose node rests at measured depth ``depth`` [m]."""
+
     @property
     @abstractmethod
     def reamed(self) -> float:
