@@ -34,6 +34,7 @@ NO_BAND = 5e-3  # width of a band over the largest push, below which the string 
 #: force over which a vertical string coils: 2.65 (EI w^2)^(1/3) (manual: eq-statics-march)
 VERTICAL_FACTOR = 2.65
 LEAST_LOAD = 1e-3  # load per length that holds the string in the middle of the hole, over its weight [-]
+BEND_ROUNDS = 3  # of place and shortening by the bends of the hole
 MAX_STANDING_ROUNDS = 40  # of the search for the weight that a held string leaves on the bottom
 STANDING_TOLERANCE = 1e-6  # way of its bit that is left [m]
 CRUSHING_STRAIN = 0.01  # a push that compresses the string by more means that no push passes [-]
@@ -263,19 +264,16 @@ class _Marcher:
         bed = np.maximum(per_length, LEAST_LOAD * self.weight) / np.maximum(clearance, 1e-3)
         beam = Beam(mesh.length, mesh.bending_stiffness, inner, mesh.is_joint, bed)
         phase = np.concatenate([[0.0], np.cumsum(pitch * mesh.length)])
-        shape, shortening = _shape(model, depth, load, per_length, clearance, beam, helical, phase, on_wall)
-        stretch = np.concatenate(
-            [
-                [0.0],
-                np.cumsum(
-                    (strain - 0.5 * (gap * pitch) ** 2 - shortening) * mesh.length + travels(mesh, inner)
-                ),
-            ]
+        longer = strain * mesh.length + travels(mesh, inner)
+        measured_depth, _ = self._depths(longer, wob, top)
+        shape, across, slope, share = _shape(
+            model, measured_depth, load, per_length, clearance, beam, helical, phase, on_wall
         )
-        if top is None:
-            assert model.bit is not None
-            top = hole_depth(model.case) - (mesh.total_length + stretch[-1]) + model.bit.depth_for(wob)
-        measured_depth = mesh.node_depth + stretch + top
+        longer -= 0.5 * (gap * pitch) ** 2 * mesh.length
+        for _ in range(BEND_ROUNDS):  # where the hole's curvature changes, it depends on the place
+            short = (1 - share) * _shortening(model, measured_depth, across, slope)
+            measured_depth, end = self._depths(longer - short * mesh.length, wob, top)
+        top = end
         position, tangent, offset, direction = _place(model, measured_depth, shape)
         strain_above, strain_below = _nodal_strains(mesh, strain)
         return March(
@@ -299,6 +297,18 @@ class _Marcher:
             direction=direction,
             effective_tension=inner + wet,
         )
+
+    def _depths(self, longer: FloatArray, wob: float, top: float | None) -> tuple[FloatArray, float]:
+        """Measured depths (n,) of the nodes and of the top of a string whose elements are ``longer`` (n-1,) than without strain [m].
+
+        wob, top: as of ``result``.
+        """
+        model, mesh = self.model, self.model.mesh
+        stretch = np.concatenate([[0.0], np.cumsum(longer)])
+        if top is None:
+            assert model.bit is not None
+            top = hole_depth(model.case) - (mesh.total_length + stretch[-1]) + model.bit.depth_for(wob)
+        return mesh.node_depth + stretch + top, top
 
     def _standing_reamers(self, bottom: float, wob: float) -> dict[int, tuple[float, float]]:
         """Weight [N] and torque [N m] of the reamers under the force ``bottom`` [N] below the string, by their nodes.
@@ -602,8 +612,9 @@ def _shape(
     helical: np.ndarray,
     phase: FloatArray,
     top_on_wall: bool,
-) -> tuple[FloatArray, FloatArray]:
-    """Offsets and slopes of the nodes from the axis of the hole, (n, 4), and by how much they shorten elements, (n-1,) [-].
+) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
+    """Offsets and slopes of the nodes from the axis of the hole, (n, 4), and those without coils, (n, 2) each, and the share of
+    the coils in the elements (n-1,).
 
     The four columns are offsets [m] and slopes [-] along the second and the third director at zero spin.
     s: (n,) measured depths [m]; load: (n, 3) on the wall [N]; contact: (n,) per length [N/m].
@@ -621,10 +632,9 @@ def _shape(
     wall = np.column_stack([np.sum(side * second, axis=1), np.sum(side * third, axis=1)]) * deep[:, None]
     if not top_on_wall:
         wall[0] = 0.0
-    bend = np.asarray(well.at(0.5 * (s[1:] + s[:-1]))[2])
-    curvature = np.column_stack([np.sum(bend * _at_middle(d), axis=1) for d in (second, third)])
+    curvature = _mean_curvature(model, s)
     across, slope = resting_shape(beam, wall, curvature)
-    shortening = 0.5 * np.sum(_at_middle(slope) ** 2, axis=1) - np.sum(curvature * _at_middle(across), axis=1)
+    still, lean, coils = across.copy(), slope.copy(), np.zeros(len(s) - 1)
     if helical.any():
         share = _eased(helical[:, None].astype(float), s)
         share[clearance < 1e-4] = 0.0
@@ -635,8 +645,21 @@ def _shape(
         slope *= 1 - share
         if not model.mesh.is_joint.any():
             slope += share * np.gradient(across, s, axis=0)
-        shortening *= 1 - _at_middle(share)[:, 0]
-    return np.column_stack([across, slope]), shortening
+        coils = _at_middle(share)[:, 0]
+    return np.column_stack([across, slope]), still, lean, coils
+
+
+def _mean_curvature(model: DrillingModel, s: FloatArray) -> FloatArray:
+    """Mean curvature (n-1, 2) [1/m] of the hole between the depths ``s`` (n,) [m] of the nodes, along both directors."""
+    t, second, third = _directors(model, s)
+    bend = np.diff(t, axis=0) / np.maximum(np.diff(s), 1e-9)[:, None]
+    return np.column_stack([np.sum(bend * _at_middle(d), axis=1) for d in (second, third)])
+
+
+def _shortening(model: DrillingModel, s: FloatArray, across: FloatArray, slope: FloatArray) -> FloatArray:
+    """By how much offsets and slopes (n, 2) of nodes at the depths ``s`` (n,) [m] shorten the elements, (n-1,) [-]."""
+    inside = np.sum(_mean_curvature(model, s) * _at_middle(across), axis=1)
+    return 0.5 * np.sum(_at_middle(slope) ** 2, axis=1) - inside
 
 
 def _at_middle(values: FloatArray) -> FloatArray:
