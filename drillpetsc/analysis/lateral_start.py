@@ -144,7 +144,7 @@ def _turns(model: DrillingModel, motion: tuple[float, float]) -> bool:
 
 
 class _Bottom:
-    """Push of the bottom on a string whose top is held: as large as the room for the bent string asks for.
+    """Push of the bottom on a string whose top is held: as large as the length of the bent string asks for.
 
     found: the string before it bends, whose bit stands at the depth of its weight.
     """
@@ -158,7 +158,7 @@ class _Bottom:
         self.last: tuple[float, float] | None = None
 
     def next_push(self, found: March, drawn_up: float) -> float:
-        """Push [N] under which the string has room: by the secant, between the pushes that are too small and too large.
+        """Push [N] under which the bent string ends on the bottom: by the secant, between the pushes that are too small and too large.
 
         found: with the tension of the bent string under the present push; drawn_up: way [m] by which its bends lift the bit.
         """

@@ -400,25 +400,25 @@ def _standing(marcher: _Marcher, top: float) -> March:
     assert model.bit is not None
     bit, end = model.bit, hole_depth(model.case) - (mesh.total_length - mesh.node_depth[-1])
 
-    def room(weight: float) -> tuple[float, March]:
-        """Way [m] of the bit down to where it carries ``weight`` [N], and the march under it."""
+    def gap_under(weight: float) -> tuple[float, March]:
+        """Distance [m] from the bit down to where it carries ``weight`` [N], and the march under it."""
         found = marcher.result(-weight, weight, top)
         return end + bit.depth_for(weight) - float(found.measured_depth[-1]), found
 
-    miss_low, found = room(low)
+    miss_low, found = gap_under(low)
     if miss_low >= 0:
         return found
     most = 2 * CRUSHING_STRAIN * float(mesh.axial_stiffness[~mesh.is_joint].max())
     high = -miss_low / axial_compliance(mesh)
-    miss_high, found = room(high)
+    miss_high, found = gap_under(high)
     while miss_high < 0:
         if high > most:
             return found  # no push shortens the string that much
         low, miss_low, high = high, miss_high, 2 * high
-        miss_high, found = room(high)
+        miss_high, found = gap_under(high)
     for _ in range(MAX_STANDING_ROUNDS):  # regula falsi with the Illinois rule
         middle = (low * miss_high - high * miss_low) / (miss_high - miss_low)
-        miss, found = room(middle)
+        miss, found = gap_under(middle)
         if abs(miss) <= STANDING_TOLERANCE or high - low <= 1e-6 * high:
             break
         if miss < 0:

@@ -34,6 +34,7 @@ from drillpetsc.analysis.run_control import (
 from drillpetsc.analysis.sampled_control import sampled_control
 from drillpetsc.analysis.steady_flow import fluid_unknowns
 from drillpetsc.analysis.time_scales import longest_strict_step, step_warnings, time_scales
+from drillpetsc.analysis.top_push import top_push
 from drillpetsc.analysis.whirl_steps import WhirlSteps
 from drillpetsc.case.case import Case
 from drillpetsc.errors import RESTART_HINT, CaseError, Interrupted, SolveError, cannot_write
@@ -317,6 +318,10 @@ class TransientRun:
         self.notes["warnings"] += hoist_warnings(self.case)
         if self.saved is None:
             self.notes["warnings"] += mud_above_top(self.model)
+            if self.case.initial.from_ == "statics":
+                self.notes["warnings"] += top_push(
+                    self.case, -self.model.system.reaction("top.axial_reaction")
+                )
         if self.saved is not None:
             self.notes["warnings"] += provenance.version_warnings(self.saved.provenance)
         if self.notes.get("accepted_changes"):

@@ -34,7 +34,6 @@ _transport = function("spin_transport", "ippppp")
 _fix_rates = function("constraint_rates", "ipppdppp")
 _fix_rows = function("constraint_rows", "ippppp" + "dpp")
 _lean_rates, _lean_rows = function("lean_rates", "ppdppp"), function("lean_rows", "ppdp")
-_fix_matrix = function("constraint_matrix", "ippppp")
 _gradient = function("spin_gradient", "ippppddp")
 _run_residuals = function("run_residuals", "ipip")
 _step_rows = function("step_rows", "ppp")
@@ -572,7 +571,7 @@ class Assembly:
         for f in self.row_replacements:
             if f.leans:
                 f.lean_at(self.x)
-            _fix_matrix(*f.matrix_head, self._values_at)
+            f.replace_matrix_rows(self.values)
         start = self.bound_blocks[-1].span.stop if self.bound_blocks else 0
         for f in self.row_replacements:
             if f.owned:

@@ -24,6 +24,7 @@ if TYPE_CHECKING:
 
 _run_results = function("run_results", "p")
 _run_all_results = function("run_all_results", "ip")
+_fix_matrix = function("constraint_matrix", "ippppp")
 _lean_at = function("lean_at", "pppppp")
 _lean_derivative = function("lean_derivative", "pppp")
 _ResultCall = structure("result_call")  # ResultCall of kernels/core/rows.cpp
@@ -172,11 +173,7 @@ class RowReplacement:
         self.reaction, self.value, self.rate = (np.zeros(len(self.D)) for _ in range(3))
         self.time: float | None = None
         self._released: list[int] = []
-        self.first_entries = np.array(
-            [item.span.start + e * item.width**2 for item, e, _ in self.elements], dtype=np.int64
-        )
-        self.width = np.array([item.width for item, _, _ in self.elements], dtype=np.int32)
-        self.slots = np.ascontiguousarray([s for *_, s in self.elements], dtype=np.int32).reshape(-1, 7)
+        self._all_elements = self.elements_in(bound_blocks)
         self.complement = np.ascontiguousarray(self.complement)
         self.row_complement, self.rate_directions = self.complement.copy(), self.D.copy()
         self.leans = condition.spin_reference is not None
@@ -196,13 +193,6 @@ class RowReplacement:
         )
         self.owned_rows_at = 0  # address of owned_rows
         self.owned_rows: np.ndarray | None = None  # (7,) the rows' indices in the owned part of a vector
-        self.matrix_head = (
-            len(self.first_entries),
-            pointer(self.row_complement),
-            pointer(self.first_entries),
-            pointer(self.width),
-            pointer(self.slots),
-        )
 
     def evaluate(self, t: float, x: FloatArray, y: FloatArray | None = None) -> None:
         """Set ``value`` and ``rate``, on a curved path also the directions, to those at ``t`` [s].
@@ -222,6 +212,26 @@ class RowReplacement:
         if self._released or self.condition.along_path is not None:
             self._set_projector()
         self.time = t
+
+    def elements_in(self, blocks: Sequence[BoundBlock]) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Elements at the node that belong to ``blocks``, for ``replace_matrix_rows``.
+
+        (k,) first entry of each in the matrix; (k,) its width; (k, 7) slots of the seven dofs in it.
+        """
+        chosen = [(item, e, slots) for item, e, slots in self.elements if any(item is b for b in blocks)]
+        return (
+            np.array([item.span.start + e * item.width**2 for item, e, _ in chosen], dtype=np.int64),
+            np.array([item.width for item, _, _ in chosen], dtype=np.int32),
+            np.ascontiguousarray([s for *_, s in chosen], dtype=np.int32).reshape(-1, 7),
+        )
+
+    def replace_matrix_rows(
+        self, values: FloatArray, elements: tuple[np.ndarray, np.ndarray, np.ndarray] | None = None
+    ) -> None:
+        """Leave in the matrix entries ``values`` of ``elements``, all unless given, what remains of the node's rows."""
+        first, width, slots = self._all_elements if elements is None else elements
+        at = pointer(self.row_complement), pointer(first), pointer(width), pointer(slots)
+        _fix_matrix(len(first), *at, pointer(values))
 
     def release(self, names: Sequence[str]) -> None:
         """Leave the rows of the reactions ``names`` to the equilibrium, and prescribe all others again."""

@@ -22,6 +22,8 @@ class ContactEntries:
         self._values = [asm.values[b.span] for b in self._blocks]
         self._before = [np.empty(len(values)) for values in self._values]
         self._changed = [np.empty(len(values), dtype=bool) for values in self._values]
+        #: rows that prescribed motion replaces in these blocks; those in other blocks stay with their entries
+        self._replaced = [f.elements_in(self._blocks) for f in asm.row_replacements]
         #: of each block: first node of an element or of any after it
         self._first = []
         for b in self._blocks:
@@ -45,7 +47,8 @@ class ContactEntries:
             if b.block.update:
                 b.update_parameters(t)
             b.jacobian(*b.matrix_head, *state, b.values_at)
-        asm.replace_jacobian_rows(1.0 if c[0] else 0.0)
+        for replacement, elements in zip(asm.row_replacements, self._replaced, strict=True):
+            replacement.replace_matrix_rows(asm.values, elements)
         asm.version += 1
         first = self.nodes
         for k, b in enumerate(self._blocks):

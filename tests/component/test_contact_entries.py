@@ -5,13 +5,24 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from drillpetsc import load_case
+from drillpetsc import load_case, run
 from drillpetsc.analysis.session import Session
 from drillpetsc.fem.contact_entries import ContactEntries
-from drillpetsc.solvers.newton import shared_factor
+from drillpetsc.solvers.newton import CondensedNewton, shared_factor
 from tests.helpers.component_models import KINDS, SHIFT, build
 
 WEIGHTS = (1.0, SHIFT, SHIFT**2)
+TURNING = """
+well:
+  survey: {{md: [0 m, 60 m], inclination: [{inclination}], azimuth: [0 deg, 0 deg]}}
+  sections: [{{to: 60 m, kind: casing, diameter: 215.9 mm, friction: 0.2}}]
+string:
+  - {{kind: pipe, length: 30 m, od: 127 mm, id: 108.6 mm, element_length: 10 m}}
+  - {{kind: pipe, length: 20 m, od: 171.5 mm, id: 71.4 mm, element_length: 10 m, eccentricity: 3 mm}}
+top: {{kind: top_drive, rotation: 80 rpm, lowering: 0.1 m/s}}
+bottom: free
+time: {{end: 0.3 s}}
+"""
 
 
 def with_contact():
@@ -79,3 +90,26 @@ def test_whirl_needs_few_whole_jacobians():
     assert np.abs(ends[0] - ends[1]).max() < 1e-4
     assert counts[1] >= 10
     assert counts[0] <= 0.2 * counts[1]
+
+
+@pytest.mark.parametrize("inclination", ["40 deg, 70 deg", "3 deg, 3 deg"])
+def test_the_factorisation_is_that_of_the_entries(inclination, tmp_path, monkeypatch):
+    """After every step whose last matrix took contacts alone: what a checkpoint holds gives the same factors, to the bit, also
+    where a top that is moved along an inclined or curved hole turns the rows of its motion."""
+    solve, compared = CondensedNewton.solve, []
+
+    def and_factor(self, *arguments):
+        updates, reason = self.contact_updates, solve(self, *arguments)
+        if self.contact_updates > updates and self.lag.good and self.has_factor:
+            piece = self.factor.piece
+            before = [a.copy() for a in (piece.store, piece.inverse, piece.pivot)]
+            piece.factor(self.system.assembly.values, self.factor.pivot_tolerance)
+            for a, b in zip(before, (piece.store, piece.inverse, piece.pivot), strict=True):
+                np.testing.assert_array_equal(a, b)
+            compared.append(self.t)
+        return reason
+
+    monkeypatch.setattr(CondensedNewton, "solve", and_factor)
+    (tmp_path / "case.yaml").write_text(TURNING.format(inclination=inclination))
+    run(load_case(tmp_path / "case.yaml"), tmp_path / "run", progress="silent")
+    assert len(compared) >= 3

@@ -13,10 +13,9 @@ from drillpetsc import load_case
 from drillpetsc.analysis.transient import run
 from drillpetsc.output import read_table
 from tests.helpers.mpi import run_mpi
-from tests.helpers.whole_string import whole_string
+from tests.helpers.whole_string import COLLAR, JAR, MOTOR, SHOCK, combined, whole_string
 from tests.parallel.test_restart import files, run_with_copies
 from tests.verification.test_agitator import with_mud
-from tests.verification.test_tools_together import COLLAR, JAR, MOTOR, SHOCK, combined
 
 SCRIPT = Path(__file__).parent / "run_case.py"
 EXACT = ["-ts_adapt_type", "none", "-q_snes_stol", "1e-12", "-ts_dt"]

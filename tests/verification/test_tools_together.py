@@ -10,66 +10,7 @@ import pytest
 
 from drillpetsc import Case, run
 from drillpetsc.output import read_table
-
-PIPE = {"kind": "pipe", "od": 0.127, "id": 0.1086, "length": 380.0}
-COLLAR = {"kind": "pipe", "od": 0.165, "id": 0.071, "length": 90.0}
-JAR = {
-    "kind": "jar",
-    "od": 0.165,
-    "id": 0.06,
-    "length": 9.0,
-    "jar": {"stroke": 0.18, "metering_stroke": 0.1, "metering_resistance": 2.0e6, "threshold": 200e3},
-}
-SHOCK = {"kind": "shock_sub", "od": 0.165, "id": 0.06, "length": 4.0, "stiffness": 6e6, "damping": 20e3}
-MOTOR = {
-    "kind": "pdm",
-    "od": 0.171,
-    "id": 0.1,
-    "length": 8.0,
-    "pdm": {
-        "rev_per_volume": "0.29 rev/gal",
-        "no_load_pressure": "0.6 MPa",
-        "stall_torque": 14e3,
-        "lobes": [7, 8],
-        "rotor_mass": 350,
-        "eccentricity": 0.01,
-        "rotor_inertia": 3.0,
-    },
-}
-BIT = {"kind": "bit", "length": 0.3, "od": 0.2159, "mass": 60.0}
-
-
-def combined(*tools: dict, end: float = 0.1, **fluid: Any) -> dict:
-    """A drilling string with ``tools`` above the bit in a hole that builds to 40 degrees."""
-    survey = {"md": [0, 100, 400, 500], "inclination": [0, 0, 0.7, 0.7], "azimuth": [0, 0, 0, 0]}
-    string = [dict(PIPE), *(dict(t) for t in tools), BIT]
-    string[0]["length"] = 500 - 3 - sum(q["length"] for q in string[1:])
-    return {
-        "well": {
-            "survey": survey,
-            "sections": [{"to": 500, "kind": "open_hole", "diameter": 0.2159, "friction": 0.25}],
-        },
-        "string": string,
-        "top": {"kind": "top_drive", "rotation": "30 rpm"},
-        "bottom": {"kind": "bit"},
-        "initial": {"wob": 40e3},
-        "fluid": {
-            "density": 1200,
-            "rheology": {"model": "bingham", "plastic_viscosity": 0.02, "yield_stress": 5},
-            "flow_rate": 0.0,
-        }
-        | fluid,
-        "formation": {
-            "bit_law": {
-                "kind": "drag_bit",
-                "blades": 4,
-                "specific_energy": "40 MPa",
-                "inclination_ratio": 0.6,
-            }
-        },
-        "time": {"end": end},
-        "output": {"history_every": 0.01},
-    }
+from tests.helpers.whole_string import COLLAR, JAR, MOTOR, SHOCK, combined
 
 
 def history(case: dict, out: Any) -> tuple[dict[str, np.ndarray], dict]:

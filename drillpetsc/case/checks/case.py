@@ -7,7 +7,8 @@ import math
 
 from drillpetsc.case.blocks.case_blocks import CaseBlocks
 from drillpetsc.case.blocks.ends import PointLoad
-from drillpetsc.case.blocks.string import Beam, Bit, Stabilizer, Tube
+from drillpetsc.case.blocks.reamer import Reamer
+from drillpetsc.case.blocks.string import Beam, Bit, Body, Stabilizer, Tube
 from drillpetsc.case.blocks.well import Well
 from drillpetsc.case.checks.drilling import check_drilling, check_time
 from drillpetsc.case.checks.fluid import check_fluid, check_held_string
@@ -24,6 +25,7 @@ from drillpetsc.case.quantities import said
 from drillpetsc.unit_systems import System
 
 LENGTH_TOLERANCE = 1e-6  # [m] sums of item lengths
+BLADE_OVER_HOLE = 0.0254 / 16  # [m] by which blades may be larger than the hole of a case
 
 
 def check_case(case: CaseBlocks) -> None:
@@ -114,6 +116,8 @@ def _string_in_hole(case: CaseBlocks) -> None:
             widest = item.widest_od
             key = ("od",) if widest == item.od else ("tool_joint", "od")
             _fits(case.well, i, widest, above, below, key, units)
+        elif isinstance(item, (Stabilizer, Body)) and not isinstance(item, Reamer) and item.od is not None:
+            _passes(case.well, i, item.od, below, units)
 
 
 def _fits(
@@ -139,6 +143,23 @@ def _fits(
             want = f"less than the diameter of {place}, {said(section.diameter, 'diameter', units)}"
             hint = f"or another well.sections[{n}].diameter"
             raise refuse("string", i, *key, got=said(outer, "diameter", units), want=want, hint=hint)
+        top = section.to
+
+
+def _passes(well: Well, i: int, outer: float, below: float, units: System) -> None:
+    """Raise where the hole down to a rigid item is narrower than the item, by more than the 1/16 in of worn and tight blades.
+
+    i: number of the item in the string; outer: its diameter [m]; below: measured depth of its lower end [m].
+    """
+    top = 0.0
+    for n, section in enumerate(well.sections):
+        if outer > section.diameter + BLADE_OVER_HOLE and top < below - LENGTH_TOLERANCE:
+            place = f"the {section.kind.replace('_', ' ')} at {said(top, 'length', units)}"
+            want = (
+                f"at most 1/16 in above the diameter of {place}, {said(section.diameter, 'diameter', units)}"
+            )
+            hint = f"it could not pass there; or another well.sections[{n}].diameter"
+            raise refuse("string", i, "od", got=said(outer, "diameter", units), want=want, hint=hint)
         top = section.to
 
 

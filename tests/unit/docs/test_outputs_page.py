@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import importlib.util
+import importlib
 import re
 import sys
 from pathlib import Path
@@ -16,11 +16,8 @@ from drillpetsc.output import catalogue, read_frame, read_series, read_table
 from drillpetsc.output.files.tables import split_name
 
 DOCS = Path(__file__).parents[3] / "docs"
-spec = importlib.util.spec_from_file_location("docs_generate", DOCS / "generate.py")
-assert spec is not None and spec.loader is not None
-generate = importlib.util.module_from_spec(spec)
-sys.modules[spec.name] = generate  # its data classes look for their module
-spec.loader.exec_module(generate)
+sys.path.insert(0, str(DOCS))
+generate = importlib.import_module("generate")
 
 DRY: dict[str, Any] = {
     "string": [
