@@ -10,21 +10,19 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
+from drillpetsc.analysis.march_shape import frame_across, lateral_shape, place, shortening
 from drillpetsc.analysis.placement import top_depth
-from drillpetsc.analysis.resting_shape import Beam, resting_shape
+from drillpetsc.analysis.resting_shape import Beam
 from drillpetsc.analysis.slider_travel import travels
 from drillpetsc.arrays import FloatArray
 from drillpetsc.fem.string_mesh import StringMesh
-from drillpetsc.geometry.frames import directors
 from drillpetsc.model.drilling_model import DrillingModel
 from drillpetsc.model.hole import hole_depth
 from drillpetsc.output.flow_recorder import FlowRecorder
 from drillpetsc.output.static_table import at_nodes
-from drillpetsc.physics.contact import penetration
 
 #: contact force at the top, as a fraction of the load of its node, above which the string is on the wall there
 LATERAL_LOAD_THRESHOLD = 0.1
-CROSSING = 12.0  # half length over which a helix begins and ends [m]
 #: axial force over which a string that lies on the wall coils (Chen, Lin and Cheatham 1990): 2 sqrt(2) sqrt(EI w/r)
 HELIX_FACTOR = 2 * np.sqrt(2.0)
 #: the same where a helix begins at the earliest, by the wall force of snakes (Chen 1990), and at the latest, 1.83 times
@@ -266,15 +264,15 @@ class _Marcher:
         phase = np.concatenate([[0.0], np.cumsum(pitch * mesh.length)])
         longer = strain * mesh.length + travels(mesh, inner)
         measured_depth, _ = self._depths(longer, wob, top)
-        shape, across, slope, share = _shape(
+        shape, across, slope, share = lateral_shape(
             model, measured_depth, load, per_length, clearance, beam, helical, phase, on_wall
         )
         longer -= 0.5 * (gap * pitch) ** 2 * mesh.length
         for _ in range(BEND_ROUNDS):  # where the hole's curvature changes, it depends on the place
-            short = (1 - share) * _shortening(model, measured_depth, across, slope)
+            short = (1 - share) * shortening(model, measured_depth, across, slope)
             measured_depth, end = self._depths(longer - short * mesh.length, wob, top)
         top = end
-        position, tangent, offset, direction = _place(model, measured_depth, shape)
+        position, tangent, offset, direction = place(model, measured_depth, shape)
         strain_above, strain_below = _nodal_strains(mesh, strain)
         return March(
             axial_force=tension,
@@ -497,11 +495,11 @@ def moved_along(model: DrillingModel, found: March, down: FloatArray) -> March:
     A straight way would leave the wall of a bent hole: 0.1 m at 2 deg/30 m by 6 um, which carries 0.6 kN/m.
     """
     depth = found.measured_depth + down
-    old = np.stack([found.direction, *_frame(model, found.direction)], axis=1)  # (n, 3, 3)
+    old = np.stack([found.direction, *frame_across(model, found.direction)], axis=1)  # (n, 3, 3)
     well, size = model.well, np.linalg.norm(found.tangent, axis=1, keepdims=True)
     assert well is not None
     centre, direction, _ = well.at(depth)
-    new = np.stack([direction, *_frame(model, np.asarray(direction))], axis=1)
+    new = np.stack([direction, *frame_across(model, np.asarray(direction))], axis=1)
     offset, tangent = (
         np.einsum("nk,nki->ni", np.einsum("nki,ni->nk", old, q), new) for q in (found.offset, found.tangent)
     )
@@ -568,16 +566,6 @@ def _bottom_force(column: _Column, coils_above: float = HELIX_FACTOR) -> float:
     return 0.5 * (low + high)
 
 
-def _eased(values: FloatArray, s: FloatArray) -> FloatArray:
-    """Average ``values`` (n, k) over +-CROSSING [m] along ``s`` (n,), exact for constants."""
-    pieces = 0.5 * (values[1:] + values[:-1]) * np.diff(s)[:, None]
-    total = np.concatenate([np.zeros((1, values.shape[1])), np.cumsum(pieces, axis=0)])
-    width = np.minimum(np.minimum(s - s[0], s[-1] - s), CROSSING)
-    out = np.column_stack([np.interp(s + width, s, c) - np.interp(s - width, s, c) for c in total.T])
-    wide = width > 1e-9
-    return np.where(wide[:, None], out / np.where(wide, 2 * width, 1.0)[:, None], values)
-
-
 def _nodal_strains(mesh: StringMesh, strain: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Axial strain above and below each node, (n,) each, from that in the middle of the elements (n-1,).
 
@@ -600,98 +588,3 @@ def _nodal_strains(mesh: StringMesh, strain: FloatArray) -> tuple[FloatArray, Fl
     joint = np.flatnonzero(mesh.is_joint)
     below[joint], above[joint + 1] = above[joint], below[np.minimum(joint + 1, elements)]
     return above, below
-
-
-def _shape(
-    model: DrillingModel,
-    s: FloatArray,
-    load: FloatArray,
-    contact: FloatArray,
-    clearance: FloatArray,
-    beam: Beam,
-    helical: np.ndarray,
-    phase: FloatArray,
-    top_on_wall: bool,
-) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
-    """Offsets and slopes of the nodes from the axis of the hole, (n, 4), and those without coils, (n, 2) each, and the share of
-    the coils in the elements (n-1,).
-
-    The four columns are offsets [m] and slopes [-] along the second and the third director at zero spin.
-    s: (n,) measured depths [m]; load: (n, 3) on the wall [N]; contact: (n,) per length [N/m].
-    clearance: (n,) [m]; helical: (n,); phase: (n,) of the helix [rad].
-    """
-    well, law = model.well, model.case.contact
-    assert well is not None
-    t, second, third = _directors(model, s)
-    size = np.linalg.norm(load, axis=1)
-    touches = size > 1e-6 * size.max(initial=0.0)
-    side = np.divide(load, size[:, None], out=np.zeros_like(load), where=touches[:, None])
-    deep = clearance
-    if law is not None and law.law == "linear":
-        deep = clearance + penetration(contact / law.stiffness)
-    wall = np.column_stack([np.sum(side * second, axis=1), np.sum(side * third, axis=1)]) * deep[:, None]
-    if not top_on_wall:
-        wall[0] = 0.0
-    curvature = _mean_curvature(model, s)
-    across, slope = resting_shape(beam, wall, curvature)
-    still, lean, coils = across.copy(), slope.copy(), np.zeros(len(s) - 1)
-    if helical.any():
-        share = _eased(helical[:, None].astype(float), s)
-        share[clearance < 1e-4] = 0.0
-        first = int(np.argmax(helical))
-        angle = phase - phase[first] + np.arctan2(wall[first, 1], wall[first, 0])
-        coil = deep[:, None] * np.column_stack([np.cos(angle), np.sin(angle)])
-        across = (1 - share) * across + share * coil
-        slope *= 1 - share
-        if not model.mesh.is_joint.any():
-            slope += share * np.gradient(across, s, axis=0)
-        coils = _at_middle(share)[:, 0]
-    return np.column_stack([across, slope]), still, lean, coils
-
-
-def _mean_curvature(model: DrillingModel, s: FloatArray) -> FloatArray:
-    """Mean curvature (n-1, 2) [1/m] of the hole between the depths ``s`` (n,) [m] of the nodes, along both directors."""
-    t, second, third = _directors(model, s)
-    bend = np.diff(t, axis=0) / np.maximum(np.diff(s), 1e-9)[:, None]
-    return np.column_stack([np.sum(bend * _at_middle(d), axis=1) for d in (second, third)])
-
-
-def _shortening(model: DrillingModel, s: FloatArray, across: FloatArray, slope: FloatArray) -> FloatArray:
-    """By how much offsets and slopes (n, 2) of nodes at the depths ``s`` (n,) [m] shorten the elements, (n-1,) [-]."""
-    inside = np.sum(_mean_curvature(model, s) * _at_middle(across), axis=1)
-    return 0.5 * np.sum(_at_middle(slope) ** 2, axis=1) - inside
-
-
-def _at_middle(values: FloatArray) -> FloatArray:
-    """Means (n-1, k) of neighbouring rows of ``values`` (n, k)."""
-    return 0.5 * (values[1:] + values[:-1])
-
-
-def _directors(model: DrillingModel, s: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Tangent of the hole and both directors at zero spin, (n, 3) each, at the depths ``s`` (n,) [m] of the nodes.
-
-    The hole where the string lies may have any direction beside the frames of the start.
-    """
-    assert model.well is not None
-    t = np.asarray(model.well.at(s)[1])
-    return t, *_frame(model, t)
-
-
-def _frame(model: DrillingModel, t: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Both directors (n, 3) at zero spin of nodes with the tangents ``t`` (n, 3)."""
-    return directors(model.frames, np.arange(len(t)), t, np.zeros(len(t)))
-
-
-def _place(
-    model: DrillingModel, s: FloatArray, shape: FloatArray
-) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
-    """Positions, unit tangents, offsets from the axis and tangents of the hole, (n, 3) each, of nodes at depths ``s`` (n,) [m].
-
-    shape: as of ``_shape``.
-    """
-    assert model.well is not None
-    t, second, third = _directors(model, s)
-    offset = shape[:, :1] * second + shape[:, 1:2] * third
-    tangent = t + shape[:, 2:3] * second + shape[:, 3:] * third
-    tangent /= np.linalg.norm(tangent, axis=1, keepdims=True)
-    return np.asarray(model.well.at(s)[0]) + offset, tangent, offset, t

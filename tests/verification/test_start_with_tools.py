@@ -15,9 +15,8 @@ from drillpetsc.analysis.static_problem import StaticState
 from drillpetsc.fem.string_mesh import JarLaw, StringJoint
 from drillpetsc.model.drilling_model import build_model
 from drillpetsc.solvers.static_newton import StaticNewton
-from tests.helpers.whole_string import whole_string
+from tests.helpers.whole_string import COLLAR, JAR, MOTOR, SHOCK, combined, whole_string
 from tests.verification.test_lateral_start import MUD, counted
-from tests.verification.test_tools_together import COLLAR, JAR, MOTOR, SHOCK, combined
 
 
 def with_tools(*tools: dict, wob: float, inclination: float, mud: bool = True) -> Case:
