@@ -81,7 +81,7 @@ def from_lateral_start(problem: StaticProblem) -> float | None:
             problem.impose(fraction)
             try:
                 solver.newton_damped(report, NEAR_INCREMENT, NEAR_STEPS)
-                solver.newton_damped(report, solver.start_increment, LATERAL_STEPS)
+                solver.newton_damped(report, solver.start_increment, LATERAL_STEPS, near=True)
                 reached = True
             except SolveError:
                 reached = False
