@@ -5,6 +5,7 @@ from __future__ import annotations
 from abc import abstractmethod
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -134,12 +135,29 @@ class Top(Component):
             self.anchor[:] = condition.directions @ np.concatenate([position, slope, spin])
 
 
+@dataclass(frozen=True)
+class SideContact:
+    """Contact of a bit that cuts with the side of its hole, at one point of its axis.
+
+    below: distance of that point below the bit's node [m]; stiffness [N/m], 0: it does not touch; clearance: radial [m].
+    """
+
+    below: float
+    stiffness: float
+    clearance: float
+
+
 class Bit(Component):
     """The bit at the lower end of the string.  ``stiffness``: of its contact with the bottom [N/m]."""
 
     #: the growing hole of a bit that cuts rock, None otherwise
     hole: GrowingHole | None = None
     stiffness: float = 0.0
+
+    @property
+    def side_contact(self) -> SideContact | None:
+        """Contact with the side of the hole; None: that of a rigid item."""
+        return None
 
     @abstractmethod
     def weight_and_torque(self, state: Any) -> tuple[float, float]:
@@ -321,6 +339,10 @@ class ReamingTool(Component):
     ring: float
     depth_field: str
     shoulder: float
+
+    @abstractmethod
+    def weight_and_torque_at(self, depth: float) -> tuple[float, float]:
+        """Weight [N] and torque, not negative [N m], at the start of a reamer whose node rests at measured depth ``depth`` [m]."""
 
     @property
     @abstractmethod
