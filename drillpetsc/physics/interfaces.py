@@ -612,6 +612,35 @@ class Channel(Component):
         """Volume between the upper node and the flow line [m3], up to a constant; 0 on ranks without the upper end."""
         return 0.0
 
+    @abstractmethod
+    def pressure_places(self, system: Any) -> np.ndarray:
+        """(nv,) places of the pressures at the local vertices in the unknowns."""
+
+    # the same after each of k recorded steps (``fem.step_record``); None where they are found one by one only
+    @abstractmethod
+    def sums_of(self, steps: Any) -> FloatArray:
+        """(k, 10) ``totals``."""
+
+    @abstractmethod
+    def upper_pressure_of(self, steps: Any) -> FloatArray:
+        """(k,) ``upper_pressure``."""
+
+    @abstractmethod
+    def upper_flow_of(self, steps: Any) -> FloatArray | None:
+        """(k,) ``upper_flow``."""
+
+    def pumped_of(self, steps: Any) -> FloatArray | None:
+        """(k,) ``pumped``."""
+        return None
+
+    def outflow_of(self, steps: Any) -> FloatArray | None:
+        """(k,) ``outflow``."""
+        return None
+
+    def content_above_of(self, steps: Any) -> Any:
+        """(k,) ``content_above``, or one number for all."""
+        return 0.0
+
 
 class Nozzle(Component):
     """Flow through the bit."""
@@ -626,3 +655,7 @@ class Nozzle(Component):
 
         Zero where this rank does not have the bit, and where the face moves freely in mud.
         """
+
+    @abstractmethod
+    def results_of(self, steps: Any) -> FloatArray:
+        """(k, 8) ``element_results`` after each of k recorded steps."""
