@@ -10,7 +10,7 @@ import numpy as np
 from drillpetsc.analysis.coarse_start import coarse_factor, coarse_model, place_like, whole_model
 from drillpetsc.analysis.energy_descent import START_INCREMENT, Snapshot, coarse_elements, too_coarse
 from drillpetsc.analysis.flow_coupling import couple_flow_and_string, surge_rates
-from drillpetsc.analysis.friction_newton import reach
+from drillpetsc.analysis.friction_newton import from_lateral_start, reach
 from drillpetsc.analysis.march import CRUSHING_STRAIN, March, helix_band, march
 from drillpetsc.analysis.path_answer import PathKind
 from drillpetsc.analysis.path_question import has_path, refuse_path
@@ -171,7 +171,9 @@ def _answer_by_newton(problem: StaticProblem) -> float:
     """
     model, state, found, straight = problem.model, problem.state, problem.found, problem.straight
     if found is not None and problem.moves and not found.helical.any():
-        reached = _from_coarse_mesh(problem) if model.motor is None else _from_whole_string(problem)
+        reached = _from_coarse_mesh(problem) if model.motor is None else from_lateral_start(problem)
+        if reached is None and state.path is None:
+            reached = _from_whole_string(problem)
         if reached is not None:
             state.lateral_fraction = reached
             return reached

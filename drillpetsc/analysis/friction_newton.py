@@ -37,7 +37,7 @@ def reach(problem: StaticProblem, found: March | None) -> float:
     found: the start, None without contact.
     Raises SolveError where no equilibrium is found.
     """
-    reached = _from_lateral_start(problem)
+    reached = from_lateral_start(problem)
     if reached is not None:
         return reached
     if problem.moves and found is not None:
@@ -49,7 +49,7 @@ def reach(problem: StaticProblem, found: March | None) -> float:
     return reached
 
 
-def _from_lateral_start(problem: StaticProblem) -> float | None:
+def from_lateral_start(problem: StaticProblem) -> float | None:
     """Try Newton's method from the lateral equilibrium of a pushed string; manual: sec-statics-lateral-start.
 
     Returns the lateral friction fraction reached, or None with the state restored where nothing pushes the string, or no
@@ -71,7 +71,7 @@ def _from_lateral_start(problem: StaticProblem) -> float | None:
         if start.side_loads is not None:
             solver.add_imperfection(start.side_loads, SPACING)
             report.imperfection = model.case.initial.imperfection
-        for turn in range(1 if fraction and problem.state.motion[1] else SETTLING_TURNS + 1):
+        for turn in range(1 if fraction and problem.turns else SETTLING_TURNS + 1):
             if turn:
                 try:
                     _settle_under_friction(problem, fraction)
@@ -81,7 +81,7 @@ def _from_lateral_start(problem: StaticProblem) -> float | None:
             problem.impose(fraction)
             try:
                 solver.newton_damped(report, NEAR_INCREMENT, NEAR_STEPS)
-                solver.newton_damped(report, solver.start_increment, LATERAL_STEPS)
+                solver.newton_damped(report, solver.start_increment, LATERAL_STEPS, near=True)
                 reached = True
             except SolveError:
                 reached = False

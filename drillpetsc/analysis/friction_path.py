@@ -12,7 +12,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from drillpetsc.analysis.energy_descent import Snapshot, nodal_weight
-from drillpetsc.analysis.march import CROSSING, March, march
+from drillpetsc.analysis.march import March, march
+from drillpetsc.analysis.march_shape import CROSSING
 from drillpetsc.analysis.path_answer import OVERLOAD, STEADY, AnyPath, PathAnswer, PathEnd
 from drillpetsc.analysis.placement import place_along_hole, top_depth
 from drillpetsc.analysis.soft_string_start import place_marched

@@ -11,10 +11,17 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from drillpetsc.analysis.energy_descent import item_imperfection, nodal_weight
-from drillpetsc.analysis.march import March, axial_compliance, friction_factors, stands, with_contact
+from drillpetsc.analysis.march import (
+    March,
+    axial_compliance,
+    friction_factors,
+    moved_along,
+    stands,
+    with_contact,
+)
 from drillpetsc.arrays import FloatArray
 from drillpetsc.fem.quadrature import exposed_ends, rule
-from drillpetsc.fem.string_mesh import StringJoint
+from drillpetsc.fem.string_mesh import RigidItem, StringJoint
 from drillpetsc.geometry.frames import directors
 from drillpetsc.model.drilling_model import DrillingModel
 from drillpetsc.output.static_table import at_nodes
@@ -33,10 +40,13 @@ LYING_SHARE = 0.01  # of the push: a side load on the string above the buckle th
 GROWTH, LONGEST = 1.3, 60.0  # of the elements above the buckle: ratio of neighbours, length [m]
 MARGIN = 6.0  # of (EI/w)^(1/3) above the uppermost push, over which a buckle dies out
 ROUGH_SHARE = 0.25  # length of rough elements over the pitch of a helix
+BIT_DEPTH = 1e-4  # of a bit in the side of its hole, where the law of Hertz has the force of its spring [m]
 NO_LENGTH = 1e-9  # of an element that is a joint [m]
 MAX_ROUNDS = 10  # of lateral equilibrium and tension
 NEAR_BRACKET = 0.05  # least distance of a trial of the push of a string that stands from the ends of its bracket, over it
 SETTLED_STANDING = 2e-2  # the same of a string that stands, whose buckles give way
+STRAIGHT = 1e-9  # change of the hole's direction from node to node that is none
+SETTLED_PLACE = 1e-3  # way of the nodes along a bent hole in the last round [m]
 SETTLED_PUSH = 1e-3  # change of the tension, over the largest push, with which the rounds end
 
 
@@ -74,17 +84,18 @@ def lateral_starts(
         return []
     if any(_ties_slope(joint) is None for joint in mesh.joints):
         return []
-    frame = directors(model.frames, np.arange(mesh.nodes), found.direction, np.zeros(mesh.nodes))
     bottom = _Bottom(model, found) if stands(model) else None
     if coiled is not None and (motion[0] or bottom is not None):
         push = -float(coiled.axial_force[-1]) if bottom is not None else None
         found = with_contact(model, found, motion, coiled.contact_force, push)
-    loads, turns, last = _side_loads(model, found), bool(motion[1]), None
+    loads, turns, last = _side_loads(model, found), _turns(model, motion), None
+    bent = bool(np.abs(np.diff(found.direction, axis=0)).max() > STRAIGHT)
     state: LateralState | None = None
     for number in range(MAX_ROUNDS):
         buckling = _first_node(model, found)
         if buckling is None:
             return []
+        frame = _directors(model, found)
         parts = _Parts(model, found, buckling, 0.0 if last is not None else _rough_length(model, found))
         beam = _beam(model, found, parts, motion, frame)
         state = _solved(model, found, beam, parts, frame, loads, lateral and turns, last)
@@ -94,21 +105,42 @@ def lateral_starts(
         before, contact = found, parts.contact(beam, state.alone, found)
         found = with_contact(model, before, motion, contact)
         if bottom is not None:
-            drawn_up = _drawn_up(model, found, found.direction, frame, parts.nodes[0], *last[1:])[0][-1]
+            drawn_up = _drawn_up(model, found, parts.nodes[0], *last[1:])[0][-1]
             push = bottom.next_push(found, float(drawn_up))
             found = with_contact(model, before, motion, contact, push)
         change = np.abs(found.axial_force - before.axial_force).max()
         settled = SETTLED_PUSH if bottom is None else SETTLED_STANDING
-        if (number or not parts.rough) and change <= settled * -found.axial_force.min():
+        if bottom is None and bent:  # the beam lay on the wall of another part of the hole
+            placed = _placed(model, found, parts.nodes[0], *last[1:])
+            moved = np.abs(placed.measured_depth - before.measured_depth).max()
+            found = placed if moved > SETTLED_PLACE else found
+        else:
+            moved = 0.0
+        enough = change <= settled * -found.axial_force.min() and moved <= SETTLED_PLACE
+        if (number or not parts.rough) and enough:
             break
     assert state is not None  # MAX_ROUNDS is at least 1
     out = []
     for U, with_friction in ((state.with_friction, True), (state.alone, not (turns and lateral))):
         # a string that lies on the wall climbs it when it turns; only a buckled one may have no equilibrium
         if U is not None and (with_friction or state.disturbed):
-            placed = _placed(model, found, found.direction, frame, parts.nodes[0], *parts.spread(U))
+            own = found
+            if with_friction and turns:  # it climbs the wall, where it carries less than on the low side
+                own = with_contact(model, found, motion, parts.contact(beam, U, found))
+            placed = _placed(model, own, parts.nodes[0], *parts.spread(U))
             out.append(LateralStart(placed, with_friction, loads if state.disturbed else None))
     return out
+
+
+def _directors(model: DrillingModel, found: March) -> tuple[FloatArray, FloatArray]:
+    """Both directors (n_nodes, 3) at zero spin across the hole where the string lies."""
+    nodes = model.mesh.nodes
+    return directors(model.frames, np.arange(nodes), found.direction, np.zeros(nodes))
+
+
+def _turns(model: DrillingModel, motion: tuple[float, float]) -> bool:
+    """Whether any part of the string turns."""
+    return bool(motion[1] or (model.motor is not None and model.motor.static_speed))
 
 
 class _Bottom:
@@ -131,7 +163,7 @@ class _Bottom:
         found: with the tension of the bent string under the present push; drawn_up: way [m] by which its bends lift the bit.
         """
         push = max(-float(found.axial_force[-1]), 0.0)
-        end = self.start.direction[-1] @ (found.position[-1] - self.start.position[-1]) - drawn_up
+        end = float(found.measured_depth[-1] - self.start.measured_depth[-1]) - drawn_up
         before = self.bit.depth_for(max(-float(self.start.axial_force[-1]), 0.0))
         miss = end - (self.bit.depth_for(push) - before)
         more = miss / (self.compliance + self.bit.depth_for(1.0 + push) - self.bit.depth_for(push))
@@ -175,6 +207,7 @@ def _beam(
     load = np.zeros((mesh.nodes, 4))
     load[:, 0] = np.sum(found.load_across * second, axis=1)
     load[:, 1] = np.sum(found.load_across * third, axis=1)
+    _add_moments_of_weight(model, found, second, third, load)
     _add_curvature(model, found, t, second, third, load)
     points = parts.contact_points(motion, found.position - found.offset, t, second, third)
     held = np.zeros((len(parts.nodes), 4), dtype=bool)
@@ -381,18 +414,34 @@ class _Parts:
         for b in mesh.bodies:
             if b.radius <= 0 or b.node < self.nodes[0]:
                 continue
-            last = b.node == mesh.nodes - 1
-            span = b.contact_length or 2 * b.radius
-            cell = np.searchsorted(self.nodes, [b.node]) - last
-            for x, weight in rule(law.points, True, True):
-                y = b.contact_above + x * b.contact_length
+            last, node = b.node == mesh.nodes - 1, np.array([b.node])
+            cell = np.searchsorted(self.nodes, node) - last
+            for y, length, clearance in _points_of_item(model, b):
                 factors = np.array([[0.0, 0.0, 1.0, y] if last else [1.0, y, 0.0, 0.0]])
-                node = np.array([b.node])
                 gap = np.maximum(np.asarray(well.radius(md[node] + y)) - b.radius, 0.0)
+                if clearance is not None:
+                    gap[:] = clearance
                 off = across(centre[node] + y * t[node] - np.asarray(well.at(md[node] + y)[0]), node)
                 at = mesh.node_depth[node] + y
-                columns.append((cell, factors, gap, np.array([weight * span]), drag[node], off, at))
+                columns.append((cell, factors, gap, np.array([length]), drag[node], off, at))
         return ContactPoints(*(np.concatenate(q) for q in zip(*columns, strict=True)))
+
+
+def _points_of_item(model: DrillingModel, item: RigidItem) -> list[tuple[float, float, float | None]]:
+    """Points where a rigid item may touch the wall: distance below its node [m], length of wall [m], clearance [m].
+
+    The clearance is None where it is that of the item.  A bit that cuts touches the side of its hole at one point.
+    """
+    assert model.contact is not None
+    law, side = model.contact.law, model.bit.side_contact if model.bit is not None else None
+    if item.kind == "bit" and side is not None:
+        per_length = law.stiffness * (1.0 if law.law == "linear" else np.sqrt(BIT_DEPTH))
+        return [(side.below, side.stiffness / per_length, side.clearance)] if side.stiffness else []
+    span = item.contact_length or 2 * item.radius
+    return [
+        (item.contact_above + x * item.contact_length, weight * span, None)
+        for x, weight in rule(law.points, True, True)
+    ]
 
 
 def _side_loads(model: DrillingModel, found: March) -> FloatArray:
@@ -468,6 +517,24 @@ def _add_curvature(
             load[node : node + len(L), place] += rows[:, k]
 
 
+def _add_moments_of_weight(
+    model: DrillingModel, found: March, second: FloatArray, third: FloatArray, load: FloatArray
+) -> None:
+    """Add to ``load`` the moments q L^2/12 at the ends of elements under a side load q per length.
+
+    Those of neighbours cancel, but at the ends of the string, at junctions and where the hole bends.
+    """
+    mesh, gravity = model.mesh, np.array(model.case.gravity)
+    size = np.where(mesh.is_joint, 0.0, model.effective_mass * mesh.length**2 / 12)
+    t = found.direction[:-1] + found.direction[1:]
+    t /= np.linalg.norm(t, axis=1, keepdims=True)
+    across = size[:, None] * (gravity - t * (t @ gravity)[:, None])
+    for p, e in ((2, second), (3, third)):
+        moment = np.sum(across * e[:-1], axis=1)
+        load[:-1, p] += moment
+        load[1:, p] -= moment
+
+
 def _wall(model: DrillingModel) -> Callable[[FloatArray, FloatArray], tuple[FloatArray, FloatArray]]:
     """Contact force per length [N/m] by depth and clearance [m], and its derivative, as in the model."""
     assert model.contact is not None
@@ -488,43 +555,28 @@ def _wall(model: DrillingModel) -> Callable[[FloatArray, FloatArray], tuple[Floa
     return wall
 
 
-def _placed(
-    model: DrillingModel,
-    found: March,
-    t: FloatArray,
-    frame: tuple[FloatArray, FloatArray],
-    first: int,
-    across: FloatArray,
-    slope: FloatArray,
-) -> March:
+def _placed(model: DrillingModel, found: March, first: int, across: FloatArray, slope: FloatArray) -> March:
     """``found`` with the lateral displacement (n, 2) and slope (n, 2) of the nodes from ``first`` on."""
     case = model.case
-    short, after = _drawn_up(model, found, t, frame, first, across, slope)
-    frames = np.stack(frame, axis=1)  # (n, 2, 3)
+    short, after = _drawn_up(model, found, first, across, slope)
+    frames = np.stack(_directors(model, found), axis=1)  # (n, 2, 3)
     offset, lean = (np.einsum("npi,np->ni", frames, q) for q in after)
-    tangent = t + lean
+    tangent = found.direction + lean
     tangent *= (np.linalg.norm(found.tangent, axis=1) / np.linalg.norm(tangent, axis=1))[:, None]
     down = short[-1] if model.bit is not None and case.initial.wob is not None else 0.0
-    position = found.position - found.offset + offset + (down - short)[:, None] * t
-    return replace(
-        found, position=position, tangent=tangent, offset=offset, top_motion=found.top_motion + down
-    )
+    shifted = replace(found, tangent=tangent, offset=offset)
+    top = found.top_motion + down
+    return replace(moved_along(model, shifted, down - short), top_motion=top)
 
 
 def _drawn_up(
-    model: DrillingModel,
-    found: March,
-    t: FloatArray,
-    frame: tuple[FloatArray, FloatArray],
-    first: int,
-    across: FloatArray,
-    slope: FloatArray,
+    model: DrillingModel, found: March, first: int, across: FloatArray, slope: FloatArray
 ) -> tuple[FloatArray, tuple[FloatArray, FloatArray]]:
     """Way (n,) [m] by which displacement and slope (n, 2) from node ``first`` on draw the nodes up from those of ``found``.
 
     Also offsets and slopes (n, 2) of all nodes.
     """
-    frames = np.stack(frame, axis=1)
+    t, frames = found.direction, np.stack(_directors(model, found), axis=1)
     unit = found.tangent / np.linalg.norm(found.tangent, axis=1, keepdims=True)
     unit /= np.sum(unit * t, axis=1, keepdims=True)
     before = _in_frame(frames, found.offset), _in_frame(frames, unit)

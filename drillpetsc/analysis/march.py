@@ -10,20 +10,19 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
+from drillpetsc.analysis.march_shape import frame_across, lateral_shape, place, shortening
 from drillpetsc.analysis.placement import top_depth
-from drillpetsc.analysis.resting_shape import Beam, resting_shape
+from drillpetsc.analysis.resting_shape import Beam
+from drillpetsc.analysis.slider_travel import travels
 from drillpetsc.arrays import FloatArray
 from drillpetsc.fem.string_mesh import StringMesh
-from drillpetsc.geometry.frames import directors
 from drillpetsc.model.drilling_model import DrillingModel
 from drillpetsc.model.hole import hole_depth
 from drillpetsc.output.flow_recorder import FlowRecorder
 from drillpetsc.output.static_table import at_nodes
-from drillpetsc.physics.contact import penetration
 
 #: contact force at the top, as a fraction of the load of its node, above which the string is on the wall there
 LATERAL_LOAD_THRESHOLD = 0.1
-CROSSING = 12.0  # half length over which a helix begins and ends [m]
 #: axial force over which a string that lies on the wall coils (Chen, Lin and Cheatham 1990): 2 sqrt(2) sqrt(EI w/r)
 HELIX_FACTOR = 2 * np.sqrt(2.0)
 #: the same where a helix begins at the earliest, by the wall force of snakes (Chen 1990), and at the latest, 1.83 times
@@ -33,6 +32,7 @@ NO_BAND = 5e-3  # width of a band over the largest push, below which the string 
 #: force over which a vertical string coils: 2.65 (EI w^2)^(1/3) (manual: eq-statics-march)
 VERTICAL_FACTOR = 2.65
 LEAST_LOAD = 1e-3  # load per length that holds the string in the middle of the hole, over its weight [-]
+BEND_ROUNDS = 3  # of place and shortening by the bends of the hole
 MAX_STANDING_ROUNDS = 40  # of the search for the weight that a held string leaves on the bottom
 STANDING_TOLERANCE = 1e-6  # way of its bit that is left [m]
 CRUSHING_STRAIN = 0.01  # a push that compresses the string by more means that no push passes [-]
@@ -43,6 +43,7 @@ LEFT_OUT = (
     "body_contact",
     "bit_contact",
     "bit_rock",
+    "reamer",
 )  # first words of kernels whose forces are no loads
 
 
@@ -104,8 +105,9 @@ def nodal_loads(model: DrillingModel, rates: FloatArray | None = None) -> tuple[
     asm.y[:], asm.a[:] = 0.0 if rates is None else rates, 0.0
     asm.partial_residual(0.0, lambda block: not block.kernel.startswith(LEFT_OUT))
     for bound in asm.bound_blocks:
-        # a rigid item lies along a chord of a curved hole; what bends the short element below it is no load
-        if bound.block.kernel.startswith("beam_junction") and bound.count:
+        # what bends the string along the hole is no load: it lies along chords of rigid items, and the hole's curvature changes within
+        # an element
+        if bound.block.kernel.startswith("beam") and bound.count:
             table = bound.block.named
             gravity = np.array(table["gravity"])
             table["gravity"] = 0.0
@@ -145,17 +147,20 @@ class _Column:
         self.rows = np.column_stack(values).tolist()
 
     def run(
-        self, bottom: float, coils_above: float = HELIX_FACTOR
+        self, bottom: float, coils_above: float = HELIX_FACTOR, standing: dict[int, float] | None = None
     ) -> tuple[FloatArray, FloatArray, np.ndarray, int | None]:
         """Return tension (n+1,), contact force (n,), helical (n,) and the node of lock-up, from the force below.
 
         coils_above: axial force above which a string on the wall coils, over sqrt(EI w/r).
+        standing: weights [N] that stand on the hole above its bottom, by their nodes.
         """
+        standing = standing or {}
         n = len(self.rows)
         tension, contact, helical, locked = np.empty(n + 1), np.empty(n), np.zeros(n, dtype=bool), None
         tension[n] = below = bottom
         for i in range(n - 1, -1, -1):
             load, drag, kk, kw, ww, length, bending, clearance, vertical, crushing, wet = self.rows[i]
+            load -= standing.get(i, 0.0)
             above, total, coils = below + load, 0.0, False
             for _ in range(3):
                 mean = 0.5 * (below + above)
@@ -231,12 +236,17 @@ class _Marcher:
         """
         model, motion, mesh, depth = self.model, self.motion, self.model.mesh, self.depth
         bending, clearance, wet, half = self.bending, self.clearance, self.wet, self.half
-        tension, contact, helical, locked = self.column.run(bottom)
+        reamers = self._standing_reamers(bottom, wob) if top is None else {}
+        tension, contact, helical, locked = self.column.run(
+            bottom, standing={node: weight for node, (weight, _) in reamers.items()}
+        )
         rock = 0.0
         if model.bit is not None:
             turning = motion[1] + (model.motor.static_speed if model.motor is not None else 0.0)
             rock = model.bit.torque_for(wob, turning) * np.sign(turning)
         steps = self.around * contact - self.load_torque
+        for node, (_, rocks) in reamers.items():
+            steps[node] += rocks * np.sign(self.around[node])
         torque = np.append(np.cumsum(steps[::-1])[::-1], 0.0) + rock
         inner = tension[1:-1]
         coils = helical[:-1] & helical[1:] & ~mesh.is_joint
@@ -252,15 +262,17 @@ class _Marcher:
         bed = np.maximum(per_length, LEAST_LOAD * self.weight) / np.maximum(clearance, 1e-3)
         beam = Beam(mesh.length, mesh.bending_stiffness, inner, mesh.is_joint, bed)
         phase = np.concatenate([[0.0], np.cumsum(pitch * mesh.length)])
-        shape, shortening = _shape(model, depth, load, per_length, clearance, beam, helical, phase, on_wall)
-        stretch = np.concatenate(
-            [[0.0], np.cumsum((strain - 0.5 * (gap * pitch) ** 2 - shortening) * mesh.length)]
+        longer = strain * mesh.length + travels(mesh, inner)
+        measured_depth, _ = self._depths(longer, wob, top)
+        shape, across, slope, share = lateral_shape(
+            model, measured_depth, load, per_length, clearance, beam, helical, phase, on_wall
         )
-        if top is None:
-            assert model.bit is not None
-            top = hole_depth(model.case) - (mesh.total_length + stretch[-1]) + model.bit.depth_for(wob)
-        measured_depth = mesh.node_depth + stretch + top
-        position, tangent, offset, direction = _place(model, measured_depth, shape)
+        longer -= 0.5 * (gap * pitch) ** 2 * mesh.length
+        for _ in range(BEND_ROUNDS):  # where the hole's curvature changes, it depends on the place
+            short = (1 - share) * shortening(model, measured_depth, across, slope)
+            measured_depth, end = self._depths(longer - short * mesh.length, wob, top)
+        top = end
+        position, tangent, offset, direction = place(model, measured_depth, shape)
         strain_above, strain_below = _nodal_strains(mesh, strain)
         return March(
             axial_force=tension,
@@ -283,6 +295,39 @@ class _Marcher:
             direction=direction,
             effective_tension=inner + wet,
         )
+
+    def _depths(self, longer: FloatArray, wob: float, top: float | None) -> tuple[FloatArray, float]:
+        """Measured depths (n,) of the nodes and of the top of a string whose elements are ``longer`` (n-1,) than without strain [m].
+
+        wob, top: as of ``result``.
+        """
+        model, mesh = self.model, self.model.mesh
+        stretch = np.concatenate([[0.0], np.cumsum(longer)])
+        if top is None:
+            assert model.bit is not None
+            top = hole_depth(model.case) - (mesh.total_length + stretch[-1]) + model.bit.depth_for(wob)
+        return mesh.node_depth + stretch + top, top
+
+    def _standing_reamers(self, bottom: float, wob: float) -> dict[int, tuple[float, float]]:
+        """Weight [N] and torque [N m] of the reamers under the force ``bottom`` [N] below the string, by their nodes.
+
+        A reamer stands where bit and string below it let it; what stands above does not count.
+        """
+        model, mesh = self.model, self.model.mesh
+        found: dict[int, tuple[float, float]] = {}
+        bit = model.bit
+        for reamer in reversed(model.reamers) if bit is not None else ():
+            assert bit is not None
+            tension = self.column.run(bottom, standing={node: weight for node, (weight, _) in found.items()})[
+                0
+            ]
+            with np.errstate(divide="ignore", invalid="ignore"):
+                strain = np.where(mesh.is_joint, 0.0, tension[1:-1] / mesh.axial_stiffness)
+            longer = float(np.sum((strain * mesh.length + travels(mesh, tension[1:-1]))[reamer.node :]))
+            end = hole_depth(model.case) - (mesh.total_length - mesh.node_depth[-1]) + bit.depth_for(wob)
+            depth = end - (mesh.node_depth[-1] - mesh.node_depth[reamer.node]) - longer
+            found[reamer.node] = reamer.weight_and_torque_at(float(depth))
+        return found
 
 
 def march(
@@ -425,13 +470,15 @@ def with_contact(
             np.where(mesh.is_joint, 0.0, q[1:-1] / mesh.axial_stiffness) for q in (found.axial_force, tension)
         )
         twist = np.where(mesh.is_joint, 0.0, torque[1:-1] * mesh.length / mesh.torsional_stiffness)
-    down = np.concatenate([[0.0], np.cumsum((strain - before) * mesh.length)])
+    more_travel = travels(mesh, tension[1:-1]) - travels(mesh, found.axial_force[1:-1])
+    down = np.concatenate([[0.0], np.cumsum((strain - before) * mesh.length + more_travel)])
     if model.bit is not None and (case.initial.wob is not None or case.top.force is not None):
         down -= down[-1]
     above, below = _nodal_strains(mesh, strain)
-    unit = found.tangent / np.linalg.norm(found.tangent, axis=1, keepdims=True)
+    moved = moved_along(model, found, down)
+    unit = moved.tangent / np.linalg.norm(moved.tangent, axis=1, keepdims=True)
     return replace(
-        found,
+        moved,
         axial_force=tension,
         effective_tension=found.effective_tension + change[1:-1],
         contact_force=contact,
@@ -439,8 +486,31 @@ def with_contact(
         twist=-np.concatenate([[0.0], np.cumsum(twist)]),
         tangent=(1 + above)[:, None] * unit,
         ratio=(1 + below) / (1 + above),
-        position=found.position + down[:, None] * found.direction,
-        top_motion=found.top_motion + down[0],
+    )
+
+
+def moved_along(model: DrillingModel, found: March, down: FloatArray) -> March:
+    """``found`` with its nodes moved along the axis of the hole by ``down`` (n,) [m], at the same place across it.
+
+    A straight way would leave the wall of a bent hole: 0.1 m at 2 deg/30 m by 6 um, which carries 0.6 kN/m.
+    """
+    depth = found.measured_depth + down
+    old = np.stack([found.direction, *frame_across(model, found.direction)], axis=1)  # (n, 3, 3)
+    well, size = model.well, np.linalg.norm(found.tangent, axis=1, keepdims=True)
+    assert well is not None
+    centre, direction, _ = well.at(depth)
+    new = np.stack([direction, *frame_across(model, np.asarray(direction))], axis=1)
+    offset, tangent = (
+        np.einsum("nk,nki->ni", np.einsum("nki,ni->nk", old, q), new) for q in (found.offset, found.tangent)
+    )
+    return replace(
+        found,
+        measured_depth=depth,
+        direction=np.asarray(direction),
+        offset=offset,
+        position=np.asarray(centre) + offset,
+        tangent=size * tangent / np.linalg.norm(tangent, axis=1, keepdims=True),
+        top_motion=found.top_motion + float(down[0]),
     )
 
 
@@ -451,18 +521,21 @@ def friction_factors(
 
     depth: (n,) measured depth of the nodes in the hole [m]; None: unstrained.
 
-    As in torque_drag: the slip direction has the axial speed and the speed of the circumference.
+    As in torque_drag: the slip direction has the axial speed and the speed of the circumference.  Below a downhole motor the
+    string turns with the motor's speed, too.
     """
     mesh, well = model.mesh, model.well
     assert well is not None
-    radius = _radius(model)
+    radius, spin = _radius(model), np.full(mesh.nodes, motion[1])
+    if model.motor is not None and mesh.motor_cell is not None:
+        spin[mesh.motor_cell + 1 :] += model.motor.static_speed
     at = mesh.node_depth + top_depth(model) if depth is None else depth
     mu = np.asarray(well.friction(at)).copy()
     own = np.append(mesh.friction, mesh.friction[-1])
     mu = np.where(np.isnan(own), mu, own)
-    speed = np.hypot(motion[0], motion[1] * radius)
+    speed = np.hypot(motion[0], spin * radius)
     scale = np.divide(mu, speed, out=np.zeros(mesh.nodes), where=speed > 0)
-    return motion[0] * scale, motion[1] * scale * radius**2
+    return motion[0] * scale, spin * scale * radius**2
 
 
 def _radius(model: DrillingModel) -> FloatArray:
@@ -493,16 +566,6 @@ def _bottom_force(column: _Column, coils_above: float = HELIX_FACTOR) -> float:
     return 0.5 * (low + high)
 
 
-def _eased(values: FloatArray, s: FloatArray) -> FloatArray:
-    """Average ``values`` (n, k) over +-CROSSING [m] along ``s`` (n,), exact for constants."""
-    pieces = 0.5 * (values[1:] + values[:-1]) * np.diff(s)[:, None]
-    total = np.concatenate([np.zeros((1, values.shape[1])), np.cumsum(pieces, axis=0)])
-    width = np.minimum(np.minimum(s - s[0], s[-1] - s), CROSSING)
-    out = np.column_stack([np.interp(s + width, s, c) - np.interp(s - width, s, c) for c in total.T])
-    wide = width > 1e-9
-    return np.where(wide[:, None], out / np.where(wide, 2 * width, 1.0)[:, None], values)
-
-
 def _nodal_strains(mesh: StringMesh, strain: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Axial strain above and below each node, (n,) each, from that in the middle of the elements (n-1,).
 
@@ -525,80 +588,3 @@ def _nodal_strains(mesh: StringMesh, strain: FloatArray) -> tuple[FloatArray, Fl
     joint = np.flatnonzero(mesh.is_joint)
     below[joint], above[joint + 1] = above[joint], below[np.minimum(joint + 1, elements)]
     return above, below
-
-
-def _shape(
-    model: DrillingModel,
-    s: FloatArray,
-    load: FloatArray,
-    contact: FloatArray,
-    clearance: FloatArray,
-    beam: Beam,
-    helical: np.ndarray,
-    phase: FloatArray,
-    top_on_wall: bool,
-) -> tuple[FloatArray, FloatArray]:
-    """Offsets and slopes of the nodes from the axis of the hole, (n, 4), and by how much they shorten elements, (n-1,) [-].
-
-    The four columns are offsets [m] and slopes [-] along the second and the third director at zero spin.
-    s: (n,) measured depths [m]; load: (n, 3) on the wall [N]; contact: (n,) per length [N/m].
-    clearance: (n,) [m]; helical: (n,); phase: (n,) of the helix [rad].
-    """
-    well, law = model.well, model.case.contact
-    assert well is not None
-    t, second, third = _directors(model, s)
-    size = np.linalg.norm(load, axis=1)
-    touches = size > 1e-6 * size.max(initial=0.0)
-    side = np.divide(load, size[:, None], out=np.zeros_like(load), where=touches[:, None])
-    deep = clearance
-    if law is not None and law.law == "linear":
-        deep = clearance + penetration(contact / law.stiffness)
-    wall = np.column_stack([np.sum(side * second, axis=1), np.sum(side * third, axis=1)]) * deep[:, None]
-    if not top_on_wall:
-        wall[0] = 0.0
-    bend = np.asarray(well.at(0.5 * (s[1:] + s[:-1]))[2])
-    curvature = np.column_stack([np.sum(bend * _at_middle(d), axis=1) for d in (second, third)])
-    across, slope = resting_shape(beam, wall, curvature)
-    shortening = 0.5 * np.sum(_at_middle(slope) ** 2, axis=1) - np.sum(curvature * _at_middle(across), axis=1)
-    if helical.any():
-        share = _eased(helical[:, None].astype(float), s)
-        share[clearance < 1e-4] = 0.0
-        first = int(np.argmax(helical))
-        angle = phase - phase[first] + np.arctan2(wall[first, 1], wall[first, 0])
-        coil = deep[:, None] * np.column_stack([np.cos(angle), np.sin(angle)])
-        across = (1 - share) * across + share * coil
-        slope *= 1 - share
-        if not model.mesh.is_joint.any():
-            slope += share * np.gradient(across, s, axis=0)
-        shortening *= 1 - _at_middle(share)[:, 0]
-    return np.column_stack([across, slope]), shortening
-
-
-def _at_middle(values: FloatArray) -> FloatArray:
-    """Means (n-1, k) of neighbouring rows of ``values`` (n, k)."""
-    return 0.5 * (values[1:] + values[:-1])
-
-
-def _directors(model: DrillingModel, s: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Tangent of the hole and both directors at zero spin, (n, 3) each, at the depths ``s`` (n,) [m] of the nodes.
-
-    The hole where the string lies may have any direction beside the frames of the start.
-    """
-    assert model.well is not None
-    t = np.asarray(model.well.at(s)[1])
-    return t, *directors(model.frames, np.arange(len(t)), t, np.zeros(len(t)))
-
-
-def _place(
-    model: DrillingModel, s: FloatArray, shape: FloatArray
-) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
-    """Positions, unit tangents, offsets from the axis and tangents of the hole, (n, 3) each, of nodes at depths ``s`` (n,) [m].
-
-    shape: as of ``_shape``.
-    """
-    assert model.well is not None
-    t, second, third = _directors(model, s)
-    offset = shape[:, :1] * second + shape[:, 1:2] * third
-    tangent = t + shape[:, 2:3] * second + shape[:, 3:] * third
-    tangent /= np.linalg.norm(tangent, axis=1, keepdims=True)
-    return np.asarray(model.well.at(s)[0]) + offset, tangent, offset, t

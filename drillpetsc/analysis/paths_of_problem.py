@@ -116,7 +116,6 @@ def steps_in_hole(model: DrillingModel) -> HoleSteps | None:
     system, mesh = model.system, model.mesh
     gap = _gap(model)
     gap[[b.node for b in mesh.bodies]] = 0.0
-    gap[:-1][mesh.is_joint] = gap[1:][mesh.is_joint] = 0.0
     vertices, dofs = system.chain.vertices, system.layout.dofs
     at = np.column_stack([dofs["string.position"][:, 0], dofs["string.tangent"][:, 0]])
     prescribed = {f.condition.vertex for f in system.assembly.row_replacements}

@@ -71,6 +71,11 @@ class StaticProblem:
         return bool(self.components) and (self.state.motion != (0.0, 0.0) or self.motor_speed != 0)
 
     @property
+    def turns(self) -> bool:
+        """Whether any part of the string turns."""
+        return bool(self.state.motion[1] or self.motor_speed)
+
+    @property
     def motor_speed(self) -> float:
         """What a downhole motor adds to the spin below it [rad/s]."""
         return self.model.motor.static_speed if self.model.motor is not None else 0.0

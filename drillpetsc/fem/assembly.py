@@ -75,7 +75,7 @@ class Assembly:
         self.derive: Callable[[Assembly], None] | None = None
         self._derived_index: dict[int, np.ndarray] = {}  # dofs of blocks that use derived fields, by id
         self._results_heads: dict[int, tuple[int, ...]] = {}
-        self._results: dict[int, BlockResults] = {}  # by id of the block
+        self._results: dict[tuple[int, str], BlockResults] = {}  # by id of the block and kernel
         self._seen: list[ElementBlock] = []  # keeps blocks that are not bound, so that their ids stay theirs
         self._kept: dict[Any, Any] | None = None  # see ``unchanged``
         self._group = ResultGroup({})  # what the last state was asked for: the next is asked for the same
@@ -118,6 +118,8 @@ class Assembly:
         self._history = pointer(self.v0), pointer(self.v1)
         self._calls: StepCalls | None = None  # see ``calls``
         self._holds_rates = False  # of any block, see ``hold_rates``
+        #: of ``block_rows``
+        self._one_call, self._separate, self._work = _BlockCall(), np.zeros(0, dtype=np.int32), np.zeros(0)
         #: evaluate rows block by block, each with its event, for -log_view; otherwise all blocks are one call
         self.block_by_block = PETSc.Options().hasName("log_view")
         self.version = 0  # counts new Jacobian values
@@ -271,9 +273,7 @@ class Assembly:
         kernel: entry point of the results; columns: their number for one element.
         The tables are not to be changed, nor kept: the next evaluation overwrites them.
         """
-        found = self._results.get(id(block))
-        if found is None:
-            found = self._results[id(block)] = BlockResults(kernel, columns, self.results_head(block))
+        found = self.block_results(block, kernel, columns)
         if self._kept is not None:
             self._asked[found] = True
             if found in self._kept:
@@ -287,6 +287,19 @@ class Assembly:
             self.index_of(block)  # computes the derived fields
         found.evaluate()
         return found
+
+    def block_results(self, block: ElementBlock, kernel: str, columns: int) -> BlockResults:
+        """The tables of ``results``, as they were evaluated last."""
+        found = self._results.get((id(block), kernel))
+        if found is None:
+            found = self._results[id(block), kernel] = BlockResults(kernel, columns, self.results_head(block))
+            self._seen.append(block)
+        return found
+
+    def have_results(self, members: dict[BlockResults, bool]) -> None:
+        """Say that these results have just been evaluated, for what asks for them within ``unchanged``."""
+        if self._kept is not None:
+            self._kept |= members
 
     # ------------------------------------------------------------------ state
     def condense(self, sigma: float, second: float | None = None) -> None:
@@ -629,12 +642,17 @@ class Assembly:
         """Compute the residual rows (n, d) of each element of one block at x, y, a and time ``t`` [s]."""
         if bound.block.update:
             bound.block.update(t)
-        rows = np.empty((bound.count, bound.width))
-        separate = np.arange(rows.size, dtype=np.int32)  # one copy of the unknowns for every element
-        work = np.empty(3 * rows.size)
-        call = _BlockCall()
-        block_call(call, bound, self._state)
-        _element_rows(ctypes.addressof(call), bound.width, pointer(separate), pointer(work), pointer(rows))
+        rows, size = np.empty((bound.count, bound.width)), bound.count * bound.width
+        if size > len(self._separate):  # one copy of the unknowns for every element
+            self._separate, self._work = np.arange(size, dtype=np.int32), np.empty(3 * size)
+        block_call(self._one_call, bound, self._state)
+        _element_rows(
+            ctypes.addressof(self._one_call),
+            bound.width,
+            pointer(self._separate),
+            pointer(self._work),
+            pointer(rows),
+        )
         return rows
 
     def power(self, block: ElementBlock, t: float) -> float:

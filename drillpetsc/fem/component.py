@@ -279,6 +279,20 @@ class Component:
         """Dissipated and supplied power on this rank [W]."""
         return Powers()
 
+    def energies_of(self, steps: Any) -> tuple[Any, Any, Any]:
+        """``energies`` after each of k recorded steps (``fem.step_record.StepRecord``), (k,) each or numbers."""
+        return tuple(
+            steps.computed(
+                lambda sample: self.energies(sample.time, sample.assembly), 3, id(self), "energies"
+            ).T
+        )
+
+    def powers_of(self, steps: Any) -> tuple[Any, Any]:
+        """``powers`` after each of k recorded steps, (k,) each or numbers."""
+        return tuple(
+            steps.computed(lambda sample: self.powers(sample.time, sample.assembly), 2, id(self), "powers").T
+        )
+
     def reaction(self, name: str, state: Any) -> float:
         """Reaction ``name`` that a multiplier of the component represents, this rank's part [N or N m]."""
         return 0.0

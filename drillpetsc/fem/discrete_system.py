@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import zlib
 from collections.abc import Sequence
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -18,6 +19,7 @@ from drillpetsc.fem.chain import build_chain
 from drillpetsc.fem.component import Component, Energies, Powers
 from drillpetsc.fem.dof_layout import build_dof_layout
 from drillpetsc.fem.end_exchange import EndExchange
+from drillpetsc.fem.step_record import StepRecord
 from drillpetsc.fem.string_mesh import StringMesh
 from drillpetsc.geometry.frames import Frames
 from drillpetsc.kernels import function, pointer
@@ -324,6 +326,31 @@ class DiscreteSystem:
         if self.assembly.dead_load is not None:
             supplied += float(self.assembly.dead_load @ self.assembly.y[: self.layout.size])
         return np.array([dissipated, supplied])
+
+    def energies_of(self, steps: StepRecord) -> FloatArray:
+        """(k, 3) ``energies`` of this rank after each of k recorded steps [J]."""
+        out = np.zeros((len(steps), 3))
+        for component in self._storing:
+            one_by_one = self.assembly.derive is not None
+            of = partial(Component.energies_of, component) if one_by_one else component.energies_of
+            for k, part in enumerate(of(steps)):
+                out[:, k] += part
+        return out
+
+    def powers_of(self, steps: StepRecord) -> FloatArray:
+        """(k, 2) ``local_powers`` after each of k recorded steps [W]."""
+        asm = self.assembly
+        if asm.dead_load is not None or asm.derive is not None:
+            return steps.computed(lambda sample: self.local_powers(sample.time), 2, "powers")
+        out = np.zeros((len(steps), 2))
+        for component in self._working:
+            for k, part in enumerate(component.powers_of(steps)):
+                out[:, k] += part
+        for f in asm.row_replacements:
+            if f.owned:
+                every = range(len(f.reaction))
+                out[:, 1] += np.sum(steps.numbers(f.reaction, every) * steps.numbers(f.rate, every), axis=1)
+        return out
 
     def reaction(self, name: str) -> float:
         """Return the reaction ``name`` [N or N m], the same on all ranks.

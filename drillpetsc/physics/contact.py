@@ -422,5 +422,31 @@ class Contact(WallContact):
             lost += results.sums.item(_DAMPED) + results.sums.item(_RUBBED)
         return Powers(lost)
 
+    def _sums_of(self, steps) -> list[FloatArray]:
+        return [steps.sums(b, f"{b.kernel}_results", len(RESULT_NAMES)) for b in self._blocks]
+
+    def energies_of(self, steps) -> tuple[Any, Any, Any]:
+        return 0.0, sum(sums[:, _STORED] for sums in self._sums_of(steps)), 0.0
+
+    def powers_of(self, steps) -> tuple[Any, Any]:
+        return sum(sums[:, _DAMPED] + sums[:, _RUBBED] for sums in self._sums_of(steps)), 0.0
+
+    def item_forces_of(self, steps) -> FloatArray:
+        """(k, bodies) ``item_forces`` after each of k recorded steps."""
+        out = np.zeros((len(steps), len(self.mesh.bodies)))
+        width, found = len(RESULT_NAMES), (b for b in self._blocks if b.on != "cell")
+        for items, b in zip(self._items, found, strict=True):
+            table = steps.results(b, f"{b.kernel}_results", width).table
+            out[:, items] = steps.numbers(table, range(0, table.size, width))
+        return out
+
+    def normal_force_of(self, cell: int, steps) -> FloatArray:
+        """(k,) ``normal_force`` after each of k recorded steps."""
+        for b, normal in zip(self._blocks, self._normal, strict=True):
+            if b.on == "cell" and cell in b.points:
+                row, points = int(np.flatnonzero(b.points == cell)[0]), normal.shape[1]
+                return np.asarray(steps.numbers(normal, range(row * points, (row + 1) * points)).sum(axis=1))
+        return np.zeros(len(steps))
+
     def quantities(self) -> tuple[Quantity, ...]:
         return declared.CONTACT

@@ -5,6 +5,7 @@ from __future__ import annotations
 from abc import abstractmethod
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -134,6 +135,18 @@ class Top(Component):
             self.anchor[:] = condition.directions @ np.concatenate([position, slope, spin])
 
 
+@dataclass(frozen=True)
+class SideContact:
+    """Contact of a bit that cuts with the side of its hole, at one point of its axis.
+
+    below: distance of that point below the bit's node [m]; stiffness [N/m], 0: it does not touch; clearance: radial [m].
+    """
+
+    below: float
+    stiffness: float
+    clearance: float
+
+
 class Bit(Component):
     """The bit at the lower end of the string.  ``stiffness``: of its contact with the bottom [N/m]."""
 
@@ -141,9 +154,18 @@ class Bit(Component):
     hole: GrowingHole | None = None
     stiffness: float = 0.0
 
+    @property
+    def side_contact(self) -> SideContact | None:
+        """Contact with the side of the hole; None: that of a rigid item."""
+        return None
+
     @abstractmethod
     def weight_and_torque(self, state: Any) -> tuple[float, float]:
         """Compute weight on bit [N] and torque on bit [N m], zero on ranks without the bit."""
+
+    def weight_and_torque_of(self, steps: Any) -> FloatArray | None:
+        """(k, 2) ``weight_and_torque`` after each of k recorded steps; None where they are found one by one only."""
+        return None
 
     def element_results(self, state: Any) -> FloatArray:
         """Results of the bit, zero on ranks without it: weight [N] and torque [N m] first."""
@@ -220,6 +242,14 @@ class WallContact(Component):
     @abstractmethod
     def normal_force(self, cell: int) -> float:
         """Normal force on a local cell in the last residual [N]."""
+
+    @abstractmethod
+    def item_forces_of(self, steps: Any) -> FloatArray:
+        """(k, bodies) ``item_forces`` after each of k recorded steps."""
+
+    @abstractmethod
+    def normal_force_of(self, cell: int, steps: Any) -> FloatArray:
+        """(k,) ``normal_force`` after each of k recorded steps."""
 
     @abstractmethod
     def copy_sliding_direction(self, other: Any) -> None:
@@ -309,6 +339,10 @@ class ReamingTool(Component):
     ring: float
     depth_field: str
     shoulder: float
+
+    @abstractmethod
+    def weight_and_torque_at(self, depth: float) -> tuple[float, float]:
+        """Weight [N] and torque, not negative [N m], at the start of a reamer whose node rests at measured depth ``depth`` [m]."""
 
     @property
     @abstractmethod

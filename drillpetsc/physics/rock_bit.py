@@ -21,7 +21,7 @@ from drillpetsc.kernels import function, pointer
 from drillpetsc.kernels.parameters import Parameters, Table, columns, constant, structure
 from drillpetsc.physics import quantities as declared
 from drillpetsc.physics.contact import penetration
-from drillpetsc.physics.interfaces import Bit
+from drillpetsc.physics.interfaces import Bit, SideContact
 from drillpetsc.physics.rigid_bodies import VERTEX_SLOTS, local_vertices
 from drillpetsc.physics.roots import bracketed_root
 
@@ -591,6 +591,11 @@ class RockBit(Bit):
             else:
                 _results(int(self.profiled), *given)
         return out
+
+    @property
+    def side_contact(self) -> SideContact:
+        s = self.shape
+        return SideContact(s.face - s.half, self.contact.side, self.hole.radial_clearance(s.radius))
 
     def weight_and_torque(self, state) -> tuple[float, float]:
         """Weight on bit [N] and torque on bit [N m], zero on ranks without the bit."""

@@ -175,8 +175,9 @@ class LateralBeam:
         x, rho, e, shape = x[touching], rho[touching], q.cell[touching], q.shape[touching]
         on_axis = rho < ON_AXIS  # of a hole without clearance
         x[on_axis], rho[on_axis] = [ON_AXIS, 0.0], ON_AXIS
-        N = self.factor * force[touching] * q.length[touching]
-        dN = self.factor * slope[touching] * q.length[touching]
+        factor = self._factor_at_points()[touching]
+        N = factor * force[touching] * q.length[touching]
+        dN = factor * slope[touching] * q.length[touching]
         N[on_axis] = 0.0
         mean = np.where(on_axis, dN, N / rho)
         mu = friction * q.friction[touching]
@@ -200,7 +201,16 @@ class LateralBeam:
     def contact_force(self, U: FloatArray) -> FloatArray:
         """Contact force (m,) [N] at the points."""
         q, x = self.points, self.place(U)
-        return self.factor * self.wall(np.hypot(x[:, 0], x[:, 1]) - q.clearance, q.clearance)[0] * q.length
+        force = self.wall(np.hypot(x[:, 0], x[:, 1]) - q.clearance, q.clearance)[0]
+        return self._factor_at_points() * force * q.length
+
+    def _factor_at_points(self) -> FloatArray:
+        """Factor (m,) of the wall's stiffness at the points.
+
+        What has no clearance is held everywhere, and has no boundary of contact that a soft wall would help to find: a bit
+        below a joint would leave the hole on it.
+        """
+        return np.where(self.points.clearance > 0, self.factor, 1.0)
 
     # ---------------------------------------------------------------- steps
     def _hold(self, band: FloatArray, rows: FloatArray) -> None:

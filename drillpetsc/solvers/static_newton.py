@@ -37,6 +37,8 @@ ROUNDING_INCREMENT = (
 ROUNDING_RATIO = 0.1  # an increment below it that is not this much smaller than all before it is rounding
 MAX_ITERATIONS = 600
 MAX_FULL_STEPS = 40
+FAR_LIMIT = 2.0  # factor of an unshifted step below which it would move a node by its clearance
+MORE_STEPS = 10  # beyond the number that is allowed, while each halves what is left
 #: full Newton steps without a smaller increment before the iteration ends; contacts may open and close
 #: without end
 STALL_WINDOW = 8
@@ -363,20 +365,26 @@ class StaticNewton:
         search: bool = True,
         max_iterations: int = MAX_ITERATIONS,
         tolerance: float = CONVERGED_INCREMENT,
+        near: bool = False,
     ) -> None:
         """Iterate from the assembly's x (manual: eq-statics-step).
 
         shifted: use a shift that leaves no negative pivot; otherwise full Newton steps.
         report: gets iterations, increments and ``converged``.
         search: search the step length.
-        tolerance: largest increment of a converged state.
+        tolerance: largest increment of a converged state.  Of one that a further solve starts from, it may be of a step that the
+        search has shortened since.
+        near: the start is near its state, so that no two steps in turn may ask for a motion across the hole.
         Raises SolveError where the iteration does not converge.
         """
         asm, n = self.system.assembly, self.system.layout.size
         sigma, smallest, weight = 0.0, np.inf, 1.0 / self.system.scale
-        rounded, start = 0, len(report.history)
+        rounded, start, shrinks, far = 0, len(report.history), True, 0
         full_steps: list[float] = []
-        for _ in range(max_iterations):
+        full = np.inf  # size of the last step before it was shortened: what is left, by Newton's method
+        for count in range(max_iterations + MORE_STEPS):
+            if count >= max_iterations and not shrinks:
+                break
             rows = self.rows()
             g = self._gradient(rows)
             self._stiffness()
@@ -398,9 +406,13 @@ class StaticNewton:
             p += with_top
             x0 = asm.x[:n].copy()
             longest = self._step_limit(p, shifted)
+            far = far + 1 if longest < FAR_LIMIT else 0
+            if near and far > 1:
+                break
             alpha = min(1.0, longest)
             # near rounding the slope has no sign; beside a saddle it does not say how far to go
-            large = self.largest(float(np.max(np.abs(p) * weight, initial=0.0))) > ROUNDING_INCREMENT
+            before, full = full, self.largest(float(np.max(np.abs(p) * weight, initial=0.0)))
+            large, shrinks = full > ROUNDING_INCREMENT, full < 0.5 * before
             if search and slope0 < 0 and not negative and (shifted or large):
                 alpha = self._search(x0, p, with_top, slope0, alpha, longest if sigma else alpha)
             asm.x[:n] = self._advanced(x0, p, alpha)
@@ -426,6 +438,7 @@ class StaticNewton:
                 alpha == 1.0
                 and sigma == 0.0
                 and (size < tolerance or left < 0.1 * tolerance or rounded)
+                or (sigma == 0.0 and full < tolerance > ROUNDING_INCREMENT)
                 or (rounded >= 8 and size < CONVERGED_INCREMENT)
             ):
                 report.converged = True
@@ -480,16 +493,20 @@ class StaticNewton:
         return report
 
     def newton_free(
-        self, report: Equilibrium, tolerance: float = CONVERGED_INCREMENT, most: int = MAX_FULL_STEPS
+        self,
+        report: Equilibrium,
+        tolerance: float = CONVERGED_INCREMENT,
+        most: int = MAX_FULL_STEPS,
+        near: bool = False,
     ) -> None:
         """Take full Newton steps, the fastest method where it converges; collective.
 
-        tolerance: largest increment of a converged state, in the fields' scales; most: number of steps.
+        tolerance: largest increment of a converged state, in the fields' scales; most: number of steps; near: as of ``_newton``.
 
         Raises SolveError where the steps do not converge to a stable state.
         """
         self._begin(report)
-        self._newton(False, report, self.searches, most, tolerance)
+        self._newton(False, report, self.searches, most, tolerance, near)
         self._end(report)
         self.check_stable()
 
@@ -531,11 +548,15 @@ class StaticNewton:
         )
 
     def newton_damped(
-        self, report: Equilibrium, tolerance: float = CONVERGED_INCREMENT, most: int = MAX_FULL_STEPS
+        self,
+        report: Equilibrium,
+        tolerance: float = CONVERGED_INCREMENT,
+        most: int = MAX_FULL_STEPS,
+        near: bool = False,
     ) -> None:
         """Take full Newton steps without a stability count, for loads without an energy (friction).
 
-        tolerance: largest increment of a converged state, in the fields' scales; most: number of steps.
+        tolerance: largest increment of a converged state, in the fields' scales; most: number of steps; near: as of ``_newton``.
 
         Collective.
 
@@ -543,7 +564,7 @@ class StaticNewton:
         """
         energy, self.energy = self.energy, False
         try:
-            self.newton_free(report, tolerance, most)
+            self.newton_free(report, tolerance, most, near)
         finally:
             self.energy = energy
 

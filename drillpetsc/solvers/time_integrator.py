@@ -69,6 +69,7 @@ class TimeIntegrator:
     system: the discrete system.
     after_step(t, dt): called after every accepted step, with x, y, a of the assembly at ``t`` [s].
     at_jump(t): called where the rate of a prescribed motion jumps, before the step that follows.
+    on_failure(): called on all ranks before the error that ends a run.
     before_event(t), after_event(t): called where a component changes its law, with the state at ``t`` [s].
     before_solve(t): called before the solve of a step that ends at ``t`` [s].
     on_step_end(t): called last after a step; here ``get_state`` and ``stop`` may be called.
@@ -91,6 +92,7 @@ class TimeIntegrator:
     after_step: list[Callable[[float, float], None]] = field(default_factory=list)
     at_jump: list[Callable[[float], None]] = field(default_factory=list)
     before_event: list[Callable[[float], None]] = field(default_factory=list)
+    on_failure: list[Callable[[], None]] = field(default_factory=list)
     after_event: list[Callable[[float], None]] = field(default_factory=list)
     before_solve: list[Callable[[float], None]] = field(default_factory=list)
     on_step_end: list[Callable[[float], None]] = field(default_factory=list)
@@ -324,6 +326,8 @@ class TimeIntegrator:
 
     def failure(self, what: str) -> SolveError:
         """Return the error that ends a run, with the place of the largest residual; collective."""
+        for call in self.on_failure:
+            call()
         place = (
             self.system.locate_largest_residual(self._t)
             if self.condensed

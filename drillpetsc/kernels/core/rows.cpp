@@ -54,6 +54,12 @@ extern "C" void run_all_results(int n, const ResultCall* const* calls) {
     for (int k = 0; k < n; ++k) run_results(calls[k]);
 }
 
+// The same, and then n numbers from anywhere into a column of a table (n, steps): what is kept of a step.
+extern "C" void record_step(int blocks, const ResultCall* const* calls, int n, int steps, const double* const* from, double* column) {
+    run_all_results(blocks, calls);
+    for (int i = 0; i < n; ++i) column[(long)i * steps] = *from[i];
+}
+
 extern "C" {
 void condensed_rates(int, const double*, double, double, const double*, const double*, int, const int*, const double*, double*, double*);
 void constraint_rates(int, const double*, const int*, const double*, double, const double*, double*, double*);

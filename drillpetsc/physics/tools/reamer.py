@@ -109,6 +109,12 @@ class Reamer(ReamingTool):
         self._reamed = 0.0
         self._place(start)
 
+    def weight_and_torque_at(self, depth: float) -> tuple[float, float]:
+        below = depth + self.face - self.shoulder
+        onset = max(below + ONSET, 0.0) ** 2 / (4 * ONSET)
+        weight = self.stiffness * (below if below > ONSET else onset)
+        return weight, weight * self.law.torque_cut / self.law.cut
+
     @property
     def reamed(self) -> float:
         return self._reamed
