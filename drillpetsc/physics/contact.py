@@ -7,7 +7,6 @@ Manual: sec-contact, sec-bit-on-bottom.
 from __future__ import annotations
 
 import ctypes
-import zlib
 from dataclasses import dataclass
 from itertools import product
 from typing import Any
@@ -17,7 +16,7 @@ from numpy.typing import ArrayLike
 
 from drillpetsc.arrays import FloatArray
 from drillpetsc.fem.bound_parts import BlockResults
-from drillpetsc.fem.component import ElementBlock, Energies, Powers
+from drillpetsc.fem.component import ContactFlags, ElementBlock, Energies, Powers
 from drillpetsc.fem.quadrature import exposed_ends, rule
 from drillpetsc.fem.quantity import Quantity
 from drillpetsc.fem.string_mesh import StringMesh
@@ -361,16 +360,9 @@ class Contact(WallContact):
         for record in self._laws:
             record.stiffness = self.law.stiffness * factor
 
-    @property
-    def touches_wall(self) -> bool:
-        return any(bool(touching.any()) for touching in self._touching)
-
-    def contact_signature(self) -> int:
-        """A number that changes when a contact opens or closes on this rank.
-
-        Unlike ``hash`` the same in every process.
-        """
-        return zlib.crc32(b"".join(t.tobytes() for t in self._touching))
+    def contact_flags(self) -> tuple[ContactFlags, ...]:
+        pairs = zip(self._touching, self._laws[-len(self._touching) :], strict=True)
+        return tuple(ContactFlags(touching, True, ctypes.addressof(law)) for touching, law in pairs)
 
     def normal_force(self, cell: int) -> float:
         """Return the normal force on a local cell in the last residual [N]."""

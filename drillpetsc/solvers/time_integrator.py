@@ -265,15 +265,14 @@ class TimeIntegrator:
         snes.computeFunction(x, self._f)
         snes.computeJacobian(x, self._matrix)
         self._xdot.axpy(-self._shift, x)  # constant V of the time formula (manual: eq-time-bdf)
-        self.system.load_history(self._xdot)
-        self.system.load_state(x)
+        self.system.load_step(x, self._xdot)
         for call in self.before_solve:
             call(self._t)
         reason = self.newton.solve(self._t, self._shift)
         for component in self._restoring:
             component.restore_constraints(self.system.assembly)
         self.system.store_state(x)
-        snes.setIterationNumber(self.newton.snes.getIterationNumber())
+        snes.setIterationNumber(self.newton.last_iterations)
         snes.setConvergedReason(reason)
         self._requested_step = self.ts.getTimeStep()
         if reason > 0 and self._eventful and self.ts.getTimeStep() > EVENT_STEP and self._events():
@@ -353,6 +352,11 @@ class TimeIntegrator:
     def failure_count(self) -> int:
         """Number of Newton solves so far that did not converge."""
         return self.newton.failures if self.condensed else self.ts.getSNESFailures()
+
+    def compiled_seconds(self) -> dict[str, float]:
+        """Wall time so far of the phases of Newton's method in compiled code [s]; PETSc's log has that of all others."""
+        compiled = self.newton.compiled if self.condensed else None
+        return {} if compiled is None else compiled.seconds
 
     def linear_iterations(self) -> int:
         """Number of linear iterations so far."""
