@@ -311,6 +311,7 @@ OUTPUT_TABLES = {
     "outputs/modes.md": ("modes.csv", "column"),
     "outputs/campbell.md": ("campbell.csv", "column"),
     "outputs/critical.md": ("critical.csv", "column"),
+    "outputs/critical_map.md": ("critical_map.csv", "column"),
     "outputs/stability-map.md": ("stability_map.csv", "column"),
     "outputs/stability-boundary.md": ("stability_boundary.csv", "column"),
     "outputs/stability-runs.md": ("stability_runs.csv", "column"),

@@ -435,6 +435,7 @@ def campbell(
     comm: Any = None,
     without_control: bool = False,
     frequency: str = "wd",
+    stiffness: str | Sequence[float] = (),
 ) -> Result:
     """Compute modes over rotary speeds, follow them by shape, and write campbell.csv and critical.csv (collective).
 
@@ -449,10 +450,12 @@ def campbell(
     comm: PETSc communicator; by default all ranks
     without_control: True to hold the top instead of the motor and controller that the case has
     frequency: wd, critical speeds are where lines meet damped frequencies; wn, natural ones
+    stiffness: of the wall, as text ("1e6,1e7 Pa") or in Pa, ascending: critical_map.csv has the critical speeds without damping at each
     """
-    from drillpetsc.case.speed_options import read_lines, read_speeds
+    from drillpetsc.case.speed_options import read_lines, read_speeds, read_stiffnesses
 
     values, orders = read_speeds(speeds, "--speeds"), None if lines is None else read_lines(lines)
+    walls = read_stiffnesses(stiffness) if len(stiffness) else ()
     case, name = _loaded(case, name)
     initialise_petsc()
     from drillpetsc.analysis.frequency.campbell import run_campbell
@@ -460,7 +463,7 @@ def campbell(
 
     return result_of(
         run_campbell(
-            case, values, out, count, kind, orders, overwrite, name, comm, without_control, frequency
+            case, values, out, count, kind, orders, overwrite, name, comm, without_control, frequency, walls
         )
     )
 
@@ -521,6 +524,7 @@ def response(
     speeds: str | Sequence[float],
     amplitude: str | None = None,
     order: float | None = None,
+    stress: bool = False,
     overwrite: bool = False,
     name: str | None = None,
     comm: Any = None,
@@ -535,6 +539,7 @@ def response(
     speeds: rotary speeds above 0, as text ("20:200:2 rpm", "60,90 rpm") or in rad/s, ascending
     amplitude: of the bit, with its unit: "3 mm", "5 kN", "1 kN m"
     order: cycles per turn of the bit; by default 3
+    stress: True to add the alternating stresses of the turning pipe
     overwrite: True to replace the results in an existing folder
     name: name of the case in the default folder
     comm: PETSc communicator; by default all ranks
@@ -549,7 +554,9 @@ def response(
     from drillpetsc.analysis.frequency.response import run_response
     from drillpetsc.results.result import result_of
 
-    return result_of(run_response(case, excitation, values, out, overwrite, name, comm, without_control))
+    return result_of(
+        run_response(case, excitation, values, out, overwrite, name, comm, without_control, stress)
+    )
 
 
 def fmu(

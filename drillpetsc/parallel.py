@@ -63,6 +63,26 @@ def total(comm: Any, values: Any) -> Any:
     return _reduced(comm, values, "SUM")
 
 
+def total_in_order(comm: Any, values: Any) -> Any:
+    """Sum an array over the ranks in their order; the same on every rank, collective.
+
+    MPI may add up a long array in another order than a short one, so that a sum would depend on how many are formed together.
+
+    comm: mpi4py's communicator.  Returns ``values`` itself on one rank.
+    """
+    if comm.size == 1:
+        return values
+    import numpy as np
+
+    sent = np.ascontiguousarray(values, dtype=float)
+    received = np.empty((comm.size, *sent.shape))
+    comm.Allgather(sent, received)
+    out = received[0]
+    for part in received[1:]:
+        out = out + part
+    return out
+
+
 def largest(comm: Any, value: float) -> float:
     """Find the largest of the ranks' numbers; collective. As ``total``.
 

@@ -12,6 +12,8 @@ from drillpetsc.model.drilling_model import DrillingModel, is_quasi_static
 from drillpetsc.physics.control import Law, Motor, reflection
 from drillpetsc.physics.top_drive import MotorDrive
 
+COARSE_SAMPLE = 0.1  # of the tuned period
+
 
 def control_summary(laws: tuple[Law, ...], motor: Motor, impedance: float) -> dict[str, Any]:
     """Entries of summary.json: impedance, inertia, and gains of each controller (SI)."""
@@ -60,6 +62,14 @@ def control_warnings(case: Case, laws: tuple[Law, ...], impedance: float) -> lis
             out.append(
                 f"{at}.damping: {damping:g} is below 1: the drive yields more than the pipe and reflects with opposite "
                 "sign; allowed above 0"
+            )
+    built_in = [(k, q) for k, q in enumerate(case.top.control) if not isinstance(q, PythonController)]
+    for (number, q), law in zip(built_in, laws, strict=False):
+        at = "top.control" + (f"[{number}]" if len(case.top.control) > 1 else "")
+        if law.frequency and q.sample * law.frequency > COARSE_SAMPLE:
+            out.append(
+                f"{at}.sample: {1e3 * q.sample:g} ms is coarser than a tenth of the tuned period, {1 / law.frequency:.3g} s: the law "
+                "is late by half a sample, and reflects more than its tuning says"
             )
     return out
 

@@ -267,6 +267,8 @@ def stiffness_steps(model: DrillingModel, soft: TorqueDrag | None) -> tuple[floa
         load = max(load, float(np.max(soft.contact_force)))
         compression = max(compression, -float(np.min(soft.axial_force)))
     load = max(load, gap * compression**2 / (4 * float(np.min(mesh.bending_stiffness))))
+    if not load > 0:  # weightless and without a push: nothing presses on the wall
+        return (1.0,)
     softest = min(1.0, load / (FIRST_PENETRATION * gap * contact.stiffness))
     count = int(np.ceil(np.log10(1.0 / softest))) if softest < 0.5 else 0
     return tuple(np.geomspace(max(softest, 1e-6), 1.0, count + 1)) if count else (1.0,)

@@ -24,7 +24,8 @@ from drillpetsc.case.quantities import largest
 from drillpetsc.errors import CaseError, DrillError
 from drillpetsc.fem.component import DRIVE
 from drillpetsc.model.drilling_model import DrillingModel
-from drillpetsc.output.recorder import Recorder, TableColumn
+from drillpetsc.output.recorder import Recorder
+from drillpetsc.output.table_rows import TableColumn
 from drillpetsc.solvers.linearization import Linearised
 from drillpetsc.solvers.model_reduction import LARGEST_DENSE
 from drillpetsc.solvers.state_space import Exchange, StateSpace, connected, eliminate

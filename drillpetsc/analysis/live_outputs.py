@@ -9,7 +9,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from drillpetsc.fem.quantity import Quantity, Sample
-from drillpetsc.output.recorder import Recorder, TableColumn, TableRow
+from drillpetsc.output.recorder import Recorder
+from drillpetsc.output.table_rows import TableColumn, TableRow
 
 #: columns of history.csv on the row itself; the energies, of which no account is kept, are left out, too
 LEFT_OUT = ("time", "step", "newton")

@@ -19,7 +19,7 @@ RESIDUAL, JACOBIAN, ASSEMBLY, SOLVE, AFTER = 0.62e-9, 2.7e-9, 1.6e-9, 0.3e-9, 1.
 OPERATION = 0.08e-9  # s for each operation of the elimination of small blocks
 STEP, ITERATION = 250e-6, 40e-6  # s of each step and of each iteration, whatever the number of elements
 #: sums over all ranks: of each step and of each iteration
-SUMS = 4.0, 4.0
+SUMS = 2.0, 4.0
 #: exchanges with neighbours: of each step and of each residual
 EXCHANGES = 2.0, 2.0
 #: s of a call beside the message; s of a message between two ranks of a machine, and of a byte

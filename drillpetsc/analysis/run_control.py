@@ -8,7 +8,9 @@ from typing import Any
 
 from drillpetsc.errors import cannot_write
 
-NOTHING, SAVE, STOP, FAILED = range(4)  # actions after a step; of those of all ranks the largest is taken
+NOTHING, WRITE, SAVE, STOP, FAILED = range(
+    5
+)  # actions after a step; of those of all ranks the largest is taken
 POLL_INTERVAL = 16  # steps between two exchanges with the other ranks
 
 
@@ -55,14 +57,16 @@ class RunControl:
         """Report that this rank could not write ``what``; ``poll`` then returns FAILED on all ranks."""
         self._local_action, self.error = FAILED, cannot_write(error, what)
 
-    def poll(self, now: bool) -> int:
+    def poll(self, now: bool, overdue: bool = False) -> int:
         """Return the action after this step, the same on all ranks.
 
         Collective, with the same ``now`` on every rank.
 
         now: exchange with the other ranks at this step; otherwise every ``POLL_INTERVAL`` steps.
+        overdue: this rank has rows that should be written: WRITE, unless there is more to do.
         """
         self._steps += 1
+        wanted = max(self._local_action, WRITE if overdue else NOTHING)
         if self.mpi.size > 1:
             if not now and self._steps % POLL_INTERVAL:
                 return NOTHING
@@ -70,9 +74,9 @@ class RunControl:
 
             # the maximum is by the action; only the handler writes _number, since a signal may arrive during
             # this call
-            action, self._received = self.mpi.allreduce((self._local_action, self._number), op=MPI.MAX)
+            action, self._received = self.mpi.allreduce((wanted, self._number), op=MPI.MAX)
         else:
-            action = self._local_action
+            action = wanted
         if action == SAVE:
             self._local_action = NOTHING
         return int(action)

@@ -29,6 +29,7 @@ from drillpetsc.analysis.run_control import (
     FAILED,
     NOTHING,
     STOP,
+    WRITE,
     RunControl,
 )
 from drillpetsc.analysis.sampled_control import sampled_control
@@ -36,6 +37,7 @@ from drillpetsc.analysis.steady_flow import fluid_unknowns
 from drillpetsc.analysis.time_scales import longest_strict_step, step_warnings, time_scales
 from drillpetsc.analysis.top_push import top_push
 from drillpetsc.analysis.whirl_steps import WhirlSteps
+from drillpetsc.case.blocks.formation import VelocityWeakening
 from drillpetsc.case.case import Case
 from drillpetsc.errors import RESTART_HINT, CaseError, Interrupted, SolveError, cannot_write
 from drillpetsc.model.drilling_model import DrillingModel, build_model, is_quasi_static
@@ -57,6 +59,8 @@ from drillpetsc.solvers import petsc_options as options
 from drillpetsc.solvers.local_error import LocalErrorEstimate
 from drillpetsc.solvers.time_integrator import TimeIntegrator
 
+#: default spectral radius of generalised-alpha under a bit that sticks (manual: verif-default-tolerance)
+STICKING_RADIUS = 0.5
 #: largest spectral radius at which long fixed steps across impacts lose energy; larger ones gain
 STEADY_RADIUS = 0.5
 
@@ -146,6 +150,12 @@ def make_integrator(model: DrillingModel, quasi: QuasiStatic | None = None) -> T
         return _make_integrator(model, quasi)
 
 
+def _sticks(case: Case) -> bool:
+    """Whether the law of the bit falls with its speed, so that the bit sticks and slips."""
+    law = None if case.formation is None else case.formation.bit_law
+    return isinstance(law, VelocityWeakening) or isinstance(getattr(law, "base", None), VelocityWeakening)
+
+
 @contextmanager
 def _chosen_integrator(case: Case) -> Iterator[None]:
     """Set ``time.integrator`` as PETSc options, unless -ts_type is given, while an integrator is made."""
@@ -156,6 +166,10 @@ def _chosen_integrator(case: Case) -> Iterator[None]:
         chosen["ts_type"] = generalized_alpha.NAMES[0]
         if time.spectral_radius is not None and not options.hasName("ts_alpha_radius"):
             chosen["ts_alpha_radius"] = repr(time.spectral_radius)
+    selected = options.getString("ts_type", chosen.get("ts_type", "")) in generalized_alpha.NAMES
+    given = {*chosen, *(name for name in ("ts_alpha_radius", "ts_alpha_alpha_m") if options.hasName(name))}
+    if selected and not given & {"ts_alpha_radius", "ts_alpha_alpha_m"} and _sticks(case):
+        chosen["ts_alpha_radius"] = repr(STICKING_RADIUS)
     for name, value in chosen.items():
         options.setValue(name, value)
     try:
@@ -362,10 +376,11 @@ class TransientRun:
             self._open()
         integrator.after_step.append(self._after_step)
         if recorder.energy is not None:
-            integrator.at_jump.append(recorder.energy.at_jump)
-            integrator.before_event.append(recorder.energy.before_event)
-            integrator.after_event.append(recorder.energy.after_event)
+            integrator.at_jump.append(recorder.at_jump)
+            integrator.before_event.append(recorder.before_event)
+            integrator.after_event.append(recorder.after_event)
         integrator.on_step_end.append(self._finish_step)
+        integrator.on_failure.append(recorder.catch_up)
         self.memory = Memory(self.mpi, self.start, self.end)
         self._warn(self.notes["warnings"])
         if saved is None:
@@ -431,6 +446,7 @@ class TransientRun:
             finally:
                 self.memory.end()
             if self.integrator.stopped:
+                self.recorder.catch_up()
                 if self.recorder.energy is not None:
                     self.recorder.energy.update(self.t)
                 raise Interrupted(self.control.name, self.t, self.folder.path)
@@ -451,9 +467,8 @@ class TransientRun:
         """Sample the step, and write what is due."""
         recorder, integrator, writer = self.recorder, self.integrator, self.writer
         recorder.step(t, dt, writer.next_row_time, integrator.input_time(t), integrator.fresh)
-        recorder.count_time_error(t, dt, integrator.input_time(t), integrator.fresh)
-        if integrator.jumped and recorder.energy is not None:
-            recorder.energy.add_impulse_work(t)
+        if integrator.jumped:
+            recorder.add_impulse_work(t)
         if self.classes is not None:
             self.classes.step(t, dt)
         newton = integrator.newton_iterations()
@@ -469,8 +484,12 @@ class TransientRun:
         """After all calls of a step: act on signals and write errors, write a checkpoint that is due."""
         if self.recorder.sensors is not None and self.integrator.fresh:  # in other reference frames
             self.recorder.sensors.renew()
-        every, asked = self._checkpoint_interval, self.control.poll(self.due)
+        every, asked = self._checkpoint_interval, self.control.poll(self.due, self.writer.is_overdue)
+        if asked == WRITE:
+            self.writer.write_waiting(self.control)
+            asked = NOTHING
         if asked == FAILED:
+            self.recorder.catch_up()
             reported = self.mpi.allreduce(self.control.error)  # a text on one rank only
             raise SolveError(reported, time=t, hint=RESTART_HINT)
         due = (
@@ -482,7 +501,8 @@ class TransientRun:
             self._save(t)
         if due:
             self.next_save = after(t, every)
-        if self.due:
+        if self.due and self.gain.stops:
+            self.recorder.catch_up()
             self.gain.check(t)
         if asked == STOP:
             self.integrator.stop()
@@ -496,6 +516,7 @@ class TransientRun:
 
     def _save(self, t: float) -> None:
         """Write a checkpoint; collective."""
+        self.recorder.catch_up()
         self.boiling.share()
         self.writer.write_samples(self.control)
         self.notes["last_row"], self.notes["boiling"] = self.writer.last_row, self.boiling.get_notes()
@@ -511,7 +532,11 @@ class TransientRun:
     def _close(self, error: BaseException | None) -> dict[str, Any]:
         """Close the files and write the summary."""
         model, folder = self.model, self.folder
-        if error is not None and self.mpi.size == 1:  # another rank may not come here
+        if self.mpi.size == 1 or error is None:
+            self.recorder.catch_up()
+        else:  # another rank may not come here; after an error of all ranks nothing waits
+            self.recorder.forget_waiting()
+        if error is not None and self.mpi.size == 1:
             self.writer.write_samples(self.control)
         self.writer.close()
         self.bar.finish(self.t, self.integrator.counters.steps)

@@ -90,6 +90,14 @@ def changed(data: Mapping[str, Any], values: Mapping[str, str]) -> dict[str, Any
     return data
 
 
+def with_change(data: Mapping[str, Any], change: str) -> dict[str, Any]:
+    """Case data with one change `KEY=VALUE`; `KEY=on`, `KEY=off` keep or remove a block, as in a sweep."""
+    key, separator, text = change.partition("=")
+    if separator and key.strip() and text.strip() in ("on", "off"):
+        return changed(data, {key.strip(): text.strip()})
+    return override(data, change)
+
+
 def _switched(data: dict[str, Any], key: str, on: bool) -> dict[str, Any]:
     """Case data with a block kept or removed."""
     *above, last = parsed(key)

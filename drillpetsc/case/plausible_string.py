@@ -6,6 +6,8 @@ import math
 
 from drillpetsc.case.blocks.agitator import AgitatorTool
 from drillpetsc.case.blocks.case_blocks import CaseBlocks
+from drillpetsc.case.blocks.formation import DragBit, Formation, Layer
+from drillpetsc.case.blocks.motor import PositiveDisplacementMotor
 from drillpetsc.case.blocks.string import Beam, Bit, Flexible, Item, Rigid, Stabilizer, Tube
 from drillpetsc.case.blocks.tubulars import DrillCollar, DrillPipe, HeavyPipe, Tubular
 from drillpetsc.case.quantities import largest
@@ -80,7 +82,7 @@ def pumping_valves(case: CaseBlocks) -> list[str]:
         elif flow is None:
             continue
         else:
-            mean = given.coefficient * fluid.density * flow**2
+            mean = item.flow_resistance * fluid.density * flow**2
         if mean < (1 - 1e-9) * amplitude:
             words.append(
                 f"string[{i}].pressure_loss is {shown(mean, 'pressure', units)} at the largest flow rate: less than "
@@ -111,6 +113,30 @@ def beyond_lower_part(case: CaseBlocks) -> list[str]:
                 f"{'in the mud ' if case.fluid is not None else ''}along the hole, {shown(weight, 'force', units)} ({names}); drill pipe is in compression"
             )
     return words
+
+
+def standing_bit(case: CaseBlocks) -> list[str]:
+    """Say that a bit which nothing turns is lowered onto rock that only a turning bit drills: the weight on it grows without end."""
+    rock, top = case.formation, case.top
+    if (
+        rock is None
+        or case.time is None
+        or any(isinstance(q, PositiveDisplacementMotor) for q in case.string)
+    ):
+        return []
+    moved = top.lowering is not None and largest(top.lowering) > 0
+    if not moved or largest(top.rotation) > 0 or getattr(top, "torque", None) is not None:
+        return []
+    cure = "give a rotation or a pdm"
+    if not isinstance(rock.bit_law, DragBit):
+        parts: list[Formation | Layer] = [rock, *rock.layers]
+        drilled = [q.rotary_exponent for q in parts if q.drillability]
+        if not drilled or not all(drilled):
+            return []
+        cure += "; formation.rotary_exponent 0 is the rate of a bit that a motor outside of the model turns"
+    return [
+        f"top.rotation is 0 and no motor turns the bit: it drills nothing, and the weight on it grows as the string is lowered; {cure}"
+    ]
 
 
 def _weight_of_lower_part(case: CaseBlocks) -> tuple[float, str] | None:

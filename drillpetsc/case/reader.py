@@ -8,7 +8,7 @@ from pathlib import Path as FilePath
 from typing import Any
 
 from drillpetsc.case.case import Case
-from drillpetsc.case.changes import override
+from drillpetsc.case.changes import with_change
 from drillpetsc.case.key_paths import written
 from drillpetsc.case.survey_file import FOLDER
 from drillpetsc.case.yaml_text import Lines, parse, plain
@@ -21,13 +21,20 @@ def load_case(path: str | FilePath, changes: tuple[str, ...] | list[str] = ()) -
     """Read a case file.
 
     path: YAML file
-    changes: texts `key=value` that replace values of the file, such as `top.rotation=90 rpm`
+    changes: texts `key=value` that replace values of the file, such as `top.rotation=90 rpm`, or `fluid=off`
     """
     path = FilePath(path)
     data, lines = read_case_file(path)
     for change in changes:
-        data = override(data, change)
-    return case_from_data(data, path, lines)
+        data = with_change(data, change)
+    try:
+        return case_from_data(data, path, lines)
+    except CaseError as error:
+        keys = tuple(change.partition("=")[0].strip() for change in changes)
+        for each in (error, *error.also):
+            if keys and each.at.startswith(keys):  # no line of the file has this value
+                each.file, each.line = None, None
+        raise
 
 
 def case_from_data(data: Mapping[str, Any], path: FilePath, lines: Lines) -> Case:

@@ -17,6 +17,7 @@ from drillpetsc.units import UnitError, to_si
 MAX_SPEEDS = 2000
 SPEED = Quantity("rad/s", at_least=0, at_most=1e3, kind="none")
 WEIGHT = Quantity("N", above=0, at_most=1e8)
+STIFFNESS = Quantity("Pa", above=0, at_most=1e15, kind="none")
 DURATION = Quantity("s", at_least=1, at_most=1e5)
 EXAMPLE = "0:240:10 rpm"
 _STEPS = re.compile(r"\s*([^:\s]+)\s*:\s*([^:\s]+)\s*:\s*([^:\s]+?)\s*([a-zA-Z/%]*)\s*")
@@ -154,6 +155,14 @@ def read_weights(text: Numbers, units: System = "SI") -> tuple[float, ...]:
     values = read_numbers(text, WEIGHT, "--wob", "50,100,150 kN", units)
     if any(b <= a for a, b in zip(values, values[1:], strict=False)):
         raise CaseError(at="--wob", got=_shown(text), want="weights in ascending order, each once")
+    return values
+
+
+def read_stiffnesses(text: Numbers) -> tuple[float, ...]:
+    """Read stiffnesses of the wall [Pa], ascending, such as ``1e6,1e7,1e8 Pa``; CaseError."""
+    values = read_numbers(text, STIFFNESS, "--stiffness", "1e6,1e7,1e8 Pa")
+    if any(b <= a for a, b in zip(values, values[1:], strict=False)):
+        raise CaseError(at="--stiffness", got=_shown(text), want="stiffnesses in ascending order, each once")
     return values
 
 

@@ -13,6 +13,7 @@ from drillpetsc.cli.command import (
     output_folder,
     print_once,
     print_warnings,
+    read_case,
     report_option,
     show,
     units_argument,
@@ -43,9 +44,7 @@ def _statics_arguments(command: argparse.ArgumentParser) -> None:
 
 
 def _statics(arguments: argparse.Namespace, petsc_options: list[str]) -> int:
-    from drillpetsc.case import load_case
-
-    case = in_units(load_case(arguments.case), arguments.units)
+    case = in_units(read_case(arguments), arguments.units)
     start_job(petsc_options)
     print_warnings(case)
     from drillpetsc.analysis.statics import run_statics
@@ -79,10 +78,9 @@ def _hydraulics_arguments(command: argparse.ArgumentParser) -> None:
 
 
 def _hydraulics(arguments: argparse.Namespace, petsc_options: list[str]) -> int:
-    from drillpetsc.case import load_case
     from drillpetsc.case.flow_options import read_flows
 
-    case = load_case(arguments.case)
+    case = read_case(arguments)
     flows, pressure = read_flows(arguments.flow, arguments.spp, case.output.units or "SI")
     start_job(petsc_options)
     print_warnings(case)
@@ -128,10 +126,9 @@ def _surge_arguments(command: argparse.ArgumentParser) -> None:
 
 
 def _surge(arguments: argparse.Namespace, petsc_options: list[str]) -> int:
-    from drillpetsc.case import load_case
     from drillpetsc.case.flow_options import read_trips
 
-    case = load_case(arguments.case)
+    case = read_case(arguments)
     trips = read_trips(
         arguments.speed,
         arguments.operation,
@@ -166,10 +163,9 @@ def _roadmap_arguments(command: argparse.ArgumentParser) -> None:
 
 
 def _roadmap(arguments: argparse.Namespace, petsc_options: list[str]) -> int:
-    from drillpetsc.case import load_case
     from drillpetsc.case.measured_option import measured_option
 
-    case = load_case(arguments.case)
+    case = read_case(arguments)
     measured = None if arguments.measured is None else measured_option(arguments.measured, case)
     start_job(petsc_options)
     print_warnings(case)
@@ -224,9 +220,7 @@ def _limits_arguments(command: argparse.ArgumentParser) -> None:
 
 
 def _limits(arguments: argparse.Namespace, petsc_options: list[str]) -> int:
-    from drillpetsc.case import load_case
-
-    case = load_case(arguments.case)
+    case = read_case(arguments)
     start_job(petsc_options)
     print_warnings(case)
     from drillpetsc.analysis.limits.limits import run_limits
@@ -264,10 +258,9 @@ def _freepoint_arguments(command: argparse.ArgumentParser) -> None:
 
 
 def _freepoint(arguments: argparse.Namespace, petsc_options: list[str]) -> int:
-    from drillpetsc.case import load_case
     from drillpetsc.case.free_point_options import read_pairs
 
-    case, pairs = load_case(arguments.case), read_pairs(arguments.stretch, arguments.pull)
+    case, pairs = read_case(arguments), read_pairs(arguments.stretch, arguments.pull)
     print_warnings(case)
     from drillpetsc.analysis.limits.free_point import free_point_lines
 
@@ -290,10 +283,9 @@ def _calibrate_arguments(command: argparse.ArgumentParser) -> None:
 
 
 def _calibrate(arguments: argparse.Namespace, petsc_options: list[str]) -> int:
-    from drillpetsc.case import load_case
     from drillpetsc.case.measured_option import fit_option, measured_option
 
-    case = load_case(arguments.case)
+    case = read_case(arguments)
     fit = None if arguments.fit is None else fit_option(arguments.fit, case)
     measured = None if arguments.measured is None else measured_option(arguments.measured, case)
     start_job(petsc_options)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from drillpetsc.cli.command import Command, case_argument, in_units, units_argument
+from drillpetsc.cli.command import Command, case_argument, in_units, read_case, units_argument
 from drillpetsc.errors import CaseError
 from drillpetsc.parallel import start_job
 
@@ -16,9 +16,7 @@ def _check_arguments(command: argparse.ArgumentParser) -> None:
 
 
 def _check(arguments: argparse.Namespace, petsc_options: list[str]) -> int:
-    from drillpetsc.case import load_case
-
-    case = in_units(load_case(arguments.case), arguments.units)
+    case = in_units(read_case(arguments), arguments.units)
     start_job(petsc_options)
     from drillpetsc.analysis.check import describe
 

@@ -59,8 +59,28 @@ def report_option() -> argparse.ArgumentParser:
 
 
 def case_argument(command: argparse.ArgumentParser) -> None:
-    """Add the argument CASE.yaml."""
+    """Add the argument CASE.yaml, and the option --set that changes its keys; ``read_case`` reads both."""
     command.add_argument("case", metavar="CASE.yaml")
+    set_argument(command)
+
+
+def set_argument(command: argparse.ArgumentParser, only: str = "") -> None:
+    """Add the option --set.  only: words on what it is confined to."""
+    command.add_argument(
+        "--set",
+        metavar="KEY=VALUE",
+        action="append",
+        default=[],
+        help="change a key of the case for this call, such as 'top.rotation=90 rpm', 'string[1].od=8 in' or fluid=off; may be "
+        f"given several times{only}",
+    )
+
+
+def read_case(arguments: argparse.Namespace) -> Case:
+    """Read the case of a command line with the changes of --set."""
+    from drillpetsc.case import load_case
+
+    return load_case(arguments.case, arguments.set)
 
 
 def units_argument(command: argparse.ArgumentParser) -> None:

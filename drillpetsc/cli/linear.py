@@ -12,6 +12,7 @@ from drillpetsc.cli.command import (
     output_folder,
     print_once,
     print_warnings,
+    read_case,
     report_option,
     show,
     units_argument,
@@ -51,9 +52,7 @@ def _modes_arguments(command: argparse.ArgumentParser) -> None:
 
 
 def _modes(arguments: argparse.Namespace, petsc_options: list[str]) -> int:
-    from drillpetsc.case import load_case
-
-    case = in_units(load_case(arguments.case), arguments.units)
+    case = in_units(read_case(arguments), arguments.units)
     start_job(petsc_options)
     print_warnings(case)
     from drillpetsc.analysis.modal import run_modes
@@ -115,17 +114,22 @@ def _campbell_arguments(command: argparse.ArgumentParser) -> None:
         default="wd",
         help="critical speeds are where lines meet damped (wd) or natural frequencies (wn) (default: wd)",
     )
+    command.add_argument(
+        "--stiffness",
+        metavar="K1,K2",
+        help="critical speeds without damping at these stiffnesses of the wall, too: '1e6,1e7,1e8 Pa'",
+    )
     _without_control(command)
     units_argument(command)
 
 
 def _campbell(arguments: argparse.Namespace, petsc_options: list[str]) -> int:
-    from drillpetsc.case import load_case
-    from drillpetsc.case.speed_options import read_lines, read_speeds
+    from drillpetsc.case.speed_options import read_lines, read_speeds, read_stiffnesses
 
-    case = in_units(load_case(arguments.case), arguments.units)
+    case = in_units(read_case(arguments), arguments.units)
     speeds = read_speeds(arguments.speeds, "--speeds")
     lines = None if arguments.lines is None else read_lines(arguments.lines)
+    stiffness = read_stiffnesses(arguments.stiffness) if arguments.stiffness else ()
     start_job(petsc_options)
     print_warnings(case)
     from drillpetsc.analysis.frequency.campbell import run_campbell
@@ -141,6 +145,7 @@ def _campbell(arguments: argparse.Namespace, petsc_options: list[str]) -> int:
         Path(arguments.case).stem,
         without_control=arguments.without_control,
         frequency=arguments.frequency,
+        stiffness=stiffness,
     )
     return show(result.lines, result.folder, arguments)
 
@@ -178,10 +183,9 @@ def _stability_arguments(command: argparse.ArgumentParser) -> None:
 
 
 def _stability(arguments: argparse.Namespace, petsc_options: list[str]) -> int:
-    from drillpetsc.case import load_case
     from drillpetsc.case.speed_options import read_duration, read_speeds, read_weights
 
-    case = in_units(load_case(arguments.case), arguments.units)
+    case = in_units(read_case(arguments), arguments.units)
     speeds = read_speeds(arguments.rpm, "--rpm", lowest_above_zero=True)
     weights = read_weights(arguments.wob, case.output.units or "SI")
     duration = read_duration(arguments.duration)
@@ -226,15 +230,19 @@ def _response_arguments(command: argparse.ArgumentParser) -> None:
         help="of the bit: a motion along the string ('3 mm'), a force ('5 kN') or a torque ('1 kN m')",
     )
     command.add_argument("--order", type=float, metavar="N", help="cycles per turn of the bit (default: 3)")
+    command.add_argument(
+        "--stress",
+        action="store_true",
+        help="add the alternating stresses of the pipe, which turns, for its fatigue",
+    )
     _without_control(command)
     units_argument(command)
 
 
 def _response(arguments: argparse.Namespace, petsc_options: list[str]) -> int:
-    from drillpetsc.case import load_case
     from drillpetsc.case.speed_options import read_excitation, read_speeds
 
-    case = in_units(load_case(arguments.case), arguments.units)
+    case = in_units(read_case(arguments), arguments.units)
     excitation = read_excitation(arguments.excite, arguments.amplitude, arguments.order)
     speeds = read_speeds(arguments.speeds, "--speeds", lowest_above_zero=True)
     start_job(petsc_options)
@@ -249,14 +257,13 @@ def _response(arguments: argparse.Namespace, petsc_options: list[str]) -> int:
         arguments.overwrite,
         Path(arguments.case).stem,
         without_control=arguments.without_control,
+        stress=arguments.stress,
     )
     return show(result.lines, result.folder, arguments)
 
 
 def _top_drive(arguments: argparse.Namespace, petsc_options: list[str]) -> int:
-    from drillpetsc.case import load_case
-
-    case = load_case(arguments.case)
+    case = read_case(arguments)
     start_job(petsc_options)
     from drillpetsc.analysis.top_drive import run_top_drive
 
@@ -295,9 +302,7 @@ def _linearise_arguments(command: argparse.ArgumentParser) -> None:
 
 
 def _linearise(arguments: argparse.Namespace, petsc_options: list[str]) -> int:
-    from drillpetsc.case import load_case
-
-    case = load_case(arguments.case)
+    case = read_case(arguments)
     if arguments.order is not None and arguments.reduce is None:
         raise CaseError(
             at="--order", got=arguments.order, want="only together with --reduce balanced or modal"
@@ -337,9 +342,7 @@ def _fmu_arguments(command: argparse.ArgumentParser) -> None:
 
 
 def _fmu(arguments: argparse.Namespace, petsc_options: list[str]) -> int:
-    from drillpetsc.case import load_case
-
-    case = load_case(arguments.case)
+    case = read_case(arguments)
     inputs, outputs = (None if q is None else _names(q) for q in (arguments.inputs, arguments.outputs))
     start_job(petsc_options)
     print_warnings(case)

@@ -140,4 +140,7 @@ def _unknown_option(word: str) -> CaseError:
     if old in RENAMED_OPTIONS:
         new = RENAMED_OPTIONS[old]
         return CaseError(at=old, want=new, hint=f"{old} is now called {new}")
-    return CaseError(at=word, want="a known --option (see --help), or a PETSc option with one dash")
+    hint = f"to change a key of the case: --set '{word}'" if _CASE_KEY.match(word) else ""
+    return CaseError(
+        at=word, want="a known --option (see --help), or a PETSc option with one dash", hint=hint
+    )

@@ -12,6 +12,7 @@ from drillpetsc.cli.command import (
     output_folder,
     print_once,
     print_warnings,
+    set_argument,
     units_argument,
 )
 from drillpetsc.errors import CaseError
@@ -20,6 +21,7 @@ from drillpetsc.parallel import start_job
 
 def _run_arguments(command: argparse.ArgumentParser) -> None:
     command.add_argument("cases", nargs="+", metavar="CASE.yaml")
+    set_argument(command, " (one case)")
     command.add_argument(
         "--mesh-error",
         action="store_true",
@@ -49,7 +51,8 @@ def _run(arguments: argparse.Namespace, petsc_options: list[str]) -> int:
         return _run_several(arguments, petsc_options)
     from drillpetsc.case import load_case
 
-    name, case = Path(arguments.cases[0]).stem, in_units(load_case(arguments.cases[0]), arguments.units)
+    name = Path(arguments.cases[0]).stem
+    case = in_units(load_case(arguments.cases[0], arguments.set), arguments.units)
     start_job(petsc_options)
     print_warnings(case)
     from drillpetsc.analysis.summary import closing_lines
@@ -89,6 +92,8 @@ def _run_several(arguments: argparse.Namespace, petsc_options: list[str]) -> int
         raise CaseError(at="--accept-changes", want="one case")
     if arguments.units:
         raise CaseError(at="--units", got=arguments.units, want="one case, or the key units of each")
+    if arguments.set:
+        raise CaseError(at="--set", got=arguments.set[0], want="one case", hint="the keys of each case file")
     start_job(petsc_options)
     from drillpetsc.studies.sweep.sweep import closing_lines, run_cases
 
@@ -104,7 +109,7 @@ def _run_several(arguments: argparse.Namespace, petsc_options: list[str]) -> int
 
 
 def _sweep_arguments(command: argparse.ArgumentParser) -> None:
-    case_argument(command)
+    command.add_argument("case", metavar="CASE.yaml")
     command.add_argument(
         "values",
         nargs="+",
@@ -219,6 +224,7 @@ def _study(arguments: argparse.Namespace, petsc_options: list[str]) -> int:
         restart=arguments.restart,
         overwrite=arguments.overwrite,
         options=options_of(petsc_options),
+        changes=arguments.set,
         limit=arguments.limit,
         few=arguments.few,
         steps=entries(arguments.steps),

@@ -26,6 +26,7 @@ from drillpetsc.fem.bound_parts import (
 from drillpetsc.fem.component import ElementBlock, PrescribedMotion, VelocityStabilization
 from drillpetsc.fem.dof_layout import DofLayout
 from drillpetsc.fem.end_exchange import EndExchange
+from drillpetsc.fem.step_calls import StepCalls, block_call
 from drillpetsc.kernels import function, pointer
 from drillpetsc.kernels.parameters import structure
 
@@ -40,8 +41,8 @@ _step_rows = function("step_rows", "ppp")
 _step_state, _step_blocks = function("step_state", "pp"), function("step_blocks", "pp")
 _step_prescribed = function("step_prescribed", "pp")
 _element_rows = function("element_rows", "pippp")
-_BlockCall = structure("block_call")  # BlockCall, PrescribedCall and StepCall of kernels/core/rows.cpp
-_PrescribedCall, _StepCall = structure("prescribed_call"), structure("step_call")
+_prescribed_entries = function("prescribed_entries", "pd")
+_BlockCall = structure("block_call")  # BlockCall of kernels/core/step.hpp
 
 #: weight of the columns by imposed rates [1/s]; without it the pressure of a closed channel would have no
 #: pivot in the block of its own node (manual: sec-time-imposed)
@@ -74,7 +75,7 @@ class Assembly:
         self.derive: Callable[[Assembly], None] | None = None
         self._derived_index: dict[int, np.ndarray] = {}  # dofs of blocks that use derived fields, by id
         self._results_heads: dict[int, tuple[int, ...]] = {}
-        self._results: dict[int, BlockResults] = {}  # by id of the block
+        self._results: dict[tuple[int, str], BlockResults] = {}  # by id of the block and kernel
         self._seen: list[ElementBlock] = []  # keeps blocks that are not bound, so that their ids stay theirs
         self._kept: dict[Any, Any] | None = None  # see ``unchanged``
         self._group = ResultGroup({})  # what the last state was asked for: the next is asked for the same
@@ -111,13 +112,14 @@ class Assembly:
         self._state = tuple(map(pointer, (self.x, self.y, self.a, self.r)))
         self._weights = np.zeros(3)
         self._weights_at, self._spin_at = pointer(self._weights), pointer(self.spin_gradient)
-        self._values_at = pointer(self.values)
         for b in self.bound_blocks:
             b.values_at = pointer(self.values) + 8 * b.span.start
         self._nodes = (len(self.spin_at), pointer(self.spin_at), pointer(self.reference))
         self._history = pointer(self.v0), pointer(self.v1)
-        self._calls: ctypes.Array | None = None  # see ``_block_calls``
-        self._step: tuple[ctypes.Array, Any, int, Any] | None = None  # see ``_step_call``
+        self._calls: StepCalls | None = None  # see ``calls``
+        self._holds_rates = False  # of any block, see ``hold_rates``
+        #: of ``block_rows``
+        self._one_call, self._separate, self._work = _BlockCall(), np.zeros(0, dtype=np.int32), np.zeros(0)
         #: evaluate rows block by block, each with its event, for -log_view; otherwise all blocks are one call
         self.block_by_block = PETSc.Options().hasName("log_view")
         self.version = 0  # counts new Jacobian values
@@ -161,6 +163,7 @@ class Assembly:
             values[0, : len(rates)] = rates
         for b in self.bound_blocks:
             b.holds_rates = mask is not None and bool(np.isin(b.index, np.flatnonzero(mask)).any())
+        self._holds_rates = any(b.holds_rates for b in self.bound_blocks)
         self._calls = None
         x, _, _, r = self._state
         self._held_state = x, pointer(values[0]), pointer(values[1]), r
@@ -270,9 +273,7 @@ class Assembly:
         kernel: entry point of the results; columns: their number for one element.
         The tables are not to be changed, nor kept: the next evaluation overwrites them.
         """
-        found = self._results.get(id(block))
-        if found is None:
-            found = self._results[id(block)] = BlockResults(kernel, columns, self.results_head(block))
+        found = self.block_results(block, kernel, columns)
         if self._kept is not None:
             self._asked[found] = True
             if found in self._kept:
@@ -286,6 +287,19 @@ class Assembly:
             self.index_of(block)  # computes the derived fields
         found.evaluate()
         return found
+
+    def block_results(self, block: ElementBlock, kernel: str, columns: int) -> BlockResults:
+        """The tables of ``results``, as they were evaluated last."""
+        found = self._results.get((id(block), kernel))
+        if found is None:
+            found = self._results[id(block), kernel] = BlockResults(kernel, columns, self.results_head(block))
+            self._seen.append(block)
+        return found
+
+    def have_results(self, members: dict[BlockResults, bool]) -> None:
+        """Say that these results have just been evaluated, for what asks for them within ``unchanged``."""
+        if self._kept is not None:
+            self._kept |= members
 
     # ------------------------------------------------------------------ state
     def condense(self, sigma: float, second: float | None = None) -> None:
@@ -351,37 +365,92 @@ class Assembly:
             for b in self.bound_blocks:
                 if b.block.update and b.count:
                     b.update_parameters(t)
-            calls = self._calls if self._calls is not None else self._block_calls()
+            calls = self.calls
             if self.dead_load is None:
-                _run_residuals(len(calls), calls, len(self.r), self._state[3])
+                _run_residuals(calls.count, calls.calls, len(self.r), self._state[3])
             else:
                 self._start_with_dead_load()
-                _run_residuals(len(calls), calls, 0, self._state[3])
+                _run_residuals(calls.count, calls.calls, 0, self._state[3])
         if self._frozen is not None:
             self.r[self._frozen[0]] = 0.0
         self._event["Residual"].end()
         return self.r
 
-    def _block_calls(self) -> ctypes.Array:
-        """The residual of each block with its arguments, for one call of all."""
-        bound = [b for b in self.bound_blocks if b.count]
-        self._calls = (_BlockCall * len(bound))()
-        for call, b in zip(self._calls, bound, strict=True):
-            self._fill_call(call, b, self._held_state if b.holds_rates else self._state)
+    @property
+    def calls(self) -> StepCalls:
+        """Arguments of the compiled calls."""
+        if self._calls is None:
+            self._calls = StepCalls(self)
         return self._calls
 
-    @staticmethod
-    def _fill_call(call: Any, b: BoundBlock, state: tuple[int, ...]) -> None:
-        call.residual = b.residual_at
-        call.count, call.index, call.parameters, call.record = b.head
-        call.x, call.y, call.a, _ = state
+    @property
+    def state_at(self) -> tuple[int, ...]:
+        """Addresses of x, y, a, r."""
+        return self._state
+
+    @property
+    def held_state(self) -> tuple[int, ...]:
+        """The same for blocks with held rates."""
+        return self._held_state
+
+    @property
+    def history_at(self) -> tuple[int, int]:
+        """Addresses of v0, v1."""
+        return self._history
+
+    @property
+    def spins_at(self) -> tuple[int, int, int]:
+        """Number of nodes with a spin angle, addresses of ``spin_at`` and ``reference``."""
+        return self._nodes
+
+    @property
+    def weights_at(self) -> tuple[int, int]:
+        """Addresses of the weights of the Jacobian's parts and of the derivatives of the spin rates."""
+        return self._weights_at, self._spin_at
+
+    @property
+    def entries_of_blocks(self) -> int:
+        """Number of the Jacobian entries of all blocks."""
+        return self._after_blocks
+
+    def prepare_step(self, t: float, sigma: float, second: float) -> StepCalls | None:
+        """Set what the compiled calls of a condensed step at time ``t`` [s] need.
+
+        None where the step needs more than these calls do, or where prescribed motion first needs the state.
+
+        sigma, second: as for ``condense``.
+        """
+        if self.stabilized or self._imposed or self._frozen or self.block_by_block:
+            return None
+        for f in self.row_replacements:
+            if f.time != t and f.condition.along_path is not None:
+                return None
+            f.evaluate(t, self.x)
+            if f.leans:
+                f.renew_axis()
+        calls = self.calls
+        for b in calls.blocks:
+            if b.block.update:
+                b.update_parameters(t)
+        step = calls.step
+        step.sigma, step.second = sigma, second
+        step.dead = None if self.dead_load is None else pointer(self.dead_load)
+        return calls
+
+    @property
+    def imposed_or_held(self) -> bool:
+        """Whether rates are imposed or held, or unknowns fixed."""
+        return bool(self._imposed or self._frozen) or self._holds_rates
+
+    def weigh_next(self, c: tuple[float, float, float]) -> None:
+        """Set the weights of the next entries that a compiled call computes; c: as for ``jacobian``."""
+        self._weights[:] = c
 
     def step_rows(
         self,
         t: float,
         sigma: float,
         second: float,
-        owned: np.ndarray,
         at: tuple[int, int],
         ends: EndExchange | None = None,
         rows: FloatArray | None = None,
@@ -392,29 +461,16 @@ class Assembly:
         done, where the step needs more than these, or prescribed motion first needs the state.
 
         sigma, second: as for ``condense``.
-        owned: (n,) local numbers of the unknowns; at: addresses of the unknowns (n,) and of the residual (n,).
+        at: addresses of the owned unknowns (n,) and of the residual (n,).
         ends: exchange with other ranks, None on one rank; rows: the residual, with ``ends``.  A rank may go this way and another
         that of the separate calls: their messages are the same.
         """
-        if self.stabilized or self._imposed or self._frozen or self.block_by_block:
+        calls = self.prepare_step(t, sigma, second)
+        if calls is None:
             return False
-        for f in self.row_replacements:
-            if f.time != t and f.condition.along_path is not None:
-                return False
-            f.evaluate(t, self.x)
-            if f.leans:
-                f.renew_axis()
         self._event["Residual"].begin()
         self.evaluations += 1
-        for b in self.bound_blocks:
-            if b.block.update and b.count:
-                b.update_parameters(t)
-        calls = self._calls if self._calls is not None else self._block_calls()
-        if self._step is None or self._step[0] is not calls:
-            self._step = self._step_call(calls, owned)
-        _, call, address, _ = self._step
-        call.sigma, call.second = sigma, second
-        call.dead = None if self.dead_load is None else pointer(self.dead_load)
+        address = calls.step_at
         if ends is None or rows is None:
             _step_rows(address, *at)
         else:
@@ -425,28 +481,6 @@ class Assembly:
             _step_prescribed(address, at[1])
         self._event["Residual"].end()
         return True
-
-    def _step_call(self, calls: ctypes.Array, owned: np.ndarray) -> tuple[ctypes.Array, Any, int, Any]:
-        """The blocks' calls, the argument of ``step_rows``, its address, and what it points to."""
-        x, y, a, r = self._state
-        places = np.full(self.layout.size, -1, dtype=np.int32)
-        places[owned] = np.arange(len(owned))
-        owned = np.ascontiguousarray(owned, dtype=np.int32)
-        prescribed = (_PrescribedCall * len(self.row_replacements))()
-        rows = [np.ascontiguousarray(places[f.rows]) for f in self.row_replacements]
-        for p, f, at in zip(prescribed, self.row_replacements, rows, strict=True):
-            p.count, p.directions, p.rows = f.head
-            p.rate, p.value, p.reaction = f.rate_at, f.value_at, f.reaction_at
-            p.places = pointer(at) if f.owned else None
-            if f.leans:
-                p.axis, (p.lean, p.keep, p.direction) = f.axis_at, f.lean_head
-        spins, where, reference = self._nodes
-        call = _StepCall(
-            owned=pointer(owned), x=x, y=y, a=a, r=r, v0=self._history[0], v1=self._history[1], where=where, reference=reference,
-            prescribed=ctypes.addressof(prescribed), blocks=ctypes.addressof(calls), scale=ROW_SCALE, n=len(owned),
-            size=self.layout.size, length=len(self.r), spins=spins, prescriptions=len(prescribed), count=len(calls),
-        )  # fmt: skip
-        return calls, call, ctypes.addressof(call), (prescribed, rows, owned)
 
     def _start_with_dead_load(self) -> None:
         self.r[:] = 0.0
@@ -544,8 +578,7 @@ class Assembly:
     @property
     def plain(self) -> bool:
         """Whether all entries are those of the blocks and of prescribed motion: nothing is held, imposed or stabilised."""
-        held = any(b.holds_rates for b in self.bound_blocks)
-        return not (held or self.stabilized) and self._imposed is None and self._frozen is None
+        return not (self.stabilized or self.imposed_or_held)
 
     def _jacobian_with_imposed_rates(self, b: BoundBlock, state: tuple) -> None:
         """Compute the entries of a block some of whose unknowns have imposed rates.
@@ -570,16 +603,8 @@ class Assembly:
         """Replace the rows along prescribed directions; ``by_position``: 1 with dR/dx in the sum, else 0."""
         for f in self.row_replacements:
             if f.leans:
-                f.lean_at(self.x)
-            f.replace_matrix_rows(self.values)
-        start = self.bound_blocks[-1].span.stop if self.bound_blocks else 0
-        for f in self.row_replacements:
-            if f.owned:
-                np.multiply(f.projector, by_position * ROW_SCALE, out=self.values[start : start + 49])
-                if f.leans:
-                    own = self.values[start : start + 49].reshape(7, 7)
-                    own[3:6, 3:6] += by_position * f.reaction[-1] * f.lean_derivative(self.x)
-                start += 49
+                f.renew_axis()
+        _prescribed_entries(self.calls.jacobian_at, by_position)
 
     def index_of(self, block: ElementBlock) -> np.ndarray:
         """Return the (n, d) dofs of a block in x, y, a.
@@ -617,12 +642,17 @@ class Assembly:
         """Compute the residual rows (n, d) of each element of one block at x, y, a and time ``t`` [s]."""
         if bound.block.update:
             bound.block.update(t)
-        rows = np.empty((bound.count, bound.width))
-        separate = np.arange(rows.size, dtype=np.int32)  # one copy of the unknowns for every element
-        work = np.empty(3 * rows.size)
-        call = _BlockCall()
-        self._fill_call(call, bound, self._state)
-        _element_rows(ctypes.addressof(call), bound.width, pointer(separate), pointer(work), pointer(rows))
+        rows, size = np.empty((bound.count, bound.width)), bound.count * bound.width
+        if size > len(self._separate):  # one copy of the unknowns for every element
+            self._separate, self._work = np.arange(size, dtype=np.int32), np.empty(3 * size)
+        block_call(self._one_call, bound, self._state)
+        _element_rows(
+            ctypes.addressof(self._one_call),
+            bound.width,
+            pointer(self._separate),
+            pointer(self._work),
+            pointer(rows),
+        )
         return rows
 
     def power(self, block: ElementBlock, t: float) -> float:

@@ -26,7 +26,6 @@ _run_results = function("run_results", "p")
 _run_all_results = function("run_all_results", "ip")
 _fix_matrix = function("constraint_matrix", "ippppp")
 _lean_at = function("lean_at", "pppppp")
-_lean_derivative = function("lean_derivative", "pppp")
 _ResultCall = structure("result_call")  # ResultCall of kernels/core/rows.cpp
 
 #: weight of a replaced row, position error [m or rad] to force [N or N m]; it has the order of a pipe's
@@ -173,7 +172,7 @@ class RowReplacement:
         self.reaction, self.value, self.rate = (np.zeros(len(self.D)) for _ in range(3))
         self.time: float | None = None
         self._released: list[int] = []
-        self._all_elements = self.elements_in(bound_blocks)
+        self.all_elements = self.elements_in(bound_blocks)
         self.complement = np.ascontiguousarray(self.complement)
         self.row_complement, self.rate_directions = self.complement.copy(), self.D.copy()
         self.leans = condition.spin_reference is not None
@@ -229,7 +228,7 @@ class RowReplacement:
         self, values: FloatArray, elements: tuple[np.ndarray, np.ndarray, np.ndarray] | None = None
     ) -> None:
         """Leave in the matrix entries ``values`` of ``elements``, all unless given, what remains of the node's rows."""
-        first, width, slots = self._all_elements if elements is None else elements
+        first, width, slots = self.all_elements if elements is None else elements
         at = pointer(self.row_complement), pointer(first), pointer(width), pointer(slots)
         _fix_matrix(len(first), *at, pointer(values))
 
@@ -260,13 +259,6 @@ class RowReplacement:
         """Take the direction from which the spin counts, which may have changed."""
         assert self.condition.spin_reference is not None
         self._axis[:] = self.condition.spin_reference()
-
-    def lean_derivative(self, x: FloatArray) -> FloatArray:
-        """Derivative (3, 3) of c(v) by v at ``x``."""
-        self.renew_axis()
-        out = np.empty((3, 3))
-        _lean_derivative(self.head[2], self.axis_at, pointer(x), pointer(out))
-        return out
 
 
 class BoundStabilization:

@@ -24,6 +24,7 @@ if TYPE_CHECKING:
 
 __all__ = [
     "Component",
+    "ContactFlags",
     "ElementBlock",
     "Energies",
     "Field",
@@ -138,6 +139,20 @@ class PrescribedMotion:
     ) = None
     advance: Callable[[FloatArray], FloatArray] | None = None
     spin_reference: Callable[[], FloatArray] | None = None
+
+
+class ContactFlags(NamedTuple):
+    """What changes when contacts of a component open or close on this rank.
+
+    values: one of them for each contact; never reallocated.
+    wall: a value that is not zero is a closed contact with the wall (manual: sec-time-contact-entries).
+    context: record of the block whose elements have no Jacobian entries where all of their values are zero, in the order of
+    the elements; 0: there is none.
+    """
+
+    values: np.ndarray
+    wall: bool = False
+    context: int = 0
 
 
 @dataclass(frozen=True)
@@ -264,6 +279,20 @@ class Component:
         """Dissipated and supplied power on this rank [W]."""
         return Powers()
 
+    def energies_of(self, steps: Any) -> tuple[Any, Any, Any]:
+        """``energies`` after each of k recorded steps (``fem.step_record.StepRecord``), (k,) each or numbers."""
+        return tuple(
+            steps.computed(
+                lambda sample: self.energies(sample.time, sample.assembly), 3, id(self), "energies"
+            ).T
+        )
+
+    def powers_of(self, steps: Any) -> tuple[Any, Any]:
+        """``powers`` after each of k recorded steps, (k,) each or numbers."""
+        return tuple(
+            steps.computed(lambda sample: self.powers(sample.time, sample.assembly), 2, id(self), "powers").T
+        )
+
     def reaction(self, name: str, state: Any) -> float:
         """Reaction ``name`` that a multiplier of the component represents, this rank's part [N or N m]."""
         return 0.0
@@ -279,14 +308,9 @@ class Component:
     #: the component restores its constraints after each solve of a step
     restores_constraints: bool = False
 
-    @property
-    def touches_wall(self) -> bool:
-        """Whether a contact with the wall is closed on this rank (manual: sec-time-contact-entries)."""
-        return False
-
-    def contact_signature(self) -> int:
-        """A number that changes when contacts open or close on this rank, the same in every process."""
-        return 0
+    def contact_flags(self) -> tuple[ContactFlags, ...]:
+        """What changes when contacts open or close on this rank."""
+        return ()
 
     def restore_constraints(self, state: Any) -> None:
         """Project unknowns and rates onto the constraints."""

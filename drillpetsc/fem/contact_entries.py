@@ -2,9 +2,18 @@
 
 from __future__ import annotations
 
+import ctypes
+
 import numpy as np
 
+from drillpetsc.fem.bound_parts import BoundBlock
 from drillpetsc.fem.discrete_system import DiscreteSystem
+from drillpetsc.fem.step_calls import fill_prescribed
+from drillpetsc.kernels import pointer
+from drillpetsc.kernels.parameters import structure
+
+_ContactCall = structure("contact_call")  # ContactCall of kernels/newton/newton.cpp
+_PrescribedMatrix = structure("prescribed_matrix")
 
 
 class ContactEntries:
@@ -18,7 +27,8 @@ class ContactEntries:
         self._asm, self.nodes = asm, len(layout.chain.vertices)
         pairs = zip(asm.bound_blocks, system.component_of, strict=True)
         self._blocks = [b for b, c in pairs if b.count and c.has_contact]
-        self._components = [c for c in system.components if c.has_contact]
+        self._flags = system.contact_flags
+        self._at_wall = [flags.values for flags in self._flags if flags.wall]
         self._values = [asm.values[b.span] for b in self._blocks]
         self._before = [np.empty(len(values)) for values in self._values]
         self._changed = [np.empty(len(values), dtype=bool) for values in self._values]
@@ -28,12 +38,38 @@ class ContactEntries:
         self._first = []
         for b in self._blocks:
             node = np.where(b.local >= 0, layout.vertex_of[np.maximum(b.local, 0)], self.nodes).min(axis=1)
-            self._first.append(np.minimum.accumulate(node[::-1])[::-1])
+            first = np.minimum.accumulate(node[::-1])[::-1]
+            self._first.append(np.ascontiguousarray(first, dtype=np.int32))
 
     @property
     def possible(self) -> bool:
         """Whether contacts can be computed apart from all else, and there are any at the wall: a bit alone has another cause."""
-        return bool(self._blocks) and any(c.touches_wall for c in self._components) and self._asm.plain
+        return (
+            bool(self._blocks) and any(bool(touching.any()) for touching in self._at_wall) and self._asm.plain
+        )
+
+    def replaced_record(self) -> ctypes.Array:
+        """Rows that prescribed motion replaces in the blocks of contacts, for the compiled iteration."""
+        calls = (_PrescribedMatrix * len(self._replaced))()
+        for call, f, elements in zip(calls, self._asm.row_replacements, self._replaced, strict=True):
+            fill_prescribed(call, f, elements)
+        return calls
+
+    def record(self, blocks: list[BoundBlock], flags_before: np.ndarray) -> ctypes.Array:
+        """The blocks for the compiled iteration.
+
+        blocks: of the assembly; flags_before: bytes of all contact flags at the factorisation, one after the other.
+        """
+        calls = (_ContactCall * len(self._blocks))()
+        starts = np.cumsum([0, *(flags.values.nbytes for flags in self._flags)])
+        for call, b, first, before in zip(calls, self._blocks, self._first, self._before, strict=True):
+            call.block = next(k for k, other in enumerate(blocks) if other is b)
+            call.first, call.before = pointer(first), pointer(before)
+            for flags, start in zip(self._flags, starts[:-1].tolist(), strict=True):
+                if flags.context and flags.context == b.block.context:
+                    call.touching, call.touched = pointer(flags.values), pointer(flags_before) + start
+                    call.points = len(flags.values) // b.count
+        return calls
 
     def update(self, t: float, c: tuple[float, float, float]) -> int:
         """Compute the contacts' entries of ``Assembly.jacobian(t, c, condensed=True)``, the others stay.

@@ -5,7 +5,9 @@ Manual: sec-time-state (state and condensed vector).
 
 from __future__ import annotations
 
+import zlib
 from collections.abc import Sequence
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -17,13 +19,14 @@ from drillpetsc.fem.chain import build_chain
 from drillpetsc.fem.component import Component, Energies, Powers
 from drillpetsc.fem.dof_layout import build_dof_layout
 from drillpetsc.fem.end_exchange import EndExchange
+from drillpetsc.fem.step_record import StepRecord
 from drillpetsc.fem.string_mesh import StringMesh
 from drillpetsc.geometry.frames import Frames
 from drillpetsc.kernels import function, pointer
 from drillpetsc.parallel import total
 
 _gather = function("chain_gather", "ippp")
-_scatter = function("chain_scatter", "ippp")
+_load_step, _store_step = function("load_step", "ipppppppp"), function("store_step", "ippippppp")
 
 
 class DiscreteSystem:
@@ -89,6 +92,8 @@ class DiscreteSystem:
         #: components that store energy, and those with powers
         self._storing = [c for c in self.components if type(c).energies is not Component.energies]
         self._working = [c for c in self.components if type(c).powers is not Component.powers]
+        #: of all components
+        self.contact_flags = tuple(f for c in self.components for f in c.contact_flags())
         layout, asm = self.layout, self.assembly
         asm.derive = other.derive if other else None
         self._r = PETSc.Vec().createWithArray(asm.r[: layout.size], comm=PETSc.COMM_SELF)
@@ -119,7 +124,6 @@ class DiscreteSystem:
             pointer, self._tables
         )
         self._owned_counts = len(self._tables[2]), len(self._tables[4])
-        self._taken = np.zeros(layout.size)  # work array
 
     @property
     def has_contact(self) -> bool:
@@ -127,10 +131,11 @@ class DiscreteSystem:
         return any(component.has_contact for component in self.components)
 
     def contact_signature(self) -> int:
-        """A number that changes when contacts open or close on this rank; the Jacobian is then rebuilt."""
-        return hash(
-            tuple(component.contact_signature() for component in self.components if component.has_contact)
-        )
+        """A number that changes when contacts open or close on this rank; the Jacobian is then rebuilt.
+
+        Unlike ``hash`` the same in every process.
+        """
+        return zlib.crc32(b"".join(flags.values.tobytes() for flags in self.contact_flags))
 
     # ------------------------------------------------------------------ vectors
     def new_state(self) -> PETSc.Vec:
@@ -156,12 +161,19 @@ class DiscreteSystem:
             self._take(rate, asm.y, asm.a)
             asm.y[self._with_rate] = known
 
-    def load_history(self, constant: PETSc.Vec) -> None:
-        """Copy the constant V of the time formula, Xdot = shift X + V, into v0 and v1.
+    def load_step(self, state: PETSc.Vec, constant: PETSc.Vec) -> None:
+        """Copy a state into the assembly's x and y, and the constant V of the time formula, Xdot = shift X + V, into v0 and v1.
 
         Manual: eq-time-bdf.
         """
-        self._take(constant, self.assembly.v0, self.assembly.v1)
+        asm = self.assembly
+        if self.ends is not None:
+            self._take(constant, asm.v0, asm.v1)
+            self._take(state, asm.x, asm.y)
+            return
+        x, y, _, _ = asm.state_at
+        arrays = pointer(state.getArray(readonly=1)), pointer(constant.getArray(readonly=1))
+        _load_step(self.layout.size, self._x_from, self._y_from, *arrays, x, y, *asm.history_at)
 
     def _take(self, state: PETSc.Vec, unknowns: FloatArray, rates: FloatArray) -> None:
         """Copy both parts of a global state into local arrays, ghosts included; zero where an unknown has no rate."""
@@ -173,12 +185,19 @@ class DiscreteSystem:
 
     def store_state(self, state: PETSc.Vec) -> None:
         """Copy the assembly's x and y into the owned part of ``state``."""
-        asm, out, taken = self.assembly, pointer(state.getArray()), pointer(self._taken)
+        x, y, _, _ = self.assembly.state_at
         unknowns, rates = self._owned_counts
-        _gather(unknowns, self._owned, pointer(asm.x), taken)
-        _scatter(unknowns, self._x_to, taken, out)
-        _gather(rates, self._owned_rates, pointer(asm.y), taken)
-        _scatter(rates, self._y_to, taken, out)
+        _store_step(
+            unknowns,
+            self._owned,
+            self._x_to,
+            rates,
+            self._owned_rates,
+            self._y_to,
+            x,
+            y,
+            pointer(state.getArray()),
+        )
 
     def store_unknowns(self, q: PETSc.Vec) -> None:
         """Copy the assembly's x into the owned part of the condensed vector ``q``."""
@@ -307,6 +326,31 @@ class DiscreteSystem:
         if self.assembly.dead_load is not None:
             supplied += float(self.assembly.dead_load @ self.assembly.y[: self.layout.size])
         return np.array([dissipated, supplied])
+
+    def energies_of(self, steps: StepRecord) -> FloatArray:
+        """(k, 3) ``energies`` of this rank after each of k recorded steps [J]."""
+        out = np.zeros((len(steps), 3))
+        for component in self._storing:
+            one_by_one = self.assembly.derive is not None
+            of = partial(Component.energies_of, component) if one_by_one else component.energies_of
+            for k, part in enumerate(of(steps)):
+                out[:, k] += part
+        return out
+
+    def powers_of(self, steps: StepRecord) -> FloatArray:
+        """(k, 2) ``local_powers`` after each of k recorded steps [W]."""
+        asm = self.assembly
+        if asm.dead_load is not None or asm.derive is not None:
+            return steps.computed(lambda sample: self.local_powers(sample.time), 2, "powers")
+        out = np.zeros((len(steps), 2))
+        for component in self._working:
+            for k, part in enumerate(component.powers_of(steps)):
+                out[:, k] += part
+        for f in asm.row_replacements:
+            if f.owned:
+                every = range(len(f.reaction))
+                out[:, 1] += np.sum(steps.numbers(f.reaction, every) * steps.numbers(f.rate, every), axis=1)
+        return out
 
     def reaction(self, name: str) -> float:
         """Return the reaction ``name`` [N or N m], the same on all ranks.

@@ -25,6 +25,11 @@ NAME = "NAME"
 _PLACES = {DEPTH: r"([-+.\deE]+)", NAME: r"([A-Za-z0-9_-]+)"}
 
 
+def part(values: Any, columns: int | slice) -> Any:
+    """``columns`` of values (k, m) of recorded steps; None of None."""
+    return None if values is None else values[:, columns]
+
+
 def numbered(word: str, number: int) -> str:
     """``word`` for the first of several in the string from the top, ``word_2`` for the second, and so on."""
     return word if number == 1 else f"{word}_{number}"
@@ -45,6 +50,8 @@ class Quantity:
     interpolate: between two steps: a straight line, a parabola through three steps (``motion``), or none: then the
     value is that at the time of writing.
     mean: the mean over a time has a meaning.
+    values(source, steps): the ``value`` after each of k recorded steps (``fem.step_record``), (k, ...), or None where this model has them one
+    by one only; without it, ``value`` is called after every step.
     value(source, sample): this rank's share, summed over ranks: a number, or (k, size) for k joints or probes; for
     ``node`` (nv, size) at the local vertices; for ``element`` (nc,) or (nc, 2, ...) at its upper and lower end.
     size: numbers of one entity that ``value`` returns.
@@ -70,6 +77,7 @@ class Quantity:
     interpolate: Interpolation = "linear"
     mean: bool = True
     value: Callable[[Any, Any], Any] | None = None
+    values: Callable[[Any, Any], Any] | None = None
     size: int = 1
     finish: Callable[[Any, FloatArray, Any], Any] | None = None
     finish_rows: Callable[[Any, FloatArray], FloatArray] | None = None

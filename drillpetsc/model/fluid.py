@@ -556,10 +556,10 @@ def tool_losses(case: Case, mesh: StringMesh) -> FloatArray | None:
         if item.pressure_loss is None:
             continue
         if body is not None:
-            out[min(body.node, len(out) - 1)] += item.pressure_loss.coefficient
+            out[min(body.node, len(out) - 1)] += item.flow_resistance
         else:
             own = mesh.item == number
-            out[own] += item.pressure_loss.coefficient * mesh.length[own] / mesh.length[own].sum()
+            out[own] += item.flow_resistance * mesh.length[own] / mesh.length[own].sum()
     return out
 
 

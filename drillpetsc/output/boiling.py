@@ -41,11 +41,17 @@ class BoilingMonitor:
         self.system, self.units, self.top = system, units, top
         channels = () if fluid is None else (fluid.bore, fluid.annulus)
         self._channels = [c for c in channels if c is not None]
+        self._places: np.ndarray | None = None  # of all pressures in the unknowns
         self.first: LowPressure | None = None
         self.lowest: LowPressure | None = None
 
     def update(self, t: float) -> None:
         """After an accepted step to ``t`` [s]; not collective."""
+        if self._places is None:
+            places = [channel.pressure_places(self.system) for channel in self._channels]
+            self._places = np.concatenate([np.zeros(0, dtype=int), *places])
+        if not len(self._places) or not self.system.assembly.x.take(self._places).min() < VAPOUR_PRESSURE:
+            return
         for channel in self._channels:
             pressures = channel.pressures(self.system)
             if not len(pressures) or not pressures.min() < VAPOUR_PRESSURE:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -23,7 +24,7 @@ ROWS_ABOVE_LIMIT = 3  # consecutive rows above the limit that stop a run
 class EnergyBalance:
     """Stored, dissipated and supplied energy since the start (manual: eq-conv-energy).
 
-    energies: (3,) kinetic, strain and potential energy [J] at the last update.
+    energies: kinetic, strain and potential energy [J] at the last update.
     dissipated, supplied: sums since the start [J].
     peak_exchange: largest supplied work and largest change of kinetic and strain energy so far [J].
     last_error: energy error [J] at the last update; gained: its largest value since the start, at least 0.
@@ -35,7 +36,7 @@ class EnergyBalance:
         self.peak_exchange = self._before_jump = self._before_event = 0.0
         self.last_error = self.gained = 0.0
         self._powers: tuple[float, float] = (0.0, 0.0)
-        self._first_energies = self.energies = np.zeros(3)
+        self._first_energies = self.energies = (0.0, 0.0, 0.0)
         self._stored = 0.0  # sum of ``energies``
         #: unknowns and rates at the last update, for unknowns that follow at once; None without such
         self._before: tuple[FloatArray, FloatArray] | None = None
@@ -48,18 +49,22 @@ class EnergyBalance:
     def start(self, t: float, powers: tuple[float, float]) -> None:
         """Begin at the present state.  powers: dissipated and supplied [W], summed over ranks."""
         self._powers = powers
-        self._set_energies(np.array(self.system.energies(t)))
+        self._set_energies(self.system.energies(t))
         self._keep_state()
-        self._first_energies = self.energies.copy()
+        self._first_energies = self.energies
         self.start_energy = self._stored
 
-    def _set_energies(self, energies: FloatArray) -> None:
-        kinetic, strain, potential = energies.tolist()
-        self.energies, self._stored = energies, kinetic + strain + potential
+    def _set_energies(self, energies: Sequence[float]) -> None:
+        kinetic, strain, potential = map(float, energies)
+        self.energies, self._stored = (kinetic, strain, potential), kinetic + strain + potential
 
     def step(self, t: float, dt: float, powers: tuple[float, float]) -> None:
         """Integrate the powers over an accepted step ``dt`` [s] to ``t`` [s] by the trapezoidal rule; collective."""
-        self._count_mud_that_follows(t)
+        self.add(dt, powers, self.follow(t))
+
+    def add(self, dt: float, powers: tuple[float, float], followed: float) -> None:
+        """The same with the energy ``followed`` [J] that mud took up at once in this step (``follow``)."""
+        self.supplied, self.followed = self.supplied + followed, self.followed + followed
         self.dissipated += 0.5 * dt * (self._powers[0] + powers[0])
         self.supplied += 0.5 * dt * (self._powers[1] + powers[1])
         self.peak_exchange = max(self.peak_exchange, abs(self.supplied))
@@ -70,13 +75,13 @@ class EnergyBalance:
         self._follows = bool(total(self.system.comm, float(asm.imposed is not None)))
         self._before = (asm.x.copy(), asm.y.copy()) if self._follows else None
 
-    def _count_mud_that_follows(self, t: float) -> None:
-        """Count as supplied what quasi-steady mud stores by its change of pressures and flows (manual: eq-mud-follows).
+    def follow(self, t: float) -> float:
+        """Energy [J] that quasi-steady mud has stored by its change of pressures and flows in a step to ``t`` [s] (manual: eq-mud-follows).
 
-        Their rates are zero in the rows, so no power feeds this energy.  Collective.
+        Their rates are zero in the rows, so no power feeds this energy, and it counts as supplied.  Collective.
         """
         if self._before is None:
-            return
+            return 0.0
         system, asm = self.system, self.system.assembly
         (x0, y0), x1, y1 = self._before, asm.x.copy(), asm.y.copy()
         n, stored = system.layout.size, list[float]()
@@ -88,25 +93,30 @@ class EnergyBalance:
                 with asm.elsewhere(at, y):
                     stored.append(sum(system.energies(t, "fluid")))
         taken = 0.5 * (stored[0] - stored[1] + stored[2] - stored[3])
-        self.supplied, self.followed = self.supplied + taken, self.followed + taken
         self._before = x1, y1
+        return taken
 
-    def update(self, t: float) -> FloatArray:
-        """Energies at the present state (collective); keeps the largest change since the start."""
-        self._set_energies(np.array(self.system.energies(t)))
-        (kinetic, strain, _), (kinetic0, strain0, _) = self.energies.tolist(), self._first_energies.tolist()
+    def update(self, t: float) -> None:
+        """Take the energies at the present state (collective); keeps the largest change since the start."""
+        self.take(self.system.energies(t))
+
+    def take(self, energies: Sequence[float]) -> None:
+        """The same with the present ``energies`` (3,) [J]."""
+        self._set_energies(energies)
+        (kinetic, strain, _), (kinetic0, strain0, _) = self.energies, self._first_energies
         self.peak_exchange = max(self.peak_exchange, abs(kinetic - kinetic0) + abs(strain - strain0))
         self.last_error = self.error
         self.gained = max(self.gained, self.last_error)
-        return self.energies
 
     def before_event(self, t: float) -> None:
         """Store the energy error just before a component changes its law."""
-        self._before_event = self.update(t).sum()
+        self.update(t)
+        self._before_event = self._stored
 
     def after_event(self, t: float) -> None:
         """Count the stored energy that a change of law sets free as turned into heat: that of a latch."""
-        self.dissipated += float(self._before_event - self.update(t).sum())
+        self.update(t)
+        self.dissipated += self._before_event - self._stored
         self._powers = tuple(self.system.powers(t))  # type: ignore[assignment]
 
     def at_jump(self, t: float) -> None:
@@ -127,9 +137,7 @@ class EnergyBalance:
         """Scale of an energy error [J]: the larger of the peaks, since the start, of the supplied work and of the change
         of kinetic and strain energy, at least the rounding of the energies and the settling of the start.  Work that was
         supplied and given back counts."""
-        least = max(
-            1e-9 * float(np.abs(self.energies).sum()), SETTLING * abs(float(self.energies[1])), 1e-300
-        )
+        least = max(1e-9 * sum(map(abs, self.energies)), SETTLING * abs(self.energies[1]), 1e-300)
         return max(abs(self.supplied), self.peak_exchange, least)
 
     @property
@@ -142,7 +150,7 @@ class EnergyBalance:
 
         left: work of the residuals that Newton left [J]; the rest of the energy error is the time formula's.
         """
-        kinetic, strain, potential = map(float, self.energies)
+        kinetic, strain, potential = self.energies
         parts = {}
         if left is not None:
             damped = left - self.last_error
@@ -174,8 +182,8 @@ class EnergyBalance:
         ]
         return {
             "sums": np.array(sums),
-            "first_energies": self._first_energies,
-            "energies": self.energies,
+            "first_energies": np.array(self._first_energies),
+            "energies": np.array(self.energies),
         }
 
     def set_state(self, saved: dict[str, FloatArray]) -> None:
@@ -192,8 +200,9 @@ class EnergyBalance:
         ) = sums[:7]
         self._powers = (sums[7], sums[8])
         self.followed = sums[9] if len(sums) > 9 else 0.0  # checkpoints of version 0.x before it have none
-        self._first_energies = np.array(saved["first_energies"])
-        self._set_energies(np.array(saved["energies"]))
+        kinetic, strain, potential = saved["first_energies"].tolist()
+        self._first_energies = kinetic, strain, potential
+        self._set_energies(saved["energies"].tolist())
         self._keep_state()
 
 

@@ -63,6 +63,13 @@ class FieldOutput:
 
     def _gathered(self, parts: dict[Key, FloatArray], on: str) -> dict[Key, FloatArray] | None:
         """Local values (k, ...) collected in depth order on rank 0, as (n, m); None elsewhere."""
+        if (
+            self.system.comm.size == 1
+        ):  # nothing to send; what is kept elsewhere is copied, since it goes on to change
+            chain = self.system.chain
+            numbers = chain.vertices if on == "vertex" else chain.cells
+            if np.array_equal(numbers, np.arange(len(numbers))):
+                return {k: np.array(v[:, None] if v.ndim == 1 else v) for k, v in parts.items()}
         # -1 would not do on a rank without elements
         flat = {k: v.reshape(len(v), int(np.prod(v.shape[1:]))) for k, v in parts.items()}
         whole = self.system.gather(np.hstack(list(flat.values())), on)

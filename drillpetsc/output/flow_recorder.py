@@ -11,12 +11,12 @@ from drillpetsc.fem.discrete_system import DiscreteSystem
 from drillpetsc.fem.quantity import Quantity, Sample
 from drillpetsc.model.fluid import FluidComponents
 from drillpetsc.output import quantities as declared
+from drillpetsc.output.flows_of_steps import BIT_FLOW, CHAMBER, CUTTINGS, FlowsOfSteps
 from drillpetsc.physics.fluid.annulus_flow import AnnulusFlow
 from drillpetsc.physics.fluid.bore_flow import BoreFlow
 from drillpetsc.physics.fluid.channel_flow import RESULT_NAMES, ChannelFlow
 
 _CONTENT, _SPEED = RESULT_NAMES.index("content"), RESULT_NAMES.index("speed")
-_BIT_FLOW, _CHAMBER, _CUTTINGS = 1, 4, 6  # in the results of the flow at the bit
 
 
 class FlowRecorder:
@@ -30,6 +30,7 @@ class FlowRecorder:
         chain, last = system.chain, system.mesh.nodes - 1
         local = np.flatnonzero(chain.owned & (chain.vertices == last))
         self._last = int(local[0]) if len(local) else None
+        self.of_steps = FlowsOfSteps(fluid, self._last)
 
     def quantities(self) -> tuple[Quantity, ...]:
         bore, annulus = self.fluid.bore is not None, self.fluid.annulus is not None
@@ -71,7 +72,7 @@ class FlowRecorder:
     def bit_flow(self, sample: Sample) -> float:
         """Flow rate out of the string [m3/s]."""
         bit = self.fluid.bit
-        return 0.0 if bit is None else sample.once(bit.element_results)[_BIT_FLOW]
+        return 0.0 if bit is None else sample.once(bit.element_results)[BIT_FLOW]
 
     def side_flow(self, sample: Sample) -> float:
         """Flow rate through nozzles above the bit [m3/s]."""
@@ -89,7 +90,7 @@ class FlowRecorder:
         """Rock that the mud takes up [m3/s]."""
         bit, rings = self.fluid.bit, self.fluid.rings
         reamed = 0.0 if rings is None else rings.cuttings(sample.assembly)
-        return reamed + (0.0 if bit is None else sample.once(bit.element_results)[_CUTTINGS])
+        return reamed + (0.0 if bit is None else sample.once(bit.element_results)[CUTTINGS])
 
     def content(self, sample: Sample) -> float:
         """Volume of all mud at zero pressure [m3]."""
@@ -98,7 +99,7 @@ class FlowRecorder:
             if channel is not None:
                 content += channel.totals(sample.assembly)[_CONTENT]
         if self.fluid.bit is not None:
-            content += sample.once(self.fluid.bit.element_results)[_CHAMBER]
+            content += sample.once(self.fluid.bit.element_results)[CHAMBER]
         if self.fluid.annulus is not None:
             content += self.fluid.annulus.content_above(sample.assembly)
         if self.fluid.seals is not None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -17,14 +18,14 @@ class MassBalance:
 
     def __init__(self) -> None:
         self.start_content = 0.0
-        self._sums = np.zeros(3)  # volumes pumped, returned, and of cuttings taken up [m3]
-        self._before: tuple[FloatArray, float] | None = None  # sums one step ago and that step [m3, s]
+        self._sums = [0.0, 0.0, 0.0]  # volumes pumped, returned, and of cuttings taken up [m3]
+        self._before: tuple[list[float], float] | None = None  # sums one step ago and that step [m3, s]
 
     def start(self, content: float) -> None:
         """Begin with a content [m3], summed over ranks."""
-        self._sums, self.start_content, self._before = np.zeros(3), content, None
+        self._sums, self.start_content, self._before = [0.0, 0.0, 0.0], content, None
 
-    def step(self, rates: FloatArray, dt: float, fresh: bool) -> None:
+    def step(self, rates: Sequence[float], dt: float, fresh: bool) -> None:
         """Integrate ``rates`` (3,) [m3/s] of pump, return and cuttings over an accepted step ``dt`` [s].
 
         BDF of order 2, the formula of the pressures (manual: eq-time-bdf): its error at a wave front is then no loss
@@ -33,13 +34,15 @@ class MassBalance:
         old = self._sums
         if fresh or self._before is None:
             before, gap = old, 0.5 * dt
-            old, rest = old + gap * rates, 0.5 * dt
+            old, rest = [s + gap * rate for s, rate in zip(old, rates, strict=True)], 0.5 * dt
         else:
             (before, gap), rest = self._before, dt
         # derivative at the end of the parabola through three times: new, `rest` and `rest + gap` before it
         a0, a1, a2 = 1 / rest + 1 / (rest + gap), -(rest + gap) / (rest * gap), rest / (gap * (rest + gap))
         self._before = self._sums, dt
-        self._sums = (rates - a1 * old - a2 * before) / a0
+        self._sums = [
+            (rate - a1 * s1 - a2 * s2) / a0 for rate, s1, s2 in zip(rates, old, before, strict=True)
+        ]
 
     def balance(self, content: float) -> dict[str, Any]:
         """Volumes since the start [m3], with the present ``content`` [m3].
@@ -62,11 +65,11 @@ class MassBalance:
 
     def get_state(self) -> dict[str, FloatArray]:
         """For a checkpoint; the same on all ranks."""
-        sums, step = self._before if self._before is not None else (np.zeros(3), 0.0)
+        sums, step = self._before if self._before is not None else ([0.0, 0.0, 0.0], 0.0)
         return {"mud": np.array([*self._sums, self.start_content, *sums, step])}
 
     def set_state(self, saved: dict[str, FloatArray]) -> None:
         """Continue from a checkpoint."""
-        volumes = np.array(saved["mud"])
-        self._sums, self.start_content = volumes[:3], float(volumes[3])
-        self._before = (volumes[4:7], float(volumes[7])) if volumes[7] > 0.0 else None
+        volumes = saved["mud"].tolist()
+        self._sums, self.start_content = volumes[:3], volumes[3]
+        self._before = (volumes[4:7], volumes[7]) if volumes[7] > 0.0 else None

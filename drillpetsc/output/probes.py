@@ -8,6 +8,7 @@ import numpy as np
 
 from drillpetsc.fem.component import FloatArray
 from drillpetsc.fem.quantity import Quantity
+from drillpetsc.fem.step_record import StepRecord
 from drillpetsc.model.drilling_model import DrillingModel
 from drillpetsc.output import quantities as declared
 from drillpetsc.output.in_hole import offsets
@@ -111,6 +112,29 @@ class Probes:
         a, b, c, d = self._weights
         out[self._here, :3] = a * r0 + b * v0 + c * r1 + d * v1
         out[self._here, 3] = (1 - self._share) * spin0 + self._share * spin1
+        return out
+
+    def motions(self, steps: StepRecord) -> FloatArray | None:
+        """(k, probes, 4) ``motion`` after each of k recorded steps; None where it is found one by one only."""
+        out = np.zeros((len(steps), len(self._probes), 4))
+        if not len(self._here):
+            return out
+        if self._direct is None:
+            return None
+        places, spins, weights = self._direct
+        at_ends = steps.unknowns(places).reshape(-1, *places.shape) * weights
+        out[:, self._here, :3] = at_ends[:, 0] + at_ends[:, 1] + at_ends[:, 2] + at_ends[:, 3]
+        spin0, spin1 = steps.rates(spins).reshape(-1, *spins.shape).transpose(1, 0, 2)
+        out[:, self._here, 3] = (1 - self._share) * spin0 + self._share * spin1
+        return out
+
+    def contact_forces(self, steps: StepRecord) -> FloatArray:
+        """(k, probes) ``contact_force`` after each of k recorded steps."""
+        contact, cells, out = self.model.contact, self._local, np.zeros((len(steps), len(self._probes)))
+        assert contact is not None
+        for k, probe in enumerate(self._probes):
+            if probe.cell in cells:
+                out[:, k] = contact.normal_force_of(cells[probe.cell], steps)
         return out
 
     def contact_force(self) -> FloatArray:

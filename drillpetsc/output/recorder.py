@@ -3,17 +3,18 @@
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field
-from functools import cached_property
 from itertools import groupby
 from typing import Any
 
 import numpy as np
+from petsc4py import PETSc
 
 from drillpetsc.errors import CaseError
 from drillpetsc.fem.component import FloatArray
 from drillpetsc.fem.quantity import Quantity, Sample, Source
+from drillpetsc.fem.step_record import StepRecord
 from drillpetsc.model.drilling_model import DrillingModel, is_quasi_static
 from drillpetsc.output import quantities as declared
 from drillpetsc.output.catalogue import in_order
@@ -25,10 +26,12 @@ from drillpetsc.output.probes import Probes
 from drillpetsc.output.rigid_items import RigidItems
 from drillpetsc.output.sensors.sensors import Sensors
 from drillpetsc.output.string_ends import DrilledHole, LowerEnd, TopEnd
+from drillpetsc.output.table_rows import SampleLayout, TableColumn, TableRow, between
 from drillpetsc.output.time_error import TimeError
-from drillpetsc.parallel import total
+from drillpetsc.parallel import total, total_in_order
 from drillpetsc.solvers.local_error import OutputErrors
 
+STEPS_AT_ONCE = 256  # steps whose outputs are computed together
 STEPS_AHEAD = 3.0  # a step at most doubles: with it, the step before the one that passes a row is sampled
 
 
@@ -44,174 +47,28 @@ class Row:
         return declared.ROW_START + declared.ROW_END
 
 
-@dataclass(frozen=True)
-class Slot:
-    """Part ``span`` of a sample that one value fills, with ``size`` numbers per entity.  Quantities with the same
-    value share a slot.
-
-    is_number: the value is a number, not an array.
-    """
-
-    source: Any
-    value: Callable[[Any, Sample], Any]
-    span: slice
-    size: int
-    motion: bool
-    is_number: bool
-
-    @property
-    def start(self) -> int:
-        return int(self.span.start)
-
-
 @dataclass
-class SampleLayout:
-    """Slots of all values that a run samples.  counts: entities of each kind."""
+class _Step:
+    """An accepted step whose outputs are not computed yet.
 
-    counts: dict[str, int]
-    slots: dict[tuple[int, Any], Slot] = field(default_factory=dict)
-    width: int = 0
-
-    def add(self, source: Any, quantity: Quantity) -> Slot:
-        """The slot of a quantity, a new one if no other quantity has its value."""
-        key = id(source), quantity.value
-        if key not in self.slots:
-            assert quantity.value is not None
-            span = slice(self.width, self.width + self.counts[quantity.on] * quantity.size)
-            is_number, motion = (
-                quantity.on == "scalar" and quantity.size == 1,
-                quantity.interpolate == "motion",
-            )
-            self.slots[key] = Slot(source, quantity.value, span, quantity.size, motion, is_number)
-            self.width = span.stop
-        return self.slots[key]
-
-    def slot_at(self, start: int) -> Slot | None:
-        """The slot that begins at ``start``."""
-        return next((s for s in self.slots.values() if s.start == start), None)
-
-    def motion(self) -> np.ndarray:
-        """Positions of the numbers that are interpolated as motion."""
-        spans = [np.arange(s.span.start, s.span.stop) for s in self.slots.values() if s.motion]
-        return np.concatenate([np.zeros(0, dtype=int), *spans])
-
-
-class TableColumn:
-    """A column of a table: a quantity, of one joint, probe or rigid item where it has several.
-
-    slot: of the sampled value; None where the value is that at the time of writing.
-    number: of the joint or probe, at ``depth`` [m].
+    time: of its end [s]; length: [s]; fresh: the first one of the formula; sampled: rows may need it.
+    followed: energy that mud takes up at once [J].
+    rows: times of the rows that are due after it [s]; newton: its Newton iterations.
     """
 
-    def __init__(self, source: Any, quantity: Quantity, slot: Slot | None, number: int, depth: float) -> None:
-        self.title: Column = quantity.at(depth)
-        self.source, self.quantity, self.slot, self.entity, self.depth = source, quantity, slot, number, depth
-        self.start = slot.start + number * slot.size if slot is not None else 0
-
-
-@dataclass(frozen=True)
-class _Finished:
-    """Columns whose numbers one call of ``Quantity.finish`` computes.
-
-    quantity: one of them; span: the values in a sample; depths: (k,) of the entities [m].
-    columns, entities, indices: (m,) of the columns: position in the row, entity, number of its result.
-    """
-
-    source: Any
-    quantity: Quantity
-    span: slice
-    depths: FloatArray
-    columns: list[int]
-    entities: list[int]
-    indices: list[int]
-
-    @cached_property
-    def by_entity(self) -> dict[int, list[tuple[int, int]]]:
-        """Columns and numbers of the results of each entity."""
-        found: dict[int, list[tuple[int, int]]] = {k: [] for k in sorted(set(self.entities))}
-        for column, entity, index in zip(self.columns, self.entities, self.indices, strict=True):
-            found[entity].append((column, index))
-        return found
-
-    def write(self, sample: FloatArray, row: FloatArray) -> None:
-        """Compute the numbers from a sample and put them into a row."""
-        q, values = self.quantity, sample[self.span]
-        assert q.finish is not None
-        if q.on == "probe":
-            numbers = q.finish(self.source, values.reshape(-1, q.size), self.depths)
-            row[self.columns] = numbers[self.entities, self.indices]
-            return
-        for k, places in self.by_entity.items():
-            one = q.finish(self.source, values[k * q.size : (k + 1) * q.size], self.depths[k])
-            for column, index in places:
-                row[column] = one[index]
-
-    def write_rows(self, samples: FloatArray, rows: FloatArray) -> None:
-        """The same from samples (k, width) into rows (k, columns)."""
-        q, count = self.quantity, len(samples)
-        values = np.ascontiguousarray(samples[:, self.span])
-        if q.on == "probe":
-            assert q.finish is not None
-            numbers = q.finish(self.source, values.reshape(-1, q.size), np.tile(self.depths, count))
-            numbers = numbers.reshape(count, len(self.depths), -1)
-            rows[:, self.columns] = numbers[:, self.entities, self.indices]
-        elif q.finish_rows is not None:
-            rows[:, self.columns] = q.finish_rows(self.source, values)[:, self.indices]
-        else:
-            for sample, row in zip(samples, rows, strict=True):
-                self.write(sample, row)
-
-
-class TableRow:
-    """Computes the rows of a table from samples.  columns: of the table; depths: of the entities, by kind [m]."""
-
-    def __init__(self, columns: Sequence[TableColumn], depths: dict[str, tuple[float, ...]]) -> None:
-        self.width = len(columns)
-        self._now = [(i, c.quantity.value, c.source) for i, c in enumerate(columns) if c.slot is None]
-        plain = [i for i, c in enumerate(columns) if c.slot is not None and c.quantity.finish is None]
-        self._plain = np.array(plain, dtype=int)
-        self._plain_at = np.array(
-            [columns[i].start + (columns[i].quantity.index or 0) for i in plain], dtype=int
-        )
-        found: dict[tuple[Any, ...], _Finished] = {}
-        for i, c in enumerate(columns):
-            if c.slot is None or c.quantity.finish is None:
-                continue
-            key = id(c.source), c.quantity.finish, c.slot.start
-            if key not in found:
-                at = np.array(depths.get(c.quantity.on, (0.0,)))
-                found[key] = _Finished(c.source, c.quantity, c.slot.span, at, [], [], [])
-            found[key].columns.append(i)
-            found[key].entities.append(c.entity)
-            found[key].indices.append(c.quantity.index or 0)
-        self._finished = list(found.values())
-
-    def numbers_now(self) -> list[float]:
-        """Numbers of a row that do not come from a sample, at the time of writing."""
-        return [value(source, None) for _, value, source in self._now]  # type: ignore[misc]
-
-    def rows(self, samples: FloatArray, now: Sequence[Sequence[float]]) -> FloatArray:
-        """(k, columns) rows from samples (k, width) and the ``numbers_now`` of each."""
-        rows = np.empty((len(samples), self.width))
-        rows[:, self._plain] = samples[:, self._plain_at]
-        for group in self._finished:
-            group.write_rows(samples, rows)
-        rows[:, [i for i, _, _ in self._now]] = now
-        return rows
-
-    def numbers(self, sample: FloatArray) -> list[float]:
-        """(width,) the numbers of a row."""
-        row = np.empty(self.width)
-        row[self._plain] = sample[self._plain_at]
-        for group in self._finished:
-            group.write(sample, row)
-        for i, value, source in self._now:
-            row[i] = value(source, None)  # type: ignore[misc]
-        return row.tolist()
+    time: float
+    length: float
+    fresh: bool
+    sampled: bool
+    followed: float
+    rows: list[float] = field(default_factory=list)
+    newton: float = 0.0
 
 
 class Recorder:
     """Samples a model; every rank calls it and has the same values.
+
+    Steps are recorded one by one and evaluated together, at the latest when somebody asks for what follows from them.
 
     columns, probe_columns: names and units of history.csv and probes.csv.
     energy: energy balance; None without inertia, where work goes into motion that is not computed.
@@ -272,9 +129,14 @@ class Recorder:
         #: estimated time error of the main outputs; None without an estimate
         self.time_error: TimeError | None = None
         self._samples: deque[tuple[float, FloatArray]] = deque(maxlen=3)
-        self._kept: list[tuple[FloatArray, list[float], list[float]]] = []  # see ``keep_row``
-        #: the last time and result of ``at``, which all tables share, and the last sample then
-        self._found: tuple[float, FloatArray, FloatArray] | None = None
+        #: rows that are due and not computed: samples at their times, and numbers of both tables that are those at the time of writing
+        self._kept: list[FloatArray] = []
+        self._now: list[tuple[list[float], list[float]]] = []
+        self._keeps = False
+        #: steps whose outputs are not computed yet; a hole that grows changes the places of points in it
+        self._record = StepRecord(self.system, 1 if model.drilling is not None else STEPS_AT_ONCE)
+        self._waiting: list[_Step] = []
+        self._event = PETSc.Log.Event("Output")
 
     def _table(self, pairs: Sequence[tuple[Source, Quantity]]) -> list[TableColumn]:
         """Columns of (source, quantity) pairs; neighbours on joints or probes are ordered by depth first."""
@@ -331,16 +193,149 @@ class Recorder:
         inputs_at: time at which the step saw its inputs [s]: just before a jump where it ends on one.
         fresh: the first step of the time formula after a start.
         """
-        seen = t if inputs_at is None else inputs_at
-        if t + STEPS_AHEAD * dt >= next_row or self.mass is not None:
-            v = self.sample(seen)
-            self._samples.append((t, v))
-            if self.mass is not None:
-                self.mass.step(v[self._rates], dt, fresh)
+        seen, asm = t if inputs_at is None else inputs_at, self.system.assembly
+        for f in asm.row_replacements:
+            if f.owned:
+                f.evaluate(seen, asm.x)
+        with asm.unchanged():
+            if self._record.is_open:
+                self._ask(seen)
+            sampled = t + STEPS_AHEAD * dt >= next_row or self.mass is not None
+            self._record.add(seen, sampled)
+            followed = self.energy.follow(t) if self.energy is not None else 0.0
+        self._waiting.append(_Step(t, dt, fresh, sampled, followed))
+        if len(self._waiting) >= self._record.capacity:
+            self.catch_up()
+
+    def rows_due(self, times: Sequence[float], t: float, newton: float, dt: float, keep: bool) -> None:
+        """Note that rows at ``times`` [s] are due after the last step, to ``t`` [s]; collective.
+
+        newton, dt: of the step, its Newton iterations and length [s]; keep: keep the rows for ``kept_rows``, on this rank.
+        """
+        self._keeps = keep
+        if self._waiting and self._waiting[-1].time == t:
+            self._waiting[-1].rows, self._waiting[-1].newton = list(times), newton
+            return
+        if self.energy is not None:
+            self.energy.update(t)
+        self._keep_rows(times, dt, newton)
+
+    @property
+    def recorded(self) -> int:
+        """Number of steps that are recorded and not evaluated."""
+        return len(self._waiting)
+
+    # ------------------------------------------------------------------ recorded steps
+    def _ask(self, t: float) -> None:
+        """Tell the record what the outputs need.  t: time of inputs [s]."""
+        every = [*self._numbers, *self._arrays]
+        main = [slot for _, slot in self._main] if self.time_error is not None else []
+        power = [
+            s
+            for s in every
+            if self.energy is not None and s.start == self._powers.start and s.source is self.energy
+        ]
+        self._first = [s for s in every if s in power or any(s is m for m in main)]
+        self._others = [s for s in every if not any(s is f for f in self._first)]
+        self._record.times = [t]
+        with np.errstate(all="ignore"):
+            self._evaluated()
+        self._record.clear()
+
+    def _evaluated(self) -> FloatArray:
+        """(k, width + 3) samples and stored energies [J] of the recorded steps, this rank's share."""
+        steps, width = self._record, self.layout.width
+        out = np.zeros((len(steps), width + 3))
+        for slot in self._first:
+            out[:, slot.span] = slot.of(steps)
+        if steps.is_open:
+            steps.only_sampled()
+        for slot in self._others:
+            out[:, slot.span] = slot.of(steps)
+        if self.energy is not None:
+            out[:, width:] = self.system.energies_of(steps)
+        return out
+
+    def catch_up(self) -> None:
+        """Evaluate the steps that wait: samples, balances, time error and rows; collective."""
+        if not self._waiting:
+            return
+        self._event.begin()
+        waiting, self._waiting = self._waiting, []
+        with np.errstate(all="ignore"):  # steps that are not sampled have no numbers in some columns
+            values = total_in_order(self.comm, self._evaluated())
+        self._record.clear()
+        width = self.layout.width
+        samples = values[:, :width]
+        rates, powers, energies = (
+            part.tolist() for part in (samples[:, self._rates], samples[:, self._powers], values[:, width:])
+        )
+        main = samples[:, self._main_at]
+        times, rows = [], []  # of the rows: times, samples (in what follows) that they come before
+        taken = [t for t, _ in self._samples], [v for _, v in self._samples]
+        for k, step in enumerate(waiting):
+            if step.sampled:
+                taken[0].append(step.time)
+                taken[1].append(samples[k])
+                if self.mass is not None:
+                    self.mass.step(rates[k], step.length, step.fresh)
             if self.energy is not None:
-                self.energy.step(t, dt, self._powers_of(v))
-        elif self.energy is not None:
-            self.energy.step(t, dt, self.system.powers(seen))
+                self.energy.add(step.length, powers[k], step.followed)
+            if self.time_error is not None:
+                self.time_error.step(step.time, step.length, main[k], step.fresh)
+            if step.rows:
+                if self.energy is not None:
+                    self.energy.take(energies[k])
+                times += step.rows
+                rows += [len(taken[0]) - 1] * len(step.rows)
+                self._note_rows(step.rows, step.length, step.newton)
+        self._samples = deque(zip(*(part[-3:] for part in taken), strict=True), maxlen=3)
+        if times and self._keeps:
+            self._kept.append(between(*taken, np.array(times), np.array(rows), self._motion))
+        self._event.end()
+
+    def forget_waiting(self) -> None:
+        """Drop the steps that wait: their outputs are lost."""
+        self._waiting = []
+        self._record.clear()
+
+    def _keep_rows(self, times: Sequence[float], dt: float, newton: float) -> None:
+        """Keep what the rows of both tables at ``times`` [s] after the last step need."""
+        if self._keeps and times:
+            self._note_rows(times, dt, newton)
+            self._kept.append(np.array([self._at(t) for t in times]))
+
+    def _note_rows(self, times: Sequence[float], dt: float, newton: float) -> None:
+        """Keep the numbers of rows at ``times`` [s] that do not come from a sample."""
+        if self._keeps:
+            for t in times:
+                self._row.time, self._row.step, self._row.newton = t, dt, newton
+                self._now.append((self._history_row.numbers_now(), self._probe_row.numbers_now()))
+
+    # ------------------------------------------------------------------ jumps and events, of the energy balance
+    def at_jump(self, t: float) -> None:
+        """``EnergyBalance.at_jump``."""
+        self.catch_up()
+        if self.energy is not None:
+            self.energy.at_jump(t)
+
+    def before_event(self, t: float) -> None:
+        """``EnergyBalance.before_event``."""
+        self.catch_up()
+        if self.energy is not None:
+            self.energy.before_event(t)
+
+    def after_event(self, t: float) -> None:
+        """``EnergyBalance.after_event``."""
+        self.catch_up()
+        if self.energy is not None:
+            self.energy.after_event(t)
+
+    def add_impulse_work(self, t: float) -> None:
+        """``EnergyBalance.add_impulse_work``."""
+        self.catch_up()
+        if self.energy is not None:
+            self.energy.add_impulse_work(t)
 
     def estimate_time_error(self, formula: OutputErrors) -> None:
         """Estimate the time error of the main outputs of a run with this time formula."""
@@ -372,6 +367,7 @@ class Recorder:
 
     def mass_balance(self) -> dict[str, float]:
         """Volumes of mud since the start [m3], at the last sample; empty without mud."""
+        self.catch_up()
         if self.mass is None:
             return {}
         return self.mass.balance(float(self._samples[-1][1][self._content]))
@@ -381,11 +377,13 @@ class Recorder:
 
         top: measured depth of the upper end of the unstrained string [m].
         """
+        self.catch_up()
         return self._items.listed(self._samples[-1][1][self._side_forces], top)
 
     # ------------------------------------------------------------------ checkpoints
     def get_state(self) -> dict[str, FloatArray]:
-        """What a continued run needs, the same on all ranks."""
+        """What a continued run needs, the same on all ranks; collective."""
+        self.catch_up()
         samples = {"samples": np.array([[t, *v] for t, v in self._samples])}
         energy = self.energy.get_state() if self.energy is not None else {}
         error = self.time_error.get_state() if self.time_error is not None else {}
@@ -409,42 +407,29 @@ class Recorder:
     # ------------------------------------------------------------------ rows
     def at(self, t: float) -> FloatArray:
         """Sample at an output time within the last step: motion by a parabola through three steps, everything else
-        by a straight line."""
-        t1, v1 = self._samples[-1]
-        if len(self._samples) == 1 or t >= t1:
-            return v1
-        if self._found is not None and self._found[0] == t and self._found[2] is v1:
-            return self._found[1]
-        t0, v0 = self._samples[-2]
-        w = (t - t0) / (t1 - t0)
-        out = (1 - w) * v0 + w * v1
-        if len(self._samples) == 3:
-            ta, va = self._samples[0]
-            second = ((v1 - v0) / (t1 - t0) - (v0 - va) / (t0 - ta)) / (t1 - ta)
-            bend = (t - t0) * (t - t1) * second
-            out[self._motion] += bend[self._motion]
-        self._found = t, out, v1
-        return out
+        by a straight line.  Collective."""
+        self.catch_up()
+        return self._at(t)
+
+    def _at(self, t: float) -> FloatArray:
+        times, samples = zip(*self._samples, strict=True)
+        return between(times, samples, np.array([t]), np.array([len(times) - 1]), self._motion)[0]
 
     def history_row(self, t: float, step: float, newton: float) -> list[float]:
-        """Row of history.csv at ``t`` [s]; step, newton: last step [s] and its Newton iterations."""
+        """Row of history.csv at ``t`` [s]; step, newton: last step [s] and its Newton iterations.  Collective."""
         self._row.time, self._row.step, self._row.newton = t, step, newton
         return self._history_row.numbers(self.at(t))
-
-    def keep_row(self, t: float, step: float, newton: float) -> None:
-        """Keep what the rows of both tables at ``t`` [s] need, for ``kept_rows``; arguments as for ``history_row``."""
-        self._row.time, self._row.step, self._row.newton = t, step, newton
-        self._kept.append((self.at(t), self._history_row.numbers_now(), self._probe_row.numbers_now()))
 
     @property
     def kept(self) -> int:
         """Number of rows kept."""
-        return len(self._kept)
+        return len(self._now)
 
     def kept_rows(self) -> tuple[FloatArray, FloatArray]:
         """(k, columns) rows of history.csv and of probes.csv that have been kept, which are then forgotten."""
-        samples, history, probes = zip(*self._kept, strict=True)
-        self._kept, values = [], np.array(samples)
+        history, probes = zip(*self._now, strict=True)
+        values = np.concatenate(self._kept)
+        self._kept, self._now = [], []
         return self._history_row.rows(values, history), self._probe_row.rows(values, probes)
 
     def probe_row(self, t: float) -> list[float]:

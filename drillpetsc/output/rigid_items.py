@@ -8,6 +8,7 @@ import numpy as np
 
 from drillpetsc.fem.component import FloatArray
 from drillpetsc.fem.quantity import Quantity, Sample
+from drillpetsc.fem.step_record import StepRecord
 from drillpetsc.model.drilling_model import DrillingModel
 from drillpetsc.output import quantities as declared
 from drillpetsc.physics.rock_bit import RESULTS as BIT_RESULTS
@@ -45,6 +46,14 @@ class RigidItems:
         if bit is not None and self._bit is not None:  # a bit that cuts has a contact of its own
             out[self._bit] += float(sample.once(bit.element_results)[BIT_RESULTS["side"]])
         return np.asarray(out[self.items])
+
+    def forces_of(self, steps: StepRecord) -> FloatArray | None:
+        """(k, items) ``forces`` after each of k recorded steps; None where they are found one by one only."""
+        if self.model.contact is None:
+            return np.zeros((len(steps), 0))
+        if self.model.drilling is not None and self._bit is not None:
+            return None
+        return np.asarray(self.model.contact.item_forces_of(steps)[:, self.items])
 
     def at_nodes(self, forces: FloatArray) -> FloatArray:
         """(n_nodes,) sums of ``forces`` (items,) over the items that hang on each node [N]."""

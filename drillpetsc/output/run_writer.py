@@ -51,6 +51,7 @@ class RunWriter:
             (0, 0) if restart_time is None else (after(restart_time, e) for e in self.every)
         )
         self.last_row = -1.0
+        self._one_rank = model.system.comm.size == 1
         # a hole that grows changes the places of points in it
         self._rows_at_once, self._written = (
             1 if model.drilling is not None else ROWS_AT_ONCE,
@@ -83,17 +84,18 @@ class RunWriter:
             passed(self.next_frame * self.every[1], t),
         )
         if not row_due and not frame_due:
-            if self.recorder.kept and clock.monotonic() > self._written + ROWS_WAIT:
-                self._attempt(self._write_rows, errors)
+            if self._one_rank and self.is_overdue:
+                self.write_waiting(errors)
             return False
         self.event.begin()
-        if row_due and self.recorder.energy is not None:
-            self.recorder.energy.update(t)
-        fields = self.field_output.fields(t) if frame_due else None
         rows = range(self.next_row, after(t, self.every[0]) if row_due else self.next_row)
-        self._attempt(
-            lambda: self._write([row * self.every[0] for row in rows], t, dt, newton, fields), errors
-        )
+        if rows:
+            times = [row * self.every[0] for row in rows]
+            self.recorder.rows_due(times, t, newton, dt, self.folder is not None)
+        fields = self.field_output.fields(t) if frame_due else None
+        if self._one_rank and self.is_overdue:
+            self.recorder.catch_up()
+        self._attempt(lambda: self._write(t, fields), errors)
         self.next_row = rows.stop
         self.last_row = rows[-1] * self.every[0] if rows else self.last_row
         if frame_due:
@@ -101,26 +103,30 @@ class RunWriter:
         self.event.end()
         return True
 
+    @property
+    def is_overdue(self) -> bool:
+        """Whether rows of this rank that are due have waited so long that they should be written now."""
+        waiting = self.recorder.recorded or self.recorder.kept
+        return bool(self.folder is not None and waiting and clock.monotonic() > self._written + ROWS_WAIT)
+
+    def write_waiting(self, errors: WriteErrors) -> None:
+        """Write the rows that are due; collective."""
+        self.event.begin()
+        self.recorder.catch_up()
+        self._attempt(self._write_rows, errors)
+        self.event.end()
+
     def _attempt(self, task: Callable[[], None], errors: WriteErrors) -> None:
         try:
             task()
         except OSError as error:
             errors.report_write_error(error, error.filename or str(self.folder.path))  # type: ignore[union-attr]
 
-    def _write(
-        self,
-        times: list[float],
-        t: float,
-        dt: float,
-        newton: int,
-        fields: tuple[FloatArray, dict[str, FloatArray]] | None,
-    ) -> None:
+    def _write(self, t: float, fields: tuple[FloatArray, dict[str, FloatArray]] | None) -> None:
         if self.folder is None:
             return
         self._background.check()
-        for row_time in times:
-            self.recorder.keep_row(row_time, dt, newton)
-        if self.recorder.kept >= self._rows_at_once or clock.monotonic() > self._written + ROWS_WAIT:
+        if self.recorder.kept >= self._rows_at_once or self.is_overdue:
             self._write_rows()
         if fields is not None:
             self._background.submit(lambda: self.frames.write(t, *fields))

@@ -7,13 +7,15 @@ from math import sqrt
 import numpy as np
 
 from drillpetsc.case.blocks.ends import TopEnd as TopKeys
-from drillpetsc.fem.component import FloatArray
+from drillpetsc.fem.component import Component, FloatArray
 from drillpetsc.fem.discrete_system import DiscreteSystem
 from drillpetsc.fem.quantity import Quantity, Sample
+from drillpetsc.fem.step_record import StepRecord
 from drillpetsc.model.drilling_model import DrillingModel
 from drillpetsc.model.hole import hole_depth
 from drillpetsc.output import quantities as declared
 from drillpetsc.output.in_hole import along_hole, measured_depth, measured_depths
+from drillpetsc.physics.interfaces import Bit
 from drillpetsc.time_function import Constant
 
 
@@ -31,6 +33,16 @@ def moves(top: TopKeys) -> bool:
     if top.hoist is not None and (top.hoist.line is not None or top.hoist.heave is not None):
         return True
     return top.force is not None or not (lowering is None or lowering == Constant(0.0))
+
+
+def top_reactions(steps: StepRecord, name: str) -> FloatArray | None:
+    """(k,) ``top_reaction`` after each of k recorded steps; None where it is found one by one only."""
+    for row in steps.assembly.row_replacements:
+        if row.owned and name in row.condition.names:
+            return steps.numbers(row.reaction, row.condition.names.index(name))
+    if any(type(c).reaction is not Component.reaction for c in steps.system.components):
+        return None
+    return np.zeros(len(steps))
 
 
 class TopEnd:
@@ -72,6 +84,17 @@ class TopEnd:
             return pull
         return -top_reaction(sample.system, "top.axial_reaction")
 
+    def hook_loads(self, steps: StepRecord) -> FloatArray | None:
+        """(k,) ``hook_load`` after each of k recorded steps; None where it is found one by one only."""
+        if self.force is not None or self.model.hoist is not None:
+            return None
+        found = top_reactions(steps, "top.axial_reaction")
+        return None if found is None else -found
+
+    def surface_torques(self, steps: StepRecord) -> FloatArray | None:
+        """(k,) ``surface_torque`` after each of k recorded steps; None where it is found one by one only."""
+        return None if self.model.drive is not None else top_reactions(steps, "top.torque_reaction")
+
     def hook_load_total(self, sample: Sample) -> float:
         """Pull on the string and weight of the block [N]."""
         return self.hook_load(sample) + (self.block or 0.0 if self._is_here else 0.0)
@@ -103,6 +126,21 @@ class LowerEnd:
             out[:3] = end + self.face * slope / sqrt(slope.dot(slope))
         return out
 
+    def motions(self, steps: StepRecord) -> FloatArray | None:
+        """(k, 4) ``motion`` after each of k recorded steps; None where it is found one by one only."""
+        beam = self.model.beam
+        if self.vertex is None or beam is None:
+            return np.zeros((len(steps), 4))
+        if beam.formulation != "ancf":
+            return None
+        place = steps.assembly.layout.dofs
+        end, slope = (
+            steps.unknowns(place[f"string.{name}"][self.vertex]) for name in ("position", "tangent")
+        )
+        spin = steps.rates(place["string.spin"][self.vertex].item(0))
+        length = np.sqrt(np.sum(slope * slope, axis=1))[:, None]
+        return np.column_stack([end + self.face * slope / length, spin])
+
     def depth_of(self, point: FloatArray) -> float:
         """Measured depth [m] of ``point`` (3,)."""
         return measured_depth(self.model, point)
@@ -118,6 +156,11 @@ class DrilledHole:
     def __init__(self, model: DrillingModel) -> None:
         self.model, self.bit = model, model.bit
         self.start = hole_depth(model.case) if self.bit is not None else 0.0
+
+    def progress(self, steps: StepRecord) -> FloatArray | None:
+        """(k, 2) ``Bit.progress`` after each of k recorded steps: zero without drilling; else None, since it is found one by one."""
+        assert self.bit is not None
+        return np.zeros((len(steps), 2)) if type(self.bit).progress is Bit.progress else None
 
     def quantities(self) -> tuple[Quantity, ...]:
         if self.bit is None:

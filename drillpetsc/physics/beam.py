@@ -5,7 +5,6 @@ Manual: sec-beam.
 
 from __future__ import annotations
 
-import ctypes
 from collections.abc import Mapping
 from typing import Any
 
@@ -22,9 +21,10 @@ from drillpetsc.physics import interfaces
 from drillpetsc.physics.reference_frames import renew_reference_frames
 
 _results = function("beam_results", "iippppp" + "p")
-_dissipation = function("beam_dissipation", "iipppp", ctypes.c_double)
 RESULT_NAMES = columns("beam_results").names
 ENERGIES = columns("beam_results").span("kinetic", "potential")  # in the order of ``Energies``
+_BALANCE = columns("beam_balance")
+_STORED, _DISSIPATED = _BALANCE.span("stored_kinetic", "stored_potential"), _BALANCE["dissipated"]
 SLOTS = (
     ("string.position", 0),
     ("string.tangent", 0),
@@ -233,14 +233,21 @@ class AncfBeam(interfaces.Beam):
     def energies(self, t: float, state) -> Energies:
         kinetic = strain = potential = 0.0
         for b in self._blocks:
-            part = state.results(b, "beam_results", len(RESULT_NAMES)).sums[ENERGIES].tolist()
+            part = state.results(b, "beam_balance", _BALANCE.width).sums[_STORED].tolist()
             kinetic, strain, potential = kinetic + part[0], strain + part[1], potential + part[2]
         return Energies(kinetic, strain, potential)
 
     def powers(self, t: float, state) -> Powers:
         lost = 0.0
         for b in self._blocks:
-            if "damped" in b.kernel and len(b.points):
-                n, width, index, params, _, x, y = state.results_head(b)
-                lost += _dissipation(n, width, index, params, x, y)
+            if "damped" in b.kernel:
+                lost += state.results(b, "beam_balance", _BALANCE.width).sums.item(_DISSIPATED)
         return Powers(lost)
+
+    def energies_of(self, steps) -> tuple[Any, Any, Any]:
+        parts = [steps.sums(b, "beam_balance", _BALANCE.width)[:, _STORED] for b in self._blocks]
+        return tuple(sum(parts[1:], parts[0]).T)
+
+    def powers_of(self, steps) -> tuple[Any, Any]:
+        damped = (b for b in self._blocks if "damped" in b.kernel)
+        return sum(steps.sums(b, "beam_balance", _BALANCE.width)[:, _DISSIPATED] for b in damped), 0.0

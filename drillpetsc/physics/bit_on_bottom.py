@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from contextlib import contextmanager
+from typing import Any
 
 import numpy as np
 
@@ -124,6 +125,18 @@ class BitOnBottom(Bit):
             return Powers()
         _, torque = self.weight_and_torque(state)
         return Powers(torque * state.y.item(state.index_of(self._block).item(0, 6)))
+
+    def weight_and_torque_of(self, steps) -> FloatArray:
+        return np.asarray(steps.sums(self._block, "bit_contact_results", 2))
+
+    def energies_of(self, steps) -> tuple[Any, Any, Any]:
+        return 0.0, 0.5 * self.weight_and_torque_of(steps)[:, 0] ** 2 / self.stiffness, 0.0
+
+    def powers_of(self, steps) -> tuple[Any, Any]:
+        if not len(self._block.points):
+            return 0.0, 0.0
+        spin = steps.rates(steps.assembly.index_of(self._block).item(0, 6))
+        return self.weight_and_torque_of(steps)[:, 1] * spin, 0.0
 
     def quantities(self) -> tuple[Quantity, ...]:
         return declared.BIT

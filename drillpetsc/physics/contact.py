@@ -7,7 +7,6 @@ Manual: sec-contact, sec-bit-on-bottom.
 from __future__ import annotations
 
 import ctypes
-import zlib
 from dataclasses import dataclass
 from itertools import product
 from typing import Any
@@ -17,7 +16,7 @@ from numpy.typing import ArrayLike
 
 from drillpetsc.arrays import FloatArray
 from drillpetsc.fem.bound_parts import BlockResults
-from drillpetsc.fem.component import ElementBlock, Energies, Powers
+from drillpetsc.fem.component import ContactFlags, ElementBlock, Energies, Powers
 from drillpetsc.fem.quadrature import exposed_ends, rule
 from drillpetsc.fem.quantity import Quantity
 from drillpetsc.fem.string_mesh import StringMesh
@@ -361,16 +360,9 @@ class Contact(WallContact):
         for record in self._laws:
             record.stiffness = self.law.stiffness * factor
 
-    @property
-    def touches_wall(self) -> bool:
-        return any(bool(touching.any()) for touching in self._touching)
-
-    def contact_signature(self) -> int:
-        """A number that changes when a contact opens or closes on this rank.
-
-        Unlike ``hash`` the same in every process.
-        """
-        return zlib.crc32(b"".join(t.tobytes() for t in self._touching))
+    def contact_flags(self) -> tuple[ContactFlags, ...]:
+        pairs = zip(self._touching, self._laws[-len(self._touching) :], strict=True)
+        return tuple(ContactFlags(touching, True, ctypes.addressof(law)) for touching, law in pairs)
 
     def normal_force(self, cell: int) -> float:
         """Return the normal force on a local cell in the last residual [N]."""
@@ -429,6 +421,32 @@ class Contact(WallContact):
         for results in self._block_results(state):
             lost += results.sums.item(_DAMPED) + results.sums.item(_RUBBED)
         return Powers(lost)
+
+    def _sums_of(self, steps) -> list[FloatArray]:
+        return [steps.sums(b, f"{b.kernel}_results", len(RESULT_NAMES)) for b in self._blocks]
+
+    def energies_of(self, steps) -> tuple[Any, Any, Any]:
+        return 0.0, sum(sums[:, _STORED] for sums in self._sums_of(steps)), 0.0
+
+    def powers_of(self, steps) -> tuple[Any, Any]:
+        return sum(sums[:, _DAMPED] + sums[:, _RUBBED] for sums in self._sums_of(steps)), 0.0
+
+    def item_forces_of(self, steps) -> FloatArray:
+        """(k, bodies) ``item_forces`` after each of k recorded steps."""
+        out = np.zeros((len(steps), len(self.mesh.bodies)))
+        width, found = len(RESULT_NAMES), (b for b in self._blocks if b.on != "cell")
+        for items, b in zip(self._items, found, strict=True):
+            table = steps.results(b, f"{b.kernel}_results", width).table
+            out[:, items] = steps.numbers(table, range(0, table.size, width))
+        return out
+
+    def normal_force_of(self, cell: int, steps) -> FloatArray:
+        """(k,) ``normal_force`` after each of k recorded steps."""
+        for b, normal in zip(self._blocks, self._normal, strict=True):
+            if b.on == "cell" and cell in b.points:
+                row, points = int(np.flatnonzero(b.points == cell)[0]), normal.shape[1]
+                return np.asarray(steps.numbers(normal, range(row * points, (row + 1) * points)).sum(axis=1))
+        return np.zeros(len(steps))
 
     def quantities(self) -> tuple[Quantity, ...]:
         return declared.CONTACT

@@ -163,6 +163,10 @@ class Bit(Component):
     def weight_and_torque(self, state: Any) -> tuple[float, float]:
         """Compute weight on bit [N] and torque on bit [N m], zero on ranks without the bit."""
 
+    def weight_and_torque_of(self, steps: Any) -> FloatArray | None:
+        """(k, 2) ``weight_and_torque`` after each of k recorded steps; None where they are found one by one only."""
+        return None
+
     def element_results(self, state: Any) -> FloatArray:
         """Results of the bit, zero on ranks without it: weight [N] and torque [N m] first."""
         return np.array(self.weight_and_torque(state))
@@ -238,6 +242,14 @@ class WallContact(Component):
     @abstractmethod
     def normal_force(self, cell: int) -> float:
         """Normal force on a local cell in the last residual [N]."""
+
+    @abstractmethod
+    def item_forces_of(self, steps: Any) -> FloatArray:
+        """(k, bodies) ``item_forces`` after each of k recorded steps."""
+
+    @abstractmethod
+    def normal_force_of(self, cell: int, steps: Any) -> FloatArray:
+        """(k,) ``normal_force`` after each of k recorded steps."""
 
     @abstractmethod
     def copy_sliding_direction(self, other: Any) -> None:

@@ -11,6 +11,7 @@ eq-beam-update).
 
 from __future__ import annotations
 
+import ctypes
 from collections.abc import Callable
 
 import numpy as np
@@ -18,6 +19,9 @@ import numpy as np
 from drillpetsc.arrays import FloatArray
 from drillpetsc.fem.discrete_system import DiscreteSystem
 from drillpetsc.geometry.frames import Frames, reference_change, smallest_rotation
+from drillpetsc.kernels import function
+
+_far_slopes = function("far_slopes", "ipppd", ctypes.c_int)
 
 REFERENCE_LIMIT_COSINE = (
     -0.5
@@ -65,6 +69,9 @@ def _far_nodes(system: DiscreteSystem, frames: Frames) -> list[tuple[int, np.nda
 
     The same on all ranks.
     """
+    asm = system.assembly
+    if system.ends is None and not _far_slopes(*asm.spins_at, asm.state_at[0], REFERENCE_LIMIT_COSINE):
+        return []
     chain, v = system.chain, system.field("string.tangent")
     along = np.einsum("ij,ij->i", frames.reference[chain.vertices], v)
     size = np.sqrt(np.einsum("ij,ij->i", v, v))

@@ -5,6 +5,8 @@ Manual: sec-junctions-bodies, sec-junctions-unbalance, sec-junctions-eccentric, 
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 from drillpetsc.arrays import FloatArray
@@ -124,6 +126,14 @@ class RigidBodies(Component):
             part = state.results(b, "eccentric_energy", 2).sums.tolist()
             kinetic, potential = kinetic + part[0], potential + part[1]
         return Energies(kinetic=kinetic, potential=potential)
+
+    def energies_of(self, steps) -> tuple[Any, Any, Any]:
+        kinetic = potential = 0.0
+        blocks = [(self._block, "body_energy")] if len(self._nodes) else []
+        for b, kernel in blocks + [(b, "eccentric_energy") for b in self._blocks]:
+            part = steps.sums(b, kernel, 2)
+            kinetic, potential = kinetic + part[:, 0], potential + part[:, 1]
+        return kinetic, 0.0, potential
 
 
 def end_frames(frames: Frames, e: np.ndarray) -> dict[str, FloatArray]:

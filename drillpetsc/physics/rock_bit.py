@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from drillpetsc.arrays import FloatArray
-from drillpetsc.fem.component import ElementBlock, Energies, Field, Powers
+from drillpetsc.fem.component import ContactFlags, ElementBlock, Energies, Field, Powers
 from drillpetsc.fem.quantity import Quantity
 from drillpetsc.geometry.growing_hole import GrowingHole
 from drillpetsc.geometry.well import Well
@@ -230,6 +230,7 @@ class RockBit(Bit):
             self.update_size = 13  # and the angle from which the pattern counts
         self._zero_angle = 0.0
         self._made = self._law_record()
+        self._flags = np.frombuffer(self._made, dtype=np.int32, count=1, offset=_Law.touching.offset)
         self._time = self._accepted = 0.0
         self._turned = np.zeros(
             3
@@ -564,9 +565,8 @@ class RockBit(Bit):
             self.params["angle"] = self._zero_angle = float(saved["pattern_angle"][0])
         self._follow()
 
-    def contact_signature(self) -> int:
-        """A number that changes when the bit leaves the bottom or comes back to it, on the bit's rank."""
-        return int(self._made.touching)
+    def contact_flags(self) -> tuple[ContactFlags, ...]:
+        return (ContactFlags(self._flags),)
 
     # ------------------------------------------------------------------ results
     def element_results(self, state) -> FloatArray:

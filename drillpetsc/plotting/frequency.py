@@ -11,6 +11,7 @@ from drillpetsc.output.files.json_file import read_summary
 from drillpetsc.output.files.run_folder import (
     BOUNDARY_TABLE,
     CAMPBELL_TABLE,
+    CRITICAL_MAP_TABLE,
     CRITICAL_TABLE,
     RESPONSE_TABLE,
     STABILITY_RUNS_TABLE,
@@ -127,6 +128,27 @@ def _prevailing(words: np.ndarray) -> str:
     """The word that occurs most often."""
     found, count = np.unique(words.astype(str), return_counts=True)
     return str(found[count.argmax()])
+
+
+def draw_critical_map(folder: Path, title: str) -> Any:
+    """Critical speeds without damping over the stiffness of the wall, by excitation line and kind of the mode."""
+    table = read_table(folder / CRITICAL_MAP_TABLE)
+    wall = table["wall_stiffness [Pa]"].astype(float)
+    if not len(wall):
+        return None
+    drawing = style.figure(8.0, 5.0, dpi=110)
+    top = style.heading(drawing, f"{title}: critical speeds without damping")
+    axes = drawing.subplots()
+    line, kind = table["excitation_line [-]"].astype(float), table["kind [-]"].astype(str)
+    groups = sorted(set(zip(kind.tolist(), np.round(line, 3).tolist(), strict=True)))
+    for (word, order), marker in zip(groups, "osDv^<>Pd*Xhp" * (1 + len(groups) // 13), strict=False):
+        here = (kind == word) & (np.round(line, 3) == order)
+        speed = table["critical_rotary_speed [rpm]"][here].astype(float)
+        axes.semilogx(wall[here], speed, marker, markersize=5, label=f"{word}, {order:g} per turn")
+    axes.set(xlabel="Stiffness of the wall [Pa]", ylabel="Critical speed [rpm]", ylim=(0, None))
+    axes.legend(frameon=False, fontsize=8.5, loc="center left", bbox_to_anchor=(1.02, 0.5))
+    drawing.tight_layout(rect=(0, 0, 1, top))
+    return drawing
 
 
 def draw_stability(folder: Path, title: str) -> Any:

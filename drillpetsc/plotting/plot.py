@@ -18,6 +18,7 @@ from drillpetsc.output.files.fields import read_frame, read_series
 from drillpetsc.output.files.json_file import read_summary
 from drillpetsc.output.files.run_folder import (
     CAMPBELL_TABLE,
+    CRITICAL_MAP_TABLE,
     REFLECTION_TABLE,
     RESPONSE_TABLE,
     STABILITY_TABLE,
@@ -26,7 +27,7 @@ from drillpetsc.output.files.run_folder import (
 )
 from drillpetsc.output.files.tables import read_table, split_name
 from drillpetsc.plotting import style
-from drillpetsc.plotting.frequency import draw_campbell, draw_response, draw_stability
+from drillpetsc.plotting.frequency import draw_campbell, draw_critical_map, draw_response, draw_stability
 from drillpetsc.plotting.hole_path import new_hole, well_path
 from drillpetsc.plotting.hydraulics import hydraulics_drawers, units_of
 from drillpetsc.plotting.limits import limits_drawers
@@ -175,6 +176,8 @@ def _drawers(folder: RunFolder, units: System | None) -> dict[str, Callable[[], 
         drawers["modes"] = lambda: draw_modes(folder.path, title)
     if (folder.path / CAMPBELL_TABLE).exists():
         drawers["campbell"] = lambda: draw_campbell(folder.path, title)
+    if (folder.path / CRITICAL_MAP_TABLE).exists():
+        drawers["critical_map"] = lambda: draw_critical_map(folder.path, title)
     if (folder.path / STABILITY_TABLE).exists():
         drawers["stability_map"] = lambda: draw_stability(folder.path, title)
     if (folder.path / RESPONSE_TABLE).exists():

@@ -83,7 +83,8 @@ class Piece:
         self.pivots = int((ld * b).sum())  # entries of all pivot blocks
         self.n, self.interfaces, self.table, self.length = n, interfaces, table, int(ld.sum())
         self.store, self.inverse = aligned(end), aligned(self.length)
-        self.pivot = np.zeros(self.length, dtype=np.int32)
+        # each node's rows in their own order, as those of the padding stay
+        self.pivot = (np.arange(self.length) - np.repeat(table[:, _VEC], ld)).astype(np.int32)
         self.stats = np.zeros(_STATS.width)
         self.saved: np.ndarray | None = None
         self.blocks: np.ndarray | None = None
@@ -166,6 +167,21 @@ class Piece:
             saved,
             blocks,
         )
+
+    def record(self) -> dict[str, int]:
+        """Sizes and addresses of the piece for compiled code, by the names of ChainCall in kernels/newton/newton.cpp."""
+        names = ("start", "first_entry", "pattern", "tile_begin", "tiles", "single_begin", "singles")
+        n, _, table, store = self._piece
+        inverse, pivot = self._lu
+        own = {
+            "n": n,
+            "length": self.length,
+            "table": table,
+            "store": store,
+            "inverse": inverse,
+            "pivot": pivot,
+        }
+        return own | dict(zip(names, self._entries, strict=True)) | {"stats": pointer(self.stats)}
 
     def forward(self, vec: np.ndarray) -> None:
         """Sweep towards the interfaces, in place on a padded vector (manual: eq-chain-sweeps).

@@ -25,12 +25,14 @@ import numpy as np
 
 from drillpetsc.errors import SolveError
 from drillpetsc.kernels import function, pointer
+from drillpetsc.kernels.parameters import structure
 from drillpetsc.solvers.block_tridiagonal import LARGEST_BLOCK, Piece, aligned
 
 #: length of the header before the blocks of a rank's message: failed node (-1: none), its column, smallest
 #: and largest pivot ratio, node of the smallest
 _HEADER = 5
 
+_ChainCall = structure("chain_call")  # ChainCall of kernels/newton/newton.cpp
 _gather = function("chain_gather", "ippp")
 _scatter = function("chain_scatter", "ippp")
 _scatter_add = function("chain_scatter_add", "ippp")
@@ -309,6 +311,20 @@ class ChainFactor:
         least = heads[np.argmin(heads[:, 2])]
         self.smallest_pivot, self.smallest_pivot_node = float(least[2]), int(least[4])
         self.growth = float(heads[:, 3].max())
+
+    def record(self) -> Any:
+        """Arguments of factorisations and solves of owned unknowns in compiled code, on one process and without refinement."""
+        assert self.comm is None and not self.refine
+        at = {"vec": pointer(self._vec), "index": pointer(self._owned_global_at)}
+        return _ChainCall(**self.piece.record(), **at, tolerance=self.pivot_tolerance)
+
+    def renewed(self, times: int) -> None:
+        """Count factorisations that compiled code has done with ``record``."""
+        self.factorisations += times
+        column, smallest, growth, node = self.piece.stats.tolist()
+        if times and column < 0:
+            self.smallest_pivot, self.growth = smallest, growth
+            self.smallest_pivot_node = int(self.nodes[int(node)]) if node >= 0 else -1
 
     def _solve_packed(self, vec: np.ndarray) -> None:
         """Solve in place on a padded vector; at interfaces the right-hand sides of two ranks add up."""

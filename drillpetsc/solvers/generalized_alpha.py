@@ -257,6 +257,8 @@ class GeneralizedAlpha(TimeIntegrator):
 
     def failure(self, what: str) -> SolveError:
         """Return the error that ends a run, with the place of the largest residual; collective."""
+        for call in self.on_failure:
+            call()
         return SolveError(
             what,
             time=self._last,

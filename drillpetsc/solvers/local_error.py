@@ -14,7 +14,6 @@ from __future__ import annotations
 
 from collections import deque
 from dataclasses import dataclass
-from math import prod
 from typing import Any, Protocol
 
 import numpy as np
@@ -85,6 +84,7 @@ class BdfOutputErrors:
 
 
 _add_local_error = function("add_local_error", "iippppp")
+_bdf_error_weights = function("bdf_error_weights", "ipp")
 
 UNITS = {"position": "m", "tangent": "-", "spin": "rad", "ratio": "-", "pressure": "Pa", "flow": "m3/s"}
 MEANING = (
@@ -114,8 +114,12 @@ class LocalErrorEstimate:
         owned = np.sort(layout.local_of_owned)
         self._rows = owned[differential[layout.field_of[owned]]]
         self._field = layout.field_of[self._rows]
-        self._recent: deque[tuple[float, FloatArray, int]] = deque(maxlen=earlier + 1)
+        #: times of the recent states, ascending, and the rows of ``_states`` that have them
+        self._recent: deque[tuple[float, int]] = deque(maxlen=earlier + 1)
+        self._states = np.zeros((earlier + 1, len(self._rows)))
+        self._next_row, self._row_size = 0, 8 * len(self._rows)
         self._largest, self._sum, self._net = (np.zeros(len(self._rows)) for _ in range(3))
+        self._sums_at = tuple(map(pointer, (self._net, self._sum, self._largest)))
         self._history = integrator.history
         integrator.estimate = self
         integrator.after_step.append(lambda t, dt: self.step(t, integrator.fresh))
@@ -133,16 +137,18 @@ class LocalErrorEstimate:
         self._add(t, self.system.assembly.x)
         if len(self._recent) <= self.formula.earlier:
             return
-        weights = np.ascontiguousarray(self.formula.weights([q for q, _, _ in self._recent]))
-        states = np.array([address for _, _, address in self._recent], dtype=np.int64)
-        sums = map(pointer, (self._net, self._sum, self._largest))
-        _add_local_error(len(self._rows), len(states), pointer(states), pointer(weights), *sums)
+        weights = np.ascontiguousarray(self.formula.weights([q for q, _ in self._recent]))
+        first = pointer(self._states)
+        states = np.array([first + row * self._row_size for _, row in self._recent], dtype=np.int64)
+        _add_local_error(len(self._rows), len(states), pointer(states), pointer(weights), *self._sums_at)
         self.estimated += 1
 
     def _add(self, t: float, x: FloatArray) -> None:
-        """Keep the unknowns of the estimate at ``t`` [s], with the address of their array."""
-        values = x.take(self._rows)
-        self._recent.append((t, values, pointer(values)))
+        """Keep the unknowns of the estimate at ``t`` [s]."""
+        row = self._next_row
+        x.take(self._rows, out=self._states[row], mode="clip")
+        self._recent.append((t, row))
+        self._next_row = (row + 1) % len(self._states)
 
     # ------------------------------------------------------------------ checkpoints
     def get_state(self) -> dict[str, FloatArray]:
@@ -231,16 +237,9 @@ def local_error(times: list[float], states: list[FloatArray], order: int) -> Flo
 
 def local_error_weights(times: list[float], order: int) -> FloatArray:
     """Compute the weights (order + 2,) of the states in the local error; arguments as for ``local_error``."""
-    gaps = [times[-1] - t for t in times[-2 : -order - 2 : -1]]
-    scale = prod(gaps) / sum(1 / g for g in gaps)
-    weights = []
-    for s in times:  # ascending, so that only the state itself is at no distance
-        product = 1.0
-        for t in times:
-            if t != s:
-                product *= s - t
-        weights.append(scale / product)
-    return np.array(weights)
+    ascending, weights = np.array(times, dtype=float), np.empty(order + 2)
+    _bdf_error_weights(order, pointer(ascending), pointer(weights))
+    return weights
 
 
 def local_errors(times: FloatArray, states: FloatArray, order: int) -> FloatArray:

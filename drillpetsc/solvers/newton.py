@@ -9,7 +9,6 @@ prefix ``q_``.
 from __future__ import annotations
 
 import ctypes
-import math
 from dataclasses import dataclass
 from weakref import WeakKeyDictionary
 
@@ -22,11 +21,15 @@ from drillpetsc.fem.discrete_system import DiscreteSystem
 from drillpetsc.kernels import function, pointer
 from drillpetsc.parallel import all_true, largest, total
 from drillpetsc.solvers.chain_lu import ChainFactor, ChainPC, ZeroPivot
+from drillpetsc.solvers.compiled_newton import CompiledNewton
 from drillpetsc.solvers.newton_work import ResidualWork
 
 _scaled_size = function("scaled_size", "ippdp", ctypes.c_double)
+_work = function("work_along_step", "ippp", ctypes.c_double)
+_finite_sum = function("finite_sum", "ip", ctypes.c_int)
+_take_step, _shorten_step = function("take_step", "ipp"), function("shorten_step", "idpp")
 #: relative spacing below which an unknown cannot be resolved (manual: eq-time-increment)
-RESOLUTION = 64 * np.finfo(float).eps
+RESOLUTION = 64 * float(np.finfo(float).eps)
 #: an increment that no longer shrinks and is below this fraction of the scales is rounding
 ROUNDING_INCREMENT = 1e-10
 #: the work of the residual asks for increments down to this fraction of the tolerance, and not below the other
@@ -95,12 +98,15 @@ class CondensedNewton:
         )  # of this solve: number of the last factorisation, version of its entries
         self.q, self._f = system.new_condensed(), system.new_condensed()
         owned = system.layout.local_of_owned
-        self._scale = system.scale[owned]
-        self._scale_at = pointer(self._scale)
-        self._arrays: tuple[np.ndarray, np.ndarray] | None = None
+        self.scale = system.scale[owned]
+        self._scale_at = pointer(self.scale)
+        #: unknowns and residual (owned,) of the direct iteration
+        self.arrays: tuple[np.ndarray, np.ndarray] | None = None
+        self.last_iterations = 0
         self.snes = self._make_snes(prefix)
-        apart = self.direct and lag and system.has_contact and system.comm.size == 1
-        self.contacts = ContactEntries(system) if apart else None
+        compiled = self.direct and lag and system.comm.size == 1
+        self.contacts = ContactEntries(system) if compiled and system.has_contact else None
+        self.compiled = self._compiled() if compiled else None
 
     def _make_snes(self, prefix: str) -> PETSc.SNES:
         system = self.system
@@ -140,7 +146,8 @@ class CondensedNewton:
         )
         if self.direct:
             snes.setType("python")
-            snes.setPythonContext(_DirectIteration(self))
+            self._iteration = _DirectIteration(self)
+            snes.setPythonContext(self._iteration)
         snes.setFromOptions()
         self.max_iterations = snes.getTolerances()[3]
         self.tolerance = options.getReal("snes_stol", self.tolerance)
@@ -164,9 +171,20 @@ class CondensedNewton:
         snes.setUp()
         if self.direct:
             #: arrays of unknowns and residual, their addresses: the rows of a step are one compiled call
-            self._arrays = self.q.getArray(), self._f.getArray()
-            self._arrays_at = pointer(self._arrays[0]), pointer(self._arrays[1])
+            self.arrays = self.q.getArray(), self._f.getArray()
+            self._arrays_at = pointer(self.arrays[0]), pointer(self.arrays[1])
         return snes
+
+    def _compiled(self) -> CompiledNewton:
+        """The iteration in one compiled call; ``_DirectIteration`` has its parts."""
+        limits = {
+            "rounding": ROUNDING_INCREMENT,
+            "overshoot": OVERSHOOT_FRACTION,
+            "shortest": SHORTEST_STEP_FRACTION,
+            "contact_iterations": CONTACT_ITERATIONS,
+        }
+        parts = self._iteration
+        return CompiledNewton(self, parts.forces, parts.line_search, limits)
 
     # ------------------------------------------------------------------ callbacks
     def _evaluate(self) -> None:
@@ -184,10 +202,9 @@ class CondensedNewton:
 
     def rows(self, q: PETSc.Vec) -> np.ndarray:
         """Compute the residual at ``q``, owned rows; the next call overwrites the array."""
-        if self._arrays is not None and q.handle == self.q.handle:
-            owned = self.system.layout.local_of_owned
-            at, ends, rows = self._arrays_at, self.system.ends, self._arrays[1]
-            if self.system.assembly.step_rows(self.t, self.shift, self.second_shift, owned, at, ends, rows):
+        if self.arrays is not None and q.handle == self.q.handle:
+            at, ends, rows = self._arrays_at, self.system.ends, self.arrays[1]
+            if self.system.assembly.step_rows(self.t, self.shift, self.second_shift, at, ends, rows):
                 return rows
         self._function(None, q, self._f)
         return self._f.getArray(readonly=1)
@@ -208,14 +225,14 @@ class CondensedNewton:
             J.assemble()
 
     @property
-    def _weights(self) -> tuple[float, float, float]:
+    def weights(self) -> tuple[float, float, float]:
         """Weights of the Jacobian's parts [-, 1/s, 1/s2] (manual: eq-time-jacobian)."""
         shift, second = self.shift, self.second_shift
         return 1.0, shift, shift**2 if second == shift else shift * second
 
     def update_jacobian(self) -> None:
         """Compute the Jacobian's entries at the assembly's state (manual: eq-time-jacobian)."""
-        self.system.assembly.jacobian(self.t, self._weights, condensed=True)
+        self.system.assembly.jacobian(self.t, self.weights, condensed=True)
         self.jacobians += 1
         if self.lag:
             self.lag.shift, self.lag.good, self.lag.signature = (
@@ -228,6 +245,10 @@ class CondensedNewton:
     def factor_matrix(self) -> None:
         """Factor the matrix of the assembly's entries.  Raises ZeroPivot."""
         self.factor.factor(self.system.assembly.values)
+        self.take_factor()
+
+    def take_factor(self) -> None:
+        """The direct solver now has the present entries of the assembly."""
         self._factored, self._version = self.factor.factorisations, self.system.assembly.version
 
     def contacts_suffice(self) -> bool:
@@ -248,15 +269,15 @@ class CondensedNewton:
         if (
             self.contacts is None
             or lag is None
-            or not (lag.good and self.has_factor and self._version == asm.version)
+            or not (lag.good and self.has_factor and self.has_entries)
             or abs(self.shift / lag.shift - 1.0) > lag.shift_change
             or not (self.contacts_suffice() and self.contacts.possible)
         ):
             return False
-        first = self.contacts.update(self.t, self._weights)
+        first = self.contacts.update(self.t, self.weights)
         if first < self.contacts.nodes:
             self.factor.factor(asm.values, first)
-        self._factored, self._version = self.factor.factorisations, asm.version
+        self.take_factor()
         lag.signature = self.system.contact_signature()
         self.contact_updates += 1
         self._renewed = its
@@ -266,6 +287,38 @@ class CondensedNewton:
     def has_factor(self) -> bool:
         """Whether the direct solver, which all solves of the system share, has the last factorisation of this one."""
         return self._factored == self.factor.factorisations
+
+    @property
+    def has_entries(self) -> bool:
+        """Whether the assembly has the entries of the last factorisation."""
+        return self._version == self.system.assembly.version
+
+    @property
+    def estimates(self) -> tuple[float, float, float, float]:
+        """Convergence factor, scaled size of the last increment and of the first one, last contraction [-]."""
+        return self.eta, self._last, self._first, self._theta
+
+    @estimates.setter
+    def estimates(self, values: tuple[float, float, float, float]) -> None:
+        self.eta, self._last, self._first, self._theta = values
+
+    def count(self, iterations: int, jacobians: int, contact_updates: int) -> None:
+        """Count what a compiled solve has done."""
+        self.last_iterations = iterations
+        self.linear_iterations += iterations
+        self.jacobians += jacobians
+        self.contact_updates += contact_updates
+
+    @property
+    def spacing(self) -> float:
+        """Relative spacing of numbers over the tolerance [-]: increments below it at the unknown's size (a depth of 2000 m) cannot be
+        resolved."""
+        return RESOLUTION / self.tolerance
+
+    @property
+    def finest(self) -> float:
+        """Error [-] below which the work of the residual is not tested."""
+        return max(WORK_REFINEMENT * self.tolerance, WORK_FINEST_INCREMENT)
 
     def true_on_all_ranks(self, local: bool) -> bool:
         """Whether ``local`` is true on all ranks; collective."""
@@ -307,10 +360,8 @@ class CondensedNewton:
         if its == 0:
             self._theta, self._renewed = 0.0, 0
             return 0
-        # increments below the spacing of numbers at the unknown's size (a depth of 2000 m) cannot be resolved
         unknowns = self.q.getArray(readonly=1)
-        spacing = RESOLUTION / self.tolerance
-        size: float = _scaled_size(len(step), pointer(step), self._scale_at, spacing, pointer(unknowns))
+        size: float = _scaled_size(len(step), pointer(step), self._scale_at, self.spacing, pointer(unknowns))
         if self.system.comm.size > 1:
             size = largest(self.system.comm, size)
         if its > 1 and self._last > 0:
@@ -337,7 +388,7 @@ class CondensedNewton:
         """
         if self.work is None or self.work.limit <= 0.0:
             return False
-        if size <= max(WORK_REFINEMENT * self.tolerance, WORK_FINEST_INCREMENT):
+        if size <= self.finest:
             return False
         return abs(self.work.power(rows)) > self.work.limit
 
@@ -420,23 +471,29 @@ class CondensedNewton:
             # a factorisation at another shift leaves an error of this fraction in each iteration
             mismatch = abs((shift / self.lag.shift) ** 2 - 1.0)
             self.eta = max(self.eta, mismatch / max(1.0 - mismatch, 0.1))
-        self.system.store_unknowns(self.q)
-        with petsc_compat.own_errors():
-            self.snes.solve(None, self.q)
-        self.iterations += self.snes.getIterationNumber()
-        if not self.direct:
-            self.linear_iterations += self.snes.getLinearSolveIterations()
-        reason = self.snes.getConvergedReason()
+        reason = None if self.compiled is None else self.compiled.solve()
+        if reason is None:
+            reason = self._solve_in_parts()
+        self.iterations += self.last_iterations
         if reason < 0:
             self.failures += 1
             if self.lag:
                 self.lag.good = False
+        return reason
+
+    def _solve_in_parts(self) -> int:
+        """Solve with PETSc's SNES from the assembly's x; returns its reason."""
+        self.system.store_unknowns(self.q)
+        with petsc_compat.own_errors():
+            self.snes.solve(None, self.q)
+        self.last_iterations = self.snes.getIterationNumber()
         if (
             not self.direct
         ):  # else the assembly has the state of the last rows, which are those of the solution
+            self.linear_iterations += self.snes.getLinearSolveIterations()
             self.system.load_unknowns(self.q)
             self._evaluate()
-        return reason
+        return self.snes.getConvergedReason()
 
 
 class _DirectIteration:
@@ -454,7 +511,8 @@ class _DirectIteration:
         forces = np.array([f.does_work for f in layout.fields])[layout.field_of[layout.local_of_owned]]
         self.forces = None if forces.all() else np.flatnonzero(forces)
         self.step = np.zeros(len(newton.system.layout.local_of_owned))
-        self._force_rows, self._force_step = np.zeros((2, int(forces.sum())))  # work arrays
+        self._step_at = pointer(self.step)
+        self._chosen = np.flatnonzero(forces).astype(np.int32)
         self.log = PETSc.Log.Event("ChainFactor"), PETSc.Log.Event("ChainSolve")
 
     def solve(self, snes, b, x) -> None:
@@ -475,11 +533,8 @@ class _DirectIteration:
             self.log[1].begin()
             newton.factor.solve_owned(rows, step)
             self.log[1].end()
-            np.negative(step, out=step)
-            if self.line_search and self.forces is not None:
-                step.take(self.forces, out=self._force_step, mode="clip")
+            _take_step(len(step), self._step_at, pointer(unknowns))
             before = self._work_along_step(rows) if self.line_search else 0.0
-            unknowns += step
             rows = newton.rows(x)
             if self.line_search:
                 rows = self._shorten(x, unknowns, rows, before)
@@ -489,7 +544,7 @@ class _DirectIteration:
         return its, reason
 
     def _finite(self, rows: np.ndarray) -> bool:
-        finite = math.isfinite(np.add.reduce(rows))  # faster than rows.sum()
+        finite = bool(_finite_sum(len(rows), pointer(rows)))
         if self.newton.system.comm.size > 1:
             finite = self.newton.true_on_all_ranks(finite)
         return finite
@@ -515,14 +570,11 @@ class _DirectIteration:
         return True
 
     def _work_along_step(self, rows: np.ndarray) -> float:
-        """Compute the work [J] of this rank's rows along the step, over the rows that are forces.
-
-        ``_force_step`` holds the step of these rows.
-        """
-        if self.forces is None:
-            return float(rows @ self.step)
-        rows.take(self.forces, out=self._force_rows, mode="clip")
-        return float(self._force_rows @ self._force_step)
+        """Compute the work [J] of this rank's rows along the step, over the rows that are forces."""
+        chosen = None if self.forces is None else pointer(self._chosen)
+        count = len(rows) if chosen is None else len(self._chosen)
+        work: float = _work(count, chosen, pointer(rows), self._step_at)
+        return work
 
     def _shorten(self, x, unknowns: np.ndarray, rows: np.ndarray, before: float) -> np.ndarray:
         """Shorten a step that overshoots by one secant step (manual: eq-time-line-search); collective.
@@ -536,8 +588,7 @@ class _DirectIteration:
         if not (before < 0.0 and after > -OVERSHOOT_FRACTION * before):
             return rows
         fraction = max(SHORTEST_STEP_FRACTION, before / (before - after))
-        unknowns += (fraction - 1.0) * step
-        step *= fraction
+        _shorten_step(len(step), fraction, self._step_at, pointer(unknowns))
         return newton.rows(x)
 
 

@@ -10,13 +10,13 @@ import ctypes
 
 import numpy as np
 
-from drillpetsc.arrays import FloatArray
+from drillpetsc.arrays import FloatArray, IntArray
 from drillpetsc.fem.component import FLUID
 from drillpetsc.fem.discrete_system import DiscreteSystem
 from drillpetsc.kernels import function, pointer
 from drillpetsc.parallel import total
 
-_product = function("gathered_product", "ipppp", ctypes.c_double)
+_power = function("residual_power", "pippp", ctypes.c_double)
 SHARE = 1e-3  # default of -drillpetsc_newton_work
 SAMPLE_INTERVAL = 16  # accepted steps between two samples of the exchanged power
 EARLY_SAMPLES = (1, 2, 4, 8)  # steps of a run with a sample before the first interval has passed
@@ -62,12 +62,14 @@ class ResidualWork:
         return float(total(self.system.comm, power))
 
     def _local_power(self, rows: FloatArray) -> float:
-        asm = self.system.assembly
-        power: float = _product(len(self._rows), self._rows_at, pointer(rows), self._rates_at, pointer(asm.y))
-        for f in asm.row_replacements:
-            if f.owned and f.owned_rows is not None:
-                power -= float((f.D @ rows[f.owned_rows]) @ (f.rate_directions @ asm.y[f.rows]))
+        calls = self.system.assembly.calls
+        power: float = _power(calls.step_at, len(self._rows), self._rows_at, pointer(rows), self._rates_at)
         return power
+
+    @property
+    def pairs(self) -> tuple[IntArray, IntArray]:
+        """Owned rows and local rates whose products are the power."""
+        return self._rows, self._rates
 
     def start(self, t: float) -> None:
         """Begin at the assembly's state at ``t`` [s], unless begun or restored; collective."""

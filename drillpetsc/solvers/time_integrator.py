@@ -69,6 +69,7 @@ class TimeIntegrator:
     system: the discrete system.
     after_step(t, dt): called after every accepted step, with x, y, a of the assembly at ``t`` [s].
     at_jump(t): called where the rate of a prescribed motion jumps, before the step that follows.
+    on_failure(): called on all ranks before the error that ends a run.
     before_event(t), after_event(t): called where a component changes its law, with the state at ``t`` [s].
     before_solve(t): called before the solve of a step that ends at ``t`` [s].
     on_step_end(t): called last after a step; here ``get_state`` and ``stop`` may be called.
@@ -91,6 +92,7 @@ class TimeIntegrator:
     after_step: list[Callable[[float, float], None]] = field(default_factory=list)
     at_jump: list[Callable[[float], None]] = field(default_factory=list)
     before_event: list[Callable[[float], None]] = field(default_factory=list)
+    on_failure: list[Callable[[], None]] = field(default_factory=list)
     after_event: list[Callable[[float], None]] = field(default_factory=list)
     before_solve: list[Callable[[float], None]] = field(default_factory=list)
     on_step_end: list[Callable[[float], None]] = field(default_factory=list)
@@ -263,15 +265,14 @@ class TimeIntegrator:
         snes.computeFunction(x, self._f)
         snes.computeJacobian(x, self._matrix)
         self._xdot.axpy(-self._shift, x)  # constant V of the time formula (manual: eq-time-bdf)
-        self.system.load_history(self._xdot)
-        self.system.load_state(x)
+        self.system.load_step(x, self._xdot)
         for call in self.before_solve:
             call(self._t)
         reason = self.newton.solve(self._t, self._shift)
         for component in self._restoring:
             component.restore_constraints(self.system.assembly)
         self.system.store_state(x)
-        snes.setIterationNumber(self.newton.snes.getIterationNumber())
+        snes.setIterationNumber(self.newton.last_iterations)
         snes.setConvergedReason(reason)
         self._requested_step = self.ts.getTimeStep()
         if reason > 0 and self._eventful and self.ts.getTimeStep() > EVENT_STEP and self._events():
@@ -325,6 +326,8 @@ class TimeIntegrator:
 
     def failure(self, what: str) -> SolveError:
         """Return the error that ends a run, with the place of the largest residual; collective."""
+        for call in self.on_failure:
+            call()
         place = (
             self.system.locate_largest_residual(self._t)
             if self.condensed
@@ -349,6 +352,11 @@ class TimeIntegrator:
     def failure_count(self) -> int:
         """Number of Newton solves so far that did not converge."""
         return self.newton.failures if self.condensed else self.ts.getSNESFailures()
+
+    def compiled_seconds(self) -> dict[str, float]:
+        """Wall time so far of the phases of Newton's method in compiled code [s]; PETSc's log has that of all others."""
+        compiled = self.newton.compiled if self.condensed else None
+        return {} if compiled is None else compiled.seconds
 
     def linear_iterations(self) -> int:
         """Number of linear iterations so far."""

@@ -11,6 +11,7 @@ ones find the references in the user's cache folder.
 from __future__ import annotations
 
 import argparse
+import itertools
 import json
 import os
 import platform
@@ -119,7 +120,8 @@ def call_times(case: Path, folder: Path | None = None, calls: int = 40) -> dict[
     from drillpetsc.case import load_case
     from drillpetsc.model.drilling_model import build_model
     from drillpetsc.output.field_output import FieldOutput
-    from drillpetsc.output.recorder import Recorder
+    from drillpetsc.output.files.tables import rows_as_text
+    from drillpetsc.output.recorder import STEPS_AT_ONCE, Recorder
     from drillpetsc.solvers.newton import chain_factor
 
     model = build_model(load_case(case))
@@ -135,24 +137,20 @@ def call_times(case: Path, folder: Path | None = None, calls: int = 40) -> dict[
     recorder, fields = Recorder(model), FieldOutput(model)
     recorder.start(0.0)
     recorder.step(0.01, 0.01, 0.0)
+    recorder.catch_up()
+    steps = itertools.count(2)
 
-    def audit() -> None:
-        assert recorder.energy is not None
-        with asm.unchanged():
-            recorder.sample(0.01)
-            recorder.energy.update(0.01)
-
-    def row() -> None:
-        recorder.history_row(0.005, 0.01, 1)
-        recorder.probe_row(0.005)
+    def record() -> None:
+        t = 0.01 * next(steps)
+        recorder.step(t, 0.01, 0.0)
+        recorder.rows_due([t - 0.005], t, 1, 0.01, True)
 
     phases: dict[str, Callable[[], object]] = {
         "residual": lambda: system.sum_residual(0.0, rows),
         "Jacobian": lambda: asm.jacobian(0.0, (1.0, shift, shift**2), True),
         "factor": lambda: factor.factor(asm.values),
         "solve": lambda: factor.solve(x, x),
-        "sample and audit": audit,
-        "row": row,
+        "sample and audit": record,
         "fields": lambda: fields.fields(0.0),
     }
     out = {}
@@ -163,6 +161,16 @@ def call_times(case: Path, folder: Path | None = None, calls: int = 40) -> dict[
             call()
             times.append(time.perf_counter() - begun)
         out[name] = min(times)
+    # what is computed of all recorded steps together, and their rows as text: for one of them
+    for _ in range(STEPS_AT_ONCE - 1 - recorder.recorded):
+        record()
+    count, begun = max(recorder.recorded, 1), time.perf_counter()
+    recorder.catch_up()
+    out["outputs of a step"] = (time.perf_counter() - begun) / count
+    begun = time.perf_counter()
+    for rows in recorder.kept_rows():
+        rows_as_text(rows)
+    out["row"] = (time.perf_counter() - begun) / count
     return out
 
 

@@ -13,7 +13,7 @@ from pathlib import Path
 
 import pytest
 
-from drillpetsc.analysis.run_control import NOTHING, SAVE, STOP, RunControl
+from drillpetsc.analysis.run_control import NOTHING, SAVE, STOP, WRITE, RunControl
 from drillpetsc.output import read_frame, read_series, read_table
 
 ROOT = Path(__file__).parents[2]
@@ -195,9 +195,9 @@ def test_a_signal_reaches_the_run_once():
 
     before = signal.getsignal(signal.SIGTERM)
     with RunControl(Alone()) as control:
-        assert control.poll(False) == NOTHING
+        assert control.poll(False) == NOTHING and control.poll(False, overdue=True) == WRITE
         os.kill(os.getpid(), signal.SIGUSR1)
-        assert control.poll(False) == SAVE and control.poll(False) == NOTHING
+        assert control.poll(False, overdue=True) == SAVE and control.poll(False) == NOTHING
         os.kill(os.getpid(), signal.SIGTERM)
         assert control.poll(False) == STOP and control.name == "SIGTERM"
     assert signal.getsignal(signal.SIGTERM) == before

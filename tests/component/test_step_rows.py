@@ -53,7 +53,7 @@ def test_one_call_gives_state_and_rows_of_its_parts(kind, dead):
             asm.x[owned] = q
             asm.condense(SHIFT, second)
             asm.apply_prescribed_rates(t, second)
-    done = asm.step_rows(t, SHIFT, second, owned, (pointer(q), pointer(rows)))
+    done = asm.step_rows(t, SHIFT, second, (pointer(q), pointer(rows)))
     assert done == (not asm.stabilized)
     if not done:
         return
@@ -69,7 +69,7 @@ def test_what_a_step_needs_beyond_it_is_refused():
     system = build("contact")
     asm, owned = system.assembly, system.layout.local_of_owned
     q, rows = asm.x[owned].copy(), np.zeros(len(owned))
-    call = (0.4, SHIFT, SHIFT, owned, (pointer(q), pointer(rows)))
+    call = (0.4, SHIFT, SHIFT, (pointer(q), pointer(rows)))
     assert asm.step_rows(*call)
     mask = np.zeros(system.layout.size, dtype=bool)
     mask[3] = True

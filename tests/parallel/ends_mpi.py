@@ -38,7 +38,9 @@ def check(kind: str) -> bool:
     assert np.array_equal(asm.y[:n][rates], s[layout.y_local[rates]])
     assert np.array_equal(asm.y[:n][~rates], v[layout.x_local[~rates]])
     assert np.array_equal(asm.a[:n][rates], v[layout.y_local[rates]])
-    system.load_history(rate)
+    system.load_step(state, rate)
+    assert np.array_equal(asm.x[:n], s[layout.x_local])
+    assert np.array_equal(asm.y[:n][rates], s[layout.y_local[rates]])
     assert np.array_equal(asm.v0, v[layout.x_local])
     assert np.array_equal(asm.v1[rates], v[layout.y_local[rates]])
     # the sum of both ranks' rows
@@ -61,8 +63,8 @@ def check(kind: str) -> bool:
     kept = [a.copy() for a in (asm.x, asm.y, asm.a)]
     for a in (asm.x, asm.y, asm.a):
         a[:n] = np.nan
-    owned, at = layout.local_of_owned, (pointer(q.getArray()), pointer(rows.getArray()))
-    done = asm.step_rows(0.4, SHIFT, second, owned, at, system.ends, rows.getArray())
+    at = pointer(q.getArray()), pointer(rows.getArray())
+    done = asm.step_rows(0.4, SHIFT, second, at, system.ends, rows.getArray())
     assert done == (not asm.stabilized)
     if done:
         assert np.array_equal(rows.getArray(), expected.getArray())

@@ -48,6 +48,9 @@ def test_response_on_1_2_and_3_ranks(tmp_path):
         "axial_amplitude [m]",
         "axial_force_amplitude [N]",
         "bending_moment_amplitude [N m]",
+        "stress_amplitude [Pa]",
+        "shear_stress_amplitude [Pa]",
+        "mean_stress [Pa]",
     )
     for excite in (["unbalance"], ["bit", "--amplitude", "1 mm"]):
         results = []
@@ -56,7 +59,17 @@ def test_response_on_1_2_and_3_ranks(tmp_path):
             run_mpi(
                 n,
                 SCRIPT,
-                ["response", str(file), "--excite", *excite, "--speeds", "60,120 rpm", "--out", str(folder)],
+                [
+                    "response",
+                    str(file),
+                    "--excite",
+                    *excite,
+                    "--speeds",
+                    "60,120 rpm",
+                    "--stress",
+                    "--out",
+                    str(folder),
+                ],
             )
             results.append(columns(folder, "response.csv", names))
         for other in results[1:]:

@@ -106,3 +106,11 @@ def test_no_rank_holds_the_whole_string(tmp_path):
         assert w["elements"] <= 0.55 * w["all_elements"]
         assert w["values"] <= 0.55 * w["all_values"]
         assert w["factor_flops"] <= 0.55 * w["serial_flops"]
+
+
+@pytest.mark.parallel
+@pytest.mark.parametrize("ranks", [2, 3])
+def test_files_do_not_depend_on_how_many_steps_are_evaluated_together(ranks, tmp_path):
+    """To the byte, and the ranks agree on when rows that have waited are written."""
+    script = ROOT / "tests" / "parallel" / "steps_together_mpi.py"
+    assert f"same files on {ranks} ranks" in run_mpi(ranks, script, [str(tmp_path)])

@@ -127,7 +127,9 @@ def test_orbit_of_a_motor(rpm, lobes, flow, tmp_path):
         "mass": m.MASS + mass,
     }
     case = m.rotor() | {"string": [half, motor | {"pdm": section}, half]}
-    found = table(case | {"output": {"probes": [10.0]}}, tmp_path, "probe 10 m", excite="motor", speeds=rpm)
+    found = table(
+        case | {"output": {"probes": [10.0]}}, tmp_path, "probe 10 m", excite="motor", speeds=rpm, stress=True
+    )
     assert len(found["rotary_speed"]) == 2
     w = lobes * turn * flow - found["rotary_speed"] * np.pi / 30
     assert found["excitation_frequency"] == pytest.approx(
@@ -139,6 +141,9 @@ def test_orbit_of_a_motor(rpm, lobes, flow, tmp_path):
         np.abs(mass * eccentricity * w**2 / stiffness), rel=5e-3
     )
     assert found["whirl"] == pytest.approx(-np.sign(w), abs=1e-3)
+    # a circle at another speed than that of the pipe: its moment alternates in full
+    bending = found["bending_moment_amplitude"] * 0.5 * m.OD * m.YOUNG / m.EI
+    assert found["stress_amplitude"] == pytest.approx(bending, rel=1e-3)
 
 
 def test_a_motor_without_an_orbit_excites_nothing(tmp_path):
@@ -284,3 +289,48 @@ def test_bad_input_is_refused(changes, options, words, tmp_path):
     with pytest.raises(CaseError) as error:
         drillpetsc.response(case, tmp_path / "run", **({"excite": "unbalance", "speeds": "30 rpm"} | options))
     assert all(word in str(error.value) for word in words), str(error.value)
+
+
+# ---------------------------------------------------------------------- stresses of the turning pipe
+RADIUS, INERTIA = 0.5 * m.OD, m.EI / m.YOUNG
+
+
+def test_stress_of_an_axial_force_and_a_torque(tmp_path):
+    """|N|/A under drill pipe and under collars, r |T|/2I; the mean stress of a tension of 50 kN (C23's string)."""
+    case = m.two_part_string() | {"bottom": {"kind": "force", "force": [0, 0, 50e3]}}
+    options = {"excite": "bit", "amplitude": "8 kN", "order": 3.0, "speeds": "35,50,90 rpm", "stress": True}
+    w = 3 * np.array([35, 50, 90]) * m.RPM / m.AXIAL_SPEED
+    # wave equation: force 8 kN at the free end of the collars, their motion and force meet those of the pipe
+    ratio = m.AREA / m.COLLAR_AREA
+    joint = 8e3 / (np.cos(200 * w) - np.sin(200 * w) * np.tan(1800 * w) / ratio)
+    top = table(case, tmp_path, "top", **options)
+    assert top["axial_force_amplitude"] == pytest.approx(np.abs(joint / np.cos(1800 * w)), rel=2e-3)
+    assert top["stress_amplitude"] == pytest.approx(top["axial_force_amplitude"] / m.AREA, rel=1e-9)
+    assert top["mean_stress"] == pytest.approx(np.full(3, 50e3 / m.AREA), rel=1e-6)
+    end = table(case, tmp_path, "lower end", **options)
+    assert end["stress_amplitude"] == pytest.approx(np.full(3, 8e3 / m.COLLAR_AREA), rel=2e-2)
+    turned = table(case, tmp_path, "top", **(options | {"amplitude": "1 kN m"}))
+    assert turned["shear_stress_amplitude"] == pytest.approx(
+        turned["torque_amplitude"] * 0.5 * RADIUS / INERTIA, rel=1e-9
+    )
+
+
+def test_the_moment_of_an_unbalance_turns_with_the_pipe(tmp_path):
+    """A forward circle bends the pipe without an alternating stress; in a field of forces the static moment alternates.
+
+    Hinged span with a body in the middle: M = q L^2/8 + m g L/4 of its weight, upright none."""
+    options = {"excite": "unbalance", "speeds": "30,60,90 rpm", "stress": True}
+    upright = table(m.rotor(), tmp_path, "body", **options)
+    bending = upright["bending_moment_amplitude"] * RADIUS / INERTIA
+    assert bending.min() > 1e5
+    assert np.all(upright["stress_amplitude"] < 1e-4 * bending)
+    small = m.rotor() | {
+        "gravity": [0.05, 0, 0]
+    }  # so small that the hinges, which stand still, pull at nothing
+    small["string"][1]["unbalance"] = 0.05
+    lying = table(small, tmp_path, "body", **options)
+    moment = (m.MASS * 20**2 / 8 + 100 * 20 / 4) * 0.05
+    assert lying["stress_amplitude"] == pytest.approx(np.full(3, moment * RADIUS / INERTIA), rel=1e-2)
+    assert lying["bending_moment_amplitude"] == pytest.approx(
+        0.1 * upright["bending_moment_amplitude"], rel=5e-3
+    )

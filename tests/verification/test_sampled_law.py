@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from drillpetsc import Case, modes, run
+from drillpetsc import Case, modes, run, top_drive
 from drillpetsc.errors import CaseError
 from drillpetsc.output import read_table
 from tests.helpers import top_drive_models as m
@@ -110,3 +110,10 @@ def test_refused(control, key):
     with pytest.raises(CaseError) as refused:
         case(control)
     assert refused.value.at == key
+
+
+def test_a_coarse_sample_is_warned_of(tmp_path):
+    """A tenth of the tuned period of 2 s is 0.2 s."""
+    for sample, warned in ((0.25, 1), (0.15, 0)):
+        found = top_drive(case(SOFT | {"sample": sample}), tmp_path / str(sample)).summary["warnings"]
+        assert len([text for text in found if "a tenth of the tuned period, 2 s" in text]) == warned

@@ -283,3 +283,85 @@ def test_linear_models_take_the_mean_force():
     assert mean_over_turn(case).string[0].rss.pads == "sleeve"
     steady = Case(**tool({"kind": "push", "force": 1e3, "pad_offset": 1.0}))
     assert mean_over_turn(steady) is steady
+
+
+# ---------------------------------------------------------------------- below a downhole motor
+FLOW, TURN = 0.03, 2 * np.pi * 0.29 / 3.785411784e-3  # [m3/s]; rotor of 0.29 rev/gal [rad/m3]
+
+
+def below_motor(pads: str, **more) -> dict:
+    """The collar of the checks with a motor in its upper third; the string above stands still."""
+    pdm = {"rev_per_volume": TURN, "stall_torque": 14e3, "flow_rate": FLOW}
+    rss = {"kind": "push", "force": 20e3, "pad_offset": 1.5, "pads": pads, "steer": {"tool_face": "90 deg"}}
+    size = {"od": OD, "id": ID, "element_length": 0.75}
+    case = tool({}, 0.0)
+    case["string"] = [
+        {"kind": "pdm", "length": 3.0, **size, "joint_at": 2.25, "pdm": pdm},
+        {"kind": "rss", "length": 6.0, **size, "rss": rss},
+    ]
+    return case | more
+
+
+@pytest.mark.parametrize("pads", ["sleeve", "rotating"])
+def test_a_motor_turns_the_pads(pads):
+    """The side force at the bit is F (L - b)/L of the span, on average; pads swing it three times a turn of the motor."""
+    model = at_rest(below_motor(pads))
+    release(model)
+    move_rigidly(model)
+    rows = sampled(
+        model.system, 3.0, lambda s: [s.reaction(f"bottom.side_reaction_{i}") for i in (1, 2)], ts_rtol=1e-4
+    )
+    t, first, second = rows[rows[:, 0] >= 2.0].T
+    even = np.linspace(t[0], t[-1], 4001)
+    forces = np.array([np.interp(even, t, q) for q in (first, second)])
+    assert np.hypot(*forces.mean(axis=1)) == pytest.approx(16.6667e3, rel=1e-2)
+    swing = np.ptp(forces[1]) / 16.667e3
+    if pads == "sleeve":
+        assert swing < 0.01
+        return
+    assert swing > 0.2
+    spectrum = np.abs(np.fft.rfft((forces[1] - forces[1].mean()) * np.hanning(even.size), 8 * even.size))
+    found = np.fft.rfftfreq(8 * even.size, even[1] - even[0])[spectrum.argmax()]
+    assert found == pytest.approx(3 * TURN * FLOW / (2 * np.pi), rel=0.01)
+
+
+def test_a_steered_motor_in_mud_drills(tmp_path):
+    """A tilted shaft below a motor in mud: the bit turns by top and motor, the tool face stands, mass and energy close."""
+    size = {"od": OD, "id": ID}
+    pdm = {"rev_per_volume": TURN, "stall_torque": 14e3, "no_load_pressure": 0.5e6}
+    rss = {"kind": "point", "tilt": "0.4 deg", "steer": {"tool_face": "60 deg"}}
+    survey = {"md": [0, 60, 160], "inclination": [0.4, 0.4, 0.6], "azimuth": [1.0, 1.0, 1.0]}
+    case = {
+        "well": {
+            "survey": survey,
+            "sections": [{"to": 160, "kind": "open_hole", "diameter": 0.2159, "friction": 0.2}],
+        },
+        "string": [
+            {"kind": "pipe", "length": 141.7, "od": 0.127, "id": 0.1086},
+            {"kind": "stabilizer", "length": 1.0, "od": 0.21, "body_od": OD, "mass": 180},
+            {"kind": "pdm", "length": 7.0, **size, "joint_at": 6.2, "pdm": pdm},
+            {"kind": "rss", "length": 10.0, **size, "joint_at": 3.0, "rss": rss},
+            {"kind": "bit", "length": 0.3, "od": 0.2159, "mass": 60, "nozzle_area": 4e-4},
+        ],
+        "top": {"kind": "top_drive", "rotation": "40 rpm", "lowering": "10 m/h"},
+        "bottom": "bit",
+        "fluid": {
+            "density": 1150,
+            "rheology": {"model": "bingham", "plastic_viscosity": 0.02, "yield_stress": 4},
+            "flow_rate": FLOW,
+        },
+        "formation": {"drillability": 3e-8},
+        "initial": {"wob": 30e3},
+        "time": {"end": 0.5},
+        "output": {"history_every": 0.05},
+    }
+    done = run(Case(**case), tmp_path / "run", progress="silent")
+    got = {
+        name.split(" [")[0]: values for name, values in read_table(tmp_path / "run" / "history.csv").items()
+    }
+    assert got["steering_tool_face"] == pytest.approx(np.full(len(got["time"]), np.radians(60)), abs=1e-3)
+    assert got["bit_speed"][-1] == pytest.approx(40 * RPM + got["motor_speed"][-1], rel=0.02)
+    assert got["motor_speed"][-1] == pytest.approx(TURN * FLOW, rel=0.02)
+    assert abs(done.summary["energy"]["error_share"]) < 1e-3
+    rate = 3e-8 * got["wob"] * got["bit_speed"] / (120 * RPM)  # of the bit, which top and motor turn
+    assert np.ptp(got["hole_depth"]) == pytest.approx(trapezoid(rate, got["time"]), rel=5e-3)

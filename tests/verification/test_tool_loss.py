@@ -89,9 +89,20 @@ def test_the_loss_is_the_same_in_the_statics_of_a_moving_string(tmp_path: Path) 
     assert second.summary["pump_pressure"] - first.summary["pump_pressure"] == pytest.approx(WANTED, rel=2e-4)
 
 
+@pytest.mark.parametrize("rigid", [False, True])
+def test_a_loss_coefficient_is_of_the_velocity_in_the_bore(rigid: bool, tmp_path: Path) -> None:
+    """K rho v^2/2 with v = Q/(pi id^2/4): 7.3 in 70 mm, and in a piece on each side of the casing's end by its length."""
+    flow = dp.hydraulics(case({"coefficient": 7.3}, rigid), tmp_path / "tool").summary["flows"][0]
+    velocity = to_si("500 gpm", "m^3/s") / (np.pi / 4 * 0.07**2)
+    assert flow["tool_loss"] == pytest.approx(7.3 * to_si("12 ppg", "kg/m^3") * velocity**2 / 2, rel=1e-6)
+
+
 @pytest.mark.parametrize(
     ("tool", "fluid", "at"),
     [
+        ({"coefficient": 3, "value": "350 psi"}, {}, "string[1].pressure_loss.value"),
+        ({"coefficient": -1}, {}, "string[1].pressure_loss.coefficient"),
+        ({}, {}, "string[1].pressure_loss.value"),
         ({"value": "350 psi", "at": "600 gpm"}, {}, "string[1].pressure_loss.density"),
         ({"value": "350 psi", "at": 0, "density": 1200}, {}, "string[1].pressure_loss.at"),
         ({"value": "-3 psi", "at": 0.03, "density": 1200}, {}, "string[1].pressure_loss.value"),

@@ -12,6 +12,7 @@ from petsc4py import PETSc
 from scipy.interpolate import CubicSpline
 from scipy.optimize import brentq
 
+from drillpetsc.analysis.frequency.critical_map import critical_map, demand_wall, map_columns
 from drillpetsc.analysis.frequency.response import RPM, rpm_of, write_case_folder
 from drillpetsc.analysis.frequency.stokes import FrequencyDependent, at_own_frequencies, frequency_dependent
 from drillpetsc.analysis.frequency.tracking import (
@@ -35,9 +36,9 @@ from drillpetsc.errors import CaseError, DrillError
 from drillpetsc.fem.component import DRIVE
 from drillpetsc.model.drilling_model import DrillingModel
 from drillpetsc.output import write_summary, write_table
-from drillpetsc.output.files.run_folder import CAMPBELL_TABLE, CRITICAL_TABLE
+from drillpetsc.output.files.run_folder import CAMPBELL_TABLE, CRITICAL_MAP_TABLE, CRITICAL_TABLE
 from drillpetsc.output.quantities import MODE_KINDS as KINDS
-from drillpetsc.output.quantities.frequency import CAMPBELL, CRITICAL
+from drillpetsc.output.quantities.frequency import CAMPBELL, CRITICAL, CRITICAL_MAP
 from drillpetsc.output.result import RunResult
 from drillpetsc.solvers import petsc_options as options
 from drillpetsc.solvers.linearization import Linearised
@@ -347,6 +348,7 @@ def run_campbell(
     comm: PETSc.Comm | None = None,
     without_control: bool = False,
     frequency: str = "wd",
+    stiffness: tuple[float, ...] = (),
 ) -> RunResult:
     """Compute modes over rotary speeds [rad/s]; write campbell.csv, critical.csv and summary.json; collective.
 
@@ -356,6 +358,7 @@ def run_campbell(
     out: run folder, None: a new one named after ``name``; overwrite: replace an existing one.
     comm: communicator, all ranks by default.
     without_control: leave out motor and controller, and hold the top at the rotation.
+    stiffness: of the wall [Pa], for critical_map.csv.
 
     Returns folder, summary and the lines to show.  Raises CaseError for wrong arguments, SolveError where no state or
     mode is found.
@@ -371,18 +374,28 @@ def run_campbell(
     if frequency not in FREQUENCIES:
         raise CaseError(at="--frequency", got=frequency, want=" or ".join(FREQUENCIES))
     lines = named_lines(case, lines) if lines else default_lines(case)
+    if stiffness:
+        demand_wall(case)
     with options.applied(case.petsc):
         states = TurningModel(turning, comm)
         folder = make_folder(comm, name, out, False, overwrite)
         found = campbell(states, speeds, count, lines, kind, frequency == "wn")
+        by_wall = critical_map(case, stiffness, speeds, count, lines, kind, without_control, comm)
     summary = _summary(case, found, speeds, lines, states, kind) | {"frequency": frequency}
     if comm.rank == 0:
         write_case_folder(case, folder.path)
         write_table(folder.path / CAMPBELL_TABLE, [q.column for q in CAMPBELL], _campbell_columns(found))
         rows = _critical_columns(found, summary["case_speed"])
         write_table(folder.path / CRITICAL_TABLE, [q.column for q in CRITICAL], rows)
+        if stiffness:
+            columns = [q.column for q in CRITICAL_MAP]
+            write_table(folder.path / CRITICAL_MAP_TABLE, columns, map_columns(by_wall))
         write_summary(folder.summary, summary)
-    return RunResult(folder.path, summary, _lines(case, folder.path, found, summary))
+    lines_shown = _lines(case, folder.path, found, summary)
+    if stiffness:
+        said = f"  {len(by_wall)} critical speeds without damping at {len(stiffness)} stiffnesses of the wall: {CRITICAL_MAP_TABLE}"
+        lines_shown.insert(-1, said)
+    return RunResult(folder.path, summary, lines_shown)
 
 
 def _blades(case: Case) -> tuple[float, ...]:

@@ -266,6 +266,14 @@ def section_forces(
     return SectionForces(tension, values[:, 2] * viscous[:, 0], values[:, 5:].reshape(-1, 2, 3))
 
 
+def steady_forces(model: DrillingModel, mud: FlowRecorder | None) -> SectionForces | None:
+    """Forces in the string in the present state; on rank 0, collective.  mud: pressures of the mud, None in a dry model."""
+    values = model.system.gather(_forces(model, mud), "cell")
+    if values is None:
+        return None
+    return SectionForces(values[:, :2] + values[:, 3:5], values[:, 2], values[:, 5:].reshape(-1, 2, 3))
+
+
 def _forces(model: DrillingModel, mud: FlowRecorder | None) -> FloatArray:
     """(nc, 11) of the local elements in the present state: elastic tension at both ends, elastic torque, tension of the
     wall by the pressures at both ends, bending moment at both ends."""

@@ -20,8 +20,10 @@ from drillpetsc.analysis.frequency.harmonic import (
     respond,
     rock_load,
     section_forces,
+    steady_forces,
     turning_load,
 )
+from drillpetsc.analysis.frequency.response_stress import stresses
 from drillpetsc.analysis.frequency.stokes import StokesForces, present
 from drillpetsc.analysis.frequency.turning import TurningModel, turning_case
 from drillpetsc.analysis.linearised_model import linearise_model
@@ -36,7 +38,7 @@ from drillpetsc.output import write_summary, write_table
 from drillpetsc.output.case_files import write_case
 from drillpetsc.output.files.run_folder import RESPONSE_TABLE
 from drillpetsc.output.flow_recorder import FlowRecorder
-from drillpetsc.output.quantities.frequency import RESPONSE
+from drillpetsc.output.quantities.frequency import RESPONSE, RESPONSE_STRESS
 from drillpetsc.output.result import RunResult
 from drillpetsc.solvers import petsc_options as options
 from drillpetsc.solvers.linearization import Linearised
@@ -203,8 +205,9 @@ def _rows(
     speed: float,
     frequency: float,
     sign: float,
+    steady: SectionForces | None = None,
 ) -> list[list[Any]]:
-    """Rows of the table at one speed."""
+    """Rows of the table at one speed; steady: forces of the steady state, with which stresses are added."""
     out = []
     values = {
         name: linearised.field_values(names.index(name), found.u[:, None], shape.mesh.nodes, size)[0]
@@ -226,6 +229,8 @@ def _rows(
             lateral, axial, turning = infinite
             out.append([*head, lateral, 0.0, 0.0, axial, 0.0, turning, 0.0, axial, turning, lateral,
                         lateral / shape.clearance[k] if np.isfinite(shape.clearance[k]) else np.nan, word])  # fmt: skip
+            if steady is not None:
+                out[-1] += [np.nan] * len(RESPONSE_STRESS)
             continue
         cell, end = (place.node - 1, 1) if place.node else (0, 0)
         while cell > 0 and np.isclose(shape.mesh.length[cell], 0.0):
@@ -240,6 +245,9 @@ def _rows(
             abs(forces.tension[cell, end]), abs(forces.torque[cell]), largest,
             large / shape.clearance[k], word,
         ])  # fmt: skip
+        if steady is not None:
+            axes, turning = shape.axes[place.node], 2 * np.pi * frequency
+            out[-1] += stresses(shape.mesh, place.node, axes, forces, steady, turning, speed)
     return out
 
 
@@ -266,6 +274,7 @@ def run_response(
     name: str = "case",
     comm: PETSc.Comm | None = None,
     without_control: bool = False,
+    stress: bool = False,
 ) -> RunResult:
     """Compute the harmonic response at rotary speeds [rad/s], and write response.csv and summary.json; collective.
 
@@ -273,6 +282,7 @@ def run_response(
     out: run folder, None: a new one named after ``name``; overwrite: replace an existing one.
     comm: communicator, all ranks by default.
     without_control: leave out motor and controller, and hold the top at the rotation.
+    stress: add the stresses of the turning pipe to the table.
 
     Returns folder, summary and the lines to show.  Raises CaseError for wrong arguments, SolveError where no state is
     found.
@@ -326,6 +336,7 @@ def run_response(
             if isinstance(answer, DrillError):
                 raise answer
             forces = None if answer.infinite else section_forces(model, mud, answer.u, omega)
+            steady = steady_forces(model, mud) if stress else None
             if shape is None or linearised is None:
                 continue
             names = [f.name for f in model.system.layout.fields]
@@ -345,7 +356,9 @@ def run_response(
             ):
                 word, md = "lifts", model.mesh.total_length
             valid.append((word, md))
-            table += _rows(shape, linearised, names, answer, forces, word, speed, omega / (2 * np.pi), 1.0)
+            table += _rows(
+                shape, linearised, names, answer, forces, word, speed, omega / (2 * np.pi), 1.0, steady
+            )
         closed = _closed_contacts(model)
         if comm.rank == 0:
             notes = _notes(excitation, speeds, valid, losses, closed, model)
@@ -462,7 +475,8 @@ def _rpm_list(speeds: list[float]) -> str:
     return ", ".join(shown) + (f" and {len(speeds) - 6} more" if len(speeds) > 6 else "")
 
 
-PEAKED = (4, 7, 9, 11, 12, 13)  # columns of amplitudes
+STRESSES = (len(RESPONSE), len(RESPONSE) + 1)  # columns of stress amplitudes
+PEAKED = (4, 7, 9, 11, 12, 13, *STRESSES)  # columns of amplitudes
 
 
 def _peaks(table: list[list[Any]]) -> list[dict[str, Any]]:
@@ -471,7 +485,9 @@ def _peaks(table: list[list[Any]]) -> list[dict[str, Any]]:
     for row in table:
         entry = peaks.setdefault(row[2], {"place": row[2], "md": row[3]})
         for k in PEAKED:
-            column = RESPONSE[k].name
+            if k >= len(row):
+                continue
+            column = (*RESPONSE, *RESPONSE_STRESS)[k].name
             if row[k] > entry.get(column, (-1.0, 0.0))[0]:
                 entry[column] = (row[k], row[0])
     return list(peaks.values())
@@ -480,7 +496,8 @@ def _peaks(table: list[list[Any]]) -> list[dict[str, Any]]:
 def _write(case: Case, folder: Path, table: list[list[Any]]) -> None:
     write_case_folder(case, folder)
     columns = [np.array(column) for column in zip(*table, strict=True)]
-    write_table(folder / RESPONSE_TABLE, [q.column for q in RESPONSE], columns)
+    names = [q.column for q in (*RESPONSE, *RESPONSE_STRESS)][: len(columns)]
+    write_table(folder / RESPONSE_TABLE, names, columns)
 
 
 def write_case_folder(case: Case, folder: Path) -> None:
@@ -496,15 +513,18 @@ SHOWN = (
     ("axial_force_amplitude", "axial force", "force"),
     ("torque_amplitude", "torque", "torque"),
     ("bending_moment_amplitude", "bending", "torque"),
+    ("stress_amplitude", "stress", "stress"),
 )
 
 
 def _lines(case: Case, folder: Path, summary: dict[str, Any]) -> list[str]:
     """Return the lines to show: largest amplitudes by place."""
     speeds, system = summary["speeds"], case.output.units or "metric"
-    units = [display_unit(kind, system) for _, _, kind in SHOWN]
+    found = {name for entry in summary["peaks"] for name in entry}
+    shown = [q for q in SHOWN if q[0] in found]
+    units = [display_unit(kind, system) for _, _, kind in shown]
     span = f"{len(speeds)} speeds from {speeds[0]:g} to {speeds[-1]:g} rpm"
-    titles = [f"{words} [{unit[2]}]" for (_, words, _), unit in zip(SHOWN, units, strict=True)]
+    titles = [f"{words} [{unit[2]}]" for (_, words, _), unit in zip(shown, units, strict=True)]
     size, _, text = display_unit("length", system)
     lines = [
         f"{case.title or 'case'}: response to {summary['excitation']}, "
@@ -513,10 +533,10 @@ def _lines(case: Case, folder: Path, summary: dict[str, Any]) -> list[str]:
     ]
     for entry in summary["peaks"]:
         cells = []
-        for (name, _, _), unit in zip(SHOWN, units, strict=True):
-            value, rpm = entry.get(name, (0.0, 0.0))
-            shown = "infinite" if np.isinf(value) else f"{value / unit[0]:.4g}"
-            cells.append(f"{f'{shown} ({rpm:g})' if value > LEAST else '0':>20}")
+        for (name, _, _), unit in zip(shown, units, strict=True):
+            value, rpm = entry.get(name, (np.nan, 0.0))
+            number = "infinite" if np.isinf(value) else f"{value / unit[0]:.4g}"
+            cells.append(f"{f'{number} ({rpm:g})' if value > LEAST else '-' if np.isnan(value) else '0':>20}")
         lines.append(f"  {entry['place'][:18]:<18} {entry['md'] / size:>8.1f} {text:<3}{' '.join(cells)}")
     lines += [f"  note: {w}" for w in summary["warnings"]]
     lines.append(f"  results: {folder}")

@@ -83,7 +83,7 @@ def with_length(item: AnyItem, length: float, above: float = 0.0) -> AnyItem:
     """
     loss = item.pressure_loss
     if loss is not None:
-        loss = loss.model_copy(update={"value": loss.value * length / item.length})
+        loss = loss.times(length / item.length)
     update: dict[str, object] = {"length": length, "pressure_loss": loss}
     if isinstance(item, (TelescopingTool, PositiveDisplacementMotor)):
         at = item.joint_at - above

@@ -309,7 +309,7 @@ def tool_rows(flow: FlowModel) -> list[Loss]:
     for item, number in zip(flow.string.items, flow.string.number, strict=True):
         lower = upper + item.length
         if item.pressure_loss is not None:
-            part = lost * item.pressure_loss.coefficient / whole if whole else 0.0
+            part = lost * item.flow_resistance / whole if whole else 0.0
             if number == last:  # a piece of the tool above, which an end of a hole section cuts
                 rows[-1] = replace(rows[-1], lower=lower, pressure_loss=rows[-1].pressure_loss + part)
             else:

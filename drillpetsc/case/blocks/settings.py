@@ -118,7 +118,7 @@ class Time(Block):
     )
     spectral_radius: Annotated[float, Quantity("", at_least=0, at_most=1)] | None = Field(
         default=None,
-        description="of generalized_alpha: 1 keeps fast vibrations, 0 damps them within one step; 0.8 when not given",
+        description="of generalized_alpha: 1 keeps fast vibrations, 0 damps them within one step; when not given 0.8, and 0.5 with the bit law velocity_weakening",
     )
 
     @model_validator(mode="after")

@@ -96,19 +96,46 @@ class Inertia(Block):
 
 
 class PressureLoss(Block):
-    """Measured pressure loss of a tool in the string: of a motor, an MWD, a filter. It goes with density and flow rate squared."""
+    """Pressure loss of a tool in the string: of an MWD, a filter. It goes with density and flow rate squared.
 
-    value: Annotated[float, Quantity("Pa", at_least=0, at_most=1e9, kind="pressure")] = Field(
-        description="pressure loss"
+    A measured value with its flow rate and density, or a loss coefficient K: loss = K density velocity^2/2 with the velocity in the item's bore.
+    """
+
+    value: Annotated[float, Quantity("Pa", at_least=0, at_most=1e9, kind="pressure")] | None = Field(
+        default=None, description="pressure loss; or a coefficient"
     )
-    at: Annotated[float, Quantity("m^3/s", above=0, at_most=10)] = Field(description="flow rate of the value")
-    density: Annotated[float, Quantity("kg/m^3", above=0, at_most=30e3, kind="mud_weight")] = Field(
-        description="density of the fluid of the value"
+    at: Annotated[float, Quantity("m^3/s", above=0, at_most=10)] | None = Field(
+        default=None, description="flow rate of the value"
+    )
+    density: Annotated[float, Quantity("kg/m^3", above=0, at_most=30e3, kind="mud_weight")] | None = Field(
+        default=None, description="density of the fluid of the value"
+    )
+    coefficient: Annotated[float, Quantity("", at_least=0, at_most=1e6)] | None = Field(
+        default=None,
+        description="loss over half the density times the squared velocity in the item's bore, instead of a value",
     )
 
-    @property
-    def coefficient(self) -> float:
-        """Loss over density and flow rate squared [1/m4]."""
+    @model_validator(mode="after")
+    def _one_form(self) -> PressureLoss:
+        measured = {"value": self.value, "at": self.at, "density": self.density}
+        for key, given in measured.items():
+            if self.coefficient is not None and given is not None:
+                raise refuse(key, got=given, want=f"no {key} with a coefficient")
+            if self.coefficient is None and given is None:
+                raise refuse(key, want="a value with its flow rate (at) and density, or a coefficient")
+        return self
+
+    def times(self, share: float) -> PressureLoss:
+        """The loss times ``share``."""
+        key = "value" if self.coefficient is None else "coefficient"
+        return self.model_copy(update={key: getattr(self, key) * share})
+
+    def resistance(self, bore: float | None) -> float:
+        """Loss over density and flow rate squared [1/m4] in a bore of this diameter [m]."""
+        if self.coefficient is not None:
+            assert bore
+            return 0.5 * self.coefficient / (math.pi / 4 * bore**2) ** 2
+        assert self.value is not None and self.density is not None and self.at is not None
         return self.value / (self.density * self.at**2)
 
 
@@ -144,7 +171,7 @@ class Item(Block):
     )
     pressure_loss: PressureLoss | None = Field(
         default=None,
-        description="loss of the mud in this item besides friction, {value: 350 psi, at: 600 gpm, density: 10 ppg}",
+        description="loss of the mud in this item besides friction, {value: 350 psi, at: 600 gpm, density: 10 ppg} or {coefficient: 2.5}",
     )
 
     @model_validator(mode="after")
@@ -167,6 +194,11 @@ class Item(Block):
         if outer is None and inner and self.has_own_od:
             raise refuse("id", got=inner, want="an inner diameter together with an outer one (od)")
         return self
+
+    @property
+    def flow_resistance(self) -> float:
+        """Pressure loss of the tool over density and flow rate squared [1/m4]; 0 without one."""
+        return 0.0 if self.pressure_loss is None else self.pressure_loss.resistance(self.id)
 
     @property
     def contact_od(self) -> float | None:

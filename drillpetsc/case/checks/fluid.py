@@ -72,6 +72,10 @@ def check_fluid(case: CaseBlocks) -> None:
             raise refuse(
                 "string", i, "pressure_loss", want="no pressure_loss where nothing flows in the string"
             )
+        if item.pressure_loss.coefficient is not None and not item.id:
+            at = ("string", i, "pressure_loss", "coefficient")
+            want = "an id of the item, whose bore the coefficient is of; or a value with its flow rate and density"
+            raise refuse(*at, got=item.pressure_loss.coefficient, want=want)
     _side_nozzles(case)
     _metal_of_rigid_items(case)
     _lower_end(case)

@@ -1,4 +1,5 @@
-// Energies and section forces of the elements, and the power lost in the material, four elements side by side.
+// Energies and section forces of the elements, and the power lost in the material, four elements side by side.  Everything is inlined
+// (flatten): what an entry does not return is not computed.
 #include "beam/beam.hpp"
 #include "beam/beam_results.hpp"
 
@@ -63,55 +64,78 @@ Pack strain_energy(const ElementState& s, const Pack* p, Pack* N, Pack* torque, 
     return 0.5 * L * (p[EA] * axial_form(e1, e2, em) + p[EI] * bend) + 0.5 * *torque * angle;
 }
 
-// Power turned into heat: beta times the energy form of the strain rates twice over, alpha times that of the velocities.
-Pack dissipation(const ElementState& s, const Pack* p) {
-    const Pack L = p[LENGTH], il = 1.0 / L, n1 = norm(s.v1), n2 = norm(s.v2);
+// Kinetic energies of the velocities and of the spin over half of the length.
+struct Motion { Pack velocity, spin; };
+Motion motion(const ElementState& s, const Pack* p) {
+    const Pack L = p[LENGTH];
+    return {p[MASS] * mass_form(L, s.u1, s.w1, s.u2, s.w2), p[POLAR] * spin_form(s.o1, s.o2)};
+}
+
+// Strain energy, and power turned into heat: beta times the energy form of the strain rates twice over, alpha times that of the velocities.
+struct Balance { Pack strain, dissipated; };
+Balance balance(const ElementState& s, const Pack* p, const Motion& moving) {
+    const Pack L = p[LENGTH], il = 1.0 / L, n1 = norm(s.v1), n2 = norm(s.v2), e1 = n1 - 1.0, e2 = n2 - 1.0;
     const PackVec ud = s.u2 - s.u1;
-    Pack em = 0.0, bend = 0.0;
+    Pack em = -1.0, bend = 0.0, em_rate = 0.0, bend_rate = 0.0;
     for (int g = 0; g < 3; ++g) {
         const Shape<Pack, Pack> S(XI3[g], il);
         const PackVec r1 = S.slope(s.d, s.v1, s.v2), q1 = S.slope(ud, s.w1, s.w2), q2 = S.second(ud, s.w1, s.w2);
-        const Pack in = 1.0 / norm(r1);
+        const Pack n = norm(r1), in = 1.0 / n;
         const PackVec t = r1 * in;
-        const PackVec rate = Bend<Pack>(t, in, S.second(s.d, s.v1, s.v2)).rate(t, in, q1, q2, s.o1 * (1 - XI3[g]) + s.o2 * XI3[g]);
-        em += W3[g] * dot(t, q1);
-        bend += W3[g] * dot(rate, rate);
+        const Bend<Pack> b(t, in, S.second(s.d, s.v1, s.v2));
+        const PackVec rate = b.rate(t, in, q1, q2, s.o1 * (1 - XI3[g]) + s.o2 * XI3[g]);
+        em += W3[g] * n;
+        bend += W3[g] * dot(b.k, b.k);
+        em_rate += W3[g] * dot(t, q1);
+        bend_rate += W3[g] * dot(rate, rate);
     }
     const Twist<Pack> q = twist(s.d, s.v1, s.v2, n1, n2, s.phi1, s.phi2, p);
     const Pack turn = s.o2 - s.o1 + dot(q.d, ud) + dot(q.v1, s.w1) + dot(q.v2, s.w2);
-    const Pack material = L * (p[EA] * axial_form(dot(s.v1, s.w1) / n1, dot(s.v2, s.w2) / n2, em) + p[EI] * bend) + p[GJ] * il * turn * turn;
-    return p[BETA] * material + p[ALPHA] * L * (p[MASS] * mass_form(L, s.u1, s.w1, s.u2, s.w2) + p[POLAR] * spin_form(s.o1, s.o2));
+    const Pack material = L * (p[EA] * axial_form(dot(s.v1, s.w1) / n1, dot(s.v2, s.w2) / n2, em_rate) + p[EI] * bend_rate) + p[GJ] * il * turn * turn;
+    return {0.5 * L * (p[EA] * axial_form(e1, e2, em) + p[EI] * bend) + 0.5 * p[GJ] * il * q.value * q.value,
+            p[BETA] * material + p[ALPHA] * L * (moving.velocity + moving.spin)};
+}
+
+Pack potential(const ElementState& s, const Pack* p) {
+    const Pack L = p[LENGTH];
+    return -(p[MASS] * L) * dot(vec(p + GRAVITY), (s.r1 + s.r2) * 0.5 + (s.v1 - s.v2) * (L * (1.0 / 12)));
 }
 
 }  // namespace
 
 DP_EXPORT(beam_results, BeamResultText)
+DP_EXPORT(beam_balance, BeamBalanceText)
 
 // out: (n, BEAM_RESULTS)
-extern "C" void beam_results(int n, int D, const int* idx, const double* par, const void*, const double* x, const double* y, double* out) {
+extern "C" __attribute__((flatten)) void beam_results(int n, int D, const int* idx, const double* par, const void*, const double* x, const double* y, double* out) {
     for (int e = 0; e < n; e += 4) {
         Pack p[BEAM_PARAMETERS], q[BEAM_RESULTS];
         const Lanes lanes(e, n);
         lanes.rows(BEAM_PARAMETERS, par, p);
         const ElementState s = gather(lanes, D, idx, p, x, y);
-        const Pack L = p[LENGTH], m = p[MASS] * L;
-        q[KINETIC] = 0.5 * (m * mass_form(L, s.u1, s.w1, s.u2, s.w2) + p[POLAR] * L * spin_form(s.o1, s.o2));
+        const Motion moving = motion(s, p);
+        q[KINETIC] = 0.5 * p[LENGTH] * (moving.velocity + moving.spin);
         q[STRAIN] = strain_energy(s, p, q + AXIAL_UPPER, q + TORQUE, q + BENDING_UPPER);
-        q[POTENTIAL] = -m * dot(vec(p + GRAVITY), (s.r1 + s.r2) * 0.5 + (s.v1 - s.v2) * (L * (1.0 / 12)));
+        q[POTENTIAL] = potential(s, p);
         for (int l = 0; l < lanes.count; ++l)
             for (int i = 0; i < BEAM_RESULTS; ++i) out[(e + l) * BEAM_RESULTS + i] = q[i].v[l];
     }
 }
 
-// power turned into heat by material and mass damping, summed over n elements of D unknowns [W]
-extern "C" double beam_dissipation(int n, int D, const int* idx, const double* par, const double* x, const double* y) {
-    double total = 0;
+// out: (n, BEAM_BALANCE)
+extern "C" __attribute__((flatten)) void beam_balance(int n, int D, const int* idx, const double* par, const void*, const double* x, const double* y,
+                                                      double* out) {
     for (int e = 0; e < n; e += 4) {
-        Pack p[BEAM_PARAMETERS];
+        Pack p[BEAM_PARAMETERS], q[BEAM_BALANCE];
         const Lanes lanes(e, n);
         lanes.rows(BEAM_PARAMETERS, par, p);
-        const Pack lost = dissipation(gather(lanes, D, idx, p, x, y), p);
-        for (int l = 0; l < lanes.count; ++l) total += lost.v[l];
+        const ElementState s = gather(lanes, D, idx, p, x, y);
+        const Motion moving = motion(s, p);
+        const Balance b = balance(s, p, moving);
+        q[STORED_KINETIC] = 0.5 * p[LENGTH] * (moving.velocity + moving.spin);
+        q[STORED_STRAIN] = b.strain;
+        q[STORED_POTENTIAL] = potential(s, p);
+        q[DISSIPATED] = b.dissipated;
+        lanes.store_rows(BEAM_BALANCE, q, out);
     }
-    return total;
 }

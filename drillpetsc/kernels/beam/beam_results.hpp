@@ -10,4 +10,7 @@ DP_ENUM(BeamResult,
     TORQUE, BENDING_UPPER, BENDING_LOWER,       // [N m]
     BEAM_RESULTS)
 
+// What the energy balance needs of an element after every step: energies [J], and the power that its material turns into heat [W].
+DP_ENUM(BeamBalance, STORED_KINETIC, STORED_STRAIN, STORED_POTENTIAL, DISSIPATED, BEAM_BALANCE)
+
 }  // namespace dp

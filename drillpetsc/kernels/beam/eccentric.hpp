@@ -10,7 +10,7 @@ namespace dp {
 template <bool JUNCTION>
 struct Eccentric {
     static constexpr int D = JUNCTION ? 15 : 14, NSPIN = 2;
-    static constexpr bool PACKED = false;
+    static constexpr bool PACKED = !JUNCTION;
     static constexpr int SPINS[2][2] = {{6, 3}, {13, 10}};
     DP_ENUM(Parameter,
         LENGTH, MASS,  // of the element [m]; per length [kg/m]
@@ -24,8 +24,9 @@ struct Eccentric {
     struct Centre {  // the offset at a node, its rates, the tangent there
         Tangent<T> t;
         Vec<T> c, c1, c2;
-        Centre(const Vec<T>& v, const Vec<T>& w, const Vec<T>& w1, const T& phi, const T& spin, const T& spin_rate, const double* reference,
-               const double* second, const double* offset)
+        template <class S>
+        Centre(const Vec<T>& v, const Vec<T>& w, const Vec<T>& w1, const T& phi, const T& spin, const T& spin_rate, const S* reference,
+               const S* second, const S* offset)
             : t(v, w, w1) {
             Vec<T> d2, d3;
             directors(vec(reference), vec(second), t.t, phi, d2, d3);
@@ -34,35 +35,60 @@ struct Eccentric {
             c1 = cross(turning, c);
             c2 = cross(turning_rate, c) + cross(turning, c1);
         }
-        void load(const Vec<T>& push, T* bend, T& torque) const {  // a force at the mass centre on slope and spin
-            const Vec<T> moment = cross(c, push), b = cross(moment, t.t) / t.n;
+        template <class R>
+        void load(const Vec<R>& push, R* bend, R& torque) const {  // a force at the mass centre on slope and spin
+            const Vec<R> moment = cross(c, push), b = cross(moment, t.t) / t.n;
             bend[0] += b.x; bend[1] += b.y; bend[2] += b.z;
             torque = dot(moment, t.t);
         }
     };
 
     // int N c ds of the cubic shapes N, c linear
-    template <class T>
-    static Four<T> shared(const Vec<T>& c1, const Vec<T>& c2, double L) {
-        return {(c1 * 7.0 + c2 * 3.0) * (L / 20), (c1 * 3.0 + c2 * 2.0) * (L * L / 60), (c1 * 3.0 + c2 * 7.0) * (L / 20),
-                (c1 * 2.0 + c2 * 3.0) * (-L * L / 60)};
+    template <class T, class S>
+    static Four<T> shared(const Vec<T>& c1, const Vec<T>& c2, const S& L) {
+        return {(c1 * 7.0 + c2 * 3.0) * (L / 20.0), (c1 * 3.0 + c2 * 2.0) * (L * L / 60.0), (c1 * 3.0 + c2 * 7.0) * (L / 20.0),
+                (c1 * 2.0 + c2 * 3.0) * (-L * L / 60.0)};
     }
     // int r (1 - s) ds and int r s ds of the cubic r
-    template <class T>
-    static Vec<T> upper(const Four<T>& r, double L) { return (r.r1 * 7.0 + r.r2 * 3.0) * (L / 20) + (r.v1 * 3.0 - r.v2 * 2.0) * (L * L / 60); }
-    template <class T>
-    static Vec<T> lower(const Four<T>& r, double L) { return (r.r1 * 3.0 + r.r2 * 7.0) * (L / 20) + (r.v1 * 2.0 - r.v2 * 3.0) * (L * L / 60); }
+    template <class T, class S>
+    static Vec<T> upper(const Four<T>& r, const S& L) { return (r.r1 * 7.0 + r.r2 * 3.0) * (L / 20.0) + (r.v1 * 3.0 - r.v2 * 2.0) * (L * L / 60.0); }
+    template <class T, class S>
+    static Vec<T> lower(const Four<T>& r, const S& L) { return (r.r1 * 3.0 + r.r2 * 7.0) * (L / 20.0) + (r.v1 * 2.0 - r.v2 * 3.0) * (L * L / 60.0); }
+
+    // The rows of an element without rigid offset; each node's unknowns, rates and accelerations may have a number type of their own, R is
+    // that of their sums.
+    template <class T, class U, class S, class R>
+    static void rows(const T* x1, const T* y1, const T* a1, const U* x2, const U* y2, const U* a2, const S* p, R* r) {
+        const S L = p[LENGTH], m = p[MASS], square = L * L / 60.0;
+        const Centre<T> one(vec(x1 + 3), vec(y1 + 3), vec(a1 + 3), x1[6], y1[6], a1[6], p + REFERENCE1, p + SECOND1, p + OFFSET);
+        const Centre<U> two(vec(x2 + 3), vec(y2 + 3), vec(a2 + 3), x2[6], y2[6], a2[6], p + REFERENCE2, p + SECOND2, p + OFFSET);
+        const Vec<T> r1 = vec(a1), v1 = vec(a1 + 3), c1 = one.c2 * m;
+        const Vec<U> r2 = vec(a2), v2 = vec(a2 + 3), c2 = two.c2 * m;
+        const Vec<R> F1 = (c1 * 7.0 + c2 * 3.0) * (L / 20.0), G1 = (c1 * 3.0 + c2 * 2.0) * square;
+        const Vec<R> F2 = (c1 * 3.0 + c2 * 7.0) * (L / 20.0), G2 = (c1 * 2.0 + c2 * 3.0) * -square;
+        const Vec<S> weight = vec(p + GRAVITY) * (0.5 * L);
+        const Vec<R> above = (r1 * 7.0 + r2 * 3.0) * (L / 20.0) + (v1 * 3.0 - v2 * 2.0) * square;
+        const Vec<R> below = (r1 * 3.0 + r2 * 7.0) * (L / 20.0) + (v1 * 2.0 - v2 * 3.0) * square;
+        r[0] = F1.x; r[1] = F1.y; r[2] = F1.z; r[3] = G1.x; r[4] = G1.y; r[5] = G1.z;
+        r[7] = F2.x; r[8] = F2.y; r[9] = F2.z; r[10] = G2.x; r[11] = G2.y; r[12] = G2.z;
+        one.load((above + (one.c2 * 2.0 + two.c2) * (L / 6.0) - weight) * m, r + 3, r[6]);
+        two.load((below + (two.c2 * 2.0 + one.c2) * (L / 6.0) - weight) * m, r + 10, r[13]);
+    }
 
     template <class T, class S>
     static void force(int, const T* x, const T* y, const T* a, const S* p, void*, T* r) {
-        const double L = p[LENGTH], m = p[MASS];
-        const Ride<T, JUNCTION> on(x, y, a, p[RIGID]);
-        const Centre<T> one(vec(x + 3), vec(y + 3), vec(a + 3), x[6], y[6], a[6], p + REFERENCE1, p + SECOND1, p + OFFSET);
-        const Centre<T> two(vec(x + 10), vec(y + 10), vec(a + 10), x[13], y[13], a[13], p + REFERENCE2, p + SECOND2, p + OFFSET);
-        on.store(shared(one.c2 * m, two.c2 * m, L), p[RIGID], r);
-        const Vec<double> weight = vec(p + GRAVITY) * (0.5 * L);
-        one.load((upper(on.a, L) + (one.c2 * 2.0 + two.c2) * (L / 6) - weight) * m, r + 3, r[6]);
-        two.load((lower(on.a, L) + (two.c2 * 2.0 + one.c2) * (L / 6) - weight) * m, r + 10, r[13]);
+        if constexpr (!JUNCTION) {
+            rows(x, y, a, x + 7, y + 7, a + 7, p, r);
+        } else {
+            const S L = p[LENGTH], m = p[MASS];
+            const Ride<T, JUNCTION> on(x, y, a, p[RIGID]);
+            const Centre<T> one(vec(x + 3), vec(y + 3), vec(a + 3), x[6], y[6], a[6], p + REFERENCE1, p + SECOND1, p + OFFSET);
+            const Centre<T> two(vec(x + 10), vec(y + 10), vec(a + 10), x[13], y[13], a[13], p + REFERENCE2, p + SECOND2, p + OFFSET);
+            on.store(shared(one.c2 * m, two.c2 * m, L), p[RIGID], r);
+            const Vec<S> weight = vec(p + GRAVITY) * (0.5 * L);
+            one.load((upper(on.a, L) + (one.c2 * 2.0 + two.c2) * (L / 6.0) - weight) * m, r + 3, r[6]);
+            two.load((lower(on.a, L) + (two.c2 * 2.0 + one.c2) * (L / 6.0) - weight) * m, r + 10, r[13]);
+        }
     }
 
     // kinetic and potential energy [J]
@@ -76,5 +102,32 @@ struct Eccentric {
         out[1] = -m * 0.5 * L * dot(vec(p + GRAVITY), one.c + two.c);
     }
 };
+
+// Entries of elements without rigid offset: a node's centre depends on its own seven unknowns only, so those of one node at a time are
+// seeded.
+inline void run_eccentric_jacobian(int n, const int* idx, const int* nodes, const double* par, void*, const double* c, const double* spin,
+                                   const double* x, const double* y, const double* a, double* K) {
+    typedef Eccentric<false> E;
+    typedef Dual<8> T;
+    for (int e = 0; e < n; ++e) {
+        const double* p = par + (long)e * E::NP;
+        double X[14], Y[14], A[14], *out = K + 196L * e;
+        for (int i = 0; i < 14; ++i) { const int k = idx[14L * e + i]; X[i] = x[k]; Y[i] = y[k]; A[i] = a[k]; }
+        for (int node = 0; node < 2; ++node) {
+            const int own = 7 * node;
+            const double* g = spin + 3 * nodes[2 * e + node];
+            T x1[7], y1[7], a1[7], R[14];
+            for (int i = 0; i < 7; ++i) {
+                x1[i] = T(X[own + i]); y1[i] = T(Y[own + i]); a1[i] = T(A[own + i]);
+                x1[i].set(i, c[0]); y1[i].set(i, c[1]); a1[i].set(i, c[2]);
+            }
+            for (int k = 0; k < 3; ++k) { y1[6].set(3 + k, c[1] * g[k]); a1[6].set(3 + k, c[2] * g[k]); }
+            if (node == 0) E::rows(x1, y1, a1, X + 7, Y + 7, A + 7, p, R);
+            else E::rows(X, Y, A, x1, y1, a1, p, R);
+            for (int i = 0; i < 14; ++i)
+                for (int j = 0; j < 7; ++j) out[14 * i + own + j] = R[i].d(j);
+        }
+    }
+}
 
 }  // namespace dp

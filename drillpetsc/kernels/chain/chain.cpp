@@ -1,16 +1,16 @@
 // Block tridiagonal LU of one piece of a chain (block Thomas, partial pivoting inside the pivot block).
 //
 // Storage.  A block (i, j) of b_i rows and b_j columns is column-major, each column padded with zeros to ld_i = 4 ceil(b_i / 4)
-// doubles, so that a column is V = ld_i / 4 vectors of 4 and every inner loop runs over whole vectors.  Rows are never moved:
-// the pivot row of step k is remembered (pivot[k]) and a lane mask says which rows are still active.  After a factorisation of
-// D = P^T L U the columns of L (unit diagonal left out) and of U (each divided by its pivot, which is left out) stand in two blocks,
-// rows in their original places.
+// doubles, so that a column is V = ld_i / 4 vectors of 4 and every inner loop runs over whole vectors.  Rows are not moved during an
+// elimination: the pivot row of step k is remembered (pivot[k]) and a lane mask says which rows are still active.  After a factorisation of
+// D = P^T L U the columns of L (unit diagonal left out) and of U (each divided by its pivot, which is left out) stand in two blocks, row k
+// being the pivot row of step k; so do the rows of A(i,i-1).  A solve then takes step k's number from a place that is known when compiled.
 //
 // table: (n, COLUMNS) int64, one line per node of the piece, offsets into `store` [doubles].
 //   SIZE b_i;  LD;  DIAG A(i,i) -> U;  UPPER A(i,i+1) -> W_i = D_i^-1 A(i,i+1);  LOWER A(i,i-1);  LFAC L of D_i (these four in a row);
 //   LEFT  fill F_i = coupling of node i to node 0 -> V_i = D_i^-1 F_i    (only pieces that keep node 0)
 //   TOP   fill G_i = coupling of node 0 to node i                        (only pieces that keep node 0)
-//   VEC   offset of the node in a padded vector; also in `inverse` and `pivot`.
+//   VEC   offset of the node in a padded vector; also in `inverse` and `pivot`, which has the numbers of the rows in the padding.
 // keep: bit 0 node 0 is not eliminated, bit 1 the last node is not eliminated.
 #include <algorithm>
 #include <cmath>
@@ -134,22 +134,100 @@ inline void back_substitute(int b_, const double* U, double* R, double* X, int m
     }
 }
 
-// x = D^-1 x for one vector.
-template <int V, int B>
-inline void solve_block(int b_, const double* U, const double* L, double* x, const int* pivot, const double* inverse) {
-    const int b = B ? B : b_;
-    constexpr int ld = 4 * V;
-    alignas(32) double y[ld];
-    d4 now[V];
-    for (int v = 0; v < V; v++) store4(y + 4 * v, now[v] = load(x + 4 * v));
-    for (int k = 0; k < b - 1; k++) {
-        const double f = y[pivot[k]];
-        for (int v = 0; v < V; v++) store4(y + 4 * v, now[v] -= load(L + ld * k + 4 * v) * f);
+// The order of the pivots, for vectors of 4V rows; pivot (4V) has their own places in the rows of padding.
+template <int V>
+struct Order {
+    i4 row[V];
+    explicit Order(const int* pivot) {
+        using Four = int __attribute__((vector_size(16), aligned(4), may_alias));
+        for (int v = 0; v < V; v++) row[v] = __builtin_convertvector(*reinterpret_cast<const Four*>(pivot + 4 * v), i4);
     }
-    for (int k = b - 1; k >= 0; k--) {
-        const double f = y[pivot[k]];
-        for (int v = 0; v < V; v++) store4(y + 4 * v, now[v] -= load(U + ld * k + 4 * v) * f);
-        x[k] = f * inverse[k];
+    void apply(d4* a) const {
+        if constexpr (V == 1) {
+            a[0] = __builtin_shuffle(a[0], row[0]);
+        } else if constexpr (V == 2) {
+            const d4 p = a[0], q = a[1];
+            for (int v = 0; v < V; v++) a[v] = __builtin_shuffle(p, q, row[v]);
+        } else if constexpr (V == 3) {
+            const d4 p = a[0], q = a[1], r = a[2];
+            for (int v = 0; v < V; v++) a[v] = row[v] < 8 ? __builtin_shuffle(p, q, row[v]) : __builtin_shuffle(r, row[v]);
+        } else {
+            double all[4 * V];
+            for (int v = 0; v < V; v++) store4(all + 4 * v, a[v]);
+            for (int i = 0; i < 4 * V; i++) a[i / 4][i % 4] = all[row[i / 4][i % 4]];
+        }
+    }
+    // m columns, in place
+    void apply(double* A, int m) const {
+        for (int j = 0; j < m; j++, A += 4 * V) {
+            d4 a[V];
+            for (int v = 0; v < V; v++) a[v] = load(A + 4 * v);
+            apply(a);
+            for (int v = 0; v < V; v++) store4(A + 4 * v, a[v]);
+        }
+    }
+};
+
+// Entry k of a vector in all places.
+template <int k>
+inline d4 spread(const d4* y) {
+    return __builtin_shufflevector(y[k / 4], y[k / 4], k % 4, k % 4, k % 4, k % 4);
+}
+template <int V, int k>
+inline void subtract_column(d4* y, const double* A, d4 f) {
+    for (int v = 0; v < V; v++) y[v] -= load(A + 4 * V * k + 4 * v) * f;
+}
+template <int V, int NC, int... k>
+inline void solve_lower(d4 (*y)[V], const double* L, std::integer_sequence<int, k...>) {
+    const auto step = [&](auto at) {
+        for (int c = 0; c < NC; c++) subtract_column<V, at()>(y[c], L, spread<at()>(y[c]));
+    };
+    (step(std::integral_constant<int, k>{}), ...);
+}
+template <int V, int B, int NC, int... k>
+inline void solve_upper(d4 (*y)[V], const double* U, double* x, const double* inverse, std::integer_sequence<int, k...>) {
+    const auto step = [&](auto at) {
+        for (int c = 0; c < NC; c++) {
+            const d4 f = spread<at()>(y[c]);
+            subtract_column<V, at()>(y[c], U, f);
+            x[4 * V * c + at()] = f[0] * inverse[at()];
+        }
+    };
+    (step(std::integral_constant<int, B - 1 - k>{}), ...);
+}
+
+// X = D^-1 X for NC columns whose rows are in their own order.
+template <int V, int B, int NC>
+inline void solve_columns(const Order<V>& order, const double* U, const double* L, double* X, const double* inverse) {
+    d4 now[NC][V];
+    for (int c = 0; c < NC; c++) {
+        for (int v = 0; v < V; v++) now[c][v] = load(X + 4 * V * c + 4 * v);
+        order.apply(now[c]);
+    }
+    solve_lower<V, NC>(now, L, std::make_integer_sequence<int, B - 1>{});
+    solve_upper<V, B, NC>(now, U, X, inverse, std::make_integer_sequence<int, B>{});
+}
+
+// x = D^-1 y for one vector, y (4V) in the order of the pivots; y is destroyed.
+template <int V, int B>
+inline void solve_block(int b_, const double* U, const double* L, double* y, double* x, const double* inverse) {
+    constexpr int ld = 4 * V;
+    d4 one[1][V], (&now)[V] = one[0];
+    for (int v = 0; v < V; v++) now[v] = load(y + 4 * v);
+    if constexpr (B > 0) {
+        solve_lower<V, 1>(one, L, std::make_integer_sequence<int, B - 1>{});
+        solve_upper<V, B, 1>(one, U, x, inverse, std::make_integer_sequence<int, B>{});
+    } else {
+        const int b = b_;
+        for (int k = 0; k < b - 1; k++) {
+            const double f = y[k];
+            for (int v = 0; v < V; v++) store4(y + 4 * v, now[v] -= load(L + ld * k + 4 * v) * f);
+        }
+        for (int k = b - 1; k >= 0; k--) {
+            const double f = y[k];
+            for (int v = 0; v < V; v++) store4(y + 4 * v, now[v] -= load(U + ld * k + 4 * v) * f);
+            x[k] = f * inverse[k];
+        }
     }
 }
 
@@ -197,13 +275,14 @@ inline void subtract_matvec(double* y, const double* A, const double* x, int K) 
     for (int v = 0; v < V; v++) store4(y + 4 * v, even[v] + odd[v]);
 }
 
-// Call f(V, B) with constants that fit a block: sizes 7 and 8 are fixed (B), else B = 0 and the size rounded up to vectors.
+// Call f(V, B) with constants that fit a block: sizes 7, 8 (dry) and 11 (with mud) are fixed (B), else B = 0 and the size rounded up to vectors.
 template <class F>
 inline auto dispatch(std::int64_t size, F&& f) {
     using std::integral_constant;
     using Any = integral_constant<int, 0>;
     if (size == 7) return f(integral_constant<int, 2>{}, integral_constant<int, 7>{});
     if (size == 8) return f(integral_constant<int, 2>{}, integral_constant<int, 8>{});
+    if (size == 11) return f(integral_constant<int, 3>{}, integral_constant<int, 11>{});
     switch ((size + 3) / 4) {
         case 1: return f(integral_constant<int, 1>{}, Any{});
         case 2: return f(integral_constant<int, 2>{}, Any{});
@@ -246,21 +325,44 @@ inline void subtract_vector(Row row, double* y, const double* A, Row column, con
     }
 }
 
-// Eliminate node t, with the m1 columns of `right` and the m2 columns of `left` as right-hand sides (either may be null).
-int eliminate_node(Row t, double* store, double* right, int m1, double* left, int m2, double* inverse, int* pivot,
+// Eliminate node t, with the m1 columns of `right` and the m2 columns of `left` as right-hand sides (either may be null); lower: columns of
+// A(i,i-1), whose rows are put into the order of the pivots.
+int eliminate_node(Row t, double* store, double* right, int m1, double* left, int m2, int lower, double* inverse, int* pivot,
                    const double* scale, double tolerance, double* stats) {
     return dispatch(t[SIZE], [&](auto V, auto B) {
-        alignas(64) double work[2 * LARGEST_BLOCK * LARGEST_BLOCK];
         const int b = t[SIZE], ld = t[LD];
-        double* D = store + t[DIAG];
-        if (m1) std::memcpy(work, right, sizeof(double) * ld * m1);
-        if (m2) std::memcpy(work + ld * m1, left, sizeof(double) * ld * m2);
-        double* r = inverse + t[VEC];
+        double *D = store + t[DIAG], *L = store + t[LFAC], *r = inverse + t[VEC];
         int* p = pivot + t[VEC];
-        const int bad = eliminate<V(), B()>(b, D, store + t[LFAC], work, m1 + m2, p, r, scale, tolerance, stats);
-        if (bad >= 0) return bad;
-        if (m1) back_substitute<V(), B()>(b, D, work, right, m1, p, r);
-        if (m2) back_substitute<V(), B()>(b, D, work + ld * m1, left, m2, p, r);
+        const auto put_in_order = [&] {
+            const Order<V()> order(p);
+            order.apply(D, b);
+            order.apply(L, b);
+            order.apply(store + t[LOWER], lower);
+            return order;
+        };
+        if constexpr (B() > 0) {
+            const int bad = eliminate<V(), B()>(b, D, L, nullptr, 0, p, r, scale, tolerance, stats);
+            if (bad >= 0) return bad;
+            const Order<V()> order = put_in_order();
+            const auto solve = [&](double* X, int m) {
+                constexpr int NC = V() <= 2 ? 4 : 2;
+                int j = 0;
+                for (; j + NC <= m; j += NC) solve_columns<V(), B(), NC>(order, D, L, X + ld * j, r);
+                if (NC == 4 && j + 3 == m) return solve_columns<V(), B(), 3>(order, D, L, X + ld * j, r);
+                for (; j < m; j++) solve_columns<V(), B(), 1>(order, D, L, X + ld * j, r);
+            };
+            if (m1) solve(right, m1);
+            if (m2) solve(left, m2);
+        } else {
+            alignas(64) double work[2 * LARGEST_BLOCK * LARGEST_BLOCK];
+            if (m1) std::memcpy(work, right, sizeof(double) * ld * m1);
+            if (m2) std::memcpy(work + ld * m1, left, sizeof(double) * ld * m2);
+            const int bad = eliminate<V(), B()>(b, D, L, work, m1 + m2, p, r, scale, tolerance, stats);
+            if (bad >= 0) return bad;
+            if (m1) back_substitute<V(), B()>(b, D, work, right, m1, p, r);
+            if (m2) back_substitute<V(), B()>(b, D, work + ld * m1, left, m2, p, r);
+            put_in_order();
+        }
         return -1;
     });
 }
@@ -269,9 +371,17 @@ inline void scales(Row t, const double* D, double* scale) {
     dispatch(t[SIZE], [&](auto V, auto) { column_scales<V()>(t[SIZE], D, scale); });
 }
 
-inline void solve_node(Row t, const double* store, double* x, const double* inverse, const int* pivot) {
+// x = D^-1 (x - A(i,i-1) x_(i-1)) of an eliminated node; before: the node before it and its vector, null without one.
+inline void solve_node(Row t, const double* store, double* x, Row before, const double* x_before, const double* inverse, const int* pivot) {
     dispatch(t[SIZE], [&](auto V, auto B) {
-        solve_block<V(), B()>(t[SIZE], store + t[DIAG], store + t[LFAC], x, pivot + t[VEC], inverse + t[VEC]);
+        alignas(32) double y[4 * V()];
+        const int b = B() ? B() : static_cast<int>(t[SIZE]);
+        d4 ordered[V()];
+        for (int v = 0; v < V(); v++) ordered[v] = load(x + 4 * v);
+        Order<V()>(pivot + t[VEC]).apply(ordered);
+        for (int v = 0; v < V(); v++) store4(y + 4 * v, ordered[v]);
+        if (before) subtract_matvec<V()>(y, store + t[LOWER], x_before, before[SIZE]);
+        solve_block<V(), B()>(b, store + t[DIAG], store + t[LFAC], y, x, inverse + t[VEC]);
     });
 }
 
@@ -334,7 +444,11 @@ inline void add_tile(const int* tile, const double* v, double* to) {
     const d4 zero = {0, 0, 0, 0};
     const d4 a = load(v + tile[0]), b = tile[1] < 0 ? zero : load(v + tile[1]), c = tile[2] < 0 ? zero : load(v + tile[2]),
              d = tile[3] < 0 ? zero : load(v + tile[3]);
-    const d4 columns[4] = {{a[0], b[0], c[0], d[0]}, {a[1], b[1], c[1], d[1]}, {a[2], b[2], c[2], d[2]}, {a[3], b[3], c[3], d[3]}};
+    // transposed by shuffles: number by number it would be read again from memory
+    const d4 p = __builtin_shufflevector(a, b, 0, 4, 2, 6), q = __builtin_shufflevector(a, b, 1, 5, 3, 7);
+    const d4 r = __builtin_shufflevector(c, d, 0, 4, 2, 6), s = __builtin_shufflevector(c, d, 1, 5, 3, 7);
+    const d4 columns[4] = {__builtin_shufflevector(p, r, 0, 1, 4, 5), __builtin_shufflevector(q, s, 0, 1, 4, 5),
+                           __builtin_shufflevector(p, r, 2, 3, 6, 7), __builtin_shufflevector(q, s, 2, 3, 6, 7)};
     for (int j = 0; j < 4; j++)
         if (tile[4 + j] >= 0) store4(to + tile[4 + j], load(to + tile[4 + j]) + columns[j]);
 }
@@ -431,8 +545,8 @@ int chain_factor(int from, int n, int keep, const std::int64_t* table, double* s
             std::memcpy(blocks, store + t[DIAG], sizeof(double) * t[LD] * t[SIZE]);
             blocks += t[LD] * t[SIZE];
         }
-        const int bad = eliminate_node(t, store, W, next ? next[SIZE] : 0, fill, first ? top[SIZE] : 0, inverse, pivot, scale,
-                                       tolerance, stats);
+        const int bad = eliminate_node(t, store, W, next ? next[SIZE] : 0, fill, first ? top[SIZE] : 0, i > first ? (t - COLUMNS)[SIZE] : 0,
+                                       inverse, pivot, scale, tolerance, stats);
         if (bad >= 0) {
             stats[FAILED_COLUMN] = bad;
             return i;
@@ -586,9 +700,11 @@ void chain_forward(int n, int keep, const std::int64_t* table, const double* sto
     for (int i = first; i < n; i++) {
         const Row t = table + i * COLUMNS, previous = t - COLUMNS;
         double* y = vec + t[VEC];
-        if (i > first) subtract_vector(t, y, store + t[LOWER], previous, vec + previous[VEC]);
-        if (i == last) break;
-        solve_node(t, store, y, inverse, pivot);
+        if (i == last) {  // a kept node: rows of A(i,i-1) in their own order
+            if (i > first) subtract_vector(t, y, store + t[LOWER], previous, vec + previous[VEC]);
+            break;
+        }
+        solve_node(t, store, y, i > first ? previous : nullptr, i > first ? vec + previous[VEC] : nullptr, inverse, pivot);
         if (first) subtract_vector(table, vec + table[VEC], store + t[TOP], t, y);
     }
 }

@@ -4,7 +4,7 @@
 using namespace dp;
 typedef BeamContact<false> ContactPlain;
 typedef BeamContact<true> ContactJunction;
-DP_RESIDUAL(contact, ContactPlain)
+DP_RESIDUAL_BY(contact, ContactPlain, run_contact_residual)
 DP_JACOBIAN(contact, run_contact_jacobian)
 DP_RESIDUAL(contact_junction, ContactJunction)
 DP_JACOBIAN(contact_junction, run_contact_junction_jacobian)

@@ -7,6 +7,7 @@
 #include <cstring>
 
 #include "contact/contact.hpp"
+#include "contact/off_wall.hpp"
 #include "beam/junction.hpp"
 
 namespace dp {
@@ -76,8 +77,16 @@ inline void run_contact_jacobian(int n, const int* idx, const int* nodes, const 
                                  const double* spin, const double* x, const double* y, const double*, double* K) {
     const ContactLaw& law = *static_cast<ContactLaw*>(context);
     constexpr int NP = BeamContact<false>::NP;
+    const OffWall off_wall(law, idx, par, x);
+    int free = 0;
     for (int e = 0; e < n; ++e) {
-        double X[14], Y[14], R[14][16] = {}, *out = K + (long)e * 196;
+        double* out = K + (long)e * 196;
+        if (e % 4 == 0) free = e + 4 <= n ? off_wall.four(e) : 0;
+        if (free >> (e % 4) & 1) {
+            std::memset(out, 0, 196 * sizeof(double));
+            continue;
+        }
+        double X[14], Y[14], R[14][16] = {};
         for (int i = 0; i < 14; ++i) { X[i] = x[idx[e * 14 + i]]; Y[i] = y[idx[e * 14 + i]]; }
         if (!subtract_contact(e, X, Y, par + e * NP, law, c[0], c[1], R)) {
             std::memset(out, 0, 196 * sizeof(double));

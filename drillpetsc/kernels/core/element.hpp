@@ -96,10 +96,11 @@ void run_jacobian(int n, const int* idx, const int* nodes, const double* par, vo
     }
 }
 
-#define DP_RESIDUAL(name, Kernel)                                                                                    \
+#define DP_RESIDUAL(name, Kernel) DP_RESIDUAL_BY(name, Kernel, dp::run_residual<Kernel>)
+#define DP_RESIDUAL_BY(name, Kernel, run)                                                                            \
     extern "C" void name##_residual(int n, const int* idx, const double* par, void* ctx, const double* x,           \
                                     const double* y, const double* a, double* r) {                                  \
-        dp::run_residual<Kernel>(n, idx, par, ctx, x, y, a, r);                                                     \
+        run(n, idx, par, ctx, x, y, a, r);                                                                          \
     }                                                                                                               \
     DP_EXPORT(name##_parameters, Kernel::ParameterText)
 #define DP_JACOBIAN(name, run)                                                                                       \

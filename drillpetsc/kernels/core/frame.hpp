@@ -35,9 +35,9 @@ inline T reference_change(const Vec<S>& a, const Vec<T>& d, const Vec<T>& v) {
 }
 
 // Directors 2 and 3 of the node frame minrot(a -> t) D0 Rot1(phi); D0 = (a, b2, b3).
-template <class T>
-inline void directors(const Vec<double>& a, const Vec<double>& b2, const Vec<T>& t, const T& phi, Vec<T>& d2, Vec<T>& d3) {
-    const Vec<double> b3 = cross(a, b2);
+template <class T, class S>
+inline void directors(const Vec<S>& a, const Vec<S>& b2, const Vec<T>& t, const T& phi, Vec<T>& d2, Vec<T>& d3) {
+    const Vec<S> b3 = cross(a, b2);
     const T c = cos(phi), s = sin(phi);
     const Vec<T> e2 = c * b2 + s * b3, e3 = c * b3 - s * b2;
     // smallest rotation a -> t applied to a vector normal to a:  e - (t.e)/(1 + a.t) (a + t)

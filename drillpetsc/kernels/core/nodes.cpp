@@ -48,3 +48,13 @@ extern "C" void quasi_rows(int n, int width, const int* index, const int* number
                 for (int j = 0; j < width; ++j) K[(s - 3 + k) * width + j] += c[3 * node + k] * K[s * width + j];
         }
 }
+
+// Number of nodes whose slope v is so far from the reference direction a that a.v < limit |v|; arguments as for spin_transport.
+extern "C" int far_slopes(int k, const int* where, const double* reference, const double* x, double limit) {
+    int found = 0;
+    for (int j = 0; j < k; ++j) {
+        const Vec<double> v = vec(x + where[2 * j + 1]);
+        found += dot(vec(reference + 3 * j), v) < limit * norm(v);
+    }
+    return found;
+}

@@ -1,15 +1,14 @@
-// Rows of all blocks of an assembly, and results of one block with their sums, each in one call from Python.
-#include "core/names.hpp"
+// Rows and Jacobian entries of all blocks of an assembly, and results of one block with their sums, each in one call from Python.
+#include "core/step.hpp"
+
+using namespace dp;
 
 namespace {
+typedef void (*Jacobian)(int, const int*, const int*, const double*, void*, const double*, const double*, const double*, const double*, const double*, double*);
 typedef void (*Residual)(int, const int*, const double*, void*, const double*, const double*, const double*, double*);
 typedef void (*Results)(int, int, const int*, const double*, void*, const double*, const double*, double*);
 }  // namespace
 
-// A block of elements: entry point of its residual and the arguments.
-DP_RECORD(BlockCall,
-    const void* residual; const int* index; const double* parameters; const void* record; const double* x; const double* y; const double* a; int count;
-)
 DP_EXPORT_RECORD(block_call, BlockCall)
 
 // Adds the rows of n blocks to r; its first `length` entries are set to zero before.
@@ -55,6 +54,12 @@ extern "C" void run_all_results(int n, const ResultCall* const* calls) {
     for (int k = 0; k < n; ++k) run_results(calls[k]);
 }
 
+// The same, and then n numbers from anywhere into a column of a table (n, steps): what is kept of a step.
+extern "C" void record_step(int blocks, const ResultCall* const* calls, int n, int steps, const double* const* from, double* column) {
+    run_all_results(blocks, calls);
+    for (int i = 0; i < n; ++i) column[(long)i * steps] = *from[i];
+}
+
 extern "C" {
 void condensed_rates(int, const double*, double, double, const double*, const double*, int, const int*, const double*, double*, double*);
 void constraint_rates(int, const double*, const int*, const double*, double, const double*, double*, double*);
@@ -62,23 +67,37 @@ void constraint_rows(int, const double*, const int*, const int*, const double*, 
 void lean_at(const int*, const double*, const double*, double*, double*, double*);
 void lean_rates(const int*, const double*, double, const double*, double*, double*);
 void lean_rows(const int*, const double*, double, double*);
+void lean_derivative(const int*, const double*, const double*, double*);
+void constraint_matrix(int, const double*, const long long*, const int*, const int*, double*);
+void spin_gradient(int, const int*, const double*, const double*, const double*, double, double, double*);
+double gathered_product(int, const int*, const double*, const int*, const double*);
 }
 
-// Prescribed motion of a node, as core/constraint.cpp takes it; places: of the node's rows in the residual, null where another rank has them.
-// axis: from which a spin counts that is held where the slope is free, else null; lean, keep, direction: see there.
-DP_RECORD(PrescribedCall,
-    const double* directions; const int* rows; const double* rate; const double* value; const int* places; double* reaction;
-    const double* axis; double* lean; double* keep; double* direction; int count, unused;
-)
 DP_EXPORT_RECORD(prescribed_call, PrescribedCall)
-
-// What the residual of a condensed step needs: n unknowns at places `owned` of x, y, a, r; constants v0, v1 of the time formula;
-// spins nodes with a spin angle (core/nodes.cpp); prescribed motion; blocks; dead: null, or a dead load at the `size` local unknowns.
-DP_RECORD(StepCall,
-    const int* owned; double* x; double* y; double* a; double* r; const double* v0; const double* v1; const int* where; const double* reference;
-    const PrescribedCall* prescribed; const BlockCall* blocks; const double* dead; double sigma, second, scale; int n, size, length, spins, prescriptions, count;
-)
 DP_EXPORT_RECORD(step_call, StepCall)
+DP_EXPORT_RECORD(matrix_call, MatrixCall)
+DP_EXPORT_RECORD(prescribed_matrix, PrescribedMatrix)
+DP_EXPORT_RECORD(jacobian_call, JacobianCall)
+
+// Both parts of two global states in local arrays of n unknowns: the state to x, y and the constants of the time formula to v0, v1;
+// zero where a place is negative.
+extern "C" void load_step(int n, const int* x_from, const int* y_from, const double* state, const double* constant, double* x, double* y,
+                          double* v0, double* v1) {
+    for (int i = 0; i < n; ++i) {
+        const int p = x_from[i], q = y_from[i];
+        x[i] = p >= 0 ? state[p] : 0.0;
+        v0[i] = p >= 0 ? constant[p] : 0.0;
+        y[i] = q >= 0 ? state[q] : 0.0;
+        v1[i] = q >= 0 ? constant[q] : 0.0;
+    }
+}
+
+// The other way: n unknowns and m rates.
+extern "C" void store_step(int n, const int* unknowns, const int* x_to, int m, const int* rates, const int* y_to, const double* x, const double* y,
+                           double* state) {
+    for (int i = 0; i < n; ++i) state[x_to[i]] = x[unknowns[i]];
+    for (int i = 0; i < m; ++i) state[y_to[i]] = y[rates[i]];
+}
 
 // State of a condensed step from the owned unknowns q (n).
 extern "C" void step_state(const StepCall* call, const double* q) {
@@ -122,4 +141,64 @@ extern "C" void step_rows(const StepCall* call, const double* q, double* rows) {
     step_state(call, q);
     step_blocks(call, rows);
     step_prescribed(call, rows);
+}
+
+// Derivatives of the spin rates for the weights of the next entries.
+extern "C" void weigh_entries(const JacobianCall* call) {
+    const StepCall& s = *call->step;
+    const double by_rate = call->weights[1];
+    spin_gradient(s.spins, s.where, s.reference, s.x, s.y, by_rate, by_rate ? 1.0 / by_rate : 0.0, call->spin);
+}
+
+// Entries of one block.
+extern "C" void block_entries(const JacobianCall* call, const MatrixCall* block) {
+    const StepCall& s = *call->step;
+    const MatrixCall& b = *block;
+    reinterpret_cast<Jacobian>(const_cast<void*>(b.jacobian))(b.count, b.index, b.nodes, b.parameters, const_cast<void*>(b.record), call->weights,
+                                                              call->spin, s.x, s.y, s.a, b.values);
+}
+
+// Leaves in the entries of elements at a prescribed motion what remains of the node's rows.
+extern "C" void replace_rows(const JacobianCall* call, const PrescribedMatrix* matrix) {
+    const PrescribedMatrix& m = *matrix;
+    constraint_matrix(m.count, m.keep, static_cast<const long long*>(m.at), m.width, m.slots, call->values);
+}
+
+// Replaces the rows along prescribed directions; by_position: 1 with dR/dx in the sum, else 0.  Those of all nodes first, since an element may have two.
+extern "C" void prescribed_entries(const JacobianCall* call, double by_position) {
+    const StepCall& s = *call->step;
+    for (int k = 0; k < s.prescriptions; ++k) {
+        const PrescribedCall& p = s.prescribed[k];
+        if (p.axis) lean_at(p.rows, p.axis, s.x, p.lean, p.keep, p.direction);
+        replace_rows(call, call->prescribed + k);
+    }
+    for (int k = 0; k < s.prescriptions; ++k) {
+        const PrescribedCall& p = s.prescribed[k];
+        const PrescribedMatrix& m = call->prescribed[k];
+        if (!m.own) continue;
+        for (int i = 0; i < 49; ++i) m.own[i] = by_position * s.scale * m.projector[i];
+        if (!p.axis) continue;
+        double change[9];
+        lean_derivative(p.rows, p.axis, s.x, change);
+        for (int i = 0; i < 3; ++i)
+            for (int j = 0; j < 3; ++j) m.own[7 * (3 + i) + 3 + j] += by_position * p.reaction[p.count - 1] * change[3 * i + j];
+    }
+}
+
+// Power of the rows that are left: the sum of rows[i] y[j] over n pairs, without the rows along prescribed directions.
+extern "C" double residual_power(const StepCall* call, int n, const int* i, const double* rows, const int* j) {
+    const StepCall& c = *call;
+    double power = gathered_product(n, i, rows, j, c.y);
+    for (int k = 0; k < c.prescriptions; ++k) {
+        const PrescribedCall& p = c.prescribed[k];
+        for (int m = 0; p.places && m < p.count; ++m) {
+            double force = 0.0, rate = 0.0;
+            for (int q = 0; q < 7; ++q) {
+                force += p.directions[7 * m + q] * rows[p.places[q]];
+                rate += p.rate_directions[7 * m + q] * c.y[p.rows[q]];
+            }
+            power -= force * rate;
+        }
+    }
+    return power;
 }

@@ -3,14 +3,29 @@
 
 // Largest |step| relative to the larger of scale and spacing |x|; not a number where any entry is not.
 extern "C" double scaled_size(int n, const double* step, const double* scale, double spacing, const double* x) {
-    double largest = 0.0;
-    bool number = true;
-    for (int i = 0; i < n; ++i) {
-        const double floor = spacing * std::fabs(x[i]), size = std::fabs(step[i]) / (scale[i] > floor ? scale[i] : floor);
-        largest = size > largest ? size : largest;
-        number &= size == size;
+    using dp::V4;
+    typedef double Unaligned __attribute__((vector_size(32), aligned(8), may_alias));
+    const auto load = [](const double* p) { return static_cast<V4>(*reinterpret_cast<const Unaligned*>(p)); };
+    const auto size_of = [](double s) { return s < 0.0 ? -s : s; };
+    V4 most = dp::splat(0.0), sum = dp::splat(0.0);  // the sum is not a number where any entry is not
+    int i = 0;
+    for (; i + 4 <= n; i += 4) {
+        V4 a = load(step + i), b = load(x + i);
+        const V4 usual = load(scale + i);
+        a = a < 0.0 ? -a : a;
+        b = (b < 0.0 ? -b : b) * spacing;
+        const V4 size = a / (usual > b ? usual : b);
+        most = size > most ? size : most;
+        sum += size;
     }
-    return number ? largest : NAN;
+    double largest = 0.0, all = (sum[0] + sum[1]) + (sum[2] + sum[3]);
+    for (int l = 0; l < 4; ++l) largest = most[l] > largest ? most[l] : largest;
+    for (; i < n; ++i) {
+        const double floor = spacing * size_of(x[i]), size = size_of(step[i]) / (scale[i] > floor ? scale[i] : floor);
+        largest = size > largest ? size : largest;
+        all += size;
+    }
+    return all == all ? largest : NAN;
 }
 
 // Sum of a[i[k]] b[j[k]] over n pairs.
@@ -29,6 +44,23 @@ extern "C" void add_local_error(int n, int m, const double* const* states, const
         net[i] += e;
         total[i] += size;
         largest[i] = size > largest[i] ? size : largest[i];
+    }
+}
+
+// Weights (order + 2) of the states at ascending times (order + 2) in the local error of BDF in the last one (manual: eq-time-local-error).
+extern "C" void bdf_error_weights(int order, const double* times, double* weights) {
+    const int m = order + 2;
+    double gaps = 1.0, sum = 0.0;
+    for (int i = order; i > 0; --i) {
+        const double gap = times[m - 1] - times[i];
+        gaps *= gap;
+        sum += 1.0 / gap;
+    }
+    for (int k = 0; k < m; ++k) {
+        double product = 1.0;
+        for (int j = 0; j < m; ++j)
+            if (j != k) product *= times[k] - times[j];
+        weights[k] = gaps / sum / product;
     }
 }
 

@@ -40,6 +40,7 @@ REFLECTION_TABLE = "reflection.csv"  # of torsional waves at a controlled top
 RESPONSE_TABLE = "response.csv"  # forced harmonic response by speed and place
 CAMPBELL_TABLE = "campbell.csv"  # modes by rotary speed
 CRITICAL_TABLE = "critical.csv"  # critical speeds: where an excitation line meets a mode
+CRITICAL_MAP_TABLE = "critical_map.csv"  # critical speeds by stiffness of the wall
 STABILITY_TABLE = "stability_map.csv"  # largest growth by rotary speed and weight on bit
 BOUNDARY_TABLE = "stability_boundary.csv"  # speeds at which it changes its sign
 STABILITY_RUNS_TABLE = "stability_runs.csv"  # what runs in time did, by rotary speed and weight on bit
@@ -47,6 +48,7 @@ SPEED_TABLES = (
     RESPONSE_TABLE,
     CAMPBELL_TABLE,
     CRITICAL_TABLE,
+    CRITICAL_MAP_TABLE,
     STABILITY_TABLE,
     BOUNDARY_TABLE,
     STABILITY_RUNS_TABLE,

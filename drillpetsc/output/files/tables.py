@@ -7,10 +7,12 @@
 from __future__ import annotations
 
 import csv
+import ctypes
 import errno
 import io
 import os
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from functools import cache
 from pathlib import Path
 
 import numpy as np
@@ -45,6 +47,26 @@ def _number(value: float) -> str:
 def _line(values: Sequence[float]) -> str:
     """A row of a table with its end; its numbers as ``_number`` writes them, all in one go."""
     return (",".join(map(repr, map(float, values))) + "\n").replace(".0,", ",").replace(".0\n", "\n")
+
+
+@cache
+def _compiled() -> tuple[Callable[..., int], int]:
+    """The function that writes rows, and the room that a number takes."""
+    from drillpetsc.kernels import function  # here: tables are also read by programs without kernels
+    from drillpetsc.kernels.parameters import constant
+
+    return function("write_rows", "iipp", ctypes.c_int), int(constant("text_width"))
+
+
+def rows_as_text(rows: np.ndarray) -> bytes:
+    """Rows (k, m) of a table, numbers as ``_number`` writes them; by compiled code where its library has such digits."""
+    write, width = _compiled()
+    values = np.ascontiguousarray(rows, dtype=float)
+    text = np.empty(values.size * width, dtype=np.uint8)
+    length = write(*values.shape, values.ctypes.data, text.ctypes.data)
+    if length < 0:
+        return "".join(map(_line, values.tolist())).encode()
+    return text[:length].tobytes()
 
 
 class Table:
@@ -91,15 +113,14 @@ class Table:
         values = row.tolist() if isinstance(row, np.ndarray) else row
         if len(values) != self._width:
             raise ValueError(f"{self.path.name}: a row of {len(values)} values for {self._width} columns")
-        self._write(_line(values))
+        self._write(_line(values).encode())
 
     def add_rows(self, rows: np.ndarray) -> None:
         """rows: (k, columns), SI; all of them in one write."""
         if len(rows):
-            self._write("".join(map(_line, rows.tolist())))
+            self._write(rows_as_text(rows))
 
-    def _write(self, text: str) -> None:
-        data = text.encode()
+    def _write(self, data: bytes) -> None:
         try:
             written = os.write(self._file, data)
         except OSError as error:

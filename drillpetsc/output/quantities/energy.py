@@ -54,5 +54,6 @@ POWERS = Quantity(
     label="Powers",
     doc="Dissipated and supplied power.",
     value=lambda balance, sample: sample.system.local_powers(sample.time),
+    values=lambda balance, steps: steps.system.powers_of(steps),
     size=2,
 )

@@ -68,6 +68,19 @@ RESPONSE: tuple[Quantity, ...] = (
     ),
 )  # fmt: skip
 
+#: more columns of the response, with --stress
+RESPONSE_STRESS: tuple[Quantity, ...] = (
+    _column(
+        "stress_amplitude", "Pa", "Amplitude of the stress", "STAM",
+        "Largest alternating normal stress at the surface of the pipe that turns: axial force and bending of the response, and bending of the "
+        "steady state.", "tension",
+    ),
+    _column(
+        "shear_stress_amplitude", "Pa", "Amplitude of the shear stress", "SSAM", "Of the torque of the response, at the surface of the pipe."
+    ),
+    _column("mean_stress", "Pa", "Mean stress", "MNST", "Of the axial force of the steady state.", "tension"),
+)  # fmt: skip
+
 _MODE = {q.name: q for q in MODES}
 BRANCH = _column(
     "branch", "-", "Branch", "BRCH", "Number of a mode that is followed over the speeds, from 1."
@@ -103,6 +116,13 @@ CAMPBELL: tuple[Quantity, ...] = (
     ),
 )  # fmt: skip
 
+_CRITICAL_SPEED = _column(
+    "critical_rotary_speed",
+    "rpm",
+    "Critical rotary speed",
+    "CSPD",
+    "Rotary speed at which the line meets the branch, interpolated.",
+)
 CRITICAL: tuple[Quantity, ...] = (
     BRANCH,
     _MODE["kind"],
@@ -112,10 +132,7 @@ CRITICAL: tuple[Quantity, ...] = (
         "Turn: cycles per turn of the string; motor: the orbit of a motor's rotor.",
     ),
     _column("excitation_line", "-", "Excitation line", "XLIN", "Cycles of the excitation per turn."),
-    _column(
-        "critical_rotary_speed", "rpm", "Critical rotary speed", "CSPD",
-        "Rotary speed at which the line meets the branch, interpolated.",
-    ),
+    _CRITICAL_SPEED,
     _MODE["frequency"],
     _MODE["damping_ratio"],
     _column(
@@ -127,6 +144,12 @@ CRITICAL: tuple[Quantity, ...] = (
         "Critical speed less that of the case, over the latter; nan for a case that does not turn.", "the critical speed is higher",
     ),
 )  # fmt: skip
+CRITICAL_MAP: tuple[Quantity, ...] = (
+    _column("wall_stiffness", "Pa", "Stiffness of the wall", "WSTF", "Force per length and penetration."),
+    *CRITICAL[:5],
+    _CRITICAL_SPEED,
+    _MODE["frequency"],
+)
 
 WEIGHT = _column(
     "weight_on_bit", "N", "Weight on bit of the state", "WOBS", "Weight on bit of the steady state."

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from drillpetsc.fem.quantity import Quantity
+from drillpetsc.fem.quantity import Quantity, part
 
 TIME = Quantity(
     "time",
@@ -54,6 +54,7 @@ TOP_END: tuple[Quantity, ...] = (
         sign="the drive pulls the string up",
         doc="Pull of the top on the string: the reaction, or the given force.",
         value=lambda top, sample: top.hook_load(sample),
+        values=lambda top, steps: top.hook_loads(steps),
         panel=1,
         interest=3,
     ),
@@ -66,6 +67,7 @@ TOP_END: tuple[Quantity, ...] = (
         sign="the drive turns the string clockwise (looking down)",
         doc="Torque of the drive on the string.",
         value=lambda top, sample: top.surface_torque(sample),
+        values=lambda top, steps: top.surface_torques(steps),
         panel=3,
         interest=6,
     ),
@@ -106,6 +108,7 @@ LOWER_END: tuple[Quantity, ...] = (
         doc="Spin rate of the lower end of the string.",
         interpolate="motion",
         value=lambda end, sample: sample.once(end.motion)[3],
+        values=lambda end, steps: part(end.motions(steps), 3),
         panel=4,
         interest=1,
     ),
@@ -120,6 +123,7 @@ LOWER_END: tuple[Quantity, ...] = (
         interpolate="motion",
         mean=False,
         value=lambda end, sample: sample.once(end.motion)[:3],
+        values=lambda end, steps: part(end.motions(steps), slice(0, 3)),
         size=3,
         finish=lambda end, point, depth: (end.depth_of(point),),
         finish_rows=lambda end, points: end.depths_of(points)[:, None],
@@ -139,6 +143,7 @@ HOLE: tuple[Quantity, ...] = (
         interpolate="motion",
         mean=False,
         value=lambda hole, sample: sample.once(hole.bit.progress)[0],
+        values=lambda hole, steps: part(hole.progress(steps), 0),
         finish=lambda hole, drilled, depth: (hole.start + drilled[0],),
         panel=5,
     ),
@@ -152,6 +157,7 @@ HOLE: tuple[Quantity, ...] = (
         sign="the hole grows",
         doc="Rate at which the bit lengthens the hole.",
         value=lambda hole, sample: sample.once(hole.bit.progress)[1],
+        values=lambda hole, steps: part(hole.progress(steps), 1),
         panel=6,
         interest=8,
     ),

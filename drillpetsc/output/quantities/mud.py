@@ -13,6 +13,7 @@ PUMP_FLOW = Quantity(
     sign="into the bore; negative in reverse circulation",
     doc="Flow rate of the pump, as volume at zero pressure.",
     value=lambda mud, sample: mud.pump_flow(sample),
+    values=lambda mud, steps: mud.of_steps.pump_flow(steps),
     panel=8,
 )
 OUTLET_FLOW = Quantity(
@@ -24,6 +25,7 @@ OUTLET_FLOW = Quantity(
     sign="out of the annulus at the top",
     doc="Flow rate out of the flow line (without an annulus: out of the string), as volume at zero pressure.",
     value=lambda mud, sample: mud.outlet_flow(sample),
+    values=lambda mud, steps: mud.of_steps.outlet_flow(steps),
     panel=8,
     interest=10,
 )
@@ -38,6 +40,7 @@ MUD: tuple[Quantity, ...] = (
         sign="gauge pressure",
         doc="Pressure in the bore at the string's upper end, plus the loss of the surface line where the case has one.",
         value=lambda mud, sample: mud.pump_pressure(sample),
+        values=lambda mud, steps: mud.of_steps.pump_pressure(steps),
         panel=7,
         interest=4,
     ),
@@ -51,6 +54,7 @@ MUD: tuple[Quantity, ...] = (
         sign="gauge pressure",
         doc="Pressure of the mud under the bit, outside the nozzles; inside the end of a closed string without an annulus.",
         value=lambda mud, sample: mud.bit_pressure(sample),
+        values=lambda mud, steps: mud.of_steps.bit_pressure(steps),
         panel=7,
         interest=9,
     ),
@@ -65,6 +69,7 @@ MUD: tuple[Quantity, ...] = (
         sign="out of the string",
         doc="Flow rate through the nozzles, as volume at zero pressure.",
         value=lambda mud, sample: mud.bit_flow(sample),
+        values=lambda mud, steps: mud.of_steps.bit_flow(steps),
     ),
 )
 #: column that exists only with nozzles above the bit
@@ -88,6 +93,7 @@ CUTTINGS_FLOW = Quantity(
     label="Cuttings",
     doc="Rock that the mud takes up, as volume of mud.",
     value=lambda mud, sample: mud.cuttings_flow(sample),
+    values=lambda mud, steps: mud.of_steps.cuttings_flow(steps),
 )
 MUD_CONTENT = Quantity(
     "mud_content",
@@ -96,6 +102,7 @@ MUD_CONTENT = Quantity(
     label="Content",
     doc="Volume at zero pressure of all mud.",
     value=lambda mud, sample: mud.content(sample),
+    values=lambda mud, steps: mud.of_steps.content(steps),
 )
 MUD_FIELDS: tuple[Quantity, ...] = (
     Quantity(

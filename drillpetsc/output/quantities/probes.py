@@ -13,6 +13,16 @@ def _probe_position(probes: Any, sample: Sample) -> FloatArray:
     return np.asarray(sample.once(probes.motion)[:, :3])
 
 
+def _probe_positions(probes: Any, steps: Any) -> FloatArray | None:
+    motions = probes.motions(steps)
+    return None if motions is None else motions[..., :3]
+
+
+def _probe_spins(probes: Any, steps: Any) -> FloatArray | None:
+    motions = probes.motions(steps)
+    return None if motions is None else motions[..., 3]
+
+
 def _probe_offset(probes: Any, positions: FloatArray, depths: FloatArray) -> FloatArray:
     return np.asarray(probes.offset(positions))
 
@@ -29,6 +39,7 @@ PROBES: tuple[Quantity, ...] = (
         doc="Offset of the string's centre from the hole's axis.",
         interpolate="motion",
         value=_probe_position,
+        values=_probe_positions,
         size=3,
         finish=_probe_offset,
         index=0,
@@ -44,6 +55,7 @@ PROBES: tuple[Quantity, ...] = (
         doc="Offset of the string's centre from the hole's axis.",
         interpolate="motion",
         value=_probe_position,
+        values=_probe_positions,
         size=3,
         finish=_probe_offset,
         index=1,
@@ -58,6 +70,7 @@ PROBES: tuple[Quantity, ...] = (
         doc="Spin rate of the string about its axis.",
         interpolate="motion",
         value=lambda probes, sample: sample.once(probes.motion)[:, 3],
+        values=_probe_spins,
     ),
     Quantity(
         "contact_NNN",
@@ -68,5 +81,6 @@ PROBES: tuple[Quantity, ...] = (
         sign="push of the wall on the string, not negative",
         doc="Normal force of the wall on the element that holds the probe.",
         value=lambda probes, sample: probes.contact_force(),
+        values=lambda probes, steps: probes.contact_forces(steps),
     ),
 )

@@ -13,4 +13,5 @@ SIDE_FORCE = Quantity(
     sign="push of the wall on the string, not negative",
     doc="Normal force of the wall on a rigid item; NNN is the measured depth of its middle at the start.",
     value=lambda items, sample: items.forces(sample),
+    values=lambda items, steps: items.forces_of(steps),
 )

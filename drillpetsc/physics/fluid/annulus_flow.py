@@ -6,15 +6,16 @@ Manual: sec-mud, sec-mud-force-annulus, sec-mud-moving.
 from __future__ import annotations
 
 from math import sqrt
+from typing import Any
 
 import numpy as np
 
 from drillpetsc.arrays import FloatArray
-from drillpetsc.fem.component import ElementBlock, Powers
+from drillpetsc.fem.component import Component, ElementBlock, Powers
 from drillpetsc.fem.string_mesh import StringMesh
 from drillpetsc.geometry.well import Well
 from drillpetsc.kernels.parameters import Parameters, Table
-from drillpetsc.physics.fluid.channel_flow import ChannelFlow, FluidConstants
+from drillpetsc.physics.fluid.channel_flow import SPEED, ChannelFlow, FluidConstants
 from drillpetsc.physics.fluid.channels import Annulus
 from drillpetsc.physics.fluid.moving_hole import OTHER_SIZE, LateralCoefficients, MovingHole
 from drillpetsc.physics.rigid_bodies import VERTEX_SLOTS, local_vertices
@@ -214,7 +215,10 @@ class AnnulusFlow(ChannelFlow):
         if not moved.any():
             return
         if moved[0] and self._top is not None and self.resizes:
-            self._top_place = state.x[state.layout.dofs["string.position"][0]].copy()
+            place = state.x[state.layout.dofs["string.position"][0]]
+            if self._top_place is None:
+                self._top_place = np.zeros(3)
+            self._top_place[:] = place  # in place: records of steps have its address
         moved = moved[self._part.ends].any(axis=1)
         for b in self._blocks:
             rows = np.flatnonzero(moved[b.points])
@@ -357,6 +361,73 @@ class AnnulusFlow(ChannelFlow):
             ):  # the upper end of the channel moves with the string, against the pressure there
                 supplied += pressure * self._upper_area() * along
         return self._channel_powers(state, supplied)
+
+    # ------------------------------------------------------------------ of recorded steps
+    def _records_top(self) -> bool:
+        """Whether what the powers and volumes at the upper end need stands in arrays that keep their memory."""
+        around = self.moving_hole
+        fixed = around is None or not self.resizes
+        return not self.held and (fixed or (around.evaluated and self._top_place is not None))  # type: ignore[union-attr]
+
+    def _top_motion_of(self, steps) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Place and velocity of the upper node, direction of the hole there, (k, 3) each, on the rank that has it."""
+        block, row = self._top  # type: ignore[misc]
+        place = steps.assembly.index_of(block)[row, :3]
+        return steps.unknowns(place), steps.rates(place), steps.parameters(block, "tangent1", row)
+
+    def _upper_area_of(self, steps) -> Any:
+        around = self.moving_hole
+        if around is None or self._top_place is None:
+            return self.annulus.hole[0] - self.annulus.outer[0]
+        return steps.numbers(around.area, 0) - self.annulus.outer[0]
+
+    def outflow_of(self, steps) -> FloatArray | None:
+        """(k,) ``outflow`` after each of k recorded steps, zero on ranks without the upper end; None where it is found one by one only."""
+        if not self._records_top():
+            return None
+        flow = self.upper_flow_of(steps)
+        if flow is None:
+            return np.zeros(len(steps))
+        _, velocity, along = self._top_motion_of(steps)
+        return np.asarray(-flow - self._upper_area_of(steps) * np.sum(velocity * along, axis=1))
+
+    def content_above_of(self, steps) -> Any:
+        """``content_above`` after each of k recorded steps."""
+        if not self._records_top():
+            return steps.computed(lambda sample: self.content_above(sample.assembly), 1, id(self), "above")[
+                :, 0
+            ]
+        if self._top is None:
+            return 0.0
+        place, _, along = self._top_motion_of(steps)
+        around = self.moving_hole
+        if around is None or self._top_place is None:
+            return (self.annulus.hole[0] - self.annulus.outer[0]) * np.sum(place * along, axis=1)
+        way = np.sum((place - steps.numbers(self._top_place, range(3))) * along, axis=1)
+        volume, area, depth = (steps.numbers(a, 0) for a in (around.volume, around.area, around.depth))
+        return volume + area * way - self.annulus.outer[0] * (depth + way)
+
+    def powers_of(self, steps) -> tuple[Any, Any]:
+        if not self._records_top():
+            return Component.powers_of(self, steps)
+        supplied: Any = 0.0
+        flow = self.upper_flow_of(steps)
+        if flow is not None and self._top is not None:
+            place, velocity, tangent = self._top_motion_of(steps)
+            along, density, gravity = (
+                np.sum(velocity * tangent, axis=1),
+                self.fluid.density,
+                self.fluid.gravity,
+            )
+            block, row = self._top
+            mean = tangent + steps.parameters(block, "tangent2", row)
+            mean /= np.sqrt(np.sum(mean * mean, axis=1))[:, None]
+            level = steps.parameters(block, "level", row)
+            head = density * (np.sum(gravity * mean, axis=1) * np.sum(place * mean, axis=1) + level)
+            pressure, speed = self._top_unknown_of(steps, -3), self._top_result_of(steps, SPEED)
+            supplied = flow * (self.fluid.enthalpy(pressure) + 0.5 * density * (speed + along) ** 2 - head)
+            supplied = supplied + pressure * self._upper_area_of(steps) * along
+        return self._channel_powers_of(steps, supplied)
 
     def _string_speed(self, block: ElementBlock, rows: np.ndarray, state) -> FloatArray:
         if self.held:

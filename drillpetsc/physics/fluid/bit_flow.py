@@ -378,6 +378,38 @@ class BitFlow(Nozzle):
                 supplied -= flow * (float(f.enthalpy(outside)) - self._head(state)) + leaving
         return Powers(lost, supplied)
 
+    def results_of(self, steps) -> FloatArray:
+        """(k, 7) ``element_results`` after each of k recorded steps."""
+        return np.asarray(steps.sums(self._block, f"{self._block.kernel}_results", RESULTS.width))
+
+    def energies_of(self, steps) -> tuple[Any, Any, Any]:
+        return tuple(
+            self.results_of(steps)[:, [RESULTS[name] for name in ("kinetic", "stored", "potential")]].T
+        )
+
+    def powers_of(self, steps) -> tuple[Any, Any]:
+        if self.held_at is not None or not self.has_annulus:
+            return super().powers_of(steps)
+        if not len(self._block.points):
+            return 0.0, 0.0
+        e, f, block, results = self.end, self.fluid, self._block, self.results_of(steps)
+        index = steps.assembly.index_of(block)[0]
+        first = STRING_UNKNOWNS + int(self.has_link)
+        velocity, outside = steps.rates(index[:3]), steps.unknowns(index[first].item())
+        rising, thin = -steps.unknowns(index[first + 1].item()), np.exp(-outside / f.bulk_modulus)
+        forward = np.sum(velocity * steps.parameters(block, "tangent", 0), axis=1)
+        speed = forward - rising * thin / steps.parameters(block, "open", 0)
+        lost = -(0.5 * f.density * rising * speed**2)
+        if self.has_link:
+            flow, inside = results[:, RESULTS["flow"]], steps.unknowns(index[STRING_UNKNOWNS].item())
+            jet = flow * thin / (e.nozzle or e.bore)
+            speed = flow * np.exp(-inside / f.bulk_modulus) / e.bore
+            tangent = steps.unknowns(index[3:6])
+            along = np.sum(velocity * tangent, axis=1) / np.sqrt(np.sum(tangent * tangent, axis=1))
+            reaction = np.sum(velocity * velocity, axis=1) + 2 * jet * along
+            lost = lost + results[:, RESULTS["lost"]] + 0.5 * f.density * flow * (speed**2 + reaction)
+        return lost, results[:, RESULTS["bottom"]]
+
     def _end_flow(self, t: float, state) -> tuple[float, float, float]:
         """Pressures in the lowest node of the bore and outside it [Pa], and the flow that rises from there in the annulus
         [m3/s]; on the rank with the end."""

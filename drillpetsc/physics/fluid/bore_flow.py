@@ -5,14 +5,15 @@ sec-mud).
 from __future__ import annotations
 
 from math import sqrt
+from typing import Any
 
 import numpy as np
 
 from drillpetsc.arrays import FloatArray
-from drillpetsc.fem.component import ElementBlock, Energies, Powers
+from drillpetsc.fem.component import Component, ElementBlock, Energies, Powers
 from drillpetsc.fem.string_mesh import StringMesh
 from drillpetsc.kernels.parameters import Parameters, Table
-from drillpetsc.physics.fluid.channel_flow import ChannelFlow, FluidConstants
+from drillpetsc.physics.fluid.channel_flow import SPEED, ChannelFlow, FluidConstants
 from drillpetsc.physics.fluid.channels import Bore
 from drillpetsc.physics.rigid_bodies import local_vertices
 from drillpetsc.time_function import TimeFunction
@@ -161,6 +162,33 @@ class BoreFlow(ChannelFlow):
                 - self.fluid.density * float(self.fluid.gravity.dot(self._upper_place(state)))
             )
         return self._channel_powers(state, supplied)
+
+    def energies_of(self, steps) -> tuple[Any, Any, Any]:
+        return super().energies_of(steps) if self._inertia is None else Component.energies_of(self, steps)
+
+    def pumped_of(self, steps) -> FloatArray | None:
+        """(k,) ``pumped`` after each of k recorded steps."""
+        if not self._is_top:
+            return None
+        if self.flow_rate is None:
+            return self.upper_flow_of(steps)
+        return np.array([float(self.flow_rate.value(t)) for t in steps.times])
+
+    def powers_of(self, steps) -> tuple[Any, Any]:
+        if self.held_at is not None:
+            return Component.powers_of(self, steps)
+        supplied: Any = 0.0
+        flow = self.pumped_of(steps)
+        if flow is not None and self._top is not None:
+            place = steps.assembly.layout.dofs["string.position"][0]
+            x, velocity, g = steps.unknowns(place), steps.rates(place), self.fluid.gravity
+            speed = self._top_result_of(steps, SPEED)
+            supplied = flow * (
+                self.fluid.enthalpy(self._top_unknown_of(steps, -3))
+                + 0.5 * self.fluid.density * (speed**2 - np.sum(velocity * velocity, axis=1))
+                - self.fluid.density * np.sum(x * g, axis=1)
+            )
+        return self._channel_powers_of(steps, supplied)
 
     def _upper_speed(self, state) -> float:
         """Speed of the upper node [m/s], on the rank that has it: the mud arrives there without momentum from outside."""

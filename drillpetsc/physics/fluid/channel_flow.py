@@ -23,7 +23,7 @@ from drillpetsc.physics.interfaces import Channel
 RESULT_NAMES = columns("flow_results").names
 ENERGIES = columns("flow_results").span("kinetic", "potential")  # in the order of ``Energies``
 _DISSIPATED, _LEFT_OUT = RESULT_NAMES.index("dissipated"), RESULT_NAMES.index("left_out")
-_STORAGE_UPPER, _SPEED = RESULT_NAMES.index("storage_upper"), RESULT_NAMES.index("speed")
+_STORAGE_UPPER, SPEED = RESULT_NAMES.index("storage_upper"), RESULT_NAMES.index("speed")
 _DENSITY = RESULT_NAMES.index("density")
 _Fluid = structure("fluid")  # Fluid of kernels/fluid/flow.hpp
 PRESSURE_SCALE, FLOW_SCALE = 1.0e7, 1.0e-2  # usual magnitudes [Pa], [m3/s]
@@ -208,7 +208,7 @@ class ChannelFlow(Channel):
                 rows = np.flatnonzero(np.isin(b.points, cells))
                 if not len(rows):
                     continue
-                speed = results[rows, _SPEED]
+                speed = results[rows, SPEED]
                 square = (speed + self._string_speed(b, rows, state)) ** 2
                 if sign < 0:
                     thin = self.fluid.density / results[rows, _DENSITY]
@@ -219,6 +219,39 @@ class ChannelFlow(Channel):
     def _string_speed(self, block: ElementBlock, rows: np.ndarray, state) -> FloatArray:
         """(k,) speed that the string adds to that of the mud in the ``rows`` (k,) of a block [m/s]: none in the bore."""
         return np.zeros(len(rows))
+
+    def sums_of(self, steps) -> FloatArray:
+        """(k, 10) ``totals`` after each of k recorded steps."""
+        first, *others = (steps.sums(b, f"{b.kernel}_results", len(RESULT_NAMES)) for b in self._blocks)
+        return np.asarray(sum(others, first))
+
+    def energies_of(self, steps) -> tuple[Any, Any, Any]:
+        return tuple(self.sums_of(steps)[:, ENERGIES].T)
+
+    def _channel_powers_of(self, steps, at_end: Any) -> tuple[Any, Any]:
+        total = self.sums_of(steps)
+        return total[:, _DISSIPATED], at_end + total[:, _LEFT_OUT]
+
+    def _top_result_of(self, steps, column: int) -> FloatArray:
+        """(k,) result of the uppermost element after each of k recorded steps, on the rank with this end."""
+        block, row = self._top  # type: ignore[misc]
+        table = steps.results(block, f"{block.kernel}_results", len(RESULT_NAMES)).table
+        return np.asarray(steps.numbers(table, row * len(RESULT_NAMES) + column))
+
+    def _top_unknown_of(self, steps, slot: int) -> FloatArray:
+        """(k,) unknown of the uppermost element, counted from the last."""
+        block, row = self._top  # type: ignore[misc]
+        return np.asarray(steps.unknowns(steps.assembly.index_of(block).item(row, slot)))
+
+    def upper_pressure_of(self, steps) -> FloatArray:
+        """(k,) ``upper_pressure`` after each of k recorded steps."""
+        return self._top_unknown_of(steps, -3)
+
+    def upper_flow_of(self, steps) -> FloatArray | None:
+        """(k,) ``upper_flow`` after each of k recorded steps."""
+        if self._top is None:
+            return None
+        return self._top_result_of(steps, _STORAGE_UPPER) + self._top_unknown_of(steps, -1)
 
     def upper_flow(self, state) -> float | None:
         """Compute the flow rate into the channel's upper end from the mass balance [m3/s].
@@ -240,12 +273,13 @@ class ChannelFlow(Channel):
 
     def pressures(self, system) -> FloatArray:
         """Return the pressures (nv,) at the local vertices [Pa]."""
-        return np.asarray(system.assembly.x.take(self._pressure_places(system)))
+        return np.asarray(system.assembly.x.take(self.pressure_places(system)))
 
     def pressure_at(self, system, vertex: int) -> float:
-        return float(system.assembly.x.item(self._pressure_places(system).item(vertex)))
+        return float(system.assembly.x.item(self.pressure_places(system).item(vertex)))
 
-    def _pressure_places(self, system) -> np.ndarray:
+    def pressure_places(self, system) -> np.ndarray:
+        """Places (nv,) of the pressures at the local vertices in the unknowns."""
         if self._places is None or self._places[0] is not system.layout:
             dofs = system.layout.dofs[f"{self.name}.pressure"][:, 0]  # there is one at every node
             self._places = system.layout, np.ascontiguousarray(dofs)
@@ -254,7 +288,7 @@ class ChannelFlow(Channel):
     def _speed_in_top(self, state) -> float:
         """Speed of the flow in the uppermost element [m/s], on the rank with this end."""
         block, row = self._top  # type: ignore[misc]
-        return float(self._block_results(block, state).table.item(row, _SPEED))
+        return float(self._block_results(block, state).table.item(row, SPEED))
 
     def upper_pressure(self, state) -> float:
         """Return the pressure at the channel's upper end [Pa], on the rank with this end."""

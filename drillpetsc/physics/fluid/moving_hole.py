@@ -211,7 +211,7 @@ class MovingHole:
 
     def set_state(self, saved: FloatArray) -> None:
         """Continue from the result of ``get_state``."""
-        self.depth, self.volume, self.area, self.ahead = np.array(saved.T[:4])
+        self.depth, self.volume, self.area, self.ahead = np.array(saved.T[:4], order="C")
         self._ringed = np.array(saved.T[4]) if self.reamers else np.zeros(len(self.depth))
         self._reamed = [float(row[0]) for row in saved.T[5:]]
         self._from = None

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from drillpetsc.arrays import FloatArray
-from drillpetsc.fem.component import ElementBlock, Energies, Field, Powers
+from drillpetsc.fem.component import ContactFlags, ElementBlock, Energies, Field, Powers
 from drillpetsc.fem.quantity import Quantity, numbered
 from drillpetsc.geometry.growing_hole import GrowingHole
 from drillpetsc.geometry.well import Well
@@ -104,6 +104,7 @@ class Reamer(ReamingTool):
             turn_rounding=slip / law.radius,
             derivative=pointer(self._derivative),
         )
+        self._flags = np.frombuffer(self._made, dtype=np.int32, count=1, offset=_Law.touching.offset)
         self._well = well
         self._reamed = 0.0
         self._place(start)
@@ -190,9 +191,8 @@ class Reamer(ReamingTool):
         for name in ("mode", "spin"):
             self.params[name] = other.params[name]
 
-    def contact_signature(self) -> int:
-        """A number that changes when the cutters leave the shoulder or come back to it, on the reamer's rank."""
-        return int(self._made.touching)
+    def contact_flags(self) -> tuple[ContactFlags, ...]:
+        return (ContactFlags(self._flags),)
 
     # ------------------------------------------------------------------ history
     def first_cut(self, state) -> None:

@@ -128,3 +128,33 @@ def test_weight_without_mud_is_not_said_to_be_in_mud():
     dry = {k: v for k, v in USUAL.items() if k not in ("fluid", "roadmap")}
     (line,) = plausibility(Case(**dry | {"initial": {"wob": 90}}))
     assert "weighs along the hole" in line
+
+
+SLIDING = {"top": {"kind": "top_drive", "lowering": "30 ft/hr"}, "time": {"end": 10.0}}
+MOTOR = {
+    "kind": "pdm",
+    "length": 25,
+    "od": 6.75,
+    "id": 3.5,
+    "pdm": {"rev_per_volume": "0.29 rev/gal", "stall_torque": 9000},
+}
+
+
+@pytest.mark.parametrize(
+    ("changes", "doubted"),
+    [
+        ({"formation": {}}, True),
+        ({"formation": {"bit_law": "drag_bit"}}, True),
+        ({"formation": {"rotary_exponent": 0}}, False),
+        ({"formation": {"layers": [{"from": 8001, "rotary_exponent": 0}]}}, False),
+        ({"formation": {"drillability": "0 m/(s N)"}}, False),
+        ({"formation": {}, "top": {"kind": "top_drive"}}, False),
+        ({"formation": {}, "top": SLIDING["top"] | {"rotation": {"ramp": 5.0, "value": 60}}}, False),
+        ({"formation": {}, "string": [*string(_0=6874)[:-1], MOTOR, USUAL["string"][-1]]}, False),
+        ({}, False),
+    ],
+)
+def test_a_bit_that_nothing_turns_is_doubted(changes, doubted):
+    """Lowered onto rock that only a turning bit drills, the string would be pushed without end."""
+    lines = [line for line in doubts(**SLIDING | changes) if "drills nothing" in line]
+    assert len(lines) == doubted

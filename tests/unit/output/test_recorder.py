@@ -14,7 +14,8 @@ from drillpetsc.fem.quantity import Quantity, Sample
 from drillpetsc.model.drilling_model import build_model
 from drillpetsc.output.energy_balance import EnergyBalance
 from drillpetsc.output.mass_balance import MassBalance
-from drillpetsc.output.recorder import Recorder, SampleLayout
+from drillpetsc.output.recorder import Recorder
+from drillpetsc.output.table_rows import SampleLayout
 
 PIPE = {"kind": "pipe", "length": 30, "od": 0.127, "id": 0.1086, "element_length": 5.0}
 JOINTS = [{"at": 10.0, "kind": "universal"}, {"at": 20.0, "kind": "universal"}]

@@ -14,6 +14,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from drillpetsc.output import Table, read_table, write_table
+from drillpetsc.output.files.tables import rows_as_text
 
 COLUMNS = [("time", "s"), ("hook_load", "N"), ("newton", "-")]
 
@@ -166,3 +167,23 @@ def test_whole_tables_refuse_what_does_not_fit(tmp_path: Path) -> None:
     with pytest.raises(ValueError, match="columns"):
         write_table(tmp_path / "a.csv", [("a", "m")], {"b": np.zeros(3)})
     assert list(tmp_path.iterdir()) == []
+
+
+def test_rows_by_compiled_code_are_the_shortest_digits() -> None:
+    """As Python's repr, which is checked by itself: any bits, decimals, whole numbers, and where the exponent begins."""
+    random = np.random.default_rng(1)
+    values = np.concatenate(
+        [
+            random.integers(0, 2**64, 20000, dtype=np.uint64).view(float),
+            random.normal(size=20000) * 10.0 ** random.integers(-20, 20, 20000),
+            random.integers(2**53, 10**16, 5000).astype(float),
+            10.0 ** np.arange(-30, 30),
+            [0.0, -0.0, np.inf, -np.inf, np.nan, 5e-324, 1.7976931348623157e308, 1e16, 9999999999999998.0],
+            [1e-4, 9.999999999999999e-5, -2.5, 123456789012345680.0, 2.0**53 + 2.0],
+        ]
+    )
+    rows = values[: len(values) // 7 * 7].reshape(-1, 7)
+    text = rows_as_text(rows).decode()
+    words = [[repr(v).removesuffix(".0") for v in row] for row in rows.tolist()]
+    assert text == "".join(",".join(row) + "\n" for row in words)
+    assert rows_as_text(rows[:0]) == b""

@@ -1,0 +1,168 @@
+"""Numbers of several steps, copied after each of them by one compiled call.
+
+What is computed of them later - rows of tables, balances - is computed for many steps at once, so that a step pays for little more than
+the kernels of its results.
+"""
+
+from __future__ import annotations
+
+import ctypes
+from collections.abc import Callable, Sequence
+from typing import Any
+
+import numpy as np
+
+from drillpetsc.arrays import FloatArray
+from drillpetsc.fem.bound_parts import BlockResults
+from drillpetsc.fem.component import ElementBlock
+from drillpetsc.fem.quantity import Sample
+from drillpetsc.kernels import function, pointer
+
+_record_step = function("record_step", "ipiipp")
+Places = int | Sequence[int] | np.ndarray
+
+
+class StepRecord:
+    """Steps of a system with the numbers that outputs are computed from.
+
+    A function of outputs asks for its numbers by ``numbers``, ``sums``, ``parameters`` and ``computed``.  Before the first step it is
+    called once, so that the record knows them, and gets the present ones, as of one step.  Later it gets those of all steps recorded.
+
+    system: the discrete system; capacity: most steps that it holds.
+    times: of the inputs of the steps [s].
+    """
+
+    def __init__(self, system: Any, capacity: int) -> None:
+        self.system, self.assembly, self.capacity = system, system.assembly, capacity
+        self.times: list[float] = []
+        #: results of blocks: with block, kernel and number of columns, and whether every step needs them
+        self._results: dict[BlockResults, tuple[tuple[ElementBlock, str, int], bool]] = {}
+        self._spans: dict[Any, slice] = {}
+        self._addresses: list[int] = []
+        self._kept: list[Any] = []  # whose addresses and ids are in use
+        self._functions: list[tuple[Callable[[Sample], Any], slice, bool]] = []
+        self._own = 0  # columns of the functions' values
+        self._table: FloatArray | None = None
+        self._always = True
+
+    # ------------------------------------------------------------------ before the first step
+    @property
+    def is_open(self) -> bool:
+        """Whether numbers can still be asked for that are not recorded yet."""
+        return self._table is None
+
+    def only_sampled(self) -> None:
+        """What is asked for from now on is recorded of sampled steps only."""
+        self._always = False
+
+    def _close(self) -> None:
+        self._table = np.zeros(
+            (len(self._addresses), self.capacity)
+        )  # what is computed of a number runs along its row
+        self._values = np.zeros((self.capacity, self._own))
+        self._from = (ctypes.c_void_p * max(1, len(self._addresses)))(*self._addresses)
+        self._start = pointer(self._table)
+        groups = [[r for r, (_, always) in self._results.items() if always or every] for every in (0, 1)]
+        self._groups = [
+            (dict.fromkeys(g, True), (ctypes.c_void_p * max(1, len(g)))(*(r.address for r in g)))
+            for g in groups
+        ]
+
+    # ------------------------------------------------------------------ steps
+    def __len__(self) -> int:
+        return len(self.times)
+
+    def add(self, time: float, sampled: bool = True) -> None:
+        """Record the present state of the assembly.  time: of its inputs [s]; sampled: with all numbers."""
+        if self._table is None:
+            self._close()
+        asm, k = self.assembly, len(self.times)
+        members, calls = self._groups[sampled]
+        count = len(members)
+        if asm.derive is not None:  # derived unknowns are evaluated first
+            count = 0
+            for found in members:
+                asm.results(*self._results[found][0])
+        _record_step(count, calls, len(self._addresses), self.capacity, self._from, self._start + 8 * k)
+        asm.have_results(members)
+        if self._functions:
+            sample, row = Sample(self.system, time), self._values[k]
+            for call, span, always in self._functions:
+                if sampled or always:
+                    row[span] = call(sample)
+        self.times.append(time)
+
+    def clear(self) -> None:
+        """Forget all steps."""
+        self.times = []
+
+    # ------------------------------------------------------------------ numbers
+    def results(self, block: ElementBlock, kernel: str, columns: int) -> BlockResults:
+        """Results of a block, which are evaluated at every step; arguments as of ``Assembly.results``."""
+        if self._table is not None:
+            return self.assembly.block_results(block, kernel, columns)
+        found = self.assembly.results(block, kernel, columns)
+        always = self._always or (found in self._results and self._results[found][1])
+        self._results[found] = (block, kernel, columns), always
+        return found
+
+    def numbers(self, array: FloatArray, places: Places) -> FloatArray:
+        """(k, m) the numbers of ``array`` at flat ``places`` (m,), (k,) at one place, of the k steps.
+
+        array: C-contiguous, of doubles; it is kept and must keep its memory.
+        """
+        one = isinstance(places, int | np.integer)
+        key = pointer(array), int(places) if one else np.asarray(places).tobytes()  # type: ignore[arg-type]
+        span = self._spans.get(key)
+        if span is None:
+            if self._table is not None:
+                raise LookupError("a number that was not asked for before the first step")
+            if array.dtype != np.float64:
+                raise TypeError(f"a record holds doubles, not {array.dtype}")
+            flat = np.asarray(places, dtype=int).ravel().tolist()
+            if flat and not 0 <= min(flat) <= max(flat) < array.size:
+                raise IndexError(f"places {min(flat)} to {max(flat)} in an array of {array.size} numbers")
+            start = len(self._addresses)
+            self._addresses += [key[0] + 8 * p for p in flat]
+            self._kept.append(array)
+            span = self._spans[key] = slice(start, start + len(flat))
+        if self._table is None:
+            found = array.reshape(-1)[np.asarray(places, dtype=int).reshape(-1)][None].copy()
+        else:
+            found = self._table[span, : len(self.times)].T
+        return np.asarray(found[:, 0] if one else found)
+
+    def sums(self, block: ElementBlock, kernel: str, columns: int) -> FloatArray:
+        """(k, columns) sums of the results of a block over its elements on this rank."""
+        return self.numbers(self.results(block, kernel, columns).sums, range(columns))
+
+    def parameters(self, block: ElementBlock, name: str, row: int) -> FloatArray:
+        """(k,) or (k, width) the parameter ``name`` of one element of a block."""
+        at, start = block.named.columns[name], row * block.params.shape[1]
+        places = start + at if isinstance(at, int) else range(start + at.start, start + at.stop)
+        return self.numbers(block.params, places)
+
+    def unknowns(self, dofs: np.ndarray | int) -> FloatArray:
+        """As ``numbers``, of the unknowns."""
+        return self.numbers(self.assembly.x, dofs if isinstance(dofs, int) else np.ravel(dofs))
+
+    def rates(self, dofs: np.ndarray | int) -> FloatArray:
+        """As ``numbers``, of the rates."""
+        return self.numbers(self.assembly.y, dofs if isinstance(dofs, int) else np.ravel(dofs))
+
+    def computed(self, call: Callable[[Sample], Any], size: int, *key: Any) -> FloatArray:
+        """(k, size) what ``call`` returns after each step: the way for numbers that are not worth more.
+
+        key: what tells the function from others: two calls with one key are one.
+        """
+        span = self._spans.get(key)
+        if span is None:
+            if self._table is not None:
+                raise LookupError("a function that was not asked for before the first step")
+            span = self._spans[key] = slice(self._own, self._own + size)
+            self._own += size
+            self._functions.append((call, span, self._always))
+            self._kept.append(key)
+        if self._table is None:
+            return np.asarray(call(Sample(self.system, 0.0)), dtype=float).reshape(1, size)
+        return self._values[: len(self.times), span]

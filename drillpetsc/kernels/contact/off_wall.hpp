@@ -1,0 +1,89 @@
+// Elements without rigid offset none of whose contact points can touch: all points are as near to a place that was found off the wall as
+// that place allows (`touches`).  Four elements side by side; they are most of a string, and have nothing to add to rows or entries.
+#pragma once
+#include "contact/contact.hpp"
+
+namespace dp {
+
+class OffWall {
+public:
+    static constexpr int POINTS = 8;  // more are not looked at
+
+    OffWall(const ContactLaw& l, const int* indices, const double* parameters, const double* unknowns)
+        : law(l), idx(indices), par(parameters), x(unknowns), known(l.points <= POINTS) {
+        for (int q = 0; known && q < law.points; ++q) {
+            const Interpolation at(law.at[2 * q], 1.0);
+            for (int i = 0; i < 4; ++i) share[q][i] = at.r[i];
+        }
+    }
+
+    // Bit l is set where element e + l is one of them; e + 3 is the last element at most.  Their points are noted as open.
+    int four(int e) const {
+        if (!known) return 0;
+        typedef BeamContact<false> P;
+        const int* at[4];
+        const double* p[4];
+        V4 length = splat(0.0), radius = splat(0.0);
+        for (int l = 0; l < 4; ++l) {
+            at[l] = idx + 14L * (e + l);
+            p[l] = par + (long)P::NP * (e + l);
+            length[l] = p[l][P::LENGTH];
+            radius[l] = p[l][P::RADIUS];
+        }
+        V4 node[4][3];  // r1, v1, r2, v2
+        for (int b = 0; b < 4; ++b)
+            for (int k = 0; k < 3; ++k) {
+                const int i = PLACES[b] + k;
+                node[b][k] = V4{x[at[0][i]], x[at[1][i]], x[at[2][i]], x[at[3][i]]};
+            }
+        int free = 15;
+        for (int q = 0; q < law.points && free; ++q) {
+            const double *c = share[q], *f[4];
+            for (int l = 0; l < 4; ++l) f[l] = law.free + 5L * ((long)(e + l) * law.points + q);
+            V4 distance = splat(0.0);
+            for (int k = 0; k < 3; ++k) {
+                const V4 place = node[0][k] * c[0] + node[2][k] * c[2] + (node[1][k] * c[1] + node[3][k] * c[3]) * length;
+                const V4 way = place - V4{f[0][k], f[1][k], f[2][k], f[3][k]};
+                distance += way * way;
+            }
+            for (int l = 0; l < 4; ++l)
+                if (!(radius[l] == f[l][3] && distance[l] < f[l][4])) free &= ~(1 << l);
+        }
+        for (int l = 0; l < 4; ++l)
+            for (int q = 0; (free >> l & 1) && q < law.points; ++q) {
+                const long k = (long)(e + l) * law.points + q;
+                law.touching[k] = 0;
+                law.normal[k] = 0.0;
+            }
+        return free;
+    }
+
+private:
+    static constexpr int PLACES[4] = {0, 3, 7, 10};
+    const ContactLaw& law;
+    const int* idx;
+    const double *par, *x;
+    double share[POINTS][4];
+    bool known;
+};
+
+// run_residual for contact along beam elements.
+inline void run_contact_residual(int n, const int* idx, const double* par, void* context, const double* x, const double* y, const double* a, double* r) {
+    typedef BeamContact<false> P;
+    const ContactLaw& law = *static_cast<ContactLaw*>(context);
+    const OffWall off_wall(law, idx, par, x);
+    for (int e = 0; e < n; e += 4) {
+        const int left = n - e < 4 ? n - e : 4, free = left == 4 ? off_wall.four(e) : 0;
+        for (int l = 0; l < left; ++l) {
+            if (free >> l & 1) continue;
+            const int* at = idx + 14L * (e + l);
+            double X[14], Y[14], R[14];
+            for (int i = 0; i < 14; ++i) { X[i] = x[at[i]]; Y[i] = y[at[i]]; }
+            P::evaluate<double>(e + l, X, Y, par + (long)P::NP * (e + l), law, R, nullptr);
+            for (int i = 0; i < 14; ++i) r[at[i]] += R[i];
+        }
+    }
+    (void)a;  // forces of contact do not depend on accelerations
+}
+
+}  // namespace dp

@@ -1,0 +1,295 @@
+// Newton's iteration of a condensed step on one rank in one call (manual: sec-time-newton).  solvers/newton.py has the same operations one by
+// one, for several ranks and for PETSc's own solvers: results agree to the last bit.
+#include <cmath>
+#include <cstdint>
+#include <cstring>
+#include <ctime>
+
+#include "core/step.hpp"
+
+using namespace dp;
+
+namespace {
+
+// A factorisation of kernels/chain/chain.cpp and its entries; index (length): of each place of a padded vector, -1 for padding.
+DP_RECORD(ChainCall,
+    const void* table; double* store; const int* start; const int* first_entry; const int* pattern; const int* tile_begin; const int* tiles;
+    const int* single_begin; const int* singles; double* inverse; int* pivot; double* stats; const int* index; double* vec; double tolerance; int n, length;
+)
+
+// A block of contacts: number of its MatrixCall; first (elements): first node along the chain of an element or of any after it; before: copy of
+// its entries.  touching, touched (elements, points): flags now and at the factorisation; an element all of whose flags are zero has no entries.
+// Null where entries do not depend on them.
+DP_RECORD(ContactCall, const int* first; double* before; const signed char* touching; const signed char* touched; int block, points;)
+
+// Bytes that change where contacts open or close; wall: any that is not zero is a closed contact at the wall.
+DP_RECORD(FlagCall, const void* bytes; int size, wall;)
+
+// How a solve ends, as PETSc counts its reasons.
+DP_RECORD(ReasonCall, int converged, not_a_number, no_pivot, too_many, diverging, unused;)
+
+// q, rows, increment, scale (n): unknowns, residual, increment, usual sizes.  forces (force_count): rows that do work along an increment, null
+// for all.  replaced: elements of contacts at each prescribed motion.  power_rows, power_rates (power_count): rows and rates of the remaining
+// power.  contacts, flags, flags_before: see above; the last are those of the factorisation.  lag_shift: shift of the factorisation.
+// good, factored: there is one, and the chain has it; current: of the present entries.  work_limit: 0 without a limit.  seconds: of phases,
+// added up.
+DP_RECORD(NewtonCall,
+    const StepCall* step; const JacobianCall* jacobian; const ChainCall* chain; const ContactCall* contacts; const PrescribedMatrix* replaced;
+    const FlagCall* flags; const ReasonCall* reasons;
+    double* q; double* rows; double* increment; const double* scale; const int* forces; const int* power_rows; const int* power_rates; signed char* flags_before;
+    double lag_shift, shift_change, contraction, tolerance, spacing, rounding, finest, work_limit, overshoot, shortest, eta, last, first, theta, seconds[4];
+    int n, nodes, force_count, power_count, contact_count, flag_count, line_search, max_iterations, lag_iterations, contact_iterations;
+    int good, factored, current, contacts_apart, rows_known, unused, iterations, renewed, evaluations, jacobians, contact_updates, factorisations;
+)
+
+enum Phase { RESIDUAL, JACOBIAN, FACTOR, SOLVE };
+
+class Timer {
+public:
+    Timer(NewtonCall& call, Phase phase) : seconds(call.seconds[phase]), begun(now()) {}
+    ~Timer() { seconds += now() - begun; }
+
+private:
+    static double now() {
+        timespec t;
+        clock_gettime(CLOCK_MONOTONIC, &t);
+        return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
+    }
+    double& seconds;
+    double begun;
+};
+
+}  // namespace
+
+DP_EXPORT_RECORD(chain_call, ChainCall)
+DP_EXPORT_RECORD(contact_call, ContactCall)
+DP_EXPORT_RECORD(flag_call, FlagCall)
+DP_EXPORT_RECORD(reason_call, ReasonCall)
+DP_EXPORT_RECORD(newton_call, NewtonCall)
+
+extern "C" {
+int chain_factor(int, int, int, const void*, double*, const int*, const int*, const int*, const int*, const int*, const int*, const int*,
+                 const double*, double*, int*, double, double*, double*, double*);
+void chain_solve(int, const void*, const double*, const double*, const int*, int, const int*, const double*, double*, const int*, double*);
+double scaled_size(int, const double*, const double*, double, const double*);
+
+// Sum of rows[i] step[i] over all n rows, or over the chosen ones.
+double work_along_step(int n, const int* chosen, const double* rows, const double* step) {
+    double sum[4] = {0.0, 0.0, 0.0, 0.0};  // four sums hide the latency of an addition
+    int k = 0;
+    if (chosen) {
+        for (; k + 4 <= n; k += 4)
+            for (int l = 0; l < 4; ++l) sum[l] += rows[chosen[k + l]] * step[chosen[k + l]];
+        for (; k < n; ++k) sum[0] += rows[chosen[k]] * step[chosen[k]];
+    } else {
+        for (; k + 4 <= n; k += 4)
+            for (int l = 0; l < 4; ++l) sum[l] += rows[k + l] * step[k + l];
+        for (; k < n; ++k) sum[0] += rows[k] * step[k];
+    }
+    return (sum[0] + sum[1]) + (sum[2] + sum[3]);
+}
+
+// Whether the sum of n numbers is finite: no number is infinite or none.
+int finite_sum(int n, const double* rows) {
+    double sum[4] = {0.0, 0.0, 0.0, 0.0};
+    int i = 0;
+    for (; i + 4 <= n; i += 4)
+        for (int l = 0; l < 4; ++l) sum[l] += rows[i + l];
+    for (; i < n; ++i) sum[0] += rows[i];
+    return std::isfinite((sum[0] + sum[1]) + (sum[2] + sum[3]));
+}
+
+// The increment, negative, is taken.
+void take_step(int n, double* step, double* q) {
+    for (int i = 0; i < n; ++i) step[i] = -step[i];
+    for (int i = 0; i < n; ++i) q[i] += step[i];
+}
+
+// A step that was taken is shortened to a fraction.
+void shorten_step(int n, double fraction, double* step, double* q) {
+    for (int i = 0; i < n; ++i) q[i] += (fraction - 1.0) * step[i];
+    for (int i = 0; i < n; ++i) step[i] *= fraction;
+}
+}
+
+namespace {
+
+void residual(NewtonCall& c) {
+    const Timer timer(c, RESIDUAL);
+    c.evaluations++;
+    step_rows(c.step, c.q, c.rows);
+}
+
+double work(const NewtonCall& c) { return work_along_step(c.forces ? c.force_count : c.n, c.forces, c.rows, c.increment); }
+
+bool flags_changed(const NewtonCall& c) {
+    const signed char* before = c.flags_before;
+    for (int k = 0; k < c.flag_count; before += c.flags[k++].size)
+        if (std::memcmp(before, c.flags[k].bytes, c.flags[k].size)) return true;
+    return false;
+}
+
+void keep_flags(NewtonCall& c) {
+    signed char* before = c.flags_before;
+    for (int k = 0; k < c.flag_count; before += c.flags[k++].size) std::memcpy(before, c.flags[k].bytes, c.flags[k].size);
+}
+
+bool touches_wall(const NewtonCall& c) {
+    for (int k = 0; k < c.flag_count; ++k)
+        for (int i = 0; c.flags[k].wall && i < c.flags[k].size; ++i)
+            if (static_cast<const signed char*>(c.flags[k].bytes)[i]) return true;
+    return false;
+}
+
+bool shift_fits(const NewtonCall& c) { return std::fabs(c.step->sigma / c.lag_shift - 1.0) <= c.shift_change; }
+
+bool reusable(const NewtonCall& c) {
+    return c.good && c.factored && shift_fits(c) && c.theta <= c.contraction && c.iterations - c.renewed < c.lag_iterations && !flags_changed(c);
+}
+
+// Factors from node `from` on; false without a pivot.
+bool factor(NewtonCall& c, int from) {
+    const ChainCall& h = *c.chain;
+    c.factorisations++;
+    return chain_factor(from, h.n, 0, h.table, h.store, h.start, h.first_entry, h.pattern, h.tile_begin, h.tiles, h.single_begin, h.singles,
+                        c.jacobian->values, h.inverse, h.pivot, h.tolerance, h.stats, nullptr, nullptr) < 0;
+}
+
+// Whether an element has entries, or had some at the factorisation.
+bool has_entries(const ContactCall& contact, int e) {
+    if (!contact.touching) return true;
+    const signed char *now = contact.touching + (long)e * contact.points, *before = contact.touched + (long)e * contact.points;
+    int any = 0;
+    for (int q = 0; q < contact.points; ++q) any |= now[q] | before[q];
+    return any;
+}
+
+// The entries of contacts are computed anew; first node along the chain that has a changed one, `nodes` where there is none.
+int changed_node(NewtonCall& c) {
+    weigh_entries(c.jacobian);
+    for (int k = 0; k < c.contact_count; ++k) {
+        const ContactCall& contact = c.contacts[k];
+        const MatrixCall& b = c.jacobian->blocks[contact.block];
+        const std::size_t each = (std::size_t)b.width * b.width;
+        for (int e = 0; e < b.count; ++e)
+            if (has_entries(contact, e)) std::memcpy(contact.before + e * each, b.values + e * each, each * sizeof(double));
+        block_entries(c.jacobian, &b);
+    }
+    // rows of prescribed motion in other blocks stay with their entries
+    for (int k = 0; k < c.step->prescriptions; ++k) replace_rows(c.jacobian, c.replaced + k);
+    int first = c.nodes;
+    for (int k = 0; k < c.contact_count; ++k) {
+        const ContactCall& contact = c.contacts[k];
+        const MatrixCall& b = c.jacobian->blocks[contact.block];
+        const std::size_t each = (std::size_t)b.width * b.width;
+        for (int e = 0; e < b.count && contact.first[e] < first; ++e)
+            if (has_entries(contact, e) && std::memcmp(contact.before + e * each, b.values + e * each, each * sizeof(double))) {
+                first = contact.first[e];
+                break;
+            }
+    }
+    return first;
+}
+
+// The contacts alone are renewed in the last factorisation (manual: sec-time-contact-entries); 0 where that is not possible, -1 without a pivot.
+int renew_contacts(NewtonCall& c) {
+    if (!c.contacts_apart || c.iterations >= c.contact_iterations || !(c.good && c.factored && c.current) || !shift_fits(c)) return 0;
+    if (!(c.theta > c.contraction || flags_changed(c)) || !c.contact_count || !touches_wall(c)) return 0;
+    const int first = changed_node(c);
+    if (first < c.nodes && !factor(c, first)) return -1;
+    keep_flags(c);
+    c.contact_updates++;
+    c.renewed = c.iterations;
+    return 1;
+}
+
+void jacobian(NewtonCall& c) {
+    const Timer timer(c, JACOBIAN);
+    weigh_entries(c.jacobian);
+    for (int k = 0; k < c.jacobian->count; ++k) block_entries(c.jacobian, c.jacobian->blocks + k);
+    prescribed_entries(c.jacobian, 1.0);
+    c.jacobians++;
+    c.lag_shift = c.step->sigma;
+    c.good = c.current = 1;
+    keep_flags(c);
+    c.eta = c.eta > 1.0 ? 1.0 : std::pow(c.eta > 1e-10 ? c.eta : 1e-10, 0.8);
+}
+
+// A factorisation that fits; false without a pivot.
+bool prepare(NewtonCall& c) {
+    if (reusable(c)) return true;
+    const Timer timer(c, FACTOR);
+    const int apart = renew_contacts(c);
+    if (apart > 0) return true;
+    if (apart == 0) {
+        jacobian(c);
+        if (factor(c, 0)) {
+            c.factored = 1;
+            return true;
+        }
+    }
+    c.good = c.factored = 0;
+    return false;
+}
+
+bool leaves_work(const NewtonCall& c, double size) {
+    if (c.work_limit <= 0.0 || size <= c.finest) return false;
+    return std::fabs(residual_power(c.step, c.power_count, c.power_rows, c.rows, c.power_rates)) > c.work_limit;
+}
+
+// Reason to end after an increment, 0 to go on (manual: eq-time-increment, eq-time-convergence, eq-time-work).
+int judge(NewtonCall& c) {
+    const ReasonCall& r = *c.reasons;
+    if (!finite_sum(c.n, c.rows)) return r.not_a_number;
+    const double size = scaled_size(c.n, c.increment, c.scale, c.spacing, c.q);
+    if (c.iterations > 1 && c.last > 0.0) {
+        c.theta = size / c.last;
+        if (c.theta >= 2.0 && c.iterations > 4 && size > c.first) return r.diverging;
+        if (c.theta > 0.5 && size < c.rounding) return r.converged;
+        c.eta = c.theta < 1.0 ? c.theta / (1.0 - c.theta) : 10.0;
+    }
+    if (c.iterations == 1) c.first = size;
+    c.last = size;
+    const double error = c.eta * size;
+    if (error <= c.tolerance && (c.iterations >= c.max_iterations || !leaves_work(c, error))) return r.converged;
+    return c.iterations >= c.max_iterations ? r.too_many : 0;
+}
+
+}  // namespace
+
+// Iterates from the unknowns in the assembly's x; returns the reason to end.
+extern "C" int newton_solve(NewtonCall* call) {
+    NewtonCall& c = *call;
+    const StepCall& s = *c.step;
+    c.iterations = c.evaluations = c.jacobians = c.contact_updates = c.factorisations = 0;
+    if (!c.rows_known) {
+        for (int i = 0; i < c.n; ++i) c.q[i] = s.x[s.owned[i]];
+        residual(c);
+    }
+    if (!finite_sum(c.n, c.rows)) return c.reasons->not_a_number;
+    c.theta = 0.0;
+    c.renewed = 0;
+    for (;;) {
+        if (!prepare(c)) return c.reasons->no_pivot;
+        {
+            const Timer timer(c, SOLVE);
+            const ChainCall& h = *c.chain;
+            chain_solve(h.n, h.table, h.store, h.inverse, h.pivot, h.length, h.index, c.rows, h.vec, h.index, c.increment);
+        }
+        // along the negative step: the solution of the factors is subtracted
+        take_step(c.n, c.increment, c.q);
+        const double before = c.line_search ? work(c) : 0.0;
+        residual(c);
+        if (c.line_search) {
+            const double after = work(c);
+            if (before < 0.0 && after > -c.overshoot * before) {  // one secant step (manual: eq-time-line-search)
+                const double fraction = before / (before - after);
+                shorten_step(c.n, fraction > c.shortest ? fraction : c.shortest, c.increment, c.q);
+                residual(c);
+            }
+        }
+        c.iterations++;
+        const int reason = judge(c);
+        if (reason) return reason;
+    }
+}
