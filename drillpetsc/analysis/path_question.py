@@ -33,6 +33,14 @@ def refuse_path(model: DrillingModel, motion: tuple[float, float], got: str) -> 
         )
     if model.contact is None or model.well is None or model.beam is None:
         raise CaseError(at=at, got=got, want="a string in a hole with contact")
+    if model.reamers:
+        raise CaseError(
+            at=at,
+            got=f"{got} with a reamer",
+            want="a string without a reamer",
+            hint="leave --path out: along a path the bit carries its weight as a dead load, and a reamer's share of the weight follows from "
+            "where the bit stands",
+        )
     if got == "slack_off" and (motion[1] or not motion[0]):
         raise CaseError(at=at, got=got, want="a string that is lowered and does not turn (--motion lower)")
     if not any(motion):

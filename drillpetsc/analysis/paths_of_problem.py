@@ -42,8 +42,8 @@ def slides_on(problem: StaticProblem) -> bool:
     model, solver, state = problem.model, problem.solver, problem.state
     assert problem.straight is not None
     largest_push = -float(problem.straight.axial_force.min())
-    if not (problem.paths and any(state.motion)) or problem.motor_speed or largest_push <= 0:
-        return False
+    if not (problem.paths and any(state.motion)) or problem.motor_speed or largest_push <= 0 or model.reamers:
+        return False  # the shares of bit and reamer are not those of a path
     if state.motion[1] and problem.fraction > 0:
         return False  # a turning string has no path with friction across the hole
     if model.case.initial.wob is not None and state.motion[0] < 0:

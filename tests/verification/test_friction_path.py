@@ -131,7 +131,7 @@ def test_a_string_that_its_own_friction_pushes_has_a_band(tmp_path) -> None:
         bottom="free",
         gravity=9.81,
     )
-    summary = statics(case, tmp_path / "out", motion="lower").summary
+    summary = statics(case, tmp_path / "out", motion="lower", path="sliding").summary
     weight = 7850.0 * 9.81 * np.pi / 4 * (diameter**2 - bore**2)
     stiffness, gap = 206e9 * np.pi / 64 * (diameter**4 - bore**4), 0.5 * (hole - diameter)
     push, step = 0.0, 0.1
@@ -142,6 +142,11 @@ def test_a_string_that_its_own_friction_pushes_has_a_band(tmp_path) -> None:
     for state in summary["path_states"]:
         assert friction * weight * length < -state["hook_load"] < push
     assert summary["stable"] and not any("unstable" in w for w in summary["warnings"])
+    # without a question one stable state, and the band by theory beside it
+    one = statics(case, tmp_path / "one", motion="lower").summary
+    assert one["stable"] and friction * weight * length < -one["hook_load"] < push
+    assert one["helix_band"]["low"] < one["hook_load"] < one["helix_band"]["high"]
+    assert any("one of a band" in w for w in one["warnings"])
 
 
 def test_a_string_lowered_onto_a_bit_that_stands_transmits_more(tmp_path) -> None:
