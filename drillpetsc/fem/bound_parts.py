@@ -175,6 +175,8 @@ class RowReplacement:
         self.all_elements = self.elements_in(bound_blocks)
         self.complement = np.ascontiguousarray(self.complement)
         self.row_complement, self.rate_directions = self.complement.copy(), self.D.copy()
+        #: (7, 7) ``row_complement`` of the last matrix, no numbers before the first
+        self.applied = np.full((7, 7), np.nan)
         self.leans = condition.spin_reference is not None
         self.lean, self._axis = np.zeros(3), np.zeros(3)  # c(v) and the direction from which the spin counts
         self.axis_at = pointer(self._axis)
@@ -211,6 +213,11 @@ class RowReplacement:
         if self._released or self.condition.along_path is not None:
             self._set_projector()
         self.time = t
+
+    @property
+    def turned(self) -> bool:
+        """Whether the directions have changed since the last matrix."""
+        return not np.array_equal(self.applied, self.row_complement)
 
     def elements_in(self, blocks: Sequence[BoundBlock]) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Elements at the node that belong to ``blocks``, for ``replace_matrix_rows``.

@@ -32,7 +32,7 @@ class ContactEntries:
         self._values = [asm.values[b.span] for b in self._blocks]
         self._before = [np.empty(len(values)) for values in self._values]
         self._changed = [np.empty(len(values), dtype=bool) for values in self._values]
-        #: rows that prescribed motion replaces in these blocks; those in other blocks stay with their entries
+        #: rows that prescribed motion replaces in these blocks; those in other blocks are the same as long as it has not turned
         self._replaced = [f.elements_in(self._blocks) for f in asm.row_replacements]
         #: of each block: first node of an element or of any after it
         self._first = []
@@ -43,9 +43,15 @@ class ContactEntries:
 
     @property
     def possible(self) -> bool:
-        """Whether contacts can be computed apart from all else, and there are any at the wall: a bit alone has another cause."""
+        """Whether contacts can be computed apart from all else, and there are any at the wall: a bit alone has another cause.
+
+        They cannot where a prescribed motion has turned, since its rows are in the entries of other elements, too.
+        """
         return (
-            bool(self._blocks) and any(bool(touching.any()) for touching in self._at_wall) and self._asm.plain
+            bool(self._blocks)
+            and any(bool(touching.any()) for touching in self._at_wall)
+            and self._asm.plain
+            and not any(f.turned for f in self._asm.row_replacements)
         )
 
     def replaced_record(self) -> ctypes.Array:

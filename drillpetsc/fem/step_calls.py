@@ -97,7 +97,7 @@ class StepCalls:
         at = pointer(asm.values) + 8 * asm.entries_of_blocks
         for call, f in zip(calls, asm.row_replacements, strict=True):
             fill_prescribed(call, f, f.all_elements)
-            call.projector = pointer(f.projector)
+            call.projector, call.applied = pointer(f.projector), pointer(f.applied)
             if f.owned:
                 call.own, at = at, at + 8 * 49
         return calls

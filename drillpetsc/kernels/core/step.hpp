@@ -31,7 +31,10 @@ DP_RECORD(MatrixCall,
 )
 
 // Entries at prescribed motion: those of the `count` elements at the node (core/constraint.cpp), and its own (7, 7), null on another rank.
-DP_RECORD(PrescribedMatrix, const double* keep; const void* at; const int* width; const int* slots; const double* projector; double* own; int count, unused;)
+// applied: (49) `keep` of the last entries, null where it is not stored.
+DP_RECORD(PrescribedMatrix,
+    const double* keep; const void* at; const int* width; const int* slots; const double* projector; double* own; double* applied; int count, unused;
+)
 
 // What the Jacobian of a condensed step needs beside the state of a StepCall; weights (3) of dR/dx, dR/dy, dR/da; spin: core/nodes.cpp.
 DP_RECORD(JacobianCall,

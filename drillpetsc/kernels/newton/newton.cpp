@@ -175,7 +175,7 @@ int changed_node(NewtonCall& c) {
             if (has_entries(contact, e)) std::memcpy(contact.before + e * each, b.values + e * each, each * sizeof(double));
         block_entries(c.jacobian, &b);
     }
-    // rows of prescribed motion in other blocks stay with their entries
+    // rows of prescribed motion in other blocks stay with their entries: it has not turned
     for (int k = 0; k < c.step->prescriptions; ++k) replace_rows(c.jacobian, c.replaced + k);
     int first = c.nodes;
     for (int k = 0; k < c.contact_count; ++k) {
@@ -191,10 +191,19 @@ int changed_node(NewtonCall& c) {
     return first;
 }
 
+// Whether a prescribed motion has turned since the last entries.
+bool motion_turned(const NewtonCall& c) {
+    for (int k = 0; k < c.step->prescriptions; ++k) {
+        const PrescribedMatrix& m = c.jacobian->prescribed[k];
+        if (std::memcmp(m.applied, m.keep, 49 * sizeof(double))) return true;
+    }
+    return false;
+}
+
 // The contacts alone are renewed in the last factorisation (manual: sec-time-contact-entries); 0 where that is not possible, -1 without a pivot.
 int renew_contacts(NewtonCall& c) {
     if (!c.contacts_apart || c.iterations >= c.contact_iterations || !(c.good && c.factored && c.current) || !shift_fits(c)) return 0;
-    if (!(c.theta > c.contraction || flags_changed(c)) || !c.contact_count || !touches_wall(c)) return 0;
+    if (!(c.theta > c.contraction || flags_changed(c)) || !c.contact_count || !touches_wall(c) || motion_turned(c)) return 0;
     const int first = changed_node(c);
     if (first < c.nodes && !factor(c, first)) return -1;
     keep_flags(c);
