@@ -6,29 +6,19 @@ Manual: sec-time-condensed (condensed rates), sec-joints-prescribed (prescribed 
 
 from __future__ import annotations
 
-import ctypes
-from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
-from typing import Any
+from collections.abc import Callable, Sequence
 
 import numpy as np
 from petsc4py import PETSc
 
 from drillpetsc.arrays import FloatArray
-from drillpetsc.fem.bound_parts import (
-    ROW_SCALE,
-    BlockResults,
-    BoundBlock,
-    BoundStabilization,
-    ResultGroup,
-    RowReplacement,
-)
+from drillpetsc.fem.block_state import BlockState
+from drillpetsc.fem.bound_parts import ROW_SCALE, BoundBlock, BoundStabilization, RowReplacement
 from drillpetsc.fem.component import ElementBlock, PrescribedMotion, VelocityStabilization
 from drillpetsc.fem.dof_layout import DofLayout
 from drillpetsc.fem.end_exchange import EndExchange
-from drillpetsc.fem.step_calls import StepCalls, block_call
+from drillpetsc.fem.step_calls import StepCalls
 from drillpetsc.kernels import function, pointer
-from drillpetsc.kernels.parameters import structure
 
 _rates = function("condensed_rates", "ipddppippp" + "p")
 _transport = function("spin_transport", "ippppp")
@@ -40,22 +30,16 @@ _run_residuals = function("run_residuals", "ipip")
 _step_rows = function("step_rows", "ppp")
 _step_state, _step_blocks = function("step_state", "pp"), function("step_blocks", "pp")
 _step_prescribed = function("step_prescribed", "pp")
-_element_rows = function("element_rows", "pippp")
 _prescribed_entries = function("prescribed_entries", "pd")
-_BlockCall = structure("block_call")  # BlockCall of kernels/core/step.hpp
 
 #: weight of the columns by imposed rates [1/s]; without it the pressure of a closed channel would have no
 #: pivot in the block of its own node (manual: sec-time-imposed)
 IMPOSED_RATE_WEIGHT = 1.0e-4
 
 
-class Assembly:
-    """Residual and Jacobian of all components on this rank.
+class Assembly(BlockState):
+    """Residual and Jacobian of all components on this rank, at the state of its base class.
 
-    With n local dofs in condensed numbering, ghosts included:
-    x, y, a: (array_length,) unknowns, rates and accelerations [SI of each field].  Entry n stands for absent
-    fields; the derived fields follow it (``DofLayout.derived``; ``derive`` computes them).
-    r: (array_length,) residual, not summed over ranks.
     v0, v1: (n,) constants of the time formula, y = shift x + v0 and a = second shift y + v1.
     values: all Jacobian entries, in the order of ``places``.
     reference: (nv, 3) reference directions of the local nodes.
@@ -69,24 +53,9 @@ class Assembly:
         reference: FloatArray,
         stabilizations: tuple[VelocityStabilization, ...] = (),
     ):
-        self.layout = layout
-        n = layout.size
-        self.x, self.y, self.a, self.r = (np.zeros(layout.array_length) for _ in range(4))
-        self.derive: Callable[[Assembly], None] | None = None
-        self._derived_index: dict[int, np.ndarray] = {}  # dofs of blocks that use derived fields, by id
-        self._results_heads: dict[int, tuple[int, ...]] = {}
-        self._results: dict[tuple[int, str], BlockResults] = {}  # by id of the block and kernel
-        self._seen: list[ElementBlock] = []  # keeps blocks that are not bound, so that their ids stay theirs
-        self._kept: dict[Any, Any] | None = None  # see ``unchanged``
-        self._group = ResultGroup({})  # what the last state was asked for: the next is asked for the same
-        self._asked: dict[Any, bool] = {}  # within ``unchanged``
-        self.x[n] = 1.0  # an absent stretch ratio is one
+        super().__init__(layout, blocks)
+        n, size = layout.size, self.bound_blocks[-1].span.stop if blocks else 0
         self.v0, self.v1 = np.zeros(n), np.zeros(n)
-        size, self.bound_blocks = 0, []
-        for block in blocks:
-            self.bound_blocks.append(BoundBlock(block, layout, size))
-            size = self.bound_blocks[-1].span.stop
-        self._index_by_block = {id(b.block): b.index for b in self.bound_blocks}
         spin = layout.dofs.get("string.spin")
         self.reference = np.ascontiguousarray(reference)
         self.spin_at = np.zeros((0, 2), dtype=np.int32)
@@ -109,7 +78,6 @@ class Assembly:
         self._first_stabilization_entry = size  # these entries are the last ones
         self.values = np.zeros(size + sum(len(c.rows) for c in self.stabilized))
         self._event = {k: PETSc.Log.Event(k) for k in ("Residual", "Jacobian")}
-        self._state = tuple(map(pointer, (self.x, self.y, self.a, self.r)))
         self._weights = np.zeros(3)
         self._weights_at, self._spin_at = pointer(self._weights), pointer(self.spin_gradient)
         for b in self.bound_blocks:
@@ -118,8 +86,6 @@ class Assembly:
         self._history = pointer(self.v0), pointer(self.v1)
         self._calls: StepCalls | None = None  # see ``calls``
         self._holds_rates = False  # of any block, see ``hold_rates``
-        #: of ``block_rows``
-        self._one_call, self._separate, self._work = _BlockCall(), np.zeros(0, dtype=np.int32), np.zeros(0)
         #: evaluate rows block by block, each with its event, for -log_view; otherwise all blocks are one call
         self.block_by_block = PETSc.Options().hasName("log_view")
         self.version = 0  # counts new Jacobian values
@@ -232,74 +198,6 @@ class Assembly:
         if self._imposed is not None:
             dofs, rates, _ = self._imposed
             self.y[dofs], self.a[dofs] = rates[dofs], 0.0
-
-    # ------------------------------------------------------------------ results of a state
-    @contextmanager
-    def unchanged(self) -> Iterator[None]:
-        """Within this context ``evaluate_once`` keeps its results; x, y, a and parameters must not change."""
-        outer = self._kept
-        if outer is None:
-            self._kept, self._asked = {}, {}
-        try:
-            yield
-        finally:
-            self._kept = outer
-            if outer is None and self._asked and self._asked != self._group.members:
-                self._group = ResultGroup(self._asked)
-
-    @contextmanager
-    def elsewhere(self, x: FloatArray, y: FloatArray) -> Iterator[None]:
-        """Within this context the unknowns and rates are ``x`` and ``y`` (as long as those); results are evaluated anew."""
-        here, kept = (self.x.copy(), self.y.copy()), self._kept
-        self.x[:], self.y[:], self._kept = x, y, None
-        try:
-            yield
-        finally:
-            self.x[:], self.y[:] = here
-            self._kept = None if kept is None else {}
-
-    def evaluate_once(self, function: Callable[..., Any], *arguments: Any) -> Any:
-        """``function(*arguments)``, evaluated once within ``unchanged``.  The caller must not change the result."""
-        if self._kept is None:
-            return function(*arguments)
-        key = function, *arguments
-        if key not in self._kept:
-            self._kept[key] = function(*arguments)
-        return self._kept[key]
-
-    def results(self, block: ElementBlock, kernel: str, columns: int) -> BlockResults:
-        """Results of the elements of a block at x, y, evaluated once within ``unchanged``.
-
-        kernel: entry point of the results; columns: their number for one element.
-        The tables are not to be changed, nor kept: the next evaluation overwrites them.
-        """
-        found = self.block_results(block, kernel, columns)
-        if self._kept is not None:
-            self._asked[found] = True
-            if found in self._kept:
-                return found
-            if found in self._group.members and self.derive is None:
-                self._group.evaluate()
-                self._kept |= self._group.members
-                return found
-            self._kept[found] = True
-        if id(block) in self._derived_index:
-            self.index_of(block)  # computes the derived fields
-        found.evaluate()
-        return found
-
-    def block_results(self, block: ElementBlock, kernel: str, columns: int) -> BlockResults:
-        """The tables of ``results``, as they were evaluated last."""
-        found = self._results.get((id(block), kernel))
-        if found is None:
-            found = self._results[id(block), kernel] = BlockResults(kernel, columns, self.results_head(block))
-            self._seen.append(block)
-        return found
-
-    def have_results(self, members: dict[BlockResults, bool]) -> None:
-        """Say that these results have just been evaluated, for what asks for them within ``unchanged``."""
-        if self._kept is not None:
-            self._kept |= members
 
     # ------------------------------------------------------------------ state
     def condense(self, sigma: float, second: float | None = None) -> None:
@@ -605,77 +503,6 @@ class Assembly:
             if f.leans:
                 f.renew_axis()
         _prescribed_entries(self.calls.jacobian_at, by_position)
-
-    def index_of(self, block: ElementBlock) -> np.ndarray:
-        """Return the (n, d) dofs of a block in x, y, a.
-
-        Derived fields are computed first where it uses them.
-        """
-        found = self._index_by_block.get(id(block))
-        if found is not None:
-            return found
-        if self.derive is not None:
-            self.derive(self)
-        if id(block) not in self._derived_index:
-            self._derived_index[id(block)] = self.layout.index(block)
-            self._seen.append(block)
-        return self._derived_index[id(block)]
-
-    def results_head(self, block: ElementBlock) -> tuple[int, ...]:
-        """First arguments of a kernel that evaluates results of a block.
-
-        Number of elements and of unknowns of one; addresses of dofs, parameters and record; of x and y.
-        """
-        index = self.index_of(block)
-        if id(block) not in self._results_heads:
-            at = pointer(index), pointer(block.params)
-            self._results_heads[id(block)] = len(index), index.shape[1], *at, block.context, *self._state[:2]
-        return self._results_heads[id(block)]
-
-    def dofs_of(self, name: str) -> np.ndarray:
-        """Return the (nv, size) dofs of a field, or of a derived field after computing it."""
-        if name not in self.layout.dofs and self.derive is not None:
-            self.derive(self)
-        return self.layout.dofs_of(name)
-
-    def block_rows(self, bound: BoundBlock, t: float) -> FloatArray:
-        """Compute the residual rows (n, d) of each element of one block at x, y, a and time ``t`` [s]."""
-        if bound.block.update:
-            bound.block.update(t)
-        rows, size = np.empty((bound.count, bound.width)), bound.count * bound.width
-        if size > len(self._separate):  # one copy of the unknowns for every element
-            self._separate, self._work = np.arange(size, dtype=np.int32), np.empty(3 * size)
-        block_call(self._one_call, bound, self._state)
-        _element_rows(
-            ctypes.addressof(self._one_call),
-            bound.width,
-            pointer(self._separate),
-            pointer(self._work),
-            pointer(rows),
-        )
-        return rows
-
-    def power(self, block: ElementBlock, t: float) -> float:
-        """Compute the power [W] that the rows of ``block`` take from the motion at x, y, on this rank."""
-        # a beam may have rewritten the block for its own unknowns; the parameters are the same
-        bound = next(b for b in self.bound_blocks if b.block.params is block.params)
-        block = bound.block
-        if not bound.count:
-            return 0.0
-        if block.update:
-            block.update(t)
-        rows = np.zeros_like(self.r)
-        bound.residual(
-            bound.count,
-            pointer(bound.index),
-            pointer(block.params),
-            block.context,
-            pointer(self.x),
-            pointer(self.y),
-            pointer(self.a),
-            pointer(rows),
-        )
-        return float(rows[: self.layout.size] @ self.y[: self.layout.size])
 
 
 def spin_derivatives(asm: Assembly) -> tuple[FloatArray, FloatArray]:

@@ -1,0 +1,83 @@
+"""The public Python face: a function for each command of the command line.
+
+    import drillpetsc
+    case = drillpetsc.load_case("cases/vertical-2000m.yaml", ["top.rotation=90 rpm"])
+    result = drillpetsc.run(case, "out")
+    print(result.summary["real_time_factor"], result.history["hook_load"][-1])
+
+PETSc is initialised by the first function that needs it, unless the caller has done so. Each function writes
+the same files as its command and raises the same errors: CaseError for bad input, SolveError for a computation
+that cannot go on.
+"""
+
+from __future__ import annotations
+
+from drillpetsc.api.frequencies import campbell, linearise, modes, mud_motor, response, stability, top_drive
+from drillpetsc.api.operations import calibrate, freepoint, hydraulics, limits, roadmap, statics, surge
+from drillpetsc.api.runs import fmu, open_run, run, study, sweep
+from drillpetsc.case import Case, load_case
+from drillpetsc.case.catalogue import catalogue
+from drillpetsc.case.items import (
+    HWDP,
+    Agitator,
+    Beam,
+    Bit,
+    Body,
+    BumperSub,
+    Casing,
+    CoiledTubing,
+    DrillCollar,
+    DrillPipe,
+    Jar,
+    MudMotor,
+    Pipe,
+    Reamer,
+    RotarySteerable,
+    ShockSub,
+    Stabilizer,
+)
+from drillpetsc.errors import CaseError, SolveError
+
+__all__ = [
+    "Agitator",
+    "Beam",
+    "Bit",
+    "Body",
+    "BumperSub",
+    "Case",
+    "CaseError",
+    "Casing",
+    "CoiledTubing",
+    "DrillCollar",
+    "DrillPipe",
+    "HWDP",
+    "Jar",
+    "MudMotor",
+    "Pipe",
+    "Reamer",
+    "RotarySteerable",
+    "ShockSub",
+    "Stabilizer",
+    "calibrate",
+    "campbell",
+    "catalogue",
+    "fmu",
+    "freepoint",
+    "hydraulics",
+    "limits",
+    "linearise",
+    "load_case",
+    "modes",
+    "mud_motor",
+    "open_run",
+    "response",
+    "roadmap",
+    "SolveError",
+    "run",
+    "stability",
+    "statics",
+    "study",
+    "surge",
+    "sweep",
+    "top_drive",
+]
