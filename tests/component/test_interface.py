@@ -11,7 +11,9 @@ import pytest
 
 import drillpetsc.physics
 from drillpetsc.fem.component import Component
-from drillpetsc.physics import interfaces
+from drillpetsc.physics import flow_interfaces, interfaces
+
+INTERFACES = (interfaces.__name__, flow_interfaces.__name__)
 
 for found in pkgutil.walk_packages(drillpetsc.physics.__path__, "drillpetsc.physics."):
     importlib.import_module(found.name)
@@ -23,14 +25,14 @@ def all_components() -> list[type[Component]]:
     while open_:
         for kind in open_.pop().__subclasses__():
             open_.append(kind)
-            if kind.__module__.startswith("drillpetsc.physics.") and kind.__module__ != interfaces.__name__:
+            if kind.__module__.startswith("drillpetsc.physics.") and kind.__module__ not in INTERFACES:
                 classes.append(kind)
     return sorted(set(classes), key=lambda kind: (kind.__module__, kind.__name__))
 
 
 def declared(kind: type[Component]) -> set[str]:
     """Names that the base class and the interfaces above ``kind`` declare."""
-    above = [base for base in kind.__mro__ if base is Component or base.__module__ == interfaces.__name__]
+    above = [base for base in kind.__mro__ if base is Component or base.__module__ in INTERFACES]
     return {name for base in above for name in (*vars(base), *getattr(base, "__annotations__", {}))}
 
 
@@ -40,7 +42,7 @@ def test_no_public_method_without_a_declaration(kind: type[Component]) -> None:
     own = {
         name
         for base in kind.__mro__
-        if base.__module__.startswith("drillpetsc.physics.") and base.__module__ != interfaces.__name__
+        if base.__module__.startswith("drillpetsc.physics.") and base.__module__ not in INTERFACES
         for name, value in vars(base).items()
         if not name.startswith("_")
         and (inspect.isfunction(value) or isinstance(value, property | classmethod | staticmethod))
@@ -72,8 +74,9 @@ def test_every_hook_has_a_docstring() -> None:
         Component,
         *(
             c
-            for _, c in inspect.getmembers(interfaces, inspect.isclass)
-            if c.__module__ == interfaces.__name__
+            for module in (interfaces, flow_interfaces)
+            for _, c in inspect.getmembers(module, inspect.isclass)
+            if c.__module__ in INTERFACES
         ),
     ):
         for name, value in vars(base).items():

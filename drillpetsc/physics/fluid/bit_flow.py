@@ -16,9 +16,9 @@ from drillpetsc.arrays import FloatArray
 from drillpetsc.fem.component import ElementBlock, Energies, Field, Powers
 from drillpetsc.geometry.growing_hole import GrowingHole
 from drillpetsc.kernels.parameters import Parameters, Table, columns, constant
+from drillpetsc.physics.flow_interfaces import Nozzle
 from drillpetsc.physics.fluid.channel_flow import FluidConstants
 from drillpetsc.physics.fluid.moving_hole import OTHER_SIZE, MovingHole
-from drillpetsc.physics.interfaces import Nozzle
 from drillpetsc.physics.rigid_bodies import VERTEX_SLOTS, local_vertices
 from drillpetsc.time_function import TimeFunction
 

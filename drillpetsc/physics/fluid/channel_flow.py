@@ -18,7 +18,7 @@ from drillpetsc.fem.component import ElementBlock, Energies, Field, Powers
 from drillpetsc.kernels import pointer
 from drillpetsc.kernels.parameters import Table, columns, structure
 from drillpetsc.physics.beam import JUNCTION_SLOTS, SLOTS
-from drillpetsc.physics.interfaces import Channel
+from drillpetsc.physics.flow_interfaces import Channel
 
 RESULT_NAMES = columns("flow_results").names
 ENERGIES = columns("flow_results").span("kinetic", "potential")  # in the order of ``Energies``

@@ -13,8 +13,8 @@ from drillpetsc.fem.component import ElementBlock, Energies
 from drillpetsc.fem.string_mesh import StringMesh
 from drillpetsc.kernels.parameters import Parameters, columns
 from drillpetsc.physics.beam import SLOTS
+from drillpetsc.physics.flow_interfaces import SealSet
 from drillpetsc.physics.fluid.channel_flow import FluidConstants
-from drillpetsc.physics.interfaces import SealSet
 from drillpetsc.time_function import TimeFunction
 
 SEAL_RESULTS = columns("seal_results").names

@@ -9,8 +9,9 @@ import numpy as np
 
 from drillpetsc.fem.component import ElementBlock, Powers
 from drillpetsc.kernels.parameters import Parameters
+from drillpetsc.physics.flow_interfaces import RockInMud
 from drillpetsc.physics.fluid.channel_flow import FluidConstants
-from drillpetsc.physics.interfaces import ReamingTool, RockInMud
+from drillpetsc.physics.interfaces import ReamingTool
 from drillpetsc.physics.rigid_bodies import local_vertices
 
 

@@ -15,9 +15,9 @@ from drillpetsc.fem.bound_parts import BlockResults
 from drillpetsc.fem.component import ElementBlock, Energies, Field, Powers
 from drillpetsc.fem.string_mesh import StringMesh
 from drillpetsc.kernels.parameters import Parameters, Table, columns
+from drillpetsc.physics.flow_interfaces import SideOutlets
 from drillpetsc.physics.fluid.bit_flow import NOZZLE_LENGTH
 from drillpetsc.physics.fluid.channel_flow import ChannelFlow, FluidConstants
-from drillpetsc.physics.interfaces import SideOutlets
 from drillpetsc.physics.rigid_bodies import VERTEX_SLOTS, local_vertices
 from drillpetsc.time_function import TimeFunction
 
