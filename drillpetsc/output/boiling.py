@@ -41,7 +41,8 @@ class BoilingMonitor:
         self.system, self.units, self.top = system, units, top
         channels = () if fluid is None else (fluid.bore, fluid.annulus)
         self._channels = [c for c in channels if c is not None]
-        self._places: np.ndarray | None = None  # of all pressures in the unknowns
+        self._places: np.ndarray | None = None  # of pressures in the unknowns
+        self._computed: list[Any] = []  # channels whose pressures are no unknowns
         self.first: LowPressure | None = None
         self.lowest: LowPressure | None = None
 
@@ -49,8 +50,10 @@ class BoilingMonitor:
         """After an accepted step to ``t`` [s]; not collective."""
         if self._places is None:
             places = [channel.pressure_places(self.system) for channel in self._channels]
-            self._places = np.concatenate([np.zeros(0, dtype=int), *places])
-        if not len(self._places) or not self.system.assembly.x.take(self._places).min() < VAPOUR_PRESSURE:
+            self._places = np.concatenate([np.zeros(0, dtype=int), *(p for p in places if p is not None)])
+            self._computed = [c for c, p in zip(self._channels, places, strict=True) if p is None]
+        low = len(self._places) > 0 and self.system.assembly.x.take(self._places).min() < VAPOUR_PRESSURE
+        if not low and not self._computed:
             return
         for channel in self._channels:
             pressures = channel.pressures(self.system)

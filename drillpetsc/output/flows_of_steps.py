@@ -47,7 +47,7 @@ class FlowsOfSteps:
         bit, channel = self.fluid.bit, self.fluid.annulus or self.fluid.bore
         if channel is None or (self.fluid.annulus is None and bit is not None and bit.has_link):
             return None
-        return steps.unknowns(steps.assembly.layout.dofs[f"{channel.name}.pressure"].item(self._last, 0))
+        return channel.pressure_at_of(steps, self._last)
 
     def bit_flow(self, steps: StepRecord) -> FloatArray:
         """Flow rate out of the string [m3/s]."""

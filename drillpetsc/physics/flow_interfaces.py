@@ -89,8 +89,8 @@ class Channel(Component):
         return 0.0
 
     @abstractmethod
-    def pressure_places(self, system: Any) -> np.ndarray:
-        """(nv,) places of the pressures at the local vertices in the unknowns."""
+    def pressure_places(self, system: Any) -> np.ndarray | None:
+        """(nv,) places of the pressures at the local vertices in the unknowns; None where they are computed from others."""
 
     # the same after each of k recorded steps (``fem.step_record``); None where they are found one by one only
     @abstractmethod
@@ -100,6 +100,10 @@ class Channel(Component):
     @abstractmethod
     def upper_pressure_of(self, steps: Any) -> FloatArray:
         """(k,) ``upper_pressure``."""
+
+    @abstractmethod
+    def pressure_at_of(self, steps: Any, vertex: int) -> FloatArray:
+        """(k,) ``pressure_at``."""
 
     @abstractmethod
     def upper_flow_of(self, steps: Any) -> FloatArray | None:

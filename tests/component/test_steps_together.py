@@ -25,6 +25,19 @@ SCENES = {
         ["beam.formulation=quaternion", "string[0].element_length=90 m", "string[1].element_length=33 m"],
     ),
     "deviated, mud": ("benchmark/deep-spin-up.yaml", ["string[0].element_length=240 m"]),
+    "mud by volumes": (
+        "vertical-2000m.yaml",
+        ["fluid.formulation=hermite", "string[0].element_length=45 m", "string[1].element_length=33 m"],
+    ),
+    "mud by volumes, quaternion": (
+        "vertical-2000m.yaml",
+        [
+            "fluid.formulation=hermite",
+            "beam.formulation=quaternion",
+            "string[0].element_length=90 m",
+            "string[1].element_length=33 m",
+        ],
+    ),
     "motor": ("motor-slide.yaml", []),
     "jar": ("jar-stuck.yaml", []),
     "drive": ("top-drive-stick-slip.yaml", ["string[0].element_length=100 m"]),

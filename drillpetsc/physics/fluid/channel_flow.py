@@ -273,13 +273,18 @@ class ChannelFlow(Channel):
 
     def pressures(self, system) -> FloatArray:
         """Return the pressures (nv,) at the local vertices [Pa]."""
-        return np.asarray(system.assembly.x.take(self.pressure_places(system)))
+        return np.asarray(system.assembly.x.take(self._pressure_places(system)))
 
     def pressure_at(self, system, vertex: int) -> float:
-        return float(system.assembly.x.item(self.pressure_places(system).item(vertex)))
+        return float(system.assembly.x.item(self._pressure_places(system).item(vertex)))
 
-    def pressure_places(self, system) -> np.ndarray:
-        """Places (nv,) of the pressures at the local vertices in the unknowns."""
+    def pressure_at_of(self, steps, vertex: int) -> FloatArray:
+        return np.asarray(steps.unknowns(steps.assembly.layout.dofs[f"{self.name}.pressure"].item(vertex, 0)))
+
+    def pressure_places(self, system) -> np.ndarray | None:
+        return self._pressure_places(system)
+
+    def _pressure_places(self, system) -> np.ndarray:
         if self._places is None or self._places[0] is not system.layout:
             dofs = system.layout.dofs[f"{self.name}.pressure"][:, 0]  # there is one at every node
             self._places = system.layout, np.ascontiguousarray(dofs)

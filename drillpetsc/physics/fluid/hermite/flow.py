@@ -13,11 +13,12 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 
 from drillpetsc.arrays import FloatArray
-from drillpetsc.fem.component import ElementBlock, Field
+from drillpetsc.fem.component import Component, ElementBlock, Field
 from drillpetsc.kernels.parameters import Parameters, Table
 from drillpetsc.physics.fluid.annulus_flow import AnnulusFlow
 from drillpetsc.physics.fluid.bit_flow import GAP_ROUNDING, RESULTS, BitFlow
@@ -144,7 +145,33 @@ def _taken_up(component: HermiteBore | HermiteAnnulus, wall: FloatArray, pressur
     return component.content * length * 0.5 * (ends[0] + ends[1])
 
 
-class HermiteBore(BoreFlow):
+class _OneByOne:
+    """What this form finds after recorded steps one by one: its pressures and flows are no unknowns, or others than in the mixed form."""
+
+    def _computed(self, steps, what: str) -> FloatArray:
+        """(k,) of the method ``what`` of a state."""
+        call = getattr(self, what)
+        return np.asarray(steps.computed(lambda sample: call(sample.assembly), 1, id(self), what)[:, 0])
+
+    def upper_pressure_of(self, steps) -> FloatArray:
+        return self._computed(steps, "upper_pressure")
+
+    def upper_flow_of(self, steps) -> FloatArray | None:
+        return None if self._top is None else self._computed(steps, "upper_flow")  # type: ignore[attr-defined]
+
+    def pressure_at_of(self, steps, vertex: int) -> FloatArray:
+        call = self.pressure_at  # type: ignore[attr-defined]
+        key = id(self), "pressure_at", vertex
+        return np.asarray(steps.computed(lambda sample: call(sample.system, vertex), 1, *key)[:, 0])
+
+    def pressure_places(self, system) -> np.ndarray | None:
+        return None
+
+    def powers_of(self, steps) -> tuple[Any, Any]:
+        return Component.powers_of(self, steps)  # type: ignore[arg-type]
+
+
+class HermiteBore(_OneByOne, BoreFlow):
     """Bore with a given flow of the pump.
 
     closed: the lower end is closed, and the volume there has the constant value ``kept`` [m3].
@@ -220,6 +247,9 @@ class HermiteBore(BoreFlow):
         """
         return self.upper_flow(state)
 
+    def pumped_of(self, steps) -> FloatArray | None:
+        return self.upper_flow_of(steps)
+
     def upper_pressure(self, state) -> float:
         block, row = self._top  # type: ignore[misc]
         return float(state.x[state.index_of(block)[row, -2]])
@@ -234,7 +264,7 @@ class HermiteBore(BoreFlow):
         return float(self.pressures(system)[vertex])
 
 
-class HermiteAnnulus(AnnulusFlow):
+class HermiteAnnulus(_OneByOne, AnnulusFlow):
     """Annulus with the pump's flow upwards as reference flow.
 
     Its sizes remain those at the start: the pressure follows from the content of an element, and would jump
@@ -378,6 +408,9 @@ class HermiteBit(BitFlow):
         return (self._block,)
 
     _moves_in_mud = False  # the kernel places the chamber's mud itself
+
+    def powers_of(self, steps) -> tuple[Any, Any]:
+        return Component.powers_of(self, steps)
 
     def _end_flow(self, t: float, state) -> tuple[float, float, float]:
         """As for ``BitFlow``: the bore's pressure is no unknown of the bit, and its mud counts as dense as that outside."""
