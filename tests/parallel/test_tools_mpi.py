@@ -18,6 +18,7 @@ from tests.parallel.test_restart import files, run_with_copies
 from tests.verification.test_agitator import with_mud
 
 SCRIPT = Path(__file__).parent / "run_case.py"
+STEPS = 3  # that are compared
 EXACT = ["-ts_adapt_type", "none", "-q_snes_stol", "1e-12", "-ts_dt"]
 STEER = {"kind": "push", "force": 3e3, "pad_offset": 1.0, "steer": {"tool_face": 1.0}}
 STEERED = {"kind": "rss", "length": 4.0, "od": 0.1715, "id": 0.0714, "mass": 560, "rss": STEER}
@@ -28,10 +29,10 @@ def write(folder: Path, kind: str) -> Path:
         case = whole_string(two="two" in kind)
     else:
         case = with_mud() if kind == "agitator" else combined(JAR, COLLAR, SHOCK, MOTOR, STEERED)
-    # the whole string: five steps, before one is repeated; latch and stops of 1e9 N/m leave Newton's method no more than 1e-12 of a
+    # the whole string: a few steps, before one is repeated; latch and stops of 1e9 N/m leave Newton's method no more than 1e-12 of a
     # step now and then, and whether a step is repeated with half its size is then rounding, too
     every = 2e-4 if kind.startswith("whole") else 4e-3
-    case["time"], case["output"] = {"end": 5 * every}, {"history_every": every, "checkpoint_every": every}
+    case["time"], case["output"] = {"end": STEPS * every}, {"history_every": every, "checkpoint_every": every}
     path = folder / "case.yaml"
     path.write_text(yaml.safe_dump(case))
     return path

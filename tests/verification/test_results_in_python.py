@@ -130,6 +130,9 @@ def test_a_report_of_a_result(tmp_path: Path) -> None:
         result.report(tmp_path / "page.html" / "page.html")
 
 
+SHORT_STEPS = {"ts_adapt_dt_max": 1e-4}  # a million of them: the run takes minutes
+
+
 def test_an_interrupt_leaves_a_result_that_says_so(tmp_path: Path) -> None:
     """The first call of the progress function interrupts a run that would take minutes."""
     shares: list[float] = []
@@ -139,20 +142,24 @@ def test_an_interrupt_leaves_a_result_that_says_so(tmp_path: Path) -> None:
         if len(shares) == 1:
             os.kill(os.getpid(), signal.SIGINT)
 
-    case = hanging(time={"end": 2e4}, initial={"from": "statics"}, output={"history_every": 0.5})
+    case = hanging(
+        time={"end": 1000.0}, initial={"from": "statics"}, output={"history_every": 0.05}, petsc=SHORT_STEPS
+    )
     before = signal.getsignal(signal.SIGINT)
     result = dp.run(case, tmp_path / "run", progress=interrupt)
     assert signal.getsignal(signal.SIGINT) is before
     assert result.summary["interrupted"] and result.status != "done" and "interrupt" in str(result)
     rows = np.asarray(result.history["time"])
-    assert rows[-1] <= result.summary["time"] < 2e4 and 0 < shares[0] < 1
+    assert rows[-1] <= result.summary["time"] < 1000 and 0 < shares[0] < 1
 
 
 def test_a_progress_function_that_fails_ends_the_run_with_its_error(tmp_path: Path) -> None:
     def fail(share: float, text: str) -> None:
         raise ValueError("a slip in the notebook")
 
-    case = hanging(time={"end": 2e4}, initial={"from": "statics"}, output={"history_every": 0.05})
+    case = hanging(
+        time={"end": 1000.0}, initial={"from": "statics"}, output={"history_every": 0.05}, petsc=SHORT_STEPS
+    )
     with pytest.raises(ValueError, match="a slip"):
         dp.run(case, tmp_path / "run", progress=fail)
     with pytest.raises(CaseError, match="a function"):
@@ -166,7 +173,9 @@ def test_a_progress_function_that_interrupts_leaves_a_folder_that_says_so(tmp_pa
     def stop(share: float, text: str) -> None:
         raise KeyboardInterrupt
 
-    case = hanging(time={"end": 2e4}, initial={"from": "statics"}, output={"history_every": 0.05})
+    case = hanging(
+        time={"end": 1000.0}, initial={"from": "statics"}, output={"history_every": 0.05}, petsc=SHORT_STEPS
+    )
     with pytest.raises(KeyboardInterrupt):
         dp.run(case, tmp_path / "run", progress=stop)
     assert dp.open_run(tmp_path / "run").status == "interrupted"
