@@ -3,7 +3,16 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int32]
+
+
+def components(vectors: ArrayLike) -> FloatArray:
+    """Components (3, ...) of ``vectors`` (..., 3), each in memory of its own run.
+
+    For functions such as ``np.arctan2``: of an argument with gaps in memory numpy takes the vector unit or not by where the result happens
+    to stand, and the last digit with it.
+    """
+    return np.ascontiguousarray(np.moveaxis(np.asarray(vectors, dtype=float), -1, 0))

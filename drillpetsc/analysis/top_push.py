@@ -5,7 +5,7 @@ from __future__ import annotations
 from drillpetsc.case import Case
 from drillpetsc.unit_systems import shown
 
-#: push at the top that is told [N]: less than a man's weight is rounding of a string that hangs from nothing
+#: smallest push at the top that is reported [N]
 LEAST_PUSH = 1e3
 
 

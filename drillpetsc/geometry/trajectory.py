@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from drillpetsc.arrays import FloatArray
+from drillpetsc.arrays import FloatArray, components
 from drillpetsc.geometry.well import Well
 
 COURSE = 30.0  # course length to which build rates refer [m]
@@ -42,10 +42,10 @@ def angles(tangent: ArrayLike) -> tuple[FloatArray, FloatArray]:
 
     The azimuth is between 0 and 2 pi, and 0 where the hole is vertical.
     """
-    t = np.asarray(tangent, dtype=float)
-    across = np.hypot(t[..., 0], t[..., 1])
-    azimuth = np.where(across > 1e-9, np.arctan2(t[..., 1], t[..., 0]) % (2 * np.pi), 0.0)
-    return np.arctan2(across, t[..., 2]), azimuth
+    north, east, down = components(tangent)
+    across = np.hypot(north, east)
+    azimuth = np.where(across > 1e-9, np.arctan2(east, north) % (2 * np.pi), 0.0)
+    return np.arctan2(across, down), azimuth
 
 
 def dogleg(one: ArrayLike, two: ArrayLike) -> FloatArray:

@@ -17,6 +17,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from drillpetsc.arrays import components
+
 Array = NDArray[np.float64]
 
 MAX_STEP = 10.0  # m, longest piece of an arc
@@ -166,13 +168,13 @@ class Well:
 
     def inclination(self, md: ArrayLike) -> Array:
         """Inclination from the vertical [rad] at md (...) [m]."""
-        t = self.at(md)[1]
-        return np.arctan2(np.hypot(t[..., 0], t[..., 1]), t[..., 2])
+        north, east, down = components(self.at(md)[1])
+        return np.arctan2(np.hypot(north, east), down)
 
     def azimuth(self, md: ArrayLike) -> Array:
         """Azimuth from north over east, 0 to 2 pi [rad], at md (...) [m]; 0 in a vertical hole."""
-        t = self.at(md)[1]
-        return np.arctan2(t[..., 1], t[..., 0]) % (2 * np.pi)
+        north, east, _ = components(self.at(md)[1])
+        return np.arctan2(east, north) % (2 * np.pi)
 
     # ------------------------------------------------------------------ hole
     @cached_property

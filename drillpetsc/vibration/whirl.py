@@ -61,6 +61,7 @@ def whirl(
 
     A window with too few rows to follow a rolling string is ``unresolved``; so is one before three revolutions are over.
     """
+    x, y = np.ascontiguousarray(x), np.ascontiguousarray(y)  # see ``arrays.components``
     angle, radii = np.unwrap(np.arctan2(y, x)), np.hypot(x, y)
     step = np.diff(time)
     turned = _running(0.5 * (spin[1:] + spin[:-1]) * step)

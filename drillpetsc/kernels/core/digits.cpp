@@ -5,10 +5,10 @@
 
 #include "core/names.hpp"
 
-// Room that a number takes at most, with its comma: sign, 17 digits, point and exponent; or up to 16 digits before the point.
+// Most characters of a number, with its comma: sign, 17 digits, point and exponent; or up to 16 digits before the point.
 DP_CONSTANT(text_width, 32)
 
-// Writes n rows of m numbers, commas between them and a line end behind each row, to `out`, which has room for n m numbers.  As Python's
+// Writes n rows of m numbers, commas between them and a line end behind each row, to `out`, which holds n m numbers of that width.  As Python's
 // repr, but for a ".0" at the end: with an exponent below 1e-4 and from 1e16 on.  Returns the length, or -1 where the library of the compiler has no
 // such digits.
 extern "C" int write_rows(int n, int m, const double* values, char* out) {

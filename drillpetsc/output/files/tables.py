@@ -51,7 +51,7 @@ def _line(values: Sequence[float]) -> str:
 
 @cache
 def _compiled() -> tuple[Callable[..., int], int]:
-    """The function that writes rows, and the room that a number takes."""
+    """The function that writes rows, and the most characters of a number."""
     from drillpetsc.kernels import function  # here: tables are also read by programs without kernels
     from drillpetsc.kernels.parameters import constant
 

@@ -93,3 +93,19 @@ def test_memory_brings_the_hole_back():
     for one in (hole, other):
         one.follow(3.2, arc(np.array([3.2]), 200.0, 0.3)[0][0] - [0, 0, 0.1])
     assert np.array_equal(other.well.packed(), hole.well.packed())
+
+
+def test_angles_do_not_depend_on_where_arrays_stand_in_memory():
+    """The same bits in thousands of calls between other arrays: files of a restarted run are those of the uninterrupted one.  Of one
+    call in eighty the last digit differed where numpy's vector unit has twice the usual width."""
+    vectors = np.random.default_rng(1).standard_normal((13, 3))
+    vectors /= np.linalg.norm(vectors, axis=1)[:, None]
+    found, kept = set(), []
+    for _ in range(4000):
+        tangents = vectors.copy()
+        result = angles(tangents)
+        found.add(tuple(q.tobytes() for q in result))
+        kept.append((tangents, result))
+        if len(kept) > 200:
+            del kept[::2]
+    assert len(found) == 1
