@@ -324,8 +324,6 @@ class Assembly(BlockState):
             if f.time != t and f.condition.along_path is not None:
                 return None
             f.evaluate(t, self.x)
-            if f.leans:
-                f.renew_axis()
         calls = self.calls
         for b in calls.blocks:
             if b.block.update:
@@ -499,9 +497,6 @@ class Assembly(BlockState):
 
     def replace_jacobian_rows(self, by_position: float) -> None:
         """Replace the rows along prescribed directions; ``by_position``: 1 with dR/dx in the sum, else 0."""
-        for f in self.row_replacements:
-            if f.leans:
-                f.renew_axis()
         _prescribed_entries(self.calls.jacobian_at, by_position)
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import ctypes
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import AbstractContextManager, contextmanager
 from typing import Any
 
 import numpy as np
@@ -19,6 +19,27 @@ from drillpetsc.kernels.parameters import structure
 
 _element_rows = function("element_rows", "pippp")
 _BlockCall = structure("block_call")  # BlockCall of kernels/core/step.hpp
+
+
+class _Unchanged:
+    """Context of ``BlockState.unchanged``; several are entered in every step, and a generator would take four times as long."""
+
+    __slots__ = ("_outer", "_state")
+
+    def __init__(self, state: BlockState):
+        self._state = state
+
+    def __enter__(self) -> None:
+        state = self._state
+        self._outer = state.kept
+        if self._outer is None:
+            state.kept, state.asked = {}, {}
+
+    def __exit__(self, *error: object) -> None:
+        state = self._state
+        state.kept = self._outer
+        if self._outer is None and state.asked and state.asked != state.group.members:
+            state.group = ResultGroup(state.asked)
 
 
 class BlockState:
@@ -40,9 +61,9 @@ class BlockState:
         self._results_heads: dict[int, tuple[int, ...]] = {}
         self._results: dict[tuple[int, str], BlockResults] = {}  # by id of the block and kernel
         self._seen: list[ElementBlock] = []  # keeps blocks that are not bound, so that their ids stay theirs
-        self._kept: dict[Any, Any] | None = None  # see ``unchanged``
-        self._group = ResultGroup({})  # what the last state was asked for: the next is asked for the same
-        self._asked: dict[Any, bool] = {}  # within ``unchanged``
+        self.kept: dict[Any, Any] | None = None  # see ``unchanged``
+        self.group = ResultGroup({})  # what the last state was asked for: the next is asked for the same
+        self.asked: dict[Any, bool] = {}  # within ``unchanged``
         size, self.bound_blocks = 0, list[BoundBlock]()
         for block in blocks:
             self.bound_blocks.append(BoundBlock(block, layout, size))
@@ -52,38 +73,29 @@ class BlockState:
         #: of ``block_rows``
         self._one_call, self._separate, self._work = _BlockCall(), np.zeros(0, dtype=np.int32), np.zeros(0)
 
-    @contextmanager
-    def unchanged(self) -> Iterator[None]:
+    def unchanged(self) -> AbstractContextManager[None]:
         """Within this context ``evaluate_once`` keeps its results; x, y, a and parameters must not change."""
-        outer = self._kept
-        if outer is None:
-            self._kept, self._asked = {}, {}
-        try:
-            yield
-        finally:
-            self._kept = outer
-            if outer is None and self._asked and self._asked != self._group.members:
-                self._group = ResultGroup(self._asked)
+        return _Unchanged(self)
 
     @contextmanager
     def elsewhere(self, x: FloatArray, y: FloatArray) -> Iterator[None]:
         """Within this context the unknowns and rates are ``x`` and ``y`` (as long as those); results are evaluated anew."""
-        here, kept = (self.x.copy(), self.y.copy()), self._kept
-        self.x[:], self.y[:], self._kept = x, y, None
+        here, kept = (self.x.copy(), self.y.copy()), self.kept
+        self.x[:], self.y[:], self.kept = x, y, None
         try:
             yield
         finally:
             self.x[:], self.y[:] = here
-            self._kept = None if kept is None else {}
+            self.kept = None if kept is None else {}
 
     def evaluate_once(self, function: Callable[..., Any], *arguments: Any) -> Any:
         """``function(*arguments)``, evaluated once within ``unchanged``.  The caller must not change the result."""
-        if self._kept is None:
+        if self.kept is None:
             return function(*arguments)
         key = function, *arguments
-        if key not in self._kept:
-            self._kept[key] = function(*arguments)
-        return self._kept[key]
+        if key not in self.kept:
+            self.kept[key] = function(*arguments)
+        return self.kept[key]
 
     def results(self, block: ElementBlock, kernel: str, columns: int) -> BlockResults:
         """Results of the elements of a block at x, y, evaluated once within ``unchanged``.
@@ -92,15 +104,15 @@ class BlockState:
         The tables are not to be changed, nor kept: the next evaluation overwrites them.
         """
         found = self.block_results(block, kernel, columns)
-        if self._kept is not None:
-            self._asked[found] = True
-            if found in self._kept:
+        if self.kept is not None:
+            self.asked[found] = True
+            if found in self.kept:
                 return found
-            if found in self._group.members and self.derive is None:
-                self._group.evaluate()
-                self._kept |= self._group.members
+            if found in self.group.members and self.derive is None:
+                self.group.evaluate()
+                self.kept |= self.group.members
                 return found
-            self._kept[found] = True
+            self.kept[found] = True
         if id(block) in self._derived_index:
             self.index_of(block)  # computes the derived fields
         found.evaluate()
@@ -116,8 +128,8 @@ class BlockState:
 
     def have_results(self, members: dict[BlockResults, bool]) -> None:
         """Say that these results have just been evaluated, for what asks for them within ``unchanged``."""
-        if self._kept is not None:
-            self._kept |= members
+        if self.kept is not None:
+            self.kept |= members
 
     def index_of(self, block: ElementBlock) -> np.ndarray:
         """Return the (n, d) dofs of a block in x, y, a.

@@ -178,7 +178,9 @@ class RowReplacement:
         #: (7, 7) ``row_complement`` of the last matrix, no numbers before the first
         self.applied = np.full((7, 7), np.nan)
         self.leans = condition.spin_reference is not None
-        self.lean, self._axis = np.zeros(3), np.zeros(3)  # c(v) and the direction from which the spin counts
+        self.lean = np.zeros(3)  # c(v)
+        #: the direction from which the spin counts, in the memory of its owner
+        self._axis = np.zeros(3) if condition.spin_reference is None else condition.spin_reference
         self.axis_at = pointer(self._axis)
         #: addresses of c(v) and of what follows from it
         self.lean_head = (
@@ -200,7 +202,7 @@ class RowReplacement:
 
         They are evaluated once per time.  x: unknowns of the system; y: their rates, None where not known.
         """
-        if t == self.time:
+        if t == self.time or (self.condition.constant and self.time is not None):
             return
         if self.condition.along_path is None:
             self.value[:], self.rate[:] = self.condition.value(t), self.condition.rate(t)
@@ -258,14 +260,8 @@ class RowReplacement:
         The spin rate is that of the angle plus c(v).w, so a torque on the angle is one on the spin and -c(v) times it on the
         slope (manual: eq-prescribed-lean).
         """
-        self.renew_axis()
         _lean_at(self.head[2], self.axis_at, pointer(x), *self.lean_head)
         return self.lean
-
-    def renew_axis(self) -> None:
-        """Take the direction from which the spin counts, which may have changed."""
-        assert self.condition.spin_reference is not None
-        self._axis[:] = self.condition.spin_reference()
 
 
 class BoundStabilization:

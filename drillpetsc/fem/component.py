@@ -125,8 +125,10 @@ class PrescribedMotion:
     zero is free.
     advance(x): change (7,) of the vertex' unknowns x (7,) by the length of path that an end is moved down;
     None: the end does not move.
-    spin_reference(): direction (3,) from which the spin angle counts, where the spin is prescribed, last, and the slope is
-    free; None: the slope is prescribed, too, or the spin is not (manual: eq-prescribed-lean).
+    spin_reference: direction (3,) from which the spin angle counts, where the spin is prescribed, last, and the slope is free; a
+    view into the array of its owner, who may change it.  None: the slope is prescribed, too, or the spin is not (manual:
+    eq-prescribed-lean).
+    constant: value and rate are those of the start at all times.
     """
 
     vertex: int
@@ -138,7 +140,8 @@ class PrescribedMotion:
         Callable[[float, FloatArray, FloatArray | None], tuple[FloatArray, FloatArray, FloatArray]] | None
     ) = None
     advance: Callable[[FloatArray], FloatArray] | None = None
-    spin_reference: Callable[[], FloatArray] | None = None
+    spin_reference: FloatArray | None = None
+    constant: bool = False
 
 
 class ContactFlags(NamedTuple):

@@ -26,7 +26,7 @@ from drillpetsc.kernels import function, pointer
 from drillpetsc.parallel import total
 
 _gather = function("chain_gather", "ippp")
-_load_step, _store_step = function("load_step", "ipppppppp"), function("store_step", "ippippppp")
+_load_step, _store_step = function("load_step", "ippppdpppp"), function("store_step", "ippippppp")
 
 
 class DiscreteSystem:
@@ -161,19 +161,18 @@ class DiscreteSystem:
             self._take(rate, asm.y, asm.a)
             asm.y[self._with_rate] = known
 
-    def load_step(self, state: PETSc.Vec, constant: PETSc.Vec) -> None:
-        """Copy a state into the assembly's x and y, and the constant V of the time formula, Xdot = shift X + V, into v0 and v1.
+    def load_step(self, state: PETSc.Vec, rate: PETSc.Vec, shift: float) -> None:
+        """Copy a state X into the assembly's x and y, and the constant V of the time formula, Xdot = shift X + V, into v0 and v1.
 
-        Manual: eq-time-bdf.
+        Manual: eq-time-bdf.  rate: Xdot; shift: [1/s].
         """
         asm = self.assembly
-        if self.ends is not None:
-            self._take(constant, asm.v0, asm.v1)
-            self._take(state, asm.x, asm.y)
-            return
         x, y, _, _ = asm.state_at
-        arrays = pointer(state.getArray(readonly=1)), pointer(constant.getArray(readonly=1))
-        _load_step(self.layout.size, self._x_from, self._y_from, *arrays, x, y, *asm.history_at)
+        arrays = pointer(state.getArray(readonly=1)), pointer(rate.getArray(readonly=1))
+        _load_step(self.layout.size, self._x_from, self._y_from, *arrays, shift, x, y, *asm.history_at)
+        if self.ends is not None:
+            self.ends.spread(asm.v0, asm.v1)
+            self.ends.spread(asm.x, asm.y)
 
     def _take(self, state: PETSc.Vec, unknowns: FloatArray, rates: FloatArray) -> None:
         """Copy both parts of a global state into local arrays, ghosts included; zero where an unknown has no rate."""

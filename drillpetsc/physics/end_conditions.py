@@ -108,17 +108,13 @@ class PathEnd(Top):
             tuple(f"{where}.{n}" for n in names),
             along_path=None if path is None else self._at,
             advance=None if path is None else self._advance,
-            spin_reference=self._reference if spin and not tilt and frames is not None else None,
+            spin_reference=frames.reference[vertex] if spin and not tilt and frames is not None else None,
+            constant=rotation is None and lowering is None and path is None,
         )
 
     def _position_rows(self, axes: FloatArray) -> FloatArray:
         """Directions in which the position is prescribed, of the (3, 3) axes of the path."""
         return axes if self._axial_row else axes[1:] if self._across else axes[:0]
-
-    def _reference(self) -> FloatArray:
-        """Direction (3,) from which the spin angle of the end counts."""
-        assert self._frames is not None
-        return self._frames.reference[self._vertex]
 
     def _spin_about_reference(self, here: PathPoint) -> float:
         """Compute the spin angle [rad] of a section whose first director is the path's first normal."""

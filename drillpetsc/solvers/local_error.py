@@ -12,7 +12,7 @@ Sums of e are not the error at the end: the motion may damp or amplify local err
 
 from __future__ import annotations
 
-from collections import deque
+import ctypes
 from dataclasses import dataclass
 from typing import Any, Protocol
 
@@ -20,6 +20,7 @@ import numpy as np
 
 from drillpetsc.arrays import FloatArray
 from drillpetsc.kernels import function, pointer
+from drillpetsc.kernels.parameters import structure
 from drillpetsc.solvers.bdf_history import local, nodal
 
 
@@ -83,7 +84,9 @@ class BdfOutputErrors:
         return f"divided differences of BDF {self.order}"
 
 
-_add_local_error = function("add_local_error", "iippppp")
+_Call = structure("local_error_call")
+_keep_state = function("keep_state", "ppd", ctypes.c_int)
+_add_local_error = function("add_local_error", "p")
 _bdf_error_weights = function("bdf_error_weights", "ipp")
 
 UNITS = {"position": "m", "tangent": "-", "spin": "rad", "ratio": "-", "pressure": "Pa", "flow": "m3/s"}
@@ -114,12 +117,19 @@ class LocalErrorEstimate:
         owned = np.sort(layout.local_of_owned)
         self._rows = owned[differential[layout.field_of[owned]]]
         self._field = layout.field_of[self._rows]
-        #: times of the recent states, ascending, and the rows of ``_states`` that have them
-        self._recent: deque[tuple[float, int]] = deque(maxlen=earlier + 1)
-        self._states = np.zeros((earlier + 1, len(self._rows)))
-        self._next_row, self._row_size = 0, 8 * len(self._rows)
-        self._largest, self._sum, self._net = (np.zeros(len(self._rows)) for _ in range(3))
-        self._sums_at = tuple(map(pointer, (self._net, self._sum, self._largest)))
+        n = len(self._rows)
+        self._index = self._rows.astype(np.int32)
+        self._states, self._times, self._weights = (
+            np.zeros(k) for k in ((earlier + 1, n), earlier + 1, earlier + 1)
+        )
+        self._largest, self._sum, self._net = (np.zeros(n) for _ in range(3))
+        #: the recent states with their times, in the place of the oldest one the next
+        self._call = _Call(
+            rows=pointer(self._index), states=pointer(self._states), times=pointer(self._times), weights=pointer(self._weights),
+            net=pointer(self._net), total=pointer(self._sum), largest=pointer(self._largest), n=n, kept=earlier + 1,
+            order=self.formula.order if isinstance(self.formula, BdfOutputErrors) else 0,
+        )  # fmt: skip
+        self._at, self._x_at = ctypes.addressof(self._call), self.system.assembly.state_at[0]
         self._history = integrator.history
         integrator.estimate = self
         integrator.after_step.append(lambda t, dt: self.step(t, integrator.fresh))
@@ -133,22 +143,12 @@ class LocalErrorEstimate:
             return
         self.steps += 1
         if fresh:
-            self._recent.clear()
-        self._add(t, self.system.assembly.x)
-        if len(self._recent) <= self.formula.earlier:
-            return
-        weights = np.ascontiguousarray(self.formula.weights([q for q, _ in self._recent]))
-        first = pointer(self._states)
-        states = np.array([first + row * self._row_size for _, row in self._recent], dtype=np.int64)
-        _add_local_error(len(self._rows), len(states), pointer(states), pointer(weights), *self._sums_at)
-        self.estimated += 1
-
-    def _add(self, t: float, x: FloatArray) -> None:
-        """Keep the unknowns of the estimate at ``t`` [s]."""
-        row = self._next_row
-        x.take(self._rows, out=self._states[row], mode="clip")
-        self._recent.append((t, row))
-        self._next_row = (row + 1) % len(self._states)
+            self._call.count = 0
+        if _keep_state(self._at, self._x_at, t):
+            if not self._call.order:
+                self._weights[:] = self.formula.weights(np.roll(self._times, -self._call.next).tolist())
+            _add_local_error(self._at)
+            self.estimated += 1
 
     # ------------------------------------------------------------------ checkpoints
     def get_state(self) -> dict[str, FloatArray]:
@@ -167,7 +167,7 @@ class LocalErrorEstimate:
         gathered = self.system.gather(np.stack(columns, axis=1))
         if gathered is None:
             return {}
-        counts = np.array([self.steps, self.estimated, len(self._recent)], dtype=float)
+        counts = np.array([self.steps, self.estimated, self._call.count], dtype=float)
         return {
             "local_error": counts,
             "local_error_sums": np.reshape(gathered, (len(gathered), len(columns), -1)),
@@ -184,9 +184,9 @@ class LocalErrorEstimate:
         ):
             sums[:] = local(self.system, at_nodes, zero).take(self._rows)
         kept = list(zip(self._history.times, self._history.states, strict=True))
-        self._recent.clear()
+        self._call.count = 0
         for t, (x, _) in kept[max(0, len(kept) - earlier) :] if earlier else []:
-            self._add(t, x)
+            _keep_state(self._at, pointer(x), t)
 
     def as_dict(self, ended: bool = True) -> dict[str, Any]:
         """Return the entries of summary.json; collective where the run has ``ended`` without an error."""

@@ -211,7 +211,7 @@ class CondensedNewton:
 
     def last_rows(self) -> np.ndarray:
         """Return the residual (owned,) that was computed last: that of the last solve at its end."""
-        return self._f.getArray(readonly=1)
+        return self._f.getArray(readonly=1) if self.arrays is None else self.arrays[1]
 
     def _jacobian(self, snes, q, J, P) -> None:
         if self.lag and self.lag.good and self.can_reuse_factor(snes.getIterationNumber()):

@@ -176,7 +176,6 @@ class TimeIntegrator:
                 (self.state.getSizes(), self.state.getSizes()), context=self, comm=system.comm
             )
             matrix.setUp()
-            self._xdot = system.new_state()
             self.ts.setIFunction(self._catch_rate, self._f)
             self.ts.setIJacobian(self._catch_shift, matrix)
             self._matrix = matrix
@@ -248,7 +247,7 @@ class TimeIntegrator:
     # ------------------------------------------------------------------ condensed step, called by the outer SNES
     def _catch_rate(self, ts, t, x, xdot, f) -> None:
         self._t = self.input_time(t)
-        xdot.copy(self._xdot)
+        self._rate = xdot  # TSBDF keeps it for the next call
 
     def _catch_shift(self, ts, t, x, xdot, shift, J, P) -> None:
         self._shift = shift
@@ -264,8 +263,7 @@ class TimeIntegrator:
             return
         snes.computeFunction(x, self._f)
         snes.computeJacobian(x, self._matrix)
-        self._xdot.axpy(-self._shift, x)  # constant V of the time formula (manual: eq-time-bdf)
-        self.system.load_step(x, self._xdot)
+        self.system.load_step(x, self._rate, self._shift)
         for call in self.before_solve:
             call(self._t)
         reason = self.newton.solve(self._t, self._shift)

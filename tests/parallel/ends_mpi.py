@@ -38,11 +38,12 @@ def check(kind: str) -> bool:
     assert np.array_equal(asm.y[:n][rates], s[layout.y_local[rates]])
     assert np.array_equal(asm.y[:n][~rates], v[layout.x_local[~rates]])
     assert np.array_equal(asm.a[:n][rates], v[layout.y_local[rates]])
-    system.load_step(state, rate)
+    shift = 3.0
+    system.load_step(state, rate, shift)
     assert np.array_equal(asm.x[:n], s[layout.x_local])
     assert np.array_equal(asm.y[:n][rates], s[layout.y_local[rates]])
-    assert np.array_equal(asm.v0, v[layout.x_local])
-    assert np.array_equal(asm.v1[rates], v[layout.y_local[rates]])
+    assert np.allclose(asm.v0, (v - shift * s)[layout.x_local], rtol=0, atol=1e-14)
+    assert np.allclose(asm.v1[rates], (v - shift * s)[layout.y_local[rates]], rtol=0, atol=1e-14)
     # the sum of both ranks' rows
     asm.x[:n] = local_q.getArray()
     r, summed = PETSc.Vec().createSeq(n, comm=PETSc.COMM_SELF), system.new_condensed()

@@ -81,16 +81,16 @@ DP_EXPORT_RECORD(matrix_call, MatrixCall)
 DP_EXPORT_RECORD(prescribed_matrix, PrescribedMatrix)
 DP_EXPORT_RECORD(jacobian_call, JacobianCall)
 
-// Both parts of two global states in local arrays of n unknowns: the state to x, y and the constants of the time formula to v0, v1;
-// zero where a place is negative.
-extern "C" void load_step(int n, const int* x_from, const int* y_from, const double* state, const double* constant, double* x, double* y,
+// Both parts of a global state in local arrays of n unknowns, x and y, and the constants v0, v1 of the time formula, rate - shift state; zero
+// where a place is negative.
+extern "C" void load_step(int n, const int* x_from, const int* y_from, const double* state, const double* rate, double shift, double* x, double* y,
                           double* v0, double* v1) {
     for (int i = 0; i < n; ++i) {
         const int p = x_from[i], q = y_from[i];
         x[i] = p >= 0 ? state[p] : 0.0;
-        v0[i] = p >= 0 ? constant[p] : 0.0;
+        v0[i] = p >= 0 ? rate[p] - shift * state[p] : 0.0;
         y[i] = q >= 0 ? state[q] : 0.0;
-        v1[i] = q >= 0 ? constant[q] : 0.0;
+        v1[i] = q >= 0 ? rate[q] - shift * state[q] : 0.0;
     }
 }
 

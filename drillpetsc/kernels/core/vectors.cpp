@@ -35,35 +35,6 @@ extern "C" double gathered_product(int n, const int* i, const double* a, const i
     return sum;
 }
 
-// e = sum of weights[m] states[m] over m states (n,), added to net; |e| added to total, and kept in largest where it is larger.
-extern "C" void add_local_error(int n, int m, const double* const* states, const double* weights, double* net, double* total, double* largest) {
-    for (int i = 0; i < n; ++i) {
-        double e = 0.0;
-        for (int k = 0; k < m; ++k) e += weights[k] * states[k][i];
-        const double size = std::fabs(e);
-        net[i] += e;
-        total[i] += size;
-        largest[i] = size > largest[i] ? size : largest[i];
-    }
-}
-
-// Weights (order + 2) of the states at ascending times (order + 2) in the local error of BDF in the last one (manual: eq-time-local-error).
-extern "C" void bdf_error_weights(int order, const double* times, double* weights) {
-    const int m = order + 2;
-    double gaps = 1.0, sum = 0.0;
-    for (int i = order; i > 0; --i) {
-        const double gap = times[m - 1] - times[i];
-        gaps *= gap;
-        sum += 1.0 / gap;
-    }
-    for (int k = 0; k < m; ++k) {
-        double product = 1.0;
-        for (int j = 0; j < m; ++j)
-            if (j != k) product *= times[k] - times[j];
-        weights[k] = gaps / sum / product;
-    }
-}
-
 namespace {
 // A function of its own, so that the last bit of a point does not depend on how many points there are.
 __attribute__((noinline)) void high_side_offset(const double* tangent, const double* offset, double* out) {

@@ -1,0 +1,70 @@
+// Local errors of a time formula in its last states, summed over the steps (manual: eq-time-local-error).
+#include <cmath>
+
+#include "core/names.hpp"
+
+namespace {
+
+// rows (n): of the unknowns; states (kept, n), times (kept): of the last states, the next one goes to place ``next``; count: how many there are.
+// weights (kept): of the states in the local error, ascending in time; computed for BDF of an ``order``, given for order 0.
+// net, total, largest (n): sum of the errors, of their sizes, largest size.
+DP_RECORD(LocalErrorCall,
+    const int* rows; double* states; double* times; double* weights; double* net; double* total; double* largest;
+    int n, kept, order, next, count, unused;
+)
+
+constexpr int MOST_STATES = 8;  // BDF of order 6
+
+// State k of the last ``kept`` ones, in the order of time.
+int place(const LocalErrorCall& c, int k) { return (c.next + k) % c.kept; }
+
+}  // namespace
+
+DP_EXPORT_RECORD(local_error_call, LocalErrorCall)
+
+extern "C" {
+
+// Weights (order + 2) of the states at ascending times (order + 2) in the local error of BDF in the last one.
+void bdf_error_weights(int order, const double* times, double* weights) {
+    const int m = order + 2;
+    double gaps = 1.0, sum = 0.0;
+    for (int i = order; i > 0; --i) {
+        const double gap = times[m - 1] - times[i];
+        gaps *= gap;
+        sum += 1.0 / gap;
+    }
+    for (int k = 0; k < m; ++k) {
+        double product = 1.0;
+        for (int j = 0; j < m; ++j)
+            if (j != k) product *= times[k] - times[j];
+        weights[k] = gaps / sum / product;
+    }
+}
+
+// Keep the unknowns of x at the time t; 1 where there are as many states as a local error needs.
+int keep_state(LocalErrorCall* c, const double* x, double t) {
+    double* state = c->states + static_cast<long>(c->next) * c->n;
+    for (int i = 0; i < c->n; ++i) state[i] = x[c->rows[i]];
+    c->times[c->next] = t;
+    c->next = (c->next + 1) % c->kept;
+    if (c->count < c->kept) ++c->count;
+    return c->count == c->kept;
+}
+
+// Add the local error of the last state.
+void add_local_error(LocalErrorCall* c) {
+    if (c->order > 0) {
+        double ascending[MOST_STATES];
+        for (int k = 0; k < c->kept; ++k) ascending[k] = c->times[place(*c, k)];
+        bdf_error_weights(c->order, ascending, c->weights);
+    }
+    for (int i = 0; i < c->n; ++i) {
+        double e = 0.0;
+        for (int k = 0; k < c->kept; ++k) e += c->weights[k] * c->states[static_cast<long>(place(*c, k)) * c->n + i];
+        const double size = std::fabs(e);
+        c->net[i] += e;
+        c->total[i] += size;
+        c->largest[i] = size > c->largest[i] ? size : c->largest[i];
+    }
+}
+}
