@@ -9,14 +9,24 @@ Hulbert, Comput. Methods Appl. Mech. Eng. 190 (2000) 305 (first-order rows).
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+import ctypes
+from copy import copy
+from dataclasses import dataclass
 
 import numpy as np
 
 from drillpetsc.arrays import FloatArray
+from drillpetsc.kernels import function, pointer
+from drillpetsc.kernels.parameters import columns, structure
 
-#: arrays of ``AlphaHistory`` that a checkpoint contains
-ARRAYS = ("x", "y", "w", "rate", "second", "ax", "ay", "dw", "dsecond", "du")
+_AlphaCall = structure("alpha_call")
+_alpha_begin = function("alpha_begin", "ppddddppp")
+_alpha_advance = function("alpha_advance", "ppddpppp")
+_alpha_error = function("alpha_error", "ppdpdp")
+_third_difference_weights = function("third_difference_weights", "dpp")
+
+#: arrays of ``AlphaHistory``, in the order of its values
+ARRAYS = columns("alpha_history").names
 LOSS = 0.01  # of an amplitude in a period, from which on a vibration is called damped
 
 
@@ -159,9 +169,16 @@ class AlphaOutputErrors:
             third = j * np.diff(third, axis=0) / (times[j:] - times[:-j])[:, None]
         return self.formula.phase_error * np.diff(times)[2:, None] ** 3 * third
 
+    @property
+    def coefficients(self) -> tuple[int, float]:
+        """No order of BDF, and the factor of step^3 times the third derivative."""
+        return 0, self.formula.phase_error
+
     def weights(self, times: list[float]) -> FloatArray:
         """Weights (4,) of the states at ``times`` (4,), ascending [s], in the local error of the last one: those of ``local_errors``."""
-        return self.local_errors(np.array(times), np.eye(4))[0]
+        ascending, weights = np.array(times, dtype=float), np.empty(4)
+        _third_difference_weights(self.formula.phase_error, pointer(ascending), pointer(weights))
+        return weights
 
 
 def radius_of(alpha_m: float, alpha_f: float, gamma: float | None = None, beta: float | None = None) -> float:
@@ -187,13 +204,15 @@ def radius_of(alpha_m: float, alpha_f: float, gamma: float | None = None, beta: 
     return radius
 
 
-@dataclass
 class AlphaHistory:
-    """What the formula carries from step to step, for n unknowns; all arrays (n,).
+    """What the formula carries from step to step, for n unknowns.
 
     formula: the coefficients.
-    second_order: mask of unknowns of second order; the others are of first order, or algebraic.
+    second_order: (n,) mask of unknowns of second order; the others are of first order, or algebraic.
 
+    begun: whether it has a state.
+    step: length of the last step [s]; 0 before the first one, when ``ax`` and ``ay`` do not lead.
+    arrays: views (n,) of the rows of ``values``:
     x, y: unknowns and the rates that the equations contain.
     w: true accelerations.
     rate, second: first and second derivative of x by the formula.  They are y and w, but for spin angles,
@@ -201,107 +220,75 @@ class AlphaHistory:
     ax, ay: algorithmic accelerations of x and of y; of a first-order unknown ``ax`` is its algorithmic rate.
     dw, dsecond, du: change of w, of ``second`` and of a first-order unknown's rate over the last step, by its
     length.
-    step: length of the last step [s]; 0 before the first one, when ``ax`` and ``ay`` do not lead.
     """
 
-    formula: AlphaFormula
-    second_order: np.ndarray
-    step: float = 0.0
-    arrays: dict[str, FloatArray] = field(default_factory=dict)
+    def __init__(self, formula: AlphaFormula, second_order: np.ndarray) -> None:
+        self.formula, self.second_order = formula, second_order
+        self._mask = np.ascontiguousarray(second_order, dtype=np.int8)
+        position, rate = formula.error_constants
+        self._call = _AlphaCall(
+            second_order=pointer(self._mask), gamma=formula.gamma, beta=formula.beta, mean_mass=formula.mean_mass,
+            mean_force=formula.mean_force, mean_rate=formula.mean_rate, gamma_rate=formula.gamma_rate, lead=formula.lead,
+            lead_rate=formula.lead_rate, position_error=position, rate_error=rate, n=len(second_order),
+        )  # fmt: skip
+        self._at = ctypes.addressof(self._call)
+        self.begun, self.step, self.values = False, 0.0, np.zeros((len(ARRAYS), len(second_order)))
+
+    def with_values(self, step: float, values: FloatArray) -> AlphaHistory:
+        """Return a history of the same unknowns with other ``values`` (len(ARRAYS), n), which it takes over.
+
+        step: the last one [s].
+        """
+        other = copy(self)
+        other.begun, other.step, other.values = True, step, values
+        return other
+
+    @property
+    def arrays(self) -> dict[str, FloatArray]:
+        """The rows of ``values`` by name."""
+        return dict(zip(ARRAYS, self.values, strict=True))
 
     def start(
         self, x: FloatArray, y: FloatArray, w: FloatArray, rate: FloatArray, second: FloatArray
     ) -> None:
         """Begin at a state (n,), consistent with the equations: y of a first-order unknown is its rate."""
         two = self.second_order
-        zero = np.zeros_like(x)
-        self.step = 0.0
-        self.arrays = {
-            "x": x.copy(),
-            "y": y.copy(),
-            "w": np.where(two, w, 0.0),
-            "rate": np.where(two, rate, 0.0),
-            "second": np.where(two, second, 0.0),
-            "ax": np.where(two, second, y),
-            "ay": np.where(two, w, 0.0),
-            "dw": zero,
-            "dsecond": zero.copy(),
-            "du": zero.copy(),
-        }
+        self.begun, self.step, self.values = True, 0.0, np.zeros((len(ARRAYS), len(x)))
+        q = self.arrays
+        q["x"][:], q["y"][:], q["w"][:] = x, y, np.where(two, w, 0.0)
+        q["rate"][:], q["second"][:] = np.where(two, rate, 0.0), np.where(two, second, 0.0)
+        q["ax"][:], q["ay"][:] = np.where(two, second, y), np.where(two, w, 0.0)
 
-    def _led(self, step: float) -> tuple[FloatArray, FloatArray]:
-        """Return ax and ay, shifted to their lead at a ``step`` [s] (manual: eq-time-alpha-shift)."""
-        q, f = self.arrays, self.formula
-        if step == self.step:
-            return q["ax"], q["ay"]
-        change = step - self.step
-        slope = np.where(self.second_order, f.lead * q["dsecond"], f.lead_rate * q["du"])
-        return q["ax"] + change * slope, q["ay"] + (f.lead * change) * q["dw"]
+    def begin(self, step: float) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Return v0 and v1 of y = shift x + v0 (without transport) and a = second shift y + v1, and a first guess of x.
 
-    def constants(self, step: float) -> tuple[FloatArray, FloatArray]:
-        """Return v0 and v1 of y = shift x + v0 (without transport) and a = second shift y + v1."""
-        f, q, h = self.formula, self.arrays, step
-        g, b, m, k = f.gamma, f.beta, f.mean_mass, f.mean_force
-        ax, ay = self._led(h)
-        s, s2 = f.shifts(h)
-        of_second = q["rate"] + h * (1 - g) * ax - s * (q["x"] + h * q["rate"] + h * h * (0.5 - b) * ax)
-        of_first = -s * (q["x"] + h * (1 - f.gamma_rate) * ax) + (f.mean_rate * ax - k * q["y"]) / (1 - k)
-        v1 = -s2 * (q["y"] + h * (1 - g) * ay) + (m * ay - k * q["w"]) / (1 - k)
-        return np.where(self.second_order, of_second, of_first), np.where(self.second_order, v1, 0.0)
-
-    def predict(self, step: float) -> FloatArray:
-        """Return a first guess of x after a ``step`` [s]: the true acceleration stays, or the algorithmic rate."""
-        f, q, h = self.formula, self.arrays, step
-        ax, _ = self._led(h)
-        # with the same true acceleration at both ends: (1 - m) a1 + m a0 = w
-        later = (q["second"] - f.mean_mass * ax) / (1 - f.mean_mass)
-        position = q["x"] + h * q["rate"] + h * h * ((0.5 - f.beta) * ax + f.beta * later)
-        return np.where(self.second_order, position, q["x"] + h * ax)
+        In the guess the true acceleration stays, or the algorithmic rate.  step: [s].
+        """
+        out = np.empty((3, self.values.shape[1]))
+        v0, row = pointer(out), 8 * out.shape[1]
+        shifts = self.formula.shifts(step)
+        _alpha_begin(self._at, pointer(self.values), self.step, step, *shifts, v0, v0 + row, v0 + 2 * row)
+        return out[0], out[1], out[2]
 
     def advanced(self, step: float, x: FloatArray, y: FloatArray, w: FloatArray) -> AlphaHistory:
         """Return the history after a ``step`` [s] to the state x, y, w (n,)."""
-        f, q, h, two = self.formula, self.arrays, step, self.second_order
-        g, b, m, k = f.gamma, f.beta, f.mean_mass, f.mean_force
-        ax0, ay0 = self._led(h)
-        later = (x - q["x"] - h * q["rate"] - h * h * (0.5 - b) * ax0) / (b * h * h)
-        later_rate = (x - q["x"] - h * (1 - f.gamma_rate) * ax0) / (f.gamma_rate * h)
-        ax = np.where(two, later, later_rate)
-        second = np.where(two, ((1 - m) * ax + m * ax0 - k * q["second"]) / (1 - k), 0.0)
-        w = np.where(two, w, 0.0)
-        return AlphaHistory(
-            f,
-            two,
-            h,
-            {
-                "x": x.copy(),
-                "y": y.copy(),
-                "w": w,
-                "rate": np.where(two, q["rate"] + h * ((1 - g) * ax0 + g * ax), 0.0),
-                "second": second,
-                "ax": ax,
-                "ay": np.where(two, (y - q["y"] - h * (1 - g) * ay0) / (g * h), 0.0),
-                "dw": (w - q["w"]) / h,
-                "dsecond": (second - q["second"]) / h,
-                "du": np.where(two, 0.0, (y - q["y"]) / h),
-            },
-        )
+        out = np.empty_like(self.values)
+        state = pointer(x), pointer(y), pointer(w)
+        _alpha_advance(self._at, pointer(self.values), self.step, step, *state, pointer(out))
+        return self.with_values(step, out)
 
     def begun_with(self, trial: AlphaHistory) -> AlphaHistory:
         """Return this history at a start, with the derivatives of a ``trial`` first step.
 
         They shift the algorithmic accelerations of the first step to their lead.
         """
-        slopes = {key: trial.arrays[key] for key in ("dw", "dsecond", "du")}
-        return AlphaHistory(self.formula, self.second_order, self.step, self.arrays | slopes)
+        begun = self.with_values(self.step, self.values.copy())
+        for key in ("dw", "dsecond", "du"):
+            begun.arrays[key][:] = trial.arrays[key]
+        return begun
 
     def local_error(self, later: AlphaHistory) -> FloatArray:
         """Return the local error (n,) of the step that led to ``later`` (manual: eq-time-alpha-error)."""
-        h = later.step
-        ax, _ = self._led(h)
-        position, first = self.formula.error_constants
-        curvature = (later.arrays["du"] - self.arrays["du"]) * (2 * h / (h + self.step)) if self.step else 0.0
-        return np.where(
-            self.second_order,
-            position * h * h * (later.arrays["ax"] - ax),
-            first * h * h * curvature,
-        )
+        e = np.empty(self.values.shape[1])
+        _alpha_error(self._at, pointer(self.values), self.step, pointer(later.values), later.step, pointer(e))
+        return e

@@ -127,8 +127,7 @@ class GeneralizedAlpha(TimeIntegrator):
     def _solve_step(self, t: float, h: float) -> tuple[int, AlphaHistory | None]:
         """Solve the step of length ``h`` [s] that ends at ``t`` [s]: reason, and the history after it."""
         asm, n = self.system.assembly, self.system.layout.size
-        asm.v0[:n], asm.v1[:n] = self.alpha.constants(h)
-        asm.x[:n] = self.alpha.predict(h)
+        asm.v0[:n], asm.v1[:n], asm.x[:n] = self.alpha.begin(h)
         self._t = self.input_time(t)
         for call in self.before_solve:
             call(self._t)
@@ -142,7 +141,8 @@ class GeneralizedAlpha(TimeIntegrator):
     def _load(self) -> None:
         """Put the state at the start of the step back into the assembly."""
         asm, n = self.system.assembly, self.system.layout.size
-        asm.x[:n], asm.y[:n], asm.a[:n] = (self.alpha.arrays[key] for key in ("x", "y", "w"))
+        q = self.alpha.arrays
+        asm.x[:n], asm.y[:n], asm.a[:n] = q["x"], q["y"], q["w"]
 
     def _error(self, later: AlphaHistory) -> float:
         """Return the weighted norm of the step's local error; 1 is the tolerance; collective."""
@@ -238,7 +238,7 @@ class GeneralizedAlpha(TimeIntegrator):
             before = self.begin.second_derivative()
             if self.system.renew_reference_frames():
                 self._reframe(before)
-        self.alpha.arrays["x"] = self.system.assembly.x[:n].copy()  # a hole that grows after a step
+        self.alpha.arrays["x"][:] = self.system.assembly.x[:n]  # a hole that grows after a step
         for finish in self.on_step_end:
             finish(t)
 
@@ -249,9 +249,9 @@ class GeneralizedAlpha(TimeIntegrator):
         """
         q = self.alpha.arrays
         change = self.begin.second_derivative() - before
-        q["second"] = q["second"] + change
-        q["ax"] = q["ax"] + change
-        q["rate"] = np.where(self.alpha.second_order, self.begin.rate_of_unknowns(), 0.0)
+        q["second"] += change
+        q["ax"] += change
+        q["rate"][:] = np.where(self.alpha.second_order, self.begin.rate_of_unknowns(), 0.0)
         self.newton.discard_factor()
         self.fresh = True
 
@@ -378,7 +378,7 @@ class GeneralizedAlpha(TimeIntegrator):
         ]
         state = {"alpha_clock": np.array(clock, dtype=float)} | self.newton.get_state() | self._work_state()
         state["alpha_steps"] = self._step_time.copy()
-        if self.alpha.arrays:
+        if self.alpha.begun:
             parts = [nodal(self.system, self.alpha.arrays[key]) for key in ARRAYS]
             gathered = self.system.gather(np.stack(parts, axis=1))
             if gathered is not None:
@@ -399,14 +399,13 @@ class GeneralizedAlpha(TimeIntegrator):
 
     def _restore(self, state: dict[str, FloatArray]) -> None:
         clock, n = state["alpha_clock"], self.system.layout.size
-        self._next_step, self.alpha.step = float(clock[0]), float(clock[1])
+        self._next_step = float(clock[0])
         self._step_number, self._steps_over_jump = int(clock[2]), int(clock[3])
         self._mud_masked, self._earlier_error = bool(clock[4]), float(clock[5])
         self._step_time = np.array(state["alpha_steps"])
         empty = np.zeros(n)
-        self.alpha.arrays = {
-            key: local(self.system, values, empty) for key, values in zip(ARRAYS, state["alpha"], strict=True)
-        }
+        values = np.array([local(self.system, row, empty) for row in state["alpha"]])
+        self.alpha = self.alpha.with_values(float(clock[1]), values)
         self._load()
         self.fresh = self.alpha.step == 0.0
         self.newton.set_state(state)

@@ -44,8 +44,9 @@ class OutputErrors(Protocol):
         """
         ...
 
-    def weights(self, times: list[float]) -> FloatArray:
-        """Weights (earlier + 1,) of the states at ``times``, ascending [s], in the local error of the last one."""
+    @property
+    def coefficients(self) -> tuple[int, float]:
+        """Order of the BDF whose local errors these are, and for order 0 the factor of step^3 times the third derivative."""
         ...
 
     @property
@@ -74,9 +75,10 @@ class BdfOutputErrors:
         """Compute the local errors; see ``OutputErrors.local_errors``."""
         return local_errors(times, values, self.order)
 
-    def weights(self, times: list[float]) -> FloatArray:
-        """Weights of the states; see ``OutputErrors.weights``."""
-        return local_error_weights(times, self.order)
+    @property
+    def coefficients(self) -> tuple[int, float]:
+        """The order."""
+        return self.order, 0.0
 
     @property
     def method(self) -> str:
@@ -123,11 +125,12 @@ class LocalErrorEstimate:
             np.zeros(k) for k in ((earlier + 1, n), earlier + 1, earlier + 1)
         )
         self._largest, self._sum, self._net = (np.zeros(n) for _ in range(3))
+        order, third = (0, 0.0) if self.formula is None else self.formula.coefficients
         #: the recent states with their times, in the place of the oldest one the next
         self._call = _Call(
             rows=pointer(self._index), states=pointer(self._states), times=pointer(self._times), weights=pointer(self._weights),
             net=pointer(self._net), total=pointer(self._sum), largest=pointer(self._largest), n=n, kept=earlier + 1,
-            order=self.formula.order if isinstance(self.formula, BdfOutputErrors) else 0,
+            order=order, third=third,
         )  # fmt: skip
         self._at, self._x_at = ctypes.addressof(self._call), self.system.assembly.state_at[0]
         self._history = integrator.history
@@ -145,8 +148,6 @@ class LocalErrorEstimate:
         if fresh:
             self._call.count = 0
         if _keep_state(self._at, self._x_at, t):
-            if not self._call.order:
-                self._weights[:] = self.formula.weights(np.roll(self._times, -self._call.next).tolist())
             _add_local_error(self._at)
             self.estimated += 1
 

@@ -49,10 +49,11 @@ def test_restarts_reproduce_the_run(case, tmp_path, monkeypatch):
 def test_ranks_agree(case, tmp_path):
     """Two and three ranks, against one: within 1e-6 of the largest value of each column.
 
-    Generalised-alpha: 5e-6. Its accelerations after a shot are differences of positions over steps of 0.1 ms, whose
-    rounding depends on the order of sums and is not a matter of Newton's tolerance.
+    Generalised-alpha: 2e-5.  Its accelerations are differences of positions of 17 m, which are rounded to 2e-15 m, over half a step squared.
+    Up to an event it takes steps of 1 us: 4e-3 m/s2 of noise, 1e-5 of those of a shot.  How much of it a table shows hangs on the order of sums
+    (1e-7 to 7e-6 were seen), not on Newton's tolerance.
     """
-    limit = 5e-6 if "alpha2" in case.read_text() else 1e-6
+    limit = 2e-5 if "alpha2" in case.read_text() else 1e-6
     run(load_case(case), tmp_path / "1", progress="silent")
     one = read_table(tmp_path / "1" / "history.csv")
     for n in (2, 3):

@@ -36,7 +36,11 @@ def test_error_is_within_one_percent(name, title, kind, tmp_path):
 
 @pytest.mark.parametrize(("static", "dynamic", "rpm"), [("10 kN m", "5 kN m", 50), ("7 kN m", "4 kN m", 35)])
 def test_sticking_and_slipping_with_generalised_alpha(static, dynamic, rpm, tmp_path):
-    """A bit that sticks: within 0.2 % of BDF at a hundredth of the tolerance, in fewer steps than at radius 0.8, which rings."""
+    """A bit that sticks: within 0.4 % of BDF at a hundredth of the tolerance, in fewer steps than at radius 0.8, which rings.
+
+    Medians of three tolerances: the second release hangs on the phase in which the stuck string vibrates, and a tolerance that differs
+    by 5 % changes the error between 0.1 and 0.9 %.
+    """
     law = [f"formation.bit_law.static={static}", f"formation.bit_law.dynamic={dynamic}", "time.end=14"]
     law += [f"top.rotation={{time: [0 s, 0.1 s], value: [0 rpm, {rpm} rpm]}}"]
 
@@ -46,10 +50,14 @@ def test_sticking_and_slipping_with_generalised_alpha(static, dynamic, rpm, tmp_
         return read_table(done.folder / "history.csv")["bit_speed [rad/s]"], done.summary["steps"]
 
     exact, _ = bit_speed("fine", "petsc.ts_type=bdf", "petsc.ts_rtol=1e-6")
-    found, steps = bit_speed("alpha", "petsc.ts_type=alpha2", "petsc.ts_rtol=1e-4")
-    rings, more = bit_speed("ring", "petsc.ts_type=alpha2", "petsc.ts_rtol=1e-4", "petsc.ts_alpha_radius=0.8")
-    error, ringing = (np.sqrt(np.mean((q - exact) ** 2)) / np.ptp(exact) for q in (found, rings))
-    assert error < 2e-3 and error < 0.2 * ringing and steps < more
+    errors, steps = np.zeros((3, 2)), np.zeros((3, 2))
+    for i, tolerance in enumerate(("0.95e-4", "1e-4", "1.05e-4")):
+        for j, radius in enumerate(([], ["petsc.ts_alpha_radius=0.8"])):
+            alpha = ["petsc.ts_type=alpha2", f"petsc.ts_rtol={tolerance}", *radius]
+            found, steps[i, j] = bit_speed(f"{i}{j}", *alpha)
+            errors[i, j] = np.sqrt(np.mean((found - exact) ** 2)) / np.ptp(exact)
+    error, ringing = np.median(errors, axis=0)
+    assert error < 4e-3 and error < 0.2 * ringing and (steps[:, 0] < 0.8 * steps[:, 1]).all()
     assert (
         exact.max() > 2 * rpm * np.pi / 30 and np.mean(np.abs(exact) < 0.1) > 0.2
     )  # it slips, and it sticks

@@ -6,10 +6,11 @@
 namespace {
 
 // rows (n): of the unknowns; states (kept, n), times (kept): of the last states, the next one goes to place ``next``; count: how many there are.
-// weights (kept): of the states in the local error, ascending in time; computed for BDF of an ``order``, given for order 0.
+// weights (kept): of the states in the local error, ascending in time: of BDF of an ``order``, for order 0 ``third`` times the last step^3 times the third derivative.
 // net, total, largest (n): sum of the errors, of their sizes, largest size.
 DP_RECORD(LocalErrorCall,
     const int* rows; double* states; double* times; double* weights; double* net; double* total; double* largest;
+    double third;
     int n, kept, order, next, count, unused;
 )
 
@@ -41,6 +42,17 @@ void bdf_error_weights(int order, const double* times, double* weights) {
     }
 }
 
+// Weights (4) of the states at ascending times (4) in ``factor`` times the last step^3 times the third derivative: six times their divided difference.
+void third_difference_weights(double factor, const double* times, double* weights) {
+    const double step = times[3] - times[2];
+    for (int k = 0; k < 4; ++k) {
+        double product = 1.0;
+        for (int j = 0; j < 4; ++j)
+            if (j != k) product *= times[k] - times[j];
+        weights[k] = 6.0 * factor * step * step * step / product;
+    }
+}
+
 // Keep the unknowns of x at the time t; 1 where there are as many states as a local error needs.
 int keep_state(LocalErrorCall* c, const double* x, double t) {
     double* state = c->states + static_cast<long>(c->next) * c->n;
@@ -53,11 +65,12 @@ int keep_state(LocalErrorCall* c, const double* x, double t) {
 
 // Add the local error of the last state.
 void add_local_error(LocalErrorCall* c) {
-    if (c->order > 0) {
-        double ascending[MOST_STATES];
-        for (int k = 0; k < c->kept; ++k) ascending[k] = c->times[place(*c, k)];
+    double ascending[MOST_STATES];
+    for (int k = 0; k < c->kept; ++k) ascending[k] = c->times[place(*c, k)];
+    if (c->order > 0)
         bdf_error_weights(c->order, ascending, c->weights);
-    }
+    else
+        third_difference_weights(c->third, ascending, c->weights);
     for (int i = 0; i < c->n; ++i) {
         double e = 0.0;
         for (int k = 0; k < c->kept; ++k) e += c->weights[k] * c->states[static_cast<long>(place(*c, k)) * c->n + i];

@@ -18,9 +18,9 @@ Rows = Callable[[float, np.ndarray, np.ndarray, np.ndarray], np.ndarray]
 
 def solved(history: AlphaHistory, t: float, h: float, rows: Rows) -> AlphaHistory:
     """The step of ``h`` that ends at t: Newton on rows(t, x, y, w) = 0 with a difference Jacobian."""
-    v0, v1 = history.constants(h)
+    v0, v1, x = history.begin(h)
+    n = len(v0)
     s, s2 = history.formula.shifts(h)
-    x, n = history.predict(h), len(v0)
 
     def residual(x: np.ndarray) -> np.ndarray:
         y = s * x + v0
