@@ -182,7 +182,8 @@ int chain_factor(int from, int n, int keep, const std::int64_t* table, double* s
     alignas(64) double work[2][3 * LARGEST_BLOCK * LARGEST_BLOCK];
     const auto node = [&](int i) { return Node(table, n, i, work[i % 2]); };
     // the last rank counts its nodes against the order of the entries
-    const int ahead = start[n] > 0 && first_entry[start[n] - 1] < first_entry[0] ? -AHEAD : AHEAD;
+    const int early = start[n / 3], late = start[2 * n / 3];
+    const int ahead = late < start[n] && first_entry[late] < first_entry[early] ? -AHEAD : AHEAD;
     const auto assemble = [&](int i) {
         const Node a = node(i);
         a.clear();
