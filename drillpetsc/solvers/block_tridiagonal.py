@@ -13,8 +13,8 @@ from drillpetsc.kernels.parameters import columns, constant
 
 LARGEST_BLOCK = int(constant("largest_block"))  # unknowns per node
 _TABLE, _STATS = columns("chain_table"), columns("chain_stats")
-_SIZE, _LD, _DIAG, _UPPER, _LOWER, _LFAC, _LEFT, _TOP, _VEC = (
-    _TABLE[name] for name in ("size", "ld", "diag", "upper", "lower", "lfac", "left", "top", "vec")
+_SIZE, _LD, _DIAG, _UPPER, _LOWER, _LEFT, _TOP, _VEC = (
+    _TABLE[name] for name in ("size", "ld", "diag", "upper", "lower", "left", "top", "vec")
 )
 
 _factor = function("chain_factor", "iiipppppppppp" + "ppdppp", int)
@@ -67,11 +67,12 @@ class Piece:
         ld = -(-b // 4) * 4
         after = np.append(b, 0)[1:]  # columns of A(i,i+1)
         before = np.append(0, b)[:-1]
-        block_sizes = np.stack([ld * b, ld * after, ld * before, ld * b], axis=1)
-        start = np.concatenate([[0], np.cumsum(block_sizes.ravel())])
+        # what the forward sweep reads, node after node, then what the backward sweep reads
+        block_sizes = np.concatenate([np.stack([ld * b, ld * before], axis=1).ravel(), ld * after])
+        start = np.concatenate([[0], np.cumsum(block_sizes)])
         table = np.zeros((n, _TABLE.width), dtype=np.int64)
         table[:, _SIZE], table[:, _LD] = b, ld
-        table[:, [_DIAG, _UPPER, _LOWER, _LFAC]] = start[:-1].reshape(n, 4)
+        table[:, [_DIAG, _LOWER]], table[:, _UPPER] = start[: 2 * n].reshape(n, 2), start[2 * n : -1]
         self.matrix = end = int(start[-1])  # entries of ``store`` without the fill to node 0
         if interfaces & 1:
             for column, need in ((_LEFT, ld * b[0]), (_TOP, ld[0] * b)):

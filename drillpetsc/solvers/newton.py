@@ -19,7 +19,7 @@ from drillpetsc import petsc_compat
 from drillpetsc.fem.contact_entries import ContactEntries
 from drillpetsc.fem.discrete_system import DiscreteSystem
 from drillpetsc.kernels import function, pointer
-from drillpetsc.parallel import all_true, largest, total
+from drillpetsc.parallel import all_true, joined, largest, total
 from drillpetsc.solvers.chain_lu import ChainFactor, ChainPC, ZeroPivot
 from drillpetsc.solvers.compiled_newton import CompiledNewton
 from drillpetsc.solvers.newton_work import ResidualWork
@@ -414,17 +414,16 @@ class CondensedNewton:
         lag, mpi = self.lag, self.system.comm.tompi4py()
         if lag is None or not lag.good or (self.direct and not self.has_factor):
             return {"newton": np.array([self.eta])}
-        local_values = self.system.assembly.values
-        parts = (
-            [(local_values, lag.signature)] if mpi.size == 1 else mpi.gather((local_values, lag.signature))
-        )
-        if parts is None:
+        values = self.system.assembly.values
+        shares, signatures = mpi.gather(len(values)), mpi.gather(lag.signature)
+        entries = joined(mpi, values)
+        if entries is None:
             return {}
         return {
             "newton": np.array([self.eta, lag.shift]),
-            "entries": local_values if mpi.size == 1 else np.concatenate([p[0] for p in parts]),
-            "shares": np.array([len(p[0]) for p in parts]),
-            "signatures": np.array([p[1] for p in parts]),
+            "entries": entries,
+            "shares": np.array(shares),
+            "signatures": np.array(signatures),
             "directions": np.array([f.applied for f in self.system.assembly.row_replacements]),
         }
 

@@ -11,7 +11,7 @@
 
 namespace {
 
-DP_ENUM(TableColumn, SIZE, LD, DIAG, UPPER, LOWER, LFAC, LEFT, TOP, VEC, COLUMNS)
+DP_ENUM(TableColumn, SIZE, LD, DIAG, UPPER, LOWER, LEFT, TOP, VEC, COLUMNS)
 DP_ENUM(StatsEntry, FAILED_COLUMN, SMALLEST, LARGEST, SMALLEST_NODE, ENTRIES)
 
 using d4 = double __attribute__((vector_size(32), aligned(8), may_alias));
@@ -22,6 +22,7 @@ constexpr int LARGEST_BLOCK = 32;  // unknowns per node, padded
 inline d4 load(const double* p) { return *reinterpret_cast<const d4*>(p); }
 inline void store4(double* p, d4 v) { *reinterpret_cast<d4*>(p) = v; }
 inline d4 masked(d4 v, i4 m) { return reinterpret_cast<d4>(reinterpret_cast<i4>(v) & m); }
+inline i4 rows_of(int v) { return i4{4 * v, 4 * v + 1, 4 * v + 2, 4 * v + 3}; }
 
 // Row of the largest |entry| among the active rows: the row number replaces the last four (beyond 16 rows five) bits of the entry, and the
 // largest 64-bit pattern wins (for positive doubles the order of the patterns is the order of the numbers; NaN is largest).
@@ -53,15 +54,14 @@ inline void column_scales(int b, const double* D, double* scale) {
     }
 }
 
-// D -> L, U with pivots; R (m columns) -> L^-1 P R on the way.  Returns -1, or the column without a usable pivot.
+// D -> L and U with pivots, rows still in their own order; R (m columns) -> L^-1 P R on the way.  Returns -1, or the column without a usable pivot.
 template <int V, int B>
-int eliminate(int b_, double* D, double* L, double* R, int m, int* pivot, double* inverse, const double* scale,
-              double tolerance, double* stats) {
+int eliminate(int b_, double* D, double* R, int m, int* pivot, double* inverse, const double* scale, double tolerance, double* stats) {
     const int b = B ? B : b_;
     constexpr int ld = 4 * V;
     i4 active[V], number[V];
     for (int v = 0; v < V; v++) {
-        number[v] = i4{4 * v, 4 * v + 1, 4 * v + 2, 4 * v + 3};
+        number[v] = rows_of(v);
         active[v] = number[v] < b;
     }
     double smallest = stats[SMALLEST], largest = stats[LARGEST];
@@ -77,10 +77,10 @@ int eliminate(int b_, double* D, double* L, double* R, int m, int* pivot, double
         pivot[k] = p;
         inverse[k] = r;
         for (int v = 0; v < V; v++) {
-            store4(D + ld * k + 4 * v, masked(c[v] * r, ~active[v]));  // U: rows that were pivots before
+            const d4 u = masked(c[v] * r, ~active[v]);  // rows that were pivots before
             active[v] &= number[v] != p;
             l[v] = masked(c[v] / value, active[v]);
-            store4(L + ld * k + 4 * v, l[v]);
+            store4(D + ld * k + 4 * v, reinterpret_cast<d4>(reinterpret_cast<i4>(u) | reinterpret_cast<i4>(l[v])));
         }
         if (k + 1 < b) {  // the next pivot column stays in registers
             const double f = D[ld * (k + 1) + p];
@@ -101,18 +101,16 @@ int eliminate(int b_, double* D, double* L, double* R, int m, int* pivot, double
     return -1;
 }
 
-// X = U^-1 R, rows of X in natural order; R is destroyed.
-template <int V, int B>
-inline void back_substitute(int b_, const double* U, double* R, double* X, int m, const int* pivot, const double* inverse) {
-    const int b = B ? B : b_;
+// X = U^-1 R, rows of U and R in the order of the pivots; R is destroyed.
+template <int V>
+inline void back_substitute(int b, const double* U, double* R, double* X, int m, const double* inverse) {
     constexpr int ld = 4 * V;
     for (int k = b - 1; k >= 0; k--) {
-        const int p = pivot[k];
         const double r = inverse[k];
         d4 u[V];
-        for (int v = 0; v < V; v++) u[v] = load(U + ld * k + 4 * v);
+        for (int v = 0; v < V; v++) u[v] = masked(load(U + ld * k + 4 * v), rows_of(v) < k);
         for (int j = 0; j < m; j++) {
-            const double f = R[ld * j + p];
+            const double f = R[ld * j + k];
             for (int v = 0; v < V; v++) store4(R + ld * j + 4 * v, load(R + ld * j + 4 * v) - u[v] * f);
             X[ld * j + k] = f * r;
         }
@@ -158,14 +156,27 @@ template <int k>
 inline d4 spread(const d4* y) {
     return __builtin_shufflevector(y[k / 4], y[k / 4], k % 4, k % 4, k % 4, k % 4);
 }
+// y -= f times rows below (above) k of column k of A; the other rows of the column belong to the other factor.
 template <int V, int k>
-inline void subtract_column(d4* y, const double* A, d4 f) {
-    for (int v = 0; v < V; v++) y[v] -= load(A + 4 * V * k + 4 * v) * f;
+inline void subtract_below(d4* y, const double* A, d4 f) {
+    for (int v = k / 4; v < V; v++) {
+        const d4 a = load(A + 4 * V * k + 4 * v);
+        if (4 * v > k) y[v] -= a * f;
+        else if (4 * v + 3 > k) y[v] -= masked(a, rows_of(v) > k) * f;
+    }
+}
+template <int V, int k>
+inline void subtract_above(d4* y, const double* A, d4 f) {
+    for (int v = 0; v <= k / 4; v++) {
+        const d4 a = load(A + 4 * V * k + 4 * v);
+        if (4 * v + 3 < k) y[v] -= a * f;
+        else if (4 * v < k) y[v] -= masked(a, rows_of(v) < k) * f;
+    }
 }
 template <int V, int NC, int... k>
 inline void solve_lower(d4 (*y)[V], const double* L, std::integer_sequence<int, k...>) {
     const auto step = [&](auto at) {
-        for (int c = 0; c < NC; c++) subtract_column<V, at()>(y[c], L, spread<at()>(y[c]));
+        for (int c = 0; c < NC; c++) subtract_below<V, at()>(y[c], L, spread<at()>(y[c]));
     };
     (step(std::integral_constant<int, k>{}), ...);
 }
@@ -174,7 +185,7 @@ inline void solve_upper(d4 (*y)[V], const double* U, double* x, const double* in
     const auto step = [&](auto at) {
         for (int c = 0; c < NC; c++) {
             const d4 f = spread<at()>(y[c]);
-            subtract_column<V, at()>(y[c], U, f);
+            subtract_above<V, at()>(y[c], U, f);
             x[4 * V * c + at()] = f[0] * inverse[at()];
         }
     };
@@ -183,34 +194,34 @@ inline void solve_upper(d4 (*y)[V], const double* U, double* x, const double* in
 
 // X = D^-1 X for NC columns whose rows are in their own order.
 template <int V, int B, int NC>
-inline void solve_columns(const Order<V>& order, const double* U, const double* L, double* X, const double* inverse) {
+inline void solve_columns(const Order<V>& order, const double* LU, double* X, const double* inverse) {
     d4 now[NC][V];
     for (int c = 0; c < NC; c++) {
         for (int v = 0; v < V; v++) now[c][v] = load(X + 4 * V * c + 4 * v);
         order.apply(now[c]);
     }
-    solve_lower<V, NC>(now, L, std::make_integer_sequence<int, B - 1>{});
-    solve_upper<V, B, NC>(now, U, X, inverse, std::make_integer_sequence<int, B>{});
+    solve_lower<V, NC>(now, LU, std::make_integer_sequence<int, B - 1>{});
+    solve_upper<V, B, NC>(now, LU, X, inverse, std::make_integer_sequence<int, B>{});
 }
 
 // x = D^-1 y for one vector, y (4V) in the order of the pivots; y is destroyed.
 template <int V, int B>
-inline void solve_block(int b_, const double* U, const double* L, double* y, double* x, const double* inverse) {
+inline void solve_block(int b_, const double* LU, double* y, double* x, const double* inverse) {
     constexpr int ld = 4 * V;
     d4 one[1][V], (&now)[V] = one[0];
     for (int v = 0; v < V; v++) now[v] = load(y + 4 * v);
     if constexpr (B > 0) {
-        solve_lower<V, 1>(one, L, std::make_integer_sequence<int, B - 1>{});
-        solve_upper<V, B, 1>(one, U, x, inverse, std::make_integer_sequence<int, B>{});
+        solve_lower<V, 1>(one, LU, std::make_integer_sequence<int, B - 1>{});
+        solve_upper<V, B, 1>(one, LU, x, inverse, std::make_integer_sequence<int, B>{});
     } else {
         const int b = b_;
         for (int k = 0; k < b - 1; k++) {
             const double f = y[k];
-            for (int v = 0; v < V; v++) store4(y + 4 * v, now[v] -= load(L + ld * k + 4 * v) * f);
+            for (int v = 0; v < V; v++) store4(y + 4 * v, now[v] -= masked(load(LU + ld * k + 4 * v), rows_of(v) > k) * f);
         }
         for (int k = b - 1; k >= 0; k--) {
             const double f = y[k];
-            for (int v = 0; v < V; v++) store4(y + 4 * v, now[v] -= load(U + ld * k + 4 * v) * f);
+            for (int v = 0; v < V; v++) store4(y + 4 * v, now[v] -= masked(load(LU + ld * k + 4 * v), rows_of(v) < k) * f);
             x[k] = f * inverse[k];
         }
     }
@@ -310,31 +321,26 @@ inline void subtract_vector(Row row, double* y, const double* A, Row column, con
     }
 }
 
-// Eliminate node t, with the m1 columns of `right` and the m2 columns of `left` as right-hand sides (either may be null); lower: columns of
-// A(i,i-1), whose rows are put into the order of the pivots.
-int eliminate_node(Row t, double* store, double* right, int m1, double* left, int m2, int lower, double* inverse, int* pivot,
+// Eliminate node t, whose pivot block D becomes L and U, with the m1 columns of `right` and the m2 columns of `left` as right-hand sides
+// (either may be null); lower: `count` columns of A(i,i-1), whose rows are put into the order of the pivots.
+int eliminate_node(Row t, double* D, double* right, int m1, double* left, int m2, double* lower, int count, double* inverse, int* pivot,
                    const double* scale, double tolerance, double* stats) {
     return dispatch(t[SIZE], [&](auto V, auto B) {
         const int b = t[SIZE], ld = t[LD];
-        double *D = store + t[DIAG], *L = store + t[LFAC], *r = inverse + t[VEC];
+        double* r = inverse + t[VEC];
         int* p = pivot + t[VEC];
-        const auto put_in_order = [&] {
+        if constexpr (B() > 0) {
+            const int bad = eliminate<V(), B()>(b, D, nullptr, 0, p, r, scale, tolerance, stats);
+            if (bad >= 0) return bad;
             const Order<V()> order(p);
             order.apply(D, b);
-            order.apply(L, b);
-            order.apply(store + t[LOWER], lower);
-            return order;
-        };
-        if constexpr (B() > 0) {
-            const int bad = eliminate<V(), B()>(b, D, L, nullptr, 0, p, r, scale, tolerance, stats);
-            if (bad >= 0) return bad;
-            const Order<V()> order = put_in_order();
+            order.apply(lower, count);
             const auto solve = [&](double* X, int m) {
                 constexpr int NC = V() <= 2 ? 4 : 2;
                 int j = 0;
-                for (; j + NC <= m; j += NC) solve_columns<V(), B(), NC>(order, D, L, X + ld * j, r);
-                if (NC == 4 && j + 3 == m) return solve_columns<V(), B(), 3>(order, D, L, X + ld * j, r);
-                for (; j < m; j++) solve_columns<V(), B(), 1>(order, D, L, X + ld * j, r);
+                for (; j + NC <= m; j += NC) solve_columns<V(), B(), NC>(order, D, X + ld * j, r);
+                if (NC == 4 && j + 3 == m) return solve_columns<V(), B(), 3>(order, D, X + ld * j, r);
+                for (; j < m; j++) solve_columns<V(), B(), 1>(order, D, X + ld * j, r);
             };
             if (m1) solve(right, m1);
             if (m2) solve(left, m2);
@@ -342,11 +348,14 @@ int eliminate_node(Row t, double* store, double* right, int m1, double* left, in
             alignas(64) double work[2 * LARGEST_BLOCK * LARGEST_BLOCK];
             if (m1) std::memcpy(work, right, sizeof(double) * ld * m1);
             if (m2) std::memcpy(work + ld * m1, left, sizeof(double) * ld * m2);
-            const int bad = eliminate<V(), B()>(b, D, L, work, m1 + m2, p, r, scale, tolerance, stats);
+            const int bad = eliminate<V(), B()>(b, D, work, m1 + m2, p, r, scale, tolerance, stats);
             if (bad >= 0) return bad;
-            if (m1) back_substitute<V(), B()>(b, D, work, right, m1, p, r);
-            if (m2) back_substitute<V(), B()>(b, D, work + ld * m1, left, m2, p, r);
-            put_in_order();
+            const Order<V()> order(p);
+            order.apply(D, b);
+            order.apply(work, m1 + m2);
+            order.apply(lower, count);
+            if (m1) back_substitute<V()>(b, D, work, right, m1, r);
+            if (m2) back_substitute<V()>(b, D, work + ld * m1, left, m2, r);
         }
         return -1;
     });
@@ -366,7 +375,7 @@ inline void solve_node(Row t, const double* store, double* x, Row before, const 
         Order<V()>(pivot + t[VEC]).apply(ordered);
         for (int v = 0; v < V(); v++) store4(y + 4 * v, ordered[v]);
         if (before) subtract_matvec<V()>(y, store + t[LOWER], x_before, before[SIZE]);
-        solve_block<V(), B()>(b, store + t[DIAG], store + t[LFAC], y, x, inverse + t[VEC]);
+        solve_block<V(), B()>(b, store + t[DIAG], y, x, inverse + t[VEC]);
     });
 }
 

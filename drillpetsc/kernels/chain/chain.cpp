@@ -3,11 +3,15 @@
 // Storage.  A block (i, j) of b_i rows and b_j columns is column-major, each column padded with zeros to ld_i = 4 ceil(b_i / 4)
 // doubles, so that a column is V = ld_i / 4 vectors of 4 and every inner loop runs over whole vectors.  Rows are not moved during an
 // elimination: the pivot row of step k is remembered (pivot[k]) and a lane mask says which rows are still active.  After a factorisation of
-// D = P^T L U the columns of L (unit diagonal left out) and of U (each divided by its pivot, which is left out) stand in two blocks, row k
-// being the pivot row of step k; so do the rows of A(i,i-1).  A solve then takes step k's number from a place that is known when compiled.
+// D = P^T L U one block has the columns of L (unit diagonal left out) below and of U (each divided by its pivot, which is left out) above a
+// zero diagonal, row k being the pivot row of step k; so are the rows of A(i,i-1).  A solve then takes step k's number from a place that is
+// known when compiled.
+//
+// A node is assembled and eliminated in a work array that stays in the cache.  `store` gets what sweeps read, in two runs, because they wait
+// for memory in long chains: L, U and A(i,i-1) of all nodes for the forward sweep, then W of all nodes for the backward sweep.
 //
 // table: (n, COLUMNS) int64, one line per node of the piece, offsets into `store` [doubles].
-//   SIZE b_i;  LD;  DIAG A(i,i) -> U;  UPPER A(i,i+1) -> W_i = D_i^-1 A(i,i+1);  LOWER A(i,i-1);  LFAC L of D_i (these four in a row);
+//   SIZE b_i;  LD;  DIAG A(i,i) -> L, U;  UPPER A(i,i+1) -> W_i = D_i^-1 A(i,i+1);  LOWER A(i,i-1), after DIAG;
 //   LEFT  fill F_i = coupling of node i to node 0 -> V_i = D_i^-1 F_i    (only pieces that keep node 0)
 //   TOP   fill G_i = coupling of node 0 to node i                        (only pieces that keep node 0)
 //   VEC   offset of the node in a padded vector; also in `inverse` and `pivot`, which has the numbers of the rows in the padding.
@@ -79,9 +83,19 @@ int negative_eigenvalues(int b, double* S) {
 // A tile of a run: four neighbouring entries of up to four rows of an element matrix (by rows) are added to four columns of blocks (by
 // columns).  tile: places of the rows' first entries in the run, -1 from the first row that is missing on; places in the blocks of the
 // columns' first entries, -1 where another tile adds the column.  Missing rows add zero.
+// ahead: how far from there the entries are that are fetched for later tiles.
 constexpr int TILE = 8;
 
-inline void add_tile(const int* tile, const double* v, double* to) {
+// In long chains the matrix and its factors are read from memory: what is needed AHEAD doubles later, about a node of 11 unknowns, is fetched in
+// time.  Addresses beyond the end of an array do no harm.
+constexpr int AHEAD = 512;
+
+inline void fetch(const double* from, std::int64_t count) {
+    for (std::int64_t k = 0; k < count; k += 8) __builtin_prefetch(from + k);
+}
+
+inline void add_tile(const int* tile, const double* v, double* to, int ahead) {
+    for (int k = 0; k < 4; k++) __builtin_prefetch(v + tile[k] + ahead);
     const d4 zero = {0, 0, 0, 0};
     const d4 a = load(v + tile[0]), b = tile[1] < 0 ? zero : load(v + tile[1]), c = tile[2] < 0 ? zero : load(v + tile[2]),
              d = tile[3] < 0 ? zero : load(v + tile[3]);
@@ -120,6 +134,24 @@ int tiles_of_width(int count, const int* slots, int width, int* tiles) {
     return found;
 }
 
+// Blocks of a node in the work array, one after the other: D = A(i,i), A(i,i+1) and A(i,i-1).
+struct Node {
+    Row t;
+    double* D;
+    int after, before;  // unknowns of the neighbours
+    Node(const std::int64_t* table, int n, int i, double* work)
+        : t(table + i * COLUMNS), D(work), after(i + 1 < n ? (t + COLUMNS)[SIZE] : 0), before(i > 0 ? (t - COLUMNS)[SIZE] : 0) {}
+    double* upper() const { return D + t[LD] * t[SIZE]; }
+    double* lower() const { return upper() + t[LD] * after; }
+    std::size_t bytes(std::int64_t columns) const { return sizeof(double) * t[LD] * columns; }
+    void clear() const { std::memset(D, 0, bytes(t[SIZE] + after + before)); }
+    void copy_to(double* store) const {
+        std::memcpy(store + t[DIAG], D, bytes(t[SIZE]));
+        if (after) std::memcpy(store + t[UPPER], upper(), bytes(after));
+        if (before) std::memcpy(store + t[LOWER], lower(), bytes(before));
+    }
+};
+
 }  // namespace
 
 DP_EXPORT(chain_table, TableColumnText)
@@ -136,9 +168,9 @@ void chain_scatter_add(int n, const int* index, const double* values, double* ta
 }
 
 // Assemble and eliminate, a node at a time so that its blocks stay in the cache.  Run r of a node adds the entries from
-// values[first[r]] on to the node's blocks, which begin at store[DIAG], by the tiles and single entries of its pattern (chain_tiles);
-// start (n+1): where each node's runs begin.  saved: null, or receives the assembled blocks; blocks: null, or receives the pivot blocks S_i = A(i,i) - A(i,i-1) S_(i-1)^-1 A(i-1,i) before their LU,
-// one after the other.
+// values[first[r]] on to the node's blocks, which stand in a row as in Node, by the tiles and single entries of its pattern (chain_tiles);
+// start (n+1): where each node's runs begin.  saved: null, or receives the assembled blocks; blocks: null, or receives the pivot blocks
+// S_i = A(i,i) - A(i,i-1) S_(i-1)^-1 A(i-1,i) before their LU, one after the other.
 // tolerance: a pivot must exceed tolerance x the largest entry of its column of A(i,i).  Returns -1 or the node without a pivot
 // (stats[FAILED_COLUMN]: its column).
 // from: above 0 (not with a kept node 0, `saved` or `blocks`) the nodes before it keep the factors of the last call: their entries and
@@ -147,65 +179,72 @@ void chain_scatter_add(int n, const int* index, const double* values, double* ta
 int chain_factor(int from, int n, int keep, const std::int64_t* table, double* store, const int* start, const int* first_entry,
                  const int* pattern, const int* tile_begin, const int* tiles, const int* single_begin, const int* singles,
                  const double* values, double* inverse, int* pivot, double tolerance, double* stats, double* saved, double* blocks) {
-    int assembled = from;
-    const auto assemble_up_to = [&](int node) {
-        for (; assembled <= node && assembled < n; assembled++) {
-            const Row t = table + assembled * COLUMNS;
-            const std::size_t bytes = sizeof(double) * (t[LFAC] - t[DIAG]);
-            std::memset(store + t[DIAG], 0, bytes);
-            double* to = store + t[DIAG];
-            for (int r = start[assembled]; r < start[assembled + 1]; r++) {
-                const double* v = values + first_entry[r];
-                const int p = pattern[r];
-                for (const int *tile = tiles + TILE * tile_begin[p], *end = tiles + TILE * tile_begin[p + 1]; tile < end; tile += TILE)
-                    add_tile(tile, v, to);
-                for (const int *one = singles + 2 * single_begin[p], *end = singles + 2 * single_begin[p + 1]; one < end; one += 2)
-                    to[one[1]] += v[one[0]];
-            }
-            if (saved) std::memcpy(saved + t[DIAG], store + t[DIAG], bytes);
+    alignas(64) double work[2][3 * LARGEST_BLOCK * LARGEST_BLOCK];
+    const auto node = [&](int i) { return Node(table, n, i, work[i % 2]); };
+    // the last rank counts its nodes against the order of the entries
+    const int early = start[n / 3], late = start[2 * n / 3];
+    const int ahead = late < start[n] && first_entry[late] < first_entry[early] ? -AHEAD : AHEAD;
+    const auto assemble = [&](int i) {
+        const Node a = node(i);
+        a.clear();
+        for (int r = start[i]; r < start[i + 1]; r++) {
+            const double* v = values + first_entry[r];
+            const int p = pattern[r];
+            for (const int *tile = tiles + TILE * tile_begin[p], *end = tiles + TILE * tile_begin[p + 1]; tile < end; tile += TILE)
+                add_tile(tile, v, a.D, ahead);
+            for (const int *one = singles + 2 * single_begin[p], *end = singles + 2 * single_begin[p + 1]; one < end; one += 2)
+                a.D[one[1]] += v[one[0]];
         }
+        if (saved) a.copy_to(saved);
     };
     stats[FAILED_COLUMN] = -1;
     if (from == 0) stats[SMALLEST] = INFINITY, stats[LARGEST] = 0, stats[SMALLEST_NODE] = -1;
     const int first = keep & 1 ? 1 : 0, last = keep & 2 ? n - 1 : n, begin_at = from > first ? from : first;
     const Row top = table;
     double scale[LARGEST_BLOCK];
-    assemble_up_to(begin_at);
-    if (begin_at < last) scales(table + begin_at * COLUMNS, store + table[begin_at * COLUMNS + DIAG], scale);
+    if (first && n > 0) {
+        assemble(0);
+        node(0).copy_to(store);
+    }
+    if (begin_at < n) assemble(begin_at);
+    if (begin_at < last) scales(table + begin_at * COLUMNS, node(begin_at).D, scale);
     if (from > 0) {
-        const Row t = table + from * COLUMNS, above = t - COLUMNS;
-        subtract(t, store + t[DIAG], store + t[LOWER], store + above[UPPER], above, t[SIZE]);
+        const Node a = node(from);
+        const Row above = a.t - COLUMNS;
+        subtract(a.t, a.D, a.lower(), store + above[UPPER], above, a.t[SIZE]);
     }
     for (int i = begin_at; i < last; i++) {
-        const Row t = table + i * COLUMNS, next = i + 1 < n ? t + COLUMNS : nullptr;
+        const Node a = node(i);
+        const Row t = a.t, next = i + 1 < n ? t + COLUMNS : nullptr;
         const double smallest = stats[SMALLEST];
-        assemble_up_to(i + 1);
-        double* W = next ? store + t[UPPER] : nullptr;
-        double* fill = first ? store + t[LEFT] : nullptr;
+        if (next) assemble(i + 1);
+        // the fill of node 1 is its matrix block A(1,0)
+        double* fill = first ? i == 1 ? a.lower() : store + t[LEFT] : nullptr;
         if (blocks) {
-            std::memcpy(blocks, store + t[DIAG], sizeof(double) * t[LD] * t[SIZE]);
+            std::memcpy(blocks, a.D, a.bytes(t[SIZE]));
             blocks += t[LD] * t[SIZE];
         }
-        const int bad = eliminate_node(t, store, W, next ? next[SIZE] : 0, fill, first ? top[SIZE] : 0, i > first ? (t - COLUMNS)[SIZE] : 0,
+        const int bad = eliminate_node(t, a.D, a.upper(), a.after, fill, first ? top[SIZE] : 0, a.lower(), i > first ? a.before : 0,
                                        inverse, pivot, scale, tolerance, stats);
         if (bad >= 0) {
             stats[FAILED_COLUMN] = bad;
             return i;
         }
+        a.copy_to(store);
         if (stats[SMALLEST] < smallest) stats[SMALLEST_NODE] = i;
         if (next) {
-            double *D = store + next[DIAG], *lower = store + next[LOWER];
-            if (i + 1 < last) scales(next, D, scale);
-            subtract(next, D, lower, W, t, next[SIZE]);
+            const Node b = node(i + 1);
+            if (i + 1 < last) scales(next, b.D, scale);
+            subtract(next, b.D, b.lower(), a.upper(), t, next[SIZE]);
             if (first) {
                 const double* G = store + t[TOP];
-                subtract(next, store + next[LEFT], lower, fill, t, top[SIZE], false);
-                subtract(top, store + next[TOP], G, W, t, next[SIZE], false);
+                subtract(next, store + next[LEFT], b.lower(), fill, t, top[SIZE], false);
+                subtract(top, store + next[TOP], G, a.upper(), t, next[SIZE], false);
                 subtract(top, store + top[DIAG], G, fill, t, top[SIZE]);
             }
         }
     }
-    assemble_up_to(n - 1);
+    if (keep & 2 && last >= first) node(last).copy_to(store);
     return -1;
 }
 
@@ -251,7 +290,8 @@ int chain_runs(int m, const int* rows, const int* columns, const int* source, co
         for (; k < m && rows[k] >= 0 && columns[k] >= 0 && node[rows[k]] == i && (k == from || !source || source[k] == source[k - 1] + 1); k++) {
             if (at + count >= capacity) return -1;
             const int j = node[columns[k]];
-            const std::int64_t block = t[j < i ? LOWER : j > i ? UPPER : DIAG] - t[DIAG];
+            const Node a(table, n, i, nullptr);
+            const std::int64_t block = j < i ? t[LD] * (t[SIZE] + a.after) : j > i ? t[LD] * t[SIZE] : 0;
             const int slot = static_cast<int>(block + component[columns[k]] * t[LD] + component[rows[k]]);
             slots[at + count++] = slot;
             digest = (digest ^ static_cast<std::uint64_t>(slot)) * 1099511628211ull;
@@ -341,6 +381,7 @@ void chain_forward(int n, int keep, const std::int64_t* table, const double* sto
     for (int i = first; i < n; i++) {
         const Row t = table + i * COLUMNS, previous = t - COLUMNS;
         double* y = vec + t[VEC];
+        fetch(store + t[DIAG] + AHEAD, 2 * t[LD] * t[SIZE]);
         if (i == last) {  // a kept node: rows of A(i,i-1) in their own order
             if (i > first) subtract_vector(t, y, store + t[LOWER], previous, vec + previous[VEC]);
             break;
@@ -355,6 +396,7 @@ void chain_backward(int n, int keep, const std::int64_t* table, const double* st
     const int first = keep & 1 ? 1 : 0, last = keep & 2 ? n - 1 : n;
     for (int i = last - 1; i >= first; i--) {
         const Row t = table + i * COLUMNS, next = t + COLUMNS;
+        fetch(store + t[UPPER] - AHEAD, t[LD] * t[SIZE]);
         if (i + 1 < n) subtract_vector(t, vec + t[VEC], store + t[UPPER], next, vec + next[VEC]);
         if (first) subtract_vector(t, vec + t[VEC], store + t[LEFT], table, vec + table[VEC]);
     }

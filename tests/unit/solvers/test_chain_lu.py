@@ -8,6 +8,8 @@ import numpy as np
 import pytest
 
 from drillpetsc import petsc_compat
+from drillpetsc.kernels.parameters import columns
+from drillpetsc.solvers.block_tridiagonal import Piece
 from drillpetsc.solvers.chain_lu import ChainFactor, ZeroPivot
 
 SHAPES = {
@@ -53,6 +55,19 @@ def factored(A, node, split=False, **options):
     )
     f.factor(values)
     return f
+
+
+@pytest.mark.parametrize("interfaces", [0, 2])
+def test_each_sweep_reads_its_blocks_in_order(interfaces):
+    """Blocks of the forward sweep follow each other without a gap, and then those of the backward sweep: sweeps fetch them ahead."""
+    piece = Piece(np.array(SHAPES["mixed"]), interfaces)
+    table, at = piece.table, columns("chain_table")
+    size, ld = table[:, at["size"]], table[:, at["ld"]]
+    np.testing.assert_array_equal(table[:, at["lower"]], table[:, at["diag"]] + ld * size)
+    ends = table[:, at["lower"]] + ld * np.append(0, size[:-1])
+    np.testing.assert_array_equal(np.append(table[1:, at["diag"]], table[0, at["upper"]]), ends)
+    ends = table[:, at["upper"]] + ld * np.append(size[1:], 0)
+    np.testing.assert_array_equal(np.append(table[1:, at["upper"]], piece.matrix), ends)
 
 
 def solution(f, b):
