@@ -82,12 +82,36 @@ def pumping_valves(case: CaseBlocks) -> list[str]:
         elif flow is None:
             continue
         else:
-            mean = item.flow_resistance * fluid.density * flow**2
+            mean = item.tool_loss(flow, fluid.density)
         if mean < (1 - 1e-9) * amplitude:
             words.append(
                 f"string[{i}].pressure_loss is {shown(mean, 'pressure', units)} at the largest flow rate: less than "
                 f"agitator.pressure_amplitude, {shown(amplitude, 'pressure', units)}, so the valve drives the mud in a part of each pulse"
             )
+    return words
+
+
+def beyond_curves(case: CaseBlocks, flow: float | None = None) -> list[str]:
+    """Say of each tool's curve of losses that the flow rate is larger than its last one.
+
+    flow: through the string [m3/s]; None: the largest of the pump.
+    """
+    if case.fluid is None or not case.has_bore:
+        return []
+    units = case.output.units or "metric"
+    flow = (
+        (largest(case.fluid.flow_rate) if case.fluid.pump_pressure is None else 0.0) if flow is None else flow
+    )
+    words = []
+    for i, item in enumerate(case.string):
+        loss = item.pressure_loss
+        if loss is None or loss.curve is None or flow <= (1 + 1e-9) * loss.curve.flow_rate[-1]:
+            continue
+        last, asked = (shown(q, "flow", units) for q in (loss.curve.flow_rate[-1], flow))
+        words.append(
+            f"string[{i}].pressure_loss.curve ends at {last}, the flow rate is {asked}: beyond the curve its last slope over the squared "
+            "flow rate goes on"
+        )
     return words
 
 

@@ -39,6 +39,7 @@ from drillpetsc.physics.fluid.reamed_rings import ReamedRings
 from drillpetsc.physics.fluid.rheology import Rheology
 from drillpetsc.physics.fluid.side_nozzles import SideLink, SideNozzles
 from drillpetsc.physics.fluid.surface_line import SurfaceLine
+from drillpetsc.physics.fluid.tool_losses import LossTable, ToolLosses
 from drillpetsc.physics.interfaces import ReamingTool
 from drillpetsc.unit_systems import shown
 
@@ -60,6 +61,7 @@ class FluidComponents:
     surface_line: between pump and string, None without one.
     seals: of telescoping joints, None without any.
     side: nozzles above the bit, None without any; rings: that reamers cut out of the wall, None without any.
+    losses: of tools by a table, None without any.
     """
 
     constants: FluidConstants
@@ -71,11 +73,12 @@ class FluidComponents:
     seals: JointSeals | None = None
     side: SideNozzles | None = None
     rings: ReamedRings | None = None
+    losses: ToolLosses | None = None
 
     @property
     def components(self) -> tuple:
         """The components that are present."""
-        parts = (self.bore, self.annulus, self.bit, self.seals, self.side, self.rings)
+        parts = (self.bore, self.annulus, self.bit, self.seals, self.side, self.rings, self.losses)
         return tuple(r for r in parts if r is not None)
 
 
@@ -223,8 +226,10 @@ def build_fluid(
     rings = None
     if reamers and annulus is not None and not case.hold_string:
         rings = ReamedRings(mesh.nodes - 1, reamers, constants, f.cuttings == "returned")
+    curves = _loss_tables(case, mesh) if bore_flow is not None else ()
+    losses = ToolLosses(curves, constants) if curves else None
     return FluidComponents(
-        constants, bore_flow, annulus, bit, volumes, _surface_line(case), seals, side, rings
+        constants, bore_flow, annulus, bit, volumes, _surface_line(case), seals, side, rings, losses
     )
 
 
@@ -542,25 +547,59 @@ def _joint_sections(case: Case) -> dict[int, TubularSection]:
     return {k: tubular_section(item) for k, item in enumerate(case.string) if isinstance(item, Jointed)}
 
 
-def tool_losses(case: Case, mesh: StringMesh) -> FloatArray | None:
-    """(n,) loss of tools in the string over density and flow rate squared [1/m4], None without tools.
+def _tools_with_loss(case: Case, mesh: StringMesh) -> list[tuple[int, np.ndarray, FloatArray]]:
+    """(number of the item, its elements of the bore, share of each [-]) of the items with a pressure_loss, from the top down.
 
     A flexible tool has its loss over its length. That of a rigid one is in the element below it, or in the last element where the
     tool is the string's end.
     """
-    if all(item.pressure_loss is None for item in case.string):
-        return None
-    out, bodies = np.zeros(len(mesh.upper)), iter(mesh.bodies)
+    found, bodies = [], iter(mesh.bodies)
     for number, item in enumerate(case.string):
         body = next(bodies) if isinstance(item, Rigid) else None
         if item.pressure_loss is None:
             continue
         if body is not None:
-            out[min(body.node, len(out) - 1)] += item.flow_resistance
+            cells = np.array([min(body.node, len(mesh.upper) - 1)])
         else:
-            own = mesh.item == number
-            out[own] += item.flow_resistance * mesh.length[own] / mesh.length[own].sum()
-    return out
+            cells = np.flatnonzero(mesh.item == number)
+        length = mesh.length[cells] if body is None else np.ones(1)
+        found.append((number, cells, length / length.sum()))
+    return found
+
+
+def tool_losses(case: Case, mesh: StringMesh) -> FloatArray | None:
+    """(n,) loss of tools in the string over density and flow rate squared [1/m4], None without such tools."""
+    out = np.zeros(len(mesh.upper))
+    for number, cells, shares in _tools_with_loss(case, mesh):
+        out[cells] += case.string[number].flow_resistance * shares
+    return out if out.any() else None
+
+
+def _loss_tables(case: Case, mesh: StringMesh) -> tuple[LossTable, ...]:
+    """Losses of the tools with a measured curve."""
+    tables = []
+    for number, cells, shares in _tools_with_loss(case, mesh):
+        loss = case.string[number].pressure_loss
+        if loss is not None and loss.curve is not None:
+            assert loss.density is not None
+            tables.append(LossTable(np.array(loss.curve.table), loss.density, cells, shares))
+    return tuple(tables)
+
+
+def losses_of_items(case: Case, mesh: StringMesh, flow: FloatArray, density: FloatArray) -> dict[int, float]:
+    """Pressure loss [Pa] of each item with one, by its number.
+
+    flow, density: (n,) flow rate [m3/s] at the pressure there, towards the bit, and density [kg/m3] in the elements of the bore.
+    """
+    return {
+        number: float(
+            sum(
+                share * case.string[number].tool_loss(float(flow[c]), float(density[c]))
+                for c, share in zip(cells, shares, strict=True)
+            )
+        )
+        for number, cells, shares in _tools_with_loss(case, mesh)
+    }
 
 
 def build_walls(case: Case, mesh: StringMesh) -> AnnulusWalls:

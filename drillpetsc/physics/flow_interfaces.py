@@ -173,6 +173,14 @@ class SealSet(Component):
         """Volume at zero pressure that the travel of the local joints adds to bore and annulus [m3]."""
 
 
+class MeasuredLosses(Component):
+    """Losses of tools in the string by tables of the flow rate."""
+
+    @abstractmethod
+    def losses(self, state: Any) -> FloatArray:
+        """(nc,) losses in the local elements of the bore [Pa]."""
+
+
 class RockInMud(Component):
     """Rock that reamers cut out of the wall, and the mud that takes its place."""
 

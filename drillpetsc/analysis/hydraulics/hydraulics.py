@@ -40,7 +40,7 @@ from drillpetsc.case.blocks.fluid import Rheology
 from drillpetsc.case.blocks.string import Bit, Flexible
 from drillpetsc.case.blocks.window import Window
 from drillpetsc.case.case import Case
-from drillpetsc.case.plausible_string import short_of_hole
+from drillpetsc.case.plausible_string import beyond_curves, short_of_hole
 from drillpetsc.case.quantities import largest
 from drillpetsc.errors import CaseError
 from drillpetsc.model.mud_motor import motor_item
@@ -235,6 +235,12 @@ class Hydraulics:
         flow.solve(rate)
         limited = NOT_CHECKED if self.window is None else self.window.limited_by(flow)
         warnings = flow.warnings() + blend_note(blend_excess(flow))
+        if (
+            case.fluid is None
+            or case.fluid.pump_pressure is not None
+            or abs(rate) > largest(case.fluid.flow_rate)
+        ):
+            warnings += beyond_curves(case, abs(rate))  # at the case's own flow rate the case is doubted
         if limited not in (WITHIN, NOT_CHECKED):
             warnings.append(f"the pressure passes the window: {limited}")
         rows = loss_rows(flow)

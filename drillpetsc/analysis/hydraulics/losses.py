@@ -16,7 +16,7 @@ from drillpetsc.analysis.hydraulics.flow_model import FlowModel
 from drillpetsc.analysis.hydraulics.nozzles import bit_flow, nozzle_groups, nozzle_loss
 from drillpetsc.arrays import FloatArray
 from drillpetsc.case.blocks.well import Section
-from drillpetsc.model.fluid import build_rheology
+from drillpetsc.model.fluid import build_rheology, losses_of_items
 from drillpetsc.physics.fluid.channel_flow import RESULT_NAMES, ChannelFlow
 from drillpetsc.physics.fluid.rheology import Rheology, wall_shear
 from drillpetsc.physics.tools.mud_motor import RESULTS as MOTOR_RESULTS
@@ -161,7 +161,12 @@ def element_losses(flow: FlowModel, channel: ChannelFlow, law: Rheology) -> Elem
         weight = density * (axis @ f.gravity) * np.sum(drop * axis, axis=1)
     squared = q**2 * f.density**2 / density
     head, tool = squared * channel.parameter("step"), np.sign(q) * squared * channel.parameter("loss")
-    return ElementLosses(friction - tool, above, head, weight, tool, speed, speed_above, density)
+    friction = (
+        friction - tool
+    )  # what the channel's own row takes; a table of the flow rate is a row of its own
+    if bore and flow.fluid.losses is not None:
+        tool = tool + flow.fluid.losses.losses(flow.system.assembly)
+    return ElementLosses(friction, above, head, weight, tool, speed, speed_above, density)
 
 
 # ---------------------------------------------------------------------- table
@@ -303,17 +308,17 @@ def tool_rows(flow: FlowModel) -> list[Loss]:
     bore = flow.fluid.bore
     if bore is None or all(item.pressure_loss is None for item in flow.case.string):
         return rows
-    lost = float(element_losses(flow, bore, build_rheology(flow.case)).tool.sum())
-    whole = float(bore.parameter("loss").sum())
+    density = bore.element_results(flow.system.assembly)[:, RESULT_NAMES.index("density")]
+    rates = bore.flows(flow.system) * flow.fluid.constants.density / density
+    lost = losses_of_items(flow.model.case, flow.mesh, rates, density)
     upper, last = flow.string.top, -1
-    for item, number in zip(flow.string.items, flow.string.number, strict=True):
+    for k, (item, number) in enumerate(zip(flow.string.items, flow.string.number, strict=True)):
         lower = upper + item.length
-        if item.pressure_loss is not None:
-            part = lost * item.flow_resistance / whole if whole else 0.0
+        if k in lost:
             if number == last:  # a piece of the tool above, which an end of a hole section cuts
-                rows[-1] = replace(rows[-1], lower=lower, pressure_loss=rows[-1].pressure_loss + part)
+                rows[-1] = replace(rows[-1], lower=lower, pressure_loss=rows[-1].pressure_loss + lost[k])
             else:
-                rows.append(Loss("tool", item.name, "-", upper, lower, pressure_loss=part))
+                rows.append(Loss("tool", item.name, "-", upper, lower, pressure_loss=lost[k]))
             last = number
         upper = lower
     return sorted(rows, key=lambda row: row.upper)

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
 from pydantic import Field, model_validator
 
 from drillpetsc.case.block import Block, derived_default
+from drillpetsc.case.blocks.pressure_loss import PressureLoss
 from drillpetsc.case.key_paths import refuse
 from drillpetsc.case.nozzles import Nozzles
 from drillpetsc.case.quantities import Quantity, Vector, WordOrNumber, said
@@ -95,50 +96,6 @@ class Inertia(Block):
     )
 
 
-class PressureLoss(Block):
-    """Pressure loss of a tool in the string: of an MWD, a filter. It goes with density and flow rate squared.
-
-    A measured value with its flow rate and density, or a loss coefficient K: loss = K density velocity^2/2 with the velocity in the item's bore.
-    """
-
-    value: Annotated[float, Quantity("Pa", at_least=0, at_most=1e9, kind="pressure")] | None = Field(
-        default=None, description="pressure loss; or a coefficient"
-    )
-    at: Annotated[float, Quantity("m^3/s", above=0, at_most=10)] | None = Field(
-        default=None, description="flow rate of the value"
-    )
-    density: Annotated[float, Quantity("kg/m^3", above=0, at_most=30e3, kind="mud_weight")] | None = Field(
-        default=None, description="density of the fluid of the value"
-    )
-    coefficient: Annotated[float, Quantity("", at_least=0, at_most=1e6)] | None = Field(
-        default=None,
-        description="loss over half the density times the squared velocity in the item's bore, instead of a value",
-    )
-
-    @model_validator(mode="after")
-    def _one_form(self) -> PressureLoss:
-        measured = {"value": self.value, "at": self.at, "density": self.density}
-        for key, given in measured.items():
-            if self.coefficient is not None and given is not None:
-                raise refuse(key, got=given, want=f"no {key} with a coefficient")
-            if self.coefficient is None and given is None:
-                raise refuse(key, want="a value with its flow rate (at) and density, or a coefficient")
-        return self
-
-    def times(self, share: float) -> PressureLoss:
-        """The loss times ``share``."""
-        key = "value" if self.coefficient is None else "coefficient"
-        return self.model_copy(update={key: getattr(self, key) * share})
-
-    def resistance(self, bore: float | None) -> float:
-        """Loss over density and flow rate squared [1/m4] in a bore of this diameter [m]."""
-        if self.coefficient is not None:
-            assert bore
-            return 0.5 * self.coefficient / (math.pi / 4 * bore**2) ** 2
-        assert self.value is not None and self.density is not None and self.at is not None
-        return self.value / (self.density * self.at**2)
-
-
 class Item(Block):
     """Base of every string item. A kind without one of the optional keys has the value None for it."""
 
@@ -171,7 +128,8 @@ class Item(Block):
     )
     pressure_loss: PressureLoss | None = Field(
         default=None,
-        description="loss of the mud in this item besides friction, {value: 350 psi, at: 600 gpm, density: 10 ppg} or {coefficient: 2.5}",
+        description="loss of the mud in this item besides friction, {value: 350 psi, at: 600 gpm, density: 10 ppg}, {coefficient: 2.5} or "
+        "{curve: loss.csv, density: 10 ppg}",
     )
 
     @model_validator(mode="after")
@@ -197,8 +155,14 @@ class Item(Block):
 
     @property
     def flow_resistance(self) -> float:
-        """Pressure loss of the tool over density and flow rate squared [1/m4]; 0 without one."""
+        """Pressure loss of the tool over density and flow rate squared [1/m4]; 0 without one, and with a measured curve."""
         return 0.0 if self.pressure_loss is None else self.pressure_loss.resistance(self.id)
+
+    def tool_loss(self, flow: float, density: float) -> float:
+        """Pressure loss [Pa] of the tool at a flow rate [m3/s] of a fluid [kg/m3] there; 0 without one."""
+        if self.pressure_loss is None:
+            return 0.0
+        return self.flow_resistance * density * flow * abs(flow) + self.pressure_loss.of_curve(flow, density)
 
     @property
     def contact_od(self) -> float | None:

@@ -1,0 +1,89 @@
+"""Measured pressure losses of tools in the string, by a table of the flow rate.
+
+Kernel: kernels/fluid/tool_loss.hpp.  Manual: eq-mud-tool-curve.  Losses that go with the flow rate squared are part of the bore's
+row of momentum (``BoreFlow``).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from drillpetsc.arrays import FloatArray
+from drillpetsc.fem.bound_parts import BlockResults
+from drillpetsc.fem.component import ElementBlock, Powers
+from drillpetsc.kernels import pointer
+from drillpetsc.kernels.parameters import Parameters, columns
+from drillpetsc.physics.flow_interfaces import MeasuredLosses
+from drillpetsc.physics.fluid.channel_flow import FluidConstants
+
+RESULTS = columns("tool_loss_results")
+
+
+@dataclass(frozen=True)
+class LossTable:
+    """Loss of one tool.
+
+    table: (k, 3) flow rate squared [m6/s2], rising from 0, loss [Pa], slope of the loss by the square.
+    density: of the fluid of the measurement [kg/m3].
+    cells: (m,) elements of the bore that have it; shares: (m,) of each [-].
+    """
+
+    table: FloatArray
+    density: float
+    cells: np.ndarray
+    shares: FloatArray
+
+
+class ToolLosses(MeasuredLosses):
+    """Losses of all tools with a table.
+
+    tools: from the top down; fluid: constants.
+    """
+
+    name = "tool_losses"
+
+    def __init__(self, tools: tuple[LossTable, ...], fluid: FluidConstants):
+        self.tools, self.fluid = tools, fluid
+        self._table = np.ascontiguousarray(np.concatenate([tool.table for tool in tools]), dtype=float)
+        counts = [len(tool.table) for tool in tools]
+        self._first = np.concatenate([[0], np.cumsum(counts)[:-1]])
+
+    def blocks(self, part) -> tuple[ElementBlock, ...]:
+        place = {int(c): i for i, c in enumerate(part.cells)}
+        rows = [
+            (k, place[int(c)], share)
+            for k, tool in enumerate(self.tools)
+            for c, share in zip(tool.cells, tool.shares, strict=True)
+            if int(c) in place
+        ]
+        which = np.array([k for k, _, _ in rows], dtype=int)
+        params = Parameters(
+            "tool_loss",
+            len(rows),
+            first=self._first[which],
+            count=np.array([len(tool.table) for tool in self.tools])[which],
+            share=np.array([share / self.tools[k].density for k, _, share in rows]),
+            density=self.fluid.density,
+            compressibility=1.0 / self.fluid.bulk_modulus,
+        )
+        slots = (("bore.pressure", 0), ("bore.pressure", 1), ("bore.flow", 1))
+        points = np.array([i for _, i, _ in rows], dtype=np.int32)
+        self._block = ElementBlock(
+            "tool_losses", "tool_loss", "cell", points, slots, (), params.array, context=pointer(self._table)
+        )
+        self._block.keep = (self._table,)
+        self._cells = part.cells
+        return (self._block,)
+
+    def _evaluated(self, state) -> BlockResults:
+        return state.results(self._block, "tool_loss_results", RESULTS.width)
+
+    def losses(self, state) -> FloatArray:
+        out = np.zeros(len(self._cells))
+        np.add.at(out, self._block.points, self._evaluated(state).table[:, RESULTS["loss"]])
+        return out
+
+    def powers(self, t: float, state) -> Powers:
+        return Powers(dissipated=self._evaluated(state).sums.item(RESULTS["power"]))
