@@ -149,7 +149,7 @@ def response(
     case: Case | str | Path,
     out: str | Path | None = None,
     *,
-    excite: Literal["unbalance", "bit", "motor"],
+    excite: Literal["unbalance", "bit", "motor"] | str,
     speeds: str | Sequence[float],
     amplitude: str | None = None,
     order: float | None = None,
@@ -163,11 +163,12 @@ def response(
 
     case: a Case, or the path of a case file
     out: run folder; by default results/<case>-NNN
-    excite: unbalance, what is off the axis in the case, once per turn; bit, a motion, force or torque of the lower end; or
-        motor, the orbit of a downhole motor's rotor
+    excite: unbalance, what is off the axis in the case, once per turn; bit, a motion, force or torque of the lower end; motor,
+        the orbit of a downhole motor's rotor; or the same as of the bit somewhere along the string: the name of a string item, or a measured depth
+        ("120 m")
     speeds: rotary speeds above 0, as text ("20:200:2 rpm", "60,90 rpm") or in rad/s, ascending
-    amplitude: of the bit, with its unit: "3 mm", "5 kN", "1 kN m"
-    order: cycles per turn of the bit; by default 3
+    amplitude: of the bit or the place, with its unit: "3 mm", "5 kN", "1 kN m"
+    order: cycles per turn; by default 3 of the bit, 1 of a place
     stress: True to add the alternating stresses of the turning pipe
     overwrite: True to replace the results in an existing folder
     name: name of the case in the default folder
@@ -176,9 +177,9 @@ def response(
     """
     from drillpetsc.case.speed_options import read_excitation, read_speeds
 
-    excitation = read_excitation(excite, amplitude, order)
-    values = read_speeds(speeds, "--speeds", lowest_above_zero=True)
     case, name = loaded(case, name)
+    excitation = read_excitation(excite, amplitude, order, case)
+    values = read_speeds(speeds, "--speeds", lowest_above_zero=True)
     initialise_petsc()
     from drillpetsc.analysis.frequency.response import run_response
     from drillpetsc.results.result import result_of

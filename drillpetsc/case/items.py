@@ -26,6 +26,11 @@ class _Any(TypedDict, total=False):
     pressure_loss: Keys
 
 
+class _MudSections(TypedDict, total=False):
+    bore_volume: Value
+    annulus_od: Value
+
+
 class _Flexible(_Any, total=False):
     length: Value
     element_length: Value
@@ -90,13 +95,17 @@ class _Casing(_Tubular, total=False):
     nominal_weight: Value
 
 
-class _RotarySteerable(_Pipe, total=False):
+class _Tube(_Pipe, _MudSections, total=False):
+    pass
+
+
+class _RotarySteerable(_Tube, total=False):
     rss: Keys
     joint_at: Value
     mass: Value
 
 
-class _Tool(_Pipe, total=False):
+class _Tool(_Tube, total=False):
     mass: Value
     joint_at: Value
     seal_area: Value
@@ -104,7 +113,7 @@ class _Tool(_Pipe, total=False):
     stroke: Sequence[Value]
 
 
-class _Jar(_Pipe, total=False):
+class _Jar(_Tube, total=False):
     mass: Value
     joint_at: Value
     jar: Keys
@@ -117,7 +126,7 @@ class _ShockSub(_Tool, total=False):
     torsion_stiffness: Value
 
 
-class _Rigid(_Any, total=False):
+class _Rigid(_Any, _MudSections, total=False):
     length: Value
     od: Value
     id: Value
@@ -159,7 +168,7 @@ class _Bit(_Rigid, total=False):
     nozzles: Value | Sequence[Value]
 
 
-class _Motor(_Pipe, total=False):
+class _Motor(_Tube, total=False):
     pdm: Keys
     mass: Value
     joint_at: Value
@@ -222,9 +231,9 @@ class StringItem(dict[str, Any]):
 class Pipe(StringItem):
     """A plain round tube, without tool joints."""
 
-    kind, key_types, required = "pipe", _Pipe, ("length", "od")
+    kind, key_types, required = "pipe", _Tube, ("length", "od")
 
-    def __init__(self, **keys: Unpack[_Pipe]) -> None:
+    def __init__(self, **keys: Unpack[_Tube]) -> None:
         self._fill(keys)
 
 
@@ -370,7 +379,7 @@ class RotarySteerable(StringItem):
         self._fill(keys)
 
 
-class _Agitator(_Pipe, total=False):
+class _Agitator(_Tube, total=False):
     mass: Value
     joint_at: Value
     seal_area: Value

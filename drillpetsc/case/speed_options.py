@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
+from drillpetsc.case.blocks.string import Flexible
+from drillpetsc.case.case import Case
 from drillpetsc.case.flow_options import Numbers, read_numbers
+from drillpetsc.case.key_paths import suggestion
 from drillpetsc.case.quantities import Quantity
 from drillpetsc.errors import CaseError
 from drillpetsc.unit_systems import System
@@ -81,16 +85,19 @@ def _steps(text: str, at: str) -> tuple[float, ...]:
 class Excitation:
     """A harmonic excitation.
 
-    kind: ``unbalance``, ``bit``, or ``motor``, the orbit of a downhole motor's rotor.
-    what: of the bit: ``displacement`` along the string [m], ``force`` along it [N] or ``torque`` [N m]; else empty.
+    kind: ``unbalance``, ``bit``, ``motor``, the orbit of a downhole motor's rotor, or ``place``, somewhere along the string.
+    what: of bit and place: ``displacement`` along the string [m], ``force`` along it [N] or ``torque`` [N m]; else empty.
     amplitude: [m], [N] or [N m], 0 with unbalance and motor.
     order: cycles per turn; nan with motor, which sets its own frequency.
+    place: name of the place, md: its measured depth [m].
     """
 
     kind: str
     what: str = ""
     amplitude: float = 0.0
     order: float = 1.0
+    place: str = "the lower end"
+    md: float = math.nan
 
     @property
     def words(self) -> str:
@@ -100,7 +107,7 @@ class Excitation:
         if self.kind == "motor":
             return "orbit of the motor's rotor"
         unit = {"displacement": "m", "force": "N", "torque": "N m"}[self.what]
-        return f"{self.what} of {self.amplitude:g} {unit} at the lower end, {self.order:g} per turn"
+        return f"{self.what} of {self.amplitude:g} {unit} at {self.place}, {self.order:g} per turn"
 
 
 KINDS = ("unbalance", "bit", "motor")
@@ -111,17 +118,48 @@ AMPLITUDES = {
 }
 
 
-def read_excitation(kind: str, amplitude: str | None = None, order: float | None = None) -> Excitation:
+def _place(text: str, case: Case) -> tuple[str, float]:
+    """Name and measured depth [m] of a place along the string: an item by its name, the middle of pipe and the upper end of a rigid
+    item, or a depth with its unit; CaseError."""
+    seen: dict[str, int] = {}
+    found: dict[str, float] = {}
+    for item, (upper, lower) in zip(case.string, case.item_depths, strict=True):
+        seen[item.name] = number = seen.get(item.name, 0) + 1
+        name = item.name if number == 1 else f"{item.name} {number}"
+        found[name] = 0.5 * (upper + lower) if isinstance(item, Flexible) else upper
+    if text in found:
+        return text, found[text]
+    try:
+        depth = to_si(text, "m") if _WITH_UNIT.fullmatch(text) else None
+    except UnitError:
+        depth = None
+    if depth is None:
+        want = (
+            f"{', '.join(KINDS)}, the name of a string item ({', '.join(found)}), or a measured depth (120 m)"
+        )
+        raise CaseError(at="--excite", got=text, want=want, hint=suggestion(text, [*KINDS, *found]))
+    if not 0 <= depth <= case.string_length:
+        want = f"a measured depth along the string, 0 to {case.string_length:g} m"
+        raise CaseError(at="--excite", got=text, want=want)
+    return f"MD {text}", depth
+
+
+def read_excitation(
+    kind: str, amplitude: str | None = None, order: float | None = None, case: Case | None = None
+) -> Excitation:
     """Read the excitation of `response`.
 
-    kind: one of ``KINDS``.
-    amplitude: of a motion (``3 mm``), force (``5 kN``) or torque (``1 kN m``) of the bit; its unit tells which.
-    order: cycles per turn of the bit, None: 3 (the lobes that a roller-cone bit cuts).
+    kind: one of ``KINDS``, or a place of the ``case``: the name of a string item, or a measured depth (``120 m``).
+    amplitude: of a motion (``3 mm``), force (``5 kN``) or torque (``1 kN m``) of bit or place; its unit tells which.
+    order: cycles per turn, None: 3 of the bit (the lobes that a roller-cone bit cuts), 1 of a place.
     Raises CaseError.
     """
+    place: tuple[str, float] | tuple[()] = ()
     if kind not in KINDS:
-        raise CaseError(at="--excite", got=kind, want=f"one of {', '.join(KINDS)}")
-    if kind != "bit":
+        if case is None:
+            raise CaseError(at="--excite", got=kind, want=f"one of {', '.join(KINDS)}")
+        place = _place(kind, case)
+    elif kind != "bit":
         says = {
             "unbalance": "the case has the unbalance, which turns once per turn",
             "motor": "the case has the mass and the orbit of the rotor",
@@ -142,10 +180,10 @@ def read_excitation(kind: str, amplitude: str | None = None, order: float | None
             break
         if not quantity.inside(value):
             raise CaseError(at="--amplitude", got=amplitude, want=f"a number {quantity.allowed()}")
-        order = 3.0 if order is None else float(order)
+        order = (1.0 if place else 3.0) if order is None else float(order)
         if not 0 < order <= 1000:
             raise CaseError(at="--order", got=order, want="cycles per turn, above 0, at most 1000")
-        return Excitation("bit", what, value, order)
+        return Excitation("place" if place else "bit", what, value, order, *place)
     raise CaseError(at="--amplitude", got=amplitude, want=want)
 
 

@@ -581,6 +581,9 @@ class _Completion:
     def _bending_stabilizer(self, item: Stabilizer, outer: float) -> list[Item]:
         """Pipe above and below the blades, and rigid blades."""
         assert item.body_od is not None and item.blade_length is not None
+        for key in ("bore_volume", "annulus_od"):
+            if getattr(item, key) is not None:
+                raise self.refuse(key, got=getattr(item, key), want=f"no {key} with stiff: false")
         if item.mass is not None or item.unbalance:
             key = "mass" if item.mass is not None else "unbalance"
             raise self.refuse(key, got=getattr(item, key), want=f"no {key} with stiff: false")

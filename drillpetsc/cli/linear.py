@@ -216,7 +216,7 @@ def _response_arguments(command: argparse.ArgumentParser) -> None:
         required=True,
         metavar="KIND",
         help="unbalance: unbalances, eccentricities, bends and curvatures of the case; bit: a motion, force or torque of the "
-        "lower end; motor: the orbit of a motor's rotor",
+        "lower end; motor: the orbit of a motor's rotor; the name of a string item, or a measured depth ('120 m'): a motion, force or torque there",
     )
     command.add_argument(
         "--speeds",
@@ -227,9 +227,11 @@ def _response_arguments(command: argparse.ArgumentParser) -> None:
     command.add_argument(
         "--amplitude",
         metavar="A",
-        help="of the bit: a motion along the string ('3 mm'), a force ('5 kN') or a torque ('1 kN m')",
+        help="of the bit or the place: a motion along the string ('3 mm'), a force ('5 kN') or a torque ('1 kN m')",
     )
-    command.add_argument("--order", type=float, metavar="N", help="cycles per turn of the bit (default: 3)")
+    command.add_argument(
+        "--order", type=float, metavar="N", help="cycles per turn (default: 3 of the bit, 1 of a place)"
+    )
     command.add_argument(
         "--stress",
         action="store_true",
@@ -243,7 +245,7 @@ def _response(arguments: argparse.Namespace, petsc_options: list[str]) -> int:
     from drillpetsc.case.speed_options import read_excitation, read_speeds
 
     case = in_units(read_case(arguments), arguments.units)
-    excitation = read_excitation(arguments.excite, arguments.amplitude, arguments.order)
+    excitation = read_excitation(arguments.excite, arguments.amplitude, arguments.order, case)
     speeds = read_speeds(arguments.speeds, "--speeds", lowest_above_zero=True)
     start_job(petsc_options)
     print_warnings(case)

@@ -26,6 +26,7 @@ system instead, -ts_type arkimex, theta integrate it.
 
 RENAMED_OPTIONS = {"--companion": "--mesh-error"}  # old -> new
 
+_NEGATIVE = re.compile(r"-\.?\d")  # a number below zero, with or without a unit: no option begins so
 _CASE_KEY = re.compile(r"[A-Za-z_]\w*(\[\d+\]|\.\w+)*\s*=")  # KEY=..., which is no value of a PETSc option
 
 
@@ -98,24 +99,37 @@ def split_words(words: list[str]) -> tuple[list[str], list[str]]:
     """(words of this program, PETSc options).
 
     Words of this program have no dash or two. A PETSc option is -word and the value after it, which may be a
-    negative number.
+    negative number. A number below zero after an option of this program is its value (`--amplitude -5kN`), and so is KEY=VALUE
+    after `--set`.
     """
     own: list[str] = []
     petsc_options: list[str] = []
     i = 0
     while i < len(words):
         word = words[i]
-        if (
+        value = (
+            not _is_number(word)
+            and own
+            and i
+            and own[-1] == words[i - 1]
+            and own[-1].startswith("--")
+            and "=" not in own[-1]
+        )
+        if value and (_NEGATIVE.match(word) or (own[-1] == "--set" and word[:1] == "-" and "=" in word)):
+            own[-1] += (
+                f"={word}"  # as one word, since a parser takes a dash before other words for the sign of an option
+            )
+        elif (
             word.startswith("-")
             and not word.startswith("--")
             and word not in ("-h", "-o")
-            and not _is_number(word)
+            and not _NEGATIVE.match(word)
             and len(word) > 1
         ):
             petsc_options.append(word)
             following = words[i + 1] if i + 1 < len(words) else "-"
             if (
-                (not following.startswith("-") or _is_number(following))
+                (not following.startswith("-") or _NEGATIVE.match(following))
                 and not following.endswith((".yaml", ".yml"))
                 and not (words[0] == "sweep" and _CASE_KEY.match(following))
             ):
@@ -128,6 +142,7 @@ def split_words(words: list[str]) -> tuple[list[str], list[str]]:
 
 
 def _is_number(word: str) -> bool:
+    """Whether a word is a bare number, which a parser knows from an option."""
     try:
         float(word)
     except ValueError:

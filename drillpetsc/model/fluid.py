@@ -235,6 +235,16 @@ def build_fluid(
 
 def _refuse_closed_annulus(case: Case, mesh: StringMesh, sizes: Annulus) -> None:
     """Raise CaseError where the metal of rigid items fills the hole around them: that over them and the element below."""
+    narrow = np.flatnonzero(sizes.hole - sizes.outer <= LEAST_OPEN * sizes.hole)
+    for number in dict.fromkeys(mesh.item[narrow].tolist()):
+        if case.string[number].annulus_od is not None:
+            units = case.output.units or "metric"
+            k = int(narrow[mesh.item[narrow] == number][0])
+            raise CaseError(
+                at=f"string[{number}].annulus_od",
+                got=shown(case.string[number].annulus_od, "diameter", units),
+                want=f"less than the hole around it, {shown(2 * np.sqrt(sizes.hole[k] / np.pi), 'diameter', units)}: the mud must get past",
+            )
     left = np.where(mesh.rigid_above > 0, sizes.hole_around - sizes.outer_above, np.inf)
     k = int(np.argmin(left / sizes.hole_around))
     if left[k] > LEAST_OPEN * sizes.hole_around[k]:
@@ -485,11 +495,13 @@ def _rigid_runs(case: Case, mesh: StringMesh) -> tuple[FloatArray, FloatArray]:
     ]
     for (item, depth), body in zip(items, mesh.bodies, strict=True):
         density = item.material.density
-        bore = np.pi / 4 * item.id**2
+        bore = item.bore_section
         if bore == 0.0:  # no bore given: the bore of the pipe beside the item
             bore = np.pi / 4 * mesh.inner_diameter[min(body.node, len(mesh.upper) - 1)] ** 2
         metal = body.mass / density
-        if isinstance(item, Stabilizer) and item.bypass_area is not None:
+        if item.annulus_od is not None:
+            metal = item.outer_section * body.length - bore * body.length
+        elif isinstance(item, Stabilizer) and item.bypass_area is not None:
             assert case.well is not None
             metal = metal_past(item, case.well.diameter_at(depth))
         area[body.node] += np.array([bore * body.length, metal])
@@ -607,6 +619,10 @@ def build_walls(case: Case, mesh: StringMesh) -> AnnulusWalls:
     assert case.fluid is not None and case.well is not None
     outer, sections = 0.5 * mesh.outer_diameter, case.well.sections
     young, nu = np.array([_constants(case, k) for k in mesh.item]).T
+    body = None
+    if any(item.annulus_od is not None for item in case.string):
+        given = np.array([case.string[k].annulus_od is not None for k in mesh.item])
+        body = np.where(given, mesh.outer_area, np.pi * outer**2)
     runs, _ = _rigid_runs(case, mesh)
     above = np.where(mesh.rigid_above > 0, runs[:-1].sum(axis=1), mesh.outer_area)
     joints, share, joint_area = _joint_sections(case), None, None
@@ -628,6 +644,7 @@ def build_walls(case: Case, mesh: StringMesh) -> AnnulusWalls:
         mesh.outer_area,
         share,
         joint_area,
+        body,
     )
 
 

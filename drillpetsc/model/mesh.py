@@ -321,8 +321,10 @@ def _section(item: Flexible) -> dict[str, float]:
     plain = {
         "contact_diameter": outer,
         "clearance_diameter": outer,
-        "outer_area": np.pi * (0.5 * outer * (0.5 * outer)),
-        "bore_area": np.pi * (0.5 * inner * (0.5 * inner)),
+        "outer_area": np.pi * (0.5 * outer * (0.5 * outer))
+        if item.annulus_od is None
+        else item.outer_section,
+        "bore_area": np.pi * (0.5 * inner * (0.5 * inner)) if item.bore_volume is None else item.bore_section,
         "joint_length": np.nan,
         "worn_diameter": outer,
         "yield_strength": np.nan,

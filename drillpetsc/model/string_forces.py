@@ -59,7 +59,7 @@ def _areas(case: Case, number: int, flexible: dict[int, dict[str, float]]) -> tu
     if number in flexible:
         return flexible[number]["bore_area"], flexible[number]["outer_area"]
     item = case.string[number]
-    return np.pi / 4 * item.id**2, np.pi / 4 * (item.od or 0.0) ** 2
+    return item.bore_section, item.outer_section
 
 
 def held_at_weight(case: Case) -> Case:

@@ -1,4 +1,4 @@
-"""A run with tools whose losses have curves, a flexible and a rigid one, on 1, 2 and 3 ranks."""
+"""A run with tools whose losses have curves and whose mud has its own sections, a flexible and a rigid one, on 1, 2 and 3 ranks."""
 
 from __future__ import annotations
 
@@ -18,8 +18,17 @@ LOSS = {"curve": {"flow_rate": [0.01, 0.02, 0.04], "loss": [2e5, 9e5, 1.2e6]}, "
 CASE = {
     "string": [
         PIPE | {"length": 60.0},
-        PIPE | {"length": 81.0, "name": "tool", "pressure_loss": LOSS},
-        {"kind": "body", "length": 1.0, "od": 0.17, "id": 0.07, "pressure_loss": LOSS},
+        PIPE
+        | {"length": 81.0, "name": "tool", "pressure_loss": LOSS, "bore_volume": 0.5, "annulus_od": 0.14},
+        {
+            "kind": "body",
+            "length": 1.0,
+            "od": 0.17,
+            "id": 0.07,
+            "pressure_loss": LOSS,
+            "bore_volume": 0.003,
+            "annulus_od": 0.19,
+        },
         PIPE | {"length": 60.0},
         {"kind": "bit", "length": 0.3, "od": 0.2159, "mass": 50.0, "nozzle_area": 4e-4},
     ],

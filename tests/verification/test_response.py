@@ -203,6 +203,75 @@ def test_damped_force_and_torque(tmp_path):
         assert top[f"{force}_amplitude"] == pytest.approx(np.abs(load / np.cos(k * L)), rel=2e-3)
 
 
+# ---------------------------------------------------------------------- a place along the string
+LENGTH, PLACE, DAMPED = 1000.0, 400.0, 2e-3
+# elements of 1 m: beside a load the strain jumps, which the elements smooth over one of them
+THREE = [
+    m.drill_pipe(300.0, 300, damping=DAMPED),
+    m.drill_pipe(200.0, 200, damping=DAMPED, name="tool"),
+    m.drill_pipe(500.0, 500, damping=DAMPED),
+]
+
+
+@pytest.mark.parametrize("excite", ["tool", "400 m"])
+@pytest.mark.parametrize(
+    ("what", "stiffness", "wave_speed", "motion", "force"),
+    [
+        ("5 kN", m.YOUNG * m.AREA, m.AXIAL_SPEED, "axial", "axial_force"),
+        ("1 kN m", m.GJ, m.TORSIONAL_SPEED, "twist", "torque"),
+        ("3 mm", m.YOUNG * m.AREA, m.AXIAL_SPEED, "axial", "axial_force"),
+    ],
+)
+def test_an_excitation_along_the_string(excite, what, stiffness, wave_speed, motion, force, tmp_path):
+    """A load F, or a motion U, at the depth a of a pipe held at the top and free below, by an item's name and by its depth.
+
+    Motion of the free end F/(E' A k) sin(k a)/cos(k L), force at the top F cos(k (L - a))/cos(k L); U/cos(k (L - a)), E' A k U/sin(k a); k and
+    E' as above.
+    """
+    case = m.two_part_string() | {"string": THREE}
+    rpm = np.array([40.0, 75.0, 160.0])
+    w, complex_part = 2 * rpm * m.RPM, 1 + 2j * rpm * m.RPM * DAMPED
+    k = w / (wave_speed * np.sqrt(complex_part))
+    size = {"5 kN": 5e3, "1 kN m": 1e3, "3 mm": 3e-3}[what]
+    if what == "3 mm":
+        end, top = (
+            size / np.cos(k * (LENGTH - PLACE)),
+            stiffness * complex_part * k * size / np.sin(k * PLACE),
+        )
+    else:
+        end = size / (stiffness * complex_part * k) * np.sin(k * PLACE) / np.cos(k * LENGTH)
+        top = size * np.cos(k * (LENGTH - PLACE)) / np.cos(k * LENGTH)
+    options = {"excite": excite, "amplitude": what, "order": 2.0, "speeds": "40,75,160 rpm"}
+    found = table(case, tmp_path, "lower end", **options)
+    assert found[f"{motion}_amplitude"] == pytest.approx(np.abs(end), rel=2e-3)
+    assert found[f"{motion}_phase"] == pytest.approx(np.degrees(np.angle(end)), abs=0.3)
+    assert table(case, tmp_path, "top", **options)[f"{force}_amplitude"] == pytest.approx(
+        np.abs(top), rel=2e-3
+    )
+    summary = json.loads((tmp_path / "summary.json").read_text())
+    assert any("node at MD 400.0 m" in w for w in summary["warnings"])
+    name = "tool" if excite == "tool" else "MD 400 m"
+    assert f"at {name}, 2 per turn" in summary["excitation"]
+
+
+@pytest.mark.parametrize(
+    ("excite", "amplitude", "at", "said"),
+    [
+        ("unbalanc", "1 kN", "--excite", "unbalance"),
+        ("toll", "1 kN", "--excite", "tool"),
+        ("1200 m", "1 kN", "--excite", "0 to 1000 m"),
+        ("-3 m", "1 kN", "--excite", "0 to 1000 m"),
+        ("tool", None, "--amplitude", "5 kN"),
+        ("tool", "1 kg", "--amplitude", "5 kN"),
+    ],
+)
+def test_wrong_places_are_refused(excite, amplitude, at, said, tmp_path):
+    case = Case(**m.two_part_string() | {"string": THREE})
+    with pytest.raises(CaseError) as caught:
+        drillpetsc.response(case, tmp_path, excite=excite, amplitude=amplitude, speeds="40 rpm")
+    assert caught.value.at == at and said in str(caught.value)
+
+
 # ---------------------------------------------------------------------- unlucky inputs
 def test_an_undamped_resonance_is_infinite(tmp_path):
     """At a frequency of the undamped model the amplitude is infinite, said so, and not a number; damped it is finite."""

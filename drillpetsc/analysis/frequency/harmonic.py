@@ -116,7 +116,7 @@ def rock_load(model: DrillingModel, amplitude: float, omega: float) -> np.ndarra
 
 @dataclass(frozen=True)
 class EndMotion:
-    """Place and direction at the lower end: rows (3,) of its position, row of its spin angle, tangent (3,)."""
+    """Place and direction of an excitation along the string: rows (3,) of its position, row of its spin angle, tangent (3,)."""
 
     position: np.ndarray
     spin: int
@@ -125,19 +125,29 @@ class EndMotion:
 
 def lower_end(model: DrillingModel, linearised: Linearised) -> EndMotion:
     """Rows and tangent of the lower end."""
+    return motion_at(model, linearised, model.mesh.nodes - 1)
+
+
+def motion_at(model: DrillingModel, linearised: Linearised, node: int) -> EndMotion:
+    """Rows and tangent of a node."""
     names = [f.name for f in model.system.layout.fields]
-    last = linearised.node == model.mesh.nodes - 1
+    here = linearised.node == node
     at = {
-        name: np.flatnonzero(last & (linearised.field == names.index(name)))
+        name: np.flatnonzero(here & (linearised.field == names.index(name)))
         for name in ("string.position", "string.spin")
     }
     position = at["string.position"][np.argsort(linearised.component[at["string.position"]])]
-    return EndMotion(position, int(at["string.spin"][0]), end_tangent(model))
+    return EndMotion(position, int(at["string.spin"][0]), tangent_at(model, node))
 
 
 def end_tangent(model: DrillingModel) -> FloatArray:
     """Unit tangent (3,) of the hole's axis, or of the straight string, at the lower end."""
-    return np.asarray(model.tangent[-1]) / np.linalg.norm(model.tangent[-1])
+    return tangent_at(model, model.mesh.nodes - 1)
+
+
+def tangent_at(model: DrillingModel, node: int) -> FloatArray:
+    """Unit tangent (3,) of the hole's axis, or of the straight string, at a node."""
+    return np.asarray(model.tangent[node]) / np.linalg.norm(model.tangent[node])
 
 
 # ---------------------------------------------------------------------- solution

@@ -15,7 +15,7 @@ from petsc4py import PETSc
 from drillpetsc.analysis.frequency.harmonic import (
     Response,
     SectionForces,
-    lower_end,
+    motion_at,
     orbit_load,
     respond,
     rock_load,
@@ -318,7 +318,7 @@ def run_response(
                     raise SolveError(
                         f"at {rpm_of(speed):g} rpm the orbit of the motor's rotor stands still: it excites nothing"
                     )
-            elif excitation.what == "displacement" and model.bit is not None:
+            elif excitation.kind == "bit" and excitation.what == "displacement" and model.bit is not None:
                 load = rock_load(model, excitation.amplitude, omega)
             wob = _weight_on_bit(model)
             if present(model):
@@ -401,7 +401,10 @@ def _respond(
     """The response on rank 0."""
     if load is not None:
         return respond(linearised, omega, load)
-    end, f = lower_end(model, linearised), np.zeros(len(linearised.scale), dtype=complex)
+    node = model.mesh.nodes - 1
+    if excitation.kind == "place":
+        node = int(np.argmin(np.abs(model.mesh.node_depth - excitation.md)))
+    end, f = motion_at(model, linearised, node), np.zeros(len(linearised.scale), dtype=complex)
     if excitation.what == "displacement":
         return respond(linearised, omega, f, (end.position, end.tangent, excitation.amplitude))
     # a force on the string is a negative part of its residual
@@ -463,7 +466,11 @@ def _notes(excitation, speeds, valid, losses, closed: int, model: DrillingModel)
         notes.append(
             f"closed contacts ({closed}) are springs at the stiffness of the state; friction has its slope at the sliding speed"
         )
-    if excitation.what == "displacement" and model.bit is not None:
+    if excitation.kind == "place":
+        depth = model.mesh.node_depth
+        nearest = float(depth[np.argmin(np.abs(depth - excitation.md))])
+        notes.append(f"{excitation.place}: the excitation acts on the node at MD {nearest:.1f} m")
+    if excitation.kind == "bit" and excitation.what == "displacement" and model.bit is not None:
         notes.append("the bottom of the hole moves; the bit follows it through its contact")
     if excitation.kind == "bit" and model.bit is None:
         notes.append("the lower end does not stand on bottom: the excitation acts on a hanging string")

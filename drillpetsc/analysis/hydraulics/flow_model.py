@@ -77,7 +77,7 @@ class PlacedString:
 
 
 def with_length(item: AnyItem, length: float, above: float = 0.0) -> AnyItem:
-    """A piece of an item, or the item lengthened; a tool's loss goes with the length, its joint stays where it is.
+    """A piece of an item, or the item lengthened; a tool's loss and volume go with the length, its joint stays where it is.
 
     length: of the piece [m]; above: length of the item that is cut off above it, negative where it is lengthened there [m].
     """
@@ -85,6 +85,8 @@ def with_length(item: AnyItem, length: float, above: float = 0.0) -> AnyItem:
     if loss is not None:
         loss = loss.times(length / item.length)
     update: dict[str, object] = {"length": length, "pressure_loss": loss}
+    if item.bore_volume is not None:
+        update["bore_volume"] = item.bore_volume * length / item.length
     if isinstance(item, (TelescopingTool, PositiveDisplacementMotor)):
         at = item.joint_at - above
         # one piece has the joint; in the others it lies at the end, where there is none (``CaseBlocks.tools``)

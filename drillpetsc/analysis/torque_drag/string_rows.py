@@ -174,7 +174,8 @@ def _of(case: Case, item: Item, middle: float) -> tuple[float, float, float, dic
     elif isinstance(item, Tube):
         m = item.material
         area, moment = ring(outer, inner)
-        per_length, metal, bore = m.density * area, area, np.pi / 4 * inner**2
+        per_length, bore = m.density * area, item.bore_section
+        metal = area if item.annulus_od is None and item.bore_volume is None else item.outer_section - bore
         row |= {"axial_stiffness": m.young * area, "bending_stiffness": m.young * moment}
         row["torsional_stiffness"] = m.young / (1 + m.poisson) * moment
     else:
@@ -192,7 +193,10 @@ def _rigid(
     case: Case, item: Rigid, middle: float, row: dict[str, float]
 ) -> tuple[float, float, float, dict[str, float]]:
     """As `_of`, for a rigid item, whose metal displaces mud as in the solver."""
+    bore = item.bore_section * item.length
     metal = item.mass / item.material.density
-    if isinstance(item, Stabilizer) and item.bypass_area is not None and case.well is not None:
+    if item.annulus_od is not None:
+        metal = item.outer_section * item.length - bore
+    elif isinstance(item, Stabilizer) and item.bypass_area is not None and case.well is not None:
         metal = metal_past(item, case.well.diameter_at(middle))
-    return item.mass, metal, np.pi / 4 * (item.id or 0.0) ** 2 * item.length, row
+    return item.mass, metal, bore, row

@@ -9,7 +9,7 @@ from pydantic import BeforeValidator, Field, model_validator
 
 from drillpetsc.case.block import Block, derived_default
 from drillpetsc.case.blocks.joints import Joint
-from drillpetsc.case.blocks.string import Tube
+from drillpetsc.case.blocks.string import ToolTube
 from drillpetsc.case.key_paths import refuse
 from drillpetsc.case.motor_file import read_motor_curve
 from drillpetsc.case.quantities import OverTime, Quantity
@@ -175,7 +175,7 @@ class MotorSection(Block):
         return self
 
 
-class PositiveDisplacementMotor(Tube):
+class PositiveDisplacementMotor(ToolTube):
     """A downhole motor: its housing is pipe of the string, its rotor turns what hangs below its joint."""
 
     kind: Literal["pdm"] = Field(description="positive displacement motor (mud motor)")

@@ -8,7 +8,7 @@ from typing import Annotated, Literal
 from pydantic import BeforeValidator, Discriminator, Field, Tag, model_validator
 
 from drillpetsc.case.block import Block, derived_default, tagged_union
-from drillpetsc.case.blocks.string import Tube
+from drillpetsc.case.blocks.string import ToolTube
 from drillpetsc.case.key_paths import refuse
 from drillpetsc.case.quantities import OverTime, Quantity, said
 from drillpetsc.time_function import Constant, TimeFunction
@@ -73,7 +73,7 @@ AnySteering = Annotated[
 ]
 
 
-class RotarySteerable(Tube):
+class RotarySteerable(ToolTube):
     """A rotary steerable tool in a plain round tube, which bends."""
 
     kind: Literal["rss"] = Field(description="rotary steerable tool")

@@ -23,6 +23,7 @@ Angle = Annotated[float, Quantity("rad")]
 Friction = Annotated[float, Quantity("", at_least=0, at_most=10)]
 
 
+BoreVolume = Annotated[float, Quantity("m^3", above=0, at_most=100)] | None
 NozzleArea = Annotated[float, Quantity("m^2", above=0, at_most=0.1)] | None
 NozzleSizes = Annotated[tuple[float, ...], Nozzles()] | None
 
@@ -31,6 +32,8 @@ MIN_WALL_RATIO = 1e-4  # (od - id) over od [-]
 MIN_BORE = 1e-4  # inner diameter [m]
 
 
+_BORE_VOLUME = "volume of the mud inside the item; that of a bore of its id when not given"
+_ANNULUS_OD = "outer diameter that the mud outside flows past and that displaces it; od when not given"
 _TOOL_FACE = (
     "0 is the high side, 90 deg to the right looking down the hole; measured from north where the inclination is below "
     "5 deg; at spin angle zero"
@@ -107,6 +110,8 @@ class Item(Block):
         "initial": None,
         "material": None,
         "nozzle_area": None,
+        "bore_volume": None,
+        "annulus_od": None,
     }
 
     has_own_od: ClassVar[bool] = True
@@ -121,6 +126,8 @@ class Item(Block):
         initial: ItemInitial | None = None
         material: Material | None = None
         nozzle_area: float | None = None
+        bore_volume: float | None = None
+        annulus_od: float | None = None
 
     name: str = Field(default="", description="name in reports; the kind when not given")
     friction: Friction | None = Field(
@@ -152,6 +159,37 @@ class Item(Block):
         if outer is None and inner and self.has_own_od:
             raise refuse("id", got=inner, want="an inner diameter together with an outer one (od)")
         return self
+
+    @model_validator(mode="after")
+    def _mud_inside(self) -> Item:
+        if self.bore_volume is not None and not self.length > 0:
+            raise refuse(
+                "bore_volume", got=self.bore_volume, want="a length of the item above 0 with a bore_volume"
+            )
+        if self.bore_volume is None and self.annulus_od is None:
+            return self
+        inside, outside = self.bore_section, self.outer_section
+        if outside and not inside < (1 - MIN_WALL_RATIO) * outside:
+            if self.bore_volume is not None:
+                most = said(outside * self.length, "volume")
+                raise refuse(
+                    "bore_volume",
+                    got=said(self.bore_volume, "volume"),
+                    want=f"less than the item displaces, {most}",
+                )
+            want = f"more than the inner diameter, {said(self.id, 'diameter')}"
+            raise refuse("annulus_od", got=said(self.annulus_od or 0.0, "diameter"), want=want)
+        return self
+
+    @property
+    def bore_section(self) -> float:
+        """Mean area of the mud inside [m2]."""
+        return math.pi / 4 * self.id**2 if self.bore_volume is None else self.bore_volume / self.length
+
+    @property
+    def outer_section(self) -> float:
+        """Mean area that displaces the mud outside [m2]; 0 of an item without a diameter."""
+        return math.pi / 4 * ((self.od if self.annulus_od is None else self.annulus_od) or 0.0) ** 2
 
     @property
     def flow_resistance(self) -> float:
@@ -225,7 +263,14 @@ class Tube(Flexible):
     material: Material = derived_default("material of this item; keys left out are the case's")
 
 
-class Pipe(Tube):
+class ToolTube(Tube):
+    """A tube that the mud may meet with other sections than those of its od and id: pipe, or a tool."""
+
+    bore_volume: BoreVolume = Field(default=None, description=_BORE_VOLUME)
+    annulus_od: Diameter | None = Field(default=None, description=_ANNULUS_OD)
+
+
+class Pipe(ToolTube):
     """A plain round tube, without tool joints."""
 
     kind: Literal["pipe"] = Field(description="plain round tube")
@@ -273,6 +318,11 @@ class Rigid(Item):
     )
     material: Material = derived_default(
         "material of this item (for its density); keys left out are the case's"
+    )
+    bore_volume: BoreVolume = Field(default=None, description=_BORE_VOLUME)
+    annulus_od: Diameter | None = Field(
+        default=None,
+        description="diameter of a cylinder of the item's length that displaces as much mud; by its metal, mass over density, when not given",
     )
 
     @model_validator(mode="after")

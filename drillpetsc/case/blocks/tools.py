@@ -9,7 +9,7 @@ from pydantic import Field, model_validator
 
 from drillpetsc.case.block import Block, derived_default
 from drillpetsc.case.blocks.joints import Joint
-from drillpetsc.case.blocks.string import Tube
+from drillpetsc.case.blocks.string import ToolTube
 from drillpetsc.case.key_paths import refuse
 from drillpetsc.case.quantities import Quantity, said
 
@@ -19,7 +19,7 @@ EDGE = 1e-3  # least distance of a tool's joint from the ends of its item [m]
 _STROKE = "[least, largest] travel between the stops, negative as the tool closes"
 
 
-class TelescopingTool(Tube):
+class TelescopingTool(ToolTube):
     """A tube of two parts that telescope: the halves are ordinary pipe of the item."""
 
     mass: Annotated[float, Quantity("kg", above=0)] | None = Field(

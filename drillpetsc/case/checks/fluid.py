@@ -7,9 +7,9 @@ import math
 from drillpetsc.case.blocks.case_blocks import CaseBlocks
 from drillpetsc.case.blocks.ends import DrivenTop, ForcedBottom
 from drillpetsc.case.blocks.fluid import Fluid
-from drillpetsc.case.blocks.string import Beam, Flexible, Rigid, Stabilizer
+from drillpetsc.case.blocks.string import Beam, Bit, Flexible, Rigid, Stabilizer
 from drillpetsc.case.key_paths import refuse
-from drillpetsc.case.quantities import largest
+from drillpetsc.case.quantities import largest, said
 
 #: a pressure above this share of the mud's bulk modulus is none of a well: compression is no longer small (manual: sec-mud-content)
 SHARE_OF_MODULUS = 0.25
@@ -76,10 +76,41 @@ def check_fluid(case: CaseBlocks) -> None:
             at = ("string", i, "pressure_loss", "coefficient")
             want = "an id of the item, whose bore the coefficient is of; or a value with its flow rate and density"
             raise refuse(*at, got=item.pressure_loss.coefficient, want=want)
+    _mud_sections(case)
     _side_nozzles(case)
     _metal_of_rigid_items(case)
     _lower_end(case)
     _bore(case)
+
+
+def _mud_sections(case: CaseBlocks) -> None:
+    """Raise where the volume of the mud in an item, or its outer diameter for the mud, cannot count."""
+    last = max(i for i, item in enumerate(case.string) if isinstance(item, Flexible))
+    for i, item in enumerate(case.string):
+        if item.bore_volume is not None and i > last:
+            hint = "below the last pipe the chamber at the bit holds the mud: fluid.bit_volume"
+            want = "no bore_volume of a rigid item below the last pipe"
+            raise refuse(
+                "string", i, "bore_volume", got=said(item.bore_volume, "volume"), want=want, hint=hint
+            )
+        if item.bore_volume is not None and not case.has_bore:
+            want = "no bore_volume where nothing flows in the string"
+            raise refuse("string", i, "bore_volume", got=said(item.bore_volume, "volume"), want=want)
+        if item.annulus_od is None:
+            continue
+        if isinstance(item, Bit):
+            hint = "the mud flows past the metal of a bit, its mass over its density"
+            raise refuse(
+                "string",
+                i,
+                "annulus_od",
+                got=said(item.annulus_od, "diameter"),
+                want="no annulus_od of a bit",
+                hint=hint,
+            )
+        if isinstance(item, Stabilizer) and item.bypass_area is not None:
+            want = "annulus_od or bypass_area, not both"
+            raise refuse("string", i, "annulus_od", got=said(item.annulus_od, "diameter"), want=want)
 
 
 def _side_nozzles(case: CaseBlocks) -> None:
@@ -111,7 +142,7 @@ def _metal_of_rigid_items(case: CaseBlocks) -> None:
     The mud flows past the volume of its metal, which would close the annulus further than the od does.
     """
     for i, item in enumerate(case.string[:-1]):
-        if isinstance(item, Rigid) and item.od is not None and item.length > 0:
+        if isinstance(item, Rigid) and item.annulus_od is None and item.od is not None and item.length > 0:
             density = (item.material or case.material).density
             most = density * item.length * math.pi / 4 * (item.od**2 - item.id**2)
             if item.mass is not None and item.mass > 1.01 * most:

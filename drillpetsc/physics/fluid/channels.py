@@ -186,6 +186,7 @@ class AnnulusWalls:
     elastic: the walls are elastic, else rigid.
     section: (n,) mean outer area of the elements with tool joints [m2]; None: that of ``outer``.
     joint_share: (n,) share of the length that tool joints have [-], joint_area: (n,) their area [m2]; None: no tool joints.
+    body: (n,) area beside which the mud flows, between tool joints [m2]; None: that of ``outer``.
     """
 
     outer: FloatArray
@@ -200,6 +201,7 @@ class AnnulusWalls:
     section: FloatArray | None = None
     joint_share: FloatArray | None = None
     joint_area: FloatArray | None = None
+    body: FloatArray | None = None
 
     def annulus(self, hole: HoleVolume, e: np.ndarray, upper: FloatArray, lower: FloatArray) -> Annulus:
         """Create the annulus of the elements ``e`` (k,) between measured depths ``upper`` and ``lower`` (k,) [m].
@@ -222,6 +224,7 @@ class AnnulusWalls:
 
         below = np.abs(lower - upper) > SHORTEST  # a joint below a rigid item has nothing but its arm
         area = mean(np.where(below, upper, top), lower)
+        tube = np.pi * outer if self.body is None else self.body[e]
         above = np.where(below & (self.rigid_above[e] > 0), mean(top, upper), area)
         if self.elastic:
             square = area / np.pi
@@ -229,8 +232,11 @@ class AnnulusWalls:
                 np.searchsorted(self.section_to, 0.5 * (upper + lower)), len(self.section_to) - 1
             )
             steel = outer / self.young[e] * ((outer + inner) / (outer - inner) - self.poisson[e])
-            wall = 2 / (square - outer) * (square * self.give[section] + steel)
-        tube = np.pi * outer
+            wall = (
+                2
+                / (square - (outer if self.body is None else tube / np.pi))
+                * (square * self.give[section] + steel)
+            )
         section = tube if self.section is None else self.section[e]
         share, joint = (None if q is None else q[e] for q in (self.joint_share, self.joint_area))
         return Annulus(section, area, wall, self.outer_above[e], tube, share, joint, above)
