@@ -15,9 +15,10 @@ RANKS = (2, 4, 8, 16, 32, 64)
 #: solves, residuals and Jacobians of a step: those of a well that turns in its hole (scripts/benchmark)
 ITERATIONS, RESIDUALS, JACOBIANS = 3.5, 4.5, 0.75
 #: s for each entry of the Jacobian, in a run whose matrices do not stay in the cache
-RESIDUAL, JACOBIAN, ASSEMBLY, SOLVE, AFTER = 0.62e-9, 2.7e-9, 1.6e-9, 0.3e-9, 1.5e-9
+RESIDUAL, JACOBIAN, ASSEMBLY, SOLVE, AFTER = 0.58e-9, 2.3e-9, 1.5e-9, 0.3e-9, 1.9e-9
 OPERATION = 0.08e-9  # s for each operation of the elimination of small blocks
-STEP, ITERATION = 250e-6, 40e-6  # s of each step and of each iteration, whatever the number of elements
+STEP = 260e-6  # s of each step, whatever the number of elements
+ITERATION = 2e-6, 25e-6  # s of each iteration: one compiled call on one rank, its parts on several
 #: sums over all ranks: of each step and of each iteration
 SUMS = 2.0, 4.0
 #: exchanges with neighbours: of each step and of each residual
@@ -88,7 +89,7 @@ class StepCounts:
 
     def time(self, ranks: int) -> float:
         """Time [s] of a step on so many ranks, each with a core of its own."""
-        return STEP + ITERATIONS * ITERATION + self.work(ranks) + self.communication(ranks)
+        return STEP + ITERATIONS * ITERATION[ranks > 1] + self.work(ranks) + self.communication(ranks)
 
     def speed_up(self, ranks: int) -> float:
         """Time on one rank over that on several."""

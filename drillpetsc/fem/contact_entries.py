@@ -17,9 +17,9 @@ _PrescribedMatrix = structure("prescribed_matrix")
 
 
 class ContactEntries:
-    """Entries of the components with contact in the Jacobian of a system on one rank.
+    """Entries of the components with contact in this rank's part of the Jacobian of a system.
 
-    ``nodes``: number of nodes of the chain.
+    ``nodes``: number of this rank's nodes.
     """
 
     def __init__(self, system: DiscreteSystem):
@@ -42,17 +42,17 @@ class ContactEntries:
             self._first.append(np.ascontiguousarray(first, dtype=np.int32))
 
     @property
-    def possible(self) -> bool:
-        """Whether contacts can be computed apart from all else, and there are any at the wall: a bit alone has another cause.
+    def at_wall(self) -> bool:
+        """Whether any contact of this rank is at the wall: a bit alone has another cause of slow convergence."""
+        return bool(self._blocks) and any(bool(touching.any()) for touching in self._at_wall)
 
-        They cannot where a prescribed motion has turned, since its rows are in the entries of other elements, too.
+    @property
+    def hindered(self) -> bool:
+        """Whether contacts of this rank cannot be computed apart from all else.
+
+        So it is where a prescribed motion has turned, since its rows are in the entries of other elements, too.
         """
-        return (
-            bool(self._blocks)
-            and any(bool(touching.any()) for touching in self._at_wall)
-            and self._asm.plain
-            and not any(f.turned for f in self._asm.row_replacements)
-        )
+        return not self._asm.plain or any(f.turned for f in self._asm.row_replacements)
 
     def replaced_record(self) -> ctypes.Array:
         """Rows that prescribed motion replaces in the blocks of contacts, for the compiled iteration."""
@@ -80,7 +80,7 @@ class ContactEntries:
     def update(self, t: float, c: tuple[float, float, float]) -> int:
         """Compute the contacts' entries of ``Assembly.jacobian(t, c, condensed=True)``, the others stay.
 
-        Returns the first node along the chain that has a changed entry, ``nodes`` where there is none.
+        Returns the first of this rank's nodes along the chain that has a changed entry, ``nodes`` where there is none.
         """
         asm = self._asm
         state = asm.weigh(c, True)

@@ -158,8 +158,9 @@ class ChainFactor:
         interfaces = self._find_interfaces(
             nodes, sizes, [owned[node_of_dof == i].tolist() for i in (0, n - 1)]
         )
-        backwards = interfaces == 1  # the last rank eliminates from the bottom up, towards its only interface
-        if backwards:
+        #: the last rank eliminates from the bottom up, towards its only interface
+        self._backwards = interfaces == 1
+        if self._backwards:
             nodes, sizes, node_of_dof, interfaces = nodes[::-1], sizes[::-1], n - 1 - node_of_dof, 2
         self.nodes, self.piece = nodes, Piece(sizes, interfaces)
         self.refine, self.pivot_tolerance, self.factorisations = refine, pivot_tolerance, 0
@@ -271,7 +272,7 @@ class ChainFactor:
     def factor(self, values: np.ndarray, start: int = 0) -> None:
         """Factor the matrix with entries ``values`` (m,); collective.
 
-        start: on one process, the first node along the chain whose entries differ from those of the last call.
+        start: the first of this rank's nodes whose entries differ from those of the last call, their number where none does.
         Raises ZeroPivot on every rank where a pivot is missing.
         """
         self.factorisations += 1
@@ -279,7 +280,9 @@ class ChainFactor:
         if values.shape != (self._entries,):
             raise ValueError(f"{values.shape} values for {self._entries} entries")
         piece = self.piece
-        failed_node = piece.factor(values, self.pivot_tolerance, start if self.comm is None else 0)
+        failed_node = -1
+        if not start or start < piece.n:
+            failed_node = piece.factor(values, self.pivot_tolerance, 0 if self._backwards else start)
         column, smallest, largest, smallest_node = piece.stats
         heads = np.array(
             [

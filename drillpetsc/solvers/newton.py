@@ -105,7 +105,8 @@ class CondensedNewton:
         self.last_iterations = 0
         self.snes = self._make_snes(prefix)
         compiled = self.direct and lag and system.comm.size == 1
-        self.contacts = ContactEntries(system) if compiled and system.has_contact else None
+        apart = self.direct and lag and system.has_contact
+        self.contacts = ContactEntries(system) if apart else None
         self.compiled = self._compiled() if compiled else None
 
     def _make_snes(self, prefix: str) -> PETSc.SNES:
@@ -251,19 +252,23 @@ class CondensedNewton:
         """The direct solver now has the present entries of the assembly."""
         self._factored, self._version = self.factor.factorisations, self.system.assembly.version
 
-    def contacts_suffice(self) -> bool:
-        """Whether contacts are the likely cause of slow convergence: they have switched, or the contraction is poor.
+    def contacts_suffice(self, contacts: ContactEntries, lag: Lag) -> bool:
+        """Whether contacts can be renewed apart and are the likely cause of slow convergence: they have switched, or the contraction
+        is poor; collective.
 
         A good contraction that takes many iterations is that of the other entries, which are old.
         """
-        lag = self.lag
-        assert lag is not None
-        return self._theta > lag.contraction or self.system.contact_signature() != lag.signature
+        switched = self.system.contact_signature() != lag.signature
+        anywhere = total(
+            self.system.comm, np.array([switched, contacts.at_wall, contacts.hindered], dtype=float)
+        )
+        switched, at_wall, hindered = (anywhere > 0.0).tolist()
+        return at_wall and not hindered and (self._theta > lag.contraction or switched)
 
     def update_contacts(self, its: int) -> bool:
         """Renew the entries of the contacts in the last factorisation, all others stay (manual: sec-time-contact-entries).
 
-        its: number of the iteration.  Returns False where that is not possible.  Raises ZeroPivot.
+        Collective.  its: number of the iteration.  Returns False where that is not possible.  Raises ZeroPivot.
         """
         asm, lag = self.system.assembly, self.lag
         if (
@@ -271,11 +276,11 @@ class CondensedNewton:
             or lag is None
             or not (lag.good and self.has_factor and self.has_entries)
             or abs(self.shift / lag.shift - 1.0) > lag.shift_change
-            or not (self.contacts_suffice() and self.contacts.possible)
+            or not self.contacts_suffice(self.contacts, lag)
         ):
             return False
         first = self.contacts.update(self.t, self.weights)
-        if first < self.contacts.nodes:
+        if first < self.contacts.nodes or self.system.comm.size > 1:
             self.factor.factor(asm.values, first)
         self.take_factor()
         lag.signature = self.system.contact_signature()
@@ -409,22 +414,25 @@ class CondensedNewton:
         newton: convergence factor [-] and shift [1/s].
         entries: entries of all ranks; shares: their number on each rank; signatures: contact signature of
         each rank.
-        directions: (k, 7, 7) what these entries leave of the rows of each prescribed motion, on one rank.
+        directions: (k, 7, 7) what these entries leave of the rows of each prescribed motion; places: their number on each rank.
         """
         lag, mpi = self.lag, self.system.comm.tompi4py()
         if lag is None or not lag.good or (self.direct and not self.has_factor):
             return {"newton": np.array([self.eta])}
         values = self.system.assembly.values
-        shares, signatures = mpi.gather(len(values)), mpi.gather(lag.signature)
-        entries = joined(mpi, values)
+        applied = np.array([f.applied for f in self.system.assembly.row_replacements]).reshape(-1, 7, 7)
+        counts = mpi.gather((len(values), lag.signature, len(applied)))
+        entries, directions = joined(mpi, values), joined(mpi, applied)
         if entries is None:
             return {}
+        shares, signatures, places = zip(*counts, strict=True)
         return {
             "newton": np.array([self.eta, lag.shift]),
             "entries": entries,
             "shares": np.array(shares),
             "signatures": np.array(signatures),
-            "directions": np.array([f.applied for f in self.system.assembly.row_replacements]),
+            "directions": directions,
+            "places": np.array(places),
         }
 
     def set_state(self, state: dict[str, np.ndarray]) -> None:
@@ -442,9 +450,11 @@ class CondensedNewton:
             return
         start = int(shares[: mpi.rank].sum())
         asm.values[:] = state["entries"][start : start + len(asm.values)]
-        if mpi.size == 1:
-            for f, directions in zip(asm.row_replacements, state.get("directions", ()), strict=False):
-                f.applied[:] = directions
+        places = state.get("places", [len(asm.row_replacements)] if mpi.size == 1 else [])
+        first = int(np.sum(places[: mpi.rank]))
+        stored = state["directions"][first:] if len(places) == mpi.size and "directions" in state else ()
+        for f, directions in zip(asm.row_replacements, stored, strict=False):
+            f.applied[:] = directions
         asm.version += 1
         self.lag.shift, self.lag.signature, self.lag.good = (
             float(state["newton"][1]),
