@@ -27,6 +27,7 @@ GAP_ROUNDING = constant("gap_rounding")  # distance over which a bit on bottom s
 STRING_UNKNOWNS = 7  # of the last node, before those of the mud
 NEAR = 2.0  # distance from the bottom up to which the mud under the bit is measured from the hole's end [m]
 RESULTS = columns("bit_flow_results")
+LIFTED = columns("bit_flow_parameters").span("lift", "head")
 NOZZLE_LENGTH = 0.1  # length over which mud speeds up in a nozzle [m]
 
 
@@ -214,13 +215,14 @@ class BitFlow(Nozzle):
         """
         if not self._moves_in_mud or not len(self._block.points):
             return
-        p, x, f = self._block.named, state.x.take(state.index_of(self._block)[0]), self.fluid
-        pressure, head = x.item(STRING_UNKNOWNS + int(self.has_link)), float(f.gravity.dot(x[:3]))
-        give = 1.0 + pressure * (p["elastic"].item(0) - 1.0 / f.bulk_modulus)
-        content = self._chamber(p, x) * give * float(np.exp(pressure / f.bulk_modulus))
-        reference, before = p["reference"].item(0), p["head"].item(0)
-        p["lift"] -= f.density * (content - reference) * 0.5 * (head + before)
-        p["reference"], p["head"] = content, head
+        head = self.fluid.gravity.dot(state.x.take(state.index_of(self._block)[0, :3]))
+        lifted = self._block.params[0, LIFTED]
+        if (
+            head == lifted[-1]
+        ):  # a state that is counted, as after a restart: its rounding is not counted again
+            return
+        results = self.element_results(state)
+        lifted[:] = results[RESULTS["potential"]], results[RESULTS["content"]], head
 
     @property
     def _moves_in_mud(self) -> bool:
