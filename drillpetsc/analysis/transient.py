@@ -193,13 +193,6 @@ def _make_integrator(model: DrillingModel, quasi: QuasiStatic | None) -> TimeInt
     _refuse_long_fixed_steps(model)
     kept, sampler, kind = _step_limits(model), sampled_control(model), generalized_alpha.integrator_class()
     if sampler is not None:
-        if generalized_alpha.selected():
-            raise CaseError(
-                at="top.control.sample",
-                got=f"{sampler.period:g} s",
-                want="a controller that samples, with BDF",
-                hint="generalised-alpha does not end its steps at a controller's samples: leave time.integrator out",
-            )
         longest = sampler.period / STEPS_PER_SAMPLE
         kept = {"ts_adapt_dt_max": min(longest, kept.get("ts_adapt_dt_max", np.inf))}
     if mud is not None and mud.dynamics == "quasi_steady":  # the mud follows the string without delay
@@ -377,6 +370,7 @@ class TransientRun:
         integrator.after_step.append(self._after_step)
         if recorder.energy is not None:
             integrator.at_jump.append(recorder.at_jump)
+            integrator.after_sample.append(recorder.after_sample)
             integrator.before_event.append(recorder.before_event)
             integrator.after_event.append(recorder.after_event)
         integrator.on_step_end.append(self._finish_step)

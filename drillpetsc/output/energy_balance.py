@@ -119,6 +119,10 @@ class EnergyBalance:
         self.dissipated += self._before_event - self._stored
         self._powers = tuple(self.system.powers(t))  # type: ignore[assignment]
 
+    def after_sample(self, t: float) -> None:
+        """Take the powers after a force has jumped: the quadrature of the next step begins with them."""
+        self._powers = tuple(self.system.powers(t))  # type: ignore[assignment]
+
     def at_jump(self, t: float) -> None:
         """Store the energy error just before a jump of a prescribed velocity."""
         self.update(t)

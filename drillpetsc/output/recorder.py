@@ -319,6 +319,12 @@ class Recorder:
         if self.energy is not None:
             self.energy.at_jump(t)
 
+    def after_sample(self, t: float) -> None:
+        """``EnergyBalance.after_sample``."""
+        self.catch_up()
+        if self.energy is not None:
+            self.energy.after_sample(t)
+
     def before_event(self, t: float) -> None:
         """``EnergyBalance.before_event``."""
         self.catch_up()

@@ -277,6 +277,19 @@ class AlphaHistory:
         _alpha_advance(self._at, pointer(self.values), self.step, step, *state, pointer(out))
         return self.with_values(step, out)
 
+    def jump(self, change: FloatArray, second: FloatArray) -> None:
+        """Let true accelerations and rates of first-order unknowns jump by ``change`` (n,), where a force does.
+
+        second: (n,) change of the second derivatives of second-order unknowns.  What the history says of a motion without the jump
+        remains, so order 2 does.
+        """
+        q, two = self.arrays, self.second_order
+        for key in ("w", "ay"):
+            q[key] += np.where(two, change, 0.0)
+        q["second"] += np.where(two, second, 0.0)
+        q["ax"] += np.where(two, second, change)
+        q["y"] += np.where(two, 0.0, change)
+
     def begun_with(self, trial: AlphaHistory) -> AlphaHistory:
         """Return this history at a start, with the derivatives of a ``trial`` first step.
 

@@ -74,6 +74,24 @@ class ConsistentStart:
         if not np.isfinite(self._largest(total)):
             raise SolveError("no accelerations fulfil the equations of motion", time=t)
 
+    def rows(self, t: float) -> FloatArray:
+        """Compute the rows (owned,) of the equations at the assembly's x, y, a and ``t`` [s], zero along prescribed motion; collective."""
+        return self._residual(t)
+
+    def response(self, t: float, change: FloatArray) -> FloatArray:
+        """Compute what the accelerations, and the rates of first-order unknowns, change by (n,) where the rows change by ``change``.
+
+        For systems without multipliers; collective.  It has the error of the regularisation, 1e-5 of its size at most.
+        """
+        asm = self.system.assembly
+        asm.freeze(asm.imposed)
+        try:
+            self._factor(t)
+            step = self._solve(change)
+        finally:
+            asm.freeze(None)
+        return np.where(self.second, -step, np.where(self.first, -REGULARISATION * step, 0.0))
+
     def jump(self, t: float) -> None:
         """Let rates jump to the prescribed ones at ``t`` [s], all others by the impulse; collective.
 

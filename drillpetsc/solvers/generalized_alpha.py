@@ -278,6 +278,7 @@ class GeneralizedAlpha(TimeIntegrator):
         near = END_TOLERANCE * max(1.0, abs(end))
         stops = sorted({b for b in breaks if start + near < b < end - near} | {end})
         jumps = {s for s in stops if any(abs(b - s) <= near for b in breaks)}
+        stops = self._with_samples(start, end, near, stops)
         self._last = start
         if self.work is not None:
             self.work.start(start)
@@ -291,8 +292,11 @@ class GeneralizedAlpha(TimeIntegrator):
                 self._change_states(t)
             self._stop, self._jump = stop, stop if stop in jumps else np.inf
             if first or at_break:
+                self._sample(t, near)
                 self._start_formula(t, keep_step=not first)
-            first, at_break = False, True
+            elif self._is_sample(t, near):
+                self._let_forces_jump(t)
+            first, at_break = False, stop in jumps
             while stop - t > END_TOLERANCE * max(1.0, abs(stop)):
                 t, h = self._step(t, self._next_step, stop)
                 if self.stopped:
@@ -328,6 +332,26 @@ class GeneralizedAlpha(TimeIntegrator):
         )
         self.newton.discard_factor()
         self.fresh, self._earlier_error = True, 1.0
+
+    def _let_forces_jump(self, t: float) -> None:
+        """Call the sampler at ``t`` [s], and let the accelerations jump by what its forces change; collective."""
+        assert self.sampler is not None
+        asm, n = self.system.assembly, self.system.layout.size
+        rows = self.begin.rows(t)
+        self.sampler(t)
+        change = self.begin.rows(t) - rows
+        if not total(self.system.comm, float(np.abs(change).max(initial=0.0))):
+            return
+        for call in self.after_sample:
+            call(t)
+        if self.system.multipliers:
+            self._begin_formula(t)
+            return
+        jump, second = self.begin.response(t, change), self.begin.second_derivative()
+        asm.a[:n] += np.where(self.alpha.second_order, jump, 0.0)
+        self.alpha.jump(jump, self.begin.second_derivative() - second)
+        self._load()
+        self.newton.discard_factor()
 
     def _restart_after_event(self, t: float) -> None:
         """Begin the formula again after a law has changed at ``t`` [s]."""

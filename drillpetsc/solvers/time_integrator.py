@@ -76,6 +76,7 @@ class TimeIntegrator:
     first_step: length of the first step [s].
     controlled(field): whether a field takes part in the error control.
     defaults: further PETSc options, below those of the user.
+    after_sample(t): called after a sampler, where the formula takes its forces to jump at ``t`` [s].
     sampler(t): called at the multiples of ``sampler.period`` [s], where a step ends, with the state before the step that follows;
     the formula does not restart there.
     inertia: whether the string has inertia; without it, forces have no power to which Newton's remainder could
@@ -94,6 +95,7 @@ class TimeIntegrator:
     before_event: list[Callable[[float], None]] = field(default_factory=list)
     on_failure: list[Callable[[], None]] = field(default_factory=list)
     after_event: list[Callable[[float], None]] = field(default_factory=list)
+    after_sample: list[Callable[[float], None]] = field(default_factory=list)
     before_solve: list[Callable[[float], None]] = field(default_factory=list)
     on_step_end: list[Callable[[float], None]] = field(default_factory=list)
     first_step: float = 1.0e-4
@@ -504,10 +506,14 @@ class TimeIntegrator:
 
     def _sample(self, t: float, near: float) -> None:
         """Call the sampler where ``t`` [s] is one of its times."""
-        if self.sampler is not None:
-            period = self.sampler.period
-            if abs(t - round(t / period) * period) <= near:
-                self.sampler(t)
+        if self.sampler is not None and self._is_sample(t, near):
+            self.sampler(t)
+
+    def _is_sample(self, t: float, near: float) -> bool:
+        if self.sampler is None:
+            return False
+        period = self.sampler.period
+        return abs(t - round(t / period) * period) <= near
 
     def _change_states(self, t: float) -> None:
         """Let components change their states where an input jumps or bends at ``t`` [s]."""

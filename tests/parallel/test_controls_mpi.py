@@ -60,6 +60,7 @@ fluid: {density: 1200 kg/m3, rheology: {model: newtonian, viscosity: 20 mPa s}, 
 """
 CASES = [
     (PYTHON, ["run"], 2, "history.csv"),
+    (PYTHON + "petsc: {ts_type: alpha2}\n", ["run"], 3, "history.csv"),
     (DRILLING + LOOP, ["linearise", "--inputs", "top.autodriller.wob", "--outputs", "hook_load"], 3, ""),
     (DRILLING + LOOP, ["campbell", "--speeds", "30,60rpm", "--count", "3"], 3, "campbell.csv"),
     (SURGE, ["surge", "--speed", "0.3 m/s", "--operation", "trip_in", "--pipe", "closed", "--dynamic"], 2, "surge.csv"),
@@ -74,7 +75,9 @@ CASES = [
 
 
 @pytest.mark.parametrize(
-    ("text", "words", "ranks", "file"), CASES, ids=["python", "loop", "campbell", "surge", "runs"]
+    ("text", "words", "ranks", "file"),
+    CASES,
+    ids=["python", "python with alpha", "loop", "campbell", "surge", "runs"],
 )
 def test_one_and_several_ranks(text, words, ranks, file, tmp_path, monkeypatch):
     """Numbers of one rank and of several agree within 1e-6 of the largest of their column."""

@@ -45,12 +45,15 @@ def laws(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
 
 
-def case(function: str, sample: float = SAMPLE, end: float = 0.5, rotation=None, **motor) -> Case:
+def case(
+    function: str, sample: float = SAMPLE, end: float = 0.5, rotation=None, string=(PIPE,), joints=(), **motor
+) -> Case:
     """Ten metres of pipe under a drive whose torque a function gives."""
     control = {"kind": "python", "function": f"laws_of_test.{function}", "sample": sample}
     speed = {"ramp": 0.05, "value": 10.0} if rotation is None else rotation
     return Case(
-        string=[PIPE],
+        string=list(string),
+        joints=list(joints),
         top=m.top(control, speed, **motor),
         gravity=0.0,
         initial={"from": "rest"},
@@ -155,9 +158,15 @@ def test_linear_analyses_leave_the_function_out_and_say_so(tmp_path):
     assert linear.system.D[1, 0] == pytest.approx(1.0)
 
 
-def test_generalised_alpha_is_refused(tmp_path):
-    """It ends no step at a sample, so the controller would be called at other times."""
-    made = case("constant")
+@pytest.mark.parametrize("joints", [[], [{"at": 0.2, "kind": "universal"}]], ids=["beam", "joint"])
+def test_generalised_alpha_jumps_with_the_torque(joints, tmp_path):
+    """A constant torque that changes its sign at 0.1 s: dw/dt = M/J, with the speed of the rigid drive at every row."""
+    short = {**PIPE, "length": 0.2, "element_length": 0.1}
+    made = case("constant", string=[short, short], joints=joints)
     alpha = made.model_copy(update={"time": made.time.model_copy(update={"integrator": "generalized_alpha"})})
-    with pytest.raises(CaseError, match="a controller that samples, with BDF"):
-        run(alpha, tmp_path / "run", progress="silent")
+    done = run(alpha, tmp_path / "run", progress="silent")
+    table = read_table(done.folder / "history.csv")
+    t, inertia = table["time [s]"], m.INERTIA + 7850 * m.POLAR * 0.4
+    exact = (1e3 * np.minimum(t, 0.1) - 500.0 * np.maximum(t - 0.1, 0.0)) / inertia
+    assert table["top_speed [rad/s]"] == pytest.approx(exact, abs=1e-5 * exact.max())
+    assert abs(done.summary["energy"]["error_share"]) < 1e-6
