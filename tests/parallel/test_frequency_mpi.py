@@ -123,3 +123,60 @@ def test_stokes_modes_and_stability_on_1_and_3_ranks(tmp_path):
         results.append(np.concatenate(found))
     for other in results[1:]:
         assert other == pytest.approx(results[0], rel=1e-6)
+
+
+@pytest.mark.parallel
+def test_critical_map_on_1_2_and_3_ranks(tmp_path):
+    """Critical speeds over the stiffness of the wall, of a body between two points of the wall, and their table of branches."""
+    from tests.verification.test_critical_map import critical, shaft
+
+    file = tmp_path / "shaft.yaml"
+    file.write_text(yaml.safe_dump(shaft()))
+    words = [
+        "campbell",
+        str(file),
+        "--speeds",
+        "10:150:35 rpm",
+        "--count",
+        "4",
+        "--kind",
+        "lateral",
+        "--lines",
+        "1",
+    ]
+    walls = np.array([1e6, 1e9])
+    results = []
+    for n in (1, 2, 3):
+        folder = tmp_path / f"ranks-{n}"
+        run_mpi(n, SCRIPT, [*words, "--stiffness", "1e6,1e9 Pa", "--out", str(folder)])
+        results.append(
+            columns(folder, "critical_map.csv", ("wall_stiffness [Pa]", "critical_rotary_speed [rpm]"))
+        )
+    stiffness, speeds = results[0]
+    for wall, expected in zip(walls, critical(walls), strict=True):
+        assert np.min(np.abs(speeds[stiffness == wall] / expected - 1)) < 5e-3
+    for other in results[1:]:
+        assert np.array_equal(other[0], stiffness)
+        assert other[1] == pytest.approx(speeds, rel=1e-6)
+
+
+@pytest.mark.parallel
+def test_response_at_a_place_on_1_2_and_3_ranks(tmp_path):
+    """A torque at an item in the middle of the string."""
+    file = tmp_path / "case.yaml"
+    string = [
+        m.drill_pipe(300.0, 30, 1e-3),
+        m.drill_pipe(200.0, 20, 1e-3, name="tool"),
+        m.drill_pipe(500.0, 50, 1e-3),
+    ]
+    file.write_text(yaml.safe_dump(m.two_part_string() | {"string": string}))
+    results = []
+    for n in (1, 2, 3):
+        folder = tmp_path / f"ranks-{n}"
+        words = ["--excite", "tool", "--amplitude", "1 kN m", "--speeds", "40,75 rpm", "--out", str(folder)]
+        run_mpi(n, SCRIPT, ["response", str(file), *words])
+        results.append(columns(folder, "response.csv", ("twist_amplitude [rad]", "torque_amplitude [N m]")))
+    assert results[0][0].max() > 0
+    for other in results[1:]:
+        for one, values in zip(results[0], other, strict=True):
+            assert values == pytest.approx(one, rel=1e-7, abs=1e-9 * np.abs(one).max())

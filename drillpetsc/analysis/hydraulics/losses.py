@@ -16,13 +16,13 @@ from drillpetsc.analysis.hydraulics.flow_model import FlowModel
 from drillpetsc.analysis.hydraulics.nozzles import bit_flow, nozzle_groups, nozzle_loss
 from drillpetsc.arrays import FloatArray
 from drillpetsc.case.blocks.well import Section
+from drillpetsc.kernels.parameters import constant
 from drillpetsc.model.fluid import build_rheology, losses_of_items
 from drillpetsc.physics.fluid.channel_flow import RESULT_NAMES, ChannelFlow
 from drillpetsc.physics.fluid.rheology import Rheology, wall_shear
 from drillpetsc.physics.tools.mud_motor import RESULTS as MOTOR_RESULTS
 
 TINY_DENSITY = 1e-300  # at which the wall shear is that of laminar flow [kg/m3]
-FLOW_ROUNDING = 1e-5  # rounds off q |q| at zero [m3/s], as kernels/fluid/bit_flow.hpp does
 TURBULENT_SPAN = 800.0  # Reynolds numbers from the end of laminar to the start of turbulent flow (API RP 13D)
 
 
@@ -334,9 +334,12 @@ def choke_loss(flow: FlowModel) -> float:
     """Compute the loss of the choke at the flow line [Pa]; 0 without one."""
     annulus = flow.fluid.annulus
     out = None if annulus is None else annulus.outflow(flow.system.assembly)
-    if annulus is None or out is None:
+    if annulus is None or out is None or not annulus.choke:
         return 0.0
-    return float(annulus.choke * flow.fluid.constants.density * out * np.hypot(out, FLOW_ROUNDING))
+    slow = min(
+        constant("flow_rounding"), constant("jet_rounding") / np.sqrt(2 * annulus.choke)
+    )  # as kernels do
+    return float(annulus.choke * flow.fluid.constants.density * out * np.hypot(out, slow))
 
 
 def loss_rows(flow: FlowModel) -> list[Loss]:

@@ -19,6 +19,7 @@ def check_steering(case: CaseBlocks) -> None:
             "kind",
             got="rss",
             want=f"one steerable tool in a string, that of string[{tools[0]}]",
+            hint="its tool face, steering inputs and columns are those of one tool; a second constant side force is one of loads",
         )
     for number in tools:
         if case.hold_string:

@@ -13,6 +13,7 @@
 namespace dp {
 
 constexpr double FLOW_ROUNDING = 1e-5;  // rounds off q |q| at zero [m3/s]
+constexpr double JET_ROUNDING = 0.025;  // speed v_0 that rounds off q |q| at zero [m/s]; a nozzle of any size keeps its law
 constexpr double VALVE_ROUNDING = 3e-7; // flow over which a check valve opens: far below any forward flow [m3/s]
 constexpr double GAP_ROUNDING = 1e-3;   // distance over which a bit on bottom stops displacing mud [m]
 constexpr double VALVE_CLOSED = 1e4;    // factor on the resistance of a check valve to back flow
@@ -135,6 +136,9 @@ struct AnnulusTop {
     }
 };
 
+// Flow rate that rounds off q |q| of a choke [m3/s]: v_0 C_d A of a small one; loss: 1/(2 C_d^2 A^2) [1/m4].
+inline double choke_rounding(double loss) { return std::fmin(FLOW_ROUNDING, JET_ROUNDING / std::sqrt(2.0 * loss)); }
+
 // Pressure that a valve at the flow line holds against the outflow -q, added to the row that gives the upper node of the annulus its pressure.
 struct Choke {
     static constexpr int D = 2, NSPIN = 0;  // pressure of the upper node, flow rate of the first element
@@ -144,7 +148,8 @@ struct Choke {
     template <class T, class S>
     static void force(int, const T* x, const T*, const T*, const S* p, void* context, T* r) {
         const Fluid& f = *static_cast<const Fluid*>(context);
-        r[0] = x[1] * sqrt(x[1] * x[1] + FLOW_ROUNDING * FLOW_ROUNDING) * (p[LOSS] * f.density * GIVEN_PRESSURE * MASS_ROW);
+        const double slow = choke_rounding(p[LOSS]);
+        r[0] = x[1] * sqrt(x[1] * x[1] + slow * slow) * (p[LOSS] * f.density * GIVEN_PRESSURE * MASS_ROW);
         r[1] = T(0.0);
     }
 };
@@ -160,7 +165,8 @@ struct MovingChoke {
         const Fluid& f = *static_cast<const Fluid*>(context);
         const T in = x[8] + (y[0] * p[DIRECTION] + y[1] * p[DIRECTION + 1] + y[2] * p[DIRECTION + 2]) * p[AREA];
         for (int k = 0; k < D; k++) r[k] = T(0.0);
-        r[7] = in * sqrt(in * in + FLOW_ROUNDING * FLOW_ROUNDING) * (p[LOSS] * f.density * GIVEN_PRESSURE * MASS_ROW);
+        const double slow = choke_rounding(p[LOSS]);
+        r[7] = in * sqrt(in * in + slow * slow) * (p[LOSS] * f.density * GIVEN_PRESSURE * MASS_ROW);
     }
 };
 

@@ -67,6 +67,8 @@ DP_EXPORT(bit_flow_results, BitFlowResultsText)
 DP_EXPORT(seal_results, SealResultsText)
 DP_EXPORT(side_nozzle_results, SideNozzleResultsText)
 DP_CONSTANT(gap_rounding, GAP_ROUNDING)
+DP_CONSTANT(flow_rounding, FLOW_ROUNDING)
+DP_CONSTANT(jet_rounding, JET_ROUNDING)
 
 // for tests: the friction of elements side by side, n values each (a multiple of four)
 extern "C" void wall_shears_of_packs(const double* law, int n, const double* w, const double* d, double alpha, const double* density, double* stress, double* slope,

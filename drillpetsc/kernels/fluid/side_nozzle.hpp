@@ -10,8 +10,6 @@
 
 namespace dp {
 
-constexpr double JET_ROUNDING = 0.025;  // speed v_0 that rounds off q |q| at zero [m/s]; a nozzle of any size keeps its law
-
 // Power lost [W], flow out of the string [m3/s], kinetic energy [J], speed of the jets [m/s].
 DP_RECORD(SideNozzleResults, double lost, flow, kinetic, jet;)
 
