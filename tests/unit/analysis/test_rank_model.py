@@ -32,6 +32,15 @@ def test_speed_up_is_below_the_number_of_ranks(elements, entries, block):
         assert 0.0 < counts.speed_up(ranks) < ranks
 
 
+@pytest.mark.parametrize(
+    "elements, string, one, two",
+    [(225, DRY, 0.554, 1.045), (600, WET, 6.94, 4.99), (2400, WET, 28.8, 18.35), (4800, WET, 52.4, 32.7)],
+)
+def test_speed_ups_are_those_that_were_measured(elements, string, one, two):
+    """Wall time [ms] of a step on one and on two ranks with a core each (manual: sec-parallel-model), to 15 %."""
+    assert StepCounts(elements, *string).speed_up(2) == pytest.approx(one / two, rel=0.15)
+
+
 def test_long_strings_reach_the_limit_of_the_work():
     """Two ranks: the busier one has UNEVEN times half of the work; more ranks eliminate with fill besides."""
     counts = StepCounts(10**8, *WET)
