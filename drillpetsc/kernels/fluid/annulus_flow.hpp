@@ -175,15 +175,6 @@ struct AnnulusFlow {
         const T head = (dot(on.above, tw) * gw + p[LEVEL]) * f.density;  // at the hole's axis, wherever in the hole the string is held
         rows<RESULTS>(x, y, c, p, f, volume, swept1 * (c.theta * L), swept2 * (c.theta * L), head + p[CONTROLLED], q, mass * flow + momentum + resistance, r, results);
         if constexpr (RESULTS) energies(on, y, c, p, f, area, M, across, w, wall, V, tau.pull, resistance, q, drag, (swept1 + swept2) * L, (p1 + p2) * 0.5, volume, p1, p2, results);
-        if constexpr (RESULTS && JUNCTION) {  // the mud beside the rigid item, which the row of momentum has
-            const S space = p[HOLE_ABOVE] - p[OUTER_ABOVE];
-            const T beside = q / (thick * space) + dot(on.y.r1, tw);
-            results->kinetic += 0.5 * c.density * space * p[RIGID] * beside * beside;
-            // its height is that of the item, not of the element; buoyancy across the hole acts at the item's end (rows)
-            const T higher = dot(on.above - on.x.r2, tw) * 0.5, give = (p1 + p2) * 0.5 * p[WALL];
-            results->potential -= c.density * (1.0 + give) * space * p[RIGID] * gw * higher;
-            results->potential += c.density * p[OUTER_ABOVE] * p[RIGID] * (dot(on.x.r1, g - tw * gw) - p[LEVEL]);
-        }
     }
 
     // of the mud: half m (w + V)^2 along, M_a |P(V + c r_s)|^2/2 across; weight at the hole's axis, less what the pipe displaces sideways
