@@ -149,6 +149,7 @@ class SolveError(DrillError):
     element: number of the element
     measured_depth: place on the string [m]
     item: name of the item of the string there
+    place: the measured depth as text, in the units of the case; in m when not given
     hint: a likely cause or cure
     """
 
@@ -163,9 +164,10 @@ class SolveError(DrillError):
         measured_depth: float | None = None,
         hint: str = "",
         item: str = "",
+        place: str = "",
     ) -> None:
         super().__init__()
-        self.item = item
+        self.item, self.place = item, place
         self.what = what
         self.time = time
         self.component = component
@@ -182,7 +184,8 @@ class SolveError(DrillError):
         if self.element is not None:
             where.append(f"element {self.element}")
         if self.measured_depth is not None:
-            where.append(f"at MD {self.measured_depth:.6g} m" + (f" ({self.item})" if self.item else ""))
+            place = self.place or f"{self.measured_depth:.6g} m"
+            where.append(f"at MD {place}" + (f" ({self.item})" if self.item else ""))
         lines = [self.what]
         if where:
             lines.append("  where:   " + ", ".join(where))

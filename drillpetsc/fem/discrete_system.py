@@ -24,6 +24,7 @@ from drillpetsc.fem.string_mesh import StringMesh
 from drillpetsc.geometry.frames import Frames
 from drillpetsc.kernels import function, pointer
 from drillpetsc.parallel import total
+from drillpetsc.unit_systems import System, shown
 
 _gather = function("chain_gather", "ippp")
 _load_step, _store_step = function("load_step", "ippppdpppp"), function("store_step", "ippippppp")
@@ -47,6 +48,7 @@ class DiscreteSystem:
     ):
         self.mesh, self.frames, self.components = mesh, frames, tuple(components)
         self.item_names: tuple[str, ...] = ()  # of the items of the string, for messages
+        self.units: System = "SI"  # of the case, for messages
         # the two nodes of a joint have one depth: with joints the chain is ordered by node number instead
         self.chain = build_chain(
             np.arange(mesh.nodes, dtype=float) if mesh.joints else mesh.node_depth, comm or PETSc.COMM_WORLD
@@ -256,6 +258,7 @@ class DiscreteSystem:
         if not self._serial:
             largest = max(self.comm.tompi4py().allgather(largest))
         place = {"component": largest[1], "element": largest[2], "measured_depth": largest[3]}
+        place["place"] = shown(largest[3], "length", self.units, 6)
         items = self.mesh.item
         if self.item_names and len(items):
             place["item"] = self.item_names[items[min(max(largest[2], 0), len(items) - 1)]]

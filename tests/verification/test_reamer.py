@@ -202,3 +202,50 @@ def test_bad_reamers_are_refused(change, words):
         Case(**case)
     for word in words:
         assert word in str(error.value)
+
+
+def statics_hole(sections: list[tuple[float, float]], **reamer) -> dict:
+    """The case of ``reaming`` without a formation, with contact; sections: (end, diameter) [m]."""
+    case = reaming(0.2159, 0.2667, 30e6, 0.6, 120, 0.0, 48e3, "dynamic", contact={})
+    del case["formation"]
+    case["string"][1] |= reamer
+    case["well"]["sections"] = [
+        {"to": to, "kind": "open_hole", "diameter": diameter, "friction": 0.0} for to, diameter in sections
+    ]
+    return case
+
+
+@pytest.mark.parametrize(
+    ("sections", "reamer", "words"),
+    [
+        ([(53.7, 0.2667), (60, 0.2159)], {}, ()),
+        # cutters open below a narrower casing, and worn blades may be 1/16 in above the hole
+        ([(40, 0.24), (53.7, 0.2667), (60, 0.2159)], {"body_od": 0.2}, ()),
+        ([(53.7, 0.2667 - 1.5e-3), (60, 0.2159)], {}, ()),
+        (
+            [(60, 0.2159)],
+            {},
+            ("string[1].od", "1/16 in above the diameter of the open hole", "well.sections[0]"),
+        ),
+        ([(53.0, 0.2667), (60, 0.2159)], {}, ("string[1].od", "at 53 m", "well.sections[1]")),
+        (
+            [(40, 0.22), (53.7, 0.2667), (60, 0.2159)],
+            {"body_od": 0.23},
+            ("string[1].body_od", "0.22 m", "body passes"),
+        ),
+    ],
+)
+def test_a_reamer_in_a_hole_narrower_than_itself(sections, reamer, words):
+    """Refused where the body has passed, and where the blades stand."""
+    case = statics_hole(sections, **reamer)
+    if "body_od" in reamer:
+        del case["string"][1]["mass"]
+        case["string"][1]["blade_length"] = 0.4
+        case["string"][1]["blade_position"] = 0.2
+    if not words:
+        Case(**case)
+        return
+    with pytest.raises(CaseError) as error:
+        Case(**case)
+    for word in words:
+        assert word in str(error.value)

@@ -10,14 +10,13 @@ from drillpetsc.case.blocks.ends import PointLoad
 from drillpetsc.case.blocks.reamer import Reamer
 from drillpetsc.case.blocks.string import Beam, Bit, Body, Stabilizer, Tube
 from drillpetsc.case.blocks.well import Well
-from drillpetsc.case.catalogue.sizes import INCH
 from drillpetsc.case.checks.drilling import check_drilling, check_time
 from drillpetsc.case.checks.fluid import check_fluid, check_held_string
 from drillpetsc.case.checks.hoist import check_hoist
 from drillpetsc.case.checks.joints import check_joints
 from drillpetsc.case.checks.limits import check_quaternion, check_size
 from drillpetsc.case.checks.motor import check_motor
-from drillpetsc.case.checks.reamer import check_reamer
+from drillpetsc.case.checks.reamer import BLADE_OVER_HOLE, check_reamer
 from drillpetsc.case.checks.sensors import check_sensors
 from drillpetsc.case.checks.steering import check_steering
 from drillpetsc.case.checks.window import check_window
@@ -26,7 +25,6 @@ from drillpetsc.case.quantities import said
 from drillpetsc.unit_systems import System
 
 LENGTH_TOLERANCE = 1e-6  # [m] sums of item lengths
-BLADE_OVER_HOLE = INCH / 16  # [m] by which blades may be larger than the hole of a case
 
 
 def check_case(case: CaseBlocks) -> None:

@@ -6,9 +6,11 @@ from drillpetsc.case.blocks.case_blocks import CaseBlocks
 from drillpetsc.case.blocks.ends import BitBottom
 from drillpetsc.case.blocks.reamer import Reamer
 from drillpetsc.case.blocks.string import Bit
+from drillpetsc.case.catalogue.sizes import INCH
 from drillpetsc.case.key_paths import refuse
 from drillpetsc.case.quantities import said
 
+BLADE_OVER_HOLE = INCH / 16  # [m] by which blades may be larger than the hole of a case
 SAME = 1e-6  # [m] diameters closer than this are equal
 TOUCHING = 1e-3  # [m] cutters deeper than the shoulder by more than this stand in rock
 LEAST_PILOT = 1.0  # [m] between cutters and bit
@@ -40,6 +42,8 @@ def _check(case: CaseBlocks, number: int, below: int) -> None:
     if item.od <= size + SAME:
         want = f"more than the diameter of {name}, {width}"
         raise refuse("string", number, "od", got=item.od, want=want, hint="kind: stabilizer does not cut")
+    if case.contact is not None or case.has_annulus:
+        _body_passes(case, number)
     if case.formation is None or case.well is None:
         return
     wide = [k for k, q in enumerate(case.well.sections) if q.diameter >= item.od - SAME]
@@ -86,3 +90,34 @@ def _cutters(case: CaseBlocks, number: int) -> float:
     item = case.string[number]
     assert isinstance(item, Reamer)
     return case.item_depths[number][0] + sum(item.touching)
+
+
+def _body_passes(case: CaseBlocks, number: int) -> None:
+    """Raise where the hole down to the reamer of ``number`` is narrower than its body, or than the blades that stand in it.
+
+    Cutters open below a narrower casing: the hole above need not be as wide as they are.
+    """
+    item, units = case.string[number], case.output.units or case.units
+    if case.well is None:
+        return
+    assert isinstance(item, Reamer) and item.od is not None
+    start, end = case.item_depths[number]
+    down = 0.0
+    if isinstance(case.bottom, BitBottom) and case.initial.wob is not None and case.top.force is None:
+        down = case.well.survey.md[-1] - case.string_length
+    lower = _cutters(case, number) + down
+    upper = lower - item.touching[1]
+    body, key = (item.id, "id") if item.body_od is None else (item.body_od, "body_od")
+    top = 0.0
+    for n, section in enumerate(case.well.sections):
+        kind, width = section.kind.replace("_", " "), said(section.diameter, "diameter", units)
+        at = f"the {kind} at {said(top, 'length', units)}, {width}"
+        hint = f"or another well.sections[{n}].diameter"
+        if body > section.diameter + SAME and top < end + down - TOUCHING:
+            want = f"at most the diameter of {at}, through which the body passes"
+            raise refuse("string", number, key, got=said(body, "diameter", units), want=want, hint=hint)
+        inside = top < lower - TOUCHING and section.to > max(upper, start) + TOUCHING
+        if inside and item.od > section.diameter + BLADE_OVER_HOLE:
+            want = f"at most 1/16 in above the diameter of {at}, in which its blades stand"
+            raise refuse("string", number, "od", got=said(item.od, "diameter", units), want=want, hint=hint)
+        top = section.to

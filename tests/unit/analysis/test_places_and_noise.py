@@ -35,6 +35,23 @@ def test_a_place_is_a_measured_depth_with_the_item():
     assert "at MD 45 m (drill collar)" in text
 
 
+@pytest.mark.parametrize(("output", "place"), [({}, "147.638 ft"), ({"units": "metric"}, "45 m")])
+def test_a_place_is_in_the_units_of_the_case(output, place):
+    """45 m = 147.638 ft, unless the output of the case of field units is asked for in metres."""
+    pipe, collar = (
+        item | {"length": f"{item['length']} m", "element_length": "5 m"} for item in (PIPE, COLLAR)
+    )
+    for item in (pipe, collar):
+        item |= {key: f"{item[key]} m" for key in ("od", "id")}
+    model = build_model(Case(units="field", string=[pipe, collar], top={"kind": "top_drive"}, output=output))
+    place_along_hole(model)
+    x = model.system.field("string.position").copy()
+    x[-1] += [0.0, 0.0, 0.5]
+    model.system.set_field("string.position", x)
+    text = str(SolveError("no way", **model.system.locate_largest_residual(0.0)))
+    assert f"at MD {place} (drill collar)" in text
+
+
 def test_commands_can_be_pasted():
     assert "--out 'my runs/a' --restart" in str(Interrupted("SIGTERM", 1.0, "my runs/a"))
     summary = {"title": "", "elements": 1, "unknowns": 1, "ranks": 1, "simulated": 1.0, "wall_seconds": 1.0}
