@@ -69,7 +69,7 @@ def check_restart(
     if changes and not accept_changes:
         raise CaseError(
             file=folder.checkpoint,
-            got="changed since the checkpoint: " + provenance.listed(changes),
+            got="changed since the checkpoint (numbers in SI units): " + provenance.listed(changes),
             want="the case, the PETSc options and the drillpetsc of the run; "
             f"only {', '.join(provenance.FREE_KEYS)} may change",
             hint="--accept-changes continues nevertheless; --overwrite begins anew"
