@@ -59,7 +59,10 @@ def test_a_changed_case_is_refused_with_the_changed_keys(change, words, done, tm
     with pytest.raises(CaseError) as refusal:
         restarted(done, tmp_path, text)
     message = str(refusal.value)
-    assert all(word in message for word in [*words, "--accept-changes", "changed since the checkpoint (numbers in SI units)"])
+    assert all(
+        word in message
+        for word in [*words, "--accept-changes", "changed since the checkpoint (numbers in SI units)"]
+    )
     assert "time.end:" not in message.split("allowed:")[0]
     assert files(tmp_path / "run") == files(done)
 
