@@ -26,10 +26,6 @@ def check_reamer(case: CaseBlocks) -> None:
 def _check(case: CaseBlocks, number: int, below: int) -> None:
     """Raise where the reamer of ``number`` does not fit.  below: number of the item that cuts its pilot hole."""
     item, cutter, units = case.string[number], case.string[below], case.output.units or case.units
-
-    def length(value: float) -> str:
-        return said(value, "length", units)
-
     assert isinstance(item, Reamer) and item.od is not None
     if not isinstance(case.string[-1], Bit):
         raise refuse("string", number, "kind", got="reamer", want="a bit below the reamer, as the last item")
@@ -42,10 +38,23 @@ def _check(case: CaseBlocks, number: int, below: int) -> None:
     if item.od <= size + SAME:
         want = f"more than the diameter of {name}, {width}"
         raise refuse("string", number, "od", got=item.od, want=want, hint="kind: stabilizer does not cut")
+    if case.formation is not None and case.well is not None:
+        _check_pilot_hole(case, number, below, name)
     if case.contact is not None or case.has_annulus:
         _body_passes(case, number)
-    if case.formation is None or case.well is None:
-        return
+
+
+def _check_pilot_hole(case: CaseBlocks, number: int, below: int, name: str) -> None:
+    """Raise where a reamer that drills has no pilot hole.  name: of the item ``below`` that cuts it."""
+    item, cutter, units = case.string[number], case.string[below], case.output.units or case.units
+
+    def length(value: float) -> str:
+        return said(value, "length", units)
+
+    assert (
+        isinstance(item, Reamer) and item.od is not None and cutter.od is not None and case.well is not None
+    )
+    size, width = cutter.od, said(cutter.od, "diameter", units)
     wide = [k for k, q in enumerate(case.well.sections) if q.diameter >= item.od - SAME]
     pilot = len(case.well.sections) - 1
     reached = {k for k, q in enumerate(case.well.sections) if q.diameter >= size - SAME}
