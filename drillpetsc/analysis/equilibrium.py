@@ -10,6 +10,7 @@ import numpy as np
 from drillpetsc.analysis.coarse_start import coarse_factor, coarse_model, place_like, whole_model
 from drillpetsc.analysis.energy_descent import START_INCREMENT, Snapshot, coarse_elements, too_coarse
 from drillpetsc.analysis.flow_coupling import couple_flow_and_string, surge_rates
+from drillpetsc.analysis.folded_elements import refuse_folded
 from drillpetsc.analysis.friction_newton import from_lateral_start, reach
 from drillpetsc.analysis.march import CRUSHING_STRAIN, March, helix_band, march
 from drillpetsc.analysis.path_answer import PathKind
@@ -117,6 +118,7 @@ def director_equilibrium(
                 )
             report.negative_pivots, report.singular = max(0, count), count < 0
             problem.impose(reached)
+    refuse_folded(model)
     _reactions(model, solver)
     model.system.assembly.freeze(None)
     beyond = _beyond_bottom(model)

@@ -6,6 +6,7 @@ unstrained along the hole, so that mud, pressure, rigid items and loads are cont
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -15,6 +16,7 @@ from drillpetsc.analysis.placement import top_depth
 from drillpetsc.analysis.resting_shape import Beam
 from drillpetsc.analysis.slider_travel import travels
 from drillpetsc.arrays import FloatArray
+from drillpetsc.case.blocks.ends import HeldBottom
 from drillpetsc.fem.string_mesh import StringMesh
 from drillpetsc.model.drilling_model import DrillingModel
 from drillpetsc.model.hole import hole_depth
@@ -342,7 +344,8 @@ def march(
     motion: axial velocity [m/s, down positive] and rotation [rad/s] that friction opposes.
     coils: the string coils where the push suffices; otherwise it stays straight in the hole.
     wob: weight on bit [N]; None takes that of the case.  Under a top that is held, and without a weight in the case, the
-    weight is what the string leaves on the bottom that it stands on, whatever ``wob`` is.
+    weight is what the string leaves on the bottom that it stands on, whatever ``wob`` is.  An end that is clamped or
+    pinned stays at its place.
     rates: of a steady motion that the mud sees, as of ``nodal_loads``.
     The string must lie unstrained along the hole, its top at ``top_depth``.  Collective; the same on all ranks.
     """
@@ -351,6 +354,9 @@ def march(
     marcher, case, start = _Marcher(model, motion, coils, rates), model.case, top_depth(model)
     weight = (case.initial.wob or 0.0) if wob is None else wob
     if model.bit is None:
+        held = isinstance(case.bottom, HeldBottom) and case.bottom.kind != "free"
+        if held and model.top is not None and case.top.force is None:
+            return _between_held_ends(marcher, start)
         return marcher.result(-weight, weight, start)
     if case.top.force is not None:
         bottom = _bottom_force(marcher.column)
@@ -394,7 +400,7 @@ def helix_band(
 
 def _standing(marcher: _Marcher, top: float) -> March:
     """The march of a string whose held top, at measured depth ``top`` [m], lets its bit stand on the bottom or hang above it."""
-    model, mesh, low = marcher.model, marcher.model.mesh, 0.0
+    model, mesh = marcher.model, marcher.model.mesh
     assert model.bit is not None
     bit, end = model.bit, hole_depth(model.case) - (mesh.total_length - mesh.node_depth[-1])
 
@@ -403,26 +409,49 @@ def _standing(marcher: _Marcher, top: float) -> March:
         found = marcher.result(-weight, weight, top)
         return end + bit.depth_for(weight) - float(found.measured_depth[-1]), found
 
-    miss_low, found = gap_under(low)
-    if miss_low >= 0:
+    gap, found = gap_under(0.0)
+    return found if gap >= 0 else _closed(gap_under, gap, found, mesh)
+
+
+def _between_held_ends(marcher: _Marcher, top: float) -> March:
+    """The march of a string whose ends are both held: the push on its lower end is what leaves that end at its place."""
+    end = float(marcher.depth[-1])
+
+    def gap_under(push: float) -> tuple[float, March]:
+        """Distance [m] from the string's end down to where it is held, and the march under ``push`` [N]."""
+        found = marcher.result(-push, 0.0, top)
+        return end - float(found.measured_depth[-1]), found
+
+    gap, found = gap_under(0.0)
+    return _closed(gap_under, gap, found, marcher.model.mesh)
+
+
+def _closed(
+    gap_under: Callable[[float], tuple[float, March]], gap: float, found: March, mesh: StringMesh
+) -> March:
+    """The march under the push [N] (negative: pull) at the lower end that closes the gap [m] below it.
+
+    gap, found: without a push.  The gap grows with the push.
+    """
+    if gap == 0.0:
         return found
     most = 2 * CRUSHING_STRAIN * float(mesh.axial_stiffness[~mesh.is_joint].max())
-    high = -miss_low / axial_compliance(mesh)
-    miss_high, found = gap_under(high)
-    while miss_high < 0:
-        if high > most:
+    near, miss_near, far = 0.0, gap, -gap / axial_compliance(mesh)
+    miss_far, found = gap_under(far)
+    while miss_far * gap > 0:
+        if abs(far) > most:
             return found  # no push shortens the string that much
-        low, miss_low, high = high, miss_high, 2 * high
-        miss_high, found = gap_under(high)
+        near, miss_near, far = far, miss_far, 2 * far
+        miss_far, found = gap_under(far)
     for _ in range(MAX_STANDING_ROUNDS):  # regula falsi with the Illinois rule
-        middle = (low * miss_high - high * miss_low) / (miss_high - miss_low)
+        middle = (near * miss_far - far * miss_near) / (miss_far - miss_near)
         miss, found = gap_under(middle)
-        if abs(miss) <= STANDING_TOLERANCE or high - low <= 1e-6 * high:
+        if abs(miss) <= STANDING_TOLERANCE or abs(far - near) <= 1e-6 * abs(far):
             break
-        if miss < 0:
-            low, miss_low, miss_high = middle, miss, 0.5 * miss_high
+        if miss * gap > 0:
+            near, miss_near, miss_far = middle, miss, 0.5 * miss_far
         else:
-            high, miss_high, miss_low = middle, miss, 0.5 * miss_low
+            far, miss_far, miss_near = middle, miss, 0.5 * miss_near
     return found
 
 

@@ -530,6 +530,8 @@ class TransientRun:
             self.recorder.catch_up()
         else:  # another rank may not come here; after an error of all ranks nothing waits
             self.recorder.forget_waiting()
+        if error is None and self.t > self.start:
+            self.recorder.end_at(self.t)
         if error is not None and self.mpi.size == 1:
             self.writer.write_samples(self.control)
         self.writer.close()

@@ -7,11 +7,12 @@ import math
 from drillpetsc.case.blocks.case_blocks import CaseBlocks
 from drillpetsc.case.blocks.fluid import Bingham, Casson, Newtonian, Rheology
 from drillpetsc.case.blocks.tools import ShockSub
-from drillpetsc.case.plausible_operations import casings, flows, readings, torques
+from drillpetsc.case.plausible_operations import casings, flows, intervals, readings, torques
 from drillpetsc.case.plausible_string import (
     beyond_curves,
     beyond_lower_part,
     listed_upwards,
+    lumped_masses,
     pumping_valves,
     short_of_hole,
     standing_bit,
@@ -109,7 +110,14 @@ def plausibility(case: CaseBlocks) -> list[str]:
                 doubt(f"string[{i}].od", f"{item.od * 1e3:.4g} mm", "metres without their unit?")
     out += [*short_of_hole(case), *listed_upwards(case), *beyond_lower_part(case), *pumping_valves(case)]
     out += beyond_curves(case)
-    out += [*torques(case), *flows(case), *casings(case), *standing_bit(case)]
+    out += [
+        *torques(case),
+        *flows(case),
+        *intervals(case),
+        *lumped_masses(case),
+        *casings(case),
+        *standing_bit(case),
+    ]
     if case.roadmap is not None and case.roadmap.measured:
         hole = None if case.well is None else case.well.survey.md[-1]
         out += readings(case.roadmap.measured, hole, case.output.units or "metric")

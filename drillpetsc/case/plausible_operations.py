@@ -48,6 +48,16 @@ def _small(at: str, torque: float, units: System) -> str:
     return f"{at} is {number}: hardly a torque of a drillstring{hint}"
 
 
+def intervals(case: CaseBlocks) -> list[str]:
+    """Say that the history has its first row only, since its interval is longer than the run."""
+    every = case.output.history_every
+    if case.time is None or every is None or every <= case.time.end:
+        return []
+    return [
+        f"output.history_every is {every:g} s: longer than the run of {case.time.end:g} s, whose history has the row at time 0 only"
+    ]
+
+
 def flows(case: CaseBlocks) -> list[str]:
     """Say that a flow rate is far outside of what the size of the bit takes."""
     bit, units = case.string[-1], case.output.units or "metric"

@@ -18,6 +18,24 @@ ONE_JOINT = (
 )
 STEEP = math.radians(60)  # inclination above which drill pipe is usual in compression
 STEEL = 7850.0  # [kg/m3]
+LEAST_MASS, MOST_MASS = 0.01, 20.0  # of a rigid item, over that of a cylinder of steel [-]
+
+
+def lumped_masses(case: CaseBlocks) -> list[str]:
+    """Say which rigid items weigh far more, or less, than steel of their size: tonnes and kilograms mistaken.
+
+    A bit that stands for the collars above it, of some times its own weight, is usual in models and is not named.
+    """
+    out = []
+    for i, item in enumerate(case.string):
+        if not isinstance(item, Rigid) or not item.mass or not item.od or not item.length > 0:
+            continue
+        steel = STEEL * item.length * math.pi / 4 * item.od**2
+        if not LEAST_MASS < item.mass / steel < MOST_MASS:
+            out.append(
+                f"string[{i}].mass is {item.mass:g} kg: a cylinder of steel of this size has {steel:.3g} kg; another unit?"
+            )
+    return out
 
 
 def short_of_hole(case: CaseBlocks) -> list[str]:

@@ -82,6 +82,7 @@ class Recorder:
         self.probes = Probes(model)
         self.mud = FlowRecorder(model.system, model.fluid) if model.fluid is not None else None
         self.energy = None if is_quasi_static(model.case) else EnergyBalance(model.system)
+        self._energies_at: float | None = None  # time [s] of the last row for which energies were taken
         self.mass = MassBalance() if self.mud is not None else None
         self.sensors = Sensors(model, self.mud) if model.case.output.sensors else None
         self._row = Row()
@@ -218,6 +219,7 @@ class Recorder:
             return
         if self.energy is not None:
             self.energy.update(t)
+            self._energies_at = t
         self._keep_rows(times, dt, newton)
 
     @property
@@ -286,6 +288,7 @@ class Recorder:
             if step.rows:
                 if self.energy is not None:
                     self.energy.take(energies[k])
+                    self._energies_at = step.time
                 times += step.rows
                 rows += [len(taken[0]) - 1] * len(step.rows)
                 self._note_rows(step.rows, step.length, step.newton)
@@ -293,6 +296,12 @@ class Recorder:
         if times and self._keeps:
             self._kept.append(between(*taken, np.array(times), np.array(rows), self._motion))
         self._event.end()
+
+    def end_at(self, t: float) -> None:
+        """Take the energies at the end of the run, ``t`` [s], where no row was due; collective."""
+        if self.energy is not None and self._energies_at != t:
+            self.energy.update(t)
+            self._energies_at = t
 
     def forget_waiting(self) -> None:
         """Drop the steps that wait: their outputs are lost."""

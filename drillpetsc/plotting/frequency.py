@@ -251,7 +251,7 @@ def draw_response(folder: Path, title: str) -> Any:
             marker = "." if rows.sum() < 60 else None
             axes.plot(
                 speed[rows],
-                np.where(values > 0, values, np.nan),
+                np.where(values > 0, values, np.nan) / unit,
                 color=color,
                 marker=marker,
                 linewidth=1.3,
@@ -263,7 +263,16 @@ def draw_response(folder: Path, title: str) -> Any:
             axes.axvline(rpm, color="0.3", linewidth=0.9, linestyle=(0, (4, 2)))
         axes.set(yscale="log", ylabel=f"{label} [{text}]")
         axes.grid(True, which="major", color="0.9", linewidth=0.6)
-    tracks[0].legend(frameon=False, fontsize=8, loc="center left", bbox_to_anchor=(1.0, 0.5))
+    lines = {line.get_label(): line for axes in tracks for line in axes.get_legend_handles_labels()[0]}
+    listed = [name for name in names if name in lines]  # of all panels: a place may not move in the first
+    tracks[0].legend(
+        [lines[name] for name in listed],
+        listed,
+        frameon=False,
+        fontsize=8,
+        loc="center left",
+        bbox_to_anchor=(1.0, 0.5),
+    )
     tracks[-1].set_xlabel("Rotary speed [rpm]   (x: beyond the linear result; dashed: infinite)")
     drawing.tight_layout(rect=(0, 0, 1, top))
     return drawing

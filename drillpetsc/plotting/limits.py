@@ -143,7 +143,9 @@ def _limits(table: Table, title: str, summary: dict[str, Any], system: System) -
     _cap(grid[0, 1], table["torque_limit [N m]"], table["torque [N m]"], depth, "torque", system)
     torque = table["torque [N m]"]
     if np.nanmin(torque, initial=0.0) > -1e-3 * np.nanmax(np.abs(torque), initial=0.0):
-        grid[0, 1].set_xlim(left=0.0)
+        most = 1.1 * float(np.nanmax(torque, initial=0.0)) / display_unit("torque", system, plot=True)[0]
+        if most > 0:  # a constant torque would lie on the edge
+            grid[0, 1].set_xlim(0.0, max(most, grid[0, 1].get_xlim()[1]))
     drawing.tight_layout(rect=(0, 0, 1, top))
     return drawing
 

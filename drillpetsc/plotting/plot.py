@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import os
 import re
+import textwrap
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
@@ -42,6 +43,7 @@ from drillpetsc.unit_systems import System
 from drillpetsc.unit_systems import display_unit as display_unit_of
 
 Table = dict[str, np.ndarray]
+LABEL_WIDTH = 26  # characters in one line below a panel of the pictures along depth
 WIDEST_LEGEND = 66  # characters in one line above a panel
 
 
@@ -409,8 +411,10 @@ def _probes(table: Table, clearances: tuple[np.ndarray, np.ndarray] | None, titl
         axes.margins(x=0.0)
         axes.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0), frameon=False, fontsize=8.5)
         axes.ticklabel_format(axis="y", useOffset=False)
-        if style.is_noise(column, np.concatenate(list(group.values()))):
-            axes.set_ylim(-1.0, 1.0)
+        together = np.concatenate(list(group.values()))
+        limits = style.limits_of_level(together / size, style.is_noise(column, together))
+        if limits is not None:
+            axes.set_ylim(*limits)
     axes.set_xlabel("time [s]")
     drawing.tight_layout(rect=(0, 0, 1, top))
     return drawing
@@ -439,12 +443,16 @@ def _along_depth(table: Table, title: str) -> Any:
             axes.fill_betweenx(
                 depth, np.minimum(values, 0.0), 0.0, color=LINE_COLORS[1], alpha=0.35, linewidth=0
             )
-            axes.set_title("compression shaded", fontsize=8.5, color=LINE_COLORS[1])
-        axes.set_xlabel(label(name, unit))
+            # in the panel: above it stands the heading
+            axes.text(
+                0.97, 0.01, "compression shaded", fontsize=8.5, color=LINE_COLORS[1], ha="right", transform=axes.transAxes,
+            )  # fmt: skip
+        axes.set_xlabel(textwrap.fill(label(name, unit), LABEL_WIDTH))
         axes.locator_params(axis="x", nbins=4)
         axes.ticklabel_format(axis="x", useOffset=False)
-        if style.is_noise(name, table[name]):
-            axes.set_xlim(-1.0, 1.0)
+        limits = style.limits_of_level(values, style.is_noise(name, table[name]))
+        if limits is not None:
+            axes.set_xlim(*limits)
     for axes in grid.reshape(-1)[len(numbers) :]:
         axes.remove()
     for axes in grid[:, 0]:

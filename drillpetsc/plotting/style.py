@@ -201,10 +201,26 @@ def heading(drawing: Any, text: str) -> float:
     """
     width, height = drawing.get_size_inches()
     lines = textwrap.wrap(text, max(int((width - 0.4) / 0.105), 20))
-    text_box = drawing.suptitle("\n".join(lines), x=0.02, ha="left", fontweight="bold", fontsize=12)
+    # its place in inches: a share of a tall drawing would lie within the first panels
+    above = 1.0 - 0.1 / float(height)
+    text_box = drawing.suptitle("\n".join(lines), x=0.02, y=above, ha="left", fontweight="bold", fontsize=12)
     text_box.set_parse_math(False)  # a title may have a $
     text_box.set_in_layout(False)  # the height returned leaves its place free
     return 1.0 - (0.25 + 0.2 * len(lines)) / float(height)
+
+
+def limits_of_level(values: np.ndarray, noise: bool) -> tuple[float, float] | None:
+    """Ends of an axis for values that are one constant, or rounding (``noise``); None for others.
+
+    The ticks of a narrower axis would differ in their seventh digit.
+    """
+    finite = values[np.isfinite(values)]
+    if noise or (finite.size and not finite.any()):
+        return -1.0, 1.0
+    if not finite.size or not np.ptp(finite) < 1e-6 * np.abs(finite).max():
+        return None
+    middle, half = 0.5 * (finite.max() + finite.min()), 1e-3 * np.abs(finite).max()
+    return float(middle - half), float(middle + half)
 
 
 def level(axes: Any, values: np.ndarray, noise: bool) -> None:
@@ -216,10 +232,6 @@ def level(axes: Any, values: np.ndarray, noise: bool) -> None:
     power = axes.yaxis.get_offset_text()
     axes.yaxis.set_offset_position("right")
     power.set_horizontalalignment("right")
-    if noise:
-        axes.set_ylim(-1.0, 1.0)
-        return
-    finite = values[np.isfinite(values)]
-    if finite.size and np.ptp(finite) < 1e-6 * np.abs(finite).max():
-        middle, half = 0.5 * (finite.max() + finite.min()), 1e-3 * np.abs(finite).max()
-        axes.set_ylim(middle - half, middle + half)
+    limits = limits_of_level(values, noise)
+    if limits is not None:
+        axes.set_ylim(*limits)

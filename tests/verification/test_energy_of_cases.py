@@ -91,3 +91,28 @@ def test_a_string_at_rest_gains_nothing(tmp_path, inclination):
     energy = run(case, tmp_path / "run", progress="silent").summary["energy"]
     assert not energy["flag"]
     assert abs(energy["error_share"]) < 0.005
+
+
+@pytest.mark.parametrize("every", [0.3, 10.0])
+def test_energies_are_those_of_the_end_where_no_row_of_the_history_is(tmp_path, every):
+    """Of a run of 0.5 s with rows every 0.3 s, or none but the first, the balance is that with a row at the end.
+
+    It was that of the last row, whose error is zero where the first row is the only one.
+    """
+    case = load_case(CASES / "study-hanging-string.yaml")
+    found = []
+    for interval in (0.5, every):
+        changed = {
+            "time": case.time.model_copy(update={"end": 0.5}),
+            "output": case.output.model_copy(
+                update={"history_every": interval, "field_every": 20.0, "probes": ()}
+            ),
+            "petsc": {**case.petsc, "ts_rtol": 1e-3, "ts_adapt_type": "none", "ts_dt": 5e-3},
+        }
+        out = tmp_path / f"{interval:g}"
+        found.append(run(case.model_copy(update=changed), out, progress="silent").summary["energy"])
+    at_end, other = found
+    assert abs(at_end["error"]) > 1e-9 * abs(at_end["strain"])
+    for key in ("kinetic", "strain", "potential"):
+        assert other[key] == pytest.approx(at_end[key], rel=1e-9)
+    assert other["error"] == pytest.approx(at_end["error"], rel=1e-3)

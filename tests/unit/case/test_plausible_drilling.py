@@ -158,3 +158,24 @@ def test_a_bit_that_nothing_turns_is_doubted(changes, doubted):
     """Lowered onto rock that only a turning bit drills, the string would be pushed without end."""
     lines = [line for line in doubts(**SLIDING | changes) if "drills nothing" in line]
     assert len(lines) == doubted
+
+
+def test_a_mass_in_another_unit_is_doubted():
+    """A bit of 60 t, or of 60 g, is named beside the mass of a steel cylinder; one of 60 kg and a lumped one are not."""
+
+    def said(mass: str) -> list[str]:
+        bit = {**USUAL["string"][-1], "mass": mass}
+        return [line for line in doubts(string=[*USUAL["string"][:-1], bit]) if "mass" in line]
+
+    assert said("60 kg") == said("1000 kg") == []
+    for mass, number in (("60 t", "60000 kg"), ("60 g", "0.06 kg")):
+        (line,) = said(mass)
+        assert line.startswith(f"string[3].mass is {number}") and "87.6 kg" in line
+
+
+def test_a_history_interval_beyond_the_run_is_doubted():
+    """Its history has one row."""
+    time = {"end": "2 s"}
+    (line,) = [q for q in doubts(time=time, output={"history_every": "5 s"}) if "history" in q]
+    assert line.startswith("output.history_every is 5 s") and "2 s" in line
+    assert not [q for q in doubts(time=time, output={"history_every": "2 s"}) if "history" in q]

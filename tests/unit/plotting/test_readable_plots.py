@@ -10,7 +10,7 @@ import pytest
 from drillpetsc import Case, run
 from drillpetsc.analysis.modal import run_modes
 from drillpetsc.plotting.hole_path import well_path
-from drillpetsc.plotting.plot import _histories, _orbits, plot
+from drillpetsc.plotting.plot import _along_depth, _histories, _orbits, plot
 from drillpetsc.plotting.style import is_noise
 from drillpetsc.plotting.view import view
 
@@ -80,3 +80,35 @@ def test_the_plan_of_a_vertical_hole_says_so() -> None:
     table = {"md [m]": np.arange(3.0), "north [m]": zeros, "east [m]": zeros, "tvd [m]": np.arange(3.0)}
     texts = [text.get_text() for axes in well_path(table, "title").axes for text in axes.texts]
     assert any("vertical hole" in text for text in texts)
+
+
+def _along_depth_of(columns: dict[str, np.ndarray], rows: int = 50):
+    """The picture along depth of columns of statics.csv (rows,)."""
+    return _along_depth({"md [m]": np.linspace(0.0, 1000.0, rows), **columns}, "case")
+
+
+def test_constants_along_depth_are_not_drawn_at_the_scale_of_their_rounding() -> None:
+    """A torque of 4.6 kN m with a rounding of 1e-9 of it is a straight line; a column of zeros is in the middle."""
+    wave = np.sin(np.arange(50.0))
+    drawing = _along_depth_of({"torque [N m]": 4600 * (1 + 1e-9 * wave), "side_force [N]": 0 * wave})
+    torque, zeros = drawing.axes
+    low, high = torque.get_xlim()
+    assert high - low > 1e-3 * high
+    assert zeros.get_xlim() == (-1.0, 1.0)
+
+
+def test_the_heading_of_a_tall_picture_is_above_its_panels() -> None:
+    """Eighteen columns in three rows: the heading ends above the upper panels and within the picture."""
+    wave = np.sin(np.arange(50.0))
+    drawing = _along_depth_of({"axial_force [N]": wave, **{f"column_{k} [N]": wave for k in range(17)}})
+    drawing.canvas.draw()
+    renderer = drawing.canvas.get_renderer()
+    heading = drawing._suptitle.get_window_extent(renderer)
+    assert heading.y1 <= drawing.bbox.y1
+    for axes in drawing.axes:
+        assert axes.get_tightbbox(renderer).y1 <= heading.y0
+        for other in drawing.axes:
+            if other is not axes:
+                assert not axes.xaxis.label.get_window_extent(renderer).overlaps(
+                    other.xaxis.label.get_window_extent(renderer)
+                )

@@ -1,0 +1,94 @@
+"""Statics of a string in its hole that is held at both ends, such as one that is stuck (manual: sec-verif-statics-torque-drag).
+
+A string that its own weight stretches by decimetres must not carry that stretch into its lowest element.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from scipy.optimize import brentq
+
+from drillpetsc import Case
+from drillpetsc.analysis.folded_elements import backwards, refuse_folded
+from drillpetsc.analysis.initial_state import find_equilibrium
+from drillpetsc.analysis.statics import static_summary
+from drillpetsc.errors import SolveError
+from drillpetsc.model.drilling_model import build_model
+
+AREA, BENDING, YOUNG = 3.4047325e-3, 1.2240289e6, 206e9  # [m2], [N m2], [Pa]
+WEIGHT, CLEARANCE = 242.0, 0.04445  # [N/m], [m]
+
+
+def held_string(length: float, inclination: float, bottom: str) -> Case:
+    """Drill pipe of 127 x 108.6 mm over the whole straight hole of 215.9 mm, without friction; inclination [deg]."""
+    angle = float(np.radians(inclination))
+    pipe = {"kind": "pipe", "od": 0.127, "id": 0.1086, "length": length}
+    return Case(
+        well={
+            "survey": {"md": [0.0, length], "inclination": [angle, angle], "azimuth": [0.0, 0.0]},
+            "sections": [{"to": length, "kind": "open_hole", "diameter": 0.2159, "friction": 0.0}],
+        },
+        string=[{**pipe, "material": {"density": WEIGHT / 9.81 / AREA}}],
+        top={"kind": "clamped"},
+        bottom=bottom,
+        gravity=9.81,
+    )
+
+
+@pytest.mark.parametrize("bottom", ["clamped", "pinned"])
+def test_a_long_string_coils_between_its_ends(bottom):
+    """Hook load of a vertical string between held ends, by the stretch of its weight and the shortening of its helix.
+
+    Its length is unchanged: the integral of F/EA over the string is that of the shortening r^2 |F|/4EI over the helix
+    (Lubinski, Althouse and Logan 1962).  The upper end of the helix where it snakes shortens a little less: 1 %.
+    """
+    length = 1800.0  # the lowest element is as long as the string stretches by its weight
+    model = build_model(held_string(length, 0.0, bottom))
+    state = find_equilibrium(model)
+    weight = WEIGHT * length
+
+    def left(top: float) -> float:
+        stretch = (top - 0.5 * weight) * length / (YOUNG * AREA)
+        push = weight - top
+        return stretch - CLEARANCE**2 / (4 * BENDING) * push**2 / (2 * WEIGHT)
+
+    exact = brentq(left, 0.0, weight)
+    assert static_summary(model, state)["hook_load"] == pytest.approx(exact, rel=0.01)
+
+
+@pytest.mark.parametrize("bottom", ["clamped", "pinned"])
+def test_a_lying_string_pushes_on_its_lower_end_with_half_its_weight(bottom):
+    """A string at 60 degrees that does not buckle hangs with half of its weight on each end.
+
+    Its ends are held on the axis: the way to the wall, about r^2/2 of 15 m twice, pulls with 0.2 kN more.
+    """
+    length = 600.0
+    model = build_model(held_string(length, 60.0, bottom))
+    state = find_equilibrium(model)
+    assert state.stable
+    half = 0.5 * WEIGHT * length * np.cos(np.radians(60.0))
+    assert static_summary(model, state)["hook_load"] == pytest.approx(half, rel=1e-2)
+
+
+def test_an_element_that_runs_backwards_is_found():
+    """Elements of 2 m: straight, bent by 120 degrees, compressed by a half, and with the lower node above the upper one."""
+    down, across = np.array([0.0, 0.0, 1.0]), np.array([0.0, 1.0, 0.0])
+    slope = np.array([0.0, np.sin(np.radians(120.0)), np.cos(np.radians(120.0))])
+    chord = np.array([2 * down, 1.6 * (down + slope), 1.0 * down, -0.6 * down, 0.1 * across])
+    above = np.tile(down, (5, 1))
+    below = np.array([down, slope, down, down, down])
+    assert backwards(chord, above, below, np.full(5, 2.0)).tolist() == [False, False, False, True, True]
+
+
+def test_a_state_with_an_element_that_runs_backwards_is_refused():
+    """The lower end of a string is moved to above its neighbour: the state is refused, with the place."""
+    model = build_model(held_string(100.0, 0.0, "clamped"))
+    find_equilibrium(model)
+    refuse_folded(model)
+    position = model.system.field("string.position").copy()
+    position[-1, 2] = 2 * position[-2, 2] - position[-1, 2]
+    model.system.set_field("string.position", position)
+    with pytest.raises(SolveError, match="runs backwards") as caught:
+        refuse_folded(model)
+    assert caught.value.element == model.mesh.nodes - 2
