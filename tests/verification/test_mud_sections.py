@@ -156,7 +156,7 @@ MOVING = {
 }
 
 
-@pytest.mark.parametrize("kind", ["pipe", "shock_sub"])
+@pytest.mark.parametrize("kind", ["pipe", "body", "shock_sub"])
 def test_mass_and_energy_of_a_run(kind: str, tmp_path: Path) -> None:
     summary = dp.run(case(KINDS[kind] | SECTIONS, **MOVING), tmp_path / "run", progress="silent").summary
     assert abs(summary["energy"]["error_share"]) < 1e-3

@@ -103,6 +103,22 @@ struct AnnulusFlow {
         }
     }
 
+    // The mud beside the rigid item above the element, which has the flow of the element.  It passes the pressure of its own weight, inertia and
+    // friction on to the item, whatever the pressures at the element below do; wall friction pulls the item along (manual: sec-mud-annulus-string).
+    template <class T>
+    struct Beside {
+        T open, resistance, rise, pull;  // rise: pressure at the item's lower end less that at the upper one [Pa]; pull: against the hole's direction [N]
+        Beside() : open(0.0), resistance(0.0), rise(0.0), pull(0.0) {}
+        template <class R, class S>
+        Beside(const R& on, const Compressed<T>& c, const S* p, const Fluid& f, const T& q, const T& flow, const Vec<S>& tw, const S& gw) {
+            open = c.density * (1.0 / f.density) * (p[HOLE_ABOVE] - p[OUTER_ABOVE]);
+            const T tau = shear(f, q / open + dot(on.y.r1, tw) * (1.0 - f.clinging), c.density, p[GAP_ABOVE], 1.0);
+            resistance = tau * (p[RIGID] * 4.0 / p[GAP_ABOVE]);
+            rise = c.density * (dot(on.x.r1 - on.above, tw) * gw - dot(on.a.r1, tw) * p[RIGID]) - flow * (c.density * p[RIGID] / open) - resistance;
+            pull = tau * (p[RIGID] * 3.14159265358979324) * sqrt(p[OUTER_ABOVE] * (4.0 / 3.14159265358979324));
+        }
+    };
+
     template <bool RESULTS, class R, class T, class S>
     static void moving(const R& on, const T* x, const T* y, const Compressed<T>& c, const S* p, const Fluid& f, const T& p1, const T& p2, const T& q,
                        const T& flow, T* r, FlowResultsOf<T>* results) {
@@ -140,22 +156,23 @@ struct AnnulusFlow {
         const StringShear<T> tau = string_shear<AnnulusFlow>(f, w, sheared, T(V - V * f.clinging), c.density, p);
         T resistance = tau.loss * (lam * L * 4.0 / p[GAP]), mass = c.density * lam * lam * L / area, volume = content * L;
         T momentum = c.density * w * dot(d_rate, tw) + c.density * lam * L * V1 - c.density * gw * dot(on.x.r2 - on.above, tw);
-        const T gradient = (p2 - p1) * (S(1.0) / (L + p[RIGID]));
         const Vec<T> weight = (g - tw * gw) * (c.density * lam), bend = vec(p + BEND) * (c.density * lam * wall * wall);
         const Vec<T> side = (weight - bend) * outer;  // buoyancy across the hole, less what guides the flow round its bends
+        Beside<T> beside = {};
         if constexpr (JUNCTION) {
-            const T open = thick * (p[HOLE_ABOVE] - p[OUTER_ABOVE]);
-            resistance += shear(f, q / open + V * (1.0 - f.clinging), c.density, p[GAP_ABOVE], 1.0) * (p[RIGID] * 4.0 / p[GAP_ABOVE]);
-            mass += c.density * p[RIGID] / open;
+            beside = Beside<T>(on, c, p, f, q, flow, tw, gw);
+            resistance += beside.resistance;
+            mass += c.density * p[RIGID] / beside.open;
             momentum += c.density * p[RIGID] * dot(on.a.r1, tw);
             volume += T(0.0) + (p[HOLE_ABOVE] - p[OUTER_ABOVE]) * p[RIGID];
         }
+        const T gradient = (p2 - p1 - beside.rise) * il;
         // static part: pressure along the hole and buoyancy across
         const T along = gradient * outer - tau.pull * (p[DIAMETER] * 3.14159265358979324);
         const Vec<T> at1 = tw1 * along, at2 = tw2 * along;
         Four<T> F4 = {(at1 * 0.35 + at2 * 0.15 + side * 0.5) * L - Qd, (at1 * 0.05 + at2 * (1.0 / 30) + side * (1.0 / 12)) * (L * L) + Q1,
                       (at1 * 0.15 + at2 * 0.35 + side * 0.5) * L + Qd, (at1 * (-1.0 / 30) - at2 * 0.05 - side * (1.0 / 12)) * (L * L) + Q2};
-        if constexpr (JUNCTION) F4.r1 += (tw1 * gradient + (g - tw * gw) * c.density) * (p[OUTER_ABOVE] * p[RIGID]);
+        if constexpr (JUNCTION) F4.r1 += tw * (beside.rise * p[OUTER_ABOVE] - beside.pull) + (g - tw * gw) * (c.density * p[OUTER_ABOVE] * p[RIGID]);
         // motion across the hole
         const T M = c.density * lam * (p[CHI] * AO);
         const T drag = tau.drag * (p[DIAMETER] * 3.14159265358979324), damping = drag + p[DAMPING];
@@ -174,7 +191,23 @@ struct AnnulusFlow {
         r[13] = (y[13] * 2.0 + y[6]) * (p[TURNING] * L * (1.0 / 6));
         const T head = (dot(on.above, tw) * gw + p[LEVEL]) * f.density;  // at the hole's axis, wherever in the hole the string is held
         rows<RESULTS>(x, y, c, p, f, volume, swept1 * (c.theta * L), swept2 * (c.theta * L), head + p[CONTROLLED], q, mass * flow + momentum + resistance, r, results);
-        if constexpr (RESULTS) energies(on, y, c, p, f, area, M, across, w, wall, V, tau.pull, resistance, q, drag, (swept1 + swept2) * L, (p1 + p2) * 0.5, volume, p1, p2, results);
+        if constexpr (RESULTS) {
+            energies(on, y, c, p, f, area, M, across, w, wall, V, tau.pull, resistance - beside.resistance, q, drag, (swept1 + swept2) * L, (p1 + p2) * 0.5, volume, p1, p2, results);
+            if constexpr (JUNCTION) energies_beside(on, c, p, f, q, beside, (p1 + p2) * 0.5 * p[WALL], tw, results);
+        }
+    }
+
+    template <class R, class T, class S, class B>
+    static void energies_beside(const R& on, const Compressed<T>& c, const S* p, const Fluid& f, const T& q, const B& beside, const T& give,
+                                const Vec<S>& tw, FlowResultsOf<T>* results) {
+        const Vec<double> g = vec(f.gravity);
+        const S gw = dot(g, tw), space = p[HOLE_ABOVE] - p[OUTER_ABOVE];
+        const T V = dot(on.y.r1, tw), wall = q / beside.open + V;
+        results->kinetic += 0.5 * c.density * space * p[RIGID] * wall * wall;
+        // its height is that of the item, not of the element; buoyancy across the hole acts at the item's end (rows)
+        results->potential -= c.density * (1.0 + give) * space * p[RIGID] * gw * (dot(on.above - on.x.r2, tw) * 0.5);
+        results->potential += c.density * p[OUTER_ABOVE] * p[RIGID] * (dot(on.x.r1, g - tw * gw) - p[LEVEL]);
+        results->dissipated += beside.resistance * (q * f.density / c.density + V * space) - beside.pull * V;
     }
 
     // of the mud: half m (w + V)^2 along, M_a |P(V + c r_s)|^2/2 across; weight at the hole's axis, less what the pipe displaces sideways

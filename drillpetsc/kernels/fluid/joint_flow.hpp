@@ -102,13 +102,14 @@ struct AnnulusJoint : AnnulusFlow<false, false> {
         const ArmRide<T> on(x, y, a, arm);
         const T way = dot(on.rB - on.rA, tw), gap = dot(on.rB - on.rE, tw), rod_rate = dot(on.vE - on.vA, tw), gap_rate = dot(on.vB - on.vE, tw);
         const T V = dot(on.vA + on.vE, tw) * 0.5, V1 = dot(on.aA + on.aE, tw) * 0.5;
-        // the arm's buoyancy along and across the hole, half at either of its ends
-        const T along = (p2 - p1 - c.density * gw * gap) * (AO * 0.5);
+        const T open = c.density * (1.0 / f.density) * (AW - AO), w = q / open, volume = way * AW - AO * arm;
+        const T tau = shear(f, w + V * (1.0 - f.clinging), c.density, p[GAP_ABOVE], 1.0), resistance = tau * (arm * 4.0 / p[GAP_ABOVE]);
+        const T pull = tau * (arm * 3.14159265358979324) * sqrt(AO * (4.0 / 3.14159265358979324));
+        // the arm's buoyancy along and across the hole and wall friction, half at either of its ends
+        const T along = (p2 - p1 - c.density * gw * gap) * (AO * 0.5) - pull * 0.5;
         const T displaced = c.density * (AO * arm * 0.5);
         const Vec<T> push = tw * along + side * displaced, none = {T(0.0), T(0.0), T(0.0)};
         on.store(push, push, none, arm, r);
-        const T open = c.density * (1.0 / f.density) * (AW - AO), w = q / open, volume = way * AW - AO * arm;
-        const T resistance = shear(f, w + V * (1.0 - f.clinging), c.density, p[GAP_ABOVE], 1.0) * (arm * 4.0 / p[GAP_ABOVE]);
         const T mass = c.density * arm / open;
         const T momentum = mass * flow + c.density * arm * V1 - c.density * gw * way + resistance;
         const T swept1 = (rod_rate * AW + V * (p[WIDENING] * arm)) * 0.5, swept2 = swept1 + gap_rate * AW;
@@ -119,7 +120,7 @@ struct AnnulusJoint : AnnulusFlow<false, false> {
             const T across = dot(on.rA + on.rE, side) * 0.5, travel = gap * AW;
             results->kinetic = 0.5 * c.density * (AW - AO) * arm * wall * wall;
             results->potential = -c.density * ((volume - travel) * (gw * middle + p[LEVEL]) + travel * (gw * below + p[LEVEL])) + displaced * 2.0 * (across - p[LEVEL]);
-            results->dissipated += resistance * (carried + V * (AW - AO));
+            results->dissipated += resistance * (carried + V * (AW - AO)) - pull * V;
             results->left_out = T(0.0);
             results->speed = w;
         }
