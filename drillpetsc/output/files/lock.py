@@ -139,6 +139,8 @@ def _is_alive(owner: dict[str, Any]) -> bool:
         return False
     except PermissionError:  # somebody else's process
         pass
+    if _state(owner["pid"])[:1] in (["Z"], ["X"]):  # it has ended, but nobody has asked for its exit status
+        return False
     return owner.get("started") in (
         None,
         _started(owner["pid"]),
@@ -148,7 +150,15 @@ def _is_alive(owner: dict[str, Any]) -> bool:
 def _started(pid: int) -> int | None:
     """When a process began, in the system's own count; None where it is unknown."""
     try:
-        text = Path(f"/proc/{pid}/stat").read_text(encoding="utf-8", errors="replace")
-        return int(text.rpartition(")")[2].split()[19])  # field 22 of proc(5)
-    except (OSError, ValueError, IndexError):
+        return int(_state(pid)[19])  # field 22 of proc(5)
+    except (ValueError, IndexError):
         return None
+
+
+def _state(pid: int) -> list[str]:
+    """Fields of proc(5), stat, from the third on; none where the system tells nothing."""
+    try:
+        text = Path(f"/proc/{pid}/stat").read_text(encoding="utf-8", errors="replace")
+    except OSError:
+        return []
+    return text.rpartition(")")[2].split()

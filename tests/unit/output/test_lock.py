@@ -63,6 +63,17 @@ def test_the_lock_of_a_killed_process_is_taken_over(tmp_path: Path) -> None:
     lock.release(tmp_path)
 
 
+def test_the_lock_of_a_killed_process_that_nobody_asked_for_is_taken_over(tmp_path: Path) -> None:
+    """A rank whose launcher was killed, too, keeps its number until its new parent asks how it ended."""
+    first = holder(tmp_path)
+    os.kill(first.pid, signal.SIGKILL)
+    os.waitid(os.P_PID, first.pid, os.WEXITED | os.WNOWAIT)  # has ended, and still has its number
+    lock.take(tmp_path)
+    assert json.loads((tmp_path / lock.NAME).read_text())["pid"] == os.getpid()
+    lock.release(tmp_path)
+    first.communicate()
+
+
 def test_a_number_that_has_gone_to_another_process_is_not_the_owner(tmp_path: Path) -> None:
     """Process 1 lives as long as the machine, but did not begin at that moment."""
     owner = {"host": socket.gethostname(), "pid": 1, "started": -5, "since": "2001-01-01 10:00:00"}
