@@ -23,10 +23,12 @@ from drillpetsc.analysis.steady_flow import fluid_unknowns, freeze_flow, steady_
 from drillpetsc.analysis.top_on_wall import balance_across
 from drillpetsc.errors import CaseError, SolveError
 from drillpetsc.model.drilling_model import DrillingModel
+from drillpetsc.output.outside_hole import HINT, may_leave_hole, refuse_outside
 from drillpetsc.solvers.static_newton import CONVERGED_INCREMENT, Equilibrium, StaticNewton
 from drillpetsc.unit_systems import System, display, display_unit
 
 BEYOND_BOTTOM = 1e-3  # distance below the end of the hole that is reported [m]
+SLANTED = 1e-3  # horizontal part of the string's direction from which on a string without contact may fall out of its hole
 FIRST_FLOW_INCREMENT = 1e-2  # of the flow from which flow and string are solved together
 #: axial direction (down positive) and rotation of each motion of the `statics` command
 MOTIONS = {"hoist": (-1.0, 0.0), "lower": (1.0, 0.0), "rotate": (0.0, 1.0)}
@@ -99,7 +101,12 @@ def director_equilibrium(
     if path is not None:
         answer_by_path(problem, path)
     else:
-        reached = _newton_with_flow(problem)
+        try:
+            reached = _newton_with_flow(problem)
+        except SolveError as error:
+            if may_leave_hole(model) and float(np.abs(model.tangent[:, :2]).max()) > SLANTED:
+                error.hint = HINT
+            raise
     if state.path is None:
         placed = found is None or not found.top_on_wall or model.top is None
         placed = placed or balance_across(model, solver, report)
@@ -119,6 +126,7 @@ def director_equilibrium(
             report.negative_pivots, report.singular = max(0, count), count < 0
             problem.impose(reached)
     refuse_folded(model)
+    refuse_outside(model)
     _reactions(model, solver)
     model.system.assembly.freeze(None)
     beyond = _beyond_bottom(model)

@@ -48,6 +48,7 @@ from drillpetsc.output.creep import creep_warnings
 from drillpetsc.output.energy_balance import EnergyGainMonitor
 from drillpetsc.output.indices import indices
 from drillpetsc.output.motion_classes import MotionClasses
+from drillpetsc.output.outside_hole import HoleMonitor
 from drillpetsc.output.progress import Progress, Receiver, check_progress
 from drillpetsc.output.recorder import Recorder
 from drillpetsc.output.result import RunResult
@@ -339,10 +340,13 @@ class TransientRun:
         self.boiling = BoilingMonitor(
             self.model.system, self.model.fluid, self.case.output.units or "metric", top_depth(self.model)
         )
+        self.in_hole = HoleMonitor(self.model)
         if self.saved is not None:
             self.boiling.set_notes(self.saved.notes.get("boiling", {}))
+            self.in_hole.set_notes(self.saved.notes.get("outside", {}))
         else:
             self.boiling.update(0.0)
+            self.in_hole.update(0.0)
         self.classes = MotionClasses(self.model, 0.5 * self.end) if self.watch_motion else None
         self.whirl = WhirlSteps(self.model)
         self.newton, self.moving_since = 0, self.began
@@ -470,8 +474,10 @@ class TransientRun:
         if recorder.sensors is not None and recorder.sensors.step(t, dt, integrator.fresh):
             writer.write_samples(self.control)
         self.boiling.update(t)
+        self.in_hole.update(t)
         if self.due:
             self.boiling.share()
+            self.in_hole.share()
         self.t, self.newton = t, newton
 
     def _finish_step(self, t: float) -> None:
@@ -512,8 +518,10 @@ class TransientRun:
         """Write a checkpoint; collective."""
         self.recorder.catch_up()
         self.boiling.share()
+        self.in_hole.share()
         self.writer.write_samples(self.control)
         self.notes["last_row"], self.notes["boiling"] = self.writer.last_row, self.boiling.get_notes()
+        self.notes["outside"] = self.in_hole.get_notes()
         c = checkpoint.take(self.model, self.recorder, self.integrator, t, self.notes)
 
         def put() -> None:
@@ -560,7 +568,7 @@ class TransientRun:
             self._warn(said)
         if self.classes is not None:
             result["motion"] = self.classes.summary()
-        result["warnings"] = [*result["warnings"], *self.boiling.warnings()]
+        result["warnings"] = [*result["warnings"], *self.boiling.warnings(), *self.in_hole.warnings()]
         if self.recorder.sensors is not None:
             result["sensors"] = self.recorder.sensors.summary()
             result["warnings"] += self.recorder.sensors.warnings()

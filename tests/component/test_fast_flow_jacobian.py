@@ -57,7 +57,7 @@ def _elements(
     p["step"], p["loss"] = rng.uniform(-2.0, 2.0, (count, 2)).T
     p["control"][0], p["controlled"][0] = 1.0, 0.7
     if kernel == "annulus_flow":
-        p["widening"] = rng.uniform(-0.5, 0.5, count)
+        p["widening"], p["shoulder"] = rng.uniform(-0.5, 0.5, count), rng.uniform(-5.0, 5.0, count)
     if seed % 2:
         p["poisson"] = 0.0
     spin, a = rng.standard_normal(asm.spin_gradient.shape), asm.a + 0.3 * rng.standard_normal(asm.a.size)

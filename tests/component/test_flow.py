@@ -9,7 +9,7 @@ import pytest
 from drillpetsc.physics.fluid.channel_flow import RESULT_NAMES, FluidConstants
 from drillpetsc.physics.fluid.rheology import Rheology
 from tests.helpers.component_models import GRAVITY, SHIFT, dense, residual
-from tests.helpers.flow_models import KINDS, build
+from tests.helpers.flow_models import KINDS, build, give_shoulders
 
 
 def stiff_fluid() -> FluidConstants:
@@ -22,6 +22,7 @@ def test_condensed_jacobian_matches_central_differences(kind):
     """Every block of every flow kernel against fourth-order differences, relative to the largest entry of its
     row."""
     system, t = build(kind), 0.4
+    give_shoulders(system)
     asm, n = system.assembly, system.layout.size
     free = np.eye(n)
     for f in asm.row_replacements:

@@ -22,6 +22,7 @@ from drillpetsc.physics.fluid.hermite.flow import WINDOW, HermiteAnnulus, Hermit
 from drillpetsc.physics.fluid.rheology import Rheology
 from drillpetsc.time_function import Constant, PiecewiseLinear, Ramp
 from tests.helpers.component_models import GRAVITY, SECTION, SHIFT, dense, residual
+from tests.helpers.flow_models import give_shoulders
 
 KINDS = (
     "pipe",
@@ -132,6 +133,7 @@ def test_condensed_jacobian_matches_central_differences(kind):
     """Every block of every kernel against fourth-order differences, relative to the largest entry of its
     row."""
     system, t = build(kind), 0.4
+    give_shoulders(system)
     asm, n = system.assembly, system.layout.size
     free = np.eye(n)
     for f in asm.row_replacements:

@@ -23,6 +23,7 @@ from drillpetsc.physics.fluid.rheology import Rheology
 from drillpetsc.physics.joints import Joints
 from drillpetsc.time_function import Constant, Ramp
 from tests.helpers.component_models import GRAVITY, SECTION, SHIFT, dense, residual
+from tests.helpers.flow_models import give_shoulders
 
 SEAL = 0.045
 KINDS = ("bore", "annulus", "bore annulus", "bore annulus arm", "annulus arm", "bore arm")
@@ -83,6 +84,7 @@ def test_condensed_jacobian_matches_central_differences(kind):
     """Every row by every unknown against fourth-order differences, relative to the largest entry of the row; rows and
     columns of the joint's multipliers are in newtons."""
     system, t = build(kind), 0.4
+    give_shoulders(system)
     asm, n = system.assembly, system.layout.size
     names = np.array([f.name for f in system.layout.fields])[system.layout.field_of]
     unit = np.where(np.char.startswith(names, "joint."), 1e-6, 1.0)

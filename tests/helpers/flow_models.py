@@ -153,3 +153,11 @@ def build(
     asm.v0[:] = asm.y[:-1] - 2.3 * asm.x[:-1]
     asm.v1[:] = 0.3 * rng.standard_normal(size)
     return system
+
+
+def give_shoulders(system) -> None:
+    """Let the string have shoulders of some size at the upper ends of all elements of its annulus."""
+    for component in system.components:
+        if component.name == "annulus":
+            for number, block in enumerate(component._blocks):
+                block.named["shoulder"][:] = 3.0 + 2.0 * number

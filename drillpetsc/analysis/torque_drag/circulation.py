@@ -59,11 +59,13 @@ def circulation(case: Case, depth: float, flow: float, at: str) -> Circulation:
         pressure = np.diff(channel.pressures(model.system)) - losses.weight  # by friction and velocity head
         stress = annulus_stress(channel, law, losses.speed, losses.density)[1]
         drag = np.abs(stress) * mesh.length
-        share = mesh.length / (mesh.length + mesh.rigid_above)
+        # as in kernels/fluid/annulus_flow.hpp: of the element, of the rigid item above it, of the shoulders
         outer, above = channel.parameter("outer"), channel.parameter("outer_above")
-        force = pressure * (share * outer + (1 - share) * above) + drag * np.pi * channel.parameter(
-            "diameter"
-        )
+        force = (pressure + losses.above) * outer + drag * np.pi * channel.parameter("diameter")
+        around = np.pi * np.sqrt(4 / np.pi * above) * channel.parameter("gap_above") / 4
+        force -= losses.above * (above + around)
+        mass_flow = channel.flows(model.system) * model.fluid.constants.density
+        force += mass_flow**2 / losses.density * channel.parameter("shoulder")
     below = np.append(np.cumsum(force[::-1])[::-1], 0.0)
     still = np.zeros(count + 1)
     bore, annulus = (model.pressure(name) for name in ("bore", "annulus"))

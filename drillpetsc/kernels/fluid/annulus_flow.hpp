@@ -48,6 +48,7 @@ struct AnnulusFlow {
         TUBE_PULL, JOINT_PULL,     // force along the string per pi D_o and stress at the tube, at the tool joints
         CHI, DAMPING, TURNING,     // added mass / (rho A_o); k_v [N s/m2]; drag torque per length and spin [N s]
         STEP, LOSS,                // as in fluid/bore_flow.hpp
+        SHOULDER,                  // lift by the string's shoulders at the upper end, over rho q^2 [1/m2]
         CONTROL, CONTROLLED,       // CONTROL 1: the upper node has the pressure CONTROLLED + rho0 ((g.t_w)(t_w.r) + LEVEL) [Pa]
         DROP,                      // as in fluid/bore_flow.hpp
         TANGENT1, TANGENT2 = TANGENT1 + 3, BEND = TANGENT2 + 3,  // 3 each: directions of the hole at both ends, its curvature [1/m]
@@ -104,7 +105,7 @@ struct AnnulusFlow {
     }
 
     // The mud beside the rigid item above the element, which has the flow of the element.  It passes the pressure of its own weight, inertia and
-    // friction on to the item, whatever the pressures at the element below do; wall friction pulls the item along (manual: sec-mud-annulus-string).
+    // friction on to the item, whatever the pressures at the element below do; wall friction pulls the item along (manual: sec-mud-force-annulus).
     template <class T>
     struct Beside {
         T open, resistance, rise, pull;  // rise: pressure at the item's lower end less that at the upper one [Pa]; pull: against the hole's direction [N]
@@ -118,6 +119,10 @@ struct AnnulusFlow {
             pull = tau * (p[RIGID] * 3.14159265358979324) * sqrt(p[OUTER_ABOVE] * (4.0 / 3.14159265358979324));
         }
     };
+
+    // Lift by shoulders of the string [N] (manual: eq-mud-shoulder).
+    template <class T, class S>
+    static T shoulders(const T& q, const Compressed<T>& c, const S* p, const Fluid& f) { return q * q * (p[SHOULDER] * (f.density * f.density)) / c.density; }
 
     template <bool RESULTS, class R, class T, class S>
     static void moving(const R& on, const T* x, const T* y, const Compressed<T>& c, const S* p, const Fluid& f, const T& p1, const T& p2, const T& q,
@@ -172,6 +177,7 @@ struct AnnulusFlow {
         const Vec<T> at1 = tw1 * along, at2 = tw2 * along;
         Four<T> F4 = {(at1 * 0.35 + at2 * 0.15 + side * 0.5) * L - Qd, (at1 * 0.05 + at2 * (1.0 / 30) + side * (1.0 / 12)) * (L * L) + Q1,
                       (at1 * 0.15 + at2 * 0.35 + side * 0.5) * L + Qd, (at1 * (-1.0 / 30) - at2 * 0.05 - side * (1.0 / 12)) * (L * L) + Q2};
+        F4.r1 += tw * shoulders(q, c, p, f);
         if constexpr (JUNCTION) F4.r1 += tw * (beside.rise * p[OUTER_ABOVE] - beside.pull) + (g - tw * gw) * (c.density * p[OUTER_ABOVE] * p[RIGID]);
         // motion across the hole
         const T M = c.density * lam * (p[CHI] * AO);

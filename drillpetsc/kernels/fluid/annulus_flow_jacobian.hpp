@@ -1,6 +1,6 @@
 // Jacobian of the flow between string and hole (fluid/annulus_flow.hpp, same names), four elements side by side; fluid/flow_jacobian.hpp says how.
 //
-// The rows on the string are sums of eight forces, each a scalar times a vector of the motion.  The scalars depend on the stretch lam along
+// The rows on the string are sums of nine forces, each a scalar times a vector of the motion.  The scalars depend on the stretch lam along
 // the hole, the content, the string's section `outer`, the string's speed V, density, flow, its rate and the pressure gradient; so one
 // vector of rows per unit of each of these is formed, with the speed of the mud at the wall taken together, and multiplied by its change.
 #pragma once
@@ -74,11 +74,11 @@ struct AnnulusState {
     typedef AnnulusFlow<false, false> At;
 };
 
-// Rows on the string per unit of each variable.
+// Rows on the string per unit of each variable.  `square`: of the density at rest.
 struct AnnulusRows { PackFour lam, content, outer, speed, density, flow, flow_rate, gradient; };
 
-DP_APART void annulus_rows(const AnnulusState& s, const Pack* X, const Pack* Y, const Pack* p, const PackMatrix& P, Pack& damping, Pack& k1, Pack& k2,
-                           Pack& k3, AnnulusRows& by) {
+DP_APART void annulus_rows(const AnnulusState& s, const Pack* X, const Pack* Y, const Pack* p, const PackMatrix& P, double square, Pack& damping, Pack& k1,
+                           Pack& k2, Pack& k3, AnnulusRows& by) {
     typedef AnnulusFlow<false, false> At;
     const Pack L = s.L, L2 = L * L, lift = s.density * s.lam * s.outer, half = L * 0.5, twelfth = L2 * (1.0 / 12);
     const auto cut = [&P](const PackFour& u) -> PackFour { return {u.r1 * P, u.v1 * P, u.r2 * P, u.v2 * P}; };
@@ -105,17 +105,20 @@ DP_APART void annulus_rows(const AnnulusState& s, const Pack* X, const Pack* Y, 
     by.speed = dragged * (s.tau.drag_v * round) - push * (s.tau.pull_v * round) + turned;
     by.density = (lifted + mass * M - by_w * s.w - slope * (drag * s.across) - curve * k3) * ir + dragged * (s.tau.drag_density * round) - push * (s.tau.pull_density * round);
     by.flow = (by_w * s.lam + slope * drag + swing * M + curve * (2.0 * k2)) * s.thin;
+    const PackVec shoulder = s.tw * (X[AT_Q] * p[At::SHOULDER] * square * ir);
+    by.density.r1 += shoulder * (-X[AT_Q] * ir);
+    by.flow.r1 += shoulder * 2.0;
     by.flow_rate = slope * (M * s.thin);
     by.gradient = push * s.outer;
 }
 
-DP_APART void annulus_on_string(const AnnulusState& s, const Pack* X, const Pack* Y, const Pack* p, const Compression& fluid, const double* c,
+DP_APART void annulus_on_string(const AnnulusState& s, const Pack* X, const Pack* Y, const Pack* p, const Fluid& f, const Compression& fluid, const double* c,
                                 Pack (*K)[FLOW_WIDTH]) {
     typedef AnnulusFlow<false, false> At;
     const PackMatrix P = scalar_matrix(Pack(1.0)) - outer(s.tw, s.tw);
     Pack damping, k1, k2, k3;
     AnnulusRows by;
-    annulus_rows(s, X, Y, p, P, damping, k1, k2, k3, by);
+    annulus_rows(s, X, Y, p, P, f.density * f.density, damping, k1, k2, k3, by);
     const Pack L = s.L, push = p[At::OUTER] * L, M = s.density * s.lam * (p[At::CHI] * p[At::OUTER]);
     const Product products[2] = {{by.content, s.by_content}, {by.outer, s.by_outer}};
     assemble_string(L, M * c[2] + damping * c[1], k1 * c[0] + k2 * (2.0 * c[1]), k3 * -c[0], k2 * c[1], &P, products, s.walls, push, K);
@@ -174,7 +177,7 @@ inline void annulus_flow_jacobian(const Pack* X, const Pack* Y, const Pack* A, c
     const Compression by = compression(f, fluid, p[At::WALL]);
     const AnnulusState s(X, Y, A, p, f, fluid.density, c);
     clear_spins(K);
-    annulus_on_string(s, X, Y, p, by, c, K);
+    annulus_on_string(s, X, Y, p, f, by, c, K);
     annulus_along(s, X, Y, p, f, fluid, by, c, K);
     // drag on the turning string: by the spin rates, which move with v as well
     const Pack torque = p[At::TURNING] * s.L * (c[1] / 6);

@@ -109,7 +109,7 @@ struct AnnulusJoint : AnnulusFlow<false, false> {
         const T along = (p2 - p1 - c.density * gw * gap) * (AO * 0.5) - pull * 0.5;
         const T displaced = c.density * (AO * arm * 0.5);
         const Vec<T> push = tw * along + side * displaced, none = {T(0.0), T(0.0), T(0.0)};
-        on.store(push, push, none, arm, r);
+        on.store(push + tw * shoulders(q, c, p, f), push, none, arm, r);
         const T mass = c.density * arm / open;
         const T momentum = mass * flow + c.density * arm * V1 - c.density * gw * way + resistance;
         const T swept1 = (rod_rate * AW + V * (p[WIDENING] * arm)) * 0.5, swept2 = swept1 + gap_rate * AW;

@@ -97,9 +97,17 @@ class AnnulusFlow(ChannelFlow):
             **self._channel(e),
             step=np.where(e > 0, 0.5 * (1 / own[e] ** 2 - 1 / own[above] ** 2), 0.0),
             loss=zero,
+            shoulder=self._shoulders(e, a.only(e), a.only(above)),
             control=np.where(e == 0, 1.0, 0.0),
             widening=zero,
         )
+
+    def _shoulders(self, e: np.ndarray, own: Annulus, above: Annulus) -> FloatArray:
+        """Lift by the shoulders at the upper ends of the elements ``e`` (k,), with their annuli and those above."""
+        m, over = self.mesh, np.maximum(e - 1, 0)
+        arm = m.rigid_above > 0
+        lift = own.shoulders(arm[e], m.is_joint[e], above, arm[over], m.is_joint[over])
+        return np.where(e > 0, lift, 0.0)
 
     def _channel(self, e: np.ndarray) -> dict[str, FloatArray]:
         """Parameters of the elements ``e`` (k,) that do not depend on how the flow is discretised."""
@@ -251,6 +259,7 @@ class AnnulusFlow(ChannelFlow):
         params["step"][rows] = np.where(
             e > 0, 0.5 * (1 / (own.hole - own.outer) ** 2 - 1 / (other.hole - other.outer) ** 2), 0.0
         )
+        params["shoulder"][rows] = self._shoulders(e, own, other)
         new = np.abs(own.hole_diameter - self._hole[e]) > OTHER_SIZE * self._hole[e]
         if new.any():
             s = around.lateral(own.only(new))

@@ -136,6 +136,32 @@ class Annulus:
             "joint_pull": (share * joint_d + shoulder / (hole - joint_d)) / self.outer_diameter,
         }
 
+    def shoulders(
+        self,
+        arm: np.ndarray,
+        joint: np.ndarray,
+        above: Annulus,
+        arm_above: np.ndarray,
+        joint_above: np.ndarray,
+    ) -> FloatArray:
+        """Lift by shoulders of the string at the upper end of elements, over rho q^2 (n,) [1/m2].
+
+        Between sections A and B of the flow a shoulder has the pressure that is rho q^2/(2 A B) below that
+        of mud at rest; pressures at the nodes are those in the section of the element above (manual:
+        eq-mud-shoulder).
+
+        arm, joint: (n,) whether a rigid item lies above the element, whether it is a joint of the string.
+        above: annulus of the elements above, with the same of them.
+        """
+        upper_string = np.where(arm_above & joint_above, above.outer_above, above.outer)
+        upper_hole = np.where(arm_above & joint_above, above.hole_around, above.hole)
+        string = np.where(arm, self.outer_above, self.outer)
+        hole = np.where(arm, self.hole_around, self.hole)
+        known = 1 / (above.hole - above.outer) ** 2
+        first = (string - upper_string) * (1 / ((hole - string) * (upper_hole - upper_string)) - known)
+        second = (self.outer - string) * (1 / ((hole - string) * (self.hole - self.outer)) - known)
+        return 0.5 * (first + np.where(joint, 0.0, second))
+
     def only(self, which: np.ndarray) -> Annulus:
         """Return the annulus of the elements ``which`` (mask or numbers)."""
         return Annulus(

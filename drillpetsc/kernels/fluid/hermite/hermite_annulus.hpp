@@ -20,6 +20,7 @@ struct HermiteAnnulus {
         HEAD = BEND + 3,        // as in fluid/bore_flow.hpp
         SURGE,                  // as in fluid/hermite/hermite_bore.hpp
         STEP,                   // what HEADS gains on the element above [1/m4]
+        SHOULDER,               // as in fluid/annulus_flow.hpp
         LEVEL,                  // as in fluid/annulus_flow.hpp
         NP)
 
@@ -61,9 +62,12 @@ struct HermiteAnnulus {
             const Stretch<T> stretch(on.x, il);
             const T upper = y[F] + p[REFERENCE_FLOW];
             // with the step of pressure where the section jumps, which loads the shoulder there
-            const T gradient = (line.p2.x - line.p1.x - heads(f, upper, line.p1.x, p[STEP])) * (S(1.0) / (L + p[RIGID]));
+            Beside<T> beside = {};
+            if constexpr (JUNCTION) beside = Beside<T>(on, upper, a[F] + p[SURGE], tw, p, f, line.p1.x);
+            const T gradient = (line.p2.x - line.p1.x - heads(f, upper, line.p1.x, p[STEP]) - beside.rise) * il;
             for (int k = 0; k < 4; ++k) point(on, stretch, CubicShape(XI4[k]), XI4[k], W4[k], tw, gradient, p, f, line, rows, results);
-            if constexpr (JUNCTION) above(on, upper, a[F] + p[SURGE], tw, gradient, p, f, line, rows, results);
+            rows.r1 += tw * heads(f, upper, line.p1.x, p[SHOULDER]);
+            if constexpr (JUNCTION) above(on, upper, beside, tw, p, f, line, rows, results);
             on.store(rows, p[RIGID], r);
             r[6] = (y[6] * 2.0 + y[13]) * (p[TURNING] * L * (1.0 / 6));
             r[13] = (y[13] * 2.0 + y[6]) * (p[TURNING] * L * (1.0 / 6));
@@ -71,6 +75,21 @@ struct HermiteAnnulus {
             finish(line, y + F, (dot(on.above, tw) * dot(vec(f.gravity), tw) + p[LEVEL]) * f.density + p[CONTROLLED], p, f, r + F, results);
         }
     }
+
+    template <class T>
+    struct Beside {  // as in fluid/annulus_flow.hpp, at the pressure of the node
+        T thick, resistance, rise, pull;
+        Beside() : thick(1.0), resistance(0.0), rise(0.0), pull(0.0) {}
+        template <class R, class S>
+        Beside(const R& on, const T& q, const T& q1, const Vec<S>& tw, const S* p, const Fluid& f, const T& pressure) {
+            const S A = p[HOLE_ABOVE] - p[OUTER_ABOVE], gw = dot(vec(f.gravity), tw);
+            thick = exp((pressure - heads(f, q, pressure, p[HEADS])) * f.compressibility);
+            const T tau = shear(f, T(q / (thick * A) + dot(on.y.r1, tw) * (1.0 - f.clinging)), T(thick * f.density), p[GAP_ABOVE], 1.0);
+            resistance = tau * (p[RIGID] * 4.0 / p[GAP_ABOVE]);
+            rise = thick * (dot(on.x.r1 - on.above, tw) * gw - dot(on.a.r1, tw) * p[RIGID]) * f.density - q1 * (p[RIGID] * f.density / A) - resistance;
+            pull = tau * (p[RIGID] * 3.14159265358979324) * sqrt(p[OUTER_ABOVE] * (4.0 / 3.14159265358979324));
+        }
+    };
 
     // what the hole's own section holds beyond rest: A_w (lam_w - 1)
     template <class T, class S>
@@ -119,19 +138,20 @@ struct HermiteAnnulus {
         }
     }
 
-    // the rigid item above the element: its flow is that of the node
+    // the rigid item above the element (fluid/annulus_flow.hpp): its flow is that of the node
     template <class R, class T, class S>
-    static void above(const R& on, const T& q, const T& q1, const Vec<S>& tw, const T& gradient, const S* p, const Fluid& f, VolumeLine<T, S>& line,
-                      Four<T>& rows, FlowResults* results) {
+    static void above(const R& on, const T& q, const Beside<T>& beside, const Vec<S>& tw, const S* p, const Fluid& f, VolumeLine<T, S>& line, Four<T>& rows,
+                      FlowResults* results) {
         const Vec<double> g = vec(f.gravity);
         const S gw = dot(g, tw), A = p[HOLE_ABOVE] - p[OUTER_ABOVE];
-        const T thick = exp((line.p1.x - heads(f, q, line.p1.x, p[HEADS])) * f.compressibility), V = dot(on.y.r1, tw);
-        const T tau = shear(f, T(q / (thick * A) + V * (1.0 - f.clinging)), T(thick * f.density), p[GAP_ABOVE], 1.0), drag = tau * (p[RIGID] * 4.0 / p[GAP_ABOVE]);
-        line.spread(q1 * (p[RIGID] * f.density / A) + thick * (dot(on.a.r1, tw) * p[RIGID] - dot(on.x.r1 - on.above, tw) * gw) * f.density + drag);
-        rows.r1 += (vec(p + TANGENT1) * gradient + (g - tw * gw) * (thick * f.density)) * (p[OUTER_ABOVE] * p[RIGID]);
+        const Vec<S> side = g - tw * gw;
+        line.spread(beside.rise * -1.0);
+        rows.r1 += tw * (beside.rise * p[OUTER_ABOVE] - beside.pull) + side * (beside.thick * (f.density * p[OUTER_ABOVE] * p[RIGID]));
         if constexpr (std::is_same_v<T, double>) if (results) {
-            results->dissipated += drag * (q / thick + V * A);
-            results->kinetic += 0.5 * p[RIGID] * f.density / A * q * q / thick;
+            const double V = dot(on.y.r1, tw), wall = q / (beside.thick * A) + V, m = beside.thick * f.density * A * p[RIGID];
+            results->dissipated += beside.resistance * (q / beside.thick + V * A) - beside.pull * V;
+            results->kinetic += 0.5 * m * wall * wall;
+            results->potential -= m * (dot(on.x.r1 + on.above, tw) * (0.5 * gw) + p[LEVEL]) - f.density * p[OUTER_ABOVE] * p[RIGID] * (dot(on.x.r1, side) - p[LEVEL]);
         }
     }
 

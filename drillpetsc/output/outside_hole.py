@@ -1,0 +1,106 @@
+"""Watches a string without contact in a hole with mud around it: outside the hole the mud's forces mean nothing."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from drillpetsc.errors import SolveError
+from drillpetsc.model.drilling_model import DrillingModel
+from drillpetsc.unit_systems import System, shown
+
+HINT = "with contact: none nothing holds the string in its hole: contact: {}, or a fluid without the annulus"
+
+
+@dataclass(frozen=True)
+class Outside:
+    """A point of the string outside the hole.
+
+    beyond, distance: from the wall and from the axis of the hole [m]; depth: measured depth there [m]; time: [s].
+    """
+
+    beyond: float
+    distance: float
+    depth: float
+    time: float
+
+
+def outside(model: DrillingModel, t: float) -> Outside | None:
+    """Compute the point of the local nodes that is furthest outside the hole at time ``t`` [s], None where all are inside."""
+    assert model.well is not None
+    foot = model.well.project(model.system.field("string.position"))
+    distance = np.linalg.norm(foot.offset, axis=1)
+    beyond = distance - model.well.radius(foot.md)
+    k = int(np.argmax(beyond)) if len(beyond) else -1
+    if k < 0 or beyond[k] <= 0:
+        return None
+    return Outside(float(beyond[k]), float(distance[k]), float(foot.md[k]), t)
+
+
+def may_leave_hole(model: DrillingModel) -> bool:
+    """Whether mud surrounds a string that no contact keeps in its hole."""
+    mud = model.fluid is not None and model.fluid.annulus is not None
+    return mud and model.contact is None and model.well is not None and model.beam is not None
+
+
+def refuse_outside(model: DrillingModel) -> None:
+    """Raise SolveError where a static state lies outside the hole; collective."""
+    if not may_leave_hole(model):
+        return
+    found = _furthest(model, outside(model, 0.0))
+    if found is not None:
+        units: System = model.case.output.units or "metric"
+        raise SolveError(
+            f"the string leaves its hole: it lies {shown(found.distance, 'length', units, 3)} from the axis",
+            place=shown(found.depth, "length", units, 6),
+            measured_depth=found.depth,
+            hint=HINT,
+        )
+
+
+def _furthest(model: DrillingModel, here: Outside | None) -> Outside | None:
+    comm = model.system.comm
+    every = [here] if comm.size == 1 else comm.tompi4py().allgather(here)
+    return max((p for p in every if p is not None), key=lambda p: p.beyond, default=None)
+
+
+class HoleMonitor:
+    """Finds when the string is furthest outside its hole during a run; nothing is computed where contact keeps it inside."""
+
+    def __init__(self, model: DrillingModel) -> None:
+        self.model, self.worst = model, None
+        self.worst: Outside | None
+        self.watches = may_leave_hole(model)
+
+    def update(self, t: float) -> None:
+        """After an accepted step to ``t`` [s]; not collective."""
+        if self.watches:
+            found = outside(self.model, t)
+            if found is not None and (self.worst is None or found.beyond > self.worst.beyond):
+                self.worst = found
+
+    def share(self) -> None:
+        """Make ``worst`` that of all ranks; collective."""
+        if self.watches:
+            self.worst = _furthest(self.model, self.worst)
+
+    def warnings(self) -> list[str]:
+        """Warning for the summary."""
+        if self.worst is None:
+            return []
+        units: System = self.model.case.output.units or "metric"
+        where, depth = (shown(v, "length", units, 3) for v in (self.worst.distance, self.worst.depth))
+        return [
+            f"the string leaves its hole: it lies {where} from the axis at MD {depth} at {self.worst.time:.4g} s, where the forces "
+            f"and energies of the mud mean nothing; {HINT}"
+        ]
+
+    def get_notes(self) -> dict[str, Any]:
+        """For a checkpoint."""
+        return {} if self.worst is None else vars(self.worst)
+
+    def set_notes(self, saved: dict[str, Any]) -> None:
+        """Continue from ``get_notes``."""
+        self.worst = Outside(**saved) if saved else None
