@@ -70,8 +70,8 @@ class HoleMonitor:
     """Finds when the string is furthest outside its hole during a run; nothing is computed where contact keeps it inside."""
 
     def __init__(self, model: DrillingModel) -> None:
-        self.model, self.worst = model, None
-        self.worst: Outside | None
+        self.model = model
+        self.worst: Outside | None = None
         self.watches = may_leave_hole(model)
 
     def update(self, t: float) -> None:
@@ -99,7 +99,7 @@ class HoleMonitor:
 
     def get_notes(self) -> dict[str, Any]:
         """For a checkpoint."""
-        return {} if self.worst is None else vars(self.worst)
+        return {} if self.worst is None else dict(vars(self.worst))
 
     def set_notes(self, saved: dict[str, Any]) -> None:
         """Continue from ``get_notes``."""
