@@ -23,7 +23,7 @@ from drillpetsc.analysis.steady_flow import fluid_unknowns, freeze_flow, steady_
 from drillpetsc.analysis.top_on_wall import balance_across
 from drillpetsc.errors import CaseError, SolveError
 from drillpetsc.model.drilling_model import DrillingModel
-from drillpetsc.output.outside_hole import HINT, may_leave_hole, refuse_outside
+from drillpetsc.output.outside_hole import HINT, may_leave_hole, static_warnings
 from drillpetsc.solvers.static_newton import CONVERGED_INCREMENT, Equilibrium, StaticNewton
 from drillpetsc.unit_systems import System, display, display_unit
 
@@ -126,7 +126,7 @@ def director_equilibrium(
             report.negative_pivots, report.singular = max(0, count), count < 0
             problem.impose(reached)
     refuse_folded(model)
-    refuse_outside(model)
+    state.warnings += static_warnings(model)
     _reactions(model, solver)
     model.system.assembly.freeze(None)
     beyond = _beyond_bottom(model)

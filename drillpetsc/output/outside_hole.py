@@ -7,7 +7,6 @@ from typing import Any
 
 import numpy as np
 
-from drillpetsc.errors import SolveError
 from drillpetsc.model.drilling_model import DrillingModel
 from drillpetsc.unit_systems import System, shown
 
@@ -45,19 +44,19 @@ def may_leave_hole(model: DrillingModel) -> bool:
     return mud and model.contact is None and model.well is not None and model.beam is not None
 
 
-def refuse_outside(model: DrillingModel) -> None:
-    """Raise SolveError where a static state lies outside the hole; collective."""
-    if not may_leave_hole(model):
-        return
-    found = _furthest(model, outside(model, 0.0))
-    if found is not None:
-        units: System = model.case.output.units or "metric"
-        raise SolveError(
-            f"the string leaves its hole: it lies {shown(found.distance, 'length', units, 3)} from the axis",
-            place=shown(found.depth, "length", units, 6),
-            measured_depth=found.depth,
-            hint=HINT,
-        )
+def static_warnings(model: DrillingModel) -> list[str]:
+    """Warning of a static state outside the hole; collective."""
+    found = _furthest(model, outside(model, 0.0)) if may_leave_hole(model) else None
+    return [] if found is None else [_said(model, found, "")]
+
+
+def _said(model: DrillingModel, found: Outside, when: str) -> str:
+    units: System = model.case.output.units or "metric"
+    distance, depth = (shown(value, "length", units, 3) for value in (found.distance, found.depth))
+    return (
+        f"the string leaves its hole: it lies {distance} from the axis at MD {depth}{when}, where the forces and energies of the "
+        f"mud mean nothing; {HINT}"
+    )
 
 
 def _furthest(model: DrillingModel, here: Outside | None) -> Outside | None:
@@ -90,12 +89,7 @@ class HoleMonitor:
         """Warning for the summary."""
         if self.worst is None:
             return []
-        units: System = self.model.case.output.units or "metric"
-        where, depth = (shown(v, "length", units, 3) for v in (self.worst.distance, self.worst.depth))
-        return [
-            f"the string leaves its hole: it lies {where} from the axis at MD {depth} at {self.worst.time:.4g} s, where the forces "
-            f"and energies of the mud mean nothing; {HINT}"
-        ]
+        return [_said(self.model, self.worst, f" at {self.worst.time:.4g} s")]
 
     def get_notes(self) -> dict[str, Any]:
         """For a checkpoint."""

@@ -1,10 +1,11 @@
-"""A string that `contact: none` lets out of its hole has no mud around it: refused in statics, told of a run (manual: sec-mud-force-annulus)."""
+"""A string that `contact: none` lets out of its hole has no mud around it: told of statics and of a run (manual: sec-mud-force-annulus)."""
 
 from __future__ import annotations
 
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 
 import drillpetsc as dp
@@ -18,8 +19,8 @@ def case(inclination: float, **keys: Any) -> dp.Case:
     """A hanging pipe in a hole of 215.9 mm."""
     values = {
         "well": {
-            "survey": {"md": [0, 60], "inclination": [f"{inclination} deg"] * 2, "azimuth": [0, 0]},
-            "sections": [{"to": 60, "kind": "open_hole", "diameter": 0.2159}],
+            "survey": {"md": [0, 300], "inclination": [f"{inclination} deg"] * 2, "azimuth": [0, 0]},
+            "sections": [{"to": 300, "kind": "open_hole", "diameter": 0.2159}],
         },
         "string": [{"kind": "pipe", "length": LENGTH, "od": 0.127, "id": 0.1086, "element_length": 3.0}],
         "top": {"kind": "top_drive"},
@@ -31,9 +32,23 @@ def case(inclination: float, **keys: Any) -> dp.Case:
 
 
 @pytest.mark.parametrize("command", ["statics", "run"])
-def test_a_string_that_falls_out_of_an_inclined_hole_is_refused(command: str, tmp_path: Path) -> None:
+def test_a_string_that_falls_out_of_an_inclined_hole(command: str, tmp_path: Path) -> None:
+    """Statics find the string where it hangs, 30 m sin(1 deg) from the axis at most; a run starts there."""
+    found = getattr(dp, command)(case(1.0, time={"end": 0.1}), tmp_path / "out")
+    texts = [text for text in found.summary["warnings"] if "leaves its hole" in text]
+    assert len(texts) == 1 and "contact: {}" in texts[0]
+    distance = float(texts[0].split("it lies ")[1].split(" m")[0])
+    assert 0.15 < distance < LENGTH * np.sin(np.radians(1.0)) + 0.01
+
+
+def test_statics_that_fail_there_say_why(tmp_path: Path) -> None:
+    """A thick tool in a long string: no state is found."""
+    pipe = {"kind": "pipe", "od": 0.127, "id": 0.0889, "element_length": 10.0}
+    tool = {"kind": "pipe", "od": 0.2, "id": 0.0889, "length": 9.0, "element_length": 3.0}
+    mud = {"density": 1200.0, "rheology": MUD, "flow_rate": 0.03}
+    made = case(30.0, fluid=mud, string=[pipe | {"length": 120.0}, tool, pipe | {"length": 30.0}])
     with pytest.raises(SolveError, match="contact: {}"):
-        getattr(dp, command)(case(30.0, time={"end": 1.0}), tmp_path / "out")
+        dp.statics(made, tmp_path / "out")
 
 
 def test_a_string_that_stays_inside_is_not(tmp_path: Path) -> None:
