@@ -15,7 +15,15 @@ from drillpetsc.physics.joints import Joints
 from drillpetsc.physics.tools.motor_law import MeasuredCurve, MotorLaw
 from drillpetsc.physics.tools.mud_motor import Bend, MudMotor, Rotor
 from drillpetsc.time_function import Constant
-from tests.helpers.component_models import GRAVITY, SECTION, SHIFT, curved_tangents, dense, residual
+from tests.helpers.component_models import (
+    GRAVITY,
+    SECTION,
+    SHIFT,
+    curved_tangents,
+    dense,
+    differences,
+    residual,
+)
 
 #: torque [N m] by the part of the law that it meets; the stall torque is 2
 PLACES = {"driven": -0.7, "corner": 0.011, "running": 1.1, "stalling": 1.993, "stalled": 2.6}
@@ -87,19 +95,13 @@ def the_motor(system: DiscreteSystem) -> MudMotor:
 def test_jacobian_matches_differences(place, measured, held):
     """All parts of the law, its corners included, in motion and held by statics (fourth-order differences)."""
     system, t = build(place, measured), 0.4
-    asm, n = system.assembly, system.layout.size
+    asm = system.assembly
     if held:
         the_motor(system).params["held"] = 3.0
     x0, h = asm.x[:-1].copy(), 1e-5
     residual(system, x0, t)
     asm.jacobian(t, (1.0, SHIFT, SHIFT**2), condensed=True)
-    J = dense(system)
-    F = np.zeros((n, n))
-    for j in range(n):
-        e = np.zeros(n)
-        e[j] = h
-        r = [residual(system, x0 + k * e, t) for k in (-2, -1, 1, 2)]
-        F[:, j] = (r[0] - 8 * r[1] + 8 * r[2] - r[3]) / (12 * h)
+    J, F = dense(system), differences(system, x0, t, h)
     # each row against its own largest entry: the rows of joint and law have another scale than forces
     scale = np.abs(J).max(axis=1, keepdims=True) + 1.0
     assert np.abs((J - F) / scale).max() < 3e-7

@@ -271,12 +271,18 @@ def residual(system: DiscreteSystem, x: np.ndarray, t: float) -> np.ndarray:
     return vector.getArray().copy()
 
 
-def differences(system: DiscreteSystem, x0: np.ndarray, t: float, h: float) -> np.ndarray:
-    """(n, n) derivatives of ``residual`` at ``x0``, by differences of fourth order with steps ``h``."""
+def lengths(system: DiscreteSystem, h: float) -> np.ndarray:
+    """(n,) steps of `differences`: ``h`` for unknowns with accelerations, 0.04 of it for pressures, flow rates and multipliers."""
+    fields = system.layout.fields
+    return np.array([h if fields[k].second_order else 0.04 * h for k in system.layout.field_of])
+
+
+def differences(system: DiscreteSystem, x0: np.ndarray, t: float, h: float | np.ndarray) -> np.ndarray:
+    """(n, n) derivatives of ``residual`` at ``x0``, by differences of fourth order with steps ``h``, a number or (n,)."""
     F = np.zeros((len(x0), len(x0)))
-    for j in range(len(x0)):
+    for j, step in enumerate(np.broadcast_to(h, len(x0))):
         e = np.zeros(len(x0))
-        e[j] = h
+        e[j] = step
         r = [residual(system, x0 + k * e, t) for k in (-2, -1, 1, 2)]
-        F[:, j] = (r[0] - 8 * r[1] + 8 * r[2] - r[3]) / (12 * h)
+        F[:, j] = (r[0] - 8 * r[1] + 8 * r[2] - r[3]) / (12 * step)
     return F

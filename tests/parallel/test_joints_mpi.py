@@ -7,8 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from drillpetsc.output import read_table
-from tests.helpers.mpi import run_mpi
+from tests.helpers.ranks import runs_on_ranks, same_histories
 
 ROOT = Path(__file__).parents[2]
 CASE = """
@@ -47,14 +46,5 @@ def test_joints_are_the_same_on_1_2_and_3_ranks(mud, tmp_path):
     case = tmp_path / "joints.yaml"
     sealed = CASE.replace("damping: 1e3}", "damping: 1e3, seal_area: 50 cm2}") + MUD
     case.write_text(sealed if mud else CASE)
-    runs = []
-    for n in (1, 2, 3):
-        out = tmp_path / f"ranks{n}"
-        run_mpi(n, ROOT / "tests" / "parallel" / "run_case.py", [str(case), str(out), *EXACT], timeout=120)
-        runs.append(read_table(out / "history.csv"))
-    one = runs[0]
+    one = same_histories(runs_on_ranks(case, tmp_path, EXACT), least=1e-3)
     assert np.abs(one["joint_15.4_force [N]"]).min() > 100.0
-    for other in runs[1:]:
-        for column, values in one.items():
-            if not column.startswith(("energy_error", "newton", "step")):
-                assert np.abs(other[column] - values).max() <= 1e-7 * max(np.abs(values).max(), 1e-3), column

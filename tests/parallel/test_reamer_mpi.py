@@ -4,14 +4,12 @@ from __future__ import annotations
 
 from pathlib import Path
 
-import numpy as np
 import pytest
 import yaml
 
 from drillpetsc import load_case
 from drillpetsc.analysis.transient import run
-from drillpetsc.output import read_table
-from tests.helpers.mpi import run_mpi
+from tests.helpers.ranks import runs_on_ranks, same_histories
 from tests.parallel.test_restart import files, run_with_copies
 from tests.verification.test_reamer import reaming
 from tests.verification.test_reamer_in_mud import in_mud
@@ -36,16 +34,8 @@ def write(folder: Path, mud: str = "dry") -> Path:
 @pytest.mark.parallel
 @pytest.mark.parametrize("mud", MUD)
 def test_reaming_is_the_same_on_1_2_and_3_ranks(mud, tmp_path):
-    path, runs = write(tmp_path, mud), []
-    for n in (1, 2, 3):
-        out = tmp_path / f"ranks{n}"
-        run_mpi(n, SCRIPT, [str(path), str(out), *EXACT], timeout=200)
-        runs.append(read_table(out / "history.csv"))
-    assert runs[0]["hole_depth_reamer [m]"][-1] > 53.7 + 1e-3
-    for other in runs[1:]:
-        for name, values in runs[0].items():
-            if not name.startswith(("energy_error", "newton", "step")):
-                assert np.abs(other[name] - values).max() <= 1e-7 * max(np.abs(values).max(), 1e-9), name
+    one = same_histories(runs_on_ranks(write(tmp_path, mud), tmp_path, EXACT), least=1e-9)
+    assert one["hole_depth_reamer [m]"][-1] > 53.7 + 1e-3
 
 
 @pytest.mark.parametrize("mud", MUD)

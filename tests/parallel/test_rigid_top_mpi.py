@@ -4,11 +4,9 @@ from __future__ import annotations
 
 from pathlib import Path
 
-import numpy as np
 import pytest
 
-from drillpetsc.output import read_table
-from tests.helpers.mpi import run_mpi
+from tests.helpers.ranks import runs_on_ranks, same_histories
 
 ROOT = Path(__file__).parents[2]
 CASE = """
@@ -32,13 +30,4 @@ def test_a_rigid_top_is_the_same_on_1_2_and_3_ranks(tmp_path):
     depend on the number of ranks."""
     case = tmp_path / "rigid.yaml"
     case.write_text(CASE)
-    runs = []
-    for n in (1, 2, 3):
-        out = tmp_path / f"ranks{n}"
-        run_mpi(n, ROOT / "tests" / "parallel" / "run_case.py", [str(case), str(out), *EXACT], timeout=120)
-        runs.append(read_table(out / "history.csv"))
-    one = runs[0]
-    for other in runs[1:]:
-        for column, values in one.items():
-            if not column.startswith(("energy_error", "newton", "step")):
-                assert np.abs(other[column] - values).max() <= 1e-7 * max(np.abs(values).max(), 1e-3), column
+    same_histories(runs_on_ranks(case, tmp_path, EXACT), least=1e-3)

@@ -11,6 +11,7 @@ import pytest
 
 from drillpetsc.output import read_table
 from tests.helpers.mpi import run_mpi
+from tests.helpers.ranks import runs_on_ranks, same_histories
 from tests.parallel.test_restart import CASE as WHIRL
 
 ROOT = Path(__file__).parents[2]
@@ -22,41 +23,18 @@ def test_generalised_alpha_is_the_same_on_1_2_and_3_ranks(tmp_path):
     """Contact, mud, a bend and a jump of the top's motion (tests/parallel/test_restart.py), with fixed steps."""
     (tmp_path / "case.yaml").write_text(WHIRL)
     exact = ["1e-3" if word == "2e-3" else word for word in EXACT] + ["-ts_type", "alpha2"]
-    tables = []
-    for n in (1, 2, 3):
-        out = tmp_path / f"ranks{n}"
-        run_mpi(
-            n, ROOT / "tests" / "parallel" / "run_case.py", [str(tmp_path / "case.yaml"), str(out), *exact]
-        )
-        tables.append(read_table(out / "history.csv"))
-    for other in tables[1:]:
-        for column, values in tables[0].items():
-            if not column.startswith(("energy_error", "newton", "step")):
-                assert np.abs(other[column] - values).max() <= 5e-8 * np.abs(values).max(), column
+    same_histories(runs_on_ranks(tmp_path / "case.yaml", tmp_path, exact), share=5e-8)
 
 
 @pytest.mark.parallel
 def test_a_second_with_contact_is_the_same_on_1_2_and_3_ranks(tmp_path):
     """Fixed steps and Newton to rounding: histories equal to 1e-8 of each column's size."""
-    runs = []
-    for n in (1, 2, 3):
-        out = tmp_path / f"ranks{n}"
-        run_mpi(
-            n,
-            ROOT / "tests" / "parallel" / "run_case.py",
-            [str(ROOT / "cases" / "lying-string.yaml"), str(out), *EXACT],
-            timeout=300,
-        )
-        runs.append((read_table(out / "history.csv"), json.loads((out / "summary.json").read_text())))
-    one = runs[0][0]
-    for other, summary in runs[1:]:
-        for column, values in one.items():
-            if column.startswith(("energy_error", "newton", "step")):
-                continue
-            size = np.abs(values).max()
-            assert np.abs(other[column] - values).max() <= 5e-8 * size, column
-        assert summary["steps"] == runs[0][1]["steps"]
-        assert summary["newton_iterations"] == pytest.approx(runs[0][1]["newton_iterations"], rel=0.02)
+    folders = runs_on_ranks(ROOT / "cases" / "lying-string.yaml", tmp_path, EXACT, timeout=300)
+    same_histories(folders, share=5e-8)
+    first, *others = (json.loads((out / "summary.json").read_text()) for out in folders)
+    for other in others:
+        assert other["steps"] == first["steps"]
+        assert other["newton_iterations"] == pytest.approx(first["newton_iterations"], rel=0.02)
     assert os.path.getsize(tmp_path / "ranks3" / "checkpoint.h5") > 0
 
 

@@ -1,0 +1,35 @@
+"""The same run on 1, 2 and 3 ranks."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+
+from drillpetsc.output import read_table
+from tests.helpers.mpi import run_mpi
+
+SCRIPT = Path(__file__).parents[1] / "parallel" / "run_case.py"
+OTHERWISE = ("energy_error", "newton", "step")  # columns about the computation, not about the string
+
+
+def runs_on_ranks(case: Path, folder: Path, options: list[str], timeout: float = 200) -> list[Path]:
+    """Run folders of the file ``case`` on 1, 2 and 3 ranks with PETSc's ``options``."""
+    folders = [folder / f"ranks{n}" for n in (1, 2, 3)]
+    for n, out in enumerate(folders, 1):
+        run_mpi(n, SCRIPT, [str(case), str(out), *options], timeout=timeout)
+    return folders
+
+
+def same_histories(folders: list[Path], share: float = 1e-7, least: float = 0.0) -> dict[str, np.ndarray]:
+    """Columns of the first history; asserts that those of the others differ by ``share`` of the largest value at most.
+
+    least: largest values below it count as it.
+    """
+    one, *others = (read_table(folder / "history.csv") for folder in folders)
+    for other in others:
+        assert list(other) == list(one)
+        for name, values in one.items():
+            if not name.startswith(OTHERWISE):
+                assert np.abs(other[name] - values).max() <= share * max(np.abs(values).max(), least), name
+    return one
