@@ -8,7 +8,7 @@ from __future__ import annotations
 import numpy as np
 
 from drillpetsc.analysis.energy_descent import Snapshot
-from drillpetsc.analysis.placement import hole_at_string
+from drillpetsc.analysis.placement import hole_at_string, share_of_top
 from drillpetsc.analysis.steady_flow import STORAGE_WEIGHT, fluid_unknowns, steady_flow
 from drillpetsc.arrays import FloatArray
 from drillpetsc.errors import SolveError
@@ -32,7 +32,8 @@ def surge_rates(model: DrillingModel, lowering: float) -> FloatArray | None:
     system = model.system
     dofs, rates = system.layout.dofs["string.position"], np.zeros_like(system.assembly.y)
     tangent, _ = hole_at_string(model)
-    rates[dofs] = lowering * tangent[system.chain.vertices]
+    here = system.chain.vertices
+    rates[dofs] = lowering * share_of_top(model)[0][here, None] * tangent[here]
     return rates
 
 

@@ -15,7 +15,8 @@ from drillpetsc.analysis.energy_descent import Snapshot, nodal_weight
 from drillpetsc.analysis.march import March, march
 from drillpetsc.analysis.march_shape import CROSSING
 from drillpetsc.analysis.path_answer import OVERLOAD, STEADY, AnyPath, PathAnswer, PathEnd
-from drillpetsc.analysis.placement import place_along_hole, top_depth
+from drillpetsc.analysis.path_question import may_slack_off
+from drillpetsc.analysis.placement import end_is_held, place_along_hole, top_depth
 from drillpetsc.analysis.soft_string_start import place_marched
 from drillpetsc.analysis.steady_flow import fluid_unknowns, freeze_flow, steady_flow
 from drillpetsc.arrays import FloatArray
@@ -604,4 +605,7 @@ def follow_paths(path: FrictionPath, starts: tuple[str, ...]) -> PathAnswer:
             failed.append((start, str(error).splitlines()[0]))
     ends.append(path.follow(starts[0]))
     force_given = path.model.case.top.force is not None
-    return PathAnswer(path.kind, tuple(ends[::-1]), path.seeds, force_given, path.turns, tuple(failed))
+    also = {"held_end": end_is_held(path.model), "may_slack_off": may_slack_off(path.model, path.velocity)}
+    return PathAnswer(
+        path.kind, tuple(ends[::-1]), path.seeds, force_given, path.turns, tuple(failed), **also
+    )

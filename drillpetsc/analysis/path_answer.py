@@ -52,6 +52,7 @@ class PathAnswer:
     force_given: the top's force is given, and the weight on bit follows; else the hook load follows.
     turns: the string turns.
     failed: (start, reason) of paths without an end.
+    held_end: the lower end of the string is held.  may_slack_off: the case has an answer to that question, too.
     """
 
     kind: AnyPath
@@ -60,6 +61,8 @@ class PathAnswer:
     force_given: bool
     turns: bool = False
     failed: tuple[tuple[str, str], ...] = ()
+    held_end: bool = False
+    may_slack_off: bool = True
 
     @property
     def held_by_friction(self) -> bool:
@@ -88,8 +91,13 @@ class PathAnswer:
             out = [
                 "question answered: steady turning, the side force of friction left out (it may make the string whirl)"
                 if self.turns
-                else "question answered: steady sliding, the whole string moves along the hole "
-                "(--path slack_off: it is lowered onto a bit that stands)"
+                else "question answered: steady sliding, "
+                + (
+                    "friction acts all along the string as if it moved, down to the lower end that is held"
+                    if self.held_end
+                    else "the whole string moves along the hole"
+                )
+                + " (--path slack_off: it is lowered onto a bit that stands)" * self.may_slack_off
             ]
             name, what = ("wob", "weight on bit") if self.force_given else ("hook_load", "hook load")
             bands = [(name, what, "force")] + [("surface_torque", "surface torque", "torque")] * self.turns

@@ -19,6 +19,15 @@ def has_path(model: DrillingModel, motion: tuple[float, float]) -> bool:
     return True
 
 
+def may_slack_off(model: DrillingModel, motion: tuple[float, float]) -> bool:
+    """Whether ``motion`` of ``model`` may also be answered by slack-off on a bit that stands."""
+    try:
+        refuse_path(model, motion, "slack_off")
+    except CaseError:
+        return False
+    return model.bit is not None
+
+
 def refuse_path(model: DrillingModel, motion: tuple[float, float], got: str) -> None:
     """Raise CaseError where a path has no meaning for ``model``, unstrained along the hole, and ``motion``."""
     at = "--path"

@@ -12,7 +12,8 @@ from drillpetsc.analysis.flow_coupling import surge_rates
 from drillpetsc.analysis.friction_path import SEED, FrictionPath, follow_paths
 from drillpetsc.analysis.march import stands
 from drillpetsc.analysis.path_answer import AnyPath, PathAnswer
-from drillpetsc.analysis.placement import top_depth
+from drillpetsc.analysis.path_question import may_slack_off
+from drillpetsc.analysis.placement import end_is_held, top_depth
 from drillpetsc.analysis.static_problem import StaticProblem
 from drillpetsc.arrays import FloatArray
 from drillpetsc.errors import SolveError
@@ -60,7 +61,14 @@ def slides_on(problem: StaticProblem) -> bool:
     except SolveError:
         steady = False
     if steady:
-        answer = PathAnswer("sliding", (end,), path.seeds, model.case.top.force is not None)
+        answer = PathAnswer(
+            "sliding",
+            (end,),
+            path.seeds,
+            model.case.top.force is not None,
+            held_end=end_is_held(model),
+            may_slack_off=may_slack_off(model, state.motion),
+        )
         _take(problem, answer, state.equilibrium.imperfection)
         return True
     before.restore()

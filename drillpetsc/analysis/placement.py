@@ -87,16 +87,46 @@ def hole_at_string(model: DrillingModel) -> tuple[FloatArray, FloatArray]:
     return tangent, curvature
 
 
+def end_is_held(model: DrillingModel) -> bool:
+    """Whether the place of the string's lower end is held."""
+    return model.case.bottom.kind in ("clamped", "pinned")
+
+
+def share_of_top(model: DrillingModel) -> tuple[FloatArray, FloatArray]:
+    """Shares (n_nodes,) of the top's axial velocity and of its rotation that the nodes of a string have that moves steadily; manual:
+    eq-statics-share-of-top.
+
+    One where the lower end follows.  A lower end that is held does not: the string is stretched, and wound up, evenly.
+    """
+    mesh, shares = model.mesh, []
+    for stiffness, held in (
+        (mesh.axial_stiffness, end_is_held(model)),
+        (mesh.torsional_stiffness, model.case.bottom.kind == "clamped"),
+    ):
+        share = np.ones(mesh.nodes)
+        if held:
+            element = np.divide(
+                mesh.length, stiffness, out=np.zeros_like(mesh.length), where=~mesh.is_joint & (stiffness > 0)
+            )
+            below = np.append(np.cumsum(element[::-1])[::-1], 0.0)
+            share = below / below[0]
+        shares.append(share)
+    return shares[0], shares[1]
+
+
 def move_rigidly(model: DrillingModel) -> None:
-    """Set the rates of every node to the rotation and the lowering that the top prescribes at time 0, and a motor's."""
+    """Set the rates of every node to the rotation and the lowering that the top prescribes at time 0, and a motor's.
+
+    Those of a string whose lower end is held fall to zero there.
+    """
     if model.beam is not None:
         tangent, curvature = hole_at_string(model)
         lowering, rotation = prescribed_motion(model)
-        spin: float | FloatArray = rotation
+        along, turn = share_of_top(model)
+        spin = rotation * turn
         if model.motor is not None:
-            spin = np.full(model.mesh.nodes, rotation)
             spin[model.motor.cell + 1 :] += model.motor.start_speed
-        model.beam.set_rigid_motion(model.system, tangent, curvature, lowering, spin)
+        model.beam.set_rigid_motion(model.system, tangent, curvature, lowering * along, spin)
         if model.bit is not None:
             model.bit.first_cut(model.system.assembly)
         for reamer in model.reamers:

@@ -229,6 +229,16 @@ class StringMesh:
         """(n,) divisors for values per length: element lengths [m], 1 for joints, whose values are zero."""
         return np.where(self.is_joint, 1.0, self.length) if self.joints else self.length
 
+    def slope_at_nodes(self, values: FloatArray) -> FloatArray:
+        """Slope (n_nodes,) along the string of ``values`` (n_nodes,), in their unit per metre: the mean of both elements."""
+        slope = np.diff(values) / self.length_divisor
+        element = ~self.is_joint
+        total, count = np.zeros(self.nodes), np.zeros(self.nodes)
+        for first in (0, 1):
+            np.add.at(total, np.flatnonzero(element) + first, slope[element])
+            np.add.at(count, np.flatnonzero(element) + first, 1.0)
+        return total / np.maximum(count, 1.0)
+
     @property
     def free_slope_nodes(self) -> np.ndarray:
         """Nodes beside a joint whose slope length is undetermined (manual: eq-joint-unit-slope).

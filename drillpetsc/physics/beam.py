@@ -134,18 +134,20 @@ class AncfBeam(interfaces.Beam):
         system,
         tangent: FloatArray,
         curvature: FloatArray,
-        lowering: float,
+        lowering: float | FloatArray,
         rotation: float | FloatArray,
     ) -> None:
         """Set the velocity of every node to ``lowering`` [m/s] along the hole, its spin to ``rotation`` [rad/s].
 
-        rotation: (n_nodes,) where the spin differs along the string.
+        lowering, rotation: (n_nodes,) where they differ along the string.
         tangent, curvature: (n_nodes, 3) of the hole at the nodes [-, 1/m].
         """
+        along = np.broadcast_to(np.reshape(lowering, (-1, 1)), (self.mesh.nodes, 1))
         stretch = np.zeros((self.mesh.nodes, 1))
         stretch[system.chain.vertices] = np.linalg.norm(system.field("string.tangent"), axis=1, keepdims=True)
-        system.set_field("string.position", lowering * tangent, "y")
-        system.set_field("string.tangent", lowering * stretch * curvature, "y")
+        system.set_field("string.position", along * tangent, "y")
+        strain_rate = self.mesh.slope_at_nodes(along[:, 0])[:, None]
+        system.set_field("string.tangent", along * stretch * curvature + strain_rate * tangent, "y")
         system.set_field(
             "string.spin", np.broadcast_to(np.reshape(rotation, (-1, 1)), (self.mesh.nodes, 1)), "y"
         )

@@ -41,12 +41,12 @@ class Beam(Component):
         system: Any,
         tangent: FloatArray,
         curvature: FloatArray,
-        lowering: float,
+        lowering: float | FloatArray,
         rotation: float | FloatArray,
     ) -> None:
         """Set the velocity of every node to ``lowering`` [m/s] along the hole, its spin to ``rotation`` [rad/s].
 
-        rotation: (n_nodes,) where the spin differs along the string.
+        lowering, rotation: (n_nodes,) where they differ along the string.
         tangent: (n_nodes, 3) of the hole at the nodes; curvature: (n_nodes, 3) its derivative [1/m].
         """
 

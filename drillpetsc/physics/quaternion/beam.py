@@ -257,19 +257,22 @@ class QuaternionBeam(Beam):
         system,
         tangent: FloatArray,
         curvature: FloatArray,
-        lowering: float,
+        lowering: float | FloatArray,
         rotation: float | FloatArray,
     ) -> None:
         """Set the velocity of every node to ``lowering`` [m/s] along the hole, its spin to ``rotation`` [rad/s].
 
+        lowering, rotation: (n_nodes,) where they differ along the string.
         tangent, curvature: (n_nodes, 3) of the hole at the nodes [-, 1/m].
         """
+        along = np.broadcast_to(np.reshape(lowering, (-1, 1)), (self.mesh.nodes, 1))
+        turn = np.broadcast_to(np.reshape(rotation, (-1, 1)), (self.mesh.nodes, 1))
         q, here = np.zeros((self.mesh.nodes, 4)), system.chain.vertices
         present = system.field("string.quaternion")
-        bend = lowering * np.cross(tangent, curvature)[here]
-        q[here] = 0.5 * (rotation * spun(present) + product(as_quaternion(bend), present))
-        system.set_field("string.position", lowering * tangent, "y")
-        system.set_field("string.strain", np.zeros((self.mesh.nodes, 1)), "y")
+        bend = (along * np.cross(tangent, curvature))[here]
+        q[here] = 0.5 * (turn[here] * spun(present) + product(as_quaternion(bend), present))
+        system.set_field("string.position", along * tangent, "y")
+        system.set_field("string.strain", self.mesh.slope_at_nodes(along[:, 0])[:, None], "y")
         system.set_field("string.quaternion", q, "y")
 
     def impose_rigid_motion(self, system, rates: FloatArray, lowering: float, rotation: float) -> None:
