@@ -23,11 +23,11 @@ from drillpetsc.analysis.steady_flow import fluid_unknowns, freeze_flow, steady_
 from drillpetsc.analysis.top_on_wall import balance_across
 from drillpetsc.errors import CaseError, SolveError
 from drillpetsc.model.drilling_model import DrillingModel
+from drillpetsc.output.free_end import BEYOND, FreeEnd, end_is_free
 from drillpetsc.output.outside_hole import HINT, may_leave_hole, static_warnings
-from drillpetsc.solvers.static_newton import CONVERGED_INCREMENT, Equilibrium, StaticNewton
-from drillpetsc.unit_systems import System, display, display_unit
+from drillpetsc.solvers.static_newton import CONVERGED_INCREMENT, Equilibrium, StaticNewton, sum_of
+from drillpetsc.unit_systems import System, display, display_unit, shown
 
-BEYOND_BOTTOM = 1e-3  # distance below the end of the hole that is reported [m]
 SLANTED = 1e-3  # horizontal part of the string's direction from which on a string without contact may fall out of its hole
 FIRST_FLOW_INCREMENT = 1e-2  # of the flow from which flow and string are solved together
 #: axial direction (down positive) and rotation of each motion of the `statics` command
@@ -104,8 +104,9 @@ def director_equilibrium(
         try:
             reached = _newton_with_flow(problem)
         except SolveError as error:
-            if may_leave_hole(model) and float(np.abs(model.tangent[:, :2]).max()) > SLANTED:
-                error.hint = HINT
+            slanted = float(np.abs(model.tangent[:, :2]).max()) > SLANTED
+            fallen = HINT if slanted and may_leave_hole(model) else ""
+            error.hint = fallen or _free_end_hint(model, found) or error.hint
             raise
     if state.path is None:
         placed = found is None or not found.top_on_wall or model.top is None
@@ -130,7 +131,7 @@ def director_equilibrium(
     _reactions(model, solver)
     model.system.assembly.freeze(None)
     beyond = _beyond_bottom(model)
-    if beyond > BEYOND_BOTTOM:
+    if beyond > BEYOND:
         distance, unit = display(beyond, "length", _units(model))
         state.warnings.append(
             f"the string's end lies {distance:.3g} {unit} below the end of the hole, which its stretch makes it reach; "
@@ -243,16 +244,21 @@ def _begin_again(problem: StaticProblem) -> None:
 
 
 def _beyond_bottom(model: DrillingModel) -> float:
-    """Distance [m] of the string's end below the end of the hole; not above zero where it hangs free, or stands."""
-    if model.well is None or model.beam is None or model.bit is not None:
-        return 0.0
-    system, mesh, local = model.system, model.mesh, 0.0
-    last = np.flatnonzero(system.chain.owned & (system.chain.vertices == mesh.nodes - 1))
-    if len(last):
-        position = system.field("string.position")[last]
-        face = mesh.total_length - mesh.node_depth[-1]
-        local = float(model.well.project(position).md[0]) + face - float(model.well.depth)
-    return local if system.comm.size == 1 else float(system.comm.tompi4py().allreduce(local))
+    """Distance [m] of a free end below the end of the hole; not above zero where it hangs free, or stands; collective."""
+    return sum_of(model.system, FreeEnd(model).below_bottom())
+
+
+def _free_end_hint(model: DrillingModel, found: March | None) -> str:
+    """What to do about a string without a static state whose free end reaches the end of the hole by the march; else empty."""
+    if found is None or model.well is None or not end_is_free(model):
+        return ""
+    mesh, most = model.mesh, float(model.well.depth)
+    if float(found.measured_depth[-1]) + mesh.total_length - float(mesh.node_depth[-1]) < most:
+        return ""
+    return (
+        f"the free end of the string reaches the end of the hole, MD {shown(most, 'length', _units(model), 6)}, where nothing holds "
+        "it and no mud flows past: a shorter string, or a deeper hole; bottom: {kind: bit} stands on it"
+    )
 
 
 def _helix_hint(model: DrillingModel, found: March, moves: bool) -> str:

@@ -9,6 +9,7 @@ from drillpetsc.analysis.equilibrium import StaticState, director_equilibrium
 from drillpetsc.analysis.imperfection import add_imperfection_of_rest
 from drillpetsc.analysis.motor_statics import motor_equilibrium
 from drillpetsc.analysis.path_answer import PathKind
+from drillpetsc.analysis.path_question import nothing_holds
 from drillpetsc.analysis.placement import align_top, find_reactions, move_rigidly, place_along_hole, release
 from drillpetsc.analysis.quasi_static import QuasiStatic
 from drillpetsc.analysis.quaternion_statics import quaternion_equilibrium
@@ -16,6 +17,7 @@ from drillpetsc.case.case import Case
 from drillpetsc.errors import SolveError
 from drillpetsc.model.drilling_model import DrillingModel, build_model
 from drillpetsc.model.string_forces import held_at_weight
+from drillpetsc.parallel import total
 from drillpetsc.unit_systems import shown
 
 TOLERATED_JUMP = 0.01  # of the hook load, at the start of a run with a top force and a given weight on bit
@@ -45,17 +47,10 @@ def find_equilibrium(
     try:
         return director_equilibrium(model, motion, lateral_friction, path)
     except SolveError as error:
-        if _falls(model):
-            error.what = f"nothing holds the string along the hole: it falls ({error.what})"
+        if nothing_holds(model):
+            error.what = f"nothing holds the string along the hole: it falls, or friction alone holds it ({error.what})"
             error.hint = "initial: {from: rest} with time: {..} lets it fall; a top of another kind, or a bottom, holds it"
         raise
-
-
-def _falls(model: DrillingModel) -> bool:
-    """Whether the string has no end that takes a force along the hole."""
-    case = model.case
-    free = getattr(case.top, "kind", "") == "free" and case.top.force is None
-    return free and getattr(case.bottom, "kind", "") in ("free", "force")
 
 
 def _equilibrium_at_weight(
@@ -122,6 +117,7 @@ def initial_state(
         other = checkpoint.read(Path(case.initial.from_) / "checkpoint.h5")
         checkpoint.restore(model, other, at="initial.from")
         checkpoint.restart_clock(model, other)
+        begin_new_states(model, 0.0)
         if quasi is None:
             release(model)
             find_reactions(model)
@@ -136,3 +132,10 @@ def initial_state(
     if state is None or case.top.force is not None:
         find_reactions(model)
     return state
+
+
+def begin_new_states(model: DrillingModel, t: float) -> bool:
+    """Let states begin that a restored state at ``t`` [s] does not have; returns whether there were any; collective."""
+    system = model.system
+    changed = [component.begin_new_states(t, system.assembly) for component in system.components]
+    return bool(total(system.comm.tompi4py(), float(any(changed))))

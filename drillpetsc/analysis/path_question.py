@@ -28,6 +28,13 @@ def may_slack_off(model: DrillingModel, motion: tuple[float, float]) -> bool:
     return model.bit is not None
 
 
+def nothing_holds(model: DrillingModel) -> bool:
+    """Whether the string has no end that takes a force along the hole: it falls, or friction alone holds it."""
+    case = model.case
+    free = getattr(case.top, "kind", "") == "free" and case.top.force is None
+    return free and getattr(case.bottom, "kind", "") in ("free", "force")
+
+
 def refuse_path(model: DrillingModel, motion: tuple[float, float], got: str) -> None:
     """Raise CaseError where a path has no meaning for ``model``, unstrained along the hole, and ``motion``."""
     at = "--path"
@@ -42,6 +49,8 @@ def refuse_path(model: DrillingModel, motion: tuple[float, float], got: str) -> 
         )
     if model.contact is None or model.well is None or model.beam is None:
         raise CaseError(at=at, got=got, want="a string in a hole with contact")
+    if nothing_holds(model):
+        raise CaseError(at=at, got=got, want="a string that its top or its bottom holds along the hole")
     if model.reamers:
         raise CaseError(
             at=at,

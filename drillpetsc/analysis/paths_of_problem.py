@@ -90,7 +90,8 @@ def _take(problem: StaticProblem, answer: PathAnswer, imperfection: float) -> No
     """Make the answer of a path the result of the problem."""
     state, end = problem.state, answer.ends[0]
     state.path, report = answer, state.equilibrium
-    report.imperfection, report.negative_pivots, report.converged = imperfection, end.negative_pivots, True
+    report.imperfection, report.converged = imperfection, True
+    report.negative_pivots, report.singular = max(0, end.negative_pivots), end.negative_pivots < 0
     report.iterations += end.iterations
     state.lateral_fraction = 0.0 if answer.turns else 1.0
     state.warnings += answer.lines(problem.model.case.output.units or "metric")

@@ -3,10 +3,8 @@
 from __future__ import annotations
 
 from drillpetsc.case import Case
+from drillpetsc.output.operation_watch import LEAST_PUSH
 from drillpetsc.unit_systems import shown
-
-#: smallest push at the top that is reported [N]
-LEAST_PUSH = 1e3
 
 
 def top_push(case: Case, hook_load: float | None) -> list[str]:

@@ -19,7 +19,7 @@ from drillpetsc.analysis.coarse_mesh import run_warnings
 from drillpetsc.analysis.drive_report import drive_warnings
 from drillpetsc.analysis.equilibrium import StaticState
 from drillpetsc.analysis.hoist_report import hoist_warnings
-from drillpetsc.analysis.initial_state import initial_state
+from drillpetsc.analysis.initial_state import begin_new_states, initial_state
 from drillpetsc.analysis.memory import Memory, give_back
 from drillpetsc.analysis.mud_above_top import mud_above_top
 from drillpetsc.analysis.placement import top_depth
@@ -42,13 +42,12 @@ from drillpetsc.case.case import Case
 from drillpetsc.errors import RESTART_HINT, CaseError, Interrupted, SolveError, cannot_write
 from drillpetsc.model.drilling_model import DrillingModel, build_model, is_quasi_static
 from drillpetsc.output import RunFolder, read_summary, write_summary
-from drillpetsc.output.boiling import BoilingMonitor
 from drillpetsc.output.case_files import write_case
 from drillpetsc.output.creep import creep_warnings
 from drillpetsc.output.energy_balance import EnergyGainMonitor
 from drillpetsc.output.indices import indices
+from drillpetsc.output.monitors import Monitors
 from drillpetsc.output.motion_classes import MotionClasses
-from drillpetsc.output.outside_hole import HoleMonitor
 from drillpetsc.output.progress import Progress, Receiver, check_progress
 from drillpetsc.output.recorder import Recorder
 from drillpetsc.output.result import RunResult
@@ -123,6 +122,7 @@ def run(
                     f"{folder.path}: no checkpoint yet, so the run starts from its beginning", file=sys.stderr
                 )
             state = initial_state(model, case, saved, quasi)
+            afresh = saved is not None and bool(accepted) and begin_new_states(model, saved.time)
             give_back()
             return TransientRun(
                 model=model,
@@ -136,6 +136,7 @@ def run(
                 began=began,
                 progress=progress,
                 watch_motion=watch_motion,
+                afresh=afresh,
             ).run()
         finally:
             folder.release()
@@ -301,6 +302,7 @@ class TransientRun:
     fixed_step: [s] of an integrator with fixed steps.
     began: wall and processor clock at the start of the program [s].
     watch_motion: find the classes of motion.
+    afresh: a continued run has other states than its checkpoint, so that the time formula begins without its history.
     """
 
     model: DrillingModel
@@ -314,6 +316,7 @@ class TransientRun:
     began: tuple[float, float]
     progress: str | Receiver
     watch_motion: bool = False
+    afresh: bool = False
 
     def __post_init__(self) -> None:
         self.case, self.mpi = self.model.case, self.model.system.comm.tompi4py()
@@ -324,12 +327,13 @@ class TransientRun:
         self.notes["warnings"] += [*run_warnings(self.model), *self.model.mesh.notes]
         self.notes["warnings"] += drive_warnings(self.model, self.saved is None)
         self.notes["warnings"] += hoist_warnings(self.case)
+        pushed: list[str] = []
         if self.saved is None:
             self.notes["warnings"] += mud_above_top(self.model)
             if self.case.initial.from_ == "statics":
-                self.notes["warnings"] += top_push(
-                    self.case, -self.model.system.reaction("top.axial_reaction")
-                )
+                pushed = top_push(self.case, -self.model.system.reaction("top.axial_reaction"))
+        self.notes["warnings"] += pushed
+        self._told = ("push",) if pushed else ()  # at the start
         if self.saved is not None:
             self.notes["warnings"] += provenance.version_warnings(self.saved.provenance)
         if self.notes.get("accepted_changes"):
@@ -337,16 +341,11 @@ class TransientRun:
                 "changes accepted at a restart act at once: what they add or take stands in the energy balance as gained or "
                 "lost by the time integration"
             )
-        self.boiling = BoilingMonitor(
-            self.model.system, self.model.fluid, self.case.output.units or "metric", top_depth(self.model)
-        )
-        self.in_hole = HoleMonitor(self.model)
+        self.monitors = Monitors(self.model, top_depth(self.model))
         if self.saved is not None:
-            self.boiling.set_notes(self.saved.notes.get("boiling", {}))
-            self.in_hole.set_notes(self.saved.notes.get("outside", {}))
+            self.monitors.set_notes(self.saved.notes.get("monitors", {}))
         else:
-            self.boiling.update(0.0)
-            self.in_hole.update(0.0)
+            self.monitors.update(0.0)
         self.classes = MotionClasses(self.model, 0.5 * self.end) if self.watch_motion else None
         self.whirl = WhirlSteps(self.model)
         self.newton, self.moving_since = 0, self.began
@@ -419,6 +418,7 @@ class TransientRun:
         )
         if self.saved is not None:
             self.writer.last_row = self.saved.notes["last_row"]
+            self.writer.watch.set_notes(self.saved.notes.get("watch", {}))
         if self.first:
             if self.saved is None:
                 _write_model(self.model, self.folder)
@@ -438,9 +438,10 @@ class TransientRun:
             else [j * every for j in range(k, after(end, every)) if j * every < end * (1 - ROUNDING)]
         )
         self.next_save = k
+        breaks = (*self.model.breaks, *((self.start,) if self.afresh else ()))
         for stop in [*stops, end]:
             try:
-                self.integrator.run(self.t, stop, self.model.breaks)
+                self.integrator.run(self.t, stop, breaks)
             finally:
                 self.memory.end()
             if self.integrator.stopped:
@@ -473,11 +474,9 @@ class TransientRun:
         self.due = writer.write(t, dt, newton - self.newton, self.control)
         if recorder.sensors is not None and recorder.sensors.step(t, dt, integrator.fresh):
             writer.write_samples(self.control)
-        self.boiling.update(t)
-        self.in_hole.update(t)
+        self.monitors.update(t)
         if self.due:
-            self.boiling.share()
-            self.in_hole.share()
+            self.monitors.share()
         self.t, self.newton = t, newton
 
     def _finish_step(self, t: float) -> None:
@@ -517,16 +516,15 @@ class TransientRun:
     def _save(self, t: float) -> None:
         """Write a checkpoint; collective."""
         self.recorder.catch_up()
-        self.boiling.share()
-        self.in_hole.share()
+        self.monitors.share()
         self.writer.write_samples(self.control)
-        self.notes["last_row"], self.notes["boiling"] = self.writer.last_row, self.boiling.get_notes()
-        self.notes["outside"] = self.in_hole.get_notes()
+        self.notes["last_row"], self.notes["monitors"] = self.writer.last_row, self.monitors.get_notes()
         c = checkpoint.take(self.model, self.recorder, self.integrator, t, self.notes)
 
         def put() -> None:
             assert c is not None
             self.writer.flush()
+            c.notes["watch"] = self.writer.watch.get_notes()  # of all rows, which are written now
             checkpoint.write(self.folder.checkpoint, c)
 
         first_rank_does(self.mpi, str(self.folder.checkpoint), put, t)
@@ -568,7 +566,9 @@ class TransientRun:
             self._warn(said)
         if self.classes is not None:
             result["motion"] = self.classes.summary()
-        result["warnings"] = [*result["warnings"], *self.boiling.warnings(), *self.in_hole.warnings()]
+        said = [*self.writer.watch.warnings(self._told), *self.monitors.warnings()]
+        result["warnings"] = [*result["warnings"], *said]
+        self._warn(said)
         if self.recorder.sensors is not None:
             result["sensors"] = self.recorder.sensors.summary()
             result["warnings"] += self.recorder.sensors.warnings()

@@ -243,6 +243,11 @@ class Component:
         """Change states of this rank where an input jumps or bends at ``t`` [s]; True where any changed."""
         return False
 
+    def begin_new_states(self, t: float, state: Any) -> bool:
+        """Let states that a restored state does not have, of a case that has changed, begin at ``t`` [s]; True where any changed,
+        on the rank that has them."""
+        return False
+
     # ------------------------------------------------------------------ events
     #: the component's law may change at a state that is reached in time, such as a jar that fires
     has_events: bool = False

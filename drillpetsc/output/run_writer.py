@@ -18,6 +18,7 @@ from drillpetsc.output import FieldWriter, RunFolder, Table, read_series
 from drillpetsc.output.field_output import FieldOutput
 from drillpetsc.output.files.background import Background
 from drillpetsc.output.files.tables import header
+from drillpetsc.output.operation_watch import OperationWatch
 from drillpetsc.output.recorder import Recorder
 from drillpetsc.output.sensors.files import covered
 
@@ -37,7 +38,7 @@ class RunWriter:
     folder: the run folder, None on the other ranks.
     restart_time: time [s] from which a run continues; later rows and frames are removed.
 
-    ``last_row`` is the time of the last row [s].
+    ``last_row`` is the time of the last row [s]; ``watch`` has seen all rows that are written.
     """
 
     def __init__(
@@ -50,7 +51,7 @@ class RunWriter:
         self.next_row, self.next_frame = (
             (0, 0) if restart_time is None else (after(restart_time, e) for e in self.every)
         )
-        self.last_row = -1.0
+        self.last_row, self.watch = -1.0, OperationWatch(model.case, recorder.columns)
         self._one_rank = model.system.comm.size == 1
         # a hole that grows changes the places of points in it
         self._rows_at_once, self._written = (
@@ -137,6 +138,7 @@ class RunWriter:
         if self.folder is None or not self.recorder.kept:
             return
         history, probes = self.recorder.kept_rows()
+        self.watch.update(history)
         self.history.add_rows(history)
         if self.probes is not None:
             self.probes.add_rows(probes)

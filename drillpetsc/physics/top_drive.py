@@ -211,6 +211,29 @@ class MotorDrive(Drive):
         if self.params["estimated"][0] and index[LOW_PASSED] < size:
             state.x[index[LOW_PASSED]] = 0.0  # filtered inertia torque
 
+    def begin_new_states(self, t: float, state: Any) -> bool:
+        """Let filters, lag and delay begin at the torque that the controller asks for.
+
+        One that begins at zero would take the whole torque for one that has just set in.  The torque of the pipe, which would be
+        exact, needs the acceleration of the top, which a restored state does not have.
+        """
+        if not len(self._block.points) or not self.laws:
+            return False
+        self._update(t)
+        index, size = state.index_of(self._block)[0], state.layout.size
+        integral = state.x[index[INTEGRAL]] if index[INTEGRAL] < size else 0.0
+        torque = integral + self.laws[self._phase].p * (self._speed[0] - state.y[index[SPIN]])
+        if self.motor.max_torque:
+            torque = min(max(torque, self.motor.min_torque), self.motor.max_torque)
+        changed = False
+        for place in (LAGGED, LOW_PASSED, HIGH_PASSED, DELAYED):
+            if place == LOW_PASSED and self.params["estimated"][0]:
+                continue  # the filtered inertia torque, about zero
+            at = index[place]
+            if at < size and state.x[at] == 0.0 and state.y[at] == 0.0:
+                state.x[at], changed = torque, True
+        return changed
+
     def at_break(self, t: float, state: Any) -> bool:
         """Change to the law that acts from ``t`` [s] on without a jump of the torque; True where states change."""
         phase = self._phase_at(t) if len(self.laws) > 1 else self._phase

@@ -115,6 +115,8 @@ def test_curve_against_a_run_of_another_integrator(case_file, tmp_path):
         (["--vary", "wind"], 2, "time-step | tolerance"),
         ([], 2, "either --vary or --curves"),
         (["--vary", "time-step", "--values", "10 kg"], 2, "--values"),
+        (["--vary", "tolerance", "--limit", "-1"], 2, "seconds, above 0"),
+        (["--vary", "tolerance", "--outputs", "bit_sped"], 2, "nearest: bit_speed"),
         (
             [
                 "--vary",

@@ -124,6 +124,12 @@ def _as_list(value: Any) -> Any:
 
 
 Mode = Literal["wob", "rop", "torque", "differential_pressure"]
+_GAINS = {"torque": "torque", "differential_pressure": "pressure"}  # words of the gains of a mode
+
+
+def _least(value: TimeFunction) -> float:
+    """Smallest value over time."""
+    return min(value.value(t, before) for t in (0.0, *value.breaks()) for before in (False, True))
 
 
 class AutodrillerBlock(Block):
@@ -205,7 +211,15 @@ class AutodrillerBlock(Block):
                     else f"no {key} without mode {key}"
                 )
                 raise refuse(key, want=want)
+            set_point = getattr(self, key)
+            if set_point is not None and (least := _least(set_point)) < 0:
+                hint = (
+                    "reverse: true lets the drum hoist where another mode asks for it" if key == "rop" else ""
+                )
+                raise refuse(key, got=f"{least:g}, in SI units", want="a set point of 0 or more", hint=hint)
         for key, mode in self.mode_of_key.items():
             if key in self.model_fields_set and mode not in self.mode:
-                raise refuse(key, got=getattr(self, key), want=f"no {key} without mode {mode}")
+                others = [m for m in self.mode if m in _GAINS and key in ("p", "i")]
+                hint = ", ".join(f"mode {m} has {_GAINS[m]}_{key}" for m in others)
+                raise refuse(key, got=getattr(self, key), want=f"no {key} without mode {mode}", hint=hint)
         return self

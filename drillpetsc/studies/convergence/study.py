@@ -16,9 +16,13 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from petsc4py import PETSc
 
+from drillpetsc.analysis.linearise import refuse_unknown
 from drillpetsc.errors import CaseError
+from drillpetsc.model.drilling_model import build_model
 from drillpetsc.output import RunFolder
+from drillpetsc.output.recorder import Recorder
 from drillpetsc.studies.convergence.plan import (
     DEFAULT_CURVES,
     VARIED,
@@ -172,11 +176,13 @@ def run_study(
 def _refuse_invalid(request: StudyRequest, base: Base) -> None:
     """Raise CaseError for a request that cannot be run."""
     if (request.vary is None) == (request.curves is None):
-        raise CaseError(want="either --vary or --curves")
+        raise CaseError(at="--vary", got=request.vary or "", want="either --vary or --curves")
     if request.vary is not None and request.vary not in VARIED:
         raise CaseError(at="--vary", got=request.vary, want=" | ".join(VARIED))
     if request.repeats < 1:
         raise CaseError(at="--repeats", got=request.repeats, want="1 or more")
+    if not request.limit > 0:
+        raise CaseError(at="--limit", got=request.limit, want="seconds, above 0")
     if ranks_here() > 1:
         raise CaseError(
             got=f"{ranks_here()} ranks",
@@ -190,8 +196,12 @@ def _refuse_invalid(request: StudyRequest, base: Base) -> None:
             got=request.reference,
             want="auto | exact | arkimex | bdf3 | bdf2, or a run folder that exists",
         )
-    case_of(base, Point("", "", 0.0))
+    case = case_of(base, Point("", "", 0.0))
     _points(request, base, few=False)
+    if request.outputs:
+        recorder = Recorder(build_model(case, PETSc.COMM_SELF))
+        known = [name for name, _ in (*recorder.columns, *recorder.probe_columns) if name != "time"]
+        refuse_unknown("--outputs", request.outputs, known)
 
 
 def _points(request: StudyRequest, base: Base, few: bool) -> list[Point]:

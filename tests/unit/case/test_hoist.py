@@ -66,6 +66,17 @@ def made(hoist: Any = HOIST, autodriller: Any = None, top: dict[str, Any] | None
         ({"autodriller": {**DRILL, "mode": ["wob", "wob"]}}, "mode", "each mode once"),
         ({"autodriller": {**DRILL, "mode": ["wobb"]}}, "mode", ""),
         ({"autodriller": {"mode": "rop", "rop": 1e-3, "p": 1e-8}}, "autodriller.p", "without mode wob"),
+        (
+            {"autodriller": {"mode": "torque", "torque": 1e3, "p": 1e-8}},
+            "autodriller.p",
+            "mode torque has torque_p",
+        ),
+        ({"autodriller": {"wob": "-100 kN"}}, "autodriller.wob", "0 or more"),
+        (
+            {"autodriller": {"mode": "rop", "rop": {"time": [0, 5], "value": [1e-3, -1e-3]}}},
+            "autodriller.rop",
+            "reverse: true",
+        ),
         ({"autodriller": {**DRILL, "p": 0}}, "autodriller.p", "above 0"),
         ({"autodriller": {**DRILL, "max_speed": 3.0}}, "max_speed", "at most hoist.max_speed"),
         ({"autodriller": {**DRILL, "measur": "bit"}}, "measur", "one of these keys"),

@@ -1,0 +1,87 @@
+"""A free lower end that passes the end of its hole, which nothing in the model stops (manual: sec-outputs-watch)."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from drillpetsc.case.blocks.ends import HeldBottom
+from drillpetsc.model.drilling_model import DrillingModel
+from drillpetsc.unit_systems import shown
+
+BEYOND = 1e-3  # distance below the end of the hole that is told [m]
+
+
+def end_is_free(model: DrillingModel) -> bool:
+    """Whether nothing holds the lower end of a string in a hole, and no bit stands on the bottom."""
+    bottom = model.case.bottom
+    held = isinstance(bottom, HeldBottom) and bottom.kind != "free"
+    return model.well is not None and model.beam is not None and model.bit is None and not held
+
+
+class FreeEnd:
+    """The free lower end of a string in a hole; not ``exists`` where it is held or stands on the bottom."""
+
+    def __init__(self, model: DrillingModel) -> None:
+        system, mesh = model.system, model.mesh
+        self.exists, self.system = end_is_free(model), system
+        last = np.flatnonzero(system.chain.owned & (system.chain.vertices == mesh.nodes - 1))
+        self._places = None  # of its position in the unknowns, on its own rank
+        if len(last) and self.exists and model.well is not None:
+            self._places = system.layout.dofs["string.position"][last[0]]
+            end, axis, _ = model.well.at(model.well.depth)
+            self._axis = np.asarray(axis)
+            self._bottom = (
+                float(np.asarray(end) @ self._axis) - mesh.total_length + float(mesh.node_depth[-1])
+            )
+
+    def below_bottom(self) -> float:
+        """Distance [m] of its face below the end of the hole, negative above it; zero on other ranks."""
+        if self._places is None:
+            return 0.0
+        return float(self.system.assembly.x[self._places] @ self._axis) - self._bottom
+
+
+class FreeEndWatch:
+    """Finds when a free lower end first passes the end of the hole, and how far it goes.
+
+    first: time [s], None before; most: distance [m].  Those of the rank that owns the lower end, until ``share``.
+    """
+
+    def __init__(self, model: DrillingModel) -> None:
+        self.model, self._end = model, FreeEnd(model)
+        self.first: float | None = None
+        self.most = 0.0
+
+    def update(self, t: float) -> None:
+        """After a step to ``t`` [s]; not collective."""
+        beyond = self._end.below_bottom()
+        if beyond > BEYOND:
+            self.first = t if self.first is None else self.first
+            self.most = max(self.most, beyond)
+
+    def share(self) -> None:
+        """Make the figures those of all ranks; collective."""
+        if self.model.system.comm.size > 1 and self._end.exists:
+            found = self.model.system.comm.tompi4py().allgather((self.first, self.most))
+            self.first = min((first for first, _ in found if first is not None), default=None)
+            self.most = max(most for _, most in found)
+
+    def warnings(self) -> list[str]:
+        """Sentence for the summary."""
+        if self.first is None:
+            return []
+        most = shown(self.most, "length", self.model.case.output.units or "metric", 3)
+        return [
+            f"the free end of the string passes the end of the hole from {self.first:.6g} s on, by up to {most}: nothing stops it "
+            "there, and the results from then on are of a deeper hole; bottom: {kind: bit} stands on the bottom"
+        ]
+
+    def get_notes(self) -> dict[str, Any]:
+        """For a checkpoint."""
+        return {} if self.first is None else {"first": self.first, "most": self.most}
+
+    def set_notes(self, saved: dict[str, Any]) -> None:
+        """Continue from ``get_notes``."""
+        self.first, self.most = saved.get("first"), saved.get("most", 0.0)

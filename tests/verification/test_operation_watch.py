@@ -1,0 +1,164 @@
+"""What no rig and no tool does is told at the end of a run (manual: sec-outputs-watch), and a string that nothing holds is refused."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+from drillpetsc import Case, run, statics
+from drillpetsc.errors import SolveError
+from drillpetsc.output.operation_watch import OperationWatch
+
+PIPE = {"kind": "pipe", "od": 0.127, "id": 0.1086, "element_length": 10.0}
+COLLAR = {"kind": "pipe", "od": 0.1715, "id": 0.0714, "element_length": 5.0}
+OFF = {"progress": "silent"}
+
+
+def hole(inclination: float = 0.0) -> dict[str, Any]:
+    return {
+        "survey": {"md": [0, 100], "inclination": [inclination] * 2, "azimuth": [0, 0]},
+        "sections": [{"to": 100, "kind": "open_hole", "diameter": 0.2159, "friction": 0.2}],
+    }
+
+
+@pytest.mark.parametrize(("lowered", "beyond"), [(0.25, 0.15), (0.05, 0.0)])
+def test_a_free_end_that_passes_the_end_of_its_hole(tmp_path, lowered, beyond):
+    """99.9 m of pipe in 100 m of hole, lowered: its end is ``lowered`` - 0.1 m below the hole at the end, and its own weight
+    stretches it by rho g L^2/2E = 1.9 mm."""
+    speed, time = lowered / 0.5, 0.5
+    case = Case(
+        well=hole(),
+        string=[PIPE | {"length": 99.9}],
+        top={"kind": "top_drive", "lowering": speed},
+        bottom="free",
+        time={"end": time},
+        output={"history_every": 0.05},
+    )
+    said = [w for w in run(case, tmp_path / "run", **OFF).summary["warnings"] if "passes the end" in w]
+    if not beyond:
+        assert not said
+        return
+    stretch = 7850 * 9.80665 * 99.9**2 / 2 / 206e9
+    words = said[0].split()
+    assert float(words[words.index("from") + 1]) == pytest.approx((0.1 - stretch) / speed, abs=0.05)
+    assert float(words[words.index("to") + 1]) == pytest.approx(beyond + stretch, abs=2e-3)
+
+
+def pushed(end: float) -> Case:
+    """Pipe of 10 kN, collars and a shock sub on a bit, lowered by up to 40 mm after 0.2 s."""
+    return Case(
+        well=hole(),
+        string=[
+            PIPE | {"length": 89.7},
+            {
+                "kind": "shock_sub",
+                "name": "sub",
+                "length": 4.0,
+                "od": 0.1715,
+                "id": 0.0714,
+                "stiffness": 2e6,
+                "damping": 2e4,
+                "stroke": [-5e-3, 5e-3],
+            },
+            COLLAR | {"length": 6.0},
+            {"kind": "bit", "length": 0.3, "od": 0.2159, "mass": 60},
+        ],
+        top={"kind": "top_drive", "lowering": {"time": [0, 0.2, 0.3], "value": [0, 0, 0.2]}},
+        bottom="bit",
+        initial={"wob": 5e3},
+        time={"end": end},
+        output={"history_every": 0.01, "checkpoint_every": 0.3},
+    )
+
+
+def test_a_top_that_pushes_and_a_shock_sub_on_its_stop(tmp_path):
+    """Told with the time of the first row; a continued run tells the same, of all its rows.
+
+    Nothing is said of the 0.2 s in which the string hangs.
+    """
+    whole = run(pushed(0.4), tmp_path / "whole", **OFF).summary["warnings"]
+    push, stop = (next(w for w in whole if word in w) for word in ("top pushes", "sub: closed to its stop"))
+    assert "a hook can only pull" in push and "acts as rigid" in stop
+    run(pushed(0.33), tmp_path / "parts", **OFF)
+    parts = run(pushed(0.4), tmp_path / "parts", restart=True, **OFF).summary["warnings"]
+    assert parts == whole
+    early = run(pushed(0.2), tmp_path / "early", **OFF).summary["warnings"]
+    assert not [w for w in early if "pushes" in w or "stop" in w]
+
+
+def test_a_motor_near_its_stall():
+    """Rows with torques of 13, 13.4 and 13.8 kN m under a stall torque of 14 kN m: two of four are above 95 % of it."""
+    case = Case(
+        string=[
+            {
+                "kind": "pdm",
+                "length": 8.0,
+                "od": 0.1715,
+                "id": 0.1,
+                "pdm": {"rev_per_volume": 70.0, "stall_torque": 14e3, "flow_rate": 0.03},
+            }
+        ],
+        top="clamped",
+        time={"end": 1},
+    )
+    watch = OperationWatch(case, [("time", "s"), ("motor_output_torque", "N m")])
+    watch.update(np.array([[0.0, 13e3], [0.1, 13.2e3]]))
+    assert not watch.warnings()
+    watch.update(np.array([[0.2, 13.4e3], [0.3, 13.8e3]]))
+    continued = OperationWatch(case, [("time", "s"), ("motor_output_torque", "N m")])
+    continued.set_notes(watch.get_notes())
+    for w in (watch, continued):
+        assert len(w.warnings()) == 1
+        assert all(
+            word in w.warnings()[0] for word in ("95 %", "14 kN m", "from 0.2 s on in 50 % of the rows")
+        )
+
+
+@pytest.mark.parametrize("mud", [False, True])
+@pytest.mark.parametrize("inclination", [np.radians(60.0), np.pi / 2])
+def test_statics_of_a_string_that_nothing_holds(tmp_path, inclination, mud):
+    """Cut pipe in its hole: friction has no motion to act against, so there is no state; a path from a held string is none."""
+    fluid = {
+        "density": 1200.0,
+        "rheology": {"model": "newtonian", "viscosity": 0.01},
+        "flow_rate": 0.0,
+    }
+    case = Case(
+        well=hole(inclination),
+        string=[PIPE | {"length": 60.0}],
+        top="free",
+        bottom="free",
+        **({"fluid": fluid} if mud else {}),
+    )
+    with pytest.raises(SolveError, match="nothing holds the string along the hole"):
+        statics(case, tmp_path / "statics")
+
+
+def test_a_free_end_at_the_end_of_its_hole_is_named(tmp_path):
+    """700 m of casing on pipe, run in at 0.2 m/s in mud to the last metre: the mud that it displaces has no place below it."""
+    case = Case(
+        well={
+            "survey": {
+                "md": [0, 500, 1000, 2000],
+                "inclination": list(np.radians([0, 0, 60, 60])),
+                "azimuth": [0.0] * 4,
+            },
+            "sections": [{"to": 2000, "kind": "open_hole", "diameter": 0.2159, "friction": 0.0}],
+        },
+        string=[PIPE | {"length": 1300.0}, {"kind": "pipe", "length": 700.0, "od": 0.1778, "id": 0.157}],
+        top={"kind": "top_drive", "lowering": 0.1},
+        bottom="free",
+        fluid={
+            "density": 1260.0,
+            "rheology": {"model": "bingham", "plastic_viscosity": 0.02, "yield_stress": 8.0},
+            "flow_rate": 0.03,
+        },
+    )
+    try:
+        found = statics(case, tmp_path / "statics").summary
+    except SolveError as error:
+        assert "the free end of the string reaches the end of the hole, MD 2000 m" in str(error)
+    else:  # a state is as good, if it says where its end is
+        assert any("below the end of the hole" in w for w in found["warnings"])
