@@ -12,7 +12,7 @@ from drillpetsc.analysis.placement import top_depth
 from drillpetsc.analysis.soft_string import TorqueDrag, torque_drag
 from drillpetsc.case.blocks.ends import ForcedBottom
 from drillpetsc.model.drilling_model import DrillingModel
-from drillpetsc.model.fluid import mud_of_rigid_items
+from drillpetsc.model.mud_sections import mud_of_rigid_items
 
 
 def soft_string(

@@ -11,16 +11,14 @@ import numpy as np
 
 from drillpetsc.arrays import FloatArray
 from drillpetsc.case.blocks.fluid import flow_constants
-from drillpetsc.case.blocks.string import Rigid, Stabilizer, Tube
-from drillpetsc.case.blocks.tubulars import Jointed
-from drillpetsc.case.blocks.well import Section
+from drillpetsc.case.blocks.string import Rigid
 from drillpetsc.case.case import Case
 from drillpetsc.case.quantities import largest
-from drillpetsc.case.section import TubularSection, metal_past, tubular_section
 from drillpetsc.errors import CaseError
 from drillpetsc.fem.string_mesh import StringMesh
 from drillpetsc.geometry.growing_hole import GrowingHole
 from drillpetsc.geometry.well import Well
+from drillpetsc.model.mud_sections import build_bore, build_walls, loss_tables, metal_below, poisson
 from drillpetsc.physics.fluid.added_mass import (
     chi_confined,
     chi_eccentric,
@@ -31,7 +29,7 @@ from drillpetsc.physics.fluid.annulus_flow import AnnulusFlow
 from drillpetsc.physics.fluid.bit_flow import BitEnd, BitFlow
 from drillpetsc.physics.fluid.bore_flow import BoreFlow
 from drillpetsc.physics.fluid.channel_flow import FLOW_SCALE, PRESSURE_SCALE, FluidConstants
-from drillpetsc.physics.fluid.channels import Annulus, AnnulusWalls, Bore, HoleVolume
+from drillpetsc.physics.fluid.channels import Annulus, AnnulusWalls, HoleVolume
 from drillpetsc.physics.fluid.hermite.flow import HermiteAnnulus, HermiteBit, HermiteBore, volumes_at_rest
 from drillpetsc.physics.fluid.joint_seals import JointSeals
 from drillpetsc.physics.fluid.moving_hole import LateralCoefficients, MovingHole
@@ -39,7 +37,7 @@ from drillpetsc.physics.fluid.reamed_rings import ReamedRings
 from drillpetsc.physics.fluid.rheology import Rheology
 from drillpetsc.physics.fluid.side_nozzles import SideLink, SideNozzles
 from drillpetsc.physics.fluid.surface_line import SurfaceLine
-from drillpetsc.physics.fluid.tool_losses import LossTable, ToolLosses
+from drillpetsc.physics.fluid.tool_losses import ToolLosses
 from drillpetsc.physics.interfaces import ReamingTool
 from drillpetsc.unit_systems import shown
 
@@ -226,7 +224,7 @@ def build_fluid(
     rings = None
     if reamers and annulus is not None and not case.hold_string:
         rings = ReamedRings(mesh.nodes - 1, reamers, constants, f.cuttings == "returned")
-    curves = _loss_tables(case, mesh) if bore_flow is not None else ()
+    curves = loss_tables(case, mesh) if bore_flow is not None else ()
     losses = ToolLosses(curves, constants) if curves else None
     return FluidComponents(
         constants, bore_flow, annulus, bit, volumes, _surface_line(case), seals, side, rings, losses
@@ -467,193 +465,3 @@ def _in_growing_hole(end: BitEnd, hole: GrowingHole, returned: bool) -> BitEnd:
 
 
 # ---------------------------------------------------------------------- channels of a case
-def poisson(case: Case, mesh: StringMesh) -> FloatArray:
-    """(n,) Poisson's ratio of each element for the narrowing under stretch [-].
-
-    0 for items given by stiffnesses, and for rigid walls.
-    """
-    assert case.fluid is not None
-    if not case.fluid.elastic_walls:
-        return np.zeros(len(mesh.upper))
-    return np.array([_constants(case, number)[1] for number in mesh.item])
-
-
-def _constants(case: Case, number: int) -> tuple[float, float]:
-    """Young's modulus [Pa] and Poisson's ratio [-] of a string item; rigid if given by its stiffnesses."""
-    item = case.string[number]
-    return (item.material.young, item.material.poisson) if isinstance(item, Tube) else (np.inf, 0.0)
-
-
-def _rigid_runs(case: Case, mesh: StringMesh) -> tuple[FloatArray, FloatArray]:
-    """(n+1, 2) mean bore area and metal area [m2] of the rigid items below each node, and (n+1,) their metal
-    volume [m3]."""
-    area, volume, length = np.zeros((mesh.nodes, 2)), np.zeros(mesh.nodes), np.zeros(mesh.nodes)
-    items = [
-        (item, 0.5 * sum(depths))
-        for item, depths in zip(case.string, case.item_depths, strict=True)
-        if isinstance(item, Rigid)
-    ]
-    for (item, depth), body in zip(items, mesh.bodies, strict=True):
-        density = item.material.density
-        bore = item.bore_section
-        if bore == 0.0:  # no bore given: the bore of the pipe beside the item
-            bore = np.pi / 4 * mesh.inner_diameter[min(body.node, len(mesh.upper) - 1)] ** 2
-        metal = body.mass / density
-        if item.annulus_od is not None:
-            metal = item.outer_section * body.length - bore * body.length
-        elif isinstance(item, Stabilizer) and item.bypass_area is not None:
-            assert case.well is not None
-            metal = metal_past(item, case.well.diameter_at(depth))
-        area[body.node] += np.array([bore * body.length, metal])
-        volume[body.node] += metal
-        length[body.node] += body.length
-    area /= np.maximum(length, 1e-300)[:, None]
-    return area, volume
-
-
-def mud_of_rigid_items(case: Case, mesh: StringMesh) -> FloatArray:
-    """(n+1,) mass [kg] of the mud in the rigid items below each node, less that of the mud which they displace.
-
-    Below the last node only the metal counts, as in the equations of the bit's flow.
-    """
-    out = np.zeros(mesh.nodes)
-    if case.fluid is None:
-        return out
-    area, volume = _rigid_runs(case, mesh)
-    length = np.zeros(mesh.nodes)
-    np.add.at(length, [b.node for b in mesh.bodies], [b.length for b in mesh.bodies])
-    inside = area[:, 0] * length
-    inside[-1] = 0.0
-    if case.has_bore:
-        out += inside
-    if case.has_annulus:
-        out -= inside + volume
-    return np.asarray(case.fluid.density * out)
-
-
-def build_bore(case: Case, mesh: StringMesh) -> Bore:
-    """Bore of every element. Elasticity of a thick tube (Lame): (2/E) [(Ro^2 + Ri^2)/(Ro^2 - Ri^2) + nu]."""
-    assert case.fluid is not None
-    inner, outer = 0.5 * mesh.inner_diameter, 0.5 * mesh.outer_diameter
-    area, wall = mesh.bore_area, np.zeros(len(inner))
-    if case.fluid.elastic_walls:
-        young, nu = np.array([_constants(case, k) for k in mesh.item]).T
-        wall = 2 / young * ((outer**2 + inner**2) / (outer**2 - inner**2) + nu)
-    runs, _ = _rigid_runs(case, mesh)
-    above = np.where(mesh.rigid_above > 0, runs[:-1, 0], area)
-    sections = _joint_sections(case)
-    tool = tool_losses(case, mesh)
-    if not sections:
-        return Bore(area, wall, above, tool=tool)
-    joints = np.array(
-        [
-            (sections[k].joint_share, sections[k].joint_bore) if k in sections else (0.0, 2 * r)
-            for k, r in zip(mesh.item, inner, strict=True)
-        ]
-    )
-    return Bore(area, wall, above, np.pi * inner**2, joints[:, 0], np.pi / 4 * joints[:, 1] ** 2, tool)
-
-
-def _joint_sections(case: Case) -> dict[int, TubularSection]:
-    """Sections of the items with tool joints, by their number."""
-    return {k: tubular_section(item) for k, item in enumerate(case.string) if isinstance(item, Jointed)}
-
-
-def _tools_with_loss(case: Case, mesh: StringMesh) -> list[tuple[int, np.ndarray, FloatArray]]:
-    """(number of the item, its elements of the bore, share of each [-]) of the items with a pressure_loss, from the top down.
-
-    A flexible tool has its loss over its length. That of a rigid one is in the element below it, or in the last element where the
-    tool is the string's end.
-    """
-    found, bodies = [], iter(mesh.bodies)
-    for number, item in enumerate(case.string):
-        body = next(bodies) if isinstance(item, Rigid) else None
-        if item.pressure_loss is None:
-            continue
-        if body is not None:
-            cells = np.array([min(body.node, len(mesh.upper) - 1)])
-        else:
-            cells = np.flatnonzero(mesh.item == number)
-        length = mesh.length[cells] if body is None else np.ones(1)
-        found.append((number, cells, length / length.sum()))
-    return found
-
-
-def tool_losses(case: Case, mesh: StringMesh) -> FloatArray | None:
-    """(n,) loss of tools in the string over density and flow rate squared [1/m4], None without such tools."""
-    out = np.zeros(len(mesh.upper))
-    for number, cells, shares in _tools_with_loss(case, mesh):
-        out[cells] += case.string[number].flow_resistance * shares
-    return out if out.any() else None
-
-
-def _loss_tables(case: Case, mesh: StringMesh) -> tuple[LossTable, ...]:
-    """Losses of the tools with a measured curve."""
-    tables = []
-    for number, cells, shares in _tools_with_loss(case, mesh):
-        loss = case.string[number].pressure_loss
-        if loss is not None and loss.curve is not None:
-            assert loss.density is not None
-            tables.append(LossTable(np.array(loss.curve.table), loss.density, cells, shares))
-    return tuple(tables)
-
-
-def losses_of_items(case: Case, mesh: StringMesh, flow: FloatArray, density: FloatArray) -> dict[int, float]:
-    """Pressure loss [Pa] of each item with one, by its number.
-
-    flow, density: (n,) flow rate [m3/s] at the pressure there, towards the bit, and density [kg/m3] in the elements of the bore.
-    """
-    return {
-        number: float(
-            sum(
-                share * case.string[number].tool_loss(float(flow[c]), float(density[c]))
-                for c, share in zip(cells, shares, strict=True)
-            )
-        )
-        for number, cells, shares in _tools_with_loss(case, mesh)
-    }
-
-
-def build_walls(case: Case, mesh: StringMesh) -> AnnulusWalls:
-    """Walls of the annulus around the string of a case."""
-    assert case.fluid is not None and case.well is not None
-    outer, sections = 0.5 * mesh.outer_diameter, case.well.sections
-    young, nu = np.array([_constants(case, k) for k in mesh.item]).T
-    body = None
-    if any(item.annulus_od is not None for item in case.string):
-        given = np.array([case.string[k].annulus_od is not None for k in mesh.item])
-        body = np.where(given, mesh.outer_area, np.pi * outer**2)
-    runs, _ = _rigid_runs(case, mesh)
-    above = np.where(mesh.rigid_above > 0, runs[:-1].sum(axis=1), mesh.outer_area)
-    joints, share, joint_area = _joint_sections(case), None, None
-    if joints:
-        share, joint_od = np.array(
-            [(joints[k].joint_share, joints[k].joint_od) if k in joints else (0.0, 0.0) for k in mesh.item]
-        ).T
-        joint_area = np.pi / 4 * joint_od**2
-    return AnnulusWalls(
-        outer,
-        0.5 * mesh.inner_diameter,
-        young,
-        nu,
-        above,
-        mesh.rigid_above,
-        np.array([q.to for q in sections]),
-        np.array([_give(q) for q in sections]),
-        case.fluid.elastic_walls,
-        mesh.outer_area,
-        share,
-        joint_area,
-        body,
-    )
-
-
-def _give(section: Section) -> float:
-    """Compliance of the rock around a hole section, (1 + nu)/E [1/Pa]; 0 for a rigid wall."""
-    rock = section.compliance
-    return 0.0 if rock is None else (1 + rock.poisson) / rock.young
-
-
-def metal_below(case: Case, mesh: StringMesh) -> float:
-    """Metal volume of the rigid items below the last node [m3]: mud that the bit displaces."""
-    return float(_rigid_runs(case, mesh)[1][-1])

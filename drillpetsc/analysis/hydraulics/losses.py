@@ -17,7 +17,8 @@ from drillpetsc.analysis.hydraulics.nozzles import bit_flow, nozzle_groups, nozz
 from drillpetsc.arrays import FloatArray
 from drillpetsc.case.blocks.well import Section
 from drillpetsc.kernels.parameters import constant
-from drillpetsc.model.fluid import build_rheology, losses_of_items
+from drillpetsc.model.fluid import build_rheology
+from drillpetsc.model.mud_sections import losses_of_items
 from drillpetsc.physics.fluid.channel_flow import RESULT_NAMES, ChannelFlow
 from drillpetsc.physics.fluid.rheology import Rheology, wall_shear
 from drillpetsc.physics.tools.mud_motor import RESULTS as MOTOR_RESULTS
