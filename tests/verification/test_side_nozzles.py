@@ -421,10 +421,10 @@ def moving(folder: Path, tops: dict, annulus: bool = True, area: float | None = 
 
 @pytest.mark.parametrize("annulus", [True, False])
 def test_energy_and_mass_of_a_run_close(annulus, tmp_path):
-    """String lowered, pump turned down: energy within 1e-3 of that exchanged, mud within 1e-5, the error of the time steps (manual: eq-mud-side-power)."""
+    """String lowered, pump turned down: energy within 3e-4 of that exchanged (the bit's displaced mud has height; 1.2e-3 without it), mud within 1e-5, the error of the time steps (manual: eq-mud-side-power)."""
     extra = {} if annulus else {"outlet_pressure": 5e5}
     found = moving(tmp_path / "out", {"lowering": {"ramp": 0.3, "value": 0.3}}, annulus, **extra)
-    assert abs(found["energy"]["error_share"]) < 1e-3
+    assert abs(found["energy"]["error_share"]) < 3e-4
     assert abs(found["mass"]["error_share"]) < 1e-5
     assert found["energy"]["dissipated"] > 1e4
 

@@ -112,8 +112,10 @@ struct BitFlow {
                 results->content = val(c.theta * volume);
                 if constexpr (HELD)  // all at the bit, which does not move
                     results->potential = -results->content * f.density * dot(vec(p + END) - vec(p + AXIS) * (p[HELD_GAP] + p[FACE]), g);
-                else {  // mud enters and leaves at the bit, from which the chamber has no drop of pressure
-                    results->potential = p[LIFT] - f.density * (results->content - p[REFERENCE]) * 0.5 * (val(dot(vec(x), g)) + p[HEAD]);
+                else {  // mud enters and leaves at the bit, from which the chamber has no drop of pressure; rigid items there displace mud
+                    const double head = val(dot(vec(x), g));
+                    results->potential = p[LIFT] - f.density * (results->content - p[REFERENCE]) * 0.5 * (head + p[HEAD]) +
+                                         val(c.density) * p[BUOYANT] * (head - p[HEAD]);
                 }
             }
         }

@@ -56,7 +56,7 @@ struct HermiteBit {
                 results->content = val(volume + passed);
                 if constexpr (!HELD) {
                     const Vec<double> middle = vec(p + B::END) - vec(p + B::AXIS) * (0.5 * val(gap));
-                    results->potential = -results->content * f.density * dot(middle, g);
+                    results->potential = f.density * (p[B::BUOYANT] * val(dot(vec(x), g)) - results->content * dot(middle, g));
                 }
             }
         }
