@@ -54,7 +54,9 @@ struct AnnulusFlow {
         TANGENT1, TANGENT2 = TANGENT1 + 3, BEND = TANGENT2 + 3,  // 3 each: directions of the hole at both ends, its curvature [1/m]
         HEAD = BEND + 3,           // as in fluid/bore_flow.hpp
         LEVEL,                     // (g - t_w t_w.g).c at a point c of the hole's axis, for the height of the mud [m2/s2]
-        WIDENING,                  // dA_w per metre that the element moves down the hole [m]: HOLE is the area at the start of the step
+        WIDENING,                  // dA_w per metre that the element moves down the hole [m]: HOLE is the area when the hole was read
+        PLACE1, PLACE2,            // t_w.r of both nodes when the hole was read there [m]
+        EXCESS1, EXCESS2,          // area of the hole at the nodes less HOLE [m2]
         NP)
 
     template <class T, class S>
@@ -198,7 +200,11 @@ struct AnnulusFlow {
         const T head = (dot(on.above, tw) * gw + p[LEVEL]) * f.density;  // at the hole's axis, wherever in the hole the string is held
         rows<RESULTS>(x, y, c, p, f, volume, swept1 * (c.theta * L), swept2 * (c.theta * L), head + p[CONTROLLED], q, mass * flow + momentum + resistance, r, results);
         if constexpr (RESULTS) {
-            energies(on, y, c, p, f, area, M, across, w, wall, V, tau.pull, resistance - beside.resistance, q, drag, (swept1 + swept2) * L, (p1 + p2) * 0.5, volume, p1, p2, results);
+            // what the element has gained since the hole was read, of which the rows have the rate
+            const T now = volume + (dot(on.x.r2, tw) - p[PLACE2]) * p[EXCESS2] - (dot(on.above, tw) - p[PLACE1]) * p[EXCESS1];
+            results->content = c.theta * now;
+            results->stored = stored_energy(f, (p1 + p2) * 0.5, p[WALL], now);
+            energies(on, y, c, p, f, area, M, across, w, wall, V, tau.pull, resistance - beside.resistance, q, drag, (swept1 + swept2) * L, (p1 + p2) * 0.5, now, p1, p2, results);
             if constexpr (JUNCTION) energies_beside(on, c, p, f, q, beside, (p1 + p2) * 0.5 * p[WALL], tw, results);
         }
     }

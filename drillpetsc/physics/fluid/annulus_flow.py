@@ -100,6 +100,7 @@ class AnnulusFlow(ChannelFlow):
             shoulder=self._shoulders(e, a.only(e), a.only(above)),
             control=np.where(e == 0, 1.0, 0.0),
             widening=zero,
+            **dict.fromkeys(("place1", "place2", "excess1", "excess2"), zero),
         )
 
     def _shoulders(self, e: np.ndarray, own: Annulus, above: Annulus) -> FloatArray:
@@ -252,6 +253,11 @@ class AnnulusFlow(ChannelFlow):
         params["hole"][rows], params["widening"][rows] = around.sizes(
             nodes, without_length[e], rigid, own.hole_around
         )
+        axis = directions["tangent1"] + directions["tangent2"]
+        axis /= np.linalg.norm(axis, axis=1, keepdims=True)
+        for k, end in enumerate(nodes.T, 1):
+            params[f"place{k}"][rows] = np.sum(around.places[end] * axis, axis=1)
+            params[f"excess{k}"][rows] = np.where(without_length[e], 0.0, around.area[end] - params["hole"][rows])
         params["wall"][rows] = own.wall
         params["gap"][rows], params["gap_above"][rows] = own.gap, own.gap_above
         for name, value in own.friction().items():

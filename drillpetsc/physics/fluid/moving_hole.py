@@ -123,6 +123,12 @@ class MovingHole:
         self._from = well, places, np.hstack([at_depth, found.tangent])
         return moved
 
+    @property
+    def places(self) -> FloatArray:
+        """(nv, 3) positions of the local nodes when the hole was evaluated there [m]."""
+        assert self._from is not None
+        return self._from[2][:, :3]
+
     def _stays(self, state) -> bool:
         """Whether surely no local node has moved by REFRESH, which is found without a projection."""
         if self._from is None or self._from[0] is not self.current_well():

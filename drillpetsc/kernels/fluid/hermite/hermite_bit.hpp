@@ -55,6 +55,9 @@ struct HermiteBit {
                 results->stored = 0.5 * val(volume) * at.by_p * val(under) * val(under);
                 results->content = val(volume + passed);
                 if constexpr (!HELD) {
+                    const Tangent<T> t(vec(x + 3), vec(y + 3), vec(y + 3));  // a closed gap displaces no mud (fluid/bit_flow.hpp)
+                    const double driven = val(dot(vec(y) + t.t1 * p[B::FACE], vec(p + B::AXIS))) * (1.0 - logistic(val(gap) * (1.0 / GAP_ROUNDING)));
+                    results->bottom = -val(under) * p[B::HOLE] * driven;
                     const Vec<double> middle = vec(p + B::END) - vec(p + B::AXIS) * (0.5 * val(gap));
                     results->potential = f.density * (p[B::BUOYANT] * val(dot(vec(x), g)) - results->content * dot(middle, g));
                 }
