@@ -59,11 +59,11 @@ def read_summary(path: str | os.PathLike) -> dict:
         found = json.loads(Path(path).read_text(encoding="utf-8"))
     except ValueError as error:  # no JSON, or no text
         raise CaseError(
-            file=path,
+            file=Path(path),
             got=f"no JSON: {error}",
             want="the summary that a command has written",
             hint="compute the run again",
         ) from None
     if not isinstance(found, dict):
-        raise CaseError(file=path, got="no JSON object", want="the summary that a command has written")
+        raise CaseError(file=Path(path), got="no JSON object", want="the summary that a command has written")
     return found
