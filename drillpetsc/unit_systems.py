@@ -72,6 +72,7 @@ KINDS: dict[str, Kind] = {
     "angle": Kind("rad", "deg", "deg"),
     "temperature": Kind("K", "degF", "degC"),
     "power": Kind("W", "hp", "kW"),
+    "wear_rate": Kind("W/m", "ft-lbf/ft/h", "W/m"),
     "time": Kind("s", "s", "s"),
     "shear_rate": Kind("1/s", "1/s", "1/s"),
     "frequency": Kind("1/s", "Hz", "Hz"),
@@ -94,6 +95,7 @@ KIND_OF_UNIT: dict[str, str] = {
     "rad": "angle",
     "K": "temperature",
     "W": "power",
+    "W/m": "wear_rate",
     "s": "time",
 }
 

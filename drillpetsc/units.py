@@ -95,6 +95,16 @@ def to_si(value: object, unit: str) -> float:
     return number
 
 
+def in_unit_of(text: str, number: float, unit: str) -> str:
+    """The ``number`` in the SI unit ``unit`` as a text in the unit of ``text``; empty where that has no unit, or another kind."""
+    try:
+        own = _split(text.strip(), unit)[1]
+        size, zero = _linear(own, unit) if own else (0.0, 0.0)
+    except UnitError:
+        return ""
+    return f"{(number - zero) / size:.6g} {own}" if size else ""
+
+
 def weight_to_mass(value: object) -> float:
     """Mass [kg] of a value that is a mass, or a weight under standard gravity: `60 klb`, `27 t`, `267 kN`."""
     try:

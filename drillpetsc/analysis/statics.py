@@ -19,6 +19,7 @@ from drillpetsc.analysis.mud_above_top import mud_above_top
 from drillpetsc.analysis.path_answer import PathKind
 from drillpetsc.analysis.path_question import has_path
 from drillpetsc.analysis.placement import prescribed_motion, top_depth
+from drillpetsc.analysis.slider_travel import stop_warnings
 from drillpetsc.analysis.top_push import top_push
 from drillpetsc.analysis.transient import make_folder
 from drillpetsc.case.case import Case
@@ -91,6 +92,7 @@ def run_statics(
         figures = static_summary(model, state)
         state.warnings += mud_above_top(model, figures.get("hook_load"))
         state.warnings += top_push(case, figures.get("hook_load"))
+        state.warnings += stop_warnings(model)
         figures["warnings"] = list(state.warnings)
         summary = {
             "title": case.title,

@@ -5,7 +5,7 @@ from __future__ import annotations
 import sys
 import time as clock
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -263,7 +263,8 @@ def _result_of_finished_run(comm, folder: RunFolder) -> RunResult | None:
     """Result of a run that has reached its end; None if its summary is not written yet; collective."""
     found: dict[str, Any] | None = None
     if comm.rank == 0 and folder.summary.is_file():
-        found = read_summary(folder.summary)
+        with suppress(CaseError):  # one that is damaged is written anew
+            found = read_summary(folder.summary)
     found = comm.tompi4py().bcast(found)
     if found is None or found.get("status") != "done":
         return None

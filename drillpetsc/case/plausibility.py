@@ -57,7 +57,9 @@ def plausibility(case: CaseBlocks) -> list[str]:
             doubt(
                 "well.survey.inclination",
                 f"up to {math.degrees(steepest):.4g} deg",
-                f"were {steepest:g} deg meant?",
+                f"the hole climbs there; bare numbers are in rad, were {steepest:g} deg meant?"
+                if case.units == "SI"
+                else "the hole climbs there",
             )
         largest_azimuth = max(map(abs, survey.azimuth))
         if steepest > math.radians(30) and 0 < largest_azimuth < math.radians(0.1):

@@ -20,7 +20,7 @@ from drillpetsc.case.key_paths import refuse, suggestion
 from drillpetsc.time_function import Constant, PiecewiseLinear, Ramp, TimeFunction
 from drillpetsc.unit_systems import KINDS, System, display, kind_of, shown, unit_of_bare_number
 from drillpetsc.unit_tables import DIMENSIONS
-from drillpetsc.units import UnitError, bare_number, spelled, to_si, wanted
+from drillpetsc.units import UnitError, bare_number, in_unit_of, spelled, to_si, wanted
 
 BARE_NUMBERS: ContextVar[System] = ContextVar("BARE_NUMBERS", default="SI")
 """Unit system of numbers without a unit, while a case is read."""
@@ -102,6 +102,20 @@ class Quantity:
         text = ", ".join(f"{word} {number:.6g}" for word, (number, _) in numbers)
         return f"{text} {numbers[0][1][1]}" if numbers else ""
 
+    def _allowed_for(self, value: object, system: System) -> str:
+        """The range in words, of angles in the unit of the ``value`` (degrees), else as of ``allowed``."""
+        bounds = (
+            ("above", self.above),
+            ("at least", self.at_least),
+            ("below", self.below),
+            ("at most", self.at_most),
+        )
+        if self.unit != "rad" or not isinstance(value, str):
+            return self.allowed(system)
+        numbers = [(word, in_unit_of(value, bound, self.unit)) for word, bound in bounds if bound is not None]
+        text = ", ".join(f"{word} {number}" for word, number in numbers)
+        return text if all(number for _, number in numbers) else self.allowed(system)
+
     def inside(self, number: float) -> bool:
         return not (
             (self.above is not None and number <= self.above)
@@ -129,7 +143,7 @@ class Quantity:
                     f"a bare number is in {own}; was '{value} {other}' meant?" if own != "deg" else self.why
                 )
             system = BARE_NUMBERS.get()
-            want = f"{DIMENSIONS.get(self.unit, ('a value', ''))[0]}, {self.allowed(system)}"
+            want = f"{DIMENSIONS.get(self.unit, ('a value', ''))[0]}, {self._allowed_for(value, system)}"
             got = value
             if isinstance(value, InSI) and kind_of(self.unit, self.kind) in KINDS:  # read from a file
                 got, hint = (

@@ -83,6 +83,7 @@ def _hydraulics(arguments: argparse.Namespace, petsc_options: list[str]) -> int:
     case = read_case(arguments)
     flows, pressure = read_flows(arguments.flow, arguments.spp, case.output.units or "SI")
     start_job(petsc_options)
+    case = in_units(case, arguments.units)
     print_warnings(case)
     from drillpetsc.analysis.hydraulics.hydraulics import run_hydraulics
 
@@ -140,6 +141,7 @@ def _surge(arguments: argparse.Namespace, petsc_options: list[str]) -> int:
         units=case.output.units or "SI",
     )
     start_job(petsc_options)
+    case = in_units(case, arguments.units)
     print_warnings(case)
     from drillpetsc.analysis.hydraulics.surge import run_surge
 
@@ -168,6 +170,7 @@ def _roadmap(arguments: argparse.Namespace, petsc_options: list[str]) -> int:
     case = read_case(arguments)
     measured = None if arguments.measured is None else measured_option(arguments.measured, case)
     start_job(petsc_options)
+    case = in_units(case, arguments.units)
     print_warnings(case)
     from drillpetsc.analysis.torque_drag.roadmap import run_roadmap
 
@@ -222,6 +225,7 @@ def _limits_arguments(command: argparse.ArgumentParser) -> None:
 def _limits(arguments: argparse.Namespace, petsc_options: list[str]) -> int:
     case = read_case(arguments)
     start_job(petsc_options)
+    case = in_units(case, arguments.units)
     print_warnings(case)
     from drillpetsc.analysis.limits.limits import run_limits
     from drillpetsc.analysis.limits.sn_curve import read_sn
@@ -261,6 +265,7 @@ def _freepoint(arguments: argparse.Namespace, petsc_options: list[str]) -> int:
     from drillpetsc.case.free_point_options import read_pairs
 
     case, pairs = read_case(arguments), read_pairs(arguments.stretch, arguments.pull)
+    case = in_units(case, arguments.units)
     print_warnings(case)
     from drillpetsc.analysis.limits.free_point import free_point_lines
 
@@ -289,6 +294,7 @@ def _calibrate(arguments: argparse.Namespace, petsc_options: list[str]) -> int:
     fit = None if arguments.fit is None else fit_option(arguments.fit, case)
     measured = None if arguments.measured is None else measured_option(arguments.measured, case)
     start_job(petsc_options)
+    case = in_units(case, arguments.units)
     print_warnings(case)
     from drillpetsc.analysis.torque_drag.calibrate import run_calibrate
 

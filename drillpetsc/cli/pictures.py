@@ -3,10 +3,25 @@
 from __future__ import annotations
 
 import argparse
+import sys
 from pathlib import Path
 
 from drillpetsc.cli.command import Command, draw_and_print, units_argument
 from drillpetsc.errors import CaseError
+
+
+def _say_unfinished(run: str) -> None:
+    """Say of the folder of a run that it did not reach its end: what is shown of it stops somewhere."""
+    from drillpetsc.output import RunFolder, read_summary
+
+    folder = RunFolder(Path(run))
+    if not folder.history.is_file():
+        return
+    status = "there is no summary.json"
+    if folder.summary.is_file():
+        status = read_summary(folder.summary).get("status", "done")
+    if status != "done":
+        print(f"drillpetsc: {run}: the run is not complete: {status}", file=sys.stderr)
 
 
 def _view_arguments(command: argparse.ArgumentParser) -> None:
@@ -44,6 +59,7 @@ def _depth(text: str) -> float:
 def _view(arguments: argparse.Namespace, petsc_options: list[str]) -> int:
     from drillpetsc.plotting.view import view
 
+    _say_unfinished(arguments.run)
     interval = None
     if arguments.interval:
         start, end = (_depth(text) for text in arguments.interval)
@@ -117,6 +133,7 @@ def _segment(text: str | None, order: bool) -> float | None:
 def _plot(arguments: argparse.Namespace, petsc_options: list[str]) -> int:
     from drillpetsc.plotting.plot import plot, save_figures, spectra
 
+    _say_unfinished(arguments.run)
     if arguments.order and not arguments.waterfall:
         raise CaseError(at="--order", want="--waterfall SIGNAL beside it")
     if arguments.segment is not None and not (arguments.waterfall or arguments.psd):
@@ -166,6 +183,7 @@ def _time(text: str | None, at: str) -> float | None:
 def _vibration(arguments: argparse.Namespace, petsc_options: list[str]) -> int:
     from drillpetsc.results import open_run
 
+    _say_unfinished(arguments.run)
     window, every = (_time(getattr(arguments, key), f"--{key}") for key in ("window", "every"))
     result = open_run(arguments.run)
     print("\n".join(result.find_indices(window, every)))
@@ -237,6 +255,7 @@ def _export_arguments(command: argparse.ArgumentParser) -> None:
 def _export(arguments: argparse.Namespace, petsc_options: list[str]) -> int:
     from drillpetsc.reporting import export
 
+    _say_unfinished(arguments.run)
     columns = [name.strip() for name in (arguments.columns or "").split(",") if name.strip()]
     if arguments.columns is not None and not columns:
         raise CaseError(at="--columns", got=arguments.columns, want="names of columns, such as hook_load,wob")

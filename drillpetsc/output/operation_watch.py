@@ -17,6 +17,7 @@ from drillpetsc.case.blocks.ends import HeldTop
 from drillpetsc.case.blocks.motor import PositiveDisplacementMotor
 from drillpetsc.case.blocks.tools import ShockSub
 from drillpetsc.model.mud_motor import motor_law
+from drillpetsc.physics.joints import STOP_ROUNDING
 from drillpetsc.unit_systems import shown
 
 LEAST_PUSH = 1e3  # push at the top that is reported [N]
@@ -75,7 +76,7 @@ class OperationWatch:
                 for closed, end in zip((True, False), item.stroke, strict=True):
                     if travel is not None:
                         name, sign = f"stop {len(self._stops)}", -1.0 if closed else 1.0
-                        self._signs.append(_Sign(name, travel, sign * end, sign))
+                        self._signs.append(_Sign(name, travel, sign * end - STOP_ROUNDING, sign))
                         self._stops[name] = item, closed
             top += float(item.length)
 

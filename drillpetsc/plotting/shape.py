@@ -125,11 +125,20 @@ def smooth(shape: Shape, pieces: int) -> Shape:
 
 
 def _cubic(md: np.ndarray, values: np.ndarray, at: np.ndarray) -> np.ndarray:
-    """Cubic Hermite interpolation of values (n, k) at depths md (n,), slopes from central differences."""
-    slope = np.gradient(values, md, axis=0)
+    """Cubic Hermite interpolation of values (n, k) at depths md (n,), slopes from central differences.
+
+    A joint has two nodes at one depth: slopes do not go across it, and values jump there.
+    """
+    parts = np.split(np.arange(len(md)), np.flatnonzero(np.diff(md) <= 0) + 1)
+    slope = np.concatenate(
+        [
+            np.gradient(values[p], md[p], axis=0) if len(p) > 1 else np.zeros((1, values.shape[1]))
+            for p in parts
+        ]
+    )
     cell = np.clip(np.searchsorted(md, at, side="right") - 1, 0, len(md) - 2)
     step = (md[cell + 1] - md[cell])[:, None]
-    x = (at - md[cell])[:, None] / step
+    x = (at - md[cell])[:, None] / np.where(step > 0, step, 1.0)
     return (
         (1 + 2 * x) * (1 - x) ** 2 * values[cell]
         + x * (1 - x) ** 2 * step * slope[cell]

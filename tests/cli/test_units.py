@@ -107,3 +107,23 @@ def test_a_sweep_tells_the_units_of_bare_values(folder: Path) -> None:
     head, row = lines[0].split(","), lines[2].split(",")
     assert row[head.index("fluid.density")] == "11 ppg"
     assert float(row[head.index("fluid.density (SI)")]) == pytest.approx(11 * 119.826427)
+
+
+def test_notes_are_in_the_units_of_the_option(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """What `roadmap` assumes for a metric case, and its depths, in ft, ft/min and kft-lbf alone: 18.29 m/min is 60 ft/min."""
+    metric = (
+        CASE.replace("units: field", "units: metric")
+        .replace("8 1/2", "216")
+        .replace("id: 4.276", "id: 108.6")
+    )
+    metric = metric.replace("od: 5", "od: 127").replace("md: [0, 1000]", "md: [0, 1100]")
+    (tmp_path / "case.yaml").write_text(metric.replace("element_length: 33", "element_length: 30"))
+    monkeypatch.chdir(tmp_path)
+    assert main(["roadmap", "case.yaml", "--units", "field", "--out", "r"]) == 0
+    screen = capsys.readouterr()
+    notes = [line for line in screen.out.splitlines() if "note:" in line]
+    assert any("trip_speed 60 ft/min assumed" in note for note in notes)
+    for note in notes:
+        assert not {"m", "m,", "m:", "m/min", "m/h", "kN", "kN m"} & set(note.split()), note

@@ -37,6 +37,7 @@ FOOT, LBF, GALLON = 12 * INCH, POUND * G0, 231 * INCH**3
         ("volume", (42 * GALLON, "bbl"), (1.0, "m3")),
         ("angle", (math.radians(1), "deg"), (math.radians(1), "deg")),
         ("power", (550 * FOOT * LBF, "hp"), (1e3, "kW")),
+        ("wear_rate", (LBF / 3600, "ft-lbf/ft/h"), (1.0, "W/m")),
         ("time", (1.0, "s"), (1.0, "s")),
         ("shear_rate", (1.0, "1/s"), (1.0, "1/s")),
     ],

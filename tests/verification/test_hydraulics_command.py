@@ -403,3 +403,22 @@ def test_warnings_of_the_rig_and_of_a_short_string(tmp_path):
     assert "at 475.51 gpm" in screen[0] and "exceeds rig.max_spp, 1500 psi" in screen[0]
     screen, file = lines(4000 - 100 / FOOT, None, [low])
     assert len(screen) == len(file) == 1 and "328.08 ft short of its hole of 4000 ft" in file[0]
+
+
+def test_mud_that_takes_cuttings_is_said_to_have_none():
+    """A case that drills: the pressures are those of clean mud, and the notes say so; one that does not drill needs no note."""
+    drills = {
+        "top": {"kind": "top_drive", "rotation": 10.0},
+        "bottom": "bit",
+        "formation": {"drillability": 4e-8},
+        "initial": {"wob": 5e4},
+    }
+    fluid = {**STIFF, "density": 1200, "rheology": WATER, "flow_rate": 0.03}
+    for more in ({"top": "clamped"}, drills):
+        c = Case(
+            string=[pipe(3000, 5, 4.276), bit(8.5, 5e-4)],
+            well=well(("open_hole", 3001, 8.5)),
+            fluid=fluid,
+            **more,
+        )
+        assert any("without cuttings" in note for note in Hydraulics(c).notes) is (more is drills)

@@ -88,6 +88,27 @@ def test_a_top_that_pushes_and_a_shock_sub_on_its_stop(tmp_path):
     assert not [w for w in early if "pushes" in w or "stop" in w]
 
 
+@pytest.mark.parametrize(("load", "on_stop"), [(8e3, False), (60e3, True)])
+def test_statics_of_a_shock_sub_on_its_stop(tmp_path, load, on_stop):
+    """Its spring carries 10 kN at 5 mm; the load is the weight on the bit less that of 8 m of collars and the bit below it.
+
+    Below 10 kN the spring carries most of it; the force of 50 kN at the end of the travel is k e/2 of a stop of 1e9 N/m that sets
+    in over 0.1 mm.
+    """
+    area = np.pi / 4 * (0.1715**2 - 0.0714**2)
+    below = 9.80665 * (7850 * area * 8.0 + 60)
+    case = pushed(0.4).model_copy(
+        update={"initial": pushed(0.4).initial.model_copy(update={"wob": load + below})}
+    )
+    said = [w for w in statics(case, tmp_path / "s").summary["warnings"] if "the slider at MD" in w]
+    assert bool(said) is on_stop
+    if on_stop:
+        carried = said[0].split("carries ")[1].split(" kN")[0]
+        assert "closed to its stop at -5 mm" in said[0] and float(carried) == pytest.approx(
+            (load - 10e3) / 1e3, rel=0.02
+        )
+
+
 def test_a_motor_near_its_stall():
     """Rows with torques of 13, 13.4 and 13.8 kN m under a stall torque of 14 kN m: two of four are above 95 % of it."""
     case = Case(

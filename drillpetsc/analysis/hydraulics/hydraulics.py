@@ -216,6 +216,10 @@ class Hydraulics:
         below = [item.name for item in case.string[last + 1 :] if item.length > 0]
         if below:
             notes.append(f"no friction along the rigid items below the last pipe: {', '.join(below)}")
+        if case.formation is not None:
+            notes.append(
+                "mud without cuttings: their weight and volume are not in the pressures and densities of the annulus"
+            )
         if self.end is not None and self.end - self.flow.string.depth > 1e-3 and not short_of_hole(case):
             notes.append(
                 f"the string ends at MD {self.flow.string.depth:.6g} m, {self.end - self.flow.string.depth:.6g} m above the end "

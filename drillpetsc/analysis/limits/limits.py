@@ -481,13 +481,8 @@ def _lines(case: Case, summary: dict[str, Any], units: System) -> list[str]:
         worst = summary["weakest"].get(name)
         least = NO_SHARE if name.endswith("_ratio") else 0.0
         if worst is not None and abs(worst["value"]) >= least:
-            value = (
-                shown(worst["value"], "force", units)
-                if name == "side_force_per_joint"
-                else f"{worst['value']:.3g} W/m"
-                if name == "casing_wear_rate"
-                else f"{worst['value']:.3g}"
-            )
+            of = {"side_force_per_joint": "force", "casing_wear_rate": "wear_rate"}.get(name)
+            value = shown(worst["value"], of, units) if of else f"{worst['value']:.3g}"
             add(label, f"{value} {place(worst)}")
     margin = summary["margin_of_overpull"]
     if margin is not None:

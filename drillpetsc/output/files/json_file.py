@@ -12,6 +12,7 @@ from pathlib import Path
 
 import numpy as np
 
+from drillpetsc.errors import CaseError
 from drillpetsc.output.files.atomic import replace_text
 
 
@@ -53,4 +54,16 @@ def write_summary(path: str | os.PathLike, summary: Mapping[str, object]) -> Pat
 
 
 def read_summary(path: str | os.PathLike) -> dict:
-    return json.loads(Path(path).read_text(encoding="utf-8"))
+    """The summary in a file; raises CaseError where that is damaged."""
+    try:
+        found = json.loads(Path(path).read_text(encoding="utf-8"))
+    except ValueError as error:  # no JSON, or no text
+        raise CaseError(
+            file=Path(path),
+            got=f"no JSON: {error}",
+            want="the summary that a command has written",
+            hint="compute the run again",
+        ) from None
+    if not isinstance(found, dict):
+        raise CaseError(file=Path(path), got="no JSON object", want="the summary that a command has written")
+    return found

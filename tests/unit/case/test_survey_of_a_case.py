@@ -57,6 +57,21 @@ def test_depths_of_a_file_are_not_converted_twice(file: str) -> None:
 
 
 @pytest.mark.parametrize(
+    ("angle", "want"),
+    [
+        ("710 deg", "at least 0 deg, at most 180 deg"),
+        ("-1 °", "at least 0 °, at most 180 °"),
+        ("7 rad", "at least 0 rad, at most 3.14159 rad"),
+        (7, "at least 0, at most 3.14159 rad"),
+    ],
+)
+def test_limits_of_an_angle_are_told_in_its_unit(angle: Any, want: str) -> None:
+    with pytest.raises(CaseError) as caught:
+        case({"md": [0, 100], "inclination": [0, angle], "azimuth": [0, 0]})
+    assert caught.value.want == f"an angle, {want}"
+
+
+@pytest.mark.parametrize(
     ("survey", "at", "text"),
     [
         ({"file": "no.csv"}, "well.survey.file", "a survey file that exists"),
@@ -105,6 +120,16 @@ FLAT = {"md": [0, 1000], "inclination": [0, 0], "azimuth": [0, 0]}
         ),
         ({"well": {"survey": FLAT | {"md": [0, 16000]}, "sections": [HOLE]}}, "deeper than any well"),
         ({"well": {"survey": FLAT | {"inclination": [0, 3]}, "sections": [HOLE]}}, "3 deg meant?"),
+        (
+            {
+                "units": "metric",
+                "well": {
+                    "survey": FLAT | {"inclination": [0, "160 deg"]},
+                    "sections": [HOLE | {"diameter": "216 mm"}],
+                },
+            },
+            "is up to 160 deg: the hole climbs there",
+        ),
         ({"top": {"kind": "top_drive", "rotation": 120}}, "120 rpm?"),
         ({"fluid": MUD | {"pump_pressure": 3000}}, "bar or psi"),
         (WHOLE | {"initial": {"wob": 6e5}}, "more than bits carry"),

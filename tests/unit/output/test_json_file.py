@@ -11,6 +11,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from drillpetsc.errors import CaseError
 from drillpetsc.output import read_summary, write_summary
 from drillpetsc.output.files import json_file as module
 
@@ -100,3 +101,11 @@ def test_importing_brings_no_drawing_package_and_no_mpi(name: str) -> None:
         "petsc4py",
         "rich",
     }
+
+
+@pytest.mark.parametrize("text", ["{", "", "[1]", "\x00\x01"])
+def test_a_damaged_summary_is_named(tmp_path: Path, text: str) -> None:
+    (tmp_path / "summary.json").write_text(text)
+    with pytest.raises(CaseError) as caught:
+        read_summary(tmp_path / "summary.json")
+    assert "summary.json" in str(caught.value) and "no JSON" in str(caught.value)

@@ -228,6 +228,16 @@ def test_smoothing_keeps_nodes_and_reproduces_a_parabola() -> None:
     assert np.allclose(fine.values, 8e5 - 8.5e5 * fine.md / LENGTH)
 
 
+def test_smoothing_does_not_go_across_a_joint() -> None:
+    """Two nodes at the depth of a joint: straight parts with another slope each stay straight, and finite."""
+    points, data = helix_frame(0.0, count=9)
+    data["md [m]"] = md = np.array([0.0, 100, 200, 300, 400, 400, 500, 600, 700])
+    data["offset_x [m]"] = bent = np.where(np.arange(9) < 5, md, 400 - 2 * (md - 400)) * 1e-3
+    fine = smooth(shape_of(Frame(points, data, {}, {}), 0.0, "axial_force [N]"), 4)
+    wanted = np.where(fine.md <= 400, fine.md, 400 - 2 * (fine.md - 400)) * 1e-3
+    assert np.allclose(fine.offset[:, 0], wanted, rtol=0, atol=1e-14) and bent[4] == bent[5]
+
+
 def test_cutting_keeps_the_interval_and_a_neighbour() -> None:
     part = cut(shape_of(frame(), 0.0, "axial_force [N]"), (1000.0, 1100.0))  # nodes every 25 m
     assert part.md.tolist() == [975.0, 1000.0, 1025.0, 1050.0, 1075.0, 1100.0, 1125.0]
