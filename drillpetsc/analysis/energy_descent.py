@@ -17,6 +17,7 @@ from drillpetsc.solvers.static_newton import CONVERGED_INCREMENT, MAX_ITERATIONS
 MAX_SUBSTITUTIONS = 30  # rounds of an iteration by substitution
 TRIAL_ITERATIONS = 100  # iterations of the minimisation at each stiffness before a lateral load is added
 SPRING_TRAVEL = 10.0  # travel of the weak spring that carries the weight on bit during the minimisation [m]
+MOST_GAIN = 1e4  # motion of the top over the error of the bit's depth
 DEPTH_TOLERANCE = 1e-6  # largest error of the bit's depth when the bit replaces the spring [m]
 STRONGER_LOAD = 10.0  # factor of the lateral load where the requested one does not lead to a stable state
 #: largest penetration in the first continuation step, as a fraction of the radial clearance
@@ -209,7 +210,7 @@ def _minimise(
         return
     wob, constraint, bit = model.case.initial.wob, solver.depth, model.bit
     assert bit is not None and model.top is not None and wob is not None
-    solver.depth = None
+    solver.depth, last, moved = None, None, 0.0
     try:
         for _ in range(MAX_SUBSTITUTIONS):
             with bit.preloaded(wob, SPRING_TRAVEL):
@@ -219,7 +220,10 @@ def _minimise(
             if abs(error) < DEPTH_TOLERANCE:
                 break
             factors = (1.0,)
-            model.top.shift(error)
+            # a reamer on its shoulder carries what the top adds: the bit follows by a hundredth of it
+            gain = moved / (last - error) if last is not None and last != error else 1.0
+            moved, last = min(max(gain, 1.0), MOST_GAIN) * error, error
+            model.top.shift(moved)
     finally:
         solver.depth = constraint
     solver.newton_free(report)

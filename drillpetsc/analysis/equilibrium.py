@@ -25,6 +25,7 @@ from drillpetsc.errors import CaseError, SolveError
 from drillpetsc.model.drilling_model import DrillingModel
 from drillpetsc.output.free_end import BEYOND, FreeEnd, end_is_free
 from drillpetsc.output.outside_hole import HINT, may_leave_hole, static_warnings
+from drillpetsc.solvers.search_limit import SearchEnded, SearchLimit
 from drillpetsc.solvers.static_newton import CONVERGED_INCREMENT, Equilibrium, StaticNewton, sum_of
 from drillpetsc.unit_systems import System, display, display_unit, shown
 
@@ -81,6 +82,8 @@ def director_equilibrium(
             place_marched(model, found)
     solver = _solver(model)
     solver.rates = surge
+    if path is None:
+        solver.limit = SearchLimit(model.mesh.nodes)
     wob = model.case.initial.wob
     if wob is not None:
         _set_weight_on_bit(model, solver, wob)
@@ -193,8 +196,13 @@ def _answer_by_newton(problem: StaticProblem) -> float:
     except SolveError as error:
         if found is None or straight is None:
             raise
+        if isinstance(error, SearchEnded):
+            if found.helical.any():
+                error.hint = f"{_helix_hint(model, found, problem.moves)}; {error.hint}"
+            raise
         if found.helical.any():
             error.hint = _helix_hint(model, found, problem.moves)
+            error.what = f"no static state was found of a string that coils in its hole ({error.what})"
             # a coiled string has many states with friction; the one from a straight start may be easier
             _begin_again(problem)
             place_marched(model, straight)

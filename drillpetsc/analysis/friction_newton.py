@@ -19,7 +19,7 @@ from drillpetsc.analysis.energy_descent import (
 )
 from drillpetsc.analysis.lateral_start import SPACING, lateral_starts
 from drillpetsc.analysis.march import March
-from drillpetsc.analysis.paths_of_problem import slides_on
+from drillpetsc.analysis.paths_of_problem import answer_by_path, has_two_paths, slides_on
 from drillpetsc.analysis.soft_string_start import place_marched
 from drillpetsc.analysis.static_problem import StaticProblem
 from drillpetsc.errors import SolveError
@@ -40,6 +40,8 @@ def reach(problem: StaticProblem, found: March | None) -> float:
     reached = from_lateral_start(problem)
     if reached is not None:
         return reached
+    if problem.moves and problem.straight is not None and _follows_paths(problem):
+        return problem.state.lateral_fraction
     if problem.moves and found is not None:
         reached = _newton_with_friction(problem, found)
     if reached is None:
@@ -47,6 +49,26 @@ def reach(problem: StaticProblem, found: March | None) -> float:
         stable_state(problem.model, problem.solver, state.soft_string, state.equilibrium, load)
         reached = _add_friction(problem) if problem.moves else problem.fraction
     return reached
+
+
+def _follows_paths(problem: StaticProblem) -> bool:
+    """Follow the paths of a small string that slides and has several states, where its lateral equilibrium leads to none; collective.
+
+    Returns whether the first one has an end; the state is the former one where it has none.
+    """
+    if problem.turns or not has_two_paths(problem):
+        return False
+    asm, before, rates = problem.model.system.assembly, Snapshot(problem.model), problem.solver.rates
+    y = asm.y.copy()
+    problem.origin.restore()
+    try:
+        answer_by_path(problem, "sliding")
+    except SolveError:
+        before.restore()
+        asm.dead_load, asm.y[:], problem.solver.rates = None, y, rates
+        problem.set_friction_aside()
+        return False
+    return True
 
 
 def from_lateral_start(problem: StaticProblem) -> float | None:
@@ -71,7 +93,7 @@ def from_lateral_start(problem: StaticProblem) -> float | None:
         if start.side_loads is not None:
             solver.add_imperfection(start.side_loads, SPACING)
             report.imperfection = model.case.initial.imperfection
-        for turn in range(1 if fraction and problem.turns else SETTLING_TURNS + 1):
+        for turn in range(1 if fraction and problem.state.motion[1] else SETTLING_TURNS + 1):
             if turn:
                 try:
                     _settle_under_friction(problem, fraction)
@@ -110,7 +132,7 @@ def _settle_under_friction(problem: StaticProblem, fraction: float) -> None:
     problem.set_friction_aside()
     asm.dead_load = friction if loads is None else loads + friction
     try:
-        solver.minimise_energy(problem.state.equilibrium, SETTLING_STEPS, SETTLED_INCREMENT)
+        solver.minimise_energy(problem.state.equilibrium, SETTLING_STEPS, SETTLED_INCREMENT, may_stall=True)
     finally:
         asm.dead_load = loads
 

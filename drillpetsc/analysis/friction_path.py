@@ -50,7 +50,10 @@ REST, LONGEST_REST = (
     10.0,
 )  # time in which a string without friction comes to rest, and its longest step [s]
 FIRST_STEP, SHORTEST_STEP = 1e-3, 1e-9  # [s]
-MOST_STEPS, MOST_STEPS_ON = 4000, 40
+MOST_STEPS, MOST_STEPS_ON = 4000, 100
+#: near an equilibrium a step that failed limits those after it to this share, which is lifted by a factor after some steps: each failure
+#: costs as much as ten steps
+SHARE_OF_FAILED, STEPS_TO_LIFT, LIFT_OF_STEP = 0.5, 6, 1.5
 FLOW_STEPS = 10  # steps after which the steady flow is solved again
 FARTHEST_SLIDE = 5e-3  # of the string at the end of a path to where its bit carries its weight [m]
 FREE_BIT = 1e-3  # weight on the spring in place of a bit that carries a given force [N]
@@ -113,6 +116,8 @@ class FrictionPath:
             q: OverdampedMotion(model.system, Drag(q.drag, q.along, tangent, q.arm), clearance, advance)
             for q in {self.settings, SETTINGS["sliding"]}
         }
+        for motion in self._motions.values():
+            motion.limit = solver.limit
         self.motion = self._motions[self.settings]
         self._tangent = tangent
         if kind == "slack_off" and model.case.top.force is not None:
@@ -129,6 +134,7 @@ class FrictionPath:
         )
         self._anchor = None if model.top is None else model.top.anchor.copy()
         self.steps, self.most_steps, self._depth_shift = 0, MOST_STEPS, 0.0
+        self._longest_done = 0.0  # of the steps so far [s]
         #: (n,) push at the lower end of a string that nothing pushes there, of the largest push of the straight one [N]
         self._obstacle = np.zeros(model.system.layout.size)
 
@@ -175,7 +181,7 @@ class FrictionPath:
                 component.impose_sliding_direction(
                     abs(self.velocity[0]) * speed / SPEED, self.velocity[1], 0.0
                 )
-            else:
+            elif self.model.motor is None or component is not self.model.bit:
                 component.follow_overdamped_motion(speed, self._slip)
 
     # ------------------------------------------------------------------ path
@@ -232,18 +238,30 @@ class FrictionPath:
 
         def move() -> tuple[float, float]:
             self._friction(self.sign * SPEED)
-            first = FIRST_STEP_ON if not slid else LONGEST_STEP_ON / SPEED
+            first = FIRST_STEP_ON if not slid else min(LONGEST_STEP_ON / SPEED, 2 * self._longest_done)
             log = self._advance(
                 way / SPEED, lambda t: 1.0, LONGEST_STEP_ON / SPEED, bit_to_bottom=True, first=first
             )
             t, force, _ = np.array(log).T
             return slid + way, abs(float(force[-1] - np.interp(0.5 * t[-1], t, force))) / self._scale
 
+        end = None
         for way in SLIDES_ON:
-            end = self._moved("buckled", move)
+            before, load, y = Snapshot(self.model), asm.dead_load, asm.y.copy()
+            try:
+                end = self._moved("buckled", move)
+            except SolveError:
+                if end is None or not end.steady:
+                    raise
+                before.restore()  # that end is an answer: friction alone holds it
+                asm.dead_load, asm.y[:] = load, y
+                self._friction_at_end()
+                self.solver.rows()
+                break
             slid += way
             if end.steady and not end.negative_pivots:
                 break
+        assert end is not None
         return end
 
     def _moved(self, start: str, move: Callable[[], tuple[float, float]]) -> PathEnd:
@@ -429,6 +447,7 @@ class FrictionPath:
         model, system = self.model, self.model.system
         asm, n, top = system.assembly, system.layout.size, model.top
         t, dt, last, last_dt, log = 0.0, first, None, 1.0, [(0.0, *self._transmitted())]
+        most, since = np.inf, 0  # step that a failed one allows, and steps since
         if speed:  # friction is that of a string that moves with its top
             last = np.zeros(n)
             last[system.layout.dofs["string.position"]] = speed * self._tangent[system.chain.vertices]
@@ -443,7 +462,8 @@ class FrictionPath:
                 self._friction(past(t + d))
             guess = last * (d / last_dt) if last is not None and d <= 2 * last_dt else None
             iterations = None
-            for guessed in (guess, None) if guess is not None else (None,):
+            on = self.most_steps == MOST_STEPS_ON
+            for guessed in (guess, None) if guess is not None and not on else (guess,):
                 before.restore()
                 if moved and top is not None:
                     top.shift(moved)
@@ -455,6 +475,8 @@ class FrictionPath:
             if iterations is None or beyond:
                 before.restore()
                 dt, last = d / (2 if beyond else 4), (last if beyond else None)
+                if on:
+                    most, since = SHARE_OF_FAILED * d, 0
                 if dt < SHORTEST_STEP:
                     raise SolveError(
                         "the path of the buckled string ends: its steps collapse",
@@ -463,7 +485,7 @@ class FrictionPath:
                     )
                 continue
             t, last, last_dt = t + d, asm.x[:n] - before.x[:n], d
-            self.steps += 1
+            self.steps, self._longest_done = self.steps + 1, max(self._longest_done, d)
             log.append((t, *self._transmitted()))  # the flow's solve leaves no reactions
             if model.fluid is not None and self.steps % FLOW_STEPS == 0:
                 self._renew_flow()
@@ -472,8 +494,11 @@ class FrictionPath:
             if self.steps > self.most_steps:
                 raise SolveError(f"the path of the buckled string did not end in {self.most_steps} steps")
             factor = 2.0 if iterations <= 6 else 1.5 if iterations <= 10 else 1.0 if iterations <= 18 else 0.7
+            since += 1
+            if since >= STEPS_TO_LIFT:
+                most, since = LIFT_OF_STEP * most, 0
             if d >= 0.5 * min(dt, longest):
-                dt = min(d * factor, longest)
+                dt = min(d * factor, longest, most)
         return log
 
     def _renew_flow(self) -> None:

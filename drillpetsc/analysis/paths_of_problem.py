@@ -12,7 +12,7 @@ from drillpetsc.analysis.flow_coupling import surge_rates
 from drillpetsc.analysis.friction_path import SEED, FrictionPath, follow_paths
 from drillpetsc.analysis.march import stands
 from drillpetsc.analysis.path_answer import AnyPath, PathAnswer
-from drillpetsc.analysis.path_question import may_slack_off
+from drillpetsc.analysis.path_question import has_path, may_slack_off
 from drillpetsc.analysis.placement import end_is_held, top_depth
 from drillpetsc.analysis.static_problem import StaticProblem
 from drillpetsc.arrays import FloatArray
@@ -33,6 +33,14 @@ def answer_by_path(problem: StaticProblem, kind: AnyPath) -> None:
     _take(problem, follow_paths(path, ("straight", "overload") if kind == "sliding" else ("straight",)), SEED)
 
 
+def has_two_paths(problem: StaticProblem) -> bool:
+    """Whether the string has several states, and is small enough to be followed from two starts."""
+    model, state = problem.model, problem.state
+    several = state.band is not None or (state.motion[1] and not stands(model))
+    small = model.mesh.nodes <= NODES_OF_BAND
+    return bool(problem.paths and several and small and any(state.motion)) and has_path(model, state.motion)
+
+
 def slides_on(problem: StaticProblem) -> bool:
     """Let a string that slides move on from the present state, which friction along the hole alone does not hold; collective.
 
@@ -47,11 +55,8 @@ def slides_on(problem: StaticProblem) -> bool:
         return False  # the shares of bit and reamer are not those of a path
     if state.motion[1] and problem.fraction > 0:
         return False  # a turning string has no path with friction across the hole
-    if model.case.initial.wob is not None and state.motion[0] < 0:
+    if has_two_paths(problem):
         return False
-    several = state.band is not None or (state.motion[1] and not stands(model))
-    if several and model.mesh.nodes <= NODES_OF_BAND:
-        return False  # a small string with several states is followed from two starts
     asm, before = model.system.assembly, Snapshot(model)
     load, y, rates = asm.dead_load, asm.y.copy(), solver.rates
     path = _path(problem, "sliding")

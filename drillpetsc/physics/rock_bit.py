@@ -388,6 +388,10 @@ class RockBit(Bit):
         """Let friction oppose an imposed motion, for statics; the hole does not grow (see ``Contact``)."""
         self._impose(STATICS, axial, spin + motor, side)
 
+    def follow_overdamped_motion(self, speed: float, slip: float) -> None:
+        """Let friction at the side of the hole oppose a slide along it: the bit's own velocity is small beside ``speed``."""
+        self.impose_sliding_direction(speed, 0.0)
+
     def impose_drilling(self, axial: float, spin: float, side: float = 1.0) -> None:
         """Let the hole grow under a bit that turns with ``spin`` [rad/s], without inertia and impacts.
 

@@ -15,6 +15,7 @@ from drillpetsc.fem.discrete_system import DiscreteSystem
 from drillpetsc.solvers.chain_lu import ZeroPivot
 from drillpetsc.solvers.constraint_products import ConstraintProducts
 from drillpetsc.solvers.newton import shared_factor
+from drillpetsc.solvers.search_limit import SearchLimit
 from drillpetsc.solvers.static_newton import Advance, diagonal_blocks, largest_of, nodal_length, sum_of
 
 MAX_ITERATIONS = 25
@@ -46,11 +47,14 @@ class OverdampedMotion:
     system: the discrete system; drag: see there.
     clearance: (n_nodes,) radial clearance [m].
     advance: takes a step, equal to x + factor p to first order.
+
+    The caller may set ``limit``, of the work of a search.
     """
 
     def __init__(self, system: DiscreteSystem, drag: Drag, clearance: FloatArray, advance: Advance):
         self.system, self.advance = system, advance
         self.iterations = 0
+        self.limit: SearchLimit | None = None
         self._factor = shared_factor(system)
         self._f = system.new_condensed()
         self._owned = system.owned_index >= 0
@@ -143,6 +147,8 @@ class OverdampedMotion:
         for count in range(1, MAX_ITERATIONS + 1):
             if not np.isfinite(largest_of(system, float(np.abs(g).sum()))):
                 return None
+            if self.limit is not None:
+                self.limit.count()
             try:
                 self._factor.factor(self._matrix(shift))
             except ZeroPivot:

@@ -27,6 +27,7 @@ from drillpetsc.solvers.chain_lu import ZeroPivot
 from drillpetsc.solvers.constraint_products import ConstraintProducts
 from drillpetsc.solvers.lateral_loads import lateral_loads
 from drillpetsc.solvers.newton import shared_factor
+from drillpetsc.solvers.search_limit import SearchLimit
 
 _quasi_rows = function("quasi_rows", "iipppp")
 
@@ -42,6 +43,8 @@ MORE_STEPS = 10  # beyond the number that is allowed, while each halves what is 
 #: full Newton steps without a smaller increment before the iteration ends; contacts may open and close
 #: without end
 STALL_WINDOW = 8
+#: shifted steps within which the increment of a minimisation that may stall halves, unless it is below the other value
+SHIFTED_STALL_WINDOW, NEARLY_CONVERGED = 30, 0.2
 SLOPE_STEP = 1.0e-4  # share of a step over which its direction is differenced
 #: largest lateral motion of a node in one step, as a share of its clearance: full Newton steps, shifted steps
 STEP_SHARE, SHIFTED_STEP_SHARE = 2.0, 0.5
@@ -100,6 +103,7 @@ class StaticNewton:
     start_increment: largest increment of a state from which a further solve starts, in the fields' scales.
     searches: unshifted steps are shortened where they overshoot; from the start in a hole.
     rate_weight: of the derivatives by the rates in the matrix [1/s]; a flow in a closed channel needs some.
+    limit: of the work of a search, None without one.
     """
 
     def __init__(
@@ -126,6 +130,7 @@ class StaticNewton:
         self.rates: FloatArray | None = None
         self.rate_weight = 0.0
         self.start_increment = CONVERGED_INCREMENT
+        self.limit: SearchLimit | None = None
         self._owned = system.owned_index >= 0
         self._entries = diagonal_blocks(system, ("string.position", "string.tangent"))
         self._constraints = ConstraintProducts(system)
@@ -227,6 +232,8 @@ class StaticNewton:
         Returns the number of negative pivots beyond those of multipliers, -1 where a pivot is missing, and 0
         where the loads have no energy.
         """
+        if self.limit is not None:
+            self.limit.count()
         values, held = (
             self.system.assembly.values,
             self._held_entries if self.energy else np.zeros(0, dtype=int),
@@ -366,6 +373,7 @@ class StaticNewton:
         max_iterations: int = MAX_ITERATIONS,
         tolerance: float = CONVERGED_INCREMENT,
         near: bool = False,
+        may_stall: bool = False,
     ) -> None:
         """Iterate from the assembly's x (manual: eq-statics-step).
 
@@ -375,6 +383,7 @@ class StaticNewton:
         tolerance: largest increment of a converged state.  Of one that a further solve starts from, it may be of a step that the
         search has shortened since.
         near: the start is near its state, so that no two steps in turn may ask for a motion across the hole.
+        may_stall: end shifted steps whose increments do not become smaller.
         Raises SolveError where the iteration does not converge.
         """
         asm, n = self.system.assembly, self.system.layout.size
@@ -446,6 +455,8 @@ class StaticNewton:
             smallest = min(smallest, size)
             if not shifted and self._does_not_shrink(full_steps):
                 break
+            if may_stall and self._stalls(report.history[start:]):
+                break
         raise SolveError(
             f"statics did not converge in {len(report.history) - start} iterations "
             f"(last increment {size:.1e} of the fields' scales)",
@@ -459,6 +470,14 @@ class StaticNewton:
         if len(sizes) <= 2 * STALL_WINDOW:
             return False
         return min(sizes[-STALL_WINDOW:]) > 0.5 * min(sizes[:-STALL_WINDOW])
+
+    @staticmethod
+    def _stalls(sizes: list[float]) -> bool:
+        """Whether the increments ``sizes`` of shifted steps have not halved within ``SHIFTED_STALL_WINDOW`` steps."""
+        if len(sizes) < 2 * SHIFTED_STALL_WINDOW:
+            return False
+        recent = min(sizes[-SHIFTED_STALL_WINDOW:])
+        return recent > max(NEARLY_CONVERGED, 0.5 * min(sizes[:-SHIFTED_STALL_WINDOW]))
 
     def _with_constraints(self, g: FloatArray) -> FloatArray:
         """Return the gradient ``g`` (n,) with the error of the prescribed positions in their rows."""
@@ -520,16 +539,20 @@ class StaticNewton:
         report: Equilibrium,
         max_iterations: int = MAX_ITERATIONS,
         tolerance: float = CONVERGED_INCREMENT,
+        may_stall: bool = False,
     ) -> None:
         """Minimise the energy by steps with a positive definite matrix; collective.
 
         Manual: sec-statics-descent.
 
         The result is a stable state, or a saddle where the start is one.
+        may_stall: end where the increments do not become smaller; far from a minimum they need not.
         Raises SolveError where the iteration does not converge.
         """
         self._begin(report)
-        self._newton(self.energy, report, max_iterations=max_iterations, tolerance=tolerance)
+        self._newton(
+            self.energy, report, max_iterations=max_iterations, tolerance=tolerance, may_stall=may_stall
+        )
         self._end(report)
 
     def _begin(self, report: Equilibrium) -> None:

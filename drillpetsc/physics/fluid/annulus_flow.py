@@ -257,7 +257,9 @@ class AnnulusFlow(ChannelFlow):
         axis /= np.linalg.norm(axis, axis=1, keepdims=True)
         for k, end in enumerate(nodes.T, 1):
             params[f"place{k}"][rows] = np.sum(around.places[end] * axis, axis=1)
-            params[f"excess{k}"][rows] = np.where(without_length[e], 0.0, around.area[end] - params["hole"][rows])
+            params[f"excess{k}"][rows] = np.where(
+                without_length[e], 0.0, around.area[end] - params["hole"][rows]
+            )
         params["wall"][rows] = own.wall
         params["gap"][rows], params["gap_above"][rows] = own.gap, own.gap_above
         for name, value in own.friction().items():

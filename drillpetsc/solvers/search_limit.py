@@ -1,0 +1,36 @@
+"""Limit of the work of a search for a static state.
+
+Manual: sec-statics-limit-of-search.
+"""
+
+from __future__ import annotations
+
+from drillpetsc.errors import SolveError
+
+#: factorisations times nodes of the string: some half a minute on one core; ordinary wells take a hundredth of it
+MOST_WORK = 4_000_000
+
+
+class SearchEnded(SolveError):
+    """The search has taken as much work as it may."""
+
+
+class SearchLimit:
+    """Counts the factorisations of a search over all its methods.
+
+    nodes: of the string.
+    """
+
+    def __init__(self, nodes: int) -> None:
+        self.most, self.used = max(1, MOST_WORK // nodes), 0
+
+    def count(self) -> None:
+        """Count one factorisation; raises SearchEnded beyond the limit."""
+        self.used += 1
+        if self.used > self.most:
+            raise SearchEnded(
+                f"no static state was found in {self.most} factorisations; the string may be about to lock up, or its buckles may have "
+                "none with this friction",
+                hint="less weight or friction, or rotation; a coarser element_length tries more in the same time; "
+                "--path sliding searches without a limit",
+            )

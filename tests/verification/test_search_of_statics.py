@@ -1,0 +1,193 @@
+"""Strings whose static state takes a search: what ends it, and what it finds (manual: sec-statics-limit-of-search)."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from drillpetsc import Case, load_case
+from drillpetsc.analysis import energy_descent
+from drillpetsc.analysis.equilibrium import MOTIONS, _set_weight_on_bit, _solver
+from drillpetsc.analysis.friction_path import FrictionPath
+from drillpetsc.analysis.initial_state import find_equilibrium
+from drillpetsc.analysis.placement import place_along_hole, top_depth
+from drillpetsc.analysis.statics import static_summary
+from drillpetsc.errors import SolveError
+from drillpetsc.model.drilling_model import build_model
+from drillpetsc.output.static_table import static_table
+from drillpetsc.solvers import search_limit
+from drillpetsc.solvers.chain_lu import ChainFactor
+from drillpetsc.solvers.static_newton import Equilibrium, StaticNewton
+
+G, HOLE = 9.81, 0.2159
+PIPE = {"kind": "pipe", "od": 0.127, "id": 0.1086}
+COLLAR = {"kind": "pipe", "od": 0.1714, "id": 0.0714}
+BENDING, CLEARANCE = 206e9 * np.pi / 64 * (0.127**4 - 0.1086**4), 0.5 * (HOLE - 0.127)
+BIT = {"kind": "bit", "length": 0.3, "od": HOLE, "mass": 60.0}
+
+
+def case(
+    wob: float, friction: float, inclination: float = 0.0, element: float = 5.0, length: float = 1000.0
+) -> Case:
+    """Bare pipe on a bit in a straight hole; inclination [deg]."""
+    angle = [float(np.radians(inclination))] * 2
+    return Case(
+        well={
+            "survey": {"md": [0.0, length], "inclination": angle, "azimuth": [0.0, 0.0]},
+            "sections": [{"to": length, "kind": "open_hole", "diameter": HOLE, "friction": friction}],
+        },
+        string=[{**PIPE, "length": length - 0.3, "element_length": element}, BIT],
+        top={"kind": "top_drive"},
+        bottom="bit",
+        gravity=G,
+        initial={"from": "statics", "wob": wob},
+    )
+
+
+@pytest.fixture
+def factorisations(monkeypatch) -> list[int]:
+    """Number of factorisations so far, as a list of one."""
+    count, factor = [0], ChainFactor.factor
+
+    def one_more(self, *arguments):
+        count[0] += 1
+        return factor(self, *arguments)
+
+    monkeypatch.setattr(ChainFactor, "factor", one_more)
+    return count
+
+
+@pytest.mark.parametrize(("wob", "friction"), [(120e3, 0.15), (200e3, 0.35)])
+def test_a_coiled_string_is_hoisted_with_weight_on_its_bit(wob, friction, factorisations):
+    """Refused after 5918 and 7093 factorisations, as friction "did not converge in 12 rounds".
+
+    Hook load = weight - weight on bit + friction times the contact forces; where the helix has one hand, they are r F^2/4EI
+    (Lubinski, Althouse and Logan 1962).
+    """
+    model = build_model(case(wob, friction))
+    figures = static_summary(model, find_equilibrium(model, MOTIONS["hoist"]))
+    assert factorisations[0] <= 60
+    assert figures["wob"] == pytest.approx(wob, rel=1e-3)
+    columns, values = static_table(model)
+    names = [c[0].split(" ")[0] for c in columns]
+    contact, force = (values[:, names.index(n)] for n in ("contact_force", "axial_force"))
+    mesh = model.mesh
+    side = float(0.5 * (contact[1:] + contact[:-1]) @ mesh.length)
+    side += sum(item["side_force [N]"] for item in figures["rigid_items"])
+    weight = G * (float(mesh.mass @ mesh.length) + sum(b.mass for b in mesh.bodies))
+    assert figures["hook_load"] + wob - weight == pytest.approx(friction * side, rel=0.03)
+    helix = (mesh.node_depth > 750.0) & (mesh.node_depth < 900.0)
+    theory = CLEARANCE * force[helix] ** 2 / (4 * BENDING)
+    assert contact[helix].mean() == pytest.approx(theory.mean(), rel=0.02)
+
+
+def test_a_small_string_with_a_band_is_followed_from_two_starts(factorisations):
+    """A string at 10 degrees whose lateral equilibrium leads nowhere: its paths come before descents of thousands of factorisations
+    (8711 before), and give the same hook load."""
+    angle = {"md": [0.0, 500.0, 950.0, 1500.0], "inclination": list(np.radians([0.0, 0.0, 10.0, 10.0]))}
+    plain = case(200e3, 0.35, length=1500.0, element=10.0)
+    data = plain.replace({"well": {"survey": {**angle, "azimuth": [0.0] * 4},
+                                   "sections": [{"to": 1500.0, "kind": "open_hole", "diameter": HOLE, "friction": 0.35}]}})  # fmt: skip
+    model = build_model(data)
+    state = find_equilibrium(model, MOTIONS["lower"])
+    assert state.path is not None and len(state.path.ends) == 2
+    assert factorisations[0] < 5000
+
+
+@pytest.mark.parametrize(("wob", "most"), [(200e3, 160), (250e3, 80)])
+def test_a_motor_slides_under_much_weight(wob, most, factorisations):
+    """Friction of the start as a dead load helps strings with a motor, too."""
+    slide = load_case(Path(__file__).parents[2] / "cases" / "motor-slide.yaml").replace({"initial.wob": wob})
+    model = build_model(slide)
+    state = find_equilibrium(model, MOTIONS["lower"])
+    assert state.stable and factorisations[0] <= most
+    assert static_summary(model, state)["wob"] == pytest.approx(wob, rel=1e-3)
+
+
+def test_a_search_ends_with_a_reason(monkeypatch):
+    """The limit counts all methods of a search; the message says where the string coils, and what helps."""
+    monkeypatch.setattr(search_limit, "MOST_WORK", 30 * 101)
+    model = build_model(case(200e3, 0.35, 10.0, 10.0))
+    with pytest.raises(
+        search_limit.SearchEnded, match="no static state was found in 30 factorisations"
+    ) as caught:
+        find_equilibrium(model, MOTIONS["lower"])
+    assert "by the march the string coils from MD" in caught.value.hint
+    assert "less weight" in caught.value.hint
+
+
+def test_a_path_that_was_asked_for_has_no_limit(monkeypatch):
+    """A user who asks for a path waits for it."""
+    monkeypatch.setattr(search_limit, "MOST_WORK", 1)
+    model = build_model(case(60e3, 0.2, 45.0, 10.0, length=300.0))
+    assert find_equilibrium(model, MOTIONS["lower"], path="sliding").path is not None
+
+
+def test_a_minimisation_that_does_not_shrink_stalls():
+    """Increments that fall, or are small, do not; those that stay large within 30 steps do."""
+    assert not StaticNewton._stalls([4.0] * 59)
+    assert StaticNewton._stalls([64.0, 7.0, 4.0] * 10 + [3.4, 3.0, 2.5] * 10)
+    assert not StaticNewton._stalls([4.0] * 30 + [1.9] * 30)
+    assert not StaticNewton._stalls([0.3] * 30 + [0.19] * 30)
+
+
+def test_a_reamer_on_its_shoulder_does_not_hold_up_the_bit(monkeypatch):
+    """The bit of a string whose reamer stands comes to its depth in a few rounds: 30 rounds before, each of a percent."""
+    reamed = case(20e3, 0.0, length=400.0)
+    data = reamed.replace(
+        {
+            "string": [
+                {**PIPE, "length": 288.2, "element_length": 10.0},
+                {**COLLAR, "length": 100.0, "element_length": 5.0},
+                {"kind": "reamer", "length": 1.5, "od": 0.3111, "mass": 400.0},
+                {**COLLAR, "length": 10.0},
+                BIT,
+            ],
+            "well.sections": [
+                {"to": 389.7, "kind": "open_hole", "diameter": 0.3111, "friction": 0.0},
+                {"to": 400.0, "kind": "open_hole", "diameter": HOLE, "friction": 0.0},
+            ],
+            "formation": {"drillability": 4e-8},
+        }
+    )
+    model, rounds = build_model(data), [0]
+    place_along_hole(model, top_depth(model))
+    for component in model.imposed:
+        component.impose_sliding_direction(0.0, 0.0)
+    solver = _solver(model)
+    _set_weight_on_bit(model, solver, 20e3)
+    minimise = energy_descent._minimise_with_stiffening
+
+    def counted(*arguments):
+        rounds[0] += 1
+        return minimise(*arguments)
+
+    monkeypatch.setattr(energy_descent, "_minimise_with_stiffening", counted)
+    energy_descent._minimise(model, solver, Equilibrium(), (1.0,))
+    assert rounds[0] <= 6
+    solver.rows()
+    assert model.bit.weight_and_torque(model.system.assembly)[0] == pytest.approx(20e3, rel=1e-3)
+
+
+def test_an_end_that_friction_holds_stays_where_the_string_slides_no_further(monkeypatch):
+    """The state after the first 2 m has a steady force; that the next 8 m failed cost the whole search before."""
+    level = {"md": [0.0, 500.0, 950.0, 2000.0], "inclination": list(np.radians([0.0, 0.0, 90.0, 90.0]))}
+    plain = case(120e3, 0.35, length=2000.0)
+    data = plain.replace({"well.survey": {**level, "azimuth": [0.0] * 4}, "string[0].element_length": 5.0})
+    moved, ends = FrictionPath._moved, []
+
+    def once(self, *arguments):
+        if ends:
+            raise SolveError("the steps collapse")
+        ends.append(moved(self, *arguments))
+        return ends[0]
+
+    monkeypatch.setattr(FrictionPath, "_moved", once)
+    model = build_model(data)
+    state = find_equilibrium(model, MOTIONS["lower"])
+    assert ends and ends[0].steady and ends[0].negative_pivots
+    assert state.path is not None and state.path.ends[0] is ends[0] and not state.stable
+    assert static_summary(model, state)["hook_load"] == pytest.approx(ends[0].hook_load, rel=1e-9)
+    assert any("held by friction only" in text for text in state.warnings)
