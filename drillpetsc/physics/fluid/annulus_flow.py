@@ -257,9 +257,9 @@ class AnnulusFlow(ChannelFlow):
         axis /= np.linalg.norm(axis, axis=1, keepdims=True)
         for k, end in enumerate(nodes.T, 1):
             params[f"place{k}"][rows] = np.sum(around.places[end] * axis, axis=1)
-            params[f"excess{k}"][rows] = np.where(
-                without_length[e], 0.0, around.area[end] - params["hole"][rows]
-            )
+            # a hole that is reamed is read after every 0.2 mm, and its areas ahead are those of rings not yet cut
+            fixed = without_length[e] | bool(around.reamers)
+            params[f"excess{k}"][rows] = np.where(fixed, 0.0, around.area[end] - params["hole"][rows])
         params["wall"][rows] = own.wall
         params["gap"][rows], params["gap_above"][rows] = own.gap, own.gap_above
         for name, value in own.friction().items():
