@@ -86,7 +86,7 @@ def run_statics(
         is_buckled = bool(buckled.sinusoidal or buckled.helical)
         slides = is_buckled and _slides_unfollowed(model, state)
         state.warnings += buckled.lines(case.output.units or "metric", slides)
-        state.warnings += band_of_theory(state, case.output.units or "metric") if is_buckled else []
+        state.warnings += band_of_theory(model, state) if is_buckled else []
         state.warnings += [*state_warnings(model, columns, values), *model.mesh.notes]
         state.warnings += _hoisted_with_weight(model, moving)
         figures = static_summary(model, state)
@@ -112,16 +112,21 @@ def run_statics(
     return RunResult(folder.path, summary, _lines(case, folder, state, summary))
 
 
-def band_of_theory(state: StaticState, units: System) -> list[str]:
+def band_of_theory(model: DrillingModel, state: StaticState) -> list[str]:
     """Sentence on the band by theory to which the one state found of a buckled string belongs; none where two were found."""
     band = state.band
     if band is None or (state.path is not None and len(state.path.ends) > 1):
         return []
     what = {"wob": "weight on bit", "hook_load": "hook load"}[band.name]
-    low, high = (shown(q, "force", units) for q in (band.low, band.high))
+    low, high = (shown(q, "force", model.case.output.units or "metric") for q in (band.low, band.high))
+    other = (
+        "; --path sliding gives the states from a straight string and after an overload"
+        if has_path(model, state.motion)
+        else ""
+    )
     return [
         f"the {what} is one of a band: by theory it may lie between {low} and {high}, as the pipe coils at 1.83 or at 1.41 times "
-        "the load at which it snakes, or has a history between; --path sliding gives the states from a straight string and after an overload"
+        f"the load at which it snakes, or has a history between{other}"
     ]
 
 

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from drillpetsc import Case, load_case
+from drillpetsc import Case, load_case, statics
 from drillpetsc.analysis import energy_descent
 from drillpetsc.analysis.equilibrium import MOTIONS, _set_weight_on_bit, _solver
 from drillpetsc.analysis.friction_path import FrictionPath
@@ -94,6 +94,16 @@ def test_a_small_string_with_a_band_is_followed_from_two_starts(factorisations):
     state = find_equilibrium(model, MOTIONS["lower"])
     assert state.path is not None and len(state.path.ends) == 2
     assert factorisations[0] < 5000
+
+
+def test_a_hoisted_string_with_a_band_is_sent_to_no_path_that_is_refused(tmp_path):
+    """`--path` is refused while the bit bears a weight; the band of theory names it for strings that are lowered."""
+    for motion, offered in (("hoist", False), ("lower", True)):
+        summary = statics(case(200e3, 0.15, 10.0, 5.0, 600.0), tmp_path / motion, motion=motion).summary
+        band = [text for text in summary["warnings"] if "one of a band" in text]
+        states = any("a band:" in text for text in summary["warnings"])
+        assert band or states
+        assert any("--path sliding" in text for text in band) == (offered and bool(band))
 
 
 @pytest.mark.parametrize(("wob", "most"), [(200e3, 160), (250e3, 80)])
