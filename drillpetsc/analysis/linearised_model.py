@@ -38,6 +38,8 @@ def settle(model: DrillingModel) -> list[str]:
     if model.hoist is not None:
         note = model.hoist.balance(model.system.assembly)
         notes += [note] if note else []
+    for component in model.components:
+        component.settle(model.system.assembly)
     return notes
 
 

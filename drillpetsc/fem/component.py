@@ -351,6 +351,9 @@ class Component:
     def set_local_state(self, state: dict[str, FloatArray]) -> None:
         """Continue from the history variables at the local points."""
 
+    def settle(self, state: Any) -> None:
+        """Give history variables the values that they have when the present motion is steady."""
+
     # ------------------------------------------------------------------ statics and quasi-static motion
     #: the loads of the component have a potential
     conservative: bool = True

@@ -11,6 +11,7 @@ import numpy as np
 
 from drillpetsc.arrays import FloatArray
 from drillpetsc.case.blocks.fluid import flow_constants
+from drillpetsc.case.blocks.motor import PositiveDisplacementMotor
 from drillpetsc.case.blocks.string import Rigid
 from drillpetsc.case.case import Case
 from drillpetsc.case.quantities import largest
@@ -34,11 +35,13 @@ from drillpetsc.physics.fluid.hermite.flow import HermiteAnnulus, HermiteBit, He
 from drillpetsc.physics.fluid.joint_seals import JointSeals
 from drillpetsc.physics.fluid.moving_hole import LateralCoefficients, MovingHole
 from drillpetsc.physics.fluid.reamed_rings import ReamedRings
-from drillpetsc.physics.fluid.rheology import Rheology
+from drillpetsc.physics.fluid.rheology import Rheology, wall_shear
 from drillpetsc.physics.fluid.side_nozzles import SideLink, SideNozzles
 from drillpetsc.physics.fluid.surface_line import SurfaceLine
+from drillpetsc.physics.fluid.swirl import steady_share
 from drillpetsc.physics.fluid.tool_losses import ToolLosses
 from drillpetsc.physics.interfaces import ReamingTool
+from drillpetsc.time_function import Constant
 from drillpetsc.unit_systems import shown
 
 LEAST_OPEN = 1e-4  # share of the hole that must be open around a rigid item
@@ -390,12 +393,43 @@ def _lateral_coefficients(case: Case, sizes: Annulus) -> LateralCoefficients:
     rotation_drag = np.zeros(len(inner))
     if f.rotation_drag:  # 4 pi mu Ro^2 Rw^2/(Rw^2 - Ro^2) per length and spin (Couette)
         rotation_drag = np.pi * viscosity * inner**2 * outer**2 / (outer**2 - inner**2)
+    swirl = np.zeros(len(inner))
+    if may_turn(case):
+        swirl = steady_share(inner, outer) if f.swirl == "auto" else np.full(len(inner), float(f.swirl))
     return LateralCoefficients(
         _added_mass(case, sizes),
         damping,
         rotation_drag,
+        swirl,
+        partial(_following, case, build_rheology(case, annulus=True)) if f.swirl_lag else None,
         _added_mass_at if f.added_mass == "eccentric" else None,
     )
+
+
+def may_turn(case: Case) -> bool:
+    """Whether the string or a part of it may turn during a motion with inertia."""
+    if case.hold_string or case.time is not None and case.time.mode == "quasi_static":
+        return False
+    top = case.top
+    driven = getattr(top, "torque", None) is not None or getattr(top, "motor", None) is not None
+    rotation = getattr(top, "rotation", None)
+    still = rotation is None or (isinstance(rotation, Constant) and rotation.constant == 0.0)
+    return driven or not still or any(isinstance(item, PositiveDisplacementMotor) for item in case.string)
+
+
+def _following(
+    case: Case, rheology: Rheology, speed: FloatArray, inner: FloatArray, outer: FloatArray
+) -> FloatArray:
+    """Rates (k,) [1/s] at which the mud's swirl follows the spin of the string (manual: eq-mud-swirl-lag).
+
+    speed: (k,) of the flow along the hole [m/s]; inner, outer: (k,) diameters of string and hole [m].
+    """
+    assert case.fluid is not None
+    density, gap = case.fluid.density, 0.5 * (outer - inner)
+    viscous = np.pi**2 * lateral_viscosity(case, inner, outer) / density / gap**2
+    moving = np.maximum(np.abs(speed), 1e-6)
+    stress = wall_shear(rheology, moving, 2 * gap, True, density)
+    return np.asarray(viscous + 2 * stress / (density * moving * gap))
 
 
 def _is_uniform(well: Well, walls: AnnulusWalls) -> bool:

@@ -331,6 +331,18 @@ class Fluid(Block):
         "angular frequency for lateral_damping stokes; when not given, the fastest rotation of the top, "
         "or 1 rad/s if the top does not turn"
     )
+    swirl: Annotated[
+        Literal["auto"] | float, WordOrNumber(("auto",), Quantity("", at_least=0, at_most=0.5))
+    ] = Field(
+        default="auto",
+        description="spin of the annulus mud about the hole over that of the string, which sideways forces of the mud refer to; "
+        "auto: Do^2/(Do^2 + Dw^2), the mean of a flow between turning pipe and standing wall; a number up to 0.5; none: 0",
+    )
+    swirl_lag: bool = Field(
+        default=True,
+        strict=True,
+        description="the swirl follows a change of the string's spin within the time that friction takes; false: at once",
+    )
     clinging: Annotated[float, Quantity("", at_least=0, at_most=1)] = Field(
         default=0.45,
         description="clinging factor: fraction of the string's axial speed that the fluid in the annulus takes on",

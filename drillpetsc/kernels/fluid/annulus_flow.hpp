@@ -5,6 +5,8 @@
 //   string  int dr_s.(p A_o f' t) ds + int dr.[A_o p_s t_w + rho A_o (P g - w^2 kappa)] ds
 //         + int dr.P [M_a (V_t + c_t r_s + c V_s) + k_v V + k_f (V + c r_s)] ds - int dr_s.P M_a c (V + c r_s) ds - int dr.t_w tau pi D_o ds
 // M_a = chi rho A_o lam_w, c = w/lam_w (added momentum of a slender body: Lighthill, J. Fluid Mech. 9:305, 1960; the confined form of Paidoussis).
+// Where the string turns, the mud swirls at the rate W about the hole, and the forces across it are those of the motion relative to the
+// swirl; their moment about the hole's axis, times the mud's share l of the spin, brakes the spin (manual: sec-mud-swirl).
 #pragma once
 #include "fluid/flow.hpp"
 
@@ -30,6 +32,24 @@ inline StringShear<T> string_shear(const Fluid& f, const T& w, const T& sheared,
     return {tube * (S(1.0) - p[At::JOINT_SHARE]) + joint * (p[At::JOINT_SHARE] * p[At::GAP] / p[At::JOINT_GAP]),
             tube * p[At::TUBE_PULL] + joint * p[At::JOINT_PULL], by_speed(tube, u) * p[At::TUBE_PULL] + by_speed(joint, v) * p[At::JOINT_PULL]};
 }
+
+// Motion across the hole that the swirl of the mud changes: offset y of the string from the hole's axis, and J y = t_w x y.
+template <class T> struct Offset {
+    Four<T> y, turned;
+    template <class S, class X>
+    Offset(const X& x, const S* axis1, const S* axis2, const Vec<S>& tw1, const Vec<S>& tw2, const Vec<S>& tw) {
+        const auto cut = [&tw](const Vec<T>& u) -> Vec<T> { return u - tw * dot(u, tw); };
+        y = {cut(x.r1 - vec(axis1)), cut(x.v1 - tw1), cut(x.r2 - vec(axis2)), cut(x.v2 - tw2)};
+        turned = turn(tw, y);
+    }
+    template <class S>
+    static Four<T> turn(const Vec<S>& tw, const Four<T>& u) { return {cross(tw, u.r1), cross(tw, u.v1), cross(tw, u.r2), cross(tw, u.v2)}; }
+};
+template <class T> inline T pair(const Four<T>& u, const Four<T>& v) { return dot(u.r1, v.r1) + dot(u.v1, v.v1) + dot(u.r2, v.r2) + dot(u.v2, v.v2); }
+
+// whether the mud about an element, or about one of several, swirls
+inline bool swirls(double share) { return share != 0.0; }
+inline bool swirls(const Pack& share) { return share.v[0] != 0.0 || share.v[1] != 0.0 || share.v[2] != 0.0 || share.v[3] != 0.0; }
 
 template <bool JUNCTION, bool HELD>
 struct AnnulusFlow {
@@ -57,7 +77,11 @@ struct AnnulusFlow {
         WIDENING,                  // dA_w per metre that the element moves down the hole [m]: HOLE is the area when the hole was read
         PLACE1, PLACE2,            // t_w.r of both nodes when the hole was read there [m]
         EXCESS1, EXCESS2,          // area of the hole at the nodes less HOLE [m2]
-        NP)
+        SHARE,                     // swirl of the mud over the spin of the string, when steady [-]; 0: the mud does not swirl
+        SWIRL, SWIRL_RATE,         // swirl of the mud [rad/s] and its rate [rad/s2]
+        SPIN_RATE,                 // rate of the string's spin, for the energies [rad/s2]
+        AXIS1, AXIS2 = AXIS1 + 3,  // 3 each: points of the hole's axis beside the nodes [m]
+        NP = AXIS2 + 3)
 
     template <class T, class S>
     static void force(int, const T* x, const T* y, const T* a, const S* p, void* context, T* r) {
@@ -184,19 +208,33 @@ struct AnnulusFlow {
         // motion across the hole
         const T M = c.density * lam * (p[CHI] * AO);
         const T drag = tau.drag * (p[DIAMETER] * 3.14159265358979324), damping = drag + p[DAMPING];
-        const Four<T> carried = {on.a.r1 * M + on.y.r1 * damping, on.a.v1 * M + on.y.v1 * damping, on.a.r2 * M + on.y.r2 * damping, on.a.v2 * M + on.y.v2 * damping};
+        Four<T> carried = {on.a.r1 * M + on.y.r1 * damping, on.a.v1 * M + on.y.v1 * damping, on.a.r2 * M + on.y.r2 * damping, on.a.v2 * M + on.y.v2 * damping};
         Four<T> C = {zero, zero, zero, zero};
+        T brake = T(0.0);
+        const bool swirling = swirls(p[SHARE]);
+        if (swirling) {
+            const Offset<T> off(on.x, p + AXIS1, p + AXIS2, tw1, tw2, tw);
+            accumulate(carried, Offset<T>::turn(tw, on.y), M * (p[SWIRL] * -2.0));
+            accumulate(carried, off.turned, T(-(M * p[SWIRL_RATE] + damping * p[SWIRL])));
+            accumulate(carried, off.y, M * (-p[SWIRL] * p[SWIRL]));
+            const T convected = M * across * p[SWIRL];
+            accumulate(C, Offset<T>::turn(tw, slopes(d, on.x.v1, on.x.v2, L)), T(-convected));
+            accumulate(C, slopes(off.turned.r2 - off.turned.r1, off.turned.v1, off.turned.v2, L), T(-convected));
+            C.r1 -= off.turned.r1 * convected;
+            C.r2 += off.turned.r2 * convected;
+        }
         accumulate(C, consistent(carried, L), L * (1.0 / 420));
         accumulate(C, slopes(d, on.x.v1, on.x.v2, L), M * across1 + drag * across);
         accumulate(C, slopes(d_rate, on.y.v1, on.y.v2, L), M * across * 2.0);
         C.r1 += on.y.r1 * (M * across);
         C.r2 -= on.y.r2 * (M * across);
         accumulate(C, stiffness(d, on.x.v1, on.x.v2, L), -(M * across * across));
+        if (swirling) brake = pair(Offset<T>(on.x, p + AXIS1, p + AXIS2, tw1, tw2, tw).turned, C) * (p[SHARE] * -0.5);
         const auto cross_part = [&tw](const Vec<T>& u) { return u - tw * dot(u, tw); };
         F4.r1 += cross_part(C.r1); F4.v1 += cross_part(C.v1); F4.r2 += cross_part(C.r2); F4.v2 += cross_part(C.v2);
         on.store(F4, p[RIGID], r);
-        r[6] = (y[6] * 2.0 + y[13]) * (p[TURNING] * L * (1.0 / 6));
-        r[13] = (y[13] * 2.0 + y[6]) * (p[TURNING] * L * (1.0 / 6));
+        r[6] = (y[6] * 2.0 + y[13]) * (p[TURNING] * L * (1.0 / 6)) + brake;
+        r[13] = (y[13] * 2.0 + y[6]) * (p[TURNING] * L * (1.0 / 6)) + brake;
         const T head = (dot(on.above, tw) * gw + p[LEVEL]) * f.density;  // at the hole's axis, wherever in the hole the string is held
         rows<RESULTS>(x, y, c, p, f, volume, swept1 * (c.theta * L), swept2 * (c.theta * L), head + p[CONTROLLED], q, mass * flow + momentum + resistance, r, results);
         if constexpr (RESULTS) {
@@ -234,7 +272,6 @@ struct AnnulusFlow {
         const S gw = dot(g, tw);
         const Vec<S> side = g - tw * gw;
         const auto cut = [&tw](const Vec<T>& v) -> Vec<T> { return v - tw * dot(v, tw); };
-        const auto pair = [](const Four<T>& u, const Four<T>& v) { return dot(u.r1, v.r1) + dot(u.v1, v.v1) + dot(u.r2, v.r2) + dot(u.v2, v.v2); };
         const Four<T> X = {cut(on.x.r1), cut(on.x.v1), cut(on.x.r2), cut(on.x.v2)}, Y = {cut(on.y.r1), cut(on.y.v1), cut(on.y.r2), cut(on.y.v2)};
         const T a = pair(Y, consistent(Y, L)) * L * (1.0 / 420), b = pair(slopes(X.r2 - X.r1, X.v1, X.v2, L), Y);
         const T s = pair(X, stiffness(X.r2 - X.r1, X.v1, X.v2, L));
@@ -255,6 +292,15 @@ struct AnnulusFlow {
         results->dissipated += resistance * (volume + V * area * f.density / density) - tau * round * L * V;
         results->dissipated += drag * (a + across * b) + p[DAMPING] * a;
         const T o1 = y[6], o2 = y[13];
+        if (swirls(p[SHARE])) {
+            const Offset<T> off(on.x, p + AXIS1, p + AXIS2, vec(p + TANGENT1), vec(p + TANGENT2), tw);
+            const T turning = pair(off.turned, consistent(Y, L)) * L * (1.0 / 420), size = pair(off.y, consistent(off.y, L)) * L * (1.0 / 420);
+            const T bent = pair(slopes(X.r2 - X.r1, X.v1, X.v2, L), off.turned), along_spin = (o1 + o2) * (p[SHARE] * 0.5);
+            const T relative = turning + across * bent - size * p[SWIRL];  // of J y to the velocity relative to the mud
+            results->kinetic += M * (p[SWIRL] * p[SWIRL] * 0.5 * size - (turning + across * bent) * p[SWIRL] + (p[SWIRL] - along_spin) * relative);
+            results->left_out += M * relative * (p[SWIRL_RATE] - p[SHARE] * p[SPIN_RATE]);
+            results->dissipated += (drag + p[DAMPING]) * (along_spin * p[SWIRL] * size - (along_spin + p[SWIRL]) * turning) - drag * across * along_spin * bent;
+        }
         results->dissipated += p[TURNING] * L * (1.0 / 3) * (o1 * o1 + o1 * o2 + o2 * o2);
         results->speed = w;
     }

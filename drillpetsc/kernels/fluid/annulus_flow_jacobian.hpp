@@ -77,51 +77,115 @@ struct AnnulusState {
 // Rows on the string per unit of each variable.  `square`: of the density at rest.
 struct AnnulusRows { PackFour lam, content, outer, speed, density, flow, flow_rate, gradient; };
 
-DP_APART void annulus_rows(const AnnulusState& s, const Pack* X, const Pack* Y, const Pack* p, const PackMatrix& P, double square, Pack& damping, Pack& k1,
-                           Pack& k2, Pack& k3, AnnulusRows& by) {
+// Weights of the forces across the hole: of the matrices of the cubic shapes for the motion and, where the mud swirls, for its vectors turned
+// about the hole; and the vectors that belong to the swirl.
+struct Across {
+    Pack M, drag, damping, k1, k2, k3;  // k1, k2, k3: of int N x' ds, int N x'' ds and int N' x' ds
+    Offset<Pack> off;
+    bool swirling;
+    PackFour rows;  // of all forces across the hole
+};
+
+// Forces across the hole: their rows per unit of each variable, and what `assemble_string` needs of them.
+DP_APART Across across_rows(const AnnulusState& s, const Pack* Y, const Pack* p, const PackMatrix& P, AnnulusRows& by) {
     typedef AnnulusFlow<false, false> At;
-    const Pack L = s.L, L2 = L * L, lift = s.density * s.lam * s.outer, half = L * 0.5, twelfth = L2 * (1.0 / 12);
+    const Pack L = s.L, round = p[At::DIAMETER] * 3.14159265358979324, drag = s.tau.drag * round, M = s.density * s.lam * (p[At::CHI] * p[At::OUTER]);
+    const Pack carried = M * s.thin * Y[AT_Q], damping = drag + p[At::DAMPING], k1 = carried + drag * s.across, k2 = M * s.across, k3 = k2 * s.across;
+    Across z = {M, drag, damping, k1, k2, k3, Offset<Pack>(s.x, p + At::AXIS1, p + At::AXIS2, s.tw1, s.tw2, s.tw), swirls(p[At::SHARE]), {}};
     const auto cut = [&P](const PackFour& u) -> PackFour { return {u.r1 * P, u.v1 * P, u.r2 * P, u.v2 * P}; };
-    // unit forces: push along the hole, weight and centrifugal force across it, added mass, damping, and the terms of k1, k2, k3
+    PackFour pushed = s.a, moved = s.y;
+    const PackFour slope = cut(slopes(s.x.r2 - s.x.r1, s.x.v1, s.x.v2, L)), curve = cut(stiffness(s.x.r2 - s.x.r1, s.x.v1, s.x.v2, L)) * -1.0;
+    PackFour swing = cut(slopes(s.y.r2 - s.y.r1, s.y.v1, s.y.v2, L) * 2.0 + at_ends(s.y));
+    if (z.swirling) {
+        const Pack swirl = p[At::SWIRL];
+        const PackFour& turned = z.off.turned;
+        pushed = pushed + Offset<Pack>::turn(s.tw, s.y) * (swirl * -2.0) - turned * p[At::SWIRL_RATE] - z.off.y * (swirl * swirl);
+        moved = moved - turned * swirl;
+        swing = swing - (Offset<Pack>::turn(s.tw, slope) + slopes(turned.r2 - turned.r1, turned.v1, turned.v2, L) + at_ends(turned)) * swirl;
+    }
+    const PackFour mass = cut(consistent(pushed, L)) * (L * (1.0 / 420)), damped = cut(consistent(moved, L)) * (L * (1.0 / 420));
+    // by the speed at the wall, through the drag it makes
+    const PackFour dragged = damped + slope * s.across, by_w = dragged * (s.tau.drag_w * round);
+    const Pack il = 1.0 / s.lam, ic = 1.0 / s.content, ir = 1.0 / s.density;
+    by.lam = by_w * s.across + (mass * M + slope * carried + swing * k2 + curve * k3) * il;
+    by.content = (by_w * s.w + slope * k1 + swing * k2 + curve * (2.0 * k3)) * -ic;
+    by.speed = dragged * (s.tau.drag_v * round);
+    by.density = (mass * M - by_w * s.w - slope * (drag * s.across) - curve * k3) * ir + dragged * (s.tau.drag_density * round);
+    by.flow = (by_w * s.lam + slope * drag + swing * M + curve * (2.0 * k2)) * s.thin;
+    by.flow_rate = slope * (M * s.thin);
+    if (z.swirling) z.rows = mass * M + damped * damping + slope * k1 + swing * k2 + curve * k3;
+    return z;
+}
+
+// Adds the forces along the hole and those of still mud across it.
+DP_APART void add_along_rows(const AnnulusState& s, const Pack* X, const Pack* p, double square, AnnulusRows& by) {
+    typedef AnnulusFlow<false, false> At;
+    const Pack L = s.L, L2 = L * L, lift = s.density * s.lam * s.outer, half = L * 0.5, twelfth = L2 * (1.0 / 12), round = p[At::DIAMETER] * 3.14159265358979324;
+    // unit forces: push along the hole, weight and centrifugal force across it
     const PackFour push = {s.tw1 * (L * 0.35) + s.tw2 * (L * 0.15), s.tw1 * (L2 * 0.05) + s.tw2 * (L2 * (1.0 / 30)),
                            s.tw1 * (L * 0.15) + s.tw2 * (L * 0.35), s.tw1 * (L2 * (-1.0 / 30)) - s.tw2 * (L2 * 0.05)};
     const PackVec down = s.g - s.tw * s.gw, bend = -vec(p + At::BEND);
     const PackFour weight = {down * half, down * twelfth, down * half, down * -twelfth}, guide = {bend * half, bend * twelfth, bend * half, bend * -twelfth};
-    const PackFour mass = cut(consistent(s.a, L)) * (L * (1.0 / 420)), damped = cut(consistent(s.y, L)) * (L * (1.0 / 420));
-    const PackFour slope = cut(slopes(s.x.r2 - s.x.r1, s.x.v1, s.x.v2, L)), curve = cut(stiffness(s.x.r2 - s.x.r1, s.x.v1, s.x.v2, L)) * -1.0;
-    const PackFour swing = cut(slopes(s.y.r2 - s.y.r1, s.y.v1, s.y.v2, L) * 2.0 + at_ends(s.y));
-    const Pack round = p[At::DIAMETER] * 3.14159265358979324, drag = s.tau.drag * round, M = s.density * s.lam * (p[At::CHI] * p[At::OUTER]), carried = M * s.thin * Y[AT_Q], gradient = (X[AT_P2] - X[AT_P1]) / L;
-    damping = drag + p[At::DAMPING];
-    k1 = carried + drag * s.across;
-    k2 = M * s.across;
-    k3 = k2 * s.across;
-    // by the speed at the wall, through the stress and the drag it makes; and through the centrifugal force
-    const PackFour dragged = damped + slope * s.across, turned = guide * (2.0 * lift * s.wall);
-    const PackFour by_w = dragged * (s.tau.drag_w * round) - push * (s.tau.pull_w * round) + turned, lifted = (weight + guide * (s.wall * s.wall)) * lift;
-    const Pack il = 1.0 / s.lam, ic = 1.0 / s.content, ir = 1.0 / s.density;
-    by.lam = by_w * s.across + (lifted + mass * M + slope * carried + swing * k2 + curve * k3) * il;
-    by.content = (by_w * s.w + slope * k1 + swing * k2 + curve * (2.0 * k3)) * -ic;
+    const PackFour turned = guide * (2.0 * lift * s.wall), lifted = (weight + guide * (s.wall * s.wall)) * lift, by_w = turned - push * (s.tau.pull_w * round);
+    const Pack gradient = (X[AT_P2] - X[AT_P1]) / L, ir = 1.0 / s.density;
+    by.lam = by.lam + by_w * s.across + lifted * (1.0 / s.lam);
+    by.content = by.content - by_w * (s.w / s.content);
     by.outer = push * gradient + lifted * (1.0 / s.outer);
-    by.speed = dragged * (s.tau.drag_v * round) - push * (s.tau.pull_v * round) + turned;
-    by.density = (lifted + mass * M - by_w * s.w - slope * (drag * s.across) - curve * k3) * ir + dragged * (s.tau.drag_density * round) - push * (s.tau.pull_density * round);
-    by.flow = (by_w * s.lam + slope * drag + swing * M + curve * (2.0 * k2)) * s.thin;
+    by.speed = by.speed + turned - push * (s.tau.pull_v * round);
+    by.density = by.density + (lifted - by_w * s.w) * ir - push * (s.tau.pull_density * round);
+    by.flow = by.flow + by_w * (s.lam * s.thin);
     const PackVec shoulder = s.tw * (X[AT_Q] * p[At::SHOULDER] * square * ir);
     by.density.r1 += shoulder * (-X[AT_Q] * ir);
     by.flow.r1 += shoulder * 2.0;
-    by.flow_rate = slope * (M * s.thin);
     by.gradient = push * s.outer;
+}
+
+// Rows of the spins: the moment of the forces across the hole about its axis, J y contracted with their rows.
+DP_APART void brake_spins(const AnnulusState& s, const Pack* p, const Across& z, const AnnulusRows& by, const Compression& fluid, const double* c,
+                          Pack (*K)[FLOW_WIDTH]) {
+    typedef AnnulusFlow<false, false> At;
+    const Pack swirl = p[At::SWIRL], L = s.L, half = p[At::SHARE] * -0.5;
+    const PackFour& u = z.off.turned;
+    const auto back = [&s](const PackFour& v) -> PackFour { return {cross(v.r1, s.tw), cross(v.v1, s.tw), cross(v.r2, s.tw), cross(v.v2, s.tw)}; };  // J^T v
+    // transposed matrices of the shapes: int N_i N_j is symmetric, int N' N' too; int N_j N_i' = [N_i N_j] - int N_i N_j'
+    const auto by_slopes = [&](const PackFour& v) -> PackFour { return (slopes(v.r2 - v.r1, v.v1, v.v2, L) + at_ends(v)) * -1.0; };
+    const PackFour even = consistent(u, L) * (L * (1.0 / 420)), tilted = by_slopes(u), back_u = back(u);
+    const PackFour ends = at_ends(u);
+    PackFour row = even * (z.M * (c[2] - swirl * swirl * c[0]) + z.damping * c[1]) + tilted * (z.k1 * c[0] + z.k2 * (2.0 * c[1])) +
+                   stiffness(u.r2 - u.r1, u.v1, u.v2, L) * (z.k3 * -c[0]) + ends * (z.k2 * c[1]);
+    const PackFour even_back = consistent(back_u, L) * (L * (1.0 / 420));
+    row = row - even_back * (z.M * (p[At::SWIRL_RATE] * c[0] + swirl * (2.0 * c[1])) + z.damping * swirl * c[0]);
+    row = row - (by_slopes(back_u) * 2.0 + at_ends(back_u)) * (z.k2 * swirl * c[0]);
+    row = row + back(z.rows) * c[0];
+    const Pack opened = pair(u, by.lam) * (c[0] / L), pulled = pair(u, by.speed) * c[1], stored = pair(u, by.content);
+    const PackVec chord = s.tw * opened, middle = s.tw * (pulled * 0.5), arm = s.tw * (pulled * L * (1.0 / 12));
+    row.r1 += middle - chord; row.v1 += arm; row.r2 += middle + chord; row.v2 -= arm;
+    row = (row + on_nodes(s.by_content * stored)) * half;
+    const Pack pressed = pair(u, by.density) * fluid.density * (0.5 * c[0]) * half, driven = (pair(u, by.flow) * c[0] + pair(u, by.flow_rate) * c[1]) * half;
+    for (int at : SPIN_AT) {
+        put_row(row, K[at]);
+        K[at][AT_P1] = K[at][AT_P2] = pressed;
+        K[at][AT_Q] = driven;
+    }
 }
 
 DP_APART void annulus_on_string(const AnnulusState& s, const Pack* X, const Pack* Y, const Pack* p, const Fluid& f, const Compression& fluid, const double* c,
                                 Pack (*K)[FLOW_WIDTH]) {
     typedef AnnulusFlow<false, false> At;
     const PackMatrix P = scalar_matrix(Pack(1.0)) - outer(s.tw, s.tw);
-    Pack damping, k1, k2, k3;
     AnnulusRows by;
-    annulus_rows(s, X, Y, p, P, f.density * f.density, damping, k1, k2, k3, by);
-    const Pack L = s.L, push = p[At::OUTER] * L, M = s.density * s.lam * (p[At::CHI] * p[At::OUTER]);
+    const Across z = across_rows(s, Y, p, P, by);
+    if (z.swirling) brake_spins(s, p, z, by, fluid, c, K);
+    add_along_rows(s, X, p, f.density * f.density, by);
+    const Pack L = s.L, push = p[At::OUTER] * L;
     const Product products[2] = {{by.content, s.by_content}, {by.outer, s.by_outer}};
-    assemble_string(L, M * c[2] + damping * c[1], k1 * c[0] + k2 * (2.0 * c[1]), k3 * -c[0], k2 * c[1], &P, products, s.walls, push, K);
+    const Pack fling = z.swirling ? z.M * (p[At::SWIRL] * p[At::SWIRL] * c[0]) : Pack(0.0);
+    assemble_string(L, z.M * c[2] + z.damping * c[1] - fling, z.k1 * c[0] + z.k2 * (2.0 * c[1]), z.k3 * -c[0], z.k2 * c[1], &P, products, s.walls, push, K);
+    if (z.swirling) {
+        const Pack swirl = p[At::SWIRL];
+        add_turned(L, -(z.M * (p[At::SWIRL_RATE] * c[0] + swirl * (2.0 * c[1])) + z.damping * swirl * c[0]), z.k2 * swirl * (-2.0 * c[0]),
+                   z.k2 * swirl * -c[0], skew(s.tw), K);
+    }
     // lam and V change along the hole only
     const PackFour half = by.speed * (0.5 * c[1]), turn = by.speed * (L * (c[1] / 12)), stretch = by.lam * (c[0] / L);
     const PackFour upper = half - stretch, lower = half + stretch;
@@ -186,7 +250,7 @@ inline void annulus_flow_jacobian(const Pack* X, const Pack* Y, const Pack* A, c
         Pack* row = K[SPIN_AT[i]];
         row[6] = first;
         row[13] = second;
-        for (int k = 0; k < 3; ++k) { row[3 + k] = first * g1[k]; row[10 + k] = second * g2[k]; }
+        for (int k = 0; k < 3; ++k) { row[3 + k] += first * g1[k]; row[10 + k] += second * g2[k]; }
     }
 }
 

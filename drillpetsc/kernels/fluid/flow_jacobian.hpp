@@ -128,6 +128,17 @@ inline void clear_spins(Pack (*K)[FLOW_WIDTH]) {
         for (int j = 0; j < FLOW_WIDTH; ++j) K[at][j] = K[j][at] = Pack(0.0);
 }
 
+// K += [mass int N N + slope int N N' + ends (1, 0, -1, 0)] kron J
+DP_APART void add_turned(const Pack& L, const Pack& mass, const Pack& slope, const Pack& ends, const PackMatrix& J, Pack (*K)[FLOW_WIDTH]) {
+    const Pack power[3] = {Pack(1.0), L, L * L}, m = mass * L * (1.0 / 420), s = slope * (1.0 / 60);
+    for (int a = 0; a < 4; ++a)
+        for (int b = 0; b < 4; ++b) {
+            Pack form = power[a % 2 + b % 2] * (m * MASS_FORM[a][b] + s * SLOPE_FORM[a][b]);
+            if (a == b && a % 2 == 0) form += a == 0 ? ends : -ends;
+            add(K, ROWS_AT[a], ROWS_AT[b], J * form);
+        }
+}
+
 // Change of the density and of the content of a channel with its mean pressure.
 struct Compression { Pack density, theta, by_p; };
 inline Compression compression(const Fluid& f, const Compressed<Pack>& c, const Pack& wall) {

@@ -5,6 +5,7 @@ Manual: sec-mud, sec-mud-force-annulus, sec-mud-moving.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from math import sqrt
 from typing import Any
 
@@ -18,6 +19,7 @@ from drillpetsc.kernels.parameters import Parameters, Table
 from drillpetsc.physics.fluid.channel_flow import SPEED, ChannelFlow, FluidConstants
 from drillpetsc.physics.fluid.channels import Annulus
 from drillpetsc.physics.fluid.moving_hole import OTHER_SIZE, LateralCoefficients, MovingHole
+from drillpetsc.physics.fluid.swirl import OTHER_FLOW, Swirl
 from drillpetsc.physics.rigid_bodies import VERTEX_SLOTS, local_vertices
 from drillpetsc.time_function import TimeFunction
 
@@ -65,17 +67,21 @@ class AnnulusFlow(ChannelFlow):
         )
         self.flow_line, self.moving_hole, self.held_at = flow_line, moving_hole, held_at
         self._top_place: FloatArray | None = None  # (3,) upper node at the last evaluation of the hole [m]
+        self._swirl: Swirl | None = None  # of a string that may turn
+        self._share, self._time = np.zeros(0), 0.0  # (nc,) of the swirl; time of the last evaluation [s]
+        self._forget: list[Callable[[], None]] = []
         self._outer, self._hole = (
             annulus.outer_diameter,
             annulus.hole_diameter,
         )  # (n,) diameters [m] to which ``lateral`` belongs
 
     def _directions(self, well: Well, upper: FloatArray, lower: FloatArray) -> dict[str, FloatArray]:
-        """Tangents (k, 3) at both ends, at measured depths (k,) [m], and curvature (k, 3) in the middle
-        [1/m]."""
-        _, tangents, bends = well.at(np.concatenate([upper, lower, 0.5 * (upper + lower)]))
+        """Points of the axis [m] and tangents (k, 3) at both ends, at measured depths (k,) [m], and curvature (k, 3) in the
+        middle [1/m]."""
+        axis, tangents, bends = well.at(np.concatenate([upper, lower, 0.5 * (upper + lower)]))
         first, second, _ = np.split(tangents, 3)
-        return {"tangent1": first, "tangent2": second, "bend": np.split(bends, 3)[2]}
+        points = dict(zip(("axis1", "axis2"), np.split(axis, 3), strict=False))
+        return {"tangent1": first, "tangent2": second, "bend": np.split(bends, 3)[2], **points}
 
     def _level(self, well: Well, upper: FloatArray, lower: FloatArray) -> FloatArray:
         """(k,) height of the axis of elements between measured depths (k,) [m], times gravity [m2/s2].
@@ -133,6 +139,7 @@ class AnnulusFlow(ChannelFlow):
             "chi": s.added[e],
             "damping": s.damping[e],
             "turning": s.turning[e],
+            **dict.fromkeys(("share", "swirl", "swirl_rate", "spin_rate"), zero),
             **{name: value[e] for name, value in a.friction().items()},
             "controlled": zero,
             "drop": drop,
@@ -142,6 +149,11 @@ class AnnulusFlow(ChannelFlow):
 
     def blocks(self, part) -> tuple[ElementBlock, ...]:
         elements = super().blocks(part)
+        if self.lateral.swirl.any() and not self.held:
+            self._swirl, self._share = Swirl(len(part.cells)), self.lateral.swirl[part.cells]
+            self._share[self.mesh.is_joint[part.cells] & (self.mesh.rigid_above[part.cells] == 0)] = 0.0
+            for b in elements:
+                b.update = self._swirling(b, b.update)
         if self.moving_hole is not None:
             self.moving_hole.nodes = np.asarray(part.vertices)
         if self.choke:
@@ -192,6 +204,36 @@ class AnnulusFlow(ChannelFlow):
         valve.keep = (self.fluid,)
         return valve
 
+    def _swirling(
+        self, block: ElementBlock, others: Callable[[float], None] | None
+    ) -> Callable[[float], None]:
+        """Function of time that sets the swirl about the elements of a block, after what ``others`` sets."""
+        swirl, p = self._swirl, block.named
+        assert swirl is not None
+        last: list[float | None] = [None]
+
+        def update(t: float) -> None:
+            if others is not None:
+                others(t)
+            self._time = t
+            if swirl.time is None:
+                if last[0] is not None:
+                    p["share"], p["swirl"], p["swirl_rate"], p["spin_rate"], last[0] = (
+                        0.0,
+                        0.0,
+                        0.0,
+                        0.0,
+                        None,
+                    )
+                return
+            if t != last[0]:
+                now, rate = swirl.at(t, self._share)
+                p["share"], p["spin_rate"] = self._share[block.points], swirl.trend[block.points]
+                p["swirl"], p["swirl_rate"], last[0] = now[block.points], rate[block.points], t
+
+        self._forget.append(lambda: last.__setitem__(0, np.nan))
+        return update
+
     def _update_of(self, block: ElementBlock):
         if self._top is None or self._top[0] is not block:
             return None
@@ -207,12 +249,65 @@ class AnnulusFlow(ChannelFlow):
 
     # ------------------------------------------------------------------ the hole at the string's position
     def locate_hole(self, state) -> None:
-        """Evaluate the hole at the string's present position, before a run or in statics."""
+        """Evaluate the hole at the string's present position, before a run or in statics, with mud that stands."""
+        if self._swirl is not None:
+            self._swirl.stop()
         self._update_hole(state, False)
+
+    def settle(self, state) -> None:
+        """Let the mud swirl as it does when the present spins are steady."""
+        if self._swirl is not None:
+            self._swirl.start(self._time, self._spins(state), self._share)
+            self._renew_swirl()
+
+    def _spins(self, state) -> FloatArray:
+        """(nc,) mean spin of the string in the local elements [rad/s]."""
+        spin = state.y[state.dofs_of("string.spin")][:, 0]
+        return np.asarray(0.5 * (spin[self._part.ends[:, 0]] + spin[self._part.ends[:, 1]]))
+
+    def _accept_swirl(self, state) -> None:
+        swirl = self._swirl
+        assert swirl is not None
+        self._renew_following(state)
+        if swirl.time is None:
+            swirl.start(self._time, self._spins(state), self._share)
+        else:
+            swirl.advance(self._time, self._spins(state), self._share)
+        self._renew_swirl()
+
+    def _renew_swirl(self) -> None:
+        """Let the parameters be set again, at the time at which they are."""
+        for forget in self._forget:
+            forget()
+
+    def _renew_following(self, state) -> None:
+        """Compute the rates at which the swirl follows, where the flow has changed."""
+        swirl, following = self._swirl, self.lateral.following
+        if swirl is None or following is None:
+            return
+        flow = self._present_flow(state)
+        before = swirl.flow
+        if (
+            before is not None
+            and np.abs(flow - before).max(initial=0.0) <= OTHER_FLOW * self.fluid.usual_flow
+        ):
+            return
+        e = self._part.cells
+        outer, hole = self._outer[e], self._hole[e]
+        swirl.follow[:], swirl.flow = following(4 / np.pi * flow / (hole**2 - outer**2), outer, hole), flow
+
+    def _present_flow(self, state) -> FloatArray:
+        """(nc,) flow rates in the local elements [m3/s]."""
+        flow = np.zeros(len(self._part.cells))
+        for b in self._blocks:
+            flow[b.points] = state.x[state.index_of(b)[:, -1]]
+        return flow
 
     def accept(self, state) -> None:
         """Update hole and added mass to the string's position after an accepted step."""
         self._update_hole(state, True)
+        if self._swirl is not None:
+            self._accept_swirl(state)
         if self.lateral.by_eccentricity is not None:
             self._renew_added_mass(state)
 
@@ -274,6 +369,8 @@ class AnnulusFlow(ChannelFlow):
             self._hole[e[new]] = own.hole_diameter[new]
             for name, value in (("chi", s.added), ("damping", s.damping), ("turning", s.turning)):
                 params[name][rows[new]] = value
+            if self._swirl is not None:
+                self._share[cells[new]] = np.where(self._share[cells[new]] > 0, s.swirl, 0.0)
 
     def _renew_added_mass(self, state) -> None:
         chi = self.lateral.by_eccentricity
@@ -305,27 +402,32 @@ class AnnulusFlow(ChannelFlow):
 
         Empty for a uniform hole.
         """
+        swirl = {} if self._swirl is None else {"cell": self._swirl.get_state()}
         around, part = self.moving_hole, self._part
         if around is None or self.held or not around.evaluated:
-            return {}
+            return swirl
         hole = around.get_state()
         place = np.zeros(3) if self._top_place is None else self._top_place
         nodes = np.hstack([hole, np.tile(place, (len(hole), 1))])
         elements = np.zeros((len(part.cells), self._blocks[0].params.shape[1] + 1))
         for b in self._blocks:
             elements[b.points] = np.column_stack([b.params, self._hole[part.cells[b.points]]])
-        return {"vertex": nodes, "cell": elements}
+        return {"vertex": nodes, "cell": np.hstack([elements, *swirl.values()])}
 
     def set_local_state(self, saved: dict[str, FloatArray]) -> None:
         """Continue from the local part of ``get_local_state``."""
+        if self._swirl is not None and saved:
+            self._swirl.set_state(saved["cell"][:, -Swirl.STATE :])
+            self._time = self._swirl.time or 0.0
+            self._renew_swirl()
         around, part = self.moving_hole, self._part
-        if around is None or not saved:
+        if around is None or "vertex" not in saved:
             return
         around.set_state(saved["vertex"][:, :-3])
         for b in self._blocks:
             b.params[:], self._hole[part.cells[b.points]] = (
-                saved["cell"][b.points, :-1],
-                saved["cell"][b.points, -1],
+                saved["cell"][b.points, : b.params.shape[1]],
+                saved["cell"][b.points, b.params.shape[1]],
             )
         if self._top is not None and self.resizes:
             self._top_place = np.array(saved["vertex"][0, -3:])

@@ -47,6 +47,9 @@ class LateralCoefficients:
 
     added: (n,) added mass over displaced mass [-]; damping: (n,) [N s/m2].
     turning: (n,) torque per length and spin [N s].
+    swirl: (n,) spin of the mud over that of the string, when steady [-]; 0: the mud does not swirl.
+    following(speed, outer, hole): rate (k,) [1/s] at which the swirl follows the spin, at speeds (k,) [m/s] along elements of
+    outer diameters (k,) [m] in holes of diameters (k,) [m]; None: at once.
     by_eccentricity(eccentricity, outer, hole): added mass (k,) at eccentricities (k,) from 0 to 1, of
     elements of outer diameters (k,) [m] in holes of diameters (k,) [m]; None: independent of the
     eccentricity.
@@ -55,6 +58,8 @@ class LateralCoefficients:
     added: FloatArray
     damping: FloatArray
     turning: FloatArray
+    swirl: FloatArray
+    following: Callable[[FloatArray, FloatArray, FloatArray], FloatArray] | None = None
     by_eccentricity: Callable[[FloatArray, FloatArray, FloatArray], FloatArray] | None = None
 
 

@@ -22,7 +22,8 @@ struct HermiteAnnulus {
         STEP,                   // what HEADS gains on the element above [1/m4]
         SHOULDER,               // as in fluid/annulus_flow.hpp
         LEVEL,                  // as in fluid/annulus_flow.hpp
-        NP)
+        SHARE, SWIRL, SWIRL_RATE, SPIN_RATE, AXIS1, AXIS2 = AXIS1 + 3,  // as in fluid/annulus_flow.hpp
+        NP = AXIS2 + 3)
 
     template <class T, class S>
     static void force(int, const T* x, const T* y, const T* a, const S* p, void* context, T* r) {
@@ -65,12 +66,15 @@ struct HermiteAnnulus {
             Beside<T> beside = {};
             if constexpr (JUNCTION) beside = Beside<T>(on, upper, a[F] + p[SURGE], tw, p, f, line.p1.x);
             const T gradient = (line.p2.x - line.p1.x - heads(f, upper, line.p1.x, p[STEP]) - beside.rise) * il;
-            for (int k = 0; k < 4; ++k) point(on, stretch, CubicShape(XI4[k]), XI4[k], W4[k], tw, gradient, p, f, line, rows, results);
+            const Offset<T> off(on.x, p + AXIS1, p + AXIS2, vec(p + TANGENT1), vec(p + TANGENT2), tw);
+            const T spin = (y[6] + y[13]) * (p[SHARE] * 0.5);  // swirl that is steady at the present spin
+            T brake = T(0.0);
+            for (int k = 0; k < 4; ++k) point(on, stretch, CubicShape(XI4[k]), XI4[k], W4[k], tw, gradient, p, f, off, spin, line, rows, brake, results);
             rows.r1 += tw * heads(f, upper, line.p1.x, p[SHOULDER]);
             if constexpr (JUNCTION) above(on, upper, beside, tw, p, f, line, rows, results);
             on.store(rows, p[RIGID], r);
-            r[6] = (y[6] * 2.0 + y[13]) * (p[TURNING] * L * (1.0 / 6));
-            r[13] = (y[13] * 2.0 + y[6]) * (p[TURNING] * L * (1.0 / 6));
+            r[6] = (y[6] * 2.0 + y[13]) * (p[TURNING] * L * (1.0 / 6)) + brake;
+            r[13] = (y[13] * 2.0 + y[6]) * (p[TURNING] * L * (1.0 / 6)) + brake;
             if constexpr (std::is_same_v<T, double>) if (results) results->dissipated += p[TURNING] * L / 3 * (y[6] * y[6] + y[6] * y[13] + y[13] * y[13]);
             finish(line, y + F, (dot(on.above, tw) * dot(vec(f.gravity), tw) + p[LEVEL]) * f.density + p[CONTROLLED], p, f, r + F, results);
         }
@@ -99,7 +103,7 @@ struct HermiteAnnulus {
 
     template <class R, class T, class S>
     static void point(const R& on, const Stretch<T>& stretch, const CubicShape& at, double xi, double weight, const Vec<S>& tw, const T& gradient, const S* p, const Fluid& f,
-                      VolumeLine<T, S>& line, Four<T>& rows, FlowResults* results) {
+                      const Offset<T>& off, const T& spin, VolumeLine<T, S>& line, Four<T>& rows, T& brake, FlowResults* results) {
         const S L = p[LENGTH], il = S(1.0) / L, AO = p[OUTER];
         const Vec<double> g = vec(f.gravity);
         const S gw = dot(g, tw);
@@ -118,9 +122,17 @@ struct HermiteAnnulus {
         const T push = (line.p1.x * (1 - xi) + line.p2.x * xi - speed) * bulge * AO;
         const Vec<T> side = ((g - tw * gw) * (density * lam) - vec(p + BEND) * (density * lam * wall * wall)) * outer;
         const auto cut = [&tw](const Vec<T>& u) { return u - tw * dot(u, tw); };
-        const Vec<T> N = here * (gradient * outer - tau.pull * (p[DIAMETER] * 3.14159265358979324)) + side +
-                         cut(Vt * M + V * (drag + p[DAMPING]) + rs * (M * across1 + drag * across) + Vs * (M * across));
-        const Vec<T> B = rs * (push / local) - cut((V + rs * across) * (M * across));
+        Vec<T> moved = cut(Vt * M + V * (drag + p[DAMPING]) + rs * (M * across1 + drag * across) + Vs * (M * across)), bent = cut((V + rs * across) * (M * across));
+        const bool swirling = swirls(p[SHARE]);
+        if (swirling) {
+            const Vec<T> turned = value(at, off.turned, L);
+            moved -= cross(tw, V * 2.0 + rs * across) * (M * p[SWIRL]) + turned * (M * p[SWIRL_RATE] + (drag + p[DAMPING]) * p[SWIRL]) +
+                     value(at, off.y, L) * (M * (p[SWIRL] * p[SWIRL]));
+            bent -= turned * (M * across * p[SWIRL]);
+            brake += (dot(turned, moved) - dot(slope(at, off.turned, il), bent)) * (p[SHARE] * L * (-0.5 * weight));
+        }
+        const Vec<T> N = here * (gradient * outer - tau.pull * (p[DIAMETER] * 3.14159265358979324)) + side + moved;
+        const Vec<T> B = rs * (push / local) - bent;
         rows.r1 += N * (L * (at.N[0] * weight)) + B * (at.B[0] * weight);
         rows.v1 += N * (L * L * (at.N[1] * weight)) + B * (L * (at.B[1] * weight));
         rows.r2 += N * (L * (at.N[2] * weight)) + B * (at.B[2] * weight);
@@ -129,11 +141,14 @@ struct HermiteAnnulus {
         line.add(at, weight, density * lam * lam / area * q1 + density * w * dot(Vs, tw) + density * lam * (dot(Vt, tw) - gw) + resistance, head);
         if constexpr (std::is_same_v<T, double>) if (results) {
             const double part = weight * L, m = f.density * area, volume = q / thick;
-            const Vec<double> X = value(at, on.x, L), moved = cut(V + rs * across), sideways = cut(V);
-            results->kinetic += part * 0.5 * (m * wall * wall + M * dot(moved, moved));
+            const Vec<double> X = value(at, on.x, L), turned = value(at, off.turned, L), carried = cut(V + rs * across);
+            const Vec<double> passed = carried - turned * p[SWIRL], sideways = cut(V) - turned * spin;  // relative to the mud; the motion that feels the force
+            const double relative = dot(turned, passed);
+            results->kinetic += part * (0.5 * (m * wall * wall + M * dot(passed, passed)) + M * (p[SWIRL] - spin) * relative);
+            results->left_out += part * M * relative * (p[SWIRL_RATE] - p[SHARE] * p[SPIN_RATE]);
             results->potential -= part * (m * (gw * dot(X, tw) + p[LEVEL]) - density * AO * (dot(X, g - tw * gw) - p[LEVEL]));
-            results->dissipated += part * (resistance * (volume + Va * content) - tau.pull * p[DIAMETER] * 3.14159265358979324 * Va + drag * dot(sideways, moved) +
-                                          p[DAMPING] * dot(sideways, sideways));
+            results->dissipated += part * (resistance * (volume + Va * content) - tau.pull * p[DIAMETER] * 3.14159265358979324 * Va + drag * dot(sideways, passed) +
+                                          p[DAMPING] * dot(sideways, cut(V) - turned * p[SWIRL]));
             stored(line, content, w, thick, head, weight, p, f, results);
         }
     }

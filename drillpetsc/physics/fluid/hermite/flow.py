@@ -314,6 +314,9 @@ class HermiteAnnulus(_OneByOne, AnnulusFlow):
 
         return update
 
+    def _present_flow(self, state) -> FloatArray:
+        return np.full(len(self._part.cells), self._now)
+
     def upper_flow(self, state) -> float | None:
         if self._top is None:
             return None
