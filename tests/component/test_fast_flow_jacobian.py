@@ -57,6 +57,9 @@ def _elements(
     p["step"], p["loss"] = rng.uniform(-2.0, 2.0, (count, 2)).T
     p["control"][0], p["controlled"][0] = 1.0, 0.7
     if kernel == "annulus_flow":
+        swirling = (np.arange(count) != 2) * (seed % 3 != 2)
+        p["share"] = rng.uniform(0.1, 0.5, count) * swirling
+        p["swirl"], p["swirl_rate"] = rng.uniform(-2.0, 2.0, (2, count)) * swirling
         p["widening"], p["shoulder"] = rng.uniform(-0.5, 0.5, count), rng.uniform(-5.0, 5.0, count)
     if seed % 2:
         p["poisson"] = 0.0

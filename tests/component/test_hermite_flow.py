@@ -22,7 +22,7 @@ from drillpetsc.physics.fluid.hermite.flow import WINDOW, HermiteAnnulus, Hermit
 from drillpetsc.physics.fluid.rheology import Rheology
 from drillpetsc.time_function import Constant, PiecewiseLinear, Ramp
 from tests.helpers.component_models import GRAVITY, SECTION, SHIFT, dense, differences, residual
-from tests.helpers.flow_models import give_shoulders
+from tests.helpers.flow_models import give_shoulders, give_swirl
 
 KINDS = (
     "pipe",
@@ -37,6 +37,8 @@ KINDS = (
     "pipe_annulus_bit_held",
     "pipe_bit_held",
     "annulus_bit_held",
+    "annulus_bit_swirl",
+    "annulus_bit_junction_swirl",
 )
 
 
@@ -84,7 +86,7 @@ def build(kind: str, seed: int = 5) -> DiscreteSystem:
             np.array([0.0, 0.06, 0.0, 0.2]),
             0.2 * n,
         )
-        side = LateralCoefficients(np.array([2.0, 2.0, 1.5, 1.5]), 0.3 * n, 0.2 * n)
+        side = LateralCoefficients(np.array([2.0, 2.0, 1.5, 1.5]), 0.3 * n, 0.2 * n, 0.0 * n)
         annulus = HermiteAnnulus(
             mesh, sizes, well, fluid, 0.3 * n, side, Constant(0.4), 0.1, None, held, pump=pump
         )
@@ -110,6 +112,8 @@ def build(kind: str, seed: int = 5) -> DiscreteSystem:
         )
         components.append(HermiteBit(4, lower, fluid, pump, pipe, annulus, position[-1], held))
     system = DiscreteSystem(mesh, frames, components)
+    if "swirl" in kind:
+        give_swirl(annulus)
     asm, size = system.assembly, system.layout.size
     if held is None:
         system.set_field("string.position", position + 0.05 * rng.standard_normal((5, 3)))

@@ -57,7 +57,7 @@ def build(kind: str, seed: int = 4, more: Callable[..., list] | None = None) -> 
     if "bore" in kind:
         components.append(BoreFlow(mesh, bore, fluid, poisson, Ramp(0.03, 1.0), None, None))
     if "annulus" in kind:
-        side = LateralCoefficients(2.0 * n, 0.3 * n, 0.2 * n)
+        side = LateralCoefficients(2.0 * n, 0.3 * n, 0.2 * n, 0.0 * n)
         components.append(
             AnnulusFlow(mesh, sizes, well, fluid, poisson, side, Constant(0.4), 0.1, None, None)
         )

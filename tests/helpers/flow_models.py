@@ -37,6 +37,8 @@ KINDS = (
     "annulus_bit_held",
     "annulus_widening",
     "annulus_junction_widening",
+    "annulus_swirl",
+    "annulus_junction_swirl",
     "pipe_annulus_bit_drilled",
     "annulus_bit_drilled",
 )
@@ -58,7 +60,7 @@ def build(
     """DiscreteSystem of ``kind`` (words joined by _): fluid of density 3, bulk modulus 60, power law, in a
     curved hole.
 
-    widening: elements that move into sections of other areas; drilled: the end of the hole moves, cuttings
+    widening: elements that move into sections of other areas; swirl: of the mud about the string; drilled: the end of the hole moves, cuttings
     returned.
     """
     from dataclasses import replace
@@ -108,7 +110,7 @@ def build(
             BoreFlow(mesh, bore, fluid, poisson, None if pressure else Ramp(0.03, 1.0), pressure, held)
         )
     if "annulus" in kind:
-        side = LateralCoefficients(np.array([2.0, 2.0, 1.5, 1.5]), 0.3 * n, 0.2 * n)
+        side = LateralCoefficients(np.array([2.0, 2.0, 1.5, 1.5]), 0.3 * n, 0.2 * n, 0.0 * n)
         components.append(
             AnnulusFlow(mesh, sizes, well, fluid, poisson, side, Constant(0.4), 0.1, None, held)
         )
@@ -138,6 +140,8 @@ def build(
     if "widening" in kind:
         for block in components[-1]._blocks:
             block.named["widening"] = np.linspace(0.1, -0.2, len(block.points))
+    if "swirl" in kind:
+        give_swirl(components[-1])
     asm, size = system.assembly, system.layout.size
     if held is None:
         system.set_field("string.position", position + noise * rng.standard_normal((5, 3)))
@@ -153,6 +157,17 @@ def build(
     asm.v0[:] = asm.y[:-1] - 2.3 * asm.x[:-1]
     asm.v1[:] = 0.3 * rng.standard_normal(size)
     return system
+
+
+def give_swirl(annulus) -> None:
+    """Let the mud in the annulus swirl, at another rate about each element; one element has mud that stands."""
+    for block in annulus._blocks:
+        k = np.arange(len(block.points))
+        block.named["share"] = np.where(k == 1, 0.0, 0.3 + 0.05 * k)
+        block.named["swirl"], block.named["swirl_rate"] = (
+            np.where(k == 1, 0.0, s * (1.0 + k)) for s in (0.9, -0.4)
+        )
+        block.named["spin_rate"] = 0.5
 
 
 def give_shoulders(system) -> None:

@@ -77,7 +77,7 @@ struct AnnulusFlow {
         WIDENING,                  // dA_w per metre that the element moves down the hole [m]: HOLE is the area when the hole was read
         PLACE1, PLACE2,            // t_w.r of both nodes when the hole was read there [m]
         EXCESS1, EXCESS2,          // area of the hole at the nodes less HOLE [m2]
-        SHARE,                     // swirl of the mud over the spin of the string, when steady [-]; 0: the mud does not swirl
+        SHARE,                     // swirl of the mud over the spin of the string, when steady [-]; 0: the mud does not swirl, and SWIRL and SWIRL_RATE are 0
         SWIRL, SWIRL_RATE,         // swirl of the mud [rad/s] and its rate [rad/s2]
         SPIN_RATE,                 // rate of the string's spin, for the energies [rad/s2]
         AXIS1, AXIS2 = AXIS1 + 3,  // 3 each: points of the hole's axis beside the nodes [m]

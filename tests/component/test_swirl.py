@@ -1,0 +1,169 @@
+"""Swirl of the mud about a turning string: its forces have no power of their own, and vanish for a string that is carried
+along (manual: sec-mud-swirl; Fritz, J. Basic Eng. 92 (1970) 923)."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from drillpetsc.physics.fluid.swirl import Swirl, steady_share
+from tests.helpers.component_models import SHIFT
+from tests.helpers.flow_models import build
+
+SHARE = 0.37
+STRING = ("string.position", "string.tangent", "string.spin")
+
+
+def _in_straight_hole(seed: int = 5, flow: float = 0.0, noise: float = 0.05):
+    """System and annulus of a string in a straight, vertical hole about its axis, at rest in mud of that flow [m3/s]."""
+    system = build("annulus", seed, noise=noise)
+    asm, component = system.assembly, system.components[-1]
+    asm.condense(SHIFT)
+    for block in component._blocks:
+        block.update = None
+        p, k = block.named, len(block.points)
+        p["tangent1"] = p["tangent2"] = [0.0, 0.0, 1.0]
+        p["bend"], p["turning"], p["control"], p["hole"] = 0.0, 0.0, 0.0, 0.3
+        p["axis1"], p["axis2"], p["level"] = np.zeros((k, 3)), np.zeros((k, 3)), 0.0
+        p["share"] = SHARE
+    asm.x[:], asm.y[:], asm.a[:], asm.x[-1] = 0.0, 0.0, 0.0, 1.0
+    system.set_field("string.position", np.arange(5.0)[:, None] * [0.0, 0.0, 1.0])
+    system.set_field("string.tangent", np.tile([0.0, 0.0, 1.0], (5, 1)))
+    system.set_field("annulus.flow", np.full((5, 1), flow))
+    return system, component
+
+
+def _set(component, **values) -> None:
+    for block in component._blocks:
+        for name, value in values.items():
+            block.named[name] = value
+
+
+def _rows(system, component) -> np.ndarray:
+    """Rows of the annulus by unknown."""
+    asm = system.assembly
+    rows = np.zeros(system.layout.size)
+    for bound in (b for b in asm.bound_blocks if b.block in component._blocks):
+        np.add.at(rows, bound.index.ravel(), asm.block_rows(bound, 0.4).ravel())
+    return rows
+
+
+def _across(rng, size: float) -> tuple[np.ndarray, np.ndarray]:
+    """Random motion across the hole, of the nodes and of their slopes, (5, 3) each."""
+    return tuple(size * rng.standard_normal((5, 3)) * [1.0, 1.0, 0.0] for _ in range(2))
+
+
+@pytest.mark.parametrize("damping", [0.0, 0.8])
+def test_string_that_whirls_with_the_mud_feels_no_force(damping):
+    """On a circle at the rate of the swirl the mud about the string is carried along: no force and no couple."""
+    system, component = _in_straight_hole()
+    rng, rate, asm = np.random.default_rng(1), SHARE * 2.0, system.assembly
+    place, slope = _across(rng, 0.05)
+    turn = lambda u: np.cross([0.0, 0.0, 1.0], u)  # noqa: E731
+    _set(component, damping=damping)
+    for name, offset in (("string.position", place), ("string.tangent", slope)):
+        system.set_field(name, system.field(name) + offset)
+    still = _rows(system, component)  # buoyancy and the pressure on the bent string
+    for name, offset in (("string.position", place), ("string.tangent", slope)):
+        system.set_field(name, rate * turn(offset), "y")
+        asm.a[system.layout.dofs[name]] = -(rate**2) * offset
+    rows = []
+    for swirl in (0.0, rate):
+        _set(component, swirl=swirl)
+        rows.append(
+            (_rows(system, component) - still)[np.r_[tuple(system.layout.dofs[n].ravel() for n in STRING)]]
+        )
+    assert np.abs(rows[0]).max() > 1e-3
+    assert np.abs(rows[1]).max() < 1e-12 * np.abs(rows[0]).max() + 1e-15
+
+
+@pytest.mark.parametrize("lagging", [False, True])
+def test_swirl_takes_and_gives_no_energy(lagging):
+    """Power of rows and couple = rate of the energies + dissipated - exchanged with the stored swirl, for any motion across the
+    hole with a spin that varies, without flow along the hole (manual: eq-mud-swirl-energy)."""
+    system, component = _in_straight_hole()
+    asm, rng, layout = system.assembly, np.random.default_rng(3), system.layout
+    for name in ("string.position", "string.tangent"):
+        for array, size in ((asm.x, 0.02), (asm.y, 0.3), (asm.a, 0.5)):
+            array[layout.dofs[name]] += _across(rng, size)[0]
+    spin, spin_rate = 2.3, 0.9
+    asm.y[layout.dofs["string.spin"]], asm.a[layout.dofs["string.spin"]] = spin, spin_rate
+    swirl, rate = (1.4, -0.7) if lagging else (SHARE * spin, SHARE * spin_rate)
+    _set(component, swirl=swirl, swirl_rate=rate, spin_rate=spin_rate)
+    x, y, a = asm.x.copy(), asm.y.copy(), asm.a.copy()
+
+    def energy(step: float) -> float:
+        asm.x[:-1], asm.y[:-1] = (x + step * y + 0.5 * step**2 * a)[:-1], (y + step * a)[:-1]
+        _set(component, swirl=swirl + step * rate)
+        return float(component.element_results(asm)[:, :3].sum())
+
+    power = []
+    for share in (SHARE, 0.0):  # the difference is the swirl's
+        _set(component, share=share)
+        h = 1e-4
+        e = [energy(k * h) for k in (-2, -1, 1, 2)]
+        asm.x[:], asm.y[:], asm.a[:] = x, y, a
+        _set(component, swirl=swirl)
+        results = component.element_results(asm)
+        booked = (e[0] - 8 * e[1] + 8 * e[2] - e[3]) / (12 * h) + results[:, 3].sum() - results[:, 9].sum()
+        power.append((float(_rows(system, component) @ y[:-1]), booked))
+    (own, booked), (own_still, booked_still) = power
+    assert abs(own - own_still) > 1e-3
+    assert own - own_still == pytest.approx(booked - booked_still, rel=1e-7)
+
+
+def test_mirrored_motion_has_mirrored_forces():
+    """A reflection turns the spin and the swirl round: the forces are mirrored, the couple changes its sign."""
+    found = []
+    for sign in (1.0, -1.0):
+        system, component = _in_straight_hole(flow=0.02)
+        asm, rng, layout = system.assembly, np.random.default_rng(4), system.layout
+        mirror = np.array([1.0, sign, 1.0])
+        for name in ("string.position", "string.tangent"):
+            for array, size in ((asm.x, 0.02), (asm.y, 0.3), (asm.a, 0.5)):
+                array[layout.dofs[name]] += _across(rng, size)[0] * mirror
+        asm.y[layout.dofs["string.spin"]] = 2.0 * sign
+        _set(component, swirl=0.6 * sign, swirl_rate=0.3 * sign)
+        rows = _rows(system, component)
+        found.append(
+            [rows[layout.dofs[n]] * mirror for n in ("string.position", "string.tangent")]
+            + [rows[layout.dofs["string.spin"]] * sign]
+        )
+    for a, b in zip(*found, strict=True):
+        assert np.abs(a - b).max() <= 1e-12 * np.abs(a).max()
+
+
+def test_swirl_follows_the_spin_as_its_equation_says():
+    """d(swirl)/dt = k (share spin - swirl), integrated exactly while the spin goes along a straight line; order 2 for a spin
+    that does not, and at once without a rate (manual: eq-mud-swirl-lag)."""
+    share, k, omega = 0.4, 1.7, 3.0
+    exact = lambda t: (
+        share
+        * k
+        / (k**2 + omega**2)
+        * (k * np.sin(omega * t) - omega * np.cos(omega * t) + omega * np.exp(-k * t))
+    )  # noqa: E731
+    errors = []
+    for steps in (20, 40, 80):
+        swirl = Swirl(1)
+        swirl.follow[:] = k
+        swirl.start(0.0, np.zeros(1), np.full(1, share))
+        for t in np.linspace(0.0, 2.0, steps + 1)[1:]:
+            swirl.advance(float(t), np.sin([omega * t]), np.full(1, share))
+        errors.append(abs(float(swirl.swirl[0]) - exact(2.0)))
+    assert errors[-1] < 1e-3
+    assert 1.7 < np.log2(errors[0] / errors[1]) < 2.3 and 1.7 < np.log2(errors[1] / errors[2]) < 2.3
+    swirl.follow[:] = np.inf
+    swirl.advance(2.5, np.array([5.0]), np.full(1, share))
+    assert swirl.at(2.5, np.full(1, share))[0] == pytest.approx(share * 5.0)
+
+
+def test_share_is_the_mean_of_couettes_flow():
+    """int w r^3 dr/(Omega int r^3 dr) over the gap with w = A - B/r^2, w(a) = Omega, w(b) = 0 (manual: eq-mud-swirl-share)."""
+    for inner, outer in ((0.127, 0.2159), (0.1778, 0.2159)):
+        a, b = inner / 2, outer / 2
+        r, weight = np.polynomial.legendre.leggauss(8)
+        r, weight = a + (b - a) * 0.5 * (r + 1), 0.5 * (b - a) * weight
+        w = a**2 / (b**2 - a**2) * (b**2 / r**2 - 1)
+        mean = float((weight * w * r**3).sum() / (weight * r**3).sum())
+        assert steady_share(np.array([inner]), np.array([outer]))[0] == pytest.approx(mean, rel=1e-12)
