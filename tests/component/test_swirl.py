@@ -6,6 +6,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from drillpetsc.physics.fluid.channel_flow import FluidConstants
+from drillpetsc.physics.fluid.rheology import Rheology
 from drillpetsc.physics.fluid.swirl import Swirl, steady_share
 from tests.helpers.component_models import SHIFT
 from tests.helpers.flow_models import build
@@ -16,7 +18,9 @@ STRING = ("string.position", "string.tangent", "string.spin")
 
 def _in_straight_hole(seed: int = 5, flow: float = 0.0, noise: float = 0.05):
     """System and annulus of a string in a straight, vertical hole about its axis, at rest in mud of that flow [m3/s]."""
-    system = build("annulus", seed, noise=noise)
+    law = Rheology("power_law", consistency=0.8, index=0.7)
+    fluid = FluidConstants(3.0, 60.0, np.array([0.0, 0.0, 9.0]), law.parameters(), 0.4)
+    system = build("annulus", seed, fluid, noise=noise)
     asm, component = system.assembly, system.components[-1]
     asm.condense(SHIFT)
     for block in component._blocks:
