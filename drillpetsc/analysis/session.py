@@ -20,10 +20,10 @@ from drillpetsc.analysis.case_inputs import SessionInput, describe, inputs_of, w
 from drillpetsc.analysis.drive_report import drive_warnings
 from drillpetsc.analysis.hoist_report import hoist_warnings
 from drillpetsc.analysis.initial_state import initial_state
+from drillpetsc.analysis.integrator_choice import make_integrator
 from drillpetsc.analysis.live_input import LiveInput
 from drillpetsc.analysis.live_outputs import LiveOutputs, SessionOutput, unknown
 from drillpetsc.analysis.live_sensors import LiveSensors
-from drillpetsc.analysis.transient import make_integrator
 from drillpetsc.case.case import Case
 from drillpetsc.errors import CaseError
 from drillpetsc.model.drilling_model import build_model, is_quasi_static

@@ -4,22 +4,20 @@ from __future__ import annotations
 
 import sys
 import time as clock
-from collections.abc import Iterator
-from contextlib import contextmanager, suppress
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 from petsc4py import PETSc
 
-from drillpetsc import petsc_compat
 from drillpetsc.analysis import checkpoint, provenance, summary
 from drillpetsc.analysis.coarse_mesh import run_warnings
 from drillpetsc.analysis.drive_report import drive_warnings
 from drillpetsc.analysis.equilibrium import StaticState
 from drillpetsc.analysis.hoist_report import hoist_warnings
 from drillpetsc.analysis.initial_state import begin_new_states, initial_state
+from drillpetsc.analysis.integrator_choice import make_integrator, whirl_steps_of
 from drillpetsc.analysis.memory import Memory, give_back
 from drillpetsc.analysis.mud_above_top import mud_above_top
 from drillpetsc.analysis.placement import top_depth
@@ -32,13 +30,10 @@ from drillpetsc.analysis.run_control import (
     WRITE,
     RunControl,
 )
-from drillpetsc.analysis.sampled_control import sampled_control
-from drillpetsc.analysis.steady_flow import fluid_unknowns
-from drillpetsc.analysis.time_scales import longest_strict_step, step_warnings, time_scales
+from drillpetsc.analysis.time_scales import step_warnings
 from drillpetsc.analysis.top_push import top_push
-from drillpetsc.analysis.whirl_steps import WhirlSteps
-from drillpetsc.case.blocks.formation import VelocityWeakening
 from drillpetsc.case.case import Case
+from drillpetsc.case.quantities import largest
 from drillpetsc.errors import RESTART_HINT, CaseError, Interrupted, SolveError, cannot_write
 from drillpetsc.model.drilling_model import DrillingModel, build_model, is_quasi_static
 from drillpetsc.output import RunFolder, read_summary, write_summary
@@ -54,15 +49,9 @@ from drillpetsc.output.result import RunResult
 from drillpetsc.output.run_writer import RunWriter, after, passed
 from drillpetsc.output.well_files import write_well_files
 from drillpetsc.parallel import first_rank_does
-from drillpetsc.solvers import generalized_alpha
 from drillpetsc.solvers import petsc_options as options
 from drillpetsc.solvers.local_error import LocalErrorEstimate
 from drillpetsc.solvers.time_integrator import TimeIntegrator
-
-#: default spectral radius of generalised-alpha under a bit that sticks (manual: verif-default-tolerance)
-STICKING_RADIUS = 0.5
-#: largest spectral radius at which long fixed steps across impacts lose energy; larger ones gain
-STEADY_RADIUS = 0.5
 
 
 def run(
@@ -140,108 +129,6 @@ def run(
             ).run()
         finally:
             folder.release()
-
-
-#: least steps from sample to sample of a controller: a jump of the torque acts half a step late, since the formula goes on
-STEPS_PER_SAMPLE = 4
-
-
-def make_integrator(model: DrillingModel, quasi: QuasiStatic | None = None) -> TimeIntegrator:
-    """The integrator of a case: with inertia, with mud that follows the string at once, or quasi-static."""
-    with _chosen_integrator(model.case):
-        return _make_integrator(model, quasi)
-
-
-def _sticks(case: Case) -> bool:
-    """Whether the law of the bit falls with its speed, so that the bit sticks and slips."""
-    law = None if case.formation is None else case.formation.bit_law
-    return isinstance(law, VelocityWeakening) or isinstance(getattr(law, "base", None), VelocityWeakening)
-
-
-@contextmanager
-def _chosen_integrator(case: Case) -> Iterator[None]:
-    """Set ``time.integrator`` as PETSc options, unless -ts_type is given, while an integrator is made."""
-    options, time = PETSc.Options(), case.time
-    alpha = time is not None and time.integrator == "generalized_alpha"
-    chosen: dict[str, str] = {}
-    if time is not None and alpha and not options.hasName("ts_type"):
-        chosen["ts_type"] = generalized_alpha.NAMES[0]
-        if time.spectral_radius is not None and not options.hasName("ts_alpha_radius"):
-            chosen["ts_alpha_radius"] = repr(time.spectral_radius)
-    selected = options.getString("ts_type", chosen.get("ts_type", "")) in generalized_alpha.NAMES
-    given = {*chosen, *(name for name in ("ts_alpha_radius", "ts_alpha_alpha_m") if options.hasName(name))}
-    if selected and not given & {"ts_alpha_radius", "ts_alpha_alpha_m"} and _sticks(case):
-        chosen["ts_alpha_radius"] = repr(STICKING_RADIUS)
-    for name, value in chosen.items():
-        options.setValue(name, value)
-    try:
-        yield
-    finally:
-        for name in chosen:
-            options.delValue(name)
-
-
-def _make_integrator(model: DrillingModel, quasi: QuasiStatic | None) -> TimeIntegrator:
-    if quasi is not None:
-        if generalized_alpha.selected():
-            raise CaseError(
-                at="petsc.ts_type",
-                got=PETSc.Options().getString("ts_type"),
-                want="no -ts_type with time.mode: quasi_static",
-                hint="a string without inertia has no accelerations to average",
-            )
-        return quasi.integrator()
-    system, mud = model.system, model.case.fluid
-    _refuse_long_fixed_steps(model)
-    kept, sampler, kind = _step_limits(model), sampled_control(model), generalized_alpha.integrator_class()
-    if sampler is not None:
-        longest = sampler.period / STEPS_PER_SAMPLE
-        kept = {"ts_adapt_dt_max": min(longest, kept.get("ts_adapt_dt_max", np.inf))}
-    if mud is not None and mud.dynamics == "quasi_steady":  # the mud follows the string without delay
-        system.assembly.set_imposed_rates(np.zeros(system.layout.size + 1), fluid_unknowns(system))
-        return kind(system, controlled=lambda field: field.physics != "fluid", defaults=kept, sampler=sampler)
-    return kind(system, defaults=kept, sampler=sampler)
-
-
-def _refuse_long_fixed_steps(model: DrillingModel) -> None:
-    """Raise CaseError for fixed steps with which generalised-alpha makes energy in impacts (manual: sec-time-alpha-steps)."""
-    options = PETSc.Options()
-    if not generalized_alpha.selected() or options.getString("ts_adapt_type", "basic") != "none":
-        return
-    radius = options.getReal("ts_alpha_radius", generalized_alpha.RADIUS)
-    step, longest = options.getReal(petsc_compat.time_step_option(), 0.0), time_scales(model).impact
-    if radius > STEADY_RADIUS and step > longest:
-        raise CaseError(
-            at="petsc.ts_dt",
-            got=f"{step:g} s",
-            want=f"at most {longest:.3g} s, the shortest impact, with generalised-alpha at a spectral radius above {STEADY_RADIUS:g}",
-            hint="longer fixed steps make energy there; let -ts_rtol control the steps, or take spectral_radius: 0.5",
-        )
-
-
-def _step_limits(model: DrillingModel) -> dict[str, Any]:
-    """PETSc options that cap the step under contact.energy_strict or -drillpetsc_energy_strict."""
-    options, contact = PETSc.Options(), model.case.contact
-    strict = options.getBool("drillpetsc_energy_strict", contact is not None and contact.energy_strict)
-    longest = longest_strict_step(model) if strict else np.inf
-    drill = model.case.top.autodriller
-    if drill is not None and drill.sample and drill.sample < longest:
-        return {"ts_adapt_dt_max": drill.sample}
-    if not np.isfinite(longest):
-        return {}
-    fixed = (
-        options.getReal(petsc_compat.time_step_option(), 0.0)
-        if options.getString("ts_adapt_type", "basic") == "none"
-        else 0.0
-    )
-    if fixed > longest:
-        raise CaseError(
-            at="petsc.ts_dt",
-            got=f"{fixed:g} s",
-            want=f"at most {longest:.3g} s, half the shortest impact",
-            hint="contact.energy_strict asks for it",
-        )
-    return {"ts_adapt_dt_max": longest}
 
 
 def make_folder(comm, name: str, out, restart: bool, overwrite: bool) -> RunFolder:
@@ -348,7 +235,7 @@ class TransientRun:
         else:
             self.monitors.update(0.0)
         self.classes = MotionClasses(self.model, 0.5 * self.end) if self.watch_motion else None
-        self.whirl = WhirlSteps(self.model)
+        self.whirl = whirl_steps_of(self.model, self.integrator)
         self.newton, self.moving_since = 0, self.began
         mode: Any = self.progress if self.first else "silent"
         self.bar = Progress(self.end, self.start, mode=mode)
@@ -562,7 +449,11 @@ class TransientRun:
                 self.recorder.time_error.damped_product(),
             )
         if error is None:
-            said = self.whirl.warnings(frequency, product)
+            limited = self.whirl.summary(self.integrator.counters.steps)
+            result |= {} if limited is None else {"steps_limited_by": limited}
+            said = []
+            if product is not None and frequency and self.integrator.step_limit is not self.whirl:
+                said = self.whirl.warnings(product / frequency, largest(self.case.top.rotation))
             result["warnings"] = [*result["warnings"], *said]
             self._warn(said)
         if self.classes is not None:

@@ -1,6 +1,14 @@
-"""Whirl of rigid items that is faster than the vibrations which the time steps of a run leave (manual: sec-time-whirl-steps)."""
+"""Steps that keep the energy of what may whirl, and what a run says where they do not (manual: sec-time-whirl-steps).
+
+A part of the string of radius R that turns at the rate w and rolls on the wall with the radial clearance c goes round the hole
+backward at the rate w R/c (Jansen, 1991), the fastest motion that friction feeds.  The formula of a time integrator takes
+energy from it in each period; where that is more than ``LOST``, it may be the formula that decides whether the part whirls.
+"""
 
 from __future__ import annotations
+
+from dataclasses import dataclass
+from math import pi
 
 import numpy as np
 
@@ -10,69 +18,187 @@ from drillpetsc.output.rigid_items import RigidItems
 from drillpetsc.parallel import total
 from drillpetsc.unit_systems import shown
 
-#: frequency of the whirl over that above which the steps damp by 1 % a period: from here on they take 8 % and more
-MARGIN = 2.0
 SLOWEST = 0.1  # rotation [rad/s] below which nothing whirls
 #: clearance over radius below which an item fills its hole: the bit is no item that rolls on the wall
 SMALLEST_CLEARANCE = 2e-3
+LOST = 1e-3  # energy that a formula may take from a whirl in a period, over its energy [-]
+LARGEST_PRODUCT = (
+    0.3  # of angular frequency and step of generalised-alpha: 21 steps a period, frequency 0.8 % too low
+)
+#: the same of a turning unbalance, whose orbit is then within 1 % away from resonance: generalised-alpha, BDF of order 2
+UNBALANCE_PRODUCT, UNBALANCE_PRODUCT_BDF = 0.2, 0.1
+
+
+def product_of_alpha(radius: float) -> float:
+    """Largest product of angular frequency and step [-] with generalised-alpha of a spectral radius.
+
+    The energy lost in a period is 2 pi ((1 - radius)/(1 + radius))^3 product^3 (manual: eq-time-energy-lost).
+    """
+    damping = (1 - radius) / (1 + radius)
+    return LARGEST_PRODUCT if damping == 0 else min(LARGEST_PRODUCT, (LOST / (2 * pi)) ** (1 / 3) / damping)
+
+
+PRODUCT_BDF = (LOST / pi) ** (1 / 3)  # the same for BDF of order 2, which takes pi product^3
+
+
+def unbalanced(model: DrillingModel) -> bool:
+    """Whether mass or shape of the string turn with it."""
+    m = model.mesh
+    return bool(np.any(m.eccentricity) or np.any(m.curvature) or any(np.any(b.offset) for b in m.bodies))
+
+
+@dataclass(frozen=True)
+class _Part:
+    """A rigid item, or elements of one section of pipe, that may roll on the wall.
+
+    name: for the user; cells: (k,) local elements, or body: number of the rigid item; node: local node with its spin, -1 on other
+    ranks; ratio: R/c [-]; depth: measured, in the hole [m]; clearance: radial [m].
+    """
+
+    name: str
+    cells: np.ndarray
+    body: int
+    node: int
+    ratio: float
+    depth: float
+    clearance: float
 
 
 class WhirlSteps:
-    """Rotation of the rigid items of a run, and the whirl that its steps do not resolve; all ranks create and call it.
+    """The parts of a string that may whirl, and the steps that keep their energy; all ranks create and call it.
 
-    model: the drilling model, in the state from which the run starts.
+    model: the drilling model, in the state from which the run starts; product: largest product of angular frequency and step [-].
     """
 
-    def __init__(self, model: DrillingModel) -> None:
-        self.model = model
-        items = RigidItems(model).items if model.beam is not None and model.well is not None else ()
-        self.bodies = [model.mesh.bodies[k] for k in items]
-        self._start = self._rates_and_depths()
+    def __init__(self, model: DrillingModel, product: float) -> None:
+        self.model, self.product = model, product
+        self._parts: list[_Part] | None = None
+        #: (parts,) steps that a part has limited, and the shortest limit [s]
+        self._limited: np.ndarray = np.zeros(0, dtype=int)
+        self._shortest: FloatArray = np.zeros(0)
 
-    def _rates_and_depths(self) -> FloatArray:
-        """(items, 2) rotation [rad/s] and measured depth in the hole [m] at present; the same on all ranks."""
-        out = np.zeros((len(self.bodies), 2))
-        if not self.bodies:
-            return out
-        system, beam, well = self.model.system, self.model.beam, self.model.well
-        assert beam is not None and well is not None
-        local = {int(v): i for i, v in enumerate(system.chain.vertices) if system.chain.owned[i]}
-        for k, body in enumerate(self.bodies):
-            if body.node in local:
-                position, _, rate = beam.section(system.assembly, local[body.node])
-                out[k] = abs(float(rate)), float(well.project(position[None]).md[0])
-        return np.asarray(total(system.comm.tompi4py(), out))
+    @property
+    def parts(self) -> list[_Part]:
+        """The parts, at the clearances that they had at the first use; collective."""
+        if self._parts is None:
+            self._parts = (
+                self._find() if self.model.beam is not None and self.model.contact is not None else []
+            )
+            self._limited, self._shortest = (
+                np.zeros(len(self._parts), dtype=int),
+                np.full(len(self._parts), np.inf),
+            )
+        return self._parts
 
-    def warnings(self, damped_above: float | None, product: float | None) -> list[str]:
-        """Sentence on the item whose rolling whirl is the fastest, where the steps damp it; collective.
-
-        damped_above: frequency above which the steps take 1 % of an amplitude in a period [Hz]; product: of that
-        frequency and the step [-]; None: the formula does not damp.
-        An item of radius R that rolls on the wall without slip, with the clearance c and the rotation w, goes round the
-        hole backward at the rate w R/c (Jansen, 1991).  w is the larger one of the rates at start and end of the run.
-        """
-        if damped_above is None or product is None or not self.bodies:
-            return []
-        assert self.model.well is not None
-        now = self._rates_and_depths()
-        found: list[tuple[float, str]] = []
-        units = self.model.case.output.units or "metric"
-        for k, body in enumerate(self.bodies):
-            rotation = max(now[k, 0], self._start[k, 0])
-            clearance = float(np.asarray(self.model.well.radius(now[k, 1]))) - body.radius
-            if rotation < SLOWEST or clearance < SMALLEST_CLEARANCE * body.radius:
-                continue
-            whirl = rotation * body.radius / (2 * np.pi * clearance)
-            if whirl > MARGIN * damped_above:
-                text = (
-                    f"{body.name} at MD {shown(now[k, 1], 'length', units, 5)} would roll along the wall at {whirl:.2g} Hz "
-                    f"({60 * rotation / (2 * np.pi):.3g} rpm, radial clearance {shown(clearance, 'diameter', units, 3)})"
+    def _find(self) -> list[_Part]:
+        model, mesh = self.model, self.model.mesh
+        assert model.well is not None
+        chain, out = model.system.chain, []
+        local = {int(v): i for i, v in enumerate(chain.vertices) if chain.owned[i]}
+        place = self._depths(local)
+        for k in RigidItems(model).items:
+            body = mesh.bodies[k]
+            md = float(place[body.node])
+            clearance = float(np.asarray(model.well.radius(md))) - body.radius
+            if clearance >= SMALLEST_CLEARANCE * body.radius:
+                node = local.get(body.node, -1)
+                out.append(
+                    _Part(body.name, np.zeros(0, int), int(k), node, body.radius / clearance, md, clearance)
                 )
-                found.append((whirl, text))
-        if not found:
+        radius = 0.5 * mesh.contact_diameter
+        middle = 0.5 * (place[:-1] + place[1:])
+        clearance = np.asarray(model.well.radius(middle)) - radius
+        rolls = (radius > 0) & ~mesh.is_joint & (clearance > SMALLEST_CLEARANCE * radius)
+        ratio = np.where(rolls, radius / np.maximum(clearance, 1e-9), 0.0)
+        for key in np.unique(np.column_stack([mesh.item, np.round(ratio, 6)])[rolls], axis=0):
+            chosen = np.flatnonzero(rolls & (mesh.item == key[0]) & (np.round(ratio, 6) == key[1]))
+            cells = np.flatnonzero(np.isin(chain.cells, chosen))
+            k = int(chosen[0])
+            name = model.case.string[int(key[0])].name
+            out.append(
+                _Part(name, cells, -1, -1, float(ratio[k]), float(middle[chosen].mean()), float(clearance[k]))
+            )
+        return out
+
+    def _depths(self, local: dict[int, int]) -> FloatArray:
+        """(n+1,) measured depths of the nodes in the hole [m], on all ranks."""
+        system, out = self.model.system, np.zeros(self.model.mesh.nodes)
+        position = system.assembly.x[system.assembly.dofs_of("string.position")]
+        if local:
+            rows = list(local.values())
+            out[list(local)] = self.model.well.project(position[rows]).md  # type: ignore[union-attr]
+        return np.asarray(total(system.comm.tompi4py(), out)) if system.comm.size > 1 else out
+
+    def _rates(self) -> FloatArray:
+        """(parts,) whirl rates [rad/s] of the parts that turn and touch the wall, at present; the same on all ranks."""
+        parts, asm, contact = self.parts, self.model.system.assembly, self.model.contact
+        out = np.zeros(len(parts))
+        if not parts or contact is None:
+            return out
+        cells, _ = contact.element_results(asm)
+        touching, bodies = cells[:, 0] > 0.0, contact.item_forces(asm) > 0.0
+        spin, ends = np.abs(asm.y[asm.dofs_of("string.spin")][:, 0]), self.model.system.chain.ends
+        for k, part in enumerate(parts):
+            if part.body >= 0:
+                if part.node >= 0 and bodies[part.body]:
+                    out[k] = part.ratio * spin[part.node]
+            else:
+                on = part.cells[touching[part.cells]]
+                if len(on):
+                    out[k] = part.ratio * spin[ends[on]].max()
+        comm = self.model.system.comm
+        if comm.size > 1:
+            from mpi4py import MPI
+
+            found = np.empty_like(out)
+            comm.tompi4py().Allreduce(out, found, op=MPI.MAX)
+            out = found
+        return np.where(out > SLOWEST, out, 0.0)
+
+    def __call__(self) -> float:
+        """Longest step [s] that keeps the energy of all parts that turn and touch the wall at present; collective."""
+        rates = self._rates()
+        k = int(rates.argmax()) if len(rates) else 0
+        if not len(rates) or rates[k] == 0.0:
+            return np.inf
+        step = self.product / float(rates[k])
+        self._limited[k] += 1
+        self._shortest[k] = min(self._shortest[k], step)
+        return step
+
+    def summary(self, steps: int) -> dict[str, object] | None:
+        """Part that limits most of the ``steps`` of a run, for summary.json; None where none does."""
+        if not self._limited.any():
+            return None
+        k = int(self._limited.argmax())
+        part = self.parts[k]
+        return {
+            "name": part.name,
+            "md [m]": part.depth,
+            "share": float(self._limited[k] / max(1, steps)),
+            "shortest [s]": float(self._shortest[k]),
+        }
+
+    def warnings(self, step: float, turned: float) -> list[str]:
+        """Sentence on the part whose whirl is the fastest, where steps that this object has not limited take more of its energy.
+
+        step: median step of the run [s]; turned: largest rotation of the string [rad/s].  Collective.
+        """
+        touched = self._rates()
+        lost = [
+            (turned * part.ratio, part)
+            for part, rate in zip(self.parts, touched, strict=True)
+            if turned > SLOWEST
+            and turned * part.ratio * step > self.product
+            and (part.body >= 0 or rate > 0.0)
+        ]
+        if not lost:
             return []
-        whirl, text = max(found)
+        rate, part = max(lost, key=lambda pair: pair[0])
+        units = self.model.case.output.units or "metric"
         return [
-            f"the steps of this run damp vibrations above {damped_above:.2g} Hz; {text}: a backward whirl that begins small, and "
-            f"the torque it takes, are not in this run; -ts_adapt_dt_max {product / whirl:.2g} resolves it"
+            f"torque, weight on bit and side forces are not determined by the steps of this run: {part.name} at MD "
+            f"{shown(part.depth, 'length', units, 5)} would roll along the wall at {rate / (2 * pi):.2g} Hz ({60 * turned / (2 * pi):.3g} "
+            f"rpm, radial clearance {shown(part.clearance, 'diameter', units, 3)}), and these steps take more than {100 * LOST:g} % of the "
+            f"energy of that whirl in a period; time.integrator: auto, or -ts_adapt_dt_max {self.product / rate:.2g}, keeps it"
         ]

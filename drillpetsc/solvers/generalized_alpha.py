@@ -200,6 +200,8 @@ class GeneralizedAlpha(TimeIntegrator):
         if self._fixed:
             self._next_step = min(self.first_step, 2 * h) if rejected else self.first_step
         self._finish(end)
+        if self.step_limit is not None and not self._fixed:
+            self._next_step = min(self._next_step, self.step_limit())
         return end, self._next_step
 
     def _after_failure(self, reason: int, t: float, h: float) -> float:

@@ -79,6 +79,7 @@ class TimeIntegrator:
     after_sample(t): called after a sampler, where the formula takes its forces to jump at ``t`` [s].
     sampler(t): called at the multiples of ``sampler.period`` [s], where a step ends, with the state before the step that follows;
     the formula does not restart there.
+    step_limit(): longest step [s] by the present state, the same on all ranks; generalised-alpha only.
     inertia: whether the string has inertia; without it, forces have no power to which Newton's remainder could
     be compared.
 
@@ -103,6 +104,7 @@ class TimeIntegrator:
     defaults: dict[str, Any] = field(default_factory=dict)
     sampler: Sampler | None = None
     inertia: bool = True
+    step_limit: Callable[[], float] | None = None
 
     def __post_init__(self) -> None:
         options = PETSc.Options()

@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 
 from drillpetsc.analysis.initial_state import initial_state
-from drillpetsc.analysis.transient import make_integrator, run
+from drillpetsc.analysis.integrator_choice import make_integrator
+from drillpetsc.analysis.transient import run
 from drillpetsc.case import load_case
 from drillpetsc.fem.step_record import StepRecord
 from drillpetsc.model.drilling_model import build_model

@@ -9,9 +9,10 @@ from typing import Literal
 import numpy as np
 
 from drillpetsc.analysis import checkpoint
+from drillpetsc.analysis.integrator_choice import make_integrator
 from drillpetsc.analysis.placement import place_along_hole, release
 from drillpetsc.analysis.statics import run_statics
-from drillpetsc.analysis.transient import make_integrator, run
+from drillpetsc.analysis.transient import run
 from drillpetsc.case import Case, load_case
 from drillpetsc.model.drilling_model import DrillingModel, build_model
 from drillpetsc.output import RunFolder

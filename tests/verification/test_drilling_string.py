@@ -9,9 +9,9 @@ import pytest
 
 from drillpetsc import Case
 from drillpetsc.analysis.initial_state import find_equilibrium
+from drillpetsc.analysis.integrator_choice import make_integrator
 from drillpetsc.analysis.placement import move_rigidly, release
 from drillpetsc.analysis.quasi_static import QuasiStatic
-from drillpetsc.analysis.transient import make_integrator
 from drillpetsc.model.drilling_model import DrillingModel, build_model
 from drillpetsc.output.recorder import Recorder
 from drillpetsc.solvers.petsc_options import applied

@@ -19,7 +19,7 @@ from drillpetsc.analysis.hydraulics.flow_model import (
     string_at,
 )
 from drillpetsc.analysis.initial_state import initial_state
-from drillpetsc.analysis.transient import make_integrator
+from drillpetsc.analysis.integrator_choice import make_integrator
 from drillpetsc.case.blocks.ends import TopDrive
 from drillpetsc.case.case import Case
 from drillpetsc.model.drilling_model import build_model

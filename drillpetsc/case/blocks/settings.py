@@ -112,9 +112,10 @@ class Time(Block):
         description="first and largest step of a quasi-static run; the solver's choice when not given",
     )
 
-    integrator: Literal["bdf", "generalized_alpha"] = Field(
-        default="bdf",
-        description="bdf: backward differences; generalized_alpha: keeps the energy of vibrations that the steps resolve",
+    integrator: Literal["auto", "bdf", "generalized_alpha"] = Field(
+        default="auto",
+        description="bdf: backward differences; generalized_alpha: keeps the energy of vibrations that the steps resolve; auto: "
+        "generalized_alpha where the string may turn in a hole, with steps short enough for what may whirl, else bdf",
     )
     spectral_radius: Annotated[float, Quantity("", at_least=0, at_most=1)] | None = Field(
         default=None,
@@ -126,7 +127,9 @@ class Time(Block):
         alpha = self.integrator == "generalized_alpha"
         if alpha and self.mode == "quasi_static":
             hint = "a string without inertia has no accelerations to average"
-            raise refuse("integrator", got=self.integrator, want="bdf with mode: quasi_static", hint=hint)
+            raise refuse(
+                "integrator", got=self.integrator, want="bdf or auto with mode: quasi_static", hint=hint
+            )
         if self.spectral_radius is not None and not alpha:
             want = "no spectral_radius without integrator: generalized_alpha"
             raise refuse("spectral_radius", got=self.spectral_radius, want=want)

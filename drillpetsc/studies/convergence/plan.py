@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 
+from drillpetsc.analysis.integrator_choice import is_alpha
 from drillpetsc.case import Case, case_from_data, override, read_case_file
 from drillpetsc.case.blocks.string import Flexible
 from drillpetsc.errors import CaseError
@@ -134,7 +135,9 @@ def read_base(
     if case.time is None:
         raise CaseError(at="time", want="a block {end: ...}", file=path)
     end = case.time.end
-    if case.time.integrator == "generalized_alpha":  # as options, which the points of a curve replace
+    if (
+        is_alpha(case, case.petsc) and "ts_type" not in case.petsc
+    ):  # as options, which the points of a curve replace
         radius = case.time.spectral_radius
         chosen: dict[str, Any] = {"ts_type": "alpha2"} | (
             {} if radius is None else {"ts_alpha_radius": radius}

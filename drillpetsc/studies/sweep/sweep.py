@@ -17,8 +17,9 @@ from typing import Any
 
 from petsc4py import PETSc
 
+from drillpetsc.analysis.integrator_choice import make_integrator
 from drillpetsc.analysis.quasi_static import QuasiStatic
-from drillpetsc.analysis.transient import make_integrator, run
+from drillpetsc.analysis.transient import run
 from drillpetsc.case import Case, load_case
 from drillpetsc.errors import CaseError, DrillError, Interrupted
 from drillpetsc.model.drilling_model import build_model, is_quasi_static
