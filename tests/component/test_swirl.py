@@ -6,6 +6,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from drillpetsc.fem.component import ElementBlock
+from drillpetsc.kernels.parameters import columns
 from drillpetsc.physics.fluid.channel_flow import FluidConstants
 from drillpetsc.physics.fluid.rheology import Rheology
 from drillpetsc.physics.fluid.swirl import Swirl, steady_share
@@ -14,6 +16,10 @@ from tests.helpers.flow_models import build
 
 SHARE = 0.37
 STRING = ("string.position", "string.tangent", "string.spin")
+
+
+def _width() -> int:
+    return columns("annulus_flow_parameters").width
 
 
 def _in_straight_hole(seed: int = 5, flow: float = 0.0, noise: float = 0.05):
@@ -148,17 +154,25 @@ def test_swirl_follows_the_spin_as_its_equation_says():
 
     errors = []
     for steps in (20, 40, 80):
-        swirl = Swirl(1)
+        swirl = Swirl(np.full(1, share))
         swirl.follow[:] = k
-        swirl.start(0.0, np.zeros(1), np.full(1, share))
+        block = ElementBlock(
+            "annulus", "annulus_flow", "cell", np.zeros(1, np.int32), (), (), np.zeros((1, _width()))
+        )
+        swirl.attach(block)
+        swirl.start(np.zeros(1))
         for t in np.linspace(0.0, 2.0, steps + 1)[1:]:
-            swirl.advance(float(t), np.sin([omega * t]), np.full(1, share))
+            block.update(float(t))
+            swirl.accept(np.sin([omega * t]))
         errors.append(abs(float(swirl.swirl[0]) - exact(2.0)))
     assert errors[-1] < 1e-3
     assert 1.7 < np.log2(errors[0] / errors[1]) < 2.3 and 1.7 < np.log2(errors[1] / errors[2]) < 2.3
     swirl.follow[:] = np.inf
-    swirl.advance(2.5, np.array([5.0]), np.full(1, share))
-    assert swirl.at(2.5, np.full(1, share))[0] == pytest.approx(share * 5.0)
+    block.update(2.5)
+    swirl.accept(np.array([5.0]))
+    block.update(2.5)
+    assert swirl.at(2.5)[0] == pytest.approx(share * 5.0)
+    assert block.named["swirl"][0] == pytest.approx(share * 5.0)
 
 
 def test_share_is_the_mean_of_couettes_flow():

@@ -322,7 +322,9 @@ def run_response(
                 load = rock_load(model, excitation.amplitude, omega)
             wob = _weight_on_bit(model)
             if present(model):
-                StokesForces(model).set_frequency(omega)
+                StokesForces(model).set_frequency(
+                    omega, 0.0 if asymmetric is None else 1.0
+                )  # unbalance turns forward
             shape = _shape(model)
             linearised = linearise_model(model)
             answer: Any = None

@@ -8,9 +8,11 @@ import numpy as np
 import scipy.sparse as sparse
 
 from drillpetsc.analysis.linearised_model import linearise_model
+from drillpetsc.analysis.placement import hole_at_string
 from drillpetsc.arrays import FloatArray
 from drillpetsc.model.drilling_model import DrillingModel
 from drillpetsc.model.fluid import lateral_viscosity
+from drillpetsc.parallel import total
 from drillpetsc.physics.fluid.added_mass import stokes_coefficients, stokes_force
 from drillpetsc.solvers.linearization import Linearised
 from drillpetsc.solvers.nonlinear_eigenvalue import refine
@@ -38,6 +40,7 @@ class StokesForces:
     """Coefficients of the force by kinds of elements: those of one diameter, hole and viscosity.
 
     radius: (k,) of the string [m]; ratio: (k,) hole over string diameter [-]; viscosity: (k,) kinematic [m2/s].
+    swirl: (k,) of the mud about the string [rad/s], in the present state.
     kind: (nc,) kind of each local element.
     density: [kg/m3]; given: damping of the case [N s/m2], None: from the viscous flow.
     reference: frequency of runs [rad/s].
@@ -47,6 +50,7 @@ class StokesForces:
     radius: FloatArray = field(init=False)
     ratio: FloatArray = field(init=False)
     viscosity: FloatArray = field(init=False)
+    swirl: FloatArray = field(init=False)
     kind: np.ndarray = field(init=False)
 
     def __post_init__(self) -> None:
@@ -57,11 +61,12 @@ class StokesForces:
         self.given = None if f.lateral_damping == "stokes" else float(f.lateral_damping)
         sizes = model.fluid.annulus.lateral_sizes()
         viscosity = lateral_viscosity(model.case, sizes[:, 0], sizes[:, 1]) / f.density
-        own = _rounded(np.column_stack([sizes, viscosity]))
+        own = _rounded(np.column_stack([sizes, viscosity, model.fluid.annulus.parameter("swirl")]))
         comm = model.system.comm
         whole = own if comm.size == 1 else np.concatenate(comm.tompi4py().allgather(own))
         kinds = np.unique(whole, axis=0)
-        self.radius, self.ratio, self.viscosity = 0.5 * kinds[:, 0], kinds[:, 1] / kinds[:, 0], kinds[:, 2]
+        self.radius, self.ratio = 0.5 * kinds[:, 0], kinds[:, 1] / kinds[:, 0]
+        self.viscosity, self.swirl = kinds[:, 2], kinds[:, 3]
         self.kind = np.array([int(np.flatnonzero((kinds == row).all(axis=1))[0]) for row in own], dtype=int)
 
     @property
@@ -69,11 +74,18 @@ class StokesForces:
         """(k,) displaced mass per length [kg/m]."""
         return self.density * np.pi * self.radius**2
 
-    def coefficients(self, s: complex) -> tuple[FloatArray, FloatArray]:
+    def coefficients(self, s: complex, direction: float = 0.0) -> tuple[FloatArray, FloatArray]:
         """Compute added mass (k,) [-] and damping (k,) [N s/m2] whose force is that of a motion exp(s t), Im s > 0.
 
-        s chi + k_v/m_d = s H(s) (manual: eq-eigen-stokes).
+        s' chi + k_v/m_d = s' H(s') with the rate s' relative to the mud: s less the swirl for a motion that goes round the hole
+        forward (direction 1), s plus the swirl backward (-1), s across still mud (0) (manual: eq-eigen-stokes).
         """
+        if direction and self.swirl.any():
+            both = [self._coefficients(_upper(complex(s - 1j * direction * w))) for w in self.swirl]
+            return tuple(np.array([pair[i][k] for k, pair in enumerate(both)]) for i in (0, 1))  # type: ignore[return-value]
+        return self._coefficients(s)
+
+    def _coefficients(self, s: complex) -> tuple[FloatArray, FloatArray]:
         chi = (self.ratio**2 + 1) / (self.ratio**2 - 1)
         damping = np.zeros(len(chi)) if self.given is None else np.full(len(chi), self.given)
         viscous = self.viscosity > 0
@@ -93,9 +105,9 @@ class StokesForces:
         assert self.model.fluid is not None and self.model.fluid.annulus is not None
         self.model.fluid.annulus.set_lateral(chi[self.kind], damping[self.kind])
 
-    def set_frequency(self, omega: float) -> None:
-        """Give the elements the coefficients at a frequency [rad/s]."""
-        self.set(*self.coefficients(1j * omega))
+    def set_frequency(self, omega: float, direction: float = 0.0) -> None:
+        """Give the elements the coefficients at a frequency [rad/s]; direction as in ``coefficients``."""
+        self.set(*self.coefficients(1j * omega, direction))
 
     def stokes_number(self, omega: FloatArray, weight: FloatArray) -> FloatArray:
         """Stokes numbers (m,) of modes at frequencies (m,) [rad/s], inf without viscosity.
@@ -105,6 +117,15 @@ class StokesForces:
         with np.errstate(divide="ignore"):
             number = omega[:, None] * (self.radius**2 / self.viscosity)[None]
         return np.asarray(np.sum(np.where(weight > 0, number * weight, 0.0), axis=1))
+
+
+#: least share of a rate that oscillates relative to the mud: coefficients of a motion that does not are not two numbers
+LEAST_OSCILLATION = 1e-3
+
+
+def _upper(s: complex) -> complex:
+    """The rate, or its conjugate, whose coefficients are the same, above the real axis."""
+    return complex(s.real, max(abs(s.imag), LEAST_OSCILLATION * abs(s), 1e-9))
 
 
 def _rounded(values: FloatArray) -> FloatArray:
@@ -125,16 +146,16 @@ class FrequencyDependent:
     by_mass: list[tuple[sparse.csr_matrix, ...]]
     by_damping: list[tuple[sparse.csr_matrix, ...]]
     element_kind: np.ndarray
+    turned: sparse.csr_matrix | None = None  # J u of the unknowns u across the hole, where the mud swirls
 
     def matrix(self, s: complex) -> sparse.csr_matrix:
         """K + s C + s^2 M with the mud's force at s, columns scaled."""
-        chi, damping = self.forces.coefficients(s)
-        total = self._sum(self._base, s)
-        for k in range(len(chi)):
-            total = (
-                total + chi[k] * self._sum(self.by_mass[k], s) + damping[k] * self._sum(self.by_damping[k], s)
-            )
-        return sparse.csr_matrix(total)
+        found = self._sum(self._base, s)
+        for direction, mass, drag in self._parts:
+            chi, damping = self.forces.coefficients(s, direction)
+            for k in range(len(chi)):
+                found = found + chi[k] * self._sum(mass[k], s) + damping[k] * self._sum(drag[k], s)
+        return sparse.csr_matrix(found)
 
     @staticmethod
     def _sum(parts: tuple[sparse.csr_matrix, ...], s: complex) -> sparse.csr_matrix:
@@ -149,8 +170,20 @@ class FrequencyDependent:
         self._base = tuple(
             sparse.csr_matrix(T.T @ A @ columns) for A in (self.base.K, self.base.C, self.base.M)
         )
-        for parts in (self.by_mass, self.by_damping):
-            parts[:] = [tuple(sparse.csr_matrix(T.T @ A @ columns) for A in part) for part in parts]
+        # a motion is the sum of one that goes round the hole forward, (u - i J u)/2, and one backward (manual: eq-eigen-swirl)
+        ways: list[tuple[float, sparse.csr_matrix]] = [(0.0, columns)]
+        if self.turned is not None:
+            ways = [(way, 0.5 * (columns - 1j * way * (self.turned @ columns))) for way in (1.0, -1.0)]
+        self._parts = [
+            (
+                way,
+                *(
+                    [tuple(sparse.csr_matrix(T.T @ A @ own) for A in part) for part in parts]
+                    for parts in (self.by_mass, self.by_damping)
+                ),
+            )
+            for way, own in ways
+        ]
 
 
 def frequency_dependent(model: DrillingModel) -> FrequencyDependent | None:
@@ -176,10 +209,37 @@ def frequency_dependent(model: DrillingModel) -> FrequencyDependent | None:
             if one is not None and base is not None:
                 parts.append((one.K - base.K, one.C - base.C, one.M - base.M))
     forces.set_frequency(forces.reference)
+    tangent, _ = hole_at_string(model)
+    if model.system.comm.size > 1 and forces.swirl.any():
+        own = np.where(model.system.chain.owned[:, None], tangent[model.system.chain.vertices], 0.0)
+        tangent = np.zeros_like(tangent)
+        tangent[model.system.chain.vertices] = own
+        tangent = np.asarray(total(model.system.comm.tompi4py(), tangent))
     elements = model.system.gather(forces.kind[:, None].astype(float), "cell")
     if base is None or elements is None:
         return None
-    return FrequencyDependent(forces, base, by_mass, by_damping, elements[:, 0].astype(int))
+    names = [f.name for f in model.system.layout.fields]
+    turned = _turned(base, names, tangent) if forces.swirl.any() else None
+    return FrequencyDependent(forces, base, by_mass, by_damping, elements[:, 0].astype(int), turned)
+
+
+def _turned(base: Linearised, names: list[str], tangent: FloatArray) -> sparse.csr_matrix:
+    """(n, n) J of the places and slopes, t x u with the hole's tangents (nodes, 3)."""
+    rows, columns, values = [], [], []
+    for name in ("string.position", "string.tangent"):
+        own = np.flatnonzero(base.field == names.index(name))
+        place = {(int(base.node[i]), int(base.component[i])): int(i) for i in own}
+        for i in own:
+            node, k = int(base.node[i]), int(base.component[i])
+            for j, sign, axis in (
+                (k + 1, -1.0, k + 2),
+                (k + 2, 1.0, k + 1),
+            ):  # (t x u)_k = t_(k+1) u_(k+2) - t_(k+2) u_(k+1)
+                rows.append(int(i))
+                columns.append(place[node, j % 3])
+                values.append(sign * tangent[node, axis % 3])
+    n = base.K.shape[0]
+    return sparse.csr_matrix((values, (rows, columns)), shape=(n, n))
 
 
 @dataclass(frozen=True)

@@ -5,7 +5,6 @@ Manual: sec-mud, sec-mud-force-annulus, sec-mud-moving.
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from math import sqrt
 from typing import Any
 
@@ -68,8 +67,6 @@ class AnnulusFlow(ChannelFlow):
         self.flow_line, self.moving_hole, self.held_at = flow_line, moving_hole, held_at
         self._top_place: FloatArray | None = None  # (3,) upper node at the last evaluation of the hole [m]
         self._swirl: Swirl | None = None  # of a string that may turn
-        self._share, self._time = np.zeros(0), 0.0  # (nc,) of the swirl; time of the last evaluation [s]
-        self._forget: list[Callable[[], None]] = []
         self._outer, self._hole = (
             annulus.outer_diameter,
             annulus.hole_diameter,
@@ -150,10 +147,10 @@ class AnnulusFlow(ChannelFlow):
     def blocks(self, part) -> tuple[ElementBlock, ...]:
         elements = super().blocks(part)
         if self.lateral.swirl.any() and not self.held:
-            self._swirl, self._share = Swirl(len(part.cells)), self.lateral.swirl[part.cells]
-            self._share[self.mesh.is_joint[part.cells] & (self.mesh.rigid_above[part.cells] == 0)] = 0.0
+            across_joint = self.mesh.is_joint & (self.mesh.rigid_above == 0)
+            self._swirl = Swirl(np.where(across_joint, 0.0, self.lateral.swirl)[part.cells])
             for b in elements:
-                b.update = self._swirling(b, b.update)
+                self._swirl.attach(b, b.update)
         if self.moving_hole is not None:
             self.moving_hole.nodes = np.asarray(part.vertices)
         if self.choke:
@@ -204,36 +201,6 @@ class AnnulusFlow(ChannelFlow):
         valve.keep = (self.fluid,)
         return valve
 
-    def _swirling(
-        self, block: ElementBlock, others: Callable[[float], None] | None
-    ) -> Callable[[float], None]:
-        """Function of time that sets the swirl about the elements of a block, after what ``others`` sets."""
-        swirl, p = self._swirl, block.named
-        assert swirl is not None
-        last: list[float | None] = [None]
-
-        def update(t: float) -> None:
-            if others is not None:
-                others(t)
-            self._time = t
-            if swirl.time is None:
-                if last[0] is not None:
-                    p["share"], p["swirl"], p["swirl_rate"], p["spin_rate"], last[0] = (
-                        0.0,
-                        0.0,
-                        0.0,
-                        0.0,
-                        None,
-                    )
-                return
-            if t != last[0]:
-                now, rate = swirl.at(t, self._share)
-                p["share"], p["spin_rate"] = self._share[block.points], swirl.trend[block.points]
-                p["swirl"], p["swirl_rate"], last[0] = now[block.points], rate[block.points], t
-
-        self._forget.append(lambda: last.__setitem__(0, np.nan))
-        return update
-
     def _update_of(self, block: ElementBlock):
         if self._top is None or self._top[0] is not block:
             return None
@@ -257,44 +224,23 @@ class AnnulusFlow(ChannelFlow):
     def settle(self, state) -> None:
         """Let the mud swirl as it does when the present spins are steady."""
         if self._swirl is not None:
-            self._swirl.start(self._time, self._spins(state), self._share)
-            self._renew_swirl()
+            self._swirl.start(self._spins(state))
 
     def _spins(self, state) -> FloatArray:
         """(nc,) mean spin of the string in the local elements [rad/s]."""
         spin = state.y[state.dofs_of("string.spin")][:, 0]
         return np.asarray(0.5 * (spin[self._part.ends[:, 0]] + spin[self._part.ends[:, 1]]))
 
-    def _accept_swirl(self, state) -> None:
-        swirl = self._swirl
-        assert swirl is not None
-        self._renew_following(state)
-        if swirl.time is None:
-            swirl.start(self._time, self._spins(state), self._share)
-        else:
-            swirl.advance(self._time, self._spins(state), self._share)
-        self._renew_swirl()
-
-    def _renew_swirl(self) -> None:
-        """Let the parameters be set again, at the time at which they are."""
-        for forget in self._forget:
-            forget()
-
-    def _renew_following(self, state) -> None:
+    def _renew_following(self, swirl: Swirl, state) -> None:
         """Compute the rates at which the swirl follows, where the flow has changed."""
-        swirl, following = self._swirl, self.lateral.following
-        if swirl is None or following is None:
-            return
-        flow = self._present_flow(state)
-        before = swirl.flow
-        if (
-            before is not None
-            and np.abs(flow - before).max(initial=0.0) <= OTHER_FLOW * self.fluid.usual_flow
-        ):
-            return
-        e = self._part.cells
-        outer, hole = self._outer[e], self._hole[e]
-        swirl.follow[:], swirl.flow = following(4 / np.pi * flow / (hole**2 - outer**2), outer, hole), flow
+        following, flow, e = self.lateral.following, self._present_flow(state), self._part.cells
+        changed = np.abs(flow - swirl.flow).max(initial=0.0) > OTHER_FLOW * self.fluid.usual_flow
+        if following is not None and (changed or np.isinf(swirl.follow).any()):
+            outer, hole = self._outer[e], self._hole[e]
+            swirl.follow[:], swirl.flow = (
+                following(4 / np.pi * flow / (hole**2 - outer**2), outer, hole),
+                flow,
+            )
 
     def _present_flow(self, state) -> FloatArray:
         """(nc,) flow rates in the local elements [m3/s]."""
@@ -307,7 +253,8 @@ class AnnulusFlow(ChannelFlow):
         """Update hole and added mass to the string's position after an accepted step."""
         self._update_hole(state, True)
         if self._swirl is not None:
-            self._accept_swirl(state)
+            self._renew_following(self._swirl, state)
+            self._swirl.accept(self._spins(state))
         if self.lateral.by_eccentricity is not None:
             self._renew_added_mass(state)
 
@@ -370,7 +317,8 @@ class AnnulusFlow(ChannelFlow):
             for name, value in (("chi", s.added), ("damping", s.damping), ("turning", s.turning)):
                 params[name][rows[new]] = value
             if self._swirl is not None:
-                self._share[cells[new]] = np.where(self._share[cells[new]] > 0, s.swirl, 0.0)
+                own = self._swirl.share
+                own[cells[new]] = np.where(own[cells[new]] > 0, s.swirl, 0.0)
 
     def _renew_added_mass(self, state) -> None:
         chi = self.lateral.by_eccentricity
@@ -418,8 +366,6 @@ class AnnulusFlow(ChannelFlow):
         """Continue from the local part of ``get_local_state``."""
         if self._swirl is not None and saved:
             self._swirl.set_state(saved["cell"][:, -Swirl.STATE :])
-            self._time = self._swirl.time or 0.0
-            self._renew_swirl()
         around, part = self.moving_hole, self._part
         if around is None or "vertex" not in saved:
             return

@@ -11,10 +11,14 @@ taken to go on along a straight line.
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 
 from drillpetsc.arrays import FloatArray
+from drillpetsc.fem.component import ElementBlock
 
+_NAMES = "share", "swirl", "swirl_rate", "spin_rate"  # of the parameters
 OTHER_FLOW = 0.02  # relative change of the flow after which the rates of following are computed anew
 
 
@@ -28,63 +32,91 @@ def steady_share(outer_diameter: FloatArray, hole_diameter: FloatArray) -> Float
 
 
 class Swirl:
-    """Swirl about the local elements, from the spins at accepted steps.
+    """Swirl about elements, from the spins at accepted steps, and its place in the parameters of their blocks.
 
-    count: local elements.  After the last step, (nc,) each: spin, swirl [rad/s], trend of the spin [rad/s2]; time of the step [s].
-    follow: (nc,) rate at which the swirl follows [1/s], inf: at once.
+    share: (n,) swirl over spin when steady [-], 0 where the mud stands; it may be changed in place.
+    After the last step, (n,) each: spin, swirl [rad/s], trend of the spin [rad/s2].
+    follow: (n,) rate at which the swirl follows [1/s], inf: at once; flow: (n,) to which it belongs, None: none yet.
     """
 
     STATE = 6  #: columns of ``get_state``
 
-    def __init__(self, count: int) -> None:
+    def __init__(self, share: FloatArray) -> None:
+        count = len(share)
+        self.share = share
         self.spin, self.swirl, self.trend = np.zeros((3, count))
-        self.follow = np.full(count, np.inf)
-        self.time: float | None = None  # None: no motion has begun
-        self.flow: FloatArray | None = None  # (nc,) to which ``follow`` belongs
+        self.follow, self.flow = np.full(count, np.inf), np.zeros(count)
+        self._start: float | None = None  # of the trend: time of the last step [s]; None: no motion has begun
+        self._now, self._set = 0.0, set[int]()  # time of the last evaluation [s]; blocks with its parameters
 
-    def start(self, t: float, spin: FloatArray, share: FloatArray) -> None:
-        """Begin at ``t`` [s] with a steady swirl.  spin: (nc,) [rad/s]; share: (nc,) [-]."""
-        self.time, self.spin[:], self.swirl[:], self.trend[:] = t, spin, share * spin, 0.0
+    # ------------------------------------------------------------------ parameters
+    def attach(self, block: ElementBlock, others: Callable[[float], None] | None = None) -> None:
+        """Set share, swirl and their rates among the parameters of a ``block`` before each evaluation, after what ``others`` sets.
+
+        The block's points are the places in the arrays of this object.
+        """
+        p, key = block.named, id(block)
+
+        def update(t: float) -> None:
+            if others is not None:
+                others(t)
+            if t != self._now:
+                self._now, self._set = t, set()
+            if key not in self._set:
+                self._set.add(key)
+                swirl, rate = self.at(t)
+                share = self.share if self._start is not None else 0.0 * self.share
+                for name, value in zip(_NAMES, (share, swirl, rate, self.trend), strict=True):
+                    p[name] = value[block.points]
+
+        block.update = update
+
+    # ------------------------------------------------------------------ steps
+    def start(self, spin: FloatArray) -> None:
+        """Begin, or stay, with a steady swirl at the spins (n,) [rad/s]."""
+        self._start, self.spin[:], self.swirl[:], self.trend[:] = self._now, spin, self.share * spin, 0.0
+        self._set = set()
 
     def stop(self) -> None:
         """Return to mud that stands."""
-        self.time = None
+        self._start, self._set = None, set()
+        self.swirl[:] = self.trend[:] = 0.0
 
-    def advance(self, t: float, spin: FloatArray, share: FloatArray) -> None:
-        """Go on to the accepted step at ``t`` [s] with the spins (nc,) [rad/s] after it."""
-        assert self.time is not None
-        step = t - self.time
-        if step <= 0.0:
-            self.spin[:] = spin
-            return
-        self.trend[:] = (spin - self.spin) / step
-        self.swirl[:] = self._at(step, share)[0]
-        self.time, self.spin[:] = t, spin
+    def accept(self, spin: FloatArray) -> None:
+        """Go on to an accepted step, at the time of the last evaluation, with the spins (n,) [rad/s] after it."""
+        if self._start is None:
+            return self.start(spin)
+        step = self._now - self._start
+        if step > 0.0:
+            now, _ = self.at(self._now)
+            self.trend[:], self.swirl[:], self._start = (spin - self.spin) / step, now, self._now
+        self.spin[:] = spin
+        self._set = set()
+        return None
 
-    def at(self, t: float, share: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Swirl (nc,) [rad/s] and its rate (nc,) [rad/s2] at ``t`` [s], the spins going on along their trends."""
-        assert self.time is not None
-        return self._at(t - self.time, share)
+    def at(self, t: float) -> tuple[FloatArray, FloatArray]:
+        """Swirl (n,) [rad/s] and its rate (n,) [rad/s2] at ``t`` [s], the spins going on along their trends.
 
-    def _at(self, step: float, share: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """The exact solution for a spin on a straight line from ``self.spin``."""
+        It is the exact solution for a spin on a straight line.
+        """
+        if self._start is None:
+            return np.zeros((2, len(self.spin)))[0], np.zeros(len(self.spin))
+        step, share = t - self._start, self.share
         at_once = np.isinf(self.follow)
-        late = np.where(at_once, 0.0, share * self.trend / np.where(at_once, 1.0, self.follow))
-        decay = np.where(at_once, 0.0, np.exp(-np.where(at_once, 0.0, self.follow) * step))
-        wanted = share * (self.spin + self.trend * step)
-        behind = (self.swirl - share * self.spin + late) * decay - late
-        rate = share * self.trend - np.where(
-            at_once, 0.0, np.where(at_once, 0.0, self.follow) * (behind + late)
-        )
-        return wanted + behind, rate
+        k = np.where(at_once, 1.0, self.follow)
+        late = np.where(at_once, 0.0, share * self.trend / k)
+        behind = np.where(at_once, 0.0, (self.swirl - share * self.spin + late) * np.exp(-k * step) - late)
+        rate = share * self.trend - np.where(at_once, 0.0, k * (behind + late))
+        return share * (self.spin + self.trend * step) + behind, rate
 
+    # ------------------------------------------------------------------ checkpoints
     def get_state(self) -> FloatArray:
-        """(nc, 6) of a motion: spin, swirl, trend, follow, flow, time."""
-        flow = np.zeros(len(self.spin)) if self.flow is None else self.flow
-        time = np.full(len(self.spin), np.nan if self.time is None else self.time)
-        return np.column_stack([self.spin, self.swirl, self.trend, self.follow, flow, time])
+        """(n, 6) of a motion: spin, swirl, trend, follow, flow, time."""
+        time = np.full(len(self.spin), np.nan if self._start is None else self._start)
+        return np.column_stack([self.spin, self.swirl, self.trend, self.follow, self.flow, time])
 
     def set_state(self, saved: FloatArray) -> None:
         """Continue from the result of ``get_state``."""
         self.spin, self.swirl, self.trend, self.follow, self.flow, time = np.array(saved.T, order="C")
-        self.time = float(time[0]) if len(time) and not np.isnan(time[0]) else None
+        self._start = float(time[0]) if len(time) and not np.isnan(time[0]) else None
+        self._now, self._set = self._start or 0.0, set()
