@@ -34,6 +34,7 @@ from drillpetsc.physics.fluid.channels import Annulus, AnnulusWalls, HoleVolume
 from drillpetsc.physics.fluid.hermite.flow import HermiteAnnulus, HermiteBit, HermiteBore, volumes_at_rest
 from drillpetsc.physics.fluid.joint_seals import JointSeals
 from drillpetsc.physics.fluid.moving_hole import LateralCoefficients, MovingHole
+from drillpetsc.physics.fluid.mud_items import MudItem, MudItems, end_leakage
 from drillpetsc.physics.fluid.reamed_rings import ReamedRings
 from drillpetsc.physics.fluid.rheology import Rheology, wall_shear
 from drillpetsc.physics.fluid.side_nozzles import SideLink, SideNozzles
@@ -45,6 +46,7 @@ from drillpetsc.time_function import Constant
 from drillpetsc.unit_systems import shown
 
 LEAST_OPEN = 1e-4  # share of the hole that must be open around a rigid item
+LEAST_BESIDE = 0.25  # share of the hole that bits and stabilizers leave open to mud that moves across it
 LARGEST_ECCENTRICITY = 0.98  # eccentricity [-] above which the added mass is constant
 
 #: smallest flow rate of a pump to which tolerances refer, of the usual flow rate [-]
@@ -63,6 +65,7 @@ class FluidComponents:
     seals: of telescoping joints, None without any.
     side: nozzles above the bit, None without any; rings: that reamers cut out of the wall, None without any.
     losses: of tools by a table, None without any.
+    items: mud across the hole beside rigid items, None without any.
     """
 
     constants: FluidConstants
@@ -75,11 +78,21 @@ class FluidComponents:
     side: SideNozzles | None = None
     rings: ReamedRings | None = None
     losses: ToolLosses | None = None
+    items: MudItems | None = None
 
     @property
     def components(self) -> tuple:
         """The components that are present."""
-        parts = (self.bore, self.annulus, self.bit, self.seals, self.side, self.rings, self.losses)
+        parts = (
+            self.bore,
+            self.annulus,
+            self.bit,
+            self.seals,
+            self.side,
+            self.rings,
+            self.losses,
+            self.items,
+        )
         return tuple(r for r in parts if r is not None)
 
 
@@ -229,8 +242,46 @@ def build_fluid(
         rings = ReamedRings(mesh.nodes - 1, reamers, constants, f.cuttings == "returned")
     curves = loss_tables(case, mesh) if bore_flow is not None else ()
     losses = ToolLosses(curves, constants) if curves else None
+    beside = None
+    if annulus is not None and sizes is not None and not case.hold_string:
+        found = _mud_items(case, mesh, sizes)
+        around_items: Any = (lambda: well) if hole is None else (lambda: hole.well)
+        beside = MudItems(found, around_items) if found else None
+    line = _surface_line(case)
     return FluidComponents(
-        constants, bore_flow, annulus, bit, volumes, _surface_line(case), seals, side, rings, losses
+        constants, bore_flow, annulus, bit, volumes, line, seals, side, rings, losses, beside
+    )
+
+
+def _mud_items(case: Case, mesh: StringMesh, sizes: Annulus) -> tuple[MudItem, ...]:
+    """Mud across the hole beside the rigid items that have a length and an outer diameter (manual: sec-mud-items).
+
+    An item counts as a cylinder that leaves as much of the hole open as its section does, and bits and stabilizers at least
+    ``LEAST_BESIDE`` of the hole.
+    """
+    bodies = [b for b in mesh.bodies if b.length > 0 and b.radius > 0]
+    if not bodies:
+        return ()
+    node = np.array([min(b.node, len(mesh.upper) - 1) for b in bodies])
+    hole = np.sqrt(
+        4 / np.pi * np.where(mesh.rigid_above[node] > 0, sizes.hole_around[node], sizes.hole[node])
+    )
+    length, area = np.array([b.length for b in bodies]), np.pi / 4 * hole**2
+    metal = np.array([np.pi * b.radius**2 for b in bodies])
+    beside = (mesh.rigid_above[node] > 0) & (np.array([b.node for b in bodies]) < len(mesh.upper))
+    metal = np.where(beside, sizes.outer_above[node], metal)
+    bladed = np.array([b.kind in ("bit", "stabilizer") for b in bodies])
+    least = np.where(bladed, LEAST_BESIDE, LEAST_OPEN) * area
+    outer = np.sqrt(4 / np.pi * (area - np.maximum(area - metal, least)))
+    whole = Annulus(np.pi / 4 * outer**2, area, np.zeros(len(outer)), np.zeros(len(outer)))
+    side = _lateral_coefficients(case, whole)
+    share = end_leakage(length, outer, hole)
+    mass = share * side.added * case.fluid.density * whole.outer * length  # type: ignore[union-attr]
+    damping = share * side.damping * length
+    return tuple(
+        MudItem(b.node, b.above + 0.5 * b.length, *map(float, row))
+        for b, *row in zip(bodies, mass, damping, side.swirl, strict=True)
+        if row[0] > 0 or row[1] > 0
     )
 
 

@@ -15,6 +15,7 @@ from drillpetsc.physics.bit_on_bottom import BitOnBottom
 from drillpetsc.physics.contact import Contact, ContactLaw
 from drillpetsc.physics.control import Law, Motor
 from drillpetsc.physics.end_conditions import FixedEnd, Loads, NodeLoad, RotaryDrive, TopDrive
+from drillpetsc.physics.fluid.mud_items import MudItem, MudItems
 from drillpetsc.physics.hoist import STATES as HOIST_STATES
 from drillpetsc.physics.hoist import HoistedTop, HoistLine
 from drillpetsc.physics.hoisting import Autodriller, Heave, Hoisting, Line, Loop
@@ -154,6 +155,13 @@ def build(kind: str, seed: int = 3) -> DiscreteSystem:
         components.append(PointTool(steer, tangents[1], None, 0.7, cells, np.array([0.4, 0.6]), mesh))
     if "clamped" in kind:
         components.append(FixedEnd(4, "clamped", position[4], tangents[4]))
+    if "mud_items" in kind:
+        well = Well.from_survey(
+            np.arange(5.0), 0.1 * np.arange(5.0), np.full(5, 0.2), [10.0], [0.6], [0.3], max_step=1.0
+        )
+        components.append(
+            MudItems((MudItem(1, 0.4, 1.7, 0.6, 0.0), MudItem(4, 0.0, 0.8, 0.3, 0.0)), lambda: well)
+        )
     if "contact" in kind:
         inclination = np.arccos(tangents[:, 2])
         azimuth = np.arctan2(tangents[:, 1], tangents[:, 0])
@@ -247,6 +255,7 @@ KINDS = [
     "clamped",
     "contact",
     "contact_hertz_stribeck",
+    "mud_items",
     "contact_junction_bodies_bit",
 ]
 

@@ -1,17 +1,18 @@
-"""A run says that its steps damp the whirl of a stabilizer that would roll along the wall (manual: sec-time-whirl-steps)."""
+"""Steps keep the energy of a stabilizer that would roll along the wall, or the run says so (manual: sec-time-whirl-steps)."""
 
 from __future__ import annotations
 
 import re
 
+import numpy as np
 import pytest
 
 from drillpetsc.analysis.placement import move_rigidly, place_along_hole, release
 from drillpetsc.analysis.transient import run
-from drillpetsc.analysis.whirl_steps import WhirlSteps
+from drillpetsc.analysis.whirl_steps import PRODUCT_BDF, WhirlSteps, product_of_alpha
 from drillpetsc.case import Case, load_case
 from drillpetsc.model.drilling_model import build_model
-from drillpetsc.output.time_error import damped_frequency
+from drillpetsc.solvers.alpha_formula import AlphaFormula
 
 HOLE, BLADES, RPM = 0.2159, 0.209, 95.0
 ROLLING = RPM / 60 * BLADES / (HOLE - BLADES)  # turns of the hole a second, by Jansen (1991)
@@ -37,41 +38,65 @@ def case(blades: float = BLADES, rpm: float = RPM, **keys) -> Case:
     )
 
 
-def said(steps: float, **keys) -> list[str]:
+def said(step: float, rpm: float = RPM, **keys) -> list[str]:
     """Warnings of a string that turns, for steps of this length [s] of BDF 2."""
-    model = build_model(case(**keys))
+    model = build_model(case(rpm=rpm, **keys))
     place_along_hole(model)
     release(model)
     move_rigidly(model)
-    return WhirlSteps(model).warnings(damped_frequency(2, steps), damped_frequency(2, 1.0))
+    return WhirlSteps(model, PRODUCT_BDF).warnings(step, abs(rpm) * np.pi / 30)
+
+
+def energy_lost(radii: np.ndarray, angles: np.ndarray) -> np.ndarray:
+    """Share of the energy that a formula takes in a period, from modulus and angle of its principal root."""
+    return 1 - radii ** (4 * np.pi / angles)
+
+
+def test_steps_keep_the_energy_of_a_whirl():
+    """At the products that limit the steps both formulas take at most 0.1 % of the energy in a period: principal roots of BDF 2,
+    (3 + 2 i w h) z^2 - 4 z + 1 = 0 for y' = -i w y, and of generalised-alpha (AlphaFormula.amplification)."""
+    z = np.roots([3 + 2j * PRODUCT_BDF, -4, 1])
+    z = z[np.abs(z).argmax()]
+    assert energy_lost(np.abs(z), np.abs(np.angle(z))) == pytest.approx(1e-3, rel=0.02)
+    for radius, most in ((0.8, 2.28e-4), (0.5, 1e-3), (0.0, 1e-3)):
+        root = AlphaFormula(radius).amplification(product_of_alpha(radius))
+        assert energy_lost(np.abs(root), np.abs(np.angle(root))) == pytest.approx(most, rel=0.03)
+    assert product_of_alpha(1.0) == 0.3  # nothing is lost: the frequency decides
 
 
 @pytest.mark.parametrize("rpm", [40.0, 95.0, -140.0])
 def test_frequency_and_step_of_rolling_whirl(rpm):
-    """The frequency is the rotation times radius over clearance, whichever way the string turns; the step damps it by 1 %."""
+    """The frequency is the rotation times radius over clearance, whichever way the string turns; the step named keeps its energy."""
     (line,) = said(0.02, rpm=rpm)
     whirl = abs(rpm) / RPM * ROLLING
     assert "lower at MD" in line
     found = float(re.search(r"at ([\d.]+) Hz \(", line)[1])  # type: ignore[index]
     assert found == pytest.approx(whirl, rel=0.05)
-    step = float(re.search(r"-ts_adapt_dt_max (\S+) ", line)[1])  # type: ignore[index]
-    assert damped_frequency(2, step) == pytest.approx(whirl, rel=0.05)  # two digits
-    assert said(step, rpm=rpm) == []
+    step = float(re.search(r"-ts_adapt_dt_max ([\d.e-]+),", line)[1])  # type: ignore[index]
+    assert 2 * np.pi * whirl * step == pytest.approx(PRODUCT_BDF, rel=0.05)  # two digits
+    assert said(0.9 * step, rpm=rpm) == []
 
 
 @pytest.mark.parametrize(
     "keys", [{"rpm": 0.0}, {"blades": HOLE}, {"blades": 0.16}, {"contact": "none"}], ids=str
 )
 def test_nothing_is_said_where_nothing_would_roll_fast(keys):
-    """Without rotation, for blades of full gauge, for thin ones (2.4 Hz), and without contact."""
-    steps = 0.01  # 3 Hz
-    assert said(steps, **keys) == []
+    """Without rotation, for blades of full gauge, for thin ones (4.5 Hz), and without contact."""
+    assert said(0.002, **keys) == []
 
 
-def test_the_case_of_the_readme_says_so(tmp_path):
-    """At the default tolerance its steps keep 2 Hz; fine steps have the whirl of the near-bit stabilizer of 47 Hz."""
-    c = load_case("cases/vertical-2000m.yaml", ["time.end=1 s"])
-    result = run(c, out=tmp_path / "run")
-    (line,) = [w for w in result.summary["warnings"] if "whirl" in w]
+def test_default_steps_keep_what_may_whirl(tmp_path):
+    """The default integrator of a turning string limits its steps by the near-bit stabilizer, and says so; BDF with its own steps
+    says that they do not determine the result, and with the step that it names it does not."""
+    changes = ["time.end=1 s"]
+    c = load_case("cases/vertical-2000m.yaml", changes)
+    result = run(c, out=tmp_path / "auto").summary
+    assert result["petsc_options"]["ts_type"] == "alpha2"
+    assert not [w for w in result["warnings"] if "roll along" in w]
+    limit = result["steps_limited_by"]
+    assert limit["name"] in ("near-bit", "drill collar") and limit["share"] > 0.1
+    assert limit["shortest [s]"] < 0.3 / (2 * np.pi * 40)
+    c = load_case("cases/vertical-2000m.yaml", [*changes, "petsc.ts_type=bdf"])
+    (line,) = [w for w in run(c, out=tmp_path / "bdf").summary["warnings"] if "roll along" in w]
     assert "near-bit at MD 1998 m" in line and "radial clearance 2.95 mm" in line
     assert float(re.search(r"at ([\d.]+) Hz \(", line)[1]) == pytest.approx(47.5, rel=0.03)  # type: ignore[index]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
+from typing import Any
 
 import numpy as np
 import scipy.sparse as sparse
@@ -174,16 +175,11 @@ class FrequencyDependent:
         ways: list[tuple[float, sparse.csr_matrix]] = [(0.0, columns)]
         if self.turned is not None:
             ways = [(way, 0.5 * (columns - 1j * way * (self.turned @ columns))) for way in (1.0, -1.0)]
-        self._parts = [
-            (
-                way,
-                *(
-                    [tuple(sparse.csr_matrix(T.T @ A @ own) for A in part) for part in parts]
-                    for parts in (self.by_mass, self.by_damping)
-                ),
-            )
-            for way, own in ways
-        ]
+
+        def reduced(parts: list[tuple[sparse.csr_matrix, ...]], own: sparse.csr_matrix) -> list[Any]:
+            return [tuple(sparse.csr_matrix(T.T @ A @ own) for A in part) for part in parts]
+
+        self._parts = [(way, reduced(self.by_mass, own), reduced(self.by_damping, own)) for way, own in ways]
 
 
 def frequency_dependent(model: DrillingModel) -> FrequencyDependent | None:

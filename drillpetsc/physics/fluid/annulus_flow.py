@@ -317,8 +317,8 @@ class AnnulusFlow(ChannelFlow):
             for name, value in (("chi", s.added), ("damping", s.damping), ("turning", s.turning)):
                 params[name][rows[new]] = value
             if self._swirl is not None:
-                own = self._swirl.share
-                own[cells[new]] = np.where(own[cells[new]] > 0, s.swirl, 0.0)
+                share = self._swirl.share
+                share[cells[new]] = np.where(share[cells[new]] > 0, s.swirl, 0.0)
 
     def _renew_added_mass(self, state) -> None:
         chi = self.lateral.by_eccentricity

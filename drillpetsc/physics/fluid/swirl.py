@@ -50,11 +50,17 @@ class Swirl:
         self._now, self._set = 0.0, set[int]()  # time of the last evaluation [s]; blocks with its parameters
 
     # ------------------------------------------------------------------ parameters
-    def attach(self, block: ElementBlock, others: Callable[[float], None] | None = None) -> None:
+    def attach(
+        self,
+        block: ElementBlock,
+        others: Callable[[float], None] | None = None,
+        rows: np.ndarray | None = None,
+    ) -> None:
         """Set share, swirl and their rates among the parameters of a ``block`` before each evaluation, after what ``others`` sets.
 
-        The block's points are the places in the arrays of this object.
+        rows: (m,) places of its elements in the arrays of this object, None: the block's points.
         """
+        rows = block.points if rows is None else rows
         p, key = block.named, id(block)
 
         def update(t: float) -> None:
@@ -67,7 +73,7 @@ class Swirl:
                 swirl, rate = self.at(t)
                 share = self.share if self._start is not None else 0.0 * self.share
                 for name, value in zip(_NAMES, (share, swirl, rate, self.trend), strict=True):
-                    p[name] = value[block.points]
+                    p[name] = value[rows]
 
         block.update = update
 

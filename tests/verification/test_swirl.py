@@ -1,0 +1,106 @@
+"""Whirl that the swirl of the mud feeds, against closed forms (manual: sec-verif-swirl)."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from scipy.optimize import root
+
+from drillpetsc import Case
+from drillpetsc.analysis.modal import modes, prepare_state
+from drillpetsc.model.drilling_model import build_model
+from drillpetsc.physics.fluid.added_mass import stokes_force
+
+# a collar between two pins, without axial force: mass with the mud in its bore and added mass [kg/m], damping [N s/m2], stiffness
+# E I (pi/L)^4 [N/m2] (Fritz, J. Basic Eng. 92 (1970) 923: a rotor in a fluid that turns with a share of its speed)
+OD, ID, HOLE, LENGTH, MUD = 0.1715, 0.0714, 0.2159, 20.0, 1300.0
+MASS = np.pi / 4 * (7850 * (OD**2 - ID**2) + MUD * ID**2)
+ADDED, DAMPING = 152.908, 166.466
+STIFFNESS = 206e9 * np.pi / 64 * (OD**4 - ID**4) * (np.pi / LENGTH) ** 4
+SHARE = OD**2 / (OD**2 + HOLE**2)
+
+
+def collar(rpm: float, **fluid) -> Case:
+    displaced = MUD * np.pi / 4 * OD**2
+    return Case(
+        well={
+            "survey": {"md": [0, LENGTH], "inclination": [0, 0], "azimuth": [0, 0]},
+            "sections": [{"to": LENGTH, "kind": "open_hole", "diameter": HOLE, "friction": 0.25}],
+        },
+        string=[{"kind": "pipe", "length": LENGTH, "od": OD, "id": ID, "element_length": 1.0}],
+        material={"young": 206e9, "density": 7850.0},
+        top={"kind": "top_drive", "rotation": f"{rpm} rpm", "hinged": True},
+        bottom="pinned",
+        gravity=0.0,
+        fluid={
+            "density": MUD,
+            "rheology": {"model": "newtonian", "viscosity": 0.03},
+            "added_mass": ADDED / displaced,
+            "lateral_damping": DAMPING,
+            **fluid,
+        },
+    )
+
+
+def first_whirls(case: Case) -> np.ndarray:
+    """(2,) eigenvalues [1/s] of the first span, the slower one first."""
+    model = build_model(case)
+    prepare_state(model)
+    m = modes(model, 4, kind="lateral")
+    found = m.growth + 2j * np.pi * m.frequency
+    return found[(found.imag > 0) & (found.imag < 10)][:2]
+
+
+def closed_form(share: float, rpm: float) -> np.ndarray:
+    """Roots of m s^2 + M (s - i w)^2 + k_v (s - i w) + k = 0, forward (w the swirl) and, by the conjugate, backward."""
+    w = share * rpm * np.pi / 30
+    s = np.roots([MASS + ADDED, DAMPING - 2j * ADDED * w, STIFFNESS - ADDED * w**2 - 1j * DAMPING * w])
+    return np.sort_complex(np.where(s.imag < 0, s.conj(), s))[
+        np.argsort(np.abs(np.sort_complex(np.where(s.imag < 0, s.conj(), s)).imag))
+    ]
+
+
+@pytest.mark.parametrize(
+    "rpm, swirl", [(0, "auto"), (60, "auto"), (120, "auto"), (60, 0.5), (120, 0.5), (240, "auto"), (60, 0.0)]
+)
+def test_whirls_of_a_collar_in_swirling_mud(rpm, swirl):
+    """Forward and backward whirl of a collar: equal without swirl, split by it, and the forward one growing from the speed on at
+    which its span turns slower than the mud."""
+    found = first_whirls(collar(rpm, swirl=swirl))
+    expected = closed_form(SHARE if swirl == "auto" else swirl, rpm)
+    assert found.imag == pytest.approx(expected.imag, rel=2e-4)
+    assert found.real == pytest.approx(expected.real, rel=2e-3, abs=2e-4)
+
+
+@pytest.mark.parametrize("swirl, threshold", [("auto", 142.44), (0.5, 110.22)])
+def test_speed_from_which_mud_feeds_forward_whirl(swirl, threshold):
+    """sqrt(k/m) = swirl, with the mass m of pipe and mud in its bore, but without the added mass, whatever the damping is."""
+    share = SHARE if swirl == "auto" else swirl
+    assert np.sqrt(STIFFNESS / MASS) / share * 30 / np.pi == pytest.approx(threshold, rel=1e-4)
+    for damping in (DAMPING, 20.0):
+        growth = [
+            first_whirls(collar(f * threshold, swirl=swirl, lateral_damping=damping)).real.max()
+            for f in (0.99, 1.01)
+        ]
+        assert growth[0] < 0 < growth[1]
+
+
+def test_viscous_mud_at_the_rates_of_both_whirls():
+    """With the oscillating viscous flow the force of each whirl is that at its rate relative to the mud (manual: eq-eigen-swirl)."""
+    found = first_whirls(
+        collar(60, added_mass="stokes", lateral_damping="stokes", lateral_damping_speed=2 * np.pi)
+    )
+    swirl, radius, nu = SHARE * 2 * np.pi, OD / 2, 0.03 / MUD
+
+    def rest(v: np.ndarray, way: float) -> list[float]:
+        s = complex(*v)
+        relative = s - 1j * way * swirl
+        upper = relative if relative.imag > 0 else relative.conjugate()
+        force = complex(stokes_force(upper, radius, nu, HOLE / OD))
+        force = force if relative.imag > 0 else force.conjugate()
+        left = MASS * s**2 + MUD * np.pi * radius**2 * force * relative**2 + STIFFNESS
+        return [left.real, left.imag]
+
+    for one, way in zip(found, (-1.0, 1.0), strict=True):
+        exact = complex(*root(rest, [one.real, one.imag], args=(way,)).x)
+        assert abs(one - exact) < 1e-3 * abs(exact)
