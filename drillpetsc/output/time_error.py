@@ -30,8 +30,9 @@ BATCH = 64  # steps that are evaluated together
 #: steps are counted in classes of a quarter of an octave, the first one of 2^-40 s
 CLASSES_PER_OCTAVE, FIRST_OCTAVE, CLASSES = 4, -40, 4 * 64
 MEANING = (
-    "estimated error of each output by the time steps, if the motion neither damps nor amplifies errors: its share of the output's "
-    "range.  Damping makes the error smaller, instability and impacts larger; --check-tolerance measures it"
+    "estimated error of each output by the time steps.  error, and share of the range: at an instant, if the motion neither damps nor "
+    "amplifies errors; errors of phase add up.  pace: of the size and the speed of its changes, errors of a step over the change in it.  "
+    "Damping makes the error at an instant smaller, instability and impacts larger; --check-tolerance measures it"
 )
 
 
@@ -57,6 +58,7 @@ class TimeError:
         n = self._ends[-1]
         self._switched = np.zeros(len(names))  # part of the sum in steps in which an output switches
         self._sum, self._low, self._high = np.zeros(len(names)), np.full(n, np.inf), np.full(n, -np.inf)
+        self._way = np.zeros(len(names))  # sum of the changes in the steps with a local error
         self._step_time, self._step_moment = (
             np.zeros(CLASSES),
             np.zeros(CLASSES),
@@ -94,6 +96,8 @@ class TimeError:
             size = np.sqrt(np.add.reduceat(e * e, self._ends[:-1], axis=1))
             extent = np.maximum.reduceat(self._high - self._low, self._ends[:-1])
             self._sum += size.sum(axis=0)
+            change = np.diff(np.array(self._values), axis=0)[self.formula.earlier - 1 :]
+            self._way += np.sqrt(np.add.reduceat(change * change, self._ends[:-1], axis=1)).sum(axis=0)
             self._switched += np.where(size > SWITCH * extent, size, 0.0).sum(axis=0)
             self._estimated += len(e)
         kept = self.formula.earlier  # earlier states of the next step
@@ -115,10 +119,13 @@ class TimeError:
                 continue
             error = 0.5 * pi * self.formula.accumulation * float(self._sum[k])
             column = outputs.setdefault(
-                f"{name} [{self.units[k]}]", {"range": extent, "size": size, "error": None, "share": None}
+                f"{name} [{self.units[k]}]",
+                {"range": extent, "size": size, "error": None, "share": None, "pace": None},
             )
             if self._switched[k] <= 0.5 * self._sum[k]:
-                column |= {"error": error, "share": error / extent}
+                way = float(self._way[k])
+                pace = self.formula.accumulation * float(self._sum[k]) / way if way > 0 else 0.0
+                column |= {"error": error, "share": error / extent, "pace": pace}
         return {
             "meaning": MEANING,
             "steps": self._estimated,
@@ -151,18 +158,18 @@ class TimeError:
         return {
             "time_error": np.array([self._steps, self._estimated]),
             "time_error_steps": np.array([self._step_time, self._step_moment]),
-            "time_error_sums": np.array([self._sum, self._switched]),
+            "time_error_sums": np.array([self._sum, self._switched, self._way]),
             "time_error_range": np.array([self._low, self._high]),
             "time_error_values": np.array([[t, *x] for t, x in zip(self._times, self._values, strict=True)]),
         }
 
     def set_state(self, saved: dict[str, FloatArray]) -> None:
         """Continue from a checkpoint; one without these entries starts afresh."""
-        if "time_error" not in saved or saved["time_error_sums"].shape[1] != len(self._sum):
+        if "time_error" not in saved or saved["time_error_sums"].shape != (3, len(self._sum)):
             return
         self._steps, self._estimated = map(int, saved["time_error"])
         self._step_time, self._step_moment = np.array(saved["time_error_steps"])
-        self._sum, self._switched = np.array(saved["time_error_sums"])
+        self._sum, self._switched, self._way = np.array(saved["time_error_sums"])
         self._low, self._high = np.array(saved["time_error_range"])
         self._times = [float(row[0]) for row in saved["time_error_values"]]
         self._values = [np.array(row[1:]) for row in saved["time_error_values"]]
@@ -209,9 +216,15 @@ def time_error_lines(estimate: Mapping[str, Any], checked: bool = False) -> list
     doubtful = doubtful_outputs(estimate)
     if not doubtful:
         return [f"  time error, estimated: at most {100 * REPORTED:g} % of the range of each main output"]
+    pace = {title.partition(" [")[0]: c["pace"] for title, c in estimate["columns"].items()}
     named = ", ".join(
-        f"{name} {100 * share:.2g} %" if share < 1 else f"{name} over 100 %"
+        f"{name} {100 * pace[name]:.1g} % in size and pace, {_at_an_instant(share)}"
         for name, share in doubtful[:SHOWN]
     )
     hint = "" if checked else " (run --check-tolerance measures it)"
-    return [f"  time error, estimated: {named} of the range{hint}"]
+    return [f"  time error, estimated: {named}{hint}"]
+
+
+def _at_an_instant(share: float) -> str:
+    """What is known of an output at an instant, from its estimated error over its range."""
+    return f"{100 * share:.2g} % of its range at an instant" if share < 1 else "not determined at an instant"

@@ -54,6 +54,8 @@ def test_estimate_of_an_undamped_vibration(order):
     column = estimate.summary()["columns"]["x [m]"]
     assert column["error"] == pytest.approx(np.abs(computed - exact).max(), rel=0.15)
     assert column["share"] == pytest.approx(column["error"] / 2, rel=0.02)
+    if order == 2:  # the relative error of the frequency
+        assert column["pace"] == pytest.approx(1 - cmath.phase(z) / h, rel=0.05)
 
 
 @pytest.mark.parametrize("radius", [1.0, 0.9, 0.8, 0.5, 0.0])
@@ -68,6 +70,7 @@ def test_estimate_of_an_undamped_vibration_with_generalised_alpha(radius):
         estimate.step(t[k], h, np.array([computed[k]]), k == 0)
     column = estimate.summary()["columns"]["x [m]"]
     assert column["error"] == pytest.approx(np.abs(computed - exact).max(), rel=0.15)
+    assert column["pace"] == pytest.approx(1 - cmath.phase(z) / h, rel=0.05)  # the relative error of the frequency
     assert estimate.damped_above() is None  # the integrator knows it
 
 
