@@ -148,6 +148,8 @@ def stiff_row(case: Case, well: Well, job: Job) -> dict[str, Any]:
     """One row [SI]; nan for every number, and the reason as its status, where there is no trustworthy state."""
     load = job.load
     row: dict[str, Any] = {"wob": load.wob}
+    if job.rows.misfit:
+        return row | failed(job.rows.misfit)
     if isinstance(job.flow, SolveError):
         return row | failed(f"the flow: {job.flow}")
     motion = (-load.axial_velocity, load.rotation)
