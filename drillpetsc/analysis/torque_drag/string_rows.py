@@ -34,7 +34,7 @@ class StringRows:
     joint_length [m].
     worn_area [m2], worn_radius, bore_radius [m], yield_strength [Pa], young [Pa]: for limits; nan where not known.
     half_joint: half the length of a joint whose bending gathers beside the tool joints [m], nan for others.
-    pressed_area: area of the wall on which the pressure of the mud acts [m2].
+    pressed_area: area of the wall, of the tube between tool joints, on which the pressure of the mud acts [m2].
     air_weight: weight of the whole string in air [N].
     misfit: which item does not fit the hole there, in words; empty where all do.
     """
@@ -176,6 +176,7 @@ def _of(case: Case, item: Item, middle: float) -> tuple[float, float, float, dic
     if isinstance(item, Tubular):
         s = tubular_section(item)
         per_length, metal, bore = s.mass, s.outer_area - s.bore_area, s.bore_area
+        row["pressed_area"] = s.tube_outer_area - s.tube_bore_area
         row |= {
             key: getattr(s, key) for key in ("axial_stiffness", "bending_stiffness", "torsional_stiffness")
         }
@@ -203,7 +204,8 @@ def _of(case: Case, item: Item, middle: float) -> tuple[float, float, float, dic
         row |= {
             key: getattr(item, key) for key in ("axial_stiffness", "bending_stiffness", "torsional_stiffness")
         }
-    row["pressed_area"] = metal
+    if not isinstance(item, Tubular):
+        row["pressed_area"] = metal
     return per_length * item.length, metal * item.length, bore * item.length, row
 
 
