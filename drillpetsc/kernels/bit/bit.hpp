@@ -17,7 +17,7 @@ namespace dp {
 constexpr double ROCK_ROW = 1e5;          // row of a hole's rate [N s/m]: of the size of the string's rows
 constexpr double THRESHOLD_ROUNDING = 0.05;  // share of the threshold weight over which it is rounded off
 constexpr double SPEED_ROUNDING = 1e-3;   // share of the reference speed below which |Omega| is rounded off
-constexpr double TURN_ROUNDING = 1e-3;    // speed below which the cutting of a drag bit is rounded off [rad/s]
+constexpr double TURN_ROUNDING = 2e-2;    // speed below which the cutting of a drag bit is rounded off [rad/s]
 
 constexpr int CHIPS = 16;                 // states of the rock's profile ahead of a blade
 
@@ -58,11 +58,17 @@ inline T speed_factor(const T& omega, double a, double reference) {
     return q2 * pow(q2 + SPEED_ROUNDING * SPEED_ROUNDING, 0.5 * a - 1.0);
 }
 
-// [omega]_+, smooth at standstill
+// share of its cutting with which a bit turns forward: rises from 0 to 1 over TURN_ROUNDING, so that rate and torque of cutting have one factor
 template <class T>
-inline T forward(const T& omega) {
-    return val(omega) > 0 ? omega * omega / sqrt(omega * omega + TURN_ROUNDING * TURN_ROUNDING) : T(0.0);
+inline T cutting(const T& omega) {
+    if (val(omega) <= 0) return T(0.0);
+    const T u = omega * (1.0 / TURN_ROUNDING), u2 = u * u;
+    return val(u) >= 1 ? T(1.0) : u * (15.0 - 10.0 * u2 + 3.0 * u2 * u2) * 0.125;
 }
+
+// speed of turning that cuts, [omega]_+
+template <class T>
+inline T forward(const T& omega) { return omega * cutting(omega); }
 
 // weight beyond the threshold, C1
 template <class T>
@@ -197,9 +203,7 @@ struct Bit {
             const T down = dot(speed, axis), engaged = law.contact > 0 ? engagement(gap, law.onset) : T(0.0);
             const T flat = engaged * (0.5 * law.contact) * (1.0 + down / sqrt(down * down + law.rest * law.rest));
             weight = cut * law.cut + flat + body;
-            // as rounded as the removal of rock, so that a slow bit cuts none for less than its energy
-            const T cutting = val(omega) > 0 ? omega / sqrt(omega * omega + TURN_ROUNDING * TURN_ROUNDING) : T(0.0);
-            torque = cut * law.torque_cut * cutting + sign * (flat + body) * law.rub;
+            torque = cut * law.torque_cut * cutting(omega) + sign * (flat + body) * law.rub;
             depth_e = sunk;
             chip_rate = forward(omega) * cut * (1 / (2 * M_PI));
             profile(x, y, law, forward(omega), x[CHIP] + chip, r);
