@@ -56,6 +56,13 @@ def _roadmap(case: Case) -> list[str]:
     points = plan.measured or ()
     if points:
         text += f"; {len(points)} measured points, hook loads {'without' if plan.hookload_excludes_block else 'with'} the block"
+    unfit = [rows for rows in strings if rows.misfit]
+    if unfit:
+        first = shown(unfit[0].depth, "length", units, 5)
+        said = (
+            f"the string does not fit at {len(unfit)} of the bit depths, first at {first}: {unfit[0].misfit}"
+        )
+        return [text, f"WARNING: roadmap: {said}"]
     return [text]
 
 

@@ -20,6 +20,7 @@ class TubularSection:
     axial_stiffness EA [N], bending_stiffness EI, torsional_stiffness GJ [N m2].
     mass per length [kg/m]; polar_inertia: polar mass moment per length [kg m].
     bore_area, outer_area [m2]: for the weight of the mud and for buoyancy.
+    tube_bore_area, tube_outer_area [m2]: of the tube between tool joints or couplings, for the tension of its wall.
     contact_diameter; clearance_diameter: for buckling loads [m]; worn_diameter: outer diameter of the worn tube, for limits [m].
     joint_length [m], yield_strength [Pa]: nan where not known.
     joint_share: f [-]; joint_bore, joint_od: diameters of the tool joint [m].
@@ -32,6 +33,8 @@ class TubularSection:
     polar_inertia: float
     bore_area: float
     outer_area: float
+    tube_bore_area: float
+    tube_outer_area: float
     contact_diameter: float
     clearance_diameter: float
     worn_diameter: float
@@ -71,6 +74,8 @@ def tubular_section(item: Tubular) -> TubularSection:
     metal = m.density * mean(area, joint_area)
     bore = mean(math.pi / 4 * item.id**2, math.pi / 4 * joint_bore**2)
     wall = item.remaining_wall if isinstance(item, DrillPipe) else 1.0
+    outer = bore + mass / m.density
+    spiral = isinstance(item, DrillCollar)  # its grooves run over the whole length
     joint_length = item.joint_length if isinstance(item, (Jointed, DrillCollar)) else math.nan
     return TubularSection(
         axial_stiffness=m.young * series(area, joint_area),
@@ -79,7 +84,9 @@ def tubular_section(item: Tubular) -> TubularSection:
         mass=mass,
         polar_inertia=m.density * mean(2 * moment, 2 * joint_moment) * mass / metal,
         bore_area=bore,
-        outer_area=bore + mass / m.density,
+        outer_area=outer,
+        tube_bore_area=bore if spiral else math.pi / 4 * item.id**2,
+        tube_outer_area=outer if spiral else math.pi / 4 * item.od**2,
         contact_diameter=item.contact_od or item.od,
         clearance_diameter=item.clearance_od or item.od,
         worn_diameter=worn_diameter(item.od, item.id, wall),

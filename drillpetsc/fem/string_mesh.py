@@ -150,8 +150,9 @@ class StringMesh:
     contact_diameter: that touches the wall, of tool joints where there are any [m].
     clearance_diameter: from which the clearance of buckling loads is measured [m].
     outer_area: for buoyancy and end forces [m2]; bore_area: of the mud inside [m2].
+    tube_outer_area, tube_bore_area: of the tube between tool joints, whose wall is reported on [m2].
     joint_length [m], worn_diameter: outer diameter of the worn tube [m], yield_strength [Pa]; nan where not known.
-    The last seven are those of plain tubes where they are not given.
+    The last nine are those of plain tubes where they are not given.
     """
 
     upper: FloatArray
@@ -180,6 +181,8 @@ class StringMesh:
     clearance_diameter: FloatArray = field(default_factory=lambda: np.zeros(0))
     outer_area: FloatArray = field(default_factory=lambda: np.zeros(0))
     bore_area: FloatArray = field(default_factory=lambda: np.zeros(0))
+    tube_outer_area: FloatArray = field(default_factory=lambda: np.zeros(0))
+    tube_bore_area: FloatArray = field(default_factory=lambda: np.zeros(0))
     joint_length: FloatArray = field(default_factory=lambda: np.zeros(0))
     worn_diameter: FloatArray = field(default_factory=lambda: np.zeros(0))
     yield_strength: FloatArray = field(default_factory=lambda: np.zeros(0))
@@ -199,6 +202,9 @@ class StringMesh:
         for name, values in plain.items():
             if len(getattr(self, name)) != len(self.upper):
                 object.__setattr__(self, name, values)
+        for name in ("outer_area", "bore_area"):
+            if len(getattr(self, f"tube_{name}")) != len(self.upper):
+                object.__setattr__(self, f"tube_{name}", getattr(self, name))
 
     @property
     def length(self) -> FloatArray:

@@ -45,6 +45,8 @@ OF_TUBULARS = (
     "clearance_diameter",
     "outer_area",
     "bore_area",
+    "tube_outer_area",
+    "tube_bore_area",
     "joint_length",
     "worn_diameter",
     "yield_strength",
@@ -329,6 +331,7 @@ def _section(item: Flexible) -> dict[str, float]:
         "worn_diameter": outer,
         "yield_strength": np.nan,
     }
+    plain |= {f"tube_{key}": plain[key] for key in ("outer_area", "bore_area")}
     return {"outer_diameter": outer, "inner_diameter": inner, **plain, **values}
 
 

@@ -67,6 +67,7 @@ def _law(law, radius: float) -> DragBit | Weakening | None:
             law.contact_stress,
             law.wear_flat,
             law.friction,
+            law.exposure,
         )
     if law.kind == "velocity_weakening":
         if law.static is not None:

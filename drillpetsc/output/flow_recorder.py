@@ -113,12 +113,15 @@ class FlowRecorder:
         return {name: channel for name, channel in both.items() if channel is not None}
 
     def pressed_areas(self) -> Iterator[tuple[str, BoreFlow | AnnulusFlow, FloatArray, float]]:
-        """Name, channel, area (n,) [m2] of the pipe on which its pressure acts, and 1 (inside) or -1 (outside)."""
-        bore, annulus = self.fluid.bore, self.fluid.annulus
+        """Name, channel, area (n,) [m2] of the tube on which its pressure acts, and 1 (inside) or -1 (outside).
+
+        Between tool joints: the mean areas of a joint, of which the equations are, are those of no section.
+        """
+        bore, annulus, mesh = self.fluid.bore, self.fluid.annulus, self.system.mesh
         if bore is not None:
-            yield "bore", bore, bore.bore.area, 1.0
+            yield "bore", bore, mesh.tube_bore_area, 1.0
         if annulus is not None:
-            yield "annulus", annulus, annulus.annulus.outer, -1.0
+            yield "annulus", annulus, mesh.tube_outer_area, -1.0
 
     def pressure(self, name: str) -> FloatArray:
         """(nv,) pressure [Pa] at the local vertices."""
@@ -135,12 +138,15 @@ class FlowRecorder:
     def wall_tension(self) -> FloatArray:
         """(nc, 2) tension [N] of the pipe's wall beyond EA times strain at both ends of the local elements.
 
-        2 nu (p_i A_i - p_o A_o): it keeps a pipe under pressure from shortening (manual: eq-mud-effective-tension).
+        2 nu (p_i A_i - p_o A_o) with mean areas keeps a pipe under pressure from shortening, and the tube between tool joints
+        has areas of its own (manual: eq-mud-effective-tension, eq-tubulars-wall-tension).
         """
-        chain, out = self.system.chain, np.zeros((len(self.system.chain.cells), 2))
-        for _, channel, area, sign in self.pressed_areas():
+        chain, mesh = self.system.chain, self.system.mesh
+        out, mean = np.zeros((len(chain.cells), 2)), {"bore": mesh.bore_area, "annulus": mesh.outer_area}
+        for name, channel, tube, sign in self.pressed_areas():
             pressure = channel.pressures(self.system)[chain.ends]
-            out += sign * 2 * (channel.poisson[chain.cells] * area[chain.cells])[:, None] * pressure
+            area = 2 * channel.poisson * mean[name] + tube - mean[name]
+            out += sign * area[chain.cells][:, None] * pressure
         return out
 
     def pressure_force(self) -> FloatArray:

@@ -28,6 +28,7 @@ from drillpetsc.physics.roots import bracketed_root
 _results = function("bit_rock_results", "ipppppp")
 _pattern_results = function("bit_rock_pattern_results", "pppppp")
 _rate = function("rock_rate", "pppddp")
+_beyond = function("bit_beyond", "dd", ctypes.c_double)
 
 _Law = structure("bit_law")  # BitLaw of kernels/bit/bit.hpp
 CHIPS = int(constant("bit_chips"))  # states of the rock's profile ahead of a blade
@@ -68,11 +69,12 @@ class DragBit:
     """Drag bit (manual: eq-bit-drag; Detournay and Defourny, Int. J. Rock Mech. Min. Sci. 29(1):13, 1992).
 
     W = zeta eps a d + sigma a l, T = eps a^2 d/2 + mu gamma sigma a^2 l/2, with the radius a and the depth of
-    cut d per turn.
+    cut d per turn, up to the exposure of the cutters for each blade; the body carries what is beyond (manual: eq-bit-body).
 
     blades: their number.
     specific_energy: eps [Pa]; inclination_ratio: zeta [-].
     contact_stress: sigma [Pa]; wear_flat: l [m]; friction: mu gamma [-].
+    exposure: of the cutters beyond the body [m], infinite: the body never touches.
     """
 
     blades: int = 4
@@ -81,6 +83,7 @@ class DragBit:
     contact_stress: float = 60e6
     wear_flat: float = 1.2e-3
     friction: float = 0.6
+    exposure: float = np.inf
 
 
 @dataclass(frozen=True)
@@ -280,17 +283,15 @@ class RockBit(Bit):
                 law.inclination_ratio * law.specific_energy * a,
                 law.contact_stress * a * law.wear_flat,
             )
-            r.torque_cut, r.torque_contact = (
-                0.5 * law.specific_energy * a**2,
-                0.5 * law.friction * a * r.contact,
-            )
+            r.torque_cut, r.rub = 0.5 * law.specific_energy * a**2, 0.5 * law.friction * a
+            r.exposure, r.saturated = law.exposure, r.cut * law.blades * law.exposure + r.contact
             r.onset = max(
                 r.contact / self.contact.stiffness, 1e-6
             )  # the wear flat comes into contact as stiffly as a bit on the bottom
             self._derivative = profile_derivative(CHIPS, 2 * np.pi / law.blades)
             r.derivative = pointer(self._derivative)
             share = r.torque_cut / r.cut
-            self._torque = r.torque_contact - share * r.contact, share
+            self._torque = (r.rub - share) * r.contact, share
         elif isinstance(law, Weakening):
             r.kind, r.by_weight = KINDS["velocity_weakening"], float(law.by_weight)
             r.static_torque, r.dynamic_torque, r.speed = law.static, law.dynamic, law.speed
@@ -426,7 +427,14 @@ class RockBit(Bit):
     def torque_for(self, weight: float, spin: float) -> float:
         """Compute the torque [N m] of the bit that turns with ``spin`` [rad/s] under ``weight`` [N]."""
         first, second = self._torque_line(spin)
-        return first + second * weight if weight > 0 else 0.0
+        if weight <= 0:
+            return 0.0
+        line, law = first + second * weight, self._made
+        return (
+            line - _beyond(weight, law.saturated) * (second - law.rub)
+            if isinstance(self.law, DragBit)
+            else line
+        )
 
     def depth_for(self, weight: float) -> float:
         """Compute the depth [m] at which the bit carries ``weight`` [N] at rest."""
@@ -490,9 +498,12 @@ class RockBit(Bit):
         down, axis, r = float(state.y[i[:3]] @ self.params["axis"][0]), state.y[i[6]], self._made
         flat = 0.5 * r.contact * (1 + down / np.hypot(down, r.rest))
         chip = _chip_for(weight, r.cut * r.blades, flat, r.onset)
+        cut = min(chip, r.exposure)
+        if chip > cut:  # the body carries the rest
+            chip = cut + (weight - r.cut * r.blades * cut - flat) / self.contact.stiffness
         place = np.arange(CHIPS) / CHIPS
         ahead = 0.5 * (1 - np.cos(np.pi * place)) if axis > 0 else np.zeros(CHIPS)
-        state.x[i[11:]] = (depth - chip + chip * ahead) if weight > 0 else 0.0
+        state.x[i[11:]] = (depth - chip + cut * ahead) if weight > 0 else 0.0
 
     # ------------------------------------------------------------------ growth
     def local_update(self, state) -> FloatArray:

@@ -43,6 +43,7 @@ KINDS = [
     "rop_loose",
     "drag",
     "drag_backwards",
+    "drag_body",
     "weakening",
     "weakening_byweight",
     "cone",
@@ -51,9 +52,11 @@ KINDS = [
     "cone_statics",
     "rop_poststep",
     "drag_statics",
+    "drag_body_statics",
     "rop_statics",
     "rop_quasi",
     "drag_quasi",
+    "drag_body_quasi",
 ]
 
 
@@ -71,7 +74,7 @@ def bit(kind: str, hole: GrowingHole) -> RockBit:
         post_step="poststep" in words,
     )
     law = {
-        "drag": DragBit(3, 2e3, 0.6, 400.0, 0.05, 0.5),
+        "drag": DragBit(3, 2e3, 0.6, 400.0, 0.05, 0.5, 4e-3 if "body" in words else np.inf),
         "weakening": Weakening(0.8, 0.3, 2.0, "byweight" in words),
     }.get(words[-1] if "cone" in words else words[0])
     lobes = (PatternOrder(3.0, 0.03, 0.4), PatternOrder(1.7, 0.02)) if "cone" in words else ()
@@ -136,6 +139,7 @@ def test_jacobian_matches_central_differences(kind):
     figures = component.element_results(asm)
     assert figures[0] > 0 or "loose" in kind
     assert figures[3] > 0 or "loose" in kind
+    assert figures[0] > 1.1 * component._made.saturated or "body" not in kind  # the body carries its part
     asm.jacobian(0.4, (1.0, SHIFT, SHIFT**2), condensed=True)
     J, F = dense(system), differences(system, x0, 0.4, h)
     size = np.abs(J).max(axis=1)

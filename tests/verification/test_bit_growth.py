@@ -184,7 +184,7 @@ def go(model: DrillingModel, times: np.ndarray, every: int, **petsc) -> tuple[np
     return np.array(rows), integrator
 
 
-@pytest.mark.parametrize("law", ["rop", DRAG], ids=["rop", "drag_bit"])
+@pytest.mark.parametrize("law", ["rop", DRAG | {"exposure": 0.02}], ids=["rop", "drag_bit"])
 def test_rejected_steps_have_no_effect(law):
     """With every 7th solve failing after it has changed the state, depth, end, profile and fixed nodes are
     equal within 10 rtol of the drilled length (manual: verif-rejected-steps)."""

@@ -4,9 +4,13 @@ from __future__ import annotations
 
 import json
 
+import numpy as np
 import pytest
 
+from drillpetsc.analysis.commands_report import command_lines
+from drillpetsc.analysis.torque_drag.calibration import Calibration
 from drillpetsc.analysis.torque_drag.roadmap import run_roadmap
+from drillpetsc.case.blocks.roadmap import MeasuredPoint
 from drillpetsc.case.case import Case
 from drillpetsc.errors import CaseError
 from tests.verification.test_roadmap_command import case, rows
@@ -78,3 +82,35 @@ def test_a_lengthened_string_is_told(depths, told, tmp_path):
         assert notes[0].startswith(told) and "the string of the case is 500 m long" in notes[0]
     found = rows(made, tmp_path)["rotate_off_bottom", 0.3, depths[-1]]
     assert found["hook_load"] == pytest.approx(242 * depths[-1], rel=1e-6)
+
+
+CASING = {"kind": "pipe", "od": "244.5 mm", "id": "220.5 mm"}
+SHOE = [
+    {"to": "1000 m", "kind": "casing", "diameter": "315 mm"},
+    {"to": "end", "kind": "open_hole", "diameter": "215.9 mm"},
+]
+
+
+@pytest.mark.parametrize("model", ["soft", "stiff"])
+def test_casing_fits_down_to_the_shoe_of_the_wider_hole(model, tmp_path):
+    """9 5/8 in casing is run in a 315 mm casing, not in the 8 1/2 in hole below: there is no number there, and a warning."""
+    plan = {"bit_depth": [500, 1000, 1001, 1500], "operations": ["trip_in", "rob"]}
+    made = case([0, 1500], [0, 0], length=900, item=CASING, sections=SHOE, roadmap=plan)
+    found = rows(made, tmp_path, model=model)
+    for (_, _, depth), row in found.items():
+        if depth <= 1000:
+            assert row["status"] == "ok" and row["hook_load"] > 0
+        else:
+            assert row["status"].startswith("failed: ") and "244.5 mm, does not fit" in row["status"]
+            assert np.isnan(row["hook_load"]) and "MD 1000 m" in row["status"]
+    warnings = run_roadmap(made, tmp_path / "run", model=model).summary["warnings"]
+    assert any("does not fit the open hole of 215.9 mm" in text for text in warnings)
+
+
+def test_a_string_that_does_not_fit_is_told_by_check_and_refused_by_calibrate():
+    plan = {"bit_depth": [500, 1500], "operations": ["trip_in"]}
+    made = case([0, 1500], [0, 0], length=900, item=CASING, sections=SHOE, roadmap=plan)
+    assert any("does not fit at 1 of the bit depths, first at 1500 m" in line for line in command_lines(made))
+    point = {"operation": "trip_in", "bit_depth": 1500, "hook_load": "1 MN"}
+    with pytest.raises(CaseError, match=r"measured\[0\]\.bit_depth"):
+        Calibration(made, (MeasuredPoint.model_validate(point),))

@@ -111,7 +111,10 @@ def element_values(
         np.maximum(state.effective, 0.0), stiffness, pipe.half_joint[:, None]
     )
     moment = state.moment * np.where(np.isfinite(gathered), gathered, 1.0)
-    s = strength.stresses(outer, inner, state.axial, moment, state.torque, state.inside, state.outside)
+    # the mud outside presses on less of a worn tube
+    lost = strength.area(pipe.new_outer, pipe.outer)[:, None]
+    wall = state.axial + state.outside * lost
+    s = strength.stresses(outer, inner, wall, moment, state.torque, state.inside, state.outside)
     sinusoidal, helical = hole.loads(state.effective, choices.helical)
     dogleg = pipe.permissible_dogleg(state.effective) * (fatigue.CORROSIVE if choices.corrosive else 1.0)
     torque_limit = strength.torque_at_yield(outer, inner, strong, state.axial)

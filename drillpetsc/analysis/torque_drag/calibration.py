@@ -98,6 +98,14 @@ class Calibration:
         depths = sorted({point.bit_depth for point in points})
         at = f"measured[{next(i for i, p in enumerate(points) if p.bit_depth == depths[0])}].bit_depth"
         strings = [rows_at(case, depth, at) for depth in depths]
+        for i, point in enumerate(points):
+            unfit = strings[depths.index(point.bit_depth)].misfit
+            if unfit:
+                got, want = (
+                    shown(point.bit_depth, "length", self.units, 6),
+                    "a depth at which the string fits the hole",
+                )
+                raise CaseError(at=f"measured[{i}].bit_depth", got=got, want=want, hint=unfit)
         self.hole = Hole(well, strings, LONGEST_STEP)
         self.placed = np.array([depths.index(point.bit_depth) for point in points])
         self.group = groups_of(case)

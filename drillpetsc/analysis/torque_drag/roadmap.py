@@ -80,8 +80,10 @@ def soft_rows(
         columns, mud = _with_flow(hole, columns, mud, found)
     block = (case.rig.block_weight if case.rig is not None else None) or 0.0
     rows = rows_of(hole, columns, soft_strings(hole, columns), mud, block)
-    for row, flow in zip(rows, found, strict=True):
-        if isinstance(flow, SolveError):
+    for row, flow, (_, _, d) in zip(rows, found, keys, strict=True):
+        if strings[d].misfit:
+            row |= failed(strings[d].misfit)
+        elif isinstance(flow, SolveError):
             row |= failed(f"the flow: {flow}")
     return [head_of(o, pairs[p], strings[d]) | row for (o, p, d), row in zip(keys, rows, strict=True)]
 
@@ -102,7 +104,7 @@ def circulations(
     out: dict[tuple[int, float], Circulation | SolveError] = {}
     for operation, load in loads.items():
         for d, rows in enumerate(strings):
-            if load.flow and (d, load.flow) not in out:
+            if load.flow and (d, load.flow) not in out and not rows.misfit:
                 try:
                     at = f"roadmap.{operation}.flow_rate"
                     out[d, load.flow] = circulation(case, rows.depth, load.flow, at)

@@ -148,6 +148,8 @@ def stiff_row(case: Case, well: Well, job: Job) -> dict[str, Any]:
     """One row [SI]; nan for every number, and the reason as its status, where there is no trustworthy state."""
     load = job.load
     row: dict[str, Any] = {"wob": load.wob}
+    if job.rows.misfit:
+        return row | failed(job.rows.misfit)
     if isinstance(job.flow, SolveError):
         return row | failed(f"the flow: {job.flow}")
     motion = (-load.axial_velocity, load.rotation)
@@ -237,10 +239,7 @@ def _in_mud(model: DrillingModel, found: State, hole: Surroundings, job: Job) ->
             (density * gravity * depth for density in job.densities),
             np.zeros_like(depth),
         )
-    # pipe of the trade by its tube, beside whose tool joints the pressure acts on their shoulders; others by the sections that the mud meets
-    tube = np.array([isinstance(model.case.string[k], Tubular) for k in mesh.item])
-    bore = np.where(tube, np.pi / 4 * mesh.inner_diameter**2, mesh.bore_area)
-    whole = np.where(tube, np.pi / 4 * mesh.outer_diameter**2, mesh.outer_area)
+    bore, whole = mesh.tube_bore_area, mesh.tube_outer_area
     axial = found.axial + inside * bore[:, None] - outside * whole[:, None]
     axial += np.divide(momentum, bore[:, None], out=np.zeros_like(momentum), where=bore[:, None] > 0)
     return replace(found, axial=axial, inside=inside, outside=outside)

@@ -11,6 +11,7 @@ from drillpetsc.arrays import FloatArray
 from drillpetsc.case.blocks.string import Beam, Flexible, Item, Rigid, Stabilizer, Tube
 from drillpetsc.case.blocks.tubulars import Jointed, Tubular
 from drillpetsc.case.case import Case
+from drillpetsc.case.checks.fit import misfit
 from drillpetsc.case.section import metal_past, ring, tubular_section
 from drillpetsc.errors import CaseError
 from drillpetsc.geometry.well import Well
@@ -33,8 +34,9 @@ class StringRows:
     joint_length [m].
     worn_area [m2], worn_radius, bore_radius [m], yield_strength [Pa], young [Pa]: for limits; nan where not known.
     half_joint: half the length of a joint whose bending gathers beside the tool joints [m], nan for others.
-    pressed_area: area of the wall on which the pressure of the mud acts [m2].
+    pressed_area: area of the wall, of the tube between tool joints, on which the pressure of the mud acts [m2].
     air_weight: weight of the whole string in air [N].
+    misfit: which item does not fit the hole there, in words; empty where all do.
     """
 
     edges: FloatArray
@@ -55,6 +57,7 @@ class StringRows:
     half_joint: FloatArray
     end_weight: float
     air_weight: float
+    misfit: str = ""
 
     @property
     def depth(self) -> float:
@@ -126,7 +129,22 @@ def rows_at(case: Case, depth: float, at: str = "roadmap.bit_depth") -> StringRo
         rows.append(row)
         edges.append(edges[-1] + item.length)
     columns = {name: np.array([row[name] for row in rows]) for name in _COLUMNS}
-    return StringRows(edges=np.array(edges), **columns, end_weight=pending, air_weight=air)
+    return StringRows(
+        edges=np.array(edges), **columns, end_weight=pending, air_weight=air, misfit=_misfit(case, items)
+    )
+
+
+def _misfit(case: Case, items: tuple[Item, ...]) -> str:
+    """Which of the items, hung from the rig, does not fit the hole, in words; empty where all do."""
+    if case.well is None:
+        return ""
+    above = 0.0
+    for item in items:
+        found = misfit(case.well, item, above, above + item.length)
+        if found is not None:
+            return found.told(item.name, case.output.units or "metric")
+        above += item.length
+    return ""
 
 
 def _of(case: Case, item: Item, middle: float) -> tuple[float, float, float, dict[str, float]]:
@@ -158,6 +176,7 @@ def _of(case: Case, item: Item, middle: float) -> tuple[float, float, float, dic
     if isinstance(item, Tubular):
         s = tubular_section(item)
         per_length, metal, bore = s.mass, s.outer_area - s.bore_area, s.bore_area
+        row["pressed_area"] = s.tube_outer_area - s.tube_bore_area
         row |= {
             key: getattr(s, key) for key in ("axial_stiffness", "bending_stiffness", "torsional_stiffness")
         }
@@ -185,7 +204,8 @@ def _of(case: Case, item: Item, middle: float) -> tuple[float, float, float, dic
         row |= {
             key: getattr(item, key) for key in ("axial_stiffness", "bending_stiffness", "torsional_stiffness")
         }
-    row["pressed_area"] = metal
+    if not isinstance(item, Tubular):
+        row["pressed_area"] = metal
     return per_length * item.length, metal * item.length, bore * item.length, row
 
 

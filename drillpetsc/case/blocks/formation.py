@@ -145,6 +145,11 @@ class DragBit(AnyLaw):
         default=0.6,
         description="friction coefficient of the wear flats times the shape factor of the bit, mu gamma",
     )
+    exposure: Annotated[float, Quantity("m", above=0, at_most=0.1, kind="diameter")] = Field(
+        default=6.5e-3,
+        description="by how much the cutters stand out of the blades: each blade cuts no deeper in a passage, and the body rubs "
+        "under the rest of the weight; half of the diameter of a 13 mm cutter by default",
+    )
     stiffness: Stiffness = Field(default=None, description=_STIFFNESS)
 
 

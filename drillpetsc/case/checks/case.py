@@ -8,23 +8,21 @@ import math
 from drillpetsc.case.blocks.case_blocks import CaseBlocks
 from drillpetsc.case.blocks.ends import PointLoad
 from drillpetsc.case.blocks.reamer import Reamer
-from drillpetsc.case.blocks.string import Beam, Bit, Body, Stabilizer, Tube
-from drillpetsc.case.blocks.well import Well
+from drillpetsc.case.blocks.string import Beam, Bit, Item, Rigid, Stabilizer, Tube
 from drillpetsc.case.checks.drilling import check_drilling, check_time
+from drillpetsc.case.checks.fit import LENGTH_TOLERANCE, Misfit, misfit
 from drillpetsc.case.checks.fluid import check_fluid, check_held_string
 from drillpetsc.case.checks.hoist import check_hoist
 from drillpetsc.case.checks.joints import check_joints
 from drillpetsc.case.checks.limits import check_quaternion, check_size
 from drillpetsc.case.checks.motor import check_motor
-from drillpetsc.case.checks.reamer import BLADE_OVER_HOLE, check_reamer
+from drillpetsc.case.checks.reamer import check_reamer
 from drillpetsc.case.checks.sensors import check_sensors
 from drillpetsc.case.checks.steering import check_steering
 from drillpetsc.case.checks.window import check_window
 from drillpetsc.case.key_paths import refuse
 from drillpetsc.case.quantities import said
 from drillpetsc.unit_systems import System
-
-LENGTH_TOLERANCE = 1e-6  # [m] sums of item lengths
 
 
 def check_case(case: CaseBlocks) -> None:
@@ -111,55 +109,23 @@ def _string_in_hole(case: CaseBlocks) -> None:
             raise refuse(
                 "string", i, "od", want="an outer diameter: the case has a well", hint="or contact: none"
             )
-        if isinstance(item, (Tube, Beam)):
-            widest = item.widest_od
-            key = ("od",) if widest == item.od else ("tool_joint", "od")
-            _fits(case.well, i, widest, above, below, key, units)
-        elif isinstance(item, (Stabilizer, Body)) and not isinstance(item, Reamer) and item.od is not None:
-            _passes(case.well, i, item.od, below, units)
+        if isinstance(item, (Bit, Reamer)):  # checks of their own
+            continue
+        found = misfit(case.well, item, above, below)
+        if found is not None:
+            _refuse_misfit(i, item, found, units)
 
 
-def _fits(
-    well: Well,
-    i: int,
-    outer: float | None,
-    above: float,
-    below: float,
-    key: tuple[str, ...] = ("od",),
-    units: System = "SI",
-) -> None:
-    """Raise unless the item is thinner than every section around it at the start.
-
-    i: number of the item in the string
-    outer: largest diameter [m]; key: where it stands in the item
-    above, below: measured depths of the ends of the item [m]; units: of the message
-    """
-    top = 0.0
-    for n, section in enumerate(well.sections):
-        meets = section.to > above + LENGTH_TOLERANCE and top < below - LENGTH_TOLERANCE
-        if outer is not None and meets and outer >= section.diameter:
-            place = f"the {section.kind.replace('_', ' ')} at {said(max(top, above), 'length', units)}"
-            want = f"less than the diameter of {place}, {said(section.diameter, 'diameter', units)}"
-            hint = f"or another well.sections[{n}].diameter"
-            raise refuse("string", i, *key, got=said(outer, "diameter", units), want=want, hint=hint)
-        top = section.to
-
-
-def _passes(well: Well, i: int, outer: float, below: float, units: System) -> None:
-    """Raise where the hole down to a rigid item is narrower than the item, by more than the 1/16 in of worn and tight blades.
-
-    i: number of the item in the string; outer: its diameter [m]; below: measured depth of its lower end [m].
-    """
-    top = 0.0
-    for n, section in enumerate(well.sections):
-        if outer > section.diameter + BLADE_OVER_HOLE and top < below - LENGTH_TOLERANCE:
-            place = f"the {section.kind.replace('_', ' ')} at {said(top, 'length', units)}"
-            want = (
-                f"at most 1/16 in above the diameter of {place}, {said(section.diameter, 'diameter', units)}"
-            )
-            hint = f"it could not pass there; or another well.sections[{n}].diameter"
-            raise refuse("string", i, "od", got=said(outer, "diameter", units), want=want, hint=hint)
-        top = section.to
+def _refuse_misfit(i: int, item: Item, found: Misfit, units: System) -> None:
+    """Raise for the item of number ``i`` that is too wide for the hole."""
+    place = f"the {found.kind.replace('_', ' ')} at {said(found.depth, 'length', units)}"
+    want = f"the diameter of {place}, {said(found.hole, 'diameter', units)}"
+    rigid = isinstance(item, Rigid)
+    want = f"at most 1/16 in above {want}" if rigid else f"less than {want}"
+    hint = (
+        "it could not pass there; " if rigid else ""
+    ) + f"or another well.sections[{found.section}].diameter"
+    raise refuse("string", i, *found.key, got=said(found.outer, "diameter", units), want=want, hint=hint)
 
 
 def _stabilizers(case: CaseBlocks) -> None:

@@ -21,6 +21,9 @@ extern "C" void rock_rate(void* context, const double* F, const double* e, doubl
     out[0] = v.x; out[1] = v.y; out[2] = v.z;
 }
 
+// weight [N] beyond a threshold, rounded off
+extern "C" double bit_beyond(double weight, double threshold) { return beyond(weight, threshold); }
+
 DP_EXPORT_RECORD(bit_law, BitLaw)
 DP_EXPORT(bit_rock_results, BitResultsText)
 DP_EXPORT(bit_layer, BitLayer::ColumnText)

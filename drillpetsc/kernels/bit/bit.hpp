@@ -7,6 +7,7 @@
 //   hole     e' = v(F),  s' = |v|                      (state)   or e, s held and moved between the steps (post_step)
 //   rock     v = D (Omega/Omega_ref)^a (W_eff/W_ref)^(b-1) (W_eff/W) M_r M_b F
 //   pattern  depth_b + h(phi - phi0),  h = sum a_k (sin(n_k psi + p_k) - sin p_k): the bottom that a roller cone leaves (in motion only)
+//   body     F_b = STIFFNESS (chip - exposure), beside cutters that cut no more than their exposure (eq-bit-body)
 //   profile  B_t = [omega]_+ B_xi,  B(2 pi/blades) = max(U, B(0)),  chip per blade d_n = U - B(0),  U = s + depth_b
 #pragma once
 #include "contact/contact.hpp"
@@ -16,7 +17,7 @@ namespace dp {
 constexpr double ROCK_ROW = 1e5;          // row of a hole's rate [N s/m]: of the size of the string's rows
 constexpr double THRESHOLD_ROUNDING = 0.05;  // share of the threshold weight over which it is rounded off
 constexpr double SPEED_ROUNDING = 1e-3;   // share of the reference speed below which |Omega| is rounded off
-constexpr double TURN_ROUNDING = 1e-3;    // speed below which the cutting of a drag bit is rounded off [rad/s]
+constexpr double TURN_ROUNDING = 2e-2;    // speed below which the cutting of a drag bit is rounded off [rad/s]
 
 constexpr int CHIPS = 16;                 // states of the rock's profile ahead of a blade
 
@@ -27,7 +28,8 @@ struct BitMode { DP_ENUM(Mode, MOTION, STATICS, QUASI_STATIC, MODES) };
 DP_RECORD(BitLaw,
     double kind, bit_axis, walk_cos, walk_sin;             // direction: 1 along the bit's axis
     double reference_speed, reference_weight, width;       // width over which one layer goes over into the next [m]
-    double cut, contact, torque_cut, torque_contact;       // drag bit: W = cut d + contact, T = torque_cut d + torque_contact [N/m, N, N, N m]
+    double cut, contact, torque_cut, rub;                  // drag bit: W = cut d + contact, T = torque_cut d + rub contact [N/m, N, N, m]
+    double exposure, saturated;                            // chip per blade at which the body touches [m], weight on the bit then [N]; infinite: none
     double blades, onset, rest;                            // depth over which the wear flat comes into contact [m]; rounding of its speed [m/s]
     double static_torque, dynamic_torque, speed, by_weight; // weakening: torques [N m], or lever arms [m] of the weight
     double turn_rounding;                                  // rounding of the direction of turning [rad/s]
@@ -56,11 +58,17 @@ inline T speed_factor(const T& omega, double a, double reference) {
     return q2 * pow(q2 + SPEED_ROUNDING * SPEED_ROUNDING, 0.5 * a - 1.0);
 }
 
-// [omega]_+, smooth at standstill
+// share of its cutting with which a bit turns forward: rises from 0 to 1 over TURN_ROUNDING, so that rate and torque of cutting have one factor
 template <class T>
-inline T forward(const T& omega) {
-    return val(omega) > 0 ? omega * omega / sqrt(omega * omega + TURN_ROUNDING * TURN_ROUNDING) : T(0.0);
+inline T cutting(const T& omega) {
+    if (val(omega) <= 0) return T(0.0);
+    const T u = omega * (1.0 / TURN_ROUNDING), u2 = u * u;
+    return val(u) >= 1 ? T(1.0) : u * (15.0 - 10.0 * u2 + 3.0 * u2 * u2) * 0.125;
 }
+
+// speed of turning that cuts, [omega]_+
+template <class T>
+inline T forward(const T& omega) { return omega * cutting(omega); }
 
 // weight beyond the threshold, C1
 template <class T>
@@ -94,7 +102,7 @@ inline Vec<T> layer_rate(const BitLaw& law, const double* layer, const Vec<T>& F
         if (chip_rate) {
             rate = *chip_rate;
         } else {  // steady cutting: W = cut d + contact
-            const T free = beyond(weight, law.contact);
+            const T free = beyond(weight, law.contact) - beyond(weight, law.saturated);
             rate = free * forward(omega) * (1.0 / (law.cut * 2 * M_PI));
         }
         along = rate / dot(w, e);
@@ -184,22 +192,26 @@ struct Bit {
         const T sign = omega / sqrt(omega * omega + law.turn_rounding * law.turn_rounding);
         T advance = dot(speed - hole_speed, axis) + dot(t.t1, axis) * tilt * squeeze / reach;  // rate of depth
         if constexpr (PATTERN) advance += climb * omega;
-        T weight = T(0.0), elastic = T(0.0), torque = T(0.0), chip_rate = T(0.0);
+        T closing_b = advance, depth_e = depth, weight = T(0.0), elastic = T(0.0), torque = T(0.0), chip_rate = T(0.0);
         if (N > 0 && moving) {
             const T U = x[DRILLED] + depth, gap = U - x[CHIP];
             law.touching = !(val(gap) <= -RAMP);
-            const T chip = val(gap) <= -RAMP ? T(0.0) : onset(gap), cut = chip * law.blades;
+            const T reach = onset_or_none(gap), sunk = onset_or_none(reach - law.exposure), chip = reach - sunk, cut = chip * law.blades;
+            elastic = sunk * p[STIFFNESS];
+            closing_b = y[DRILLED] + advance - y[CHIP];
+            const T body = damped(elastic, closing_b, p[DAMPING]);
             const T down = dot(speed, axis), engaged = law.contact > 0 ? engagement(gap, law.onset) : T(0.0);
             const T flat = engaged * (0.5 * law.contact) * (1.0 + down / sqrt(down * down + law.rest * law.rest));
-            weight = cut * law.cut + flat;
-            torque = cut * law.torque_cut * (val(omega) > 0 ? sign : T(0.0)) + sign * flat * (law.contact > 0 ? law.torque_contact / law.contact : 0.0);
+            weight = cut * law.cut + flat + body;
+            torque = cut * law.torque_cut * cutting(omega) + sign * (flat + body) * law.rub;
+            depth_e = sunk;
             chip_rate = forward(omega) * cut * (1 / (2 * M_PI));
             profile(x, y, law, forward(omega), x[CHIP] + chip, r);
         } else if (!(val(depth) <= -RAMP)) {
             law.touching = 1;
             elastic = onset(depth) * p[STIFFNESS];
             weight = moving ? damped(elastic, advance, p[DAMPING]) : elastic;
-            torque = moving ? bottom_torque(law, p, weight, depth, omega, sign) : (weight * p[TORQUE1] + p[TORQUE0] * touching(depth)) * direction(p);
+            torque = moving ? bottom_torque(law, p, weight, depth, omega, sign) : steady_torque(law, p, weight, depth) * direction(p);
             if constexpr (PATTERN) torque += climb * weight;  // the bit climbs its pattern: the power goes into weight and spring
         }
         if (N > 0 && !moving)
@@ -257,10 +269,10 @@ struct Bit {
             results->velocity = {val(rate.x), val(rate.y), val(rate.z)};
             results->rate = norm(results->velocity);
             results->side = val(side);
-            results->stored = 0.5 * (val(elastic) * val(onset_or_none(depth)) + val(elastic_s) * val(onset_or_none(depth_s)));
+            results->stored = 0.5 * (val(elastic) * val(onset_or_none(depth_e)) + val(elastic_s) * val(onset_or_none(depth_s)));
             // what the bit gives and the two springs do not store goes into rock and heat
             const Vec<T> turning = cross(t.t, t.t1) + t.t * omega, twist = cross(contact, bottom) + cross(touch, n * (-side) + drag);
-            results->dissipated = val(torque * omega - dot(F, speed) - dot(twist, turning) - elastic * advance - elastic_s * closing);
+            results->dissipated = val(torque * omega - dot(F, speed) - dot(twist, turning) - elastic * closing_b - elastic_s * closing);
             results->depth = val(depth);
             results->offset = val(rho);
         }
@@ -304,12 +316,19 @@ struct Bit {
         return (law.dynamic_torque + (law.static_torque - law.dynamic_torque) * exp(-(q * q))) * way;
     }
 
+    // without a profile: linear in the weight, of which the body of a drag bit carries what the cutters cannot
+    template <class T>
+    static T steady_torque(const BitLaw& law, const double* p, const T& weight, const T& depth) {
+        const T line = weight * p[TORQUE1] + p[TORQUE0] * touching(depth);
+        return law.kind == BitKind::DRAG_BIT ? line - beyond(weight, law.saturated) * (p[TORQUE1] - law.rub) : line;
+    }
+
     template <class T>
     static T bottom_torque(const BitLaw& law, const double* p, const T& weight, const T& depth, const T& omega, const T& sign) {
         if (law.kind == BitKind::VELOCITY_WEAKENING) {
             return weakening(law, omega) * (law.by_weight != 0 ? weight : touching(depth));
         }
-        if (law.kind == BitKind::DRAG_BIT) return (weight * p[TORQUE1] + p[TORQUE0] * touching(depth)) * sign;
+        if (law.kind == BitKind::DRAG_BIT) return steady_torque(law, p, weight, depth) * sign;
         return weight * (p[FRICTION] * p[RADIUS] * (2.0 / 3)) * sign;
     }
 
