@@ -124,8 +124,9 @@ inline Vec<T> rock_rate(const BitLaw& law, const T& drilled, const Vec<T>& F, co
 }
 
 // Weight on bit [N], torque on bit [N m], rate of penetration [m/s], side force [N], stored energy [J], power into rock and heat [W], depth
-// of the ellipsoid below the end [m], offset of its centre from the hole's axis [m], rate of penetration in space [m/s].
-DP_RECORD(BitResults, double weight, torque, rate, side, stored, dissipated, depth, offset; Vec<double> velocity;)
+// of the ellipsoid below the end [m], offset of its centre from the hole's axis [m], rate of penetration in space [m/s]; of the side: force on
+// the bit without and with friction [N], couple about the ellipsoid's centre [N m].
+DP_RECORD(BitResults, double weight, torque, rate, side, stored, dissipated, depth, offset; Vec<double> velocity, push, force, couple;)
 
 template <int N, bool PATTERN = false>  // number of states of the profile, 0: none; whether the bottom has a pattern
 struct Bit {
@@ -254,9 +255,12 @@ struct Bit {
         if (results) {
             results->weight = val(weight * tilt);
             results->torque = val(r[6]);
-            results->velocity = {val(rate.x), val(rate.y), val(rate.z)};
+            results->velocity = values(rate);
             results->rate = norm(results->velocity);
             results->side = val(side);
+            results->push = values(n) * -val(side);
+            results->force = values(wall);
+            results->couple = values(cross(touch, n * (-side) + drag));
             results->stored = 0.5 * (val(elastic) * val(onset_or_none(depth)) + val(elastic_s) * val(onset_or_none(depth_s)));
             // what the bit gives and the two springs do not store goes into rock and heat
             const Vec<T> turning = cross(t.t, t.t1) + t.t * omega, twist = cross(contact, bottom) + cross(touch, n * (-side) + drag);

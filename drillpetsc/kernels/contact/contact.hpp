@@ -48,11 +48,24 @@ struct Touch {
     T normal;
 };
 
-struct PointResults { double normal, stored, damping_power, friction_power, penetration; };
+struct PointResults {
+    double normal, stored, damping_power, friction_power, penetration;
+    Vec<double> push, along;
+};
 
 // Sums over the points of an element: normal force [N], stored energy [J], damping and friction power [W]; largest penetration [m];
-// friction force along the axis [N], torque about it [N m].
-DP_RECORD(ContactResults, double normal, stored, damping_power, friction_power, penetration, axial, torque;)
+// force along the axis [N], torque about it [N m]; vector sums: forces without and with friction [N], of a rigid item the couple about its
+// middle [N m]; tangents of the hole, weighted with the normal forces [N].
+DP_RECORD(ContactResults, double normal, stored, damping_power, friction_power, penetration, axial, torque; Vec<double> push, force, couple, along;)
+
+// Adds a contact point to the sums.  axial, torque: of the load on the string along and about its axis.
+inline void add_point(const PointResults& now, const Vec<double>& force, double axial, double torque, ContactResults& sum) {
+    sum.normal += now.normal; sum.stored += now.stored;
+    sum.damping_power += now.damping_power; sum.friction_power += now.friction_power;
+    if (now.penetration > sum.penetration) sum.penetration = now.penetration;
+    sum.axial += axial; sum.torque += torque;
+    sum.push += now.push; sum.force += force; sum.along += now.along;
+}
 
 // Whether the section of radius R about the axis point x of a contact point k is in contact; foot: where on the hole's centreline, if so.
 // The clearance changes by at most 1 + r'/(1 - e.kappa) per distance, r' the slope of the hole's radius: near a place that was found off
@@ -121,6 +134,8 @@ inline void touch(const ContactLaw& law, const Well& well, const Foot& foot, con
         results->stored = e * dv / (law.exponent + 1);
         results->damping_power = (val(N) - e) * val(rate);
         results->penetration = val(depth);
+        results->push = values(gradient) * -val(N);
+        results->along = values(h.t) * val(N);
     }
 }
 
@@ -207,12 +222,7 @@ struct BeamContact {
             G2 -= c.force * at.r[3] + c.bend * at.slope[3];
             theta1 -= c.torque * (1 - s);
             theta2 -= c.torque * s;
-            if (results) {
-                results->normal += now.normal; results->stored += now.stored;
-                results->damping_power += now.damping_power; results->friction_power += now.friction_power;
-                if (now.penetration > results->penetration) results->penetration = now.penetration;
-                results->axial += val(dot(c.force, c.tangent)); results->torque += val(c.torque);
-            }
+            if (results) add_point(now, values(c.force), val(dot(c.force, c.tangent)), val(c.torque), *results);
         }
         if constexpr (JUNCTION) {
             const Vec<T> t = v0 / n0;
@@ -266,10 +276,9 @@ struct BodyContact {
             const T spin = dot(c.couple, t.t);
             r[6] -= spin;
             if (results) {
-                results->normal += now.normal; results->stored += now.stored;
-                results->damping_power += now.damping_power; results->friction_power += now.friction_power;
-                if (now.penetration > results->penetration) results->penetration = now.penetration;
-                results->axial += val(dot(c.force, t.t)); results->torque += val(spin);
+                const Vec<double> force = values(c.force), arm = values(t.t) * (distance - p[ABOVE] - 0.5 * p[LENGTH]);
+                add_point(now, force, val(dot(c.force, t.t)), val(spin), *results);
+                results->couple += cross(arm, force) + values(c.couple);
             }
         }
     }
