@@ -254,6 +254,7 @@ class Contact(WallContact):
             ],  # the wall pushes an item without length at one point
             radius=[b.radius for b in here],
             friction=[-1.0 if b.friction is None else b.friction for b in here],
+            guided=0.0,
         )
         return ElementBlock(
             name,
