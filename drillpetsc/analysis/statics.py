@@ -218,7 +218,12 @@ def _lines(case: Case, folder: RunFolder, state: StaticState, summary: dict[str,
     for item in summary.get("rigid_items", ()):
         force, unit = display(item["side_force [N]"], "force", units)
         depth, length = display(item["md [m]"], "length", units)
-        lines.append(f"  side force      {force:>14.6g} {unit:<3} on {item['name']} at {depth:g} {length}")
+        couple = ""
+        if item["contact_force_sum [N]"] > 1.01 * item["side_force [N]"]:  # its ends push to different sides
+            couple = f", couple {shown(item['side_couple [N m]'], 'torque', units)}"
+        lines.append(
+            f"  side force      {force:>14.6g} {unit:<3} on {item['name']} at {depth:g} {length}{couple}"
+        )
     held = state.path is not None and state.path.held_by_friction
     stable = (
         "stable"
@@ -286,7 +291,7 @@ def static_summary(model: DrillingModel, state: StaticState) -> dict[str, Any]:
     if model.contact is not None:
         items = RigidItems(model)
         out["rigid_items"] = items.listed(
-            _sum_over_ranks(model, items.forces(Sample(system, 0.0))), top_depth(model)
+            _sum_over_ranks(model, items.loads(Sample(system, 0.0))), top_depth(model)
         )
     for name in ("hook_load", "surface_torque", "wob", "bit_torque"):
         out[name] = without_noise(out[name], abs(out["hook_load"]) + abs(out["wob"]))

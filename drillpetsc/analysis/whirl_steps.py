@@ -136,7 +136,7 @@ class WhirlSteps:
         if not parts or contact is None:
             return out
         cells, _ = contact.element_results(asm)
-        touching, bodies = cells[:, 0] > 0.0, contact.item_forces(asm) > 0.0
+        touching, bodies = cells[:, 0] > 0.0, contact.item_results(asm)[:, 0] > 0.0
         spin, ends = np.abs(asm.y[asm.dofs_of("string.spin")][:, 0]), self.model.system.chain.ends
         for k, part in enumerate(parts):
             if part.body >= 0:

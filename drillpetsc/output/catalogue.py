@@ -72,7 +72,7 @@ def listed_by_file() -> dict[str, tuple[Listed, ...]]:
             *_listed(physics.JAR, where.JAR),
             *_listed(physics.AGITATOR, where.AGITATOR),
             *_listed(contact_scalars, where.CONTACT),
-            *_listed((measured.SIDE_FORCE,), where.ITEM_FORCES),
+            *_listed(measured.SIDE_FORCES, where.ITEM_FORCES),
             *_listed(measured.ENERGY, where.INERTIA),
             *_listed(measured.ROW_END),
         ),

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from drillpetsc.model.drilling_model import DrillingModel
-from drillpetsc.physics.contact import RESULT_NAMES
+from drillpetsc.physics.contact import RESULTS
 
 SMALLEST_SHARE = 1e-3  # of the weight: friction below it holds nothing worth a message
 
@@ -20,10 +20,9 @@ def held_by_creep(model: DrillingModel) -> tuple[float, float]:
     if contact is None or model.beam is None:
         return 0.0, 0.0
     results, _ = contact.element_results(system.assembly)
-    column = RESULT_NAMES.index
     radius = 0.5 * mesh.contact_diameter[system.chain.cells]
-    friction = np.hypot(results[:, column("axial")], results[:, column("torque")] / radius)
-    power = np.abs(results[:, column("friction_power")])
+    friction = np.hypot(results[:, RESULTS["axial"]], results[:, RESULTS["torque"]] / radius)
+    power = np.abs(results[:, RESULTS["friction_power"]])
     speed = np.divide(power, friction, out=np.zeros_like(power), where=friction > 0)
     creeps = (friction > 0) & (speed < contact.law.slip_velocity)
     sums = np.array([friction[creeps].sum(), power[creeps].sum()])

@@ -79,7 +79,7 @@ class MotionClasses:
         m = len(self._bodies)
         out[m:-1, :4] = self._probes.motion(state)
         if self.model.contact is not None:
-            out[:m, 4] = self._items.forces(Sample(self.model.system, t))[:m]
+            out[:m, 4] = self._items.loads(Sample(self.model.system, t))[:m, 0]
             out[m:-1, 4] = self._probes.contact_force()
         return np.asarray(total(self.comm, out))
 

@@ -113,7 +113,7 @@ class Recorder:
         self._powers = (
             self.layout.add(self.energy, declared.POWERS).span if self.energy is not None else slice(0)
         )
-        self._side_forces = self.layout.add(self._items, declared.SIDE_FORCE).span
+        self._wall_loads = self.layout.add(self._items, declared.SIDE_FORCES[0]).span
         self._rates, self._content = np.zeros(0, dtype=int), 0
         if self.mud is not None:
             inputs = (declared.PUMP_FLOW, declared.OUTLET_FLOW, declared.CUTTINGS_FLOW, declared.MUD_CONTENT)
@@ -388,12 +388,12 @@ class Recorder:
         return self.mass.balance(float(self._samples[-1][1][self._content]))
 
     def rigid_items(self, top: float) -> list[dict[str, Any]]:
-        """Name, measured depth [m] and side force [N] of every rigid item, at the last sample.
+        """Name, measured depth [m] and forces of the wall of every rigid item, at the last sample.
 
         top: measured depth of the upper end of the unstrained string [m].
         """
         self.catch_up()
-        return self._items.listed(self._samples[-1][1][self._side_forces], top)
+        return self._items.listed(self._samples[-1][1][self._wall_loads], top)
 
     # ------------------------------------------------------------------ checkpoints
     def get_state(self) -> dict[str, FloatArray]:

@@ -18,6 +18,7 @@ from drillpetsc.output.mud_column import below_flow_line, equivalent_density
 from drillpetsc.output.quantities import BENDING
 from drillpetsc.output.rigid_items import RigidItems
 from drillpetsc.output.string_fields import StringFields
+from drillpetsc.parallel import total
 
 
 def static_table(model: DrillingModel) -> tuple[list[Column], FloatArray | None]:
@@ -71,9 +72,7 @@ def _of_string(
     if model.contact is not None:
         push = sample.once(model.contact.element_results)[0][:, 0] / mesh.length_divisor[system.chain.cells]
     items = RigidItems(model)
-    on_items = items.at_nodes(items.forces(sample)) if len(items.items) else np.zeros(mesh.nodes)
-    if system.comm.size > 1:
-        on_items = system.comm.tompi4py().allreduce(on_items)
+    on_items = items.at_nodes(total(system.comm.tompi4py(), items.loads(sample)))
     forces = string.end_forces(sample)
     bend = np.linalg.norm(curvatures(model, forces.moment), axis=2)
     parts = [

@@ -47,6 +47,11 @@ STATIC_BAND = "buckled string that slides"
 MESH_ERROR = "run --mesh-error"
 TOLERANCE_CHECK = "run --check-tolerance"
 ACCEPTED_CHANGES = "run --accept-changes"
+_RIGID_ITEMS = (
+    "List of every rigid item with an outer diameter: name, md [m] of the middle, side_force [N], its components with friction "
+    "side_high [N] and side_right [N], side_couple [N m], contact_force_sum [N], couple_high [N m] and couple_right [N m] "
+    "(they turn the lower end to the high side and to the right); of the bit bit_force_on_rock_high [N], positive where it builds"
+)
 
 RUN: tuple[SummaryKey, ...] = (
     SummaryKey("title", "", "Title of the case."),
@@ -175,7 +180,7 @@ RUN: tuple[SummaryKey, ...] = (
     SummaryKey(
         "rigid_items",
         "",
-        "List: name, md [m] of the middle and side_force [N] of every rigid item with an outer diameter at the end.",
+        f"{_RIGID_ITEMS}, at the end.",
         CONTACT,
     ),
     SummaryKey("new_hole.drilled", "m", "Length of the new hole.", DRILLS),
@@ -303,7 +308,7 @@ STATICS: tuple[SummaryKey, ...] = (
     SummaryKey(
         "rigid_items",
         "",
-        "List: name, md [m] of the middle and side_force [N] of every rigid item with an outer diameter.",
+        f"{_RIGID_ITEMS}.",
         CONTACT,
     ),
     SummaryKey("soft_string.hook_load", "N", "Hook load by the soft-string model.", CONTACT),

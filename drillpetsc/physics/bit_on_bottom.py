@@ -1,4 +1,4 @@
-"""A bit that stands on the end of the hole: a spring along its axis and a friction torque (manual: sec-bit-on-bottom)."""
+"""A bit that stands on the end of the hole: a spring along its axis, friction against turning and sliding (manual: sec-bit-on-bottom)."""
 
 from __future__ import annotations
 
@@ -10,13 +10,15 @@ import numpy as np
 from drillpetsc.arrays import FloatArray
 from drillpetsc.fem.component import ElementBlock, Energies, Powers
 from drillpetsc.fem.quantity import Quantity
-from drillpetsc.kernels.parameters import Parameters, constant
+from drillpetsc.kernels.parameters import Parameters, columns, constant
 from drillpetsc.physics import quantities as declared
 from drillpetsc.physics.contact import penetration
 from drillpetsc.physics.interfaces import Bit
 from drillpetsc.physics.rigid_bodies import VERTEX_SLOTS, local_vertices
 
 NOT_IMPOSED = constant("not_imposed")
+RESULTS = columns("bit_contact_results")
+_WEIGHT, _TORQUE, _POWER = (RESULTS[name] for name in ("weight", "torque", "power"))
 
 
 def bit_torque(weight: float, friction: float, radius: float) -> float:
@@ -25,7 +27,7 @@ def bit_torque(weight: float, friction: float, radius: float) -> float:
 
 
 class BitOnBottom(Bit):
-    """The bit stands on the end of the hole: a spring along its axis, and a friction torque."""
+    """The bit stands on the end of the hole: a spring along its axis, and friction of its face."""
 
     name = "bit"
 
@@ -78,8 +80,12 @@ class BitOnBottom(Bit):
 
     def weight_and_torque(self, state) -> tuple[float, float]:
         """Weight on bit [N] and torque on bit [N m], zero on ranks without the bit."""
-        weight, torque = state.results(self._block, "bit_contact_results", 2).sums.tolist()
-        return weight, torque
+        sums = self._sums(state)
+        return sums.item(_WEIGHT), sums.item(_TORQUE)
+
+    def _sums(self, state) -> FloatArray:
+        """(columns,) weight on bit [N], torque on bit [N m] and power of the friction of its face [W]."""
+        return state.results(self._block, "bit_contact_results", RESULTS.width).sums
 
     def depth_of_face(self, state) -> tuple[float, FloatArray]:
         """How far the face is below the end of the hole [m], and its gradient by the local unknowns (n,);
@@ -121,22 +127,19 @@ class BitOnBottom(Bit):
         return Energies(strain=0.5 * weight**2 / self.stiffness)
 
     def powers(self, t: float, state) -> Powers:
-        if not len(self._block.points):
-            return Powers()
-        _, torque = self.weight_and_torque(state)
-        return Powers(torque * state.y.item(state.index_of(self._block).item(0, 6)))
+        return Powers(self._sums(state).item(_POWER))
+
+    def _sums_of(self, steps) -> FloatArray:
+        return np.asarray(steps.sums(self._block, "bit_contact_results", RESULTS.width))
 
     def weight_and_torque_of(self, steps) -> FloatArray:
-        return np.asarray(steps.sums(self._block, "bit_contact_results", 2))
+        return self._sums_of(steps)[:, [_WEIGHT, _TORQUE]]
 
     def energies_of(self, steps) -> tuple[Any, Any, Any]:
-        return 0.0, 0.5 * self.weight_and_torque_of(steps)[:, 0] ** 2 / self.stiffness, 0.0
+        return 0.0, 0.5 * self._sums_of(steps)[:, _WEIGHT] ** 2 / self.stiffness, 0.0
 
     def powers_of(self, steps) -> tuple[Any, Any]:
-        if not len(self._block.points):
-            return 0.0, 0.0
-        spin = steps.rates(steps.assembly.index_of(self._block).item(0, 6))
-        return self.weight_and_torque_of(steps)[:, 1] * spin, 0.0
+        return self._sums_of(steps)[:, _POWER], 0.0
 
     def quantities(self) -> tuple[Quantity, ...]:
         return declared.BIT

@@ -30,8 +30,8 @@ from drillpetsc.physics.rigid_bodies import VERTEX_SLOTS, local_vertices
 from drillpetsc.physics.roots import bracketed_root
 
 _Law = structure("contact_law")  # ContactLaw of kernels/contact/contact.hpp
-RESULT_NAMES = columns("contact_results").names
-_STORED, _DAMPED, _RUBBED = map(RESULT_NAMES.index, ("stored", "damping_power", "friction_power"))
+RESULTS = columns("contact_results")
+_STORED, _DAMPED, _RUBBED = (RESULTS[name] for name in ("stored", "damping_power", "friction_power"))
 
 
 @dataclass(frozen=True)
@@ -124,7 +124,7 @@ class Contact(WallContact):
     """
 
     name = "contact"
-    RESULTS = RESULT_NAMES  # columns of ``element_results``
+    RESULTS = RESULTS  # columns of ``element_results``
     has_contact = True
 
     def __init__(
@@ -254,6 +254,7 @@ class Contact(WallContact):
             ],  # the wall pushes an item without length at one point
             radius=[b.radius for b in here],
             friction=[-1.0 if b.friction is None else b.friction for b in here],
+            guided=0.0,
         )
         return ElementBlock(
             name,
@@ -377,14 +378,14 @@ class Contact(WallContact):
         return 0.0 if normal is None else float(normal.sum())
 
     def _block_results(self, state) -> list[BlockResults]:
-        """Results of each block: the columns of ``RESULT_NAMES``."""
-        return [state.results(b, f"{b.kernel}_results", len(RESULT_NAMES)) for b in self._blocks]
+        """Results of each block: the columns of ``RESULTS``."""
+        return [state.results(b, f"{b.kernel}_results", RESULTS.width) for b in self._blocks]
 
     def element_results(self, state) -> tuple[FloatArray, FloatArray]:
-        """(nc, 7) per local cell and (nb, 7) per rigid item of this rank: the columns of ``RESULT_NAMES``."""
+        """(nc, columns) per local cell and (nb, columns) per rigid item of this rank: the columns of ``RESULTS``."""
         cells, bodies = (
-            np.zeros((len(self._part.cells), len(RESULT_NAMES))),
-            [np.zeros((0, len(RESULT_NAMES)))],
+            np.zeros((len(self._part.cells), RESULTS.width)),
+            [np.zeros((0, RESULTS.width))],
         )
         for b, results in zip(self._blocks, self._block_results(state), strict=True):
             if b.on == "cell":
@@ -393,24 +394,12 @@ class Contact(WallContact):
                 bodies.append(results.table.copy())
         return cells, bodies[-1] if len(bodies) == 2 else np.vstack(bodies)
 
-    def item_forces(self, state) -> FloatArray:
-        """(bodies,) normal force of the wall on each rigid item of the mesh [N], zero where another rank has it."""
-        out = np.zeros(len(self.mesh.bodies))
+    def item_results(self, state) -> FloatArray:
+        """(bodies, columns) results of each rigid item of the mesh, as of ``RESULTS``, zero where another rank has it."""
+        out = np.zeros((len(self.mesh.bodies), RESULTS.width))
         found = (b for b in self._blocks if b.on != "cell")
         for items, b in zip(self._items, found, strict=True):
-            out[items] = state.results(b, f"{b.kernel}_results", len(RESULT_NAMES)).table[:, 0]
-        return out
-
-    def item_results(self, state) -> FloatArray:
-        """(bodies, 7) results of each rigid item of the mesh, columns of ``RESULT_NAMES``, zero where another rank has it."""
-        out = np.zeros((len(self.mesh.bodies), len(RESULT_NAMES)))
-        found = [
-            results
-            for b, results in zip(self._blocks, self._block_results(state), strict=True)
-            if b.on != "cell"
-        ]
-        for items, results in zip(self._items, found, strict=True):
-            out[items] = results.table
+            out[items] = state.results(b, f"{b.kernel}_results", RESULTS.width).table
         return out
 
     def energies(self, t: float, state) -> Energies:
@@ -423,7 +412,7 @@ class Contact(WallContact):
         return Powers(lost)
 
     def _sums_of(self, steps) -> list[FloatArray]:
-        return [steps.sums(b, f"{b.kernel}_results", len(RESULT_NAMES)) for b in self._blocks]
+        return [steps.sums(b, f"{b.kernel}_results", RESULTS.width) for b in self._blocks]
 
     def energies_of(self, steps) -> tuple[Any, Any, Any]:
         return 0.0, sum(sums[:, _STORED] for sums in self._sums_of(steps)), 0.0
@@ -431,13 +420,13 @@ class Contact(WallContact):
     def powers_of(self, steps) -> tuple[Any, Any]:
         return sum(sums[:, _DAMPED] + sums[:, _RUBBED] for sums in self._sums_of(steps)), 0.0
 
-    def item_forces_of(self, steps) -> FloatArray:
-        """(k, bodies) ``item_forces`` after each of k recorded steps."""
-        out = np.zeros((len(steps), len(self.mesh.bodies)))
-        width, found = len(RESULT_NAMES), (b for b in self._blocks if b.on != "cell")
+    def item_results_of(self, steps) -> FloatArray:
+        """(k, bodies, columns) ``item_results`` after each of k recorded steps."""
+        out = np.zeros((len(steps), len(self.mesh.bodies), RESULTS.width))
+        found = (b for b in self._blocks if b.on != "cell")
         for items, b in zip(self._items, found, strict=True):
-            table = steps.results(b, f"{b.kernel}_results", width).table
-            out[:, items] = steps.numbers(table, range(0, table.size, width))
+            table = steps.results(b, f"{b.kernel}_results", RESULTS.width).table
+            out[:, items] = steps.numbers(table, range(table.size)).reshape(len(steps), *table.shape)
         return out
 
     def normal_force_of(self, cell: int, steps) -> FloatArray:

@@ -229,11 +229,7 @@ class WallContact(Component):
 
     @abstractmethod
     def element_results(self, state: Any) -> tuple[FloatArray, FloatArray]:
-        """(nc, 7) per local cell and (nb, 7) per local rigid item: the columns of ``physics.contact.RESULT_NAMES``."""
-
-    @abstractmethod
-    def item_forces(self, state: Any) -> FloatArray:
-        """(bodies,) normal force of the wall on each rigid item of the mesh [N], zero where another rank has it."""
+        """(nc, columns) per local cell and (nb, columns) per local rigid item: those of ``physics.contact.RESULTS``."""
 
     @abstractmethod
     def item_results(self, state: Any) -> FloatArray:
@@ -244,8 +240,8 @@ class WallContact(Component):
         """Normal force on a local cell in the last residual [N]."""
 
     @abstractmethod
-    def item_forces_of(self, steps: Any) -> FloatArray:
-        """(k, bodies) ``item_forces`` after each of k recorded steps."""
+    def item_results_of(self, steps: Any) -> FloatArray:
+        """(k, bodies, columns) ``item_results`` after each of k recorded steps."""
 
     @abstractmethod
     def normal_force_of(self, cell: int, steps: Any) -> FloatArray:

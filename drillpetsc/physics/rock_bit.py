@@ -25,8 +25,6 @@ from drillpetsc.physics.interfaces import Bit, SideContact
 from drillpetsc.physics.rigid_bodies import VERTEX_SLOTS, local_vertices
 from drillpetsc.physics.roots import bracketed_root
 
-_results = function("bit_rock_results", "ipppppp")
-_pattern_results = function("bit_rock_pattern_results", "pppppp")
 _rate = function("rock_rate", "pppddp")
 _beyond = function("bit_beyond", "dd", ctypes.c_double)
 
@@ -359,8 +357,13 @@ class RockBit(Bit):
             held=self.rock.post_step,
             hold=0.0,
             angle=0.0,
+            guided=0.0,
+            strength=0.0,
+            relaxation=1.0,
+            gauge=1.0,
         )
         kernel = "bit_rock_profile" if self.profiled else "bit_rock_pattern" if self.pattern else "bit_rock"
+        self._results = function(f"{kernel}_results", "pppppp")
         self._block = ElementBlock(
             "bit_rock",
             kernel,
@@ -585,15 +588,15 @@ class RockBit(Bit):
 
     # ------------------------------------------------------------------ results
     def element_results(self, state) -> FloatArray:
-        """(11,) the columns of ``RESULTS``: weight [N], torque [N m], rate [m/s], side force [N], stored
+        """(columns,) as of ``RESULTS``: weight [N], torque [N m], rate [m/s], side force [N], stored
         energy [J], power into the rock [W], depth [m], offset of the bit's centre from the hole's axis [m],
-        rate of penetration in space (3) [m/s]; zero without the bit; not to be changed."""
+        rate of penetration in space (3) [m/s], forces and couple of the side; zero without the bit; not to be changed."""
         return state.evaluate_once(self._evaluate_results, state)
 
     def _evaluate_results(self, state) -> FloatArray:
         out = np.zeros(RESULTS.width)
         if self._mine:
-            given = (
+            self._results(
                 pointer(state.index_of(self._block)),
                 pointer(self.params.array),
                 ctypes.addressof(self._made),
@@ -601,10 +604,6 @@ class RockBit(Bit):
                 pointer(state.y),
                 pointer(out),
             )
-            if self.pattern:
-                _pattern_results(*given)
-            else:
-                _results(int(self.profiled), *given)
         return out
 
     @property

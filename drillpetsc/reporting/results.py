@@ -389,7 +389,7 @@ def _forces(run: Run, system: System, source: str) -> list[Grid]:
     items = [row for row in run.summary.get("rigid_items", ()) if isinstance(row, Mapping)]
     if not items:
         return []
-    titles = [title for title in items[0] if title != "name"]
+    titles = list(dict.fromkeys(title for item in items for title in item if title != "name"))
     rows = [
         (str(row.get("name", "")), *(number(row.get(title), title, system)[0] for title in titles))
         for row in items

@@ -61,6 +61,8 @@ def _statics(summary: Mapping[str, Any], system: System) -> list[list[str]]:
         force, unit = display(item["side_force [N]"], "force", system)
         depth, length = display(item["md [m]"], "length", system)
         rows.append([f"Side force on {item['name']} at MD {depth:.6g} {length}", f"{force:.6g}", unit])
+        couple, unit = display(item["side_couple [N m]"], "torque", system)
+        rows.append([f"Couple on {item['name']} at MD {depth:.6g} {length}", f"{couple:.6g}", unit])
     return rows
 
 

@@ -175,7 +175,7 @@ def balance(data: dict[str, Any], motion: str | None, solved: Solved) -> list[st
     s, t = solved.summary, solved.table
     contact = t["contact_force [N/m]"]
     inside = 0.5 * (contact[1:] + contact[:-1]) * mesh.length
-    items = [(item["side_force [N]"], 0.5 * data["string"][i]["od"]) for i, item in rigid(data, s)]
+    items = [(item["contact_force_sum [N]"], 0.5 * data["string"][i]["od"]) for i, item in rigid(data, s)]
     shift = float(data["well"]["sections"][-1]["to"]) - mesh.total_length if "wob" in data["initial"] else 0.0
     mu = np.asarray(well.friction(0.5 * (mesh.upper + mesh.lower) + shift))
     # the last item is the bit, whose drag is part of the axial force at the lowest node

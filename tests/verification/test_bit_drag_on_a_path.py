@@ -38,7 +38,7 @@ def test_a_coiled_string_slides_with_the_drag_of_its_bit():
     model = build_model(case)
     state = find_equilibrium(model, MOTIONS["lower"])
     assert state.path is not None
-    side = static_summary(model, state)["rigid_items"][-1]["side_force [N]"]
+    side = static_summary(model, state)["rigid_items"][-1]["contact_force_sum [N]"]
     assert FRICTION * side > 1500.0
     at = model.system.layout.dofs["string.position"][-1]
     well = model.well

@@ -289,7 +289,7 @@ def test_factorisations_of_lowered_strings(case, most, monkeypatch):
         contact = values[:, [c[0].split(" ")[0] for c in columns].index("contact_force")]
         mesh = model.mesh
         side = float(0.5 * (contact[1:] + contact[:-1]) @ mesh.length)
-        side += sum(item["side_force [N]"] for item in figures["rigid_items"])
+        side += sum(item["contact_force_sum [N]"] for item in figures["rigid_items"])
         weight = G * (float(mesh.mass @ mesh.length) + sum(b.mass for b in mesh.bodies))
         weight *= float(np.asarray(model.well.at(np.zeros(1))[1])[0, 2])  # of a straight hole
         friction = weight - figures["hook_load"] - figures["wob"]

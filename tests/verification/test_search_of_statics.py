@@ -75,7 +75,7 @@ def test_a_coiled_string_is_hoisted_with_weight_on_its_bit(wob, friction, factor
     contact, force = (values[:, names.index(n)] for n in ("contact_force", "axial_force"))
     mesh = model.mesh
     side = float(0.5 * (contact[1:] + contact[:-1]) @ mesh.length)
-    side += sum(item["side_force [N]"] for item in figures["rigid_items"])
+    side += sum(item["contact_force_sum [N]"] for item in figures["rigid_items"])
     weight = G * (float(mesh.mass @ mesh.length) + sum(b.mass for b in mesh.bodies))
     assert figures["hook_load"] + wob - weight == pytest.approx(friction * side, rel=0.03)
     helix = (mesh.node_depth > 750.0) & (mesh.node_depth < 900.0)

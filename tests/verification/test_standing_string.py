@@ -89,7 +89,7 @@ def test_a_string_that_stands_by_its_stretch_has_a_state(case, motion, most, tmp
     weight = G * (float(mesh.mass @ mesh.length) + sum(b.mass for b in mesh.bodies)) * np.cos(angle)
     contact = np.asarray(result.statics["contact_force"])
     side = float(0.5 * (contact[1:] + contact[:-1]) @ mesh.length)
-    side += sum(item["side_force [N]"] for item in summary["rigid_items"])
+    side += sum(item["contact_force_sum [N]"] for item in summary["rigid_items"])
     drag = case.well.sections[0].friction * side if motion == "lower" else 0.0
     assert summary["hook_load"] + summary["wob"] + drag == pytest.approx(weight, rel=0.02)
 

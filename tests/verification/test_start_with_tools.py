@@ -194,7 +194,7 @@ def test_torque_of_a_reamed_hole():
     mesh = model.mesh
     pipe = float((0.5 * (contact[1:] + contact[:-1]) * mesh.length) @ (0.5 * mesh.contact_diameter))
     items = sum(
-        item["side_force [N]"] * body.radius
+        item["contact_force_sum [N]"] * body.radius
         for item, body in zip(figures["rigid_items"], mesh.bodies, strict=True)
     )
     assert figures["surface_torque"] == pytest.approx(rock + 0.25 * (pipe + items), rel=0.02)

@@ -110,7 +110,10 @@ def test_the_bit_adds_its_torque(tmp_path) -> None:
     summary = result.summary
     assert summary["wob"] == pytest.approx(200e3, rel=1e-3)
     assert summary["bit_torque"] == pytest.approx(0.3 * 200e3 * 0.2159 / 3, rel=2e-3)
-    table, bit = read_table(result.folder / "statics.csv"), summary["rigid_items"][-1]["side_force [N]"]
+    table, bit = (
+        read_table(result.folder / "statics.csv"),
+        summary["rigid_items"][-1]["contact_force_sum [N]"],
+    )
     expected = FRICTION * (RADIUS * wall_force(table).sum() + 0.2159 / 2 * bit)
     assert summary["surface_torque"] - summary["bit_torque"] == pytest.approx(expected, rel=0.01)
 

@@ -11,10 +11,10 @@ from drillpetsc.arrays import FloatArray
 from drillpetsc.fem.quantity import Sample
 from drillpetsc.geometry.frames import tool_face_zero
 from drillpetsc.model.drilling_model import DrillingModel
-from drillpetsc.output.rigid_items import RigidItems
-from drillpetsc.physics.contact import RESULT_NAMES
+from drillpetsc.output.rigid_items import RigidItems, across_hole, loads_in, resultants
+from drillpetsc.physics.contact import RESULTS
 
-_NORMAL, _AXIAL, _TORQUE = (RESULT_NAMES.index(name) for name in ("normal", "axial", "torque"))
+_SIDE = ("side_high", "side_right", "side_couple", "contact_force_sum")
 NOISE = 1e-9  # share of the largest side force below which a force is rounding
 
 
@@ -24,23 +24,25 @@ def contact_rows(
     """One row for each item of the string, from the top down; none without contact.
 
     nodes: (nodes, 3) positions [m]; tangent: (nodes, 3) unit tangents; forces: of ``item_forces``.
-    A pipe has the sums over its length. A rigid item has a direction and a tilt, too: clock directions are those of a
-    tool face, 0 at the high side (north below 5 deg), clockwise looking down [rad].
+    A pipe has the sums over its length: those of components to the high side and to the right for its side force. A rigid item
+    has a couple, a direction and a tilt, too: clock directions are those of a tool face, 0 at the high side (north below 5 deg),
+    clockwise looking down [rad].
     """
     if model.contact is None or model.well is None:
         return []
     mesh, well = model.mesh, model.well
     on_cells, on_bodies = forces
-    noise = NOISE * max(float(on_cells[:, 0].max(initial=0.0)), float(on_bodies[:, 0].max(initial=0.0)))
+    normal = RESULTS["normal"]
+    noise = NOISE * max(float(part[:, normal].max(initial=0.0)) for part in forces)
     names, shift = [item.name for item in model.case.string], top_depth(model)
     rows = []
     for number in np.unique(mesh.item[~mesh.is_joint]):
         cells = (mesh.item == number) & ~mesh.is_joint
-        normal, axial, torque = on_cells[cells].sum(axis=0)
         upper, lower = float(mesh.upper[cells].min()), float(mesh.lower[cells].max())
         rows.append(
             _row(names[number], model.case.string[number].kind, 0.5 * (upper + lower) + shift)
-            | {"side_force": normal, "axial_drag": axial, "contact_torque": torque}
+            | _sums(on_cells[cells])
+            | {"side_couple": np.nan}  # of forces over hundreds of metres: not of use
         )
     for k, body in enumerate(mesh.bodies):
         middle = body.contact_above + 0.5 * body.contact_length
@@ -51,41 +53,55 @@ def contact_rows(
         row["tilt"] = float(np.arcsin(np.clip(np.linalg.norm(np.cross(axis, along)), 0.0, 1.0)))
         row["tilt_direction"] = _clock(axis - along * (axis @ along), along, 1e-9)
         if body.radius > 0:
-            normal, axial, torque = on_bodies[k]
-            row |= {"side_force": normal, "axial_drag": axial, "contact_torque": torque}
+            row |= _sums(on_bodies[k : k + 1])
             places = body.contact_above + np.linspace(0.0, body.contact_length, 3)
             ends = well.project(nodes[body.node] + places[:, None] * axis)
             gaps = ends.radius - body.radius - np.linalg.norm(ends.offset, axis=1)
             nearest = int(np.argmin(gaps))
             row["gap"] = float(gaps[nearest])
-            if normal > noise:
-                row["direction"] = _clock(-ends.offset[nearest], ends.tangent[nearest], 0.0)
+            if row["side_force"] > noise:
+                row["direction"] = _clock(on_bodies[k, RESULTS["push"]], along, 0.0)
         rows.append(row)
     return sorted(rows, key=lambda row: row["md"])
 
 
 def item_forces(model: DrillingModel) -> tuple[FloatArray, FloatArray] | None:
-    """(cells, 3) and (bodies, 3) side force [N], drag along the hole, down positive [N], and torque [N m] of the wall.
+    """(cells, columns) and (bodies, columns) results of the wall contact, columns of ``physics.contact.RESULTS``.
 
     On rank 0, None elsewhere and without contact.  Collective.
     """
     if model.contact is None:
         return None
     system, sample = model.system, Sample(model.system, 0.0)
-    columns = [_NORMAL, _AXIAL, _TORQUE]
     cells, _ = sample.once(model.contact.element_results)
-    bodies = model.contact.item_results(sample.assembly)[:, columns]
-    listed = RigidItems(model)
-    bodies[listed.items, 0] = listed.forces(sample)  # that of a bit that cuts is its own
+    bodies = RigidItems(model).wall_results(sample)
     if system.comm.size > 1:
         bodies = system.comm.tompi4py().allreduce(bodies)
-    whole = system.gather(np.ascontiguousarray(cells[:, columns]), "cell")
+    whole = system.gather(cells, "cell")
     return None if whole is None else (whole, bodies)
 
 
 def _row(name: str, kind: str, md: float) -> dict[str, Any]:
-    absent = ("side_force", "direction", "gap", "axial_drag", "contact_torque", "tilt", "tilt_direction")
+    absent = (
+        "side_force",
+        *_SIDE,
+        "direction",
+        "gap",
+        "axial_drag",
+        "contact_torque",
+        "tilt",
+        "tilt_direction",
+    )
     return {"item": name, "item_kind": kind, "md": md} | dict.fromkeys(absent, np.nan)
+
+
+def _sums(results: FloatArray) -> dict[str, float]:
+    """What the wall does to an item, from the results (k, columns) of its contact on its k parts."""
+    parts = across_hole(loads_in(results)).sum(axis=0, keepdims=True)
+    total = results.sum(axis=0)
+    found = resultants(total[[RESULTS["normal"]]], parts)[0].tolist()
+    row = dict(zip(("side_force", *_SIDE), found, strict=False))
+    return row | {"axial_drag": total[RESULTS["axial"]], "contact_torque": total[RESULTS["torque"]]}
 
 
 def _clock(vector: FloatArray, along: FloatArray, least: float) -> float:

@@ -509,6 +509,8 @@ def _lines(case: Case, summary: dict[str, Any], units: System) -> list[str]:
     for row in summary["contacts"]:
         if row["gap"] is not None or row["tilt"] is not None:
             force = "-" if row["side_force"] is None else shown(row["side_force"], "force", units)
+            if row["side_force"] is not None and row["contact_force_sum"] > 1.01 * row["side_force"]:
+                force += f" and a couple of {shown(row['side_couple'], 'torque', units)}"
             clock = (
                 ""
                 if row["direction"] is None

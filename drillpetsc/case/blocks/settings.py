@@ -164,7 +164,7 @@ class Output(Block):
     item_forces: bool = Field(
         default=False,
         strict=True,
-        description="true: the side force of every rigid item gets its own column in history.csv",
+        description="true: side force, its components, couple and contact force sum of every rigid item get their own columns in history.csv",
     )
     sensors: Annotated[
         tuple[Sensor, ...], BeforeValidator(as_sensors, json_schema_input_type=Sensor | tuple[Sensor, ...])

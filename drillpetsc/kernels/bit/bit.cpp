@@ -2,18 +2,14 @@
 #include "core/formulations.hpp"
 
 using namespace dp;
-typedef Bit<0> PlainBit;
-typedef Bit<CHIPS> ProfileBit;
+typedef Bit<0, false, false> PlainBit;
+typedef Bit<CHIPS, false, false> ProfileBit;
 DP_ENTRY(bit_rock, PlainBit)
 DP_ENTRY(bit_rock_profile, ProfileBit)
 DP_OTHER_FORMULATIONS(bit_rock, PlainBit, 1)
 DP_OTHER_FORMULATIONS(bit_rock_profile, ProfileBit, 1)
-
-// results of the bit, a BitResults; profile: 1 with the states of the rock's profile
-extern "C" void bit_rock_results(int profile, const int* idx, const double* par, void* context, const double* x, const double* y, double* out) {
-    if (profile) bit_results<ProfileBit>(idx, par, context, x, y, out);
-    else bit_results<PlainBit>(idx, par, context, x, y, out);
-}
+DP_BIT_RESULTS(bit_rock, PlainBit)
+DP_BIT_RESULTS(bit_rock_profile, ProfileBit)
 
 // rate of penetration out (3) [m/s] under the force F (3) of a bit with axis e (3) that turns with omega, `drilled` metres into the formation
 extern "C" void rock_rate(void* context, const double* F, const double* e, double omega, double drilled, double* out) {

@@ -1,15 +1,17 @@
 // A bit that cuts rock: an ellipsoid in a bucket whose end moves with the rate of penetration, three laws of the bit.
 //
 // Unknowns r, v, phi of the last node; e (3) displacement of the hole's end and s metres drilled, both since the start; chips (N): the rock's
-// profile ahead of a blade (drag bit in motion only).
+// profile ahead of a blade (drag bit in motion only); u over-gauge of the hole beside the bit (a wall that gives way only).
 //   bottom   depth_b = (x_c - h).t_h + |t_h|_Q - c,   Q = a^2 (I - e_b e_b^T) + c^2 e_b e_b^T   (x_c centre of the ellipsoid, h = END + e)
-//   side     depth_s = rho + |n|_Q - (a + clearance)
+//   side     depth_s = rho + |n|_Q - (a + clearance + u),   u' = [N - N_y]_+ / eta - u |v|/l_g   (a wall that gives way), or u = 0
+//            guided: friction does not push the bit round the hole; in gauge the side is a spring towards the axis, depth_s = rho
 //   hole     e' = v(F),  s' = |v|                      (state)   or e, s held and moved between the steps (post_step)
 //   rock     v = D (Omega/Omega_ref)^a (W_eff/W_ref)^(b-1) (W_eff/W) M_r M_b F
 //   pattern  depth_b + h(phi - phi0),  h = sum a_k (sin(n_k psi + p_k) - sin p_k): the bottom that a roller cone leaves (in motion only)
 //   body     F_b = STIFFNESS (chip - exposure), beside cutters that cut no more than their exposure (eq-bit-body)
 //   profile  B_t = [omega]_+ B_xi,  B(2 pi/blades) = max(U, B(0)),  chip per blade d_n = U - B(0),  U = s + depth_b
 #pragma once
+#include "bit/face_friction.hpp"
 #include "contact/contact.hpp"
 
 namespace dp {
@@ -132,15 +134,17 @@ inline Vec<T> rock_rate(const BitLaw& law, const T& drilled, const Vec<T>& F, co
 }
 
 // Weight on bit [N], torque on bit [N m], rate of penetration [m/s], side force [N], stored energy [J], power into rock and heat [W], depth
-// of the ellipsoid below the end [m], offset of its centre from the hole's axis [m], rate of penetration in space [m/s].
-DP_RECORD(BitResults, double weight, torque, rate, side, stored, dissipated, depth, offset; Vec<double> velocity;)
+// of the ellipsoid below the end [m], offset of its centre from the hole's axis [m], rate of penetration in space [m/s]; of the side: force on
+// the bit without and with friction [N], couple about the ellipsoid's centre [N m].
+DP_RECORD(BitResults, double weight, torque, rate, side, stored, dissipated, depth, offset; Vec<double> velocity, push, force, couple;)
 
-template <int N, bool PATTERN = false>  // number of states of the profile, 0: none; whether the bottom has a pattern
+// N: number of states of the profile, 0: none; PATTERN: the bottom has a pattern; CUTTING: the side gives way
+template <int N, bool PATTERN, bool CUTTING>
 struct Bit {
-    static constexpr int D = 11 + N, NSPIN = 1;
+    static constexpr int D = 11 + N + CUTTING, NSPIN = 1;
     static constexpr bool PACKED = false;
     static constexpr int SPINS[1][2] = {{6, 3}};
-    enum { HOLE = 7, DRILLED = 10, CHIP = 11 };
+    enum { HOLE = 7, DRILLED = 10, CHIP = 11, OVERGAUGE = CHIP + N };
     DP_ENUM(Parameter,
         FACE, CENTRE,            // distances from the node [m]
         RADIUS, HALF,            // semi-axes a and c [m]
@@ -154,6 +158,8 @@ struct Bit {
         TORQUE0, TORQUE1,        // T = TORQUE0 + TORQUE1 W in statics [N m], [m]
         HELD, HOLD,              // 1: e, s are those of HOLD (4)
         ANGLE = HOLD + 4,        // spin angle phi0 from which a pattern counts [rad]
+        GUIDED,                  // 1: friction of the side does not push the bit round the hole
+        STRENGTH, RELAXATION, GAUGE,  // of a side that gives way: N_y [N], eta [N s/m], l_g [m]
         NP)
 
     template <class T, class S>
@@ -192,7 +198,7 @@ struct Bit {
         const T sign = omega / sqrt(omega * omega + law.turn_rounding * law.turn_rounding);
         T advance = dot(speed - hole_speed, axis) + dot(t.t1, axis) * tilt * squeeze / reach;  // rate of depth
         if constexpr (PATTERN) advance += climb * omega;
-        T closing_b = advance, depth_e = depth, weight = T(0.0), elastic = T(0.0), torque = T(0.0), chip_rate = T(0.0);
+        T closing_b = advance, depth_e = depth, weight = T(0.0), elastic = T(0.0), torque = T(0.0), chip_rate = T(0.0), grip = T(0.0);  // grip: size of the torque
         if (N > 0 && moving) {
             const T U = x[DRILLED] + depth, gap = U - x[CHIP];
             law.touching = !(val(gap) <= -RAMP);
@@ -203,7 +209,9 @@ struct Bit {
             const T down = dot(speed, axis), engaged = law.contact > 0 ? engagement(gap, law.onset) : T(0.0);
             const T flat = engaged * (0.5 * law.contact) * (1.0 + down / sqrt(down * down + law.rest * law.rest));
             weight = cut * law.cut + flat + body;
-            torque = cut * law.torque_cut * cutting(omega) + sign * (flat + body) * law.rub;
+            const T cutters = cut * law.torque_cut * cutting(omega), rubbing = (flat + body) * law.rub;
+            grip = cutters + rubbing;
+            torque = cutters + rubbing * sign;
             depth_e = sunk;
             chip_rate = forward(omega) * cut * (1 / (2 * M_PI));
             profile(x, y, law, forward(omega), x[CHIP] + chip, r);
@@ -211,9 +219,19 @@ struct Bit {
             law.touching = 1;
             elastic = onset(depth) * p[STIFFNESS];
             weight = moving ? damped(elastic, advance, p[DAMPING]) : elastic;
-            torque = moving ? bottom_torque(law, p, weight, depth, omega, sign) : steady_torque(law, p, weight, depth) * direction(p);
-            if constexpr (PATTERN) torque += climb * weight;  // the bit climbs its pattern: the power goes into weight and spring
+            if (moving) bottom_torque(law, p, weight, depth, omega, sign, grip, torque);
+            else torque = steady_torque(law, p, weight, depth) * direction(p);
         }
+        Vec<T> sliding = zero, rub = zero;  // velocity of the face across the hole's axis, friction of the face against it
+        if (moving && val(grip) > 0) {
+            const Vec<T> face_speed = vec(y) + t.t1 * p[FACE];
+            sliding = face_speed - axis * dot(face_speed, axis);
+            const FaceFriction<T> face(sliding, omega, a, a * law.turn_rounding);
+            torque = torque * face.share;
+            rub = face.slide * (grip * (-1.5 / a));
+        }
+        if constexpr (PATTERN)
+            if (moving) torque += climb * weight;  // the bit climbs its pattern: the power goes into weight and spring
         if (N > 0 && !moving)
             for (int k = 0; k < N; ++k) r[CHIP + k] = x[CHIP + k] * ROCK_ROW;  // at rest, before the first cut
 
@@ -221,24 +239,31 @@ struct Bit {
         const Vec<T> across = e - axial * axis;
         const T rho = sqrt(dot(across, across) + WELL_RHO0 * WELL_RHO0);
         const Vec<T> n = across / rho;
-        const T lean = dot(n, t.t), girth = sqrt(a * a + squeeze * lean * lean), depth_s = rho + girth - (a + p[CLEARANCE]);
-        const T closing = dot(speed - hole_speed, n) + dot(t.t1, n) * lean * squeeze / girth;
+        const bool guided = p[GUIDED] != 0, spring = guided && p[CLEARANCE] <= 0;  // spring: towards the axis
+        const T lean = spring ? T(0.0) : dot(n, t.t), girth = sqrt(a * a + squeeze * lean * lean);
+        T depth_s = rho + girth - (a + p[CLEARANCE]), closing = dot(speed - hole_speed, n) + dot(t.t1, n) * lean * squeeze / girth;
+        if constexpr (CUTTING) {
+            depth_s -= x[OVERGAUGE];
+            closing -= y[OVERGAUGE];
+        }
         T side = T(0.0), elastic_s = T(0.0);
         Vec<T> push = zero, drag = zero;
         const Vec<T> touch = (n * (a * a) + t.t * (squeeze * lean)) / girth;
         if (p[SIDE] != 0 && !(val(depth_s) <= -RAMP)) {
             law.touching |= 2;
-            elastic_s = onset(depth_s) * p[SIDE];
+            elastic_s = (spring ? depth_s : onset(depth_s)) * p[SIDE];
             side = moving ? damped(elastic_s, closing, p[DAMPING]) : elastic_s;
             const Vec<T> around = cross(axis, n);
             if (moving) {
-                const Vec<T> surface = speed + cross(cross(t.t, t.t1) + t.t * omega, touch);
-                const T va = dot(surface, axis), vb = dot(surface, around), v2 = va * va + vb * vb, size = sqrt(v2 + p[SLIP] * p[SLIP]);
-                drag = push = (axis * va + around * vb) * (-(side * p[WALL]) / size);
+                const Vec<T> rim = cross(cross(t.t, t.t1) + t.t * omega, touch), surface = speed + rim;
+                const T va = dot(surface, axis), vb = dot(guided ? rim : surface, around), v2 = va * va + vb * vb;
+                const T hold = -(side * p[WALL]) / sqrt(v2 + p[SLIP] * p[SLIP]);
+                drag = push = (axis * va + around * vb) * hold;
+                if (guided) push = axis * (va * hold);
             } else {
                 const double vb = p[SPIN] * a, size = std::sqrt(p[AXIAL] * p[AXIAL] + vb * vb), share = size > 0 ? p[WALL] / size : 0.0;
                 drag = (axis * (p[AXIAL] * share) + around * (vb * share)) * (-side);
-                push = (axis * (p[AXIAL] * share) + around * (vb * share * p[SHARE])) * (-side);
+                push = (axis * (p[AXIAL] * share) + around * (guided ? 0.0 : vb * share * p[SHARE])) * (-side);
             }
         }
 
@@ -254,25 +279,33 @@ struct Bit {
             r[HOLE + 2] = (y[HOLE + 2] - rate.z) * ROCK_ROW;
             r[DRILLED] = (y[DRILLED] - norm(rate)) * ROCK_ROW;
         }
+        if constexpr (CUTTING) {
+            const T over = side - p[STRENGTH], crushed = val(over) > 0 ? over / p[RELAXATION] : T(0.0);
+            if (p[MODE] == BitMode::STATICS) r[OVERGAUGE] = x[OVERGAUGE] * (1e3 * ROCK_ROW);
+            else r[OVERGAUGE] = (y[OVERGAUGE] - crushed + x[OVERGAUGE] * norm(rate) / p[GAUGE]) * ROCK_ROW;
+        }
 
         // on the string: the bottom's force at its point, the side's at its own, the torque
         const Vec<T> bottom = axis * (-weight), wall = n * (-side) + push;
         const Vec<T> arm = t.t * p[CENTRE], F = bottom + wall;
-        const Vec<T> M = cross(arm + contact, bottom) + cross(arm, wall) + cross(touch, n * (-side) + drag);
-        const Vec<T> bend = cross(M, t.t) / t.n;
-        r[0] = -F.x; r[1] = -F.y; r[2] = -F.z;
+        const Vec<T> M = cross(arm + contact, bottom) + cross(arm, wall) + cross(touch, n * (-side) + drag) + cross(t.t * p[FACE], rub);
+        const Vec<T> bend = cross(M, t.t) / t.n, whole = F + rub;
+        r[0] = -whole.x; r[1] = -whole.y; r[2] = -whole.z;
         r[3] = -bend.x; r[4] = -bend.y; r[5] = -bend.z;
         r[6] = torque - dot(M, t.t);
         if (results) {
             results->weight = val(weight * tilt);
             results->torque = val(r[6]);
-            results->velocity = {val(rate.x), val(rate.y), val(rate.z)};
+            results->velocity = values(rate);
             results->rate = norm(results->velocity);
             results->side = val(side);
-            results->stored = 0.5 * (val(elastic) * val(onset_or_none(depth_e)) + val(elastic_s) * val(onset_or_none(depth_s)));
+            results->push = values(n) * -val(side);
+            results->force = values(wall);
+            results->couple = values(cross(touch, n * (-side) + drag));
+            results->stored = 0.5 * (val(elastic) * val(onset_or_none(depth_e)) + val(elastic_s) * val(spring ? depth_s : onset_or_none(depth_s)));
             // what the bit gives and the two springs do not store goes into rock and heat
             const Vec<T> turning = cross(t.t, t.t1) + t.t * omega, twist = cross(contact, bottom) + cross(touch, n * (-side) + drag);
-            results->dissipated = val(torque * omega - dot(F, speed) - dot(twist, turning) - elastic * closing_b - elastic_s * closing);
+            results->dissipated = val(torque * omega - dot(F, speed) - dot(rub, sliding) - dot(twist, turning) - elastic * closing_b - elastic_s * closing);
             results->depth = val(depth);
             results->offset = val(rho);
         }
@@ -323,13 +356,19 @@ struct Bit {
         return law.kind == BitKind::DRAG_BIT ? line - beyond(weight, law.saturated) * (p[TORQUE1] - law.rub) : line;
     }
 
+    // torque of a bit whose face does not slide, and its size without the rounding at standstill
     template <class T>
-    static T bottom_torque(const BitLaw& law, const double* p, const T& weight, const T& depth, const T& omega, const T& sign) {
+    static void bottom_torque(const BitLaw& law, const double* p, const T& weight, const T& depth, const T& omega, const T& sign, T& size, T& torque) {
         if (law.kind == BitKind::VELOCITY_WEAKENING) {
-            return weakening(law, omega) * (law.by_weight != 0 ? weight : touching(depth));
+            const T load = law.by_weight != 0 ? weight : touching(depth), beyond = sqrt(omega * omega) - law.turn_rounding;
+            const T q = val(beyond) > 0 ? beyond * (1.0 / law.speed) : T(0.0);
+            size = load * (law.dynamic_torque + (law.static_torque - law.dynamic_torque) * exp(-(q * q)));
+            torque = load * weakening(law, omega);
+            return;
         }
-        if (law.kind == BitKind::DRAG_BIT) return steady_torque(law, p, weight, depth) * sign;
-        return weight * (p[FRICTION] * p[RADIUS] * (2.0 / 3)) * sign;
+        if (law.kind == BitKind::DRAG_BIT) size = steady_torque(law, p, weight, depth);
+        else size = weight * (p[FRICTION] * p[RADIUS] * (2.0 / 3));
+        torque = size * sign;
     }
 
     // rows of the rock's profile, carried along by the turning bit; `inflow` is what the blade ahead leaves
@@ -354,5 +393,10 @@ void bit_results(const int* idx, const double* par, void* context, const double*
     Kernel::template evaluate<double>(X, Y, par, *static_cast<BitLaw*>(context), R, &now);
     *reinterpret_cast<BitResults*>(out) = now;
 }
+
+#define DP_BIT_RESULTS(name, Kernel)                                                                                                \
+    extern "C" void name##_results(const int* idx, const double* par, void* context, const double* x, const double* y, double* out) { \
+        bit_results<Kernel>(idx, par, context, x, y, out);                                                                          \
+    }
 
 }  // namespace dp

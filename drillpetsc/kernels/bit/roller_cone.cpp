@@ -3,11 +3,11 @@
 #include "core/formulations.hpp"
 
 using namespace dp;
-typedef Bit<0, true> PatternBit;
+typedef Bit<0, true, false> PatternBit;
+typedef Bit<0, true, true> CuttingPatternBit;
 DP_ENTRY(bit_rock_pattern, PatternBit)
+DP_ENTRY(bit_rock_pattern_cutting, CuttingPatternBit)
 DP_OTHER_FORMULATIONS(bit_rock_pattern, PatternBit, 1)
-
-// results of the bit, a BitResults
-extern "C" void bit_rock_pattern_results(const int* idx, const double* par, void* context, const double* x, const double* y, double* out) {
-    bit_results<PatternBit>(idx, par, context, x, y, out);
-}
+DP_OTHER_FORMULATIONS(bit_rock_pattern_cutting, CuttingPatternBit, 1)
+DP_BIT_RESULTS(bit_rock_pattern, PatternBit)
+DP_BIT_RESULTS(bit_rock_pattern_cutting, CuttingPatternBit)

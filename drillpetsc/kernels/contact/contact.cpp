@@ -19,6 +19,7 @@ DP_JACOBIAN(contact_junction_dual, run_jacobian<ContactJunction>)
 
 DP_EXPORT_RECORD(contact_law, ContactLaw)
 DP_EXPORT(contact_results, ContactResultsText)
+DP_EXPORT(bit_contact_results, BitContactResultsText)
 DP_CONSTANT(contact_onset, RAMP)
 DP_CONSTANT(not_imposed, NOT_IMPOSED)
 
@@ -43,11 +44,13 @@ DP_CONTACT_RESULTS(contact, ContactPlain)
 DP_CONTACT_RESULTS(contact_junction, ContactJunction)
 DP_CONTACT_RESULTS(body_contact, BodyContact)
 
-// out (n, 2): weight on bit [N], torque on bit [N m]
+// out: a BitContactResults for each
 extern "C" void bit_contact_results(int n, int, const int* idx, const double* par, const void*, const double* x, const double* y, double* out) {
     for (int e = 0; e < n; ++e) {
         double X[7], Y[7], R[7];
         for (int i = 0; i < 7; ++i) { X[i] = x[idx[7 * e + i]]; Y[i] = y[idx[7 * e + i]]; }
-        BitContact::evaluate<double>(X, Y, par + e * BitContact::NP, R, out[2 * e], out[2 * e + 1]);
+        BitContactResults& now = reinterpret_cast<BitContactResults*>(out)[e];
+        now = {};
+        BitContact::evaluate<double>(X, Y, par + e * BitContact::NP, R, &now);
     }
 }

@@ -3,6 +3,7 @@
 #include "core/element.hpp"
 #include "core/frame.hpp"
 #include "contact/well.hpp"
+#include "bit/face_friction.hpp"
 
 namespace dp {
 
@@ -48,11 +49,24 @@ struct Touch {
     T normal;
 };
 
-struct PointResults { double normal, stored, damping_power, friction_power, penetration; };
+struct PointResults {
+    double normal, stored, damping_power, friction_power, penetration;
+    Vec<double> push, along;
+};
 
 // Sums over the points of an element: normal force [N], stored energy [J], damping and friction power [W]; largest penetration [m];
-// friction force along the axis [N], torque about it [N m].
-DP_RECORD(ContactResults, double normal, stored, damping_power, friction_power, penetration, axial, torque;)
+// force along the axis [N], torque about it [N m]; vector sums: forces without and with friction [N], of a rigid item the couple about its
+// middle [N m]; tangents of the hole, weighted with the normal forces [N].
+DP_RECORD(ContactResults, double normal, stored, damping_power, friction_power, penetration, axial, torque; Vec<double> push, force, couple, along;)
+
+// Adds a contact point to the sums.  axial, torque: of the load on the string along and about its axis.
+inline void add_point(const PointResults& now, const Vec<double>& force, double axial, double torque, ContactResults& sum) {
+    sum.normal += now.normal; sum.stored += now.stored;
+    sum.damping_power += now.damping_power; sum.friction_power += now.friction_power;
+    if (now.penetration > sum.penetration) sum.penetration = now.penetration;
+    sum.axial += axial; sum.torque += torque;
+    sum.push += now.push; sum.force += force; sum.along += now.along;
+}
 
 // Whether the section of radius R about the axis point x of a contact point k is in contact; foot: where on the hole's centreline, if so.
 // The clearance changes by at most 1 + r'/(1 - e.kappa) per distance, r' the slope of the hole's radius: near a place that was found off
@@ -73,9 +87,10 @@ inline bool touches(const ContactLaw& law, const Well& well, const Vec<double>& 
 }
 
 // Touching point x of the axis with velocity u, section turning with `turning`, radius R; weight: length it stands for.
+// guided: friction has a torque and a force along the hole, none round it.
 template <class T>
 inline void touch(const ContactLaw& law, const Well& well, const Foot& foot, const Vec<T>& x, const Vec<T>& u, const Vec<T>& turning, double R,
-                  double own_friction, double weight, Touch<T>& out, PointResults* results = nullptr) {
+                  double own_friction, double weight, Touch<T>& out, PointResults* results = nullptr, bool guided = false) {
     const HolePoint<T> h = hole_point(well, foot, x);
     T depth = h.rho;
     Vec<T> gradient = h.n;
@@ -101,15 +116,17 @@ inline void touch(const ContactLaw& law, const Well& well, const Foot& foot, con
         const double va = law.axial, vb = law.spin * R, speed = std::sqrt(va * va + vb * vb);
         const double share = speed > 0 ? 1 / speed : 0.0;
         drag = (h.t * (va * share) + around * (vb * share)) * (-(mu0 * N));
-        push = (h.t * (va * share) + around * (vb * share * law.side)) * (-(mu0 * N));
+        push = (h.t * (va * share) + around * (guided ? 0.0 : vb * share * law.side)) * (-(mu0 * N));
         if (results) results->friction_power = 0;
     } else {
-        const Vec<T> surface = u + cross(turning, h.n) * R;
-        const T va = dot(surface, h.t) + law.axial, vb = dot(surface, around), v2 = va * va + vb * vb;
+        const Vec<T> rim = cross(turning, h.n) * R, surface = u + rim;
+        const T va = dot(surface, h.t) + law.axial, vb = dot(guided ? rim : surface, around), v2 = va * va + vb * vb;
         const T speed = sqrt(v2 + law.slip * law.slip);
         T mu = mu0;
         if (law.extra != 0) mu = mu0 * (1.0 + law.extra * exp(-v2 / (law.decay * law.decay)));
-        push = drag = (h.t * va + around * vb) * (-(mu * N) / speed);
+        const T grip = -(mu * N) / speed;
+        push = drag = (h.t * va + around * vb) * grip;
+        if (guided) push = h.t * (va * grip);
         if (results) results->friction_power = val(mu * N * v2 / speed);
     }
     out.force = push - gradient * N;
@@ -121,6 +138,8 @@ inline void touch(const ContactLaw& law, const Well& well, const Foot& foot, con
         results->stored = e * dv / (law.exponent + 1);
         results->damping_power = (val(N) - e) * val(rate);
         results->penetration = val(depth);
+        results->push = values(gradient) * -val(N);
+        results->along = values(h.t) * val(N);
     }
 }
 
@@ -207,12 +226,7 @@ struct BeamContact {
             G2 -= c.force * at.r[3] + c.bend * at.slope[3];
             theta1 -= c.torque * (1 - s);
             theta2 -= c.torque * s;
-            if (results) {
-                results->normal += now.normal; results->stored += now.stored;
-                results->damping_power += now.damping_power; results->friction_power += now.friction_power;
-                if (now.penetration > results->penetration) results->penetration = now.penetration;
-                results->axial += val(dot(c.force, c.tangent)); results->torque += val(c.torque);
-            }
+            if (results) add_point(now, values(c.force), val(dot(c.force, c.tangent)), val(c.torque), *results);
         }
         if constexpr (JUNCTION) {
             const Vec<T> t = v0 / n0;
@@ -234,6 +248,7 @@ struct BodyContact {
         SPAN,           // length over which the wall pushes [m]
         RADIUS,         // [m]
         FRICTION,       // coefficient; negative: that of the wall
+        GUIDED,         // 1: friction does not push it round the hole
         NP)
 
     template <class T, class S>
@@ -257,7 +272,7 @@ struct BodyContact {
             if (!law.touching[k]) continue;
             Touch<T> c;
             PointResults now;
-            touch(law, well, foot, place, vec(y) + t.t1 * distance, turning, p[RADIUS], p[FRICTION], w, c, results ? &now : nullptr);
+            touch(law, well, foot, place, vec(y) + t.t1 * distance, turning, p[RADIUS], p[FRICTION], w, c, results ? &now : nullptr, p[GUIDED] != 0);
             law.normal[k] = val(c.normal);
             const Vec<T> push = c.force * distance + cross(c.couple, t.t);
             const Vec<T> row = (push - t.t * dot(t.t, push)) / t.n;
@@ -266,16 +281,18 @@ struct BodyContact {
             const T spin = dot(c.couple, t.t);
             r[6] -= spin;
             if (results) {
-                results->normal += now.normal; results->stored += now.stored;
-                results->damping_power += now.damping_power; results->friction_power += now.friction_power;
-                if (now.penetration > results->penetration) results->penetration = now.penetration;
-                results->axial += val(dot(c.force, t.t)); results->torque += val(spin);
+                const Vec<double> force = values(c.force), arm = values(t.t) * (distance - p[ABOVE] - 0.5 * p[LENGTH]);
+                add_point(now, force, val(dot(c.force, t.t)), val(spin), *results);
+                results->couple += cross(arm, force) + values(c.couple);
             }
         }
     }
 };
 
-// The bit's face on the end of the hole: normal force along the hole's axis, friction torque on the ring at 2/3 of the radius.
+// Weight on bit [N], torque on bit [N m], power into heat [W].
+DP_RECORD(BitContactResults, double weight, torque, power;)
+
+// The bit's face on the end of the hole: normal force along the hole's axis, friction of a disc of even pressure against turning and sliding.
 struct BitContact {
     static constexpr int D = 7, NSPIN = 1;
     static constexpr bool PACKED = false;
@@ -290,28 +307,34 @@ struct BitContact {
 
     template <class T, class S>
     static void force(int, const T* x, const T* y, const T*, const S* p, void*, T* r) {
-        T weight, torque;
-        evaluate<T>(x, y, p, r, weight, torque);
+        evaluate<T>(x, y, p, r, nullptr);
     }
 
     template <class T>
-    static void evaluate(const T* x, const T* y, const double* p, T* r, T& weight, T& torque) {
+    static void evaluate(const T* x, const T* y, const double* p, T* r, BitContactResults* results) {
         for (int i = 0; i < D; ++i) r[i] = T(0.0);
-        weight = torque = T(0.0);
         const Tangent<T> t(vec(x + 3), vec(y + 3), vec(y + 3));
         const Vec<double> axis = vec(p + AXIS), end = vec(p + END);
         const T depth = dot(vec(x) + t.t * p[FACE] - end, axis);
         if (val(depth) <= -RAMP) return;  // not so where depth is not a number: it goes on into the rows
-        weight = onset(depth) * p[STIFFNESS];
+        const T weight = onset(depth) * p[STIFFNESS], friction = weight * p[FRICTION];
         const double arm = p[RADIUS] * (2.0 / 3);
-        const T v = y[6] * arm;
-        torque = p[IMPOSED] > NOT_IMPOSED ? weight * (p[FRICTION] * arm * p[IMPOSED]) : weight * (p[FRICTION] * arm) * (v / sqrt(v * v + p[SLIP] * p[SLIP]));
-        const Vec<T> push = {weight * axis.x, weight * axis.y, weight * axis.z};  // force of the bit on the rock; the rows are minus the force on the bit
+        T torque = friction * (arm * p[IMPOSED]);
+        Vec<T> push = {weight * axis.x, weight * axis.y, weight * axis.z};  // force of the bit on the rock; the rows are minus the force on the bit
+        if (!(p[IMPOSED] > NOT_IMPOSED)) {
+            const Vec<T> speed = vec(y) + t.t1 * p[FACE], across = speed - axis * dot(speed, axis);
+            const T v = y[6] * arm;
+            const FaceFriction<T> face(across, y[6], p[RADIUS], 1.5 * p[SLIP]);
+            torque = friction * arm * (v / sqrt(v * v + p[SLIP] * p[SLIP])) * face.share;
+            push += face.slide * friction;
+            if (results) results->power = val(torque * y[6] + dot(face.slide, across) * friction);
+        }
         r[0] = push.x; r[1] = push.y; r[2] = push.z;
         const Vec<T> lever = push * p[FACE];
         const Vec<T> row = (lever - t.t * dot(t.t, lever)) / t.n;
         r[3] = row.x; r[4] = row.y; r[5] = row.z;
         r[6] = torque;
+        if (results) { results->weight = val(weight); results->torque = val(torque); }
     }
 };
 

@@ -144,5 +144,6 @@ template <class T, class U> __attribute__((always_inline)) inline auto cross(con
 }
 template <class T> inline T norm(const Vec<T>& a) { return sqrt(dot(a, a)); }
 template <class T> inline Vec<T> vec(const T* p) { return {p[0], p[1], p[2]}; }
+template <class T> inline Vec<double> values(const Vec<T>& a) { return {val(a.x), val(a.y), val(a.z)}; }
 
 }  // namespace dp

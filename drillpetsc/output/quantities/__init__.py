@@ -42,7 +42,7 @@ from drillpetsc.output.quantities.mud import (
     SIDE_FLOW,
 )
 from drillpetsc.output.quantities.probes import PROBES
-from drillpetsc.output.quantities.rigid_items import SIDE_FORCE
+from drillpetsc.output.quantities.rigid_items import SIDE_FORCES, WALL_NUMBERS
 from drillpetsc.output.quantities.statics import (
     BENDING_STRESS,
     BUCKLING_LOAD,
@@ -93,7 +93,7 @@ __all__ = [
     "ROW_END",
     "ROW_START",
     "SIDE_FLOW",
-    "SIDE_FORCE",
+    "SIDE_FORCES",
     "STATIC_SUMMARY",
     "STEP",
     "STRETCH",
@@ -105,4 +105,5 @@ __all__ = [
     "TRAJECTORY",
     "TWIST",
     "TWIST_ANGLE",
+    "WALL_NUMBERS",
 ]

@@ -39,7 +39,7 @@ def test_the_new_column_is_the_power_of_friction(extended: None, tmp_path: Path)
     checkpoint.restore(model, checkpoint.read(tmp_path / "run" / "checkpoint.h5"))
     state = model.system.assembly
     elements, items = model.contact.element_results(state)
-    damping = model.contact.RESULTS.index("damping_power")
+    damping = model.contact.RESULTS["damping_power"]
     heat = model.contact.powers(0.1, state).dissipated - elements[:, damping].sum() - items[:, damping].sum()
     assert heat > 100.0
     assert history[TITLE][-1] == pytest.approx(heat, rel=1e-9)
