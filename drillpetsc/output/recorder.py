@@ -31,7 +31,8 @@ from drillpetsc.output.time_error import TimeError
 from drillpetsc.parallel import total, total_in_order
 from drillpetsc.solvers.local_error import OutputErrors
 
-STEPS_AT_ONCE = 256  # steps whose outputs are computed together
+ROW_ROUNDING = 1e-9  # a step this near to a row's time may be the one that it is due at
+STEPS_AT_ONCE = 256  # most steps whose outputs are computed together
 STEPS_AHEAD = 3.0  # a step at most doubles: with it, the step before the one that passes a row is sampled
 
 
@@ -134,8 +135,8 @@ class Recorder:
         self._kept: list[FloatArray] = []
         self._now: list[tuple[list[float], list[float]]] = []
         self._keeps = False
-        #: steps whose outputs are not computed yet; a hole that grows changes the places of points in it
-        self._record = StepRecord(self.system, 1 if model.drilling is not None else STEPS_AT_ONCE)
+        self._record = StepRecord(self.system, STEPS_AT_ONCE)  # steps whose outputs are not computed yet
+        self._grows = model.drilling is not None
         self._waiting: list[_Step] = []
         self._event = PETSc.Log.Event("Output")
 
@@ -205,7 +206,9 @@ class Recorder:
             self._record.add(seen, sampled)
             followed = self.energy.follow(t) if self.energy is not None else 0.0
         self._waiting.append(_Step(t, dt, fresh, sampled, followed))
-        if len(self._waiting) >= self._record.capacity:
+        # a hole that grows changes the places of points in it: those of a row are found at its step
+        row = self._grows and t * (1 + ROW_ROUNDING) >= next_row
+        if row or len(self._waiting) >= self._record.capacity:
             self.catch_up()
 
     def rows_due(self, times: Sequence[float], t: float, newton: float, dt: float, keep: bool) -> None:
