@@ -139,6 +139,7 @@ WET = {
             "annulus_flow",
             "annulus_top",
             "bit_flow",
+            "mud_items",
         },
         BASE | HELD | BOTTOM | PUMPED,
         HOLE | INSIDE | AROUND,

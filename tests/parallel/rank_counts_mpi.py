@@ -15,7 +15,7 @@ from drillpetsc.case import load_case  # noqa: E402
 from drillpetsc.fem import end_exchange  # noqa: E402
 from drillpetsc.solvers import chain_lu  # noqa: E402
 
-CASE = "cases/vertical-2000m.yaml"
+CASE = "cases/benchmark/coupled-2000m.yaml"
 calls = {"sum": 0, "exchange": 0}
 sizes: dict[str, list[int]] = {"exchange": [], "gather": []}
 _reduced, _pass, _exchange = parallel._reduced, end_exchange.EndExchange._pass, chain_lu._Message.exchange

@@ -70,7 +70,9 @@ def test_estimate_of_an_undamped_vibration_with_generalised_alpha(radius):
         estimate.step(t[k], h, np.array([computed[k]]), k == 0)
     column = estimate.summary()["columns"]["x [m]"]
     assert column["error"] == pytest.approx(np.abs(computed - exact).max(), rel=0.15)
-    assert column["pace"] == pytest.approx(1 - cmath.phase(z) / h, rel=0.05)  # the relative error of the frequency
+    assert column["pace"] == pytest.approx(
+        1 - cmath.phase(z) / h, rel=0.05
+    )  # the relative error of the frequency
     assert estimate.damped_above() is None  # the integrator knows it
 
 

@@ -38,7 +38,7 @@ def simple(**keys: Any) -> Case:
 
 
 def test_vertical_2000m() -> None:
-    """Drillstring model of the reference paper: 2000 m, 225 elements, 80 rpm, bit on bottom (manual:
+    """Drillstring model of the reference paper: 2000 m, 225 elements, from rest to 80 rpm, a bit that drills (manual:
     sec-paper)."""
     case = load_case(CASES / "vertical-2000m.yaml")
     assert case.string_length == pytest.approx(2000.0, abs=1e-9)
@@ -46,15 +46,16 @@ def test_vertical_2000m() -> None:
     meshed = [item for item in case.string if item.kind in ("pipe", "beam")]
     assert sum(round(item.length / item.element_length) for item in meshed) == 225
     assert case.top.kind == "top_drive"
-    assert case.top.rotation == Constant(pytest.approx(80 * 2 * math.pi / 60))
-    assert case.bottom.kind == "bit" and case.bottom.stiffness == 1e8
-    assert case.string[1].eccentricity == 0.002
-    assert case.initial.from_ == "statics" and case.initial.wob == 50e3
-    assert case.time is not None and case.time.end == 20.0
+    assert case.top.rotation.value(0.0) == 0.0
+    assert case.top.rotation.value(2.0) == pytest.approx(80 * 2 * math.pi / 60)
+    assert case.bottom.kind == "bit" and case.bottom.stiffness == 1e8 and case.formation is not None
+    assert case.string[1].eccentricity == 0.0005
+    assert case.initial.from_ == "statics" and case.initial.wob == 20e3
+    assert case.time is not None and case.time.end == 10.0
     assert case.output.probes == (600.0, 1200.0, 1900.0)
     assert case.well is not None and case.contact is not None
     assert [section.friction for section in case.well.sections] == [0.2, 0.3]
-    assert case.petsc == {"ts_type": "bdf", "ts_bdf_order": 2, "ts_rtol": 1e-4}
+    assert case.petsc == {} and case.time.integrator == "auto"
     assert case.material.damping.stiffness == 1e-4
 
 
