@@ -19,6 +19,7 @@ from drillpetsc.analysis.mud_above_top import mud_above_top
 from drillpetsc.analysis.path_answer import PathKind
 from drillpetsc.analysis.path_question import has_path
 from drillpetsc.analysis.placement import prescribed_motion, top_depth
+from drillpetsc.analysis.run_options import refuse_misspelt
 from drillpetsc.analysis.slider_travel import stop_warnings
 from drillpetsc.analysis.top_push import top_push
 from drillpetsc.analysis.transient import make_folder
@@ -70,14 +71,15 @@ def run_statics(
         raise CaseError(
             at="--motion", got=motion, want="a case with a well: without a hole there is no friction"
         )
-    moving = MOTIONS[motion] if motion else None
+    moving, given = MOTIONS[motion] if motion else None, case
     word = read_operation(operation)
     if word is not None:
         if motion is not None:
             raise CaseError(at="--motion", got=motion, want="one of --motion and --operation")
         case, moving = case_of(case, word), motion_of(case, word)
     case = held_at_weight(case)
-    with options.applied(case.petsc):
+    with options.applied(case.petsc) as used:
+        refuse_misspelt(given, used)
         model = build_model(case, comm, moving)
         folder = make_folder(comm, name, out, False, overwrite)
         state = find_equilibrium(model, moving, False, path)
@@ -108,6 +110,7 @@ def run_statics(
             summary["warnings"] = list(state.warnings)
         fields = FieldOutput(model).fields(0.0)
         if comm.rank == 0:
+            write_case(given, folder)  # as the user has it; the summary has the operation
             _write(model, folder, columns, values, summary, fields)
     return RunResult(folder.path, summary, _lines(case, folder, state, summary))
 
@@ -198,7 +201,6 @@ def _write(
     summary: dict[str, Any],
     fields: tuple[FloatArray, dict[str, FloatArray]] | None,
 ) -> None:
-    write_case(model.case, folder)
     if values is not None:
         write_table(folder.statics, columns, list(values.T))
     if fields is not None:

@@ -42,6 +42,8 @@ def case_error(error: ValidationError, given: Mapping[str, Any]) -> CaseError:
     first, *others = (
         one for at, one in found.items() if not any(at and _is_inside(other, at) for other in found)
     )
+    if "units" in found:  # the others may come from reading bare numbers in other units than meant
+        return found["units"]
     first.also = tuple(others)
     return first
 

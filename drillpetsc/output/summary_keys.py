@@ -354,6 +354,11 @@ CAMPBELL: tuple[SummaryKey, ...] = (
     SummaryKey("case_speed", "rpm", "Rotation of the case at time 0."),
     SummaryKey("lines", "-", "List: excitation lines in cycles per turn."),
     SummaryKey("searched", "", "Kind of the modes, or all kinds."),
+    SummaryKey(
+        "searched_to",
+        "Hz",
+        "Frequency up to which all modes are known, at each speed, those between included.",
+    ),
     SummaryKey("branches", "-", "Number of modes that were followed."),
     SummaryKey("lost", "-", "Number of those that were lost."),
     SummaryKey("critical_speeds", "-", "Number of crossings of branches and lines."),

@@ -66,6 +66,18 @@ def test_a_bad_option_is_refused_in_one_line(option, words, folder):
     assert not (folder / "bad").exists()
 
 
+@pytest.mark.parametrize("command", ["statics", "limits"])
+def test_a_misspelt_option_is_refused_without_a_run(command, folder):
+    """Options of runs, read or not, are accepted where nothing is integrated; others were taken without a word."""
+    well = "well: {survey: {md: [0, 40], inclination: [0, 0], azimuth: [0, 0]}, sections: [{kind: open_hole, diameter: 0.3}]}"
+    (folder / "still.yaml").write_text(CASE.replace("0 m/s2", "9.81 m/s2") + well)
+    for option, words in (("-ts_rtoll", "did you mean -ts_rtol?"), ("-q_snes_stoll", "-q_snes_stol?")):
+        done = drillpetsc(command, "still.yaml", "--out", command, option, "1e-3", cwd=folder)
+        assert done.returncode == 2 and words in done.stderr and not (folder / command).exists()
+    accepted = ("-ts_rtol", "1e-3", "-ts_adapt_safety", "0.8", "-snes_stol", "1e-4")
+    assert drillpetsc(command, "still.yaml", "--out", command, *accepted, cwd=folder).returncode == 0
+
+
 def test_a_bad_option_on_two_ranks_is_refused_without_an_abort(folder):
     script = ROOT / "tests" / "parallel" / "run_case.py"
     job = start_mpi(2, script, [str(folder / "case.yaml"), str(folder / "bad"), "-q_pc_type", "x"])

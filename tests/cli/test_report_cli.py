@@ -184,6 +184,15 @@ def test_missing_sections_say_why(runs: Path) -> None:
     assert "another case" not in words
 
 
+@pytest.mark.parametrize("command", ["limits", "statics"])
+def test_an_operation_is_no_other_case(command: str, runs: Path) -> None:
+    """The bottom and the weight on bit that an operation sets are those of its words, not of another file."""
+    folder = runs / f"{command}-off-bottom"
+    assert main([command, str(runs / "case.yaml"), "--operation", "trip_out", "--out", str(folder)]) == 0
+    assert main(["report", str(runs / "case.yaml"), str(folder), "--out", str(runs / "o.html")]) == 0
+    assert "another case" not in Page((runs / "o.html").read_text()).words
+
+
 def test_sections_are_chosen(runs: Path) -> None:
     assert (
         main(["report", str(runs / "dry"), "--sections", "string,solver", "--out", str(runs / "s.html")]) == 0

@@ -198,6 +198,20 @@ def test_one_point_does_not_determine_two_factors():
     assert np.isnan(fit.interval).all()  # one unknown, one reading: no interval
 
 
+def test_torques_without_rotation_are_no_readings(tmp_path):
+    """Rigs write a torque of 0 beside pick-up and slack-off: the fit and its interval are those without these torques."""
+    own = synthetic()
+    filled = tuple(p if p.torque is not None else p.model_copy(update={"torque": 0.0}) for p in own)
+    assert [sum(p.torque is not None for p in some) for some in (own, filled)] == [5, 15]
+    found, expected = (run_calibrate(case(), p, out=tmp_path / str(i)) for i, p in enumerate((filled, own)))
+    assert found.summary["fit"] == expected.summary["fit"]
+    assert found.summary["readings"] == expected.summary["readings"] == 20
+    assert any("10 torques without rotation (trip_in, trip_out)" in note for note in found.summary["notes"])
+    still = MeasuredPoint(bit_depth=800, operation="trip_in", torque=0.0)
+    with pytest.raises(CaseError, match="measured"):
+        Calibration(case(), (still,))
+
+
 def test_files(tmp_path):
     points = synthetic()
     result = run_calibrate(case(rig={"block_weight": "100 kN"}), synthetic(block=BLOCK), out=tmp_path / "c")

@@ -47,6 +47,7 @@ from drillpetsc.solvers.quadratic_eigenproblem import NEUTRAL_GROWTH, Eigenvalue
 SPARE_OF_KIND = 2  # the same for modes of one kind, which lie far apart
 SPARE_MODES = 8  # computed beyond those asked for, so that branches that rise are still found
 SMALLEST_STEP = 8  # a speed step is divided into so many parts before a branch is lost
+EQUAL = 1e-6  # relative difference of eigenvalues that are one up to rounding
 STRAIGHT = 1e-3  # short over long axis of an orbit below which it is a straight line
 PURE = 0.9  # share of the energy in forward orbits above which a mode whirls forward
 SHARP = 0.1  # damping ratio below which a critical speed near the case's speed is warned of
@@ -145,6 +146,9 @@ def _found(
     x, wx = energy_vectors(model, linearised, found, u)
     oscillating = np.flatnonzero(found.s.imag > 0)
     counted = np.zeros(len(found.s), dtype=bool)
+    rate = found.s[oscillating]
+    while 0 < count < len(rate) and abs(rate[count] - rate[count - 1]) < EQUAL * abs(rate[count]):
+        count += 1  # which of equal modes comes first is rounding: all of them count
     counted[oscillating[:count]] = True
     sense = whirl(model, linearised, u) if speed else ("mixed",) * len(kinds)
     sense = tuple(q if k == "lateral" else "none" for q, k in zip(sense, kinds, strict=True))
@@ -437,6 +441,30 @@ def margin(critical: Critical, case_speed: float) -> float:
     return 100.0 * (critical.speed / RPM - case_speed) / case_speed if case_speed else float("nan")
 
 
+def searched_to(found: Campbell) -> FloatArray:
+    """(k,) frequency [rad/s] at each speed up to which all modes are known: that of the highest mode asked for."""
+    return np.array([m.s.imag[m.counted].max(initial=0.0) for m in found.speeds])
+
+
+def _not_searched(found: Campbell, lines: tuple[float | str, ...]) -> list[str]:
+    """Say where lines lie above all modes that were computed, so that critical speeds there are not known."""
+    top, omega = searched_to(found), np.array([m.speed for m in found.speeds])
+    orders = [line for line in lines if not isinstance(line, str)]
+    excited = [abs(n) * omega for n in orders] + ([] if found.orbit is None else [np.abs(found.orbit)])
+    turning = omega > 0
+    line = np.array(excited)[:, turning] / (2 * np.pi)
+    reach = top[turning] / (2 * np.pi)
+    above = line > reach
+    if not line.size or not above.any():
+        return []
+    modes = f"the modes that were computed reach {reach.min():.3g} to {reach.max():.3g} Hz"
+    if above.all():
+        said = f"no excitation line was searched: {modes}, the lines begin at {np.nanmin(line):.3g} Hz"
+    else:
+        said = f"{modes}, the lines {np.nanmax(line):.3g} Hz: critical speeds above are not known"
+    return [f"{said}; a larger --count searches further"]
+
+
 def _summary(
     case: Case,
     found: Campbell,
@@ -472,6 +500,7 @@ def _summary(
         warnings.append(
             "at 0 rpm the string is at rest without friction; modes there need not continue those above"
         )
+    warnings += _not_searched(found, lines)
     if grows:
         warnings.append(
             f"a mode grows at {len(grows)} of {len(found.speeds)} speeds, first at {grows[0]:g} rpm"
@@ -488,6 +517,7 @@ def _summary(
             else {}
         ),
         "searched": kind or "all kinds",
+        "searched_to": [float(q) for q in searched_to(found) / (2 * np.pi)],
         "branches": len(found.branches),
         "lost": len(lost),
         "critical_speeds": len(found.critical),
@@ -537,7 +567,7 @@ def _lines(case: Case, folder: Path, found: Campbell, summary: dict[str, Any]) -
             f"{_amplification(c):>13}   {c.branch:>6}"
         )
     if not shown:
-        lines.append("    none: no branch meets an excitation line in this range")
+        lines.append("    none among the modes that were computed")
     if len(found.critical) > SHOWN:
         lines.append(f"    and {len(found.critical) - SHOWN} more in {CRITICAL_TABLE}")
     lines += [f"  note: {w}" for w in summary["warnings"]]

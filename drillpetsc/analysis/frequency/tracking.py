@@ -142,7 +142,10 @@ class Branch:
 
 
 def track(speeds: list[SpeedModes], pairings: list[Pairing]) -> list[Branch]:
-    """Join the modes of successive speeds to branches; ``pairings[k]`` is between the speeds k and k + 1."""
+    """Join the modes of successive speeds to branches; ``pairings[k]`` is between the speeds k and k + 1.
+
+    Branches are numbered by their first speed and by their frequencies there and at the speeds after it: equal modes have no order.
+    """
     branches: list[Branch] = []
     open_branches: dict[int, Branch] = {}
     for k, here in enumerate(speeds):
@@ -164,4 +167,11 @@ def track(speeds: list[SpeedModes], pairings: list[Pairing]) -> list[Branch]:
                 branch = Branch(len(branches) + 1, [(k, int(mode))], [1.0])
                 branches.append(branch)
                 open_branches[int(mode)] = branch
+
+    def order(branch: Branch) -> tuple[float, ...]:
+        return branch.points[0][0], *(float(f"{speeds[k].s[j].imag:.6g}") for k, j in branch.points)
+
+    branches.sort(key=order)
+    for number, branch in enumerate(branches, 1):
+        branch.number = number
     return branches

@@ -20,6 +20,7 @@ from drillpetsc.analysis.limits.fatigue import AS_S, rule_of
 from drillpetsc.analysis.limits.operations import OPERATIONS, case_of, motion_of, read_operation, words_of
 from drillpetsc.analysis.limits.soft_limits import SoftLimits
 from drillpetsc.analysis.limits.table import Choices, Strength, element_values, rows
+from drillpetsc.analysis.run_options import refuse_misspelt
 from drillpetsc.analysis.statics import beyond_rig, static_summary
 from drillpetsc.analysis.torque_drag.left_out import bends_left_out, cutters_left_out
 from drillpetsc.analysis.torque_drag.operations import (
@@ -94,7 +95,8 @@ def run_limits(
     case = held_at_weight(case if word is None else case_of(case, word))
     motion = None if word is None else motion_of(case, word)
     comm = comm or PETSc.COMM_WORLD
-    with options.applied(case.petsc):
+    with options.applied(case.petsc) as used:
+        refuse_misspelt(given, used)
         model = build_model(case, comm, motion)
         folder = make_folder(comm, name, out, False, overwrite)
         state = find_equilibrium(model, motion, False)
@@ -129,7 +131,7 @@ def run_limits(
                 *_flags(table, summary, choices, units),
                 *coarse,
             ]
-            write_case(case, folder)
+            write_case(given, folder)  # as the user has it; the summary has the operation
             present = [q for q in LIMITS if q.name in table]
             write_table(
                 folder.path / LIMITS_TABLE, [q.column for q in present], [table[q.name] for q in present]

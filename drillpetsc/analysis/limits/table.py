@@ -10,7 +10,8 @@ import numpy as np
 from drillpetsc.analysis.limits import fatigue, pressure_strength, sn_curve, strength
 from drillpetsc.analysis.limits.along_string import State, Surroundings
 from drillpetsc.analysis.limits.buckling_loads import Helical
-from drillpetsc.analysis.limits.side_force import force_on_joint
+from drillpetsc.analysis.limits.side_force import largest_on_joint
+from drillpetsc.analysis.torque_drag.string_rows import JOINT
 from drillpetsc.arrays import FloatArray
 from drillpetsc.case.blocks.tubulars import DrillPipe, Jointed, Tubular
 from drillpetsc.model.drilling_model import DrillingModel
@@ -128,7 +129,11 @@ def element_values(
         more["damage_per_hour"] = choices.sn.damage_per_hour(s.bending, rotation)
     if (cased := _in_casing(model, hole.md)).any() and rotation:
         slip = abs(rotation) * 0.5 * model.mesh.contact_diameter[:, None]
-        more["casing_wear_rate"] = np.where(cased, state.side_force * slip, np.nan)
+        joint = np.where(np.isfinite(pipe.joint_length), pipe.joint_length, JOINT)
+        worn = (
+            _force_on_joint(hole.md, state, joint) / joint[:, None]
+        )  # of a joint: an element has no length of its own
+        more["casing_wear_rate"] = np.where(cased, worn * slip, np.nan)
     if np.isfinite(pipe.make_up).any():
         make_up = np.broadcast_to(pipe.make_up[:, None], nothing.shape)
         more |= {"make_up_torque": make_up, "make_up_ratio": np.abs(state.torque) / make_up}
@@ -176,12 +181,12 @@ def _in_casing(model: DrillingModel, md: FloatArray) -> np.ndarray:
 
 
 def _force_on_joint(md: FloatArray, state: State, joint: FloatArray) -> FloatArray:
-    """(n, 2) side force [N] on a joint (`force_on_joint`), nan where there is no wall or no joint.
+    """(n, 2) side force [N] on a joint (`largest_on_joint`), nan where there is no wall or no joint.
 
     md: (n, 2) measured depths [m]; joint: (n,) length [m], nan where there are no joints.
     """
     own = np.nan_to_num(state.side_force_of_elements) * (md[:, 1] - md[:, 0])
-    return np.where(np.isfinite(state.side_force), force_on_joint(md, own, joint), np.nan)
+    return np.where(np.isfinite(state.side_force), largest_on_joint(md, own, joint), np.nan)
 
 
 def _smoothed(model: DrillingModel, state: State) -> State:

@@ -100,6 +100,16 @@ def _notes(case: Case, work: Calibration, parameters: tuple[str, ...]) -> list[s
     if case.fluid is not None:
         where = " for points without a flow_rate" if work.pumped else ""
         notes.append(f"the mud stands still{where}: forces of the flow on the string are left out")
+    idle = [
+        p
+        for p, turns in zip(work.points, work.loads[:, 3], strict=True)
+        if p.torque is not None and not turns
+    ]
+    if idle:
+        which = ", ".join(dict.fromkeys(p.operation for p in idle))
+        notes.append(
+            f"{len(idle)} torques without rotation ({which}) are no readings: they do not depend on friction"
+        )
     some = [p for p in work.points if p.operation in ("drilling", "sliding")]
     if any(p.wob is None for p in some):
         notes.append("drilling or sliding points without wob have that of the roadmap")

@@ -169,9 +169,14 @@ class Calibration:
             if point.hook_load is not None:
                 sigma = point.sigma or max(RELATIVE_SIGMA * abs(point.hook_load), SMALLEST_SIGMA["hook_load"])
                 rows.append((i, True, point.hook_load, sigma))
-            if point.torque is not None:
+            if point.torque is not None and self.loads[i, 3]:  # without rotation no friction turns the string
                 sigma = max(RELATIVE_SIGMA * abs(point.torque), SMALLEST_SIGMA["surface_torque"])
                 rows.append((i, False, point.torque, sigma))
+        if not rows:
+            want = (
+                "a hook load, or a torque while the string turns: without rotation friction makes no torque"
+            )
+            raise CaseError(at="measured", got=f"{len(self.points)} points with neither", want=want)
         point_, hook, value, sigma_ = zip(*rows, strict=True)
         return Data(np.array(point_), np.array(hook), np.array(value, float), np.array(sigma_, float))
 

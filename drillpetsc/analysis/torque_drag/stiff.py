@@ -17,7 +17,7 @@ from drillpetsc.analysis.coarse_mesh import TOLERANCE
 from drillpetsc.analysis.hydraulics.flow_model import string_at
 from drillpetsc.analysis.initial_state import find_equilibrium
 from drillpetsc.analysis.limits.along_string import State, Surroundings, static_state
-from drillpetsc.analysis.limits.side_force import force_on_joint
+from drillpetsc.analysis.limits.side_force import largest_on_joint
 from drillpetsc.analysis.limits.table import Choices, Strength, element_values
 from drillpetsc.analysis.torque_drag.circulation import Circulation
 from drillpetsc.analysis.torque_drag.operations import Load, Pair
@@ -218,7 +218,7 @@ def _side_force(model: DrillingModel, found: State, hole: Surroundings) -> float
         return float("nan")
     own = np.nan_to_num(found.side_force_of_elements) * model.mesh.length
     joint = np.where(np.isfinite(model.mesh.joint_length), model.mesh.joint_length, JOINT)
-    return float(force_on_joint(hole.md, own, joint).max())
+    return float(largest_on_joint(hole.md, own, joint).max())
 
 
 def _least_or_most(values: FloatArray, which: Any) -> float:

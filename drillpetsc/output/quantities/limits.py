@@ -201,7 +201,7 @@ LIMITS: tuple[Quantity, ...] = (
         "W/m",
         "Rate of casing wear",
         "CWRT",
-        "Side force per length of casing times the speed at which the turning string slides on it; nan below the casing. Times a wear factor and time it is the worn volume per length.",
+        "Side force on a joint over its length (31 ft where the item names none), times the speed at which the turning string slides on it; nan below the casing. Times a wear factor and time it is the worn volume per length.",
     ),
 )
 

@@ -182,6 +182,13 @@ def test_unknown_system() -> None:
     assert caught.value.at == "units" and "field" in caught.value.want
 
 
+def test_unknown_system_is_the_only_error() -> None:
+    """Numbers that were read in SI for want of a system are no errors of the file: one message."""
+    with pytest.raises(CaseError) as caught:
+        Case(**(FIELD | {"units": "imperial"}))
+    assert caught.value.at == "units" and caught.value.also == ()
+
+
 def test_the_hint_offers_si() -> None:
     with pytest.raises(CaseError) as caught:
         Case(**(FIELD | {"fluid": FIELD["fluid"] | {"density": 1200}}))
