@@ -57,10 +57,10 @@ def newton_with_stiffening(
 
 def _softening(model: DrillingModel, load: float) -> tuple[float, ...]:
     """Compute the factors of the contact stiffness before 1; none where the wall is soft."""
-    contact, gap = model.case.contact, clearance(model)
-    if contact is None or contact.law != "linear" or gap is None:
+    gap = clearance(model)
+    if model.contact is None or model.contact.law.law != "linear" or gap is None:
         return ()
-    softest = load / (SOFT_PENETRATION * gap * contact.stiffness)
+    softest = load / (SOFT_PENETRATION * gap * model.contact.law.stiffness)
     if not 0 < softest < 0.1:
         return ()
     return tuple(np.geomspace(softest, 1.0, int(np.ceil(-np.log10(softest) / 2)) + 1)[:-1])
@@ -259,10 +259,11 @@ def stiffness_steps(model: DrillingModel, soft: TorqueDrag | None) -> tuple[floa
     Loads per length: weight, lateral load of the soft string, and r F^2/4EI of a helix under the largest
     compression F with the clearance r (Lubinski, Althouse and Logan, JPT 14(6), 1962).
     """
-    gap, contact, mesh = clearance(model), model.case.contact, model.mesh
+    gap, mesh = clearance(model), model.mesh
     if model.contact is None:
         return (1.0,)
-    if gap is None or contact is None or contact.law != "linear":
+    law = model.contact.law
+    if gap is None or law.law != "linear":
         return 1e-2, 1e-1, 1.0
     load = float(np.max(mesh.mass)) * float(np.linalg.norm(model.case.gravity))
     force = model.case.top.force
@@ -273,7 +274,7 @@ def stiffness_steps(model: DrillingModel, soft: TorqueDrag | None) -> tuple[floa
     load = max(load, gap * compression**2 / (4 * float(np.min(mesh.bending_stiffness))))
     if not load > 0:  # weightless and without a push: nothing presses on the wall
         return (1.0,)
-    softest = min(1.0, load / (FIRST_PENETRATION * gap * contact.stiffness))
+    softest = min(1.0, load / (FIRST_PENETRATION * gap * law.stiffness))
     count = int(np.ceil(np.log10(1.0 / softest))) if softest < 0.5 else 0
     return tuple(np.geomspace(max(softest, 1e-6), 1.0, count + 1)) if count else (1.0,)
 

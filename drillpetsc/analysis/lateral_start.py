@@ -410,24 +410,27 @@ class _Parts:
                     + L[:, None] * (x * (1 - x) ** 2 * t[a] - x**2 * (1 - x) * t[b])
                 )
                 off = across(ends_at - np.asarray(well.at(at)[0]), a)
-                columns.append((e, self._shape(e, depth), gap, weight * self.length[e], drag[a], off, depth))
-        for b in mesh.bodies:
+                wall = weight * self.length[e] * model.contact.hardness[0][a]
+                columns.append((e, self._shape(e, depth), gap, wall, drag[a], off, depth))
+        for b, hardness in zip(mesh.bodies, model.contact.hardness[1], strict=True):
             if b.radius <= 0 or b.node < self.nodes[0]:
                 continue
             last, node = b.node == mesh.nodes - 1, np.array([b.node])
             cell = np.searchsorted(self.nodes, node) - last
-            for y, length, clearance in _points_of_item(model, b):
+            for y, length, clearance in _points_of_item(model, b, float(hardness)):
                 factors = np.array([[0.0, 0.0, 1.0, y] if last else [1.0, y, 0.0, 0.0]])
                 gap = np.maximum(np.asarray(well.radius(md[node] + y)) - b.radius, 0.0)
                 if clearance is not None:
                     gap[:] = clearance
                 off = across(centre[node] + y * t[node] - np.asarray(well.at(md[node] + y)[0]), node)
                 at = mesh.node_depth[node] + y
-                columns.append((cell, factors, gap, np.array([length]), drag[node], off, at))
+                columns.append((cell, factors, gap, np.array([length]), drag[node] * (not b.guided), off, at))
         return ContactPoints(*(np.concatenate(q) for q in zip(*columns, strict=True)))
 
 
-def _points_of_item(model: DrillingModel, item: RigidItem) -> list[tuple[float, float, float | None]]:
+def _points_of_item(
+    model: DrillingModel, item: RigidItem, hardness: float
+) -> list[tuple[float, float, float | None]]:
     """Points where a rigid item may touch the wall: distance below its node [m], length of wall [m], clearance [m].
 
     The clearance is None where it is that of the item.  A bit that cuts touches the side of its hole at one point.
@@ -439,7 +442,7 @@ def _points_of_item(model: DrillingModel, item: RigidItem) -> list[tuple[float, 
         return [(side.below, side.stiffness / per_length, side.clearance)] if side.stiffness else []
     span = item.contact_length or 2 * item.radius
     return [
-        (item.contact_above + x * item.contact_length, weight * span, None)
+        (item.contact_above + x * item.contact_length, weight * span * hardness, None)
         for x, weight in rule(law.points, True, True)
     ]
 

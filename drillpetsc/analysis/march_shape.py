@@ -34,7 +34,7 @@ def lateral_shape(
     s: (n,) measured depths [m]; load: (n, 3) on the wall [N]; contact: (n,) per length [N/m].
     clearance: (n,) [m]; helical: (n,); phase: (n,) of the helix [rad].
     """
-    well, law = model.well, model.case.contact
+    well, law = model.well, None if model.contact is None else model.contact.law
     assert well is not None
     t, second, third = _directors(model, s)
     size = np.linalg.norm(load, axis=1)

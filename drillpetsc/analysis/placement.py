@@ -7,9 +7,7 @@ import numpy as np
 from drillpetsc.analysis.steady_flow import release_flow, set_fluid_at_rest
 from drillpetsc.arrays import FloatArray
 from drillpetsc.model.drilling_model import DrillingModel
-from drillpetsc.model.hole import hole_depth
-
-ROUNDING = 1e-9  # difference of two lengths that is none [m]
+from drillpetsc.model.hole import top_of_string
 
 
 def prescribed_motion(model: DrillingModel) -> tuple[float, float]:
@@ -29,15 +27,8 @@ def average_over_turn(model: DrillingModel, rotation: float) -> None:
 
 
 def top_depth(model: DrillingModel) -> float:
-    """Measured depth [m] of the top of the unstrained string in statics.
-
-    A string with a weight on bit is lowered onto the bottom of its hole, which may be deeper than the string is
-    long.
-    """
-    if model.well is None or model.case.initial.wob is None:
-        return 0.0
-    depth = hole_depth(model.case) - model.mesh.total_length
-    return depth if abs(depth) > ROUNDING else 0.0
+    """Measured depth [m] of the top of the unstrained string in statics."""
+    return top_of_string(model.case, model.mesh.total_length)
 
 
 def place_along_hole(model: DrillingModel, top: float = 0.0) -> None:

@@ -41,6 +41,7 @@ from drillpetsc.output.result import RunResult
 from drillpetsc.output.rigid_items import RigidItems
 from drillpetsc.output.static_table import static_table
 from drillpetsc.output.string_ends import TopEnd
+from drillpetsc.output.wall_depth import wall_depth_notes
 from drillpetsc.output.well_files import write_well_files
 from drillpetsc.physics.beam import RESULT_NAMES
 from drillpetsc.solvers import petsc_options as options
@@ -94,7 +95,7 @@ def run_statics(
         figures = static_summary(model, state)
         state.warnings += mud_above_top(model, figures.get("hook_load"))
         state.warnings += top_push(case, figures.get("hook_load"))
-        state.warnings += stop_warnings(model)
+        state.warnings += [*stop_warnings(model), *wall_depth_notes(model)]
         figures["warnings"] = list(state.warnings)
         summary = {
             "title": case.title,

@@ -47,6 +47,7 @@ from drillpetsc.output.progress import Progress, Receiver, check_progress
 from drillpetsc.output.recorder import Recorder
 from drillpetsc.output.result import RunResult
 from drillpetsc.output.run_writer import RunWriter, after, passed
+from drillpetsc.output.wall_depth import wall_depth_notes
 from drillpetsc.output.well_files import write_well_files
 from drillpetsc.parallel import first_rank_does
 from drillpetsc.solvers import petsc_options as options
@@ -467,6 +468,8 @@ class TransientRun:
             self._warn(self.recorder.sensors.warnings())
         if error is None and self.recorder.energy is not None:  # a quasi-static string has no slip speeds
             result["warnings"] += creep_warnings(model, self.t)
+        if error is None:
+            result["warnings"] += wall_depth_notes(model)
         if "energy" in result:
             result["energy"] |= self.gain.summary()
             if result["energy"]["flag"]:

@@ -10,7 +10,7 @@ from drillpetsc.case.blocks.case_blocks import CaseBlocks
 from drillpetsc.case.blocks.contact import Contact
 from drillpetsc.case.blocks.fluid import PowerLaw
 from drillpetsc.case.blocks.motor import PositiveDisplacementMotor
-from drillpetsc.case.blocks.string import Beam, Inertia, Item, Material, Rigid, Tube
+from drillpetsc.case.blocks.string import Beam, Bit, Inertia, Item, Material, Rigid, Tube
 from drillpetsc.case.blocks.tools import TelescopingTool
 from drillpetsc.case.mud_report import api_annulus
 from drillpetsc.case.quantities import largest
@@ -54,6 +54,11 @@ def fill_case_defaults(case: CaseBlocks) -> None:
             bottom=case.bottom.model_copy(update={"stiffness": case.formation.bit_law.stiffness})
         )
     case.fill_defaults(string=tuple(_with_defaults(item, case.material) for item in case.string))
+    bit = case.string[-1] if case.string else None
+    if isinstance(bit, Bit) and bit.side is None:
+        cuts = case.formation is not None and case.formation.strength is not None
+        side = bit.model_copy(update={"side": "cutting" if cuts else "guided"})
+        case.fill_defaults(string=(*case.string[:-1], side))
     if case.time is not None:
         case.fill_defaults(output=case.output.with_intervals(case.time.end, case.time.mode == "dynamic"))
 

@@ -163,6 +163,9 @@ class _Body(_Rigid, total=False):
 
 
 class _Bit(_Rigid, total=False):
+    side: str
+    gauge_length: Value
+    gauge_width: Value
     bit_type: str
     nozzle_area: Value
     nozzles: Value | Sequence[Value]

@@ -26,6 +26,7 @@ class RigidItem:
     radius: outer radius [m], 0 for none.
     friction: friction coefficient of the item [-], None: that of the hole.
     touching: (distance from the node down to the part that touches the wall, its length) [m]; None: the item.
+    guided: friction of the wall does not push it round the hole.
     """
 
     name: str
@@ -41,6 +42,7 @@ class RigidItem:
     radius: float
     friction: float | None = None
     touching: tuple[float, float] | None = None
+    guided: bool = False
 
     @property
     def contact_above(self) -> float:

@@ -28,6 +28,7 @@ from drillpetsc.model.reamer import build_reamers, well_of_reamer
 from drillpetsc.model.rock_bit import build_rock_bit
 from drillpetsc.model.steering import build_steering
 from drillpetsc.model.top_drive import build_drive
+from drillpetsc.model.wall import mean_and_hardness
 from drillpetsc.physics import interfaces
 from drillpetsc.physics.beam import AncfBeam
 from drillpetsc.physics.bit_on_bottom import BitOnBottom
@@ -373,8 +374,11 @@ def _contact(
     if c.stribeck is not None:
         kinetic = max(q.friction for q in case.well.sections)  # type: ignore[union-attr]
         ratio, speed = (c.stribeck.static / kinetic if kinetic > 0 else 1.0), c.stribeck.speed
+    stiffness, hardness = (
+        mean_and_hardness(case, mesh, well) if c.stiffness == "physical" else (c.stiffness, None)
+    )
     law = ContactLaw(
-        c.stiffness,
+        stiffness,
         c.law,
         c.restitution,
         c.restitution_speed,
@@ -383,7 +387,7 @@ def _contact(
         speed,
         c.points_per_element,
     )
-    return kind(mesh, well, law, case.formation is None, case.top.kind == "free")
+    return kind(mesh, well, law, case.formation is None, case.top.kind == "free", hardness)
 
 
 def _bit(case: Case, mesh: StringMesh, well: Well | None) -> BitOnBottom | RockBit | None:

@@ -8,6 +8,8 @@ from drillpetsc.case.case import Case
 from drillpetsc.errors import CaseError
 from drillpetsc.geometry.well import Well
 
+ROUNDING = 1e-9  # difference of two lengths that is none [m]
+
 
 def build_well(case: Case) -> Well | None:
     """Create the hole of the case, None without one; CaseError where the geometry is impossible."""
@@ -26,6 +28,18 @@ def build_well(case: Case) -> Well | None:
         )
     except ValueError as error:
         raise CaseError(at="well", want=str(error)) from None
+
+
+def top_of_string(case: Case, length: float) -> float:
+    """Measured depth [m] of the top of the unstrained string of this ``length`` [m] in statics.
+
+    A string with a weight on bit is lowered onto the bottom of its hole, which may be deeper than the string is
+    long.
+    """
+    if case.well is None or case.initial.wob is None:
+        return 0.0
+    depth = hole_depth(case) - length
+    return depth if abs(depth) > ROUNDING else 0.0
 
 
 def hole_depth(case: Case) -> float:

@@ -18,7 +18,7 @@ from drillpetsc.case.blocks.motor import PositiveDisplacementMotor
 from drillpetsc.case.blocks.settings import STARTS
 from drillpetsc.case.blocks.steering import PushSteering, RotarySteerable
 from drillpetsc.case.blocks.string import Beam as BeamItem
-from drillpetsc.case.blocks.string import Bend, Flexible, Item, Rigid, Stabilizer, Tube
+from drillpetsc.case.blocks.string import Bend, Bit, Flexible, Item, Rigid, Stabilizer, Tube
 from drillpetsc.case.blocks.tools import Jar, JarSection, ShockSub, TelescopingTool
 from drillpetsc.case.blocks.tubulars import Tubular
 from drillpetsc.case.case import Case
@@ -481,6 +481,7 @@ def _body(item: Any, node: int, before: float) -> RigidItem:
         0.5 * (item.od or 0.0),
         item.friction,
         _blades(item, before),
+        isinstance(item, Bit) and item.side == "guided",
     )
 
 

@@ -6,21 +6,28 @@ import numpy as np
 
 from drillpetsc.arrays import FloatArray
 from drillpetsc.case.blocks.ends import BitBottom
+from drillpetsc.case.blocks.formation import Formation
+from drillpetsc.case.blocks.string import Bit
 from drillpetsc.case.case import Case
 from drillpetsc.fem.string_mesh import StringMesh
 from drillpetsc.geometry.growing_hole import GrowingHole
 from drillpetsc.geometry.well import Well
+from drillpetsc.model.wall import ITEM_LOAD, LEAST_CLEARANCE, rock_young
 from drillpetsc.physics.contact import damping_factor
 from drillpetsc.physics.rock_bit import (
     BitContact,
     BitShape,
     DragBit,
+    Gauge,
     Layer,
     PatternOrder,
     Rock,
     RockBit,
     Weakening,
 )
+from drillpetsc.physics.wall_stiffness import ROCK_POISSON, STEEL_YOUNG, line_stiffness
+
+ROCK_STRENGTH = 60e6  # of a bit that cuts sideways, where none is given [Pa]
 
 
 def build_rock_bit(case: Case, mesh: StringMesh, well: Well) -> RockBit:
@@ -40,9 +47,21 @@ def build_rock_bit(case: Case, mesh: StringMesh, well: Well) -> RockBit:
     if c is None:
         contact = BitContact(bottom.stiffness, 0.0, bottom.friction, 0.0)  # the bottom only
     else:
-        lateral = c.stiffness * length if c.law == "linear" and length > 0 else bottom.stiffness
+        lateral = bottom.stiffness
+        if c.stiffness == "physical":
+            lateral = (length or 2 * radius) * _line_stiffness(case, radius, ITEM_LOAD)
+        elif c.law == "linear" and length > 0:
+            lateral = c.stiffness * length
         damping = damping_factor(c.restitution, c.restitution_speed)
-        contact = BitContact(bottom.stiffness, lateral, bottom.friction, wall, c.slip_velocity, damping)
+        side, gauge = case.string[-1], None
+        guided = not isinstance(side, Bit) or side.side == "guided"
+        if isinstance(side, Bit) and side.side == "cutting":
+            gauge = _gauge(side, formation)
+            # its size matters little: the depth under N_y is small against the over-gauge of a bit that whirls, some mm
+            lateral = gauge.length * _line_stiffness(case, radius, gauge.strength / gauge.length)
+        contact = BitContact(
+            bottom.stiffness, lateral, bottom.friction, wall, c.slip_velocity, damping, guided, gauge
+        )
     rock = Rock(
         _layers(formation, start),
         formation.reference_speed,
@@ -55,6 +74,20 @@ def build_rock_bit(case: Case, mesh: StringMesh, well: Well) -> RockBit:
     law = formation.bit_law
     pattern = tuple(PatternOrder(q.order, q.amplitude, q.phase) for q in law.orders)
     return RockBit(mesh.nodes - 1, shape, contact, _law(law.torque_law, radius), rock, hole, inertia, pattern)
+
+
+def _gauge(bit: Bit, formation: Formation) -> Gauge:
+    """Strength of the rock times the part of the gauge that bears on it."""
+    assert bit.gauge_width is not None
+    strength = ROCK_STRENGTH if formation.strength is None else formation.strength
+    return Gauge(strength * bit.gauge_length * bit.gauge_width, bit.gauge_length)
+
+
+def _line_stiffness(case: Case, radius: float, load: float) -> float:
+    """Stiffness [Pa] of the rock beside a bit in line contact under ``load`` [N/m]."""
+    assert case.formation is not None
+    hole = radius + max(case.formation.overgauge, LEAST_CLEARANCE * radius)
+    return float(line_stiffness(load, radius, hole, STEEL_YOUNG, rock_young(case), ROCK_POISSON))
 
 
 def _law(law, radius: float) -> DragBit | Weakening | None:

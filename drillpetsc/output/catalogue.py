@@ -60,6 +60,7 @@ def listed_by_file() -> dict[str, tuple[Listed, ...]]:
             *_listed(physics.HOIST, where.HOIST),
             *_listed(physics.AUTODRILLER, where.AUTODRILLER),
             *_listed(physics.BIT, where.BIT),
+            *_listed(physics.BIT_SIDE, where.CUTS_SIDE),
             *_listed(physics.REAMER, where.REAMS),
             *_listed(physics.STEERING_PUSH[:1], where.PUSHES),
             *_listed(physics.STEERING_POINT[:1], where.POINTS),

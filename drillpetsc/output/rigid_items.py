@@ -79,6 +79,8 @@ class RigidItems:
         out[RESULTS["normal"]] = found[BIT_RESULTS["side"]]
         out[RESULTS["push"]], out[RESULTS["force"]] = found[BIT_RESULTS["push"]], force
         out[RESULTS["couple"]] = found[BIT_RESULTS["couple"]] + np.cross(arm, force)
+        if side.stiffness > 0:
+            out[RESULTS["penetration"]] = found[BIT_RESULTS["side"]] / side.stiffness
         out[RESULTS["along"]] = found[BIT_RESULTS["side"]] * axis
         return out
 

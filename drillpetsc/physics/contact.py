@@ -121,6 +121,7 @@ class Contact(WallContact):
     mesh: of the string; well: the hole; law: constants of the contact.
     with_bit: include the bit; a bit that cuts has its own contact (physics/rock_bit.py).
     free_top: the upper end of the string is free.
+    hardness: stiffness of the wall at each element (n,) and each rigid item (bodies,), over that of the law [-]; None: that of the law.
     """
 
     name = "contact"
@@ -128,8 +129,15 @@ class Contact(WallContact):
     has_contact = True
 
     def __init__(
-        self, mesh: StringMesh, well: Well, law: ContactLaw, with_bit: bool = True, free_top: bool = False
+        self,
+        mesh: StringMesh,
+        well: Well,
+        law: ContactLaw,
+        with_bit: bool = True,
+        free_top: bool = False,
+        hardness: tuple[FloatArray, FloatArray] | None = None,
     ):
+        self.hardness = hardness or (np.ones(len(mesh.upper)), np.ones(len(mesh.bodies)))
         self.mesh, self.well, self.law, self.with_bit, self.free_top = mesh, well, law, with_bit, free_top
         self._packed = np.ascontiguousarray(well.packed())
         length = float(mesh.length.sum())
@@ -208,6 +216,7 @@ class Contact(WallContact):
                 rigid=m.rigid_above[e],
                 radius=0.5 * m.contact_diameter[e],
                 friction=friction[e],
+                hardness=self.hardness[0][e],
             )
             self._blocks.append(
                 ElementBlock(
@@ -254,7 +263,8 @@ class Contact(WallContact):
             ],  # the wall pushes an item without length at one point
             radius=[b.radius for b in here],
             friction=[-1.0 if b.friction is None else b.friction for b in here],
-            guided=0.0,
+            guided=[float(b.guided) for b in here],
+            hardness=self.hardness[1][items],
         )
         return ElementBlock(
             name,

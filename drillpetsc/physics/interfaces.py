@@ -214,6 +214,13 @@ class Bit(Component):
         """Length drilled since the start [m] and rate of penetration [m/s], zero on ranks without the bit."""
         return 0.0, 0.0
 
+    def orbit_and_overgauge(self, state: Any) -> tuple[float, float]:
+        """Distance of the bit's centre from the axis of its hole and radius of the hole beside the bit less that of the bit [m].
+
+        Zero on ranks without the bit, and without rock.
+        """
+        return 0.0, 0.0
+
     def drilled_hole(self) -> Well | None:
         """Return the hole with its new part; None where nothing is drilled."""
         return None

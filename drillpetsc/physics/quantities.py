@@ -65,6 +65,31 @@ BIT: tuple[Quantity, ...] = (
     ),
 )
 
+#: of a bit whose hole gives way beside it
+BIT_SIDE: tuple[Quantity, ...] = (
+    Quantity(
+        "bit_overgauge",
+        "m",
+        kind="diameter",
+        on="scalar",
+        label="Over-gauge at the bit",
+        mnemonic="OVGA",
+        sign="hole wider than the bit",
+        doc="Radius of the hole beside the bit less that of the bit.",
+        value=lambda bit, sample: sample.once(bit.orbit_and_overgauge)[1],
+    ),
+    Quantity(
+        "bit_orbit",
+        "m",
+        kind="diameter",
+        on="scalar",
+        label="Orbit of the bit",
+        mnemonic="OBIT",
+        sign="not negative",
+        doc="Distance of the bit's centre from the axis of its hole.",
+        value=lambda bit, sample: sample.once(bit.orbit_and_overgauge)[0],
+    ),
+)
 
 # ---------------------------------------------------------------------- reamer
 REAMER: tuple[Quantity, ...] = (

@@ -144,12 +144,27 @@ class BitShape:
 
 
 @dataclass(frozen=True)
+class Gauge:
+    """Gauge of a bit whose hole gives way beside it (manual: eq-bit-overgauge).
+
+    strength: force at which the rock is crushed, N_y [N]; length: of the gauge, l_g [m].
+    relaxation: eta, force beyond the strength over the rate at which the rock gives way [N s/m].
+    """
+
+    strength: float
+    length: float
+    relaxation: float = 1e6
+
+
+@dataclass(frozen=True)
 class BitContact:
     """Contact of the bit with its hole.
 
     stiffness, side: stiffness of bottom and side [N/m]; side 0: the side does not touch.
     friction, wall: friction coefficients of bottom and side [-].
     slip: regularisation of both [m/s]; damping: c of ``damping_factor`` [s/m].
+    guided: friction of the side does not push the bit round the hole (manual: sec-bit-side).
+    gauge: of a side that gives way; None: it does not.
     """
 
     stiffness: float
@@ -158,6 +173,8 @@ class BitContact:
     wall: float
     slip: float = 0.01
     damping: float = 0.0
+    guided: bool = False
+    gauge: Gauge | None = None
 
 
 def profile_derivative(states: int, length: float) -> FloatArray:
@@ -190,8 +207,8 @@ def profile_derivative(states: int, length: float) -> FloatArray:
 class RockBit(Bit):
     """The bit at the lower end of the string (manual: sec-bit).
 
-    Unknowns: displacement of the hole's end hole.end (3) [m], length drilled hole.drilled [m], and the
-    profile bit.chips [m] of a drag bit.
+    Unknowns: displacement of the hole's end hole.end (3) [m], length drilled hole.drilled [m], the
+    profile bit.chips [m] of a drag bit, and where the side gives way the over-gauge hole.overgauge [m] beyond that of new hole.
 
     node: of the bit; shape, contact: of the bit; law: of its torque, None: friction; rock: the formation.
     hole: the growing hole.
@@ -323,6 +340,10 @@ class RockBit(Bit):
             out += (
                 Field("bit.chips", CHIPS, physics="rock", region="bottom", scale=1e-4, second_order=False),
             )
+        if self.contact.gauge is not None:
+            out += (
+                Field("hole.overgauge", 1, physics="rock", region="bottom", scale=scale, second_order=False),
+            )
         return out
 
     def blocks(self, part) -> tuple[ElementBlock, ...]:
@@ -332,6 +353,9 @@ class RockBit(Bit):
         if self.profiled:
             slots += (("bit.chips", 0),)
         s, c = self.shape, self.contact
+        gauge = c.gauge or Gauge(0.0, 1.0)
+        if c.gauge is not None:
+            slots += (("hole.overgauge", 0),)
         self.params = Parameters(
             "bit_rock",
             len(vertices),
@@ -357,12 +381,13 @@ class RockBit(Bit):
             held=self.rock.post_step,
             hold=0.0,
             angle=0.0,
-            guided=0.0,
-            strength=0.0,
-            relaxation=1.0,
-            gauge=1.0,
+            guided=float(c.guided),
+            strength=gauge.strength,
+            relaxation=gauge.relaxation,
+            gauge=gauge.length,
         )
         kernel = "bit_rock_profile" if self.profiled else "bit_rock_pattern" if self.pattern else "bit_rock"
+        kernel += "" if c.gauge is None else "_cutting"
         self._results = function(f"{kernel}_results", "pppppp")
         self._block = ElementBlock(
             "bit_rock",
@@ -506,7 +531,7 @@ class RockBit(Bit):
             chip = cut + (weight - r.cut * r.blades * cut - flat) / self.contact.stiffness
         place = np.arange(CHIPS) / CHIPS
         ahead = 0.5 * (1 - np.cos(np.pi * place)) if axis > 0 else np.zeros(CHIPS)
-        state.x[i[11:]] = (depth - chip + cut * ahead) if weight > 0 else 0.0
+        state.x[i[11 : 11 + CHIPS]] = (depth - chip + cut * ahead) if weight > 0 else 0.0
 
     # ------------------------------------------------------------------ growth
     def local_update(self, state) -> FloatArray:
@@ -628,6 +653,14 @@ class RockBit(Bit):
         )
         return float(drilled), float(self.element_results(state)[RESULTS["rate"]])
 
+    def orbit_and_overgauge(self, state) -> tuple[float, float]:
+        """Return the offset of the bit from the axis of its hole and the over-gauge of the hole beside it [m]."""
+        if not self._mine:
+            return 0.0, 0.0
+        wider = 0.0 if self.contact.gauge is None else float(state.x[state.index_of(self._block)[0, -1]])
+        orbit = float(self.element_results(state)[RESULTS["offset"]])
+        return orbit, wider + self.hole.radial_clearance(self.shape.radius)
+
     def rate_under(
         self, force: FloatArray, axis: FloatArray, omega: float, drilled: float = 0.0
     ) -> FloatArray:
@@ -647,7 +680,7 @@ class RockBit(Bit):
         return Powers(float(self.element_results(state)[RESULTS["dissipated"]]))
 
     def quantities(self) -> tuple[Quantity, ...]:
-        return declared.BIT
+        return declared.BIT if self.contact.gauge is None else declared.BIT + declared.BIT_SIDE
 
 
 def _chip_for(weight: float, cut: float, flat: float, onset: float) -> float:

@@ -17,6 +17,7 @@ from drillpetsc.physics.rock_bit import (
     BitContact,
     BitShape,
     DragBit,
+    Gauge,
     Layer,
     PatternOrder,
     Rock,
@@ -57,6 +58,14 @@ KINDS = [
     "rop_quasi",
     "drag_quasi",
     "drag_body_quasi",
+    "rop_guided",
+    "rop_loose_guided",
+    "rop_guided_statics",
+    "rop_cutting",
+    "drag_cutting",
+    "cone_cutting",
+    "rop_cutting_statics",
+    "rop_cutting_quasi",
 ]
 
 
@@ -78,7 +87,9 @@ def bit(kind: str, hole: GrowingHole) -> RockBit:
         "weakening": Weakening(0.8, 0.3, 2.0, "byweight" in words),
     }.get(words[-1] if "cone" in words else words[0])
     lobes = (PatternOrder(3.0, 0.03, 0.4), PatternOrder(1.7, 0.02)) if "cone" in words else ()
-    contact = BitContact(800.0, 500.0, 0.4, 0.3, 0.5, 0.0 if "statics" in words or "quasi" in words else 0.2)
+    damping = 0.0 if "statics" in words or "quasi" in words else 0.2
+    gauge = Gauge(4.0, 0.5, 30.0) if "cutting" in words else None
+    contact = BitContact(800.0, 500.0, 0.4, 0.3, 0.5, damping, "guided" in words, gauge)
     return RockBit(4, BitShape(0.3, 0.2, 0.15), contact, law, rock, hole, "quasi" not in words, lobes)
 
 
@@ -117,6 +128,8 @@ def build(kind: str, seed: int = 7) -> tuple[DiscreteSystem, RockBit]:
     asm.x[drilled], asm.x[where["hole.end"][4]] = 0.29, [0.01, -0.02, 0.03]
     ends = where["hole.end"][4]
     asm.v0[ends] = [0.1, 0.02, 0.05] - SHIFT * asm.x[ends]
+    if "hole.overgauge" in where:
+        asm.x[where["hole.overgauge"][4]] = 0.006
     if "bit.chips" in where:
         asm.x[where["bit.chips"][4]] = 0.29 + 0.01 * rng.standard_normal(CHIPS)
     for word, impose in (

@@ -49,7 +49,8 @@ def mesh_for(kind: str):
     if "junction" in kind:
         mesh = replace(mesh, junction=np.array([0, 1, 0, 0, 0], bool), rigid_above=np.array([0, 0.3, 0, 0.0]))
     if "bodies" in kind:
-        body = RigidItem("stabiliser", "stabilizer", 1, 0.0, 0.3, 1.3, 0.15, (0.05, -0.02), 0.2, 0.4, 0.25)
+        body = RigidItem("stabiliser", "stabilizer", 1, 0.0, 0.3, 1.3, 0.15, (0.05, -0.02), 0.2, 0.4, 0.25,
+                         guided="guided" in kind)  # fmt: skip
         mesh = replace(mesh, bodies=(body,), eccentricity=np.tile([0.0, 0.03], (4, 1)))
     if "curvature" in kind:
         mesh = replace(mesh, curvature=np.tile([0.1, -0.2], (4, 1)))
@@ -257,6 +258,7 @@ KINDS = [
     "contact_hertz_stribeck",
     "mud_items",
     "contact_junction_bodies_bit",
+    "contact_junction_bodies_guided",
 ]
 
 

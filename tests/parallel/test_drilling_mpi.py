@@ -25,6 +25,7 @@ FORMATIONS = {
         "node_spacing": 0.005,
     },
     "post_step": {"drillability": 2e-6, "growth": "post_step", "node_spacing": 0.005},
+    "cutting side": {"drillability": 2e-6, "strength": 5e6, "node_spacing": 0.005},
 }
 
 
@@ -48,7 +49,7 @@ def test_new_hole_is_the_same_on_1_2_and_3_ranks(law, tmp_path):
         "top": {"kind": "top_drive", "rotation": 12.0, "lowering": 0.3},
         "initial": {"from": "straight"},
         "time": {"end": 0.12},
-        "output": {"history_every": 0.02, "field_every": 0.12},
+        "output": {"history_every": 0.02, "field_every": 0.12, "item_forces": True},
     }
     path = tmp_path / "case.yaml"
     path.write_text(yaml.safe_dump(case))

@@ -41,6 +41,7 @@ RUNS = {
         {"drillability": 5e-8, "node_spacing": 0.02, "layers": [{"from": 80.03, "drillability": 3e-8}]},
     ),
     "plain rate": (MOTION, {"drillability": 2e-6, "node_spacing": 0.002}),
+    "cutting side": (MOTION, {"drillability": 2e-6, "strength": 5e6, "node_spacing": 0.002}),
     "chips": (
         MOTION,
         {

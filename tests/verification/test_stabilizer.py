@@ -12,6 +12,7 @@ from drillpetsc.analysis.statics import static_summary
 from drillpetsc.model.drilling_model import DrillingModel, build_model
 from drillpetsc.output import read_table
 from drillpetsc.output.static_table import static_table
+from drillpetsc.output.wall_depth import wall_depth_notes
 
 SPAN, STABILIZER, HOLE, WEIGHT, MASS, G = 30.0, 0.212, 0.2159, 242.0, 50.0, 9.81
 AREA, BENDING = 3.4047325e-3, 1.2240289e6  # of a pipe of 127 x 108.6 mm [m2], [N m2]
@@ -46,9 +47,8 @@ def supported(length: float, **keys) -> tuple[DrillingModel, StaticState]:
         string=[pipe, {"kind": "stabilizer", "length": length, "od": STABILIZER, "mass": MASS}, pipe],
         top="clamped",
         bottom="clamped",
-        contact={"stiffness": STIFFNESS},
         gravity=G,
-        **keys,
+        **{"contact": {"stiffness": STIFFNESS}, **keys},
     )
     model = build_model(case)
     return model, find_equilibrium(model)
@@ -93,6 +93,19 @@ def test_the_history_has_the_side_force_on_request(tmp_path):
     assert item["side_force [N]"] == pytest.approx(force[-1], rel=1e-6)
     plain = run(supported(0.2, time={"end": 0.01})[0].case, tmp_path / "plain", progress="silent")
     assert not any(name.startswith("side_force") for name in plain.summary["final"])
+
+
+def test_a_note_names_the_item_whose_penetration_is_large():
+    """A stabilizer without length sinks into the wall by F/(k od), 0.19 mm or 10 % of its stand-off: its results depend on k.  Below
+    3 %, on a wall of 1e10 Pa, nothing is said."""
+    model, _ = supported(0.0)
+    (note,) = wall_depth_notes(model)
+    assert note.startswith("stabilizer at MD 15 m depends on the wall stiffness")
+    depth = support_load() / (STIFFNESS * STABILIZER)
+    assert f"by {1e3 * depth:.2g} mm of its radial clearance of {1e3 * STAND_OFF:.2g} mm" in note
+    assert depth > 0.03 * STAND_OFF
+    hard, _ = supported(0.0, contact={"stiffness": 1e10})
+    assert wall_depth_notes(hard) == []
 
 
 def test_depth_of_an_item_is_that_in_the_hole(tmp_path):

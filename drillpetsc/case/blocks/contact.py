@@ -32,11 +32,12 @@ class Contact(Block):
         description="force per length: stiffness * penetration (linear) or * penetration^1.5 (hertz); "
         "hertz_point: force at each point of an element, stiffness * penetration^1.5",
     )
-    stiffness: float = Field(
+    stiffness: float | Literal["physical"] = Field(
         default=1e8,
         description="contact stiffness per length (linear, hertz) or of a point (hertz_point): "
         + ", ".join(f"{law} [{unit}]" for law, unit in STIFFNESS_UNIT.items())
-        + "; a default only for linear",
+        + "; a default only for linear. physical (linear only): from the moduli of casing and rock (formation.young) at each part of "
+        "the string",
     )
     restitution: Annotated[float, Quantity("", at_least=1e-3, at_most=1)] = Field(
         default=0.5, description="coefficient of restitution: speed after over speed before an impact"
@@ -59,7 +60,11 @@ class Contact(Block):
 
     @field_validator("stiffness", mode="plain", json_schema_input_type=float | str)
     @classmethod
-    def _by_law(cls, value: Any, info: ValidationInfo) -> float:
+    def _by_law(cls, value: Any, info: ValidationInfo) -> float | str:
+        if value == "physical":
+            if info.data.get("law") == "linear":
+                return "physical"
+            raise refuse(got=value, want="a number: physical is a stiffness of the linear law")
         return Quantity(STIFFNESS_UNIT[info.data.get("law", "linear")], above=0).read(value)
 
     @model_validator(mode="after")

@@ -296,6 +296,16 @@ class Formation(Block):
         default=0.0,
         description="radius of the new hole less that of the bit; negative for an under-gauge hole",
     )
+    strength: Annotated[float, Quantity("Pa", at_least=5e6, at_most=250e6)] | None = Field(
+        default=None,
+        description="compressive strength of the rock, at which the side of the hole gives way to a bit with side: cutting; 60 MPa "
+        "for such a bit when not given",
+    )
+    young: Annotated[float, Quantity("Pa", at_least=1e8, at_most=200e9)] | None = Field(
+        default=None,
+        description="Young's modulus of the rock, from which contact.stiffness: physical and a bit with side: cutting take the "
+        "stiffness of the wall; 20 GPa when not given",
+    )
     growth: Literal["state", "post_step"] = Field(
         default="state",
         description="state: the hole's end is integrated with the string; post_step: moved after each step (for comparison)",

@@ -470,6 +470,17 @@ class Bit(Rigid):
     kind: Literal["bit"] = Field(description="bit")
     length: RigidLength = Field(description="length")
     od: Diameter = Field(description="diameter of the bit")
+    side: Literal["guided", "cutting", "rolling"] | None = derived_default(
+        "side of the bit in its hole. guided: friction brakes its rotation and does not push it round the hole; cutting: it rolls "
+        "and slides on rock that gives way at formation.strength; rolling: the same on a wall that does not. When not given, "
+        "cutting with a formation whose strength is given, otherwise guided"
+    )
+    gauge_length: Annotated[float, Quantity("m", above=0, at_most=2, kind="diameter")] = Field(
+        default=0.05, description="length of the gauge, which bears on the rock (side: cutting)"
+    )
+    gauge_width: Annotated[float, Quantity("m", above=0, at_most=1, kind="diameter")] = derived_default(
+        "width of the gauge that bears on the rock, that of a blade (side: cutting); a tenth of od when not given"
+    )
     bit_type: Literal["PDC", "roller_cone", "diamond", "core"] | None = Field(
         default=None, description="type of the bit; shown in reports, chooses nothing by itself"
     )
@@ -485,4 +496,6 @@ class Bit(Rigid):
     @model_validator(mode="after")
     def _flow_area(self) -> Bit:
         self.fill_defaults(nozzle_area=_area_of_nozzles(self, self.od, "the bit"))
+        if self.gauge_width is None:
+            self.fill_defaults(gauge_width=0.1 * self.od)
         return self

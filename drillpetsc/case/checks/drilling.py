@@ -20,6 +20,7 @@ def check_drilling(case: CaseBlocks) -> None:
     if case.fluid is not None and case.fluid.cuttings == "returned" and case.formation is None:
         hint = "without a formation nothing is cut"
         raise refuse("fluid", "cuttings", got="returned", want="removed, or a formation", hint=hint)
+    _side_of_bit(case)
     if case.formation is None:
         return
     if case.well is None:
@@ -39,6 +40,21 @@ def check_drilling(case: CaseBlocks) -> None:
         raise refuse("formation", want=want, hint="a bit cuts the rock: bottom: {kind: bit}")
     _one_stiffness(case, case.bottom)
     _new_hole(case)
+
+
+def _side_of_bit(case: CaseBlocks) -> None:
+    """Raise if the side of the bit is to cut and there is no rock, or no wall."""
+    bit = case.string[-1]
+    if not isinstance(bit, Bit) or bit.side != "cutting":
+        return
+    if case.formation is None or case.contact is None:
+        missing = "formation" if case.formation is None else "contact"
+        want = "guided or rolling, or a formation with a strength and contact with the hole"
+        hint = f"the rock beside the bit gives way at formation.strength; the case has no {missing}"
+        raise refuse("string", len(case.string) - 1, "side", got="cutting", want=want, hint=hint)
+    if bit.length > 0 and bit.gauge_length > bit.length + LENGTH_TOLERANCE:
+        want = f"at most the length of the bit, {said(bit.length, 'length', case.output.units or case.units)}"
+        raise refuse("string", len(case.string) - 1, "gauge_length", got=bit.gauge_length, want=want)
 
 
 def _bit_passes(case: CaseBlocks) -> None:

@@ -86,7 +86,7 @@ inline bool touches(const ContactLaw& law, const Well& well, const Vec<double>& 
     return false;
 }
 
-// Touching point x of the axis with velocity u, section turning with `turning`, radius R; weight: length it stands for.
+// Touching point x of the axis with velocity u, section turning with `turning`, radius R; weight: length it stands for, times its hardness.
 // guided: friction has a torque and a force along the hole, none round it.
 template <class T>
 inline void touch(const ContactLaw& law, const Well& well, const Foot& foot, const Vec<T>& x, const Vec<T>& u, const Vec<T>& turning, double R,
@@ -180,6 +180,7 @@ struct BeamContact {
         LENGTH, RIGID,  // of the element and of the rigid item above it [m]
         RADIUS,         // of the section [m]
         FRICTION,       // coefficient; negative: that of the wall
+        HARDNESS,       // stiffness of the wall over that of the law
         NP)
 
     template <class T, class S>
@@ -207,7 +208,7 @@ struct BeamContact {
         T theta1 = T(0.0), theta2 = T(0.0);
         const Well well(law.well);
         for (int q = 0; q < law.points; ++q) {
-            const double s = law.at[2 * q], w = law.at[2 * q + 1] * L;
+            const double s = law.at[2 * q], w = law.at[2 * q + 1] * L * p[HARDNESS];
             const Interpolation at(s, L);
             const Vec<T> place = at.sum(at.r, r1, v1, r2, v2);
             const int k = e * law.points + q;
@@ -249,6 +250,7 @@ struct BodyContact {
         RADIUS,         // [m]
         FRICTION,       // coefficient; negative: that of the wall
         GUIDED,         // 1: friction does not push it round the hole
+        HARDNESS,       // stiffness of the wall over that of the law
         NP)
 
     template <class T, class S>
@@ -263,7 +265,7 @@ struct BodyContact {
         const Vec<T> turning = cross(t.t, t.t1) + t.t * y[6];
         const Well well(law.well);
         for (int q = 0; q < law.points; ++q) {
-            const double distance = p[ABOVE] + law.at[2 * q] * p[LENGTH], w = law.at[2 * q + 1] * p[SPAN];
+            const double distance = p[ABOVE] + law.at[2 * q] * p[LENGTH], w = law.at[2 * q + 1] * p[SPAN] * p[HARDNESS];
             const int k = e * law.points + q;
             const Vec<T> place = vec(x) + t.t * distance;
             Foot foot;

@@ -48,7 +48,7 @@ inline bool subtract_contact(int e, const double* x, const double* y, const doub
     const Vec<double> u1 = vec(y), w1 = vec(y + 3), u2 = vec(y + 7), w2 = vec(y + 10);
     const Well well(law.well);
     for (int q = 0; q < law.points; ++q) {
-        const double s = law.at[2 * q], weight = law.at[2 * q + 1] * p[P::LENGTH];
+        const double s = law.at[2 * q], weight = law.at[2 * q + 1] * p[P::LENGTH] * p[P::HARDNESS];
         const Interpolation at(s, p[P::LENGTH]);
         const Vec<double> place = at.sum(at.r, r1, v1, r2, v2);
         const int k = e * law.points + q;

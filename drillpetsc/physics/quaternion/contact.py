@@ -37,6 +37,7 @@ class QuaternionContact(Contact):
                 rigid=m.rigid_above[e],
                 radius=0.5 * m.contact_diameter[e],
                 friction=friction,
+                hardness=self.hardness[0][e],
             )
             self._blocks.append(
                 ElementBlock(
