@@ -31,7 +31,7 @@ from drillpetsc.analysis.placement import move_rigidly, prescribed_motion, relea
 from drillpetsc.analysis.steady_flow import release_flow
 from drillpetsc.analysis.time_scales import time_scales
 from drillpetsc.analysis.transient import make_folder
-from drillpetsc.analysis.unresolved_modes import unresolved_growth
+from drillpetsc.analysis.unresolved_modes import fed_by_swirl, unresolved_growth
 from drillpetsc.arrays import FloatArray
 from drillpetsc.case.case import Case
 from drillpetsc.case.checks.limits import refuse_quaternion
@@ -472,7 +472,7 @@ def run_modes(
             **mode_summary(found, state),
             "time_scales": time_scales(model).lines(),
         }
-        summary["warnings"] += unresolved_growth(model, found)
+        summary["warnings"] += [*unresolved_growth(model, found), *fed_by_swirl(model, found)]
         if comm.rank == 0:
             _write(model, folder, found, summary, fields)
     return RunResult(folder.path, summary, _lines(case, folder, found, summary))

@@ -1,4 +1,4 @@
-"""Growing modes that the mesh does not resolve.  Manual: sec-eigen-bottom."""
+"""Growing modes that the mesh does not resolve, and those that the mud feeds.  Manual: sec-eigen-bottom, sec-mud-swirl."""
 
 from __future__ import annotations
 
@@ -32,4 +32,22 @@ def unresolved_growth(model: DrillingModel, found: Modes) -> list[str]:
         f"{int(coarse.sum())} of the growing modes, from {found.frequency[coarse].min():.4g} Hz, have pressure waves shorter than "
         f"{ELEMENTS_PER_WAVE:g} elements of {length:.3g} m: their growth may come from the mesh; it is one of the model where it stays "
         f"with element_length below {length * highest / found.frequency[coarse].max():.2g} m"
+    ]
+
+
+def fed_by_swirl(model: DrillingModel, found: Modes) -> list[str]:
+    """Return a note on forward whirls that grow since the mud swirls faster about the string than they go round; collective."""
+    annulus = None if model.fluid is None else model.fluid.annulus
+    if annulus is None or model.beam is None:
+        return []
+    own = float(np.abs(annulus.parameter("swirl")).max(initial=0.0))
+    fastest = max(model.system.comm.tompi4py().allgather(own)) / (2 * np.pi)
+    lateral = np.array([kind == "lateral" for kind in found.kind], dtype=bool)
+    fed = found._grows & lateral & (found.frequency > 0) & (found.frequency < fastest)
+    if not fed.any():
+        return []
+    return [
+        f"forward whirls that grow: {int(fed.sum())}; the mud swirls with the string at up to {fastest:.3g} Hz and feeds whirls that are "
+        "slower; campbell finds the rotary speed from which on, and --set fluid.swirl=NUMBER what hangs on the swirl (by default 0.26 "
+        "of the spin about 5 in pipe in 8 1/2 in hole; rough walls and turbulence halve it)"
     ]

@@ -8,6 +8,7 @@ from scipy.optimize import root
 
 from drillpetsc import Case
 from drillpetsc.analysis.modal import modes, prepare_state
+from drillpetsc.analysis.unresolved_modes import fed_by_swirl
 from drillpetsc.model.drilling_model import build_model
 from drillpetsc.physics.fluid.added_mass import stokes_force
 
@@ -47,7 +48,9 @@ def first_whirls(case: Case) -> np.ndarray:
     model = build_model(case)
     prepare_state(model)
     m = modes(model, 4, kind="lateral")
-    found = m.growth + 2j * np.pi * m.frequency
+    found = m.eigenvalue
+    grows = bool((found.real[found.imag > 0] > 1e-6).any())
+    assert bool(fed_by_swirl(model, m)) == grows  # the note on whirls that the mud feeds
     return found[(found.imag > 0) & (found.imag < 10)][:2]
 
 
