@@ -7,12 +7,14 @@ energy from it in each period; where that is more than ``LOST``, it may be the f
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from math import pi
 
 import numpy as np
 
 from drillpetsc.arrays import FloatArray
+from drillpetsc.fem.string_mesh import RigidItem
 from drillpetsc.model.drilling_model import DrillingModel
 from drillpetsc.output.rigid_items import RigidItems
 from drillpetsc.parallel import total
@@ -47,19 +49,24 @@ def unbalanced(model: DrillingModel) -> bool:
     return bool(np.any(m.eccentricity) or np.any(m.curvature) or any(np.any(b.offset) for b in m.bodies))
 
 
+def _rolling(ratio: float, fastest: float) -> Callable[[float], float]:
+    """Rate of a part of radius over clearance ``ratio`` that rolls on the wall, at most ``fastest`` [rad/s]."""
+    return lambda spin: min(ratio * spin, fastest)
+
+
 @dataclass(frozen=True)
 class _Part:
     """A rigid item, or elements of one section of pipe, that may roll on the wall.
 
     name: for the user; cells: (k,) local elements, or body: number of the rigid item; node: local node with its spin, -1 on other
-    ranks; ratio: R/c [-]; depth: measured, in the hole [m]; clearance: radial [m].
+    ranks; rate(spin): at which it whirls [rad/s] at a spin [rad/s]; depth: measured, in the hole [m]; clearance: radial [m].
     """
 
     name: str
     cells: np.ndarray
     body: int
     node: int
-    ratio: float
+    rate: Callable[[float], float]
     depth: float
     clearance: float
 
@@ -102,8 +109,19 @@ class WhirlSteps:
             clearance = float(np.asarray(model.well.radius(md))) - body.radius
             if clearance >= SMALLEST_CLEARANCE * body.radius:
                 node = local.get(body.node, -1)
+                rolling = _rolling(body.radius / clearance, self._fastest(body))
+                out.append(_Part(body.name, np.zeros(0, int), int(k), node, rolling, md, clearance))
+            elif body.kind == "bit" and not body.guided:
                 out.append(
-                    _Part(body.name, np.zeros(0, int), int(k), node, body.radius / clearance, md, clearance)
+                    _Part(
+                        body.name,
+                        np.zeros(0, int),
+                        int(k),
+                        local.get(body.node, -1),
+                        self._of_bit(body),
+                        md,
+                        0.0,
+                    )
                 )
         radius = 0.5 * mesh.contact_diameter
         middle = 0.5 * (place[:-1] + place[1:])
@@ -116,9 +134,34 @@ class WhirlSteps:
             k = int(chosen[0])
             name = model.case.string[int(key[0])].name
             out.append(
-                _Part(name, cells, -1, -1, float(ratio[k]), float(middle[chosen].mean()), float(clearance[k]))
+                _Part(
+                    name,
+                    cells,
+                    -1,
+                    -1,
+                    _rolling(float(ratio[k]), np.inf),
+                    float(middle[chosen].mean()),
+                    float(clearance[k]),
+                )
             )
         return out
+
+    def _fastest(self, body: RigidItem) -> float:
+        """Rate [rad/s] at which a body vibrates on its contact with the wall: no whirl that lasts is faster."""
+        law = self.model.contact.law  # type: ignore[union-attr]
+        mass = sum(b.mass for b in self.model.mesh.bodies if b.node == body.node)
+        return float(np.sqrt(law.stiffness * (body.contact_length or 2 * body.radius) / mass))
+
+    def _of_bit(self, body: RigidItem) -> Callable[[float], float]:
+        """Whirl rate of a bit in gauge whose side may drive it round the hole (manual: eq-bit-whirl)."""
+        fastest = self._fastest(body)
+        gauge = getattr(getattr(self.model.drilling, "contact", None), "gauge", None)
+        if gauge is None:
+            return lambda spin: fastest if spin > SLOWEST else 0.0
+        mass = sum(b.mass for b in self.model.mesh.bodies if b.node == body.node)
+        return lambda spin: (
+            min(fastest, gauge.strength / (mass * spin * body.radius)) if spin > SLOWEST else 0.0
+        )
 
     def _depths(self, local: dict[int, int]) -> FloatArray:
         """(n+1,) measured depths of the nodes in the hole [m], on all ranks."""
@@ -140,12 +183,12 @@ class WhirlSteps:
         spin, ends = np.abs(asm.y[asm.dofs_of("string.spin")][:, 0]), self.model.system.chain.ends
         for k, part in enumerate(parts):
             if part.body >= 0:
-                if part.node >= 0 and bodies[part.body]:
-                    out[k] = part.ratio * spin[part.node]
+                if part.node >= 0 and (bodies[part.body] or part.clearance == 0.0):
+                    out[k] = part.rate(float(spin[part.node]))
             else:
                 on = part.cells[touching[part.cells]]
                 if len(on):
-                    out[k] = part.ratio * spin[ends[on]].max()
+                    out[k] = part.rate(float(spin[ends[on]].max()))
         comm = self.model.system.comm
         if comm.size > 1:
             from mpi4py import MPI
@@ -186,11 +229,9 @@ class WhirlSteps:
         """
         touched = self._rates()
         lost = [
-            (turned * part.ratio, part)
+            (part.rate(turned), part)
             for part, rate in zip(self.parts, touched, strict=True)
-            if turned > SLOWEST
-            and turned * part.ratio * step > self.product
-            and (part.body >= 0 or rate > 0.0)
+            if turned > SLOWEST and part.rate(turned) * step > self.product and (part.body >= 0 or rate > 0.0)
         ]
         if not lost:
             return []

@@ -203,7 +203,7 @@ def second(out: Path, names: list[str], end: float) -> None:
     plt.close(figure)
 
 
-STUDIES = {"first": (first, FIRST, 20.0), "knobs": (knobs, KNOBS, 18.0), "second": (second, ASSEMBLIES, 0.0)}
+STUDIES = {"first": (first, FIRST, 16.0), "knobs": (knobs, KNOBS, 12.0), "second": (second, ASSEMBLIES, 0.0)}
 
 
 def main() -> None:
