@@ -373,6 +373,9 @@ STABILITY: tuple[SummaryKey, ...] = (
     SummaryKey("weights", "N", "List: weights on bit."),
     SummaryKey("searched", "", "Kind of the modes, or all kinds."),
     SummaryKey("unstable", "-", "Number of points at which a mode grows."),
+    SummaryKey(
+        "marginal", "-", "Number of points whose largest growth is within 1e-4 of the angular frequency."
+    ),
     SummaryKey("boundaries", "-", "Number of speeds found at which stability changes."),
     SummaryKey("warnings", "", "What the user should know."),
 )

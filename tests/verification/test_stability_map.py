@@ -231,3 +231,28 @@ def test_behaviour_of_a_run():
         assert classify(t, spin)[3] == expected
     index, _, rest, _ = classify(t, 10 + 8 * wave)
     assert index == pytest.approx(0.8, rel=5e-3) and rest == 0
+
+
+def test_a_growth_far_below_the_frequency_is_marginal():
+    """3e-5 1/s at 0.2 Hz takes 4600 periods to double: neither stable nor unstable; 1e-2 1/s, and any growth without period, is."""
+    from drillpetsc.analysis.frequency.stability_map import Point, _lines, _summary, boundaries
+
+    def point(growth: float, frequency: float, speed: float = 10.0) -> Point:
+        return Point(speed, 1e5, growth, frequency, "torsional", 0.0)
+
+    small = [point(3e-5, 0.2, s) for s in (8.0, 10.0, 12.0)]
+    assert all(p.marginal and not p.unstable for p in small)
+    assert point(1e-2, 0.2).unstable and point(3e-5, 0.0).unstable and not point(-1e-2, 0.2).unstable
+    case = Case(**spring_and_bit())
+    summary = _summary(case, small, [], (8.0, 10.0, 12.0), (1e5,), None)
+    assert (summary["unstable"], summary["marginal"]) == (0, 3)
+    lines = _lines(case, Path("x"), small, [], summary)
+    assert "unstable at 0 of 3 points, marginal at 3" in lines[0] and "marginal at all speeds" in lines[1]
+
+    class Growth:
+        weight = 1e5
+
+        def at(self, speed: float) -> Point:
+            return point(3e-5 * (1 if speed > 10 else -1), 0.2, speed)
+
+    assert boundaries(Growth(), (8.0, 12.0)) == []  # no boundary between two growths that are none

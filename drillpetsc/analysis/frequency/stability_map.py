@@ -27,6 +27,7 @@ from drillpetsc.solvers import petsc_options as options
 from drillpetsc.unit_systems import display_unit
 
 SPEED_TOLERANCE = 0.05 * RPM  # of a boundary [rad/s]
+MARGINAL = 1e-4  # growth over |s| within which a mode neither grows nor decays: 1100 periods to double; less than damping is known
 METHODS = ("eigen", "time")
 SAYS = {"steady": "is steady", "decays": "calms down", "grows": "swings up", "stick_slip": "sticks and slips"}
 IMBALANCE_SHARE = 1e-2  # unbalanced force over weight on bit beyond which a state counts as not steady
@@ -42,6 +43,18 @@ class Point:
     frequency: float
     kind: str
     imbalance: float
+
+    @property
+    def marginal(self) -> bool:
+        """Whether the growth is too small beside the frequency to be told from none."""
+        return self.frequency > 0 and abs(self.growth) <= MARGINAL * np.hypot(
+            self.growth, 2 * np.pi * self.frequency
+        )
+
+    @property
+    def unstable(self) -> bool:
+        """Whether a mode grows beyond the marginal band; False where nothing was found."""
+        return self.growth > 0 and not self.marginal
 
 
 @dataclass(frozen=True)
@@ -111,7 +124,10 @@ def boundaries(growth: StateGrowth, speeds: tuple[float, ...]) -> list[Boundary]
     """Find the speeds between ``speeds`` at which the largest growth changes its sign, within ``SPEED_TOLERANCE``."""
     out = []
     for low, high in zip(speeds, speeds[1:], strict=False):
-        first, last = growth.at(low).growth, growth.at(high).growth
+        ends = growth.at(low), growth.at(high)
+        first, last = ends[0].growth, ends[1].growth
+        if all(end.marginal for end in ends):
+            continue
         if not (np.isfinite(first) and np.isfinite(last)) or (first > 0) == (last > 0):
             continue
         try:
@@ -204,7 +220,7 @@ def _compare(summary: dict[str, Any], points: list[Point], runs: list[RunPoint],
     differ = [
         (p, r)
         for p, r in zip(points, runs, strict=True)
-        if r.behaviour != "failed" and np.isfinite(p.growth) and (p.growth > 0) != r.unstable
+        if r.behaviour != "failed" and np.isfinite(p.growth) and not p.marginal and p.unstable != r.unstable
     ]
     summary["runs"]["differ"] = len(differ)
     if counts["failed"]:
@@ -248,7 +264,8 @@ def _summary(
         "speeds": [rpm_of(s) for s in speeds],
         "weights": list(weights),
         "searched": kind or "all kinds",
-        "unstable": sum(p.growth > 0 for p in points),
+        "unstable": sum(p.unstable for p in points),
+        "marginal": sum(p.marginal for p in points),
         "boundaries": len(edges),
         "warnings": warnings,
     }
@@ -262,6 +279,10 @@ def _lines(
         f"{case.title or 'case'}: steady motion at {len(summary['speeds'])} speeds and {len(summary['weights'])} weights on bit, "
         f"unstable at {summary['unstable']} of {len(points)} points"
     ]
+    if summary["marginal"]:
+        lines[0] += (
+            f", marginal at {summary['marginal']} (growth within {MARGINAL:g} of the angular frequency)"
+        )
     for weight in summary["weights"]:
         own = [p for p in points if p.weight == weight]
         worst = max((p for p in own if np.isfinite(p.growth)), key=lambda p: p.growth, default=None)
@@ -274,7 +295,11 @@ def _lines(
                 "none"
                 if worst is None
                 else "unstable at all speeds"
-                if all(p.growth > 0 for p in own)
+                if all(p.unstable for p in own)
+                else "stable or marginal at all speeds"
+                if any(p.marginal for p in own) and not any(p.unstable for p in own)
+                else "unstable at some speeds"
+                if any(p.unstable for p in own)
                 else "stable at all speeds"
             )
         line = f"  {weight / size:>8.4g} {text}  boundary: {shown}"
