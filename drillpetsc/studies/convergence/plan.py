@@ -135,15 +135,13 @@ def read_base(
     if case.time is None:
         raise CaseError(at="time", want="a block {end: ...}", file=path)
     end = case.time.end
-    if (
-        is_alpha(case, case.petsc) and "ts_type" not in case.petsc
-    ):  # as options, which the points of a curve replace
+    # the integrator as options, which the points of a curve replace
+    chosen: dict[str, Any] = {}
+    if is_alpha(case, case.petsc) and "ts_type" not in case.petsc:
         radius = case.time.spectral_radius
-        chosen: dict[str, Any] = {"ts_type": "alpha2"} | (
-            {} if radius is None else {"ts_alpha_radius": radius}
-        )
-        time = {k: v for k, v in data["time"].items() if k not in ("integrator", "spectral_radius")}
-        data = {**data, "time": time, "petsc": {**data.get("petsc", {}), **chosen}}
+        chosen = {"ts_type": "alpha2"} | ({} if radius is None else {"ts_alpha_radius": radius})
+    time = {k: v for k, v in data["time"].items() if k != "spectral_radius"} | {"integrator": "bdf"}
+    data = {**data, "time": time, "petsc": {**data.get("petsc", {}), **chosen}}
     every = float(case.output.with_intervals(end).history_every)  # type: ignore[arg-type]
     petsc = {**case.petsc, **options}
     return Base(

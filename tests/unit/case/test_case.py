@@ -51,7 +51,7 @@ def test_vertical_2000m() -> None:
     assert case.bottom.kind == "bit" and case.bottom.stiffness == 1e8 and case.formation is not None
     assert case.string[1].eccentricity == 0.0005
     assert case.initial.from_ == "statics" and case.initial.wob == 20e3
-    assert case.time is not None and case.time.end == 10.0
+    assert case.time is not None and case.time.end == 12.0
     assert case.output.probes == (600.0, 1200.0, 1900.0)
     assert case.well is not None and case.contact is not None
     assert [section.friction for section in case.well.sections] == [0.2, 0.3]
