@@ -129,6 +129,8 @@ def initial_state(
         return state
     release(model)
     move_rigidly(model)
+    for component in model.components:
+        component.settle(model.system.assembly)
     if state is None or case.top.force is not None:
         find_reactions(model)
     return state

@@ -95,7 +95,8 @@ class Swirl:
         step = self._now - self._start
         if step > 0.0:
             now, _ = self.at(self._now)
-            self.trend[:], self.swirl[:], self._start = (spin - self.spin) / step, now, self._now
+            self.trend[:], self.swirl[:] = (spin - self.spin) / step, now
+        self._start = self._now  # of a clock that may have begun anew
         self.spin[:] = spin
         self._set = set()
         return None
@@ -107,7 +108,7 @@ class Swirl:
         """
         if self._start is None:
             return np.zeros((2, len(self.spin)))[0], np.zeros(len(self.spin))
-        step, share = t - self._start, self.share
+        step, share = max(0.0, t - self._start), self.share
         at_once = np.isinf(self.follow)
         k = np.where(at_once, 1.0, self.follow)
         late = np.where(at_once, 0.0, share * self.trend / k)
