@@ -6,6 +6,7 @@ from pathlib import Path
 
 from drillpetsc.analysis import checkpoint
 from drillpetsc.analysis.equilibrium import StaticState, director_equilibrium
+from drillpetsc.analysis.freed_weight import weight_warnings
 from drillpetsc.analysis.imperfection import add_imperfection_of_rest
 from drillpetsc.analysis.motor_statics import motor_equilibrium
 from drillpetsc.analysis.path_answer import PathKind
@@ -108,6 +109,7 @@ def initial_state(
     state = None
     if case.initial.from_ == "statics":
         state = find_equilibrium(model)
+        state.warnings += weight_warnings(model)
         if state.path is not None:  # friction follows the motion from now on
             model.system.assembly.dead_load = state.path.persistent_load
     elif case.initial.from_ in ("rest", "straight"):

@@ -14,7 +14,7 @@ from drillpetsc.analysis.buckling import Buckling, buckling
 from drillpetsc.analysis.coarse_mesh import state_warnings
 from drillpetsc.analysis.equilibrium import MOTIONS, StaticState
 from drillpetsc.analysis.initial_state import find_equilibrium
-from drillpetsc.analysis.limits.operations import case_of, motion_of, read_operation
+from drillpetsc.analysis.limits.operations import OPERATIONS, case_of, motion_of, read_operation
 from drillpetsc.analysis.mud_above_top import mud_above_top
 from drillpetsc.analysis.path_answer import PathKind
 from drillpetsc.analysis.path_question import has_path
@@ -22,6 +22,7 @@ from drillpetsc.analysis.placement import prescribed_motion, top_depth
 from drillpetsc.analysis.run_options import refuse_misspelt
 from drillpetsc.analysis.slider_travel import stop_warnings
 from drillpetsc.analysis.top_push import top_push
+from drillpetsc.analysis.torque_drag.operations import plan_of, told
 from drillpetsc.analysis.transient import make_folder
 from drillpetsc.case.case import Case
 from drillpetsc.case.checks.limits import refuse_quaternion
@@ -113,7 +114,7 @@ def run_statics(
         if comm.rank == 0:
             write_case(given, folder)  # as the user has it; the summary has the operation
             _write(model, folder, columns, values, summary, fields)
-    return RunResult(folder.path, summary, _lines(case, folder, state, summary))
+    return RunResult(folder.path, summary, _lines(given, folder, state, summary))
 
 
 def band_of_theory(model: DrillingModel, state: StaticState) -> list[str]:
@@ -214,6 +215,11 @@ def _write(
 def _lines(case: Case, folder: RunFolder, state: StaticState, summary: dict[str, Any]) -> list[str]:
     units = case.output.units or "SI"
     lines = [f"{case.title or 'case'}: static equilibrium, motion {summary['motion']}"]
+    lines += (
+        [f"  {told(case, plan_of(case), summary['motion'], units)}"]
+        if summary["motion"] in OPERATIONS
+        else []
+    )
     for q in STATIC_SUMMARY:
         if summary.get(q.name) is not None:
             number, unit = in_units(summary[q.name], q, units)

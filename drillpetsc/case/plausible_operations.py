@@ -68,7 +68,9 @@ def flows(case: CaseBlocks) -> list[str]:
         keys["fluid.flow_rate"] = largest(case.fluid.flow_rate)
     if case.roadmap is not None:
         for word in ("drilling", "sliding", "backreaming"):
-            keys[f"roadmap.{word}.flow_rate"] = getattr(case.roadmap, word).flow_rate
+            keys[f"roadmap.{word}.flow_rate"] = (
+                getattr(case.roadmap, word).flow_rate or 0.0
+            )  # not given: that of the fluid
     out = []
     for key, flow in keys.items():
         if flow > 0 and not LEAST_FLOW <= flow / bit.od <= MOST_FLOW:

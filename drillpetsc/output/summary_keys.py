@@ -482,6 +482,7 @@ LIMITS: tuple[SummaryKey, ...] = (
         "",
         "Least tension limit less tension at pick-up: margin [N], ratio, md [m], item, hook_load [N]; null where unknown.",
     ),
+    SummaryKey("margin_of_overpull_still", "", "The same with still mud, where mud is pumped."),
     SummaryKey(
         "max_overpull_at_bit",
         "",

@@ -89,3 +89,64 @@ def test_default_friction_of_the_bit_is_said(tmp_path):
     (note,) = [n for n in result.summary["notes"] if "bottom.friction 0.3, the default" in n]
     assert "5000 ft-lbf" in note
     assert any(line.strip().startswith("Torque on bit") for line in result.lines)
+
+
+FLOW = to_si("500 gpm", "m3/s")
+MUD = {
+    "density": "10 ppg",
+    "rheology": {"model": "bingham", "plastic_viscosity": "20 cP", "yield_stress": "5 Pa"},
+    "flow_rate": "500 gpm",
+}
+
+
+@pytest.mark.parametrize("word", ["drilling", "rotate_off_bottom", "trip_out"])
+def test_one_flow_rate(tmp_path, word):
+    """The pumps of the case run while drilling and rotating, and are off in trips: the same hook load from all three commands.
+
+    A roadmap without a flow_rate had still mud: its hook load while drilling was that without jets and drag.
+    """
+    c = case({"bit_depth": ["400 m"]}).replace({"fluid": MUD, "string": with_nozzles()})
+    drawn = run_roadmap(c, tmp_path / "r")
+    table = read_table(drawn.folder / "roadmap.csv")
+    hook = float(table["hook_load [N]"][table["operation [-]"] == word][0])
+    limits, statics = run_limits(c, word, out=tmp_path / "l"), run_statics(c, tmp_path / "s", operation=word)
+    for result in (limits, statics):
+        assert result.summary["hook_load"] == pytest.approx(hook, rel=3e-3)
+    pumped = "pumps off" if word == "trip_out" else "pump at 500 gpm"
+    for result in (drawn, limits, statics):
+        assert any(line.startswith(f"  {word}: ") and line.endswith(pumped) for line in result.lines[:8])
+
+
+def test_a_flow_rate_of_the_roadmap_is_that_of_all(tmp_path):
+    """roadmap.drilling.flow_rate 0 stops the pumps of `limits`, too: its pressures are those of still mud."""
+    c = case({"drilling": {"flow_rate": 0}}).replace({"fluid": MUD, "string": with_nozzles()})
+    result = run_limits(c, "drilling", out=tmp_path / "l")
+    assert any("pumps off" in line for line in result.lines[:3])
+    table = read_table(result.folder / "limits.csv")
+    assert table["internal_pressure [Pa]"][0] == pytest.approx(0.0, abs=1e3)
+    assert "margin_of_overpull_still" not in result.summary
+
+
+def test_margin_of_overpull_with_pumps_on_and_off(tmp_path):
+    """Pressure p in the bore at the rig takes p pi d^2/4 from the margin, where no mud stands outside (eq-tubulars-wall-tension)."""
+    c = case().replace({"fluid": MUD, "string": with_nozzles()})
+    result = run_limits(c, "drilling", out=tmp_path / "l")
+    pressure = read_table(result.folder / "limits.csv")["internal_pressure [Pa]"][0]
+    less = (
+        result.summary["margin_of_overpull_still"]["margin"] - result.summary["margin_of_overpull"]["margin"]
+    )
+    assert pressure > 1e6 and less == pytest.approx(
+        pressure * np.pi / 4 * to_si("2.8125 in", "m") ** 2, rel=1e-2
+    )
+
+
+def with_nozzles():
+    """Collars with a bit whose nozzles are open."""
+    collar = {
+        "kind": "drill_collar",
+        "length": "399.7 m",
+        "od": "6.75 in",
+        "id": "2.8125 in",
+        "element_length": "20 m",
+    }
+    return [collar, {"kind": "bit", "length": "0.3 m", "od": "8.5 in", "nozzle_area": "400 mm2"}]

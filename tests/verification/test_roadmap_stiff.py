@@ -212,10 +212,13 @@ def test_flow_against_the_coupled_solution(tmp_path):
     pumped = roadmap(made.replace({"roadmap": plan}), tmp_path / "r")
     load = float(read_table(pumped.folder / "roadmap.csv")["hook_load [N]"][0])
     assert load == pytest.approx(exact, rel=7e-3)
-    plan["drilling"].pop("flow_rate")
+    plan["drilling"]["flow_rate"] = "0 gpm"
     still = roadmap(made.replace({"roadmap": plan}), tmp_path / "q")
     assert float(read_table(still.folder / "roadmap.csv")["hook_load [N]"][0]) > 1.06 * exact
     assert any("the mud stands still in drilling" in note for note in still.summary["notes"])
+    plan["drilling"].pop("flow_rate")  # then it is that of the case, 550 gpm
+    own = roadmap(made.replace({"roadmap": plan}), tmp_path / "o")
+    assert float(read_table(own.folder / "roadmap.csv")["hook_load [N]"][0]) == load
 
 
 def test_flow_that_cannot_be(tmp_path):

@@ -28,6 +28,7 @@ from drillpetsc.analysis.torque_drag.operations import (
     grades_assumed,
     plan_of,
     rotation_note,
+    told,
     torque_of_bit,
 )
 from drillpetsc.analysis.transient import RunResult, make_folder
@@ -141,7 +142,7 @@ def run_limits(
             write_summary(folder.summary, summary)
             answer = summary
         summary = comm.tompi4py().bcast(answer)
-    lines = _lines(case, summary, units)
+    lines = _lines(given, summary, units)
     lines.append(f"  results: {folder.path}   (scripts/drillpetsc plot {shlex.quote(str(folder.path))})")
     return RunResult(folder.path, summary, lines)
 
@@ -227,9 +228,12 @@ def _notes(model: DrillingModel) -> list[str]:
     if model.fluid is None:
         out.append("no mud: no pressures and no buoyancy")
     elif model.fluid.bore is not None and case.fluid is not None and case.fluid.flow_rate is not None:
+        flow = case.fluid.flow_rate.value(0.0)
         out.append(
-            "pressures are those of the case's flow rate, in every operation, and in the margin of overpull; trips of the roadmap "
-            "have still mud, as with fluid.flow_rate: 0"
+            "pressures are those of still mud"
+            if not flow
+            else f"pressures are those of {shown(flow, 'flow', case.output.units or 'metric')}, in the margin of overpull, too; "
+            "beside it that of still mud"
         )
     if model.contact is not None and any(isinstance(item, Jointed) for item in case.string):
         of = {item.clearance for item in case.string if isinstance(item, Jointed)}
@@ -325,6 +329,8 @@ def _margins(
     limit, pressure = pipe.tension_limit[:, None] * np.ones((1, 2)), found.axial - found.effective
     if np.isfinite(limit).any():
         out |= _overpull(soft, limit, pressure)
+        if (still := _still_pressure(model)) is not None:
+            out["margin_of_overpull_still"] = _overpull(soft, limit, still)["margin_of_overpull"]
     else:
         notes.append("no margin of overpull: no yield strength is known")
     out["max_wob"] = {
@@ -344,6 +350,23 @@ def _margins(
     notes.append("margin of overpull, max_wob, max_slackoff and available_wob are those of the soft string")
     notes += bends_left_out(model.case) + cutters_left_out(model.case)
     return out
+
+
+def _still_pressure(model: DrillingModel) -> FloatArray | None:
+    """(n, 2) tension of the wall less effective tension [N] in still mud; None where no mud is pumped."""
+    fluid, case, mesh = model.fluid, model.case, model.mesh
+    if (
+        fluid is None
+        or case.fluid is None
+        or case.fluid.flow_rate is None
+        or not case.fluid.flow_rate.value(0.0)
+    ):
+        return None
+    gravity = float(np.linalg.norm(np.array(case.gravity, dtype=float)))
+    pressure = case.fluid.density * gravity * np.maximum(Surroundings(model).tvd, 0.0)
+    inside = 0.0 if fluid.bore is None else mesh.tube_bore_area[:, None]
+    outside = 0.0 if fluid.annulus is None else mesh.tube_outer_area[:, None]
+    return np.asarray(pressure * (inside - outside))
 
 
 def _overpull(soft: SoftLimits, limit: FloatArray, pressure: FloatArray) -> dict[str, Any]:
@@ -450,6 +473,7 @@ def _lines(case: Case, summary: dict[str, Any], units: System) -> list[str]:
     word = summary["operation"]
     doing = words_of(case, word, units) if word in OPERATIONS else word
     lines = [f"{case.title or 'case'}: limits, {doing}"]
+    lines += [f"  {told(case, plan_of(case), word, units)}"] if word in OPERATIONS else []
 
     def add(label: str, text: str) -> None:
         lines.append(f"  {label:<38}{text}")
@@ -489,6 +513,8 @@ def _lines(case: Case, summary: dict[str, Any], units: System) -> list[str]:
     margin = summary["margin_of_overpull"]
     if margin is not None:
         add("Margin of overpull", f"{shown(margin['margin'], 'force', units)} {place(margin)}")
+        if (still := summary.get("margin_of_overpull_still")) is not None:
+            add("Margin of overpull, pumps off", f"{shown(still['margin'], 'force', units)} {place(still)}")
         pull = summary["max_overpull_at_bit"]
         if pull["pull"] is not None:
             add(

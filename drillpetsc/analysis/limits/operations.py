@@ -11,6 +11,7 @@ from drillpetsc.case.case import Case
 from drillpetsc.case.key_paths import suggestion
 from drillpetsc.errors import CaseError
 from drillpetsc.physics.bit_on_bottom import bit_torque
+from drillpetsc.time_function import Constant
 from drillpetsc.unit_systems import System, shown
 
 #: other words of the trade
@@ -85,6 +86,7 @@ def case_of(case: Case, name: str) -> Case:
     Raises CaseError where the case cannot be in it.
     """
     at, operation = "--operation", OPERATIONS[name]
+    case = _pumping(case, load_of(case, plan_of(case), name).flow)
     if case.well is None:
         raise CaseError(at=at, got=name, want="a case with a well: without a hole there is no friction")
     if case.top.force is not None:
@@ -117,6 +119,14 @@ def case_of(case: Case, name: str) -> Case:
             "formation": None,
         }
     )
+
+
+def _pumping(case: Case, flow: float) -> Case:
+    """The case with the flow rate [m3/s] of an operation; one that is pumped by a pressure stays as it is."""
+    fluid = case.fluid
+    if fluid is None or not case.has_bore or fluid.flow_rate is None or fluid.flow_rate.value(0.0) == flow:
+        return case
+    return case.model_copy(update={"fluid": fluid.model_copy(update={"flow_rate": Constant(flow)})})
 
 
 def _with_torque_of_roadmap(case: Case, bottom: BitBottom) -> Case:

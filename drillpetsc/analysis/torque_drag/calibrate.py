@@ -97,8 +97,8 @@ def _notes(case: Case, work: Calibration, parameters: tuple[str, ...]) -> list[s
         and work.data.hook.any()
     ):
         notes.append("no rig.block_weight: measured hook loads are taken as those of the string alone")
-    if case.fluid is not None:
-        where = " for points without a flow_rate" if work.pumped else ""
+    if case.fluid is not None and work.still:
+        where = f" in {', '.join(work.still)}" if work.pumped else ""
         notes.append(f"the mud stands still{where}: forces of the flow on the string are left out")
     idle = [
         p

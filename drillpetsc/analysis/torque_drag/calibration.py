@@ -143,6 +143,10 @@ class Calibration:
             )
         self.loads = np.array(loads, dtype=float).reshape(-1, 4)
         self.pumped = any(flow for flow, _ in flows)
+        #: operations of points with the pumps off
+        self.still = tuple(
+            dict.fromkeys(p.operation for p, (flow, _) in zip(points, flows, strict=True) if not flow)
+        )
         self._set_flow(flows)
         self.excludes_block = excludes_block
         block = None if case.rig is None else case.rig.block_weight

@@ -14,7 +14,7 @@ from drillpetsc.case.blocks.roadmap import DepthRange, Roadmap
 from drillpetsc.case.case import Case
 from drillpetsc.errors import CaseError
 from drillpetsc.physics.bit_on_bottom import bit_torque
-from drillpetsc.unit_systems import shown
+from drillpetsc.unit_systems import System, shown
 from drillpetsc.units import to_si
 
 DEPTHS = 30  # bit depths where the case gives none
@@ -173,23 +173,46 @@ def rotation_note(case: Case, plan: Roadmap) -> str:
     return f"{rpm} {where} for rotate_off_bottom and drilling"
 
 
+def flow_of(case: Case, given: float | None = None) -> float:
+    """Flow rate [m3/s] of an operation that pumps: as given, else that of the case at time 0; 0 where the case gives a pump pressure."""
+    own = None if case.fluid is None or not case.has_bore else case.fluid.flow_rate
+    return (0.0 if own is None else max(float(own.value(0.0)), 0.0)) if given is None else given
+
+
+def told(case: Case, plan: Roadmap, operation: str, units: System) -> str:
+    """What an operation does, in words and in ``units``: the assumptions that roadmap, limits and statics share."""
+    load = load_of(case, plan, operation)
+    along = {"drilling": "rop", "sliding": ""}.get(operation, "trip_speed")
+    parts = [f"{shown(load.wob, 'force', units)} on bit"] if load.wob else []
+    parts += [f"{shown(load.torque, 'torque', units, plot=True)} of torque on bit"] if load.torque else []
+    if along and load.axial_velocity:
+        parts.append(shown(abs(load.axial_velocity), along, units))
+    parts += [shown(load.rotation, "rotation", units)] if load.rotation else ["no rotation"]
+    if case.fluid is not None and case.fluid.flow_rate is not None:
+        parts.append(f"pump at {shown(load.flow, 'flow', units)}" if load.flow else "pumps off")
+    return f"{operation}: {', '.join(parts)}"
+
+
 def load_of(case: Case, plan: Roadmap, operation: str) -> Load:
-    """Weight, torque and speeds of an operation."""
+    """Weight, torque, speeds and flow rate of an operation; the pumps are off in trips."""
     if operation == "trip_in":
         return Load(0.0, 0.0, -plan.trip_speed, 0.0)
     if operation == "trip_out":
         return Load(0.0, 0.0, plan.trip_speed, 0.0)
     if operation == "rotate_off_bottom":
-        return Load(0.0, 0.0, 0.0, rotation_of(case, plan))
+        return Load(0.0, 0.0, 0.0, rotation_of(case, plan), flow_of(case))
     if operation == "backreaming":
         back = plan.backreaming
-        return Load(0.0, back.tob, back.speed, back.rpm, back.flow_rate)
+        return Load(0.0, back.tob, back.speed, back.rpm, flow_of(case, back.flow_rate))
     wob = _wob(case, plan, operation)
     if operation == "drilling":
         block = plan.drilling
-        return Load(wob, torque_of_bit(case, plan), -block.rop, rotation_of(case, plan), block.flow_rate)
+        flow = flow_of(case, block.flow_rate)
+        return Load(wob, torque_of_bit(case, plan), -block.rop, rotation_of(case, plan), flow)
     slide = plan.sliding
-    return Load(wob, slide.tob, -1.0, 0.0, slide.flow_rate)  # all friction is axial, whatever the speed
+    return Load(
+        wob, slide.tob, -1.0, 0.0, flow_of(case, slide.flow_rate)
+    )  # all friction is axial, whatever the speed
 
 
 def groups_of(case: Case) -> np.ndarray:

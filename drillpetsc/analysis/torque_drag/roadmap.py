@@ -25,6 +25,7 @@ from drillpetsc.analysis.torque_drag.operations import (
     plan_of,
     shoes_of,
     strings_of,
+    told,
 )
 from drillpetsc.analysis.torque_drag.string_rows import StringRows, gravity_of, need_well
 from drillpetsc.analysis.torque_drag.table import OK, Pressures, failed, rows_of, still_mud
@@ -106,7 +107,8 @@ def circulations(
         for d, rows in enumerate(strings):
             if load.flow and (d, load.flow) not in out and not rows.misfit:
                 try:
-                    at = f"roadmap.{operation}.flow_rate"
+                    given = getattr(getattr(plan_of(case), operation, None), "flow_rate", None)
+                    at = "fluid.flow_rate" if given is None else f"roadmap.{operation}.flow_rate"
                     out[d, load.flow] = circulation(case, rows.depth, load.flow, at)
                 except SolveError as error:
                     out[d, load.flow] = error
@@ -250,6 +252,7 @@ def run_roadmap(
         )
         write_summary(folder.summary, summary)
     lines = [f"{case.title or 'case'}: roadmap, {MODELS[model]}, {len(rows)} rows"]
+    lines += [f"  {told(case, plan, word, system)}" for word in plan.operations]
     lines += _lines(rows, pairs, plan.operations, strings[-1].depth, system, block is not None)
     lines += measured_lines(found, system)
     if stiff:
@@ -430,6 +433,9 @@ def _lines(
         if any(abs(row["surface_torque"]) > 0 for row in some):
             values = "".join(f"{_cell(row['surface_torque'] / m):>14}" for row in some)
             lines.append(f"  {'':<18} {'surface torque':<20} {moment:<8}{values}")
+        if any(np.isfinite(row["overpull_margin"]) for row in some):
+            values = "".join(f"{_cell(row['overpull_margin'] / f):>14}" for row in some)
+            lines.append(f"  {'':<18} {'margin of overpull':<20} {force:<8}{values}")
         if any(row["buckling_state"] != "none" for row in some):
             values = "".join(f"{row['buckling_state']:>14}" for row in some)
             lines.append(f"  {'':<18} {'buckling':<28} {values}")

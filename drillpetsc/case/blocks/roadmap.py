@@ -130,9 +130,9 @@ class Drilling(Block):
     )
     tob: Torque = Field(default=to_si("5 kft-lbf", "N m"), description="torque of the rock on the bit")
     rop: Rop = Field(default=to_si("60 ft/h", "m/s"), description="rate of penetration")
-    flow_rate: Flow = Field(
-        default=0.0,
-        description="flow rate of the pump, which drags and lifts the string; 0: the mud stands still",
+    flow_rate: Flow | None = Field(
+        default=None,
+        description="flow rate of the pump, which drags and lifts the string; 0: the mud stands still; fluid.flow_rate at time 0 when not given",
     )
 
 
@@ -143,9 +143,9 @@ class Sliding(Block):
         default=None, description="weight on bit; initial.wob when not given, else 15 klbf"
     )
     tob: Torque = Field(default=to_si("2 kft-lbf", "N m"), description="torque of the rock on the bit")
-    flow_rate: Flow = Field(
-        default=0.0,
-        description="flow rate of the pump, which drags and lifts the string; 0: the mud stands still",
+    flow_rate: Flow | None = Field(
+        default=None,
+        description="flow rate of the pump, which drags and lifts the string; 0: the mud stands still; fluid.flow_rate at time 0 when not given",
     )
 
 
@@ -155,9 +155,9 @@ class Backreaming(Block):
     speed: Speed = Field(default=to_si("20 ft/min", "m/s"), description="upward speed")
     rpm: Rotation = Field(default=to_si("80 rpm", "rad/s"), description="rotation")
     tob: Torque = Field(default=to_si("1 kft-lbf", "N m"), description="torque of the rock on the bit")
-    flow_rate: Flow = Field(
-        default=0.0,
-        description="flow rate of the pump, which drags and lifts the string; 0: the mud stands still",
+    flow_rate: Flow | None = Field(
+        default=None,
+        description="flow rate of the pump, which drags and lifts the string; 0: the mud stands still; fluid.flow_rate at time 0 when not given",
     )
 
 

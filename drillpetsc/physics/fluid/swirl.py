@@ -36,7 +36,7 @@ class Swirl:
 
     share: (n,) swirl over spin when steady [-], 0 where the mud stands; it may be changed in place.
     After the last step, (n,) each: spin, swirl [rad/s], trend of the spin [rad/s2].
-    follow: (n,) rate at which the swirl follows [1/s], inf: at once; flow: (n,) to which it belongs, None: none yet.
+    follow: (n,) rate at which the swirl follows [1/s], inf: at once; flow: (n,) rate of flow to which it belongs [m3/s].
     """
 
     STATE = 6  #: columns of ``get_state``
