@@ -21,6 +21,7 @@ from drillpetsc.analysis.path_question import has_path
 from drillpetsc.analysis.placement import prescribed_motion, top_depth
 from drillpetsc.analysis.run_options import refuse_misspelt
 from drillpetsc.analysis.slider_travel import stop_warnings
+from drillpetsc.analysis.swirl_left_out import swirl_left_out
 from drillpetsc.analysis.top_push import top_push
 from drillpetsc.analysis.torque_drag.operations import plan_of, told
 from drillpetsc.analysis.transient import make_folder
@@ -96,6 +97,7 @@ def run_statics(
         figures = static_summary(model, state)
         state.warnings += mud_above_top(model, figures.get("hook_load"))
         state.warnings += top_push(case, figures.get("hook_load"))
+        state.warnings += swirl_left_out(model, figures.get("surface_torque"))
         state.warnings += [*stop_warnings(model), *wall_depth_notes(model)]
         figures["warnings"] = list(state.warnings)
         summary = {

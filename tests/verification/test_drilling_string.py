@@ -116,7 +116,7 @@ def section(diameters: tuple[float, float]) -> float:
 
 
 # ---------------------------------------------------------------------- with inertia and without
-@pytest.mark.parametrize("mud", [{}, {"fluid": MUD}], ids=["dry", "mud"])
+@pytest.mark.parametrize("mud", [{}, {"fluid": {**MUD, "swirl": "none"}}], ids=["dry", "mud"])
 def test_quasi_static_drilling_is_the_mean_of_the_motion(mud: dict[str, Any]) -> None:
     """Quasi-static run against the mean of the dynamic one: a hole that builds to 30 degrees, 120 rpm, weight
     on bit rising by a tenth in 6 s (manual: verif-quasi-static-drilling).
@@ -124,7 +124,8 @@ def test_quasi_static_drilling_is_the_mean_of_the_motion(mud: dict[str, Any]) ->
     Effect of inertia on the means: the string is a spring of k = 3.6 MN/m above a bit with D = 2.8e-8 m/(s N)
     (time constant 1/(k D) = 10 s), and its waves (2 L/c = 0.12 s) are a hundredth of that. So the difference
     is 1 % of the change of the forces, 0.1 % of the forces. Lateral motion has to displace mud, which
-    equilibrium has not: another 0.2 %.
+    equilibrium has not: another 0.2 %.  Without the swirl of the mud, which equilibrium leaves out: it adds 7 % to the torque here,
+    and statics says so.
     """
     still, moving = (
         follow(case([0, 0, np.pi / 6], mode, 6.0, **mud)) for mode in ("quasi_static", "dynamic")
