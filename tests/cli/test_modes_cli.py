@@ -24,6 +24,7 @@ string:
 material: {damping: {stiffness: 1.0e-4 s}}
 top: {kind: top_drive, rotation: 60 rpm}
 fluid:
+  swirl: none  # it feeds forward whirl here
   density: 1200 kg/m3
   rheology: {model: newtonian, viscosity: 10 mPa s}
   flow_rate: 10 l/s
