@@ -27,6 +27,7 @@ from drillpetsc.analysis.frequency.stokes import at_own_frequencies, frequency_d
 from drillpetsc.analysis.initial_state import find_equilibrium
 from drillpetsc.analysis.linearised_model import linearise_model, settle
 from drillpetsc.analysis.mean_over_turn import mean_over_turn
+from drillpetsc.analysis.modes_of_kind import lowest_of_kind
 from drillpetsc.analysis.placement import move_rigidly, prescribed_motion, release
 from drillpetsc.analysis.steady_flow import release_flow
 from drillpetsc.analysis.time_scales import time_scales
@@ -243,10 +244,11 @@ def modes(
     if linearised is not None:
         try:
             problem = linearised.eigenproblem(reference)
-            if shift is None:
-                eigenvalues = lowest_eigenvalues(
-                    problem, count, engine, _of_kind(model, linearised, kind) if kind else None
-                )
+            if shift is None and kind:
+                selected = _of_kind(model, linearised, kind)
+                eigenvalues = lowest_of_kind(model, linearised, problem, count, kind, selected, engine)
+            elif shift is None:
+                eigenvalues = lowest_eigenvalues(problem, count, engine)
             else:
                 eigenvalues = _nearest(
                     eigenvalues_near(problem, 2j * np.pi * shift, 2 * count, engine), shift, count

@@ -101,6 +101,10 @@ class Eigenvalues:
         return Eigenvalues(self.s[which], self.u[:, which], self.error[which], self.radius)
 
 
+#: which eigenvalues count: (m,) mask
+Selection = Callable[[Eigenvalues], np.ndarray]
+
+
 class _Scaled:
     """The problem in units of its scales and its reference rate, with rows of size one.
 
@@ -327,7 +331,7 @@ def lowest_eigenvalues(
     problem: QuadraticEigenproblem,
     count: int,
     engine: str = "auto",
-    selected: Callable[[Eigenvalues], np.ndarray] | None = None,
+    selected: Selection | None = None,
     sparing: bool = False,
 ) -> Eigenvalues:
     """Compute the oscillating eigenvalues of lowest |Im s|, sorted by |Im s|, real ones by growth.
@@ -368,7 +372,12 @@ def lowest_eigenvalues(
             per_disc = 2 * max(count - oscillating, DEFLATION_CHECKS) + 2 * DEFLATION_CHECKS
         if oscillating >= count or not np.isfinite(disc[1]):
             break
-    return _sorted(parts, count)
+    return lowest_of(parts, count)
+
+
+def backward_errors(problem: QuadraticEigenproblem, s: np.ndarray, u: np.ndarray) -> FloatArray:
+    """(m,) backward errors of eigenvalues s (m,) [1/s] with vectors u (n, m) (manual: eq-eigen-error)."""
+    return _Scaled(problem).error(s / problem.reference, u / problem.scale[:, None])
 
 
 def _height(disc: tuple[complex, float]) -> float:
@@ -377,7 +386,7 @@ def _height(disc: tuple[complex, float]) -> float:
     return centre.imag + float(np.sqrt(max(0.0, radius**2 - centre.real**2)))
 
 
-def _sorted(parts: list[Eigenvalues], count: int) -> Eigenvalues:
+def lowest_of(parts: list[Eigenvalues], count: int) -> Eigenvalues:
     """Join the parts; select ``count`` oscillating eigenvalues, the slowest real ones and all that grow."""
     s, u, error = (np.concatenate([getattr(r, k) for r in parts], axis=-1) for k in ("s", "u", "error"))
     joined = Eigenvalues(s, u, error)
