@@ -46,6 +46,7 @@ STATIC_PATH = "path of a buckled string"
 STATIC_BAND = "buckled string that slides"
 MESH_ERROR = "run --mesh-error"
 TOLERANCE_CHECK = "run --check-tolerance"
+WHIRLS = "run in which what may whirl limits a step"
 ACCEPTED_CHANGES = "run --accept-changes"
 _RIGID_ITEMS = (
     "List of every rigid item with an outer diameter: name, md [m] of the middle, side_force [N], its components with friction "
@@ -209,7 +210,7 @@ RUN: tuple[SummaryKey, ...] = (
     SummaryKey(
         "error_estimate.outputs",
         "",
-        "Estimated time error of the main outputs: range, error and their quotient share; null where an output switches.",
+        "Estimated time error of the main outputs: range, error at an instant and their quotient share, and pace, the relative error of size and speed of the changes; null where an output switches.",
         INERTIA,
     ),
     SummaryKey(
@@ -218,6 +219,15 @@ RUN: tuple[SummaryKey, ...] = (
         "Frequency above which the time formula takes more than 1 % of an amplitude in a period, at the median of the steps by time.",
         INERTIA,
     ),
+    SummaryKey(
+        "steps_limited_by.name",
+        "",
+        "Part whose whirl limited most of the steps (manual: sec-time-choice).",
+        WHIRLS,
+    ),
+    SummaryKey("steps_limited_by.md", "m", "Its measured depth at the start.", WHIRLS),
+    SummaryKey("steps_limited_by.share", "-", "Share of the steps that it limited.", WHIRLS),
+    SummaryKey("steps_limited_by.shortest", "s", "The shortest of these steps.", WHIRLS),
     SummaryKey(
         "error_estimate.mesh",
         "",

@@ -1,4 +1,4 @@
-"""Whirl that the swirl of the mud feeds, against closed forms (manual: sec-verif-swirl)."""
+"""Whirl that the swirl of the mud feeds, against closed forms (manual: verif-swirl)."""
 
 from __future__ import annotations
 

@@ -82,7 +82,7 @@ def test_records_have_the_layout_of_the_struct():
 
 def test_results_of_a_record_may_be_vectors():
     names = columns("bit_rock_results")
-    assert names["velocity"] == slice(8, 11) and names.width == 11
+    assert names["velocity"] == slice(8, 11) and names.width == 20
 
 
 def test_constants_are_numbers():

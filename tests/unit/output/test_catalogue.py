@@ -26,7 +26,7 @@ from drillpetsc.output.catalogue import (
     records,
 )
 from drillpetsc.output.files.tables import split_name
-from drillpetsc.output.summary_keys import STATIC_START, SUMMARY_KEYS
+from drillpetsc.output.summary_keys import STATIC_START, SUMMARY_KEYS, WHIRLS
 from drillpetsc.physics.quantities import BIT
 
 PIPE = {"kind": "pipe", "length": 29.6, "od": 0.127, "id": 0.1086, "element_length": 5.0}
@@ -82,9 +82,17 @@ _STRING = {"", where.STRING, where.INERTIA, STATIC_START}
 _MUD = {where.MUD, where.BORE, where.ANNULUS}
 _IN_WELL = {where.WELL, where.CONTACT, where.TOP}
 CONDITIONS: dict[str, set[str]] = {
-    "dry with bit": {*_STRING, *_IN_WELL, where.TUBES, where.BIT, where.BLOCK},
-    "mud": {*_STRING, *_IN_WELL, *_MUD, where.TUBES, where.MUD_AND_STRING},
-    "quasi-steady mud": {*_STRING, *_IN_WELL, *_MUD, where.TUBES, where.MUD_AND_STRING, where.FOLLOWS},
+    "dry with bit": {*_STRING, *_IN_WELL, where.TUBES, where.BIT, where.BLOCK, WHIRLS},
+    "mud": {*_STRING, *_IN_WELL, *_MUD, where.TUBES, where.MUD_AND_STRING, WHIRLS},
+    "quasi-steady mud": {
+        *_STRING,
+        *_IN_WELL,
+        *_MUD,
+        where.TUBES,
+        where.MUD_AND_STRING,
+        where.FOLLOWS,
+        WHIRLS,
+    },
     "joints": {*_STRING, where.TUBES, where.TOP, where.JOINTS},
     "drilling with mud": {
         *_STRING,
@@ -96,6 +104,7 @@ CONDITIONS: dict[str, set[str]] = {
         where.DRILLS,
         where.CUTS_SIDE,
         where.CUTTINGS,
+        WHIRLS,
     },
     "held": {"", *_MUD, where.WELL, where.INERTIA, STATIC_START},
     "free top, quasi-static": {"", where.STRING, where.TUBES, STATIC_START},
