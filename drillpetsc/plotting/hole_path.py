@@ -9,11 +9,13 @@ import numpy as np
 from drillpetsc.plotting import style
 from drillpetsc.plotting.directions import COURSE, direction, dogleg
 from drillpetsc.plotting.style import LINE_COLORS
+from drillpetsc.unit_systems import display_unit
 
 Table = dict[str, np.ndarray]
 
 ABOVE = 10.0  # length of old hole shown above the new hole [m]
-SHORT_COURSE = 3.0  # length over which the local dogleg severity is computed [m]
+#: by unit of depth: lengths over which the dogleg severity is computed, the local one first [m]
+COURSES = {"ft": (10 * 0.3048, 100 * 0.3048), "m": (3.0, COURSE)}
 LEAST_WIDTH = 0.5  # smallest width of a track of angles [deg]
 OLD, NEW = "0.45", LINE_COLORS[1]
 
@@ -89,29 +91,34 @@ def new_hole(table: Table, title: str, drilled: float) -> Any:
         return None
     top = max(start - ABOVE, float(md[0]))
     shown = np.union1d(md[md > top], top)
+    length, unit = style.depth_unit()
+    depth, kink = shown / length, start / length
+    size, _, per = display_unit("dogleg", style.UNITS.get() or "metric")
     turned = np.degrees(np.unwrap(np.radians(table["azimuth [deg]"])))
     drawing = style.figure(9.5, 7.5, dpi=110)
-    above = style.heading(drawing, f"{title}: new hole, {drilled:.4g} m")
+    above = style.heading(drawing, f"{title}: new hole, {drilled / length:.4g} {unit}")
     tracks = drawing.subplots(1, 3, sharey=True)
-    _track(tracks[0], shown, np.interp(shown, md, table["inclination [deg]"]), start, "Inclination [deg]")
-    _track(tracks[1], shown, np.interp(shown, md, turned), start, "Azimuth [deg]")
-    local, severity = _severity(table, shown, SHORT_COURSE), _severity(table, shown, COURSE)
-    _track(tracks[2], shown, local, start, "Dogleg severity [deg/30 m]", f"over the {SHORT_COURSE:g} m above")
+    _track(tracks[0], depth, np.interp(shown, md, table["inclination [deg]"]), kink, "Inclination [deg]")
+    _track(tracks[1], depth, np.interp(shown, md, turned), kink, "Azimuth [deg]")
+    courses = COURSES[unit]
+    local, severity = (_severity(table, shown, course) / size for course in courses)
+    names = [f"over the {course / length:g} {unit} above" for course in courses]
+    _track(tracks[2], depth, local, kink, f"Dogleg severity [{per}]", names[0])
     tracks[2].plot(
         severity,
-        shown,
+        depth,
         color="black",
         linewidth=1.2,
         linestyle=(0, (5, 2)),
-        label=f"over the {COURSE:g} m above",
+        label=names[1],
     )
     tracks[2].set_xlim(0.0, 1.15 * max(severity.max(), local.max(), 1e-3))
     tracks[2].legend(frameon=True, framealpha=0.9, edgecolor="none", fontsize=8.5, loc="best")
-    tracks[0].set(ylim=(md[-1] + 0.02 * drilled, top), ylabel="Measured depth [m]")
+    tracks[0].set(ylim=((md[-1] + 0.02 * drilled) / length, top / length), ylabel=f"Measured depth [{unit}]")
     for text, place, color in (("old hole", "bottom", OLD), ("new hole", "top", NEW)):
         tracks[1].annotate(
             text,
-            (0.98, start),
+            (0.98, kink),
             (0, 3 if place == "bottom" else -3),
             xycoords=tracks[1].get_yaxis_transform(),
             textcoords="offset points",
@@ -125,7 +132,7 @@ def new_hole(table: Table, title: str, drilled: float) -> Any:
 
 
 def _severity(table: Table, md: np.ndarray, course: float) -> np.ndarray:
-    """Dogleg severity (n,) [deg/30 m] over the ``course`` [m] above md (n,) [m].
+    """Dogleg severity (n,) [rad/m] over the ``course`` [m] above md (n,) [m].
 
     Directions between stations are interpolated.
     """
@@ -136,7 +143,7 @@ def _severity(table: Table, md: np.ndarray, course: float) -> np.ndarray:
         return t / np.linalg.norm(t, axis=1, keepdims=True)
 
     above = np.maximum(md - course, table["md [m]"][0])
-    return np.degrees(COURSE * dogleg(at(above), at(md)) / np.maximum(md - above, 1e-9))
+    return np.asarray(dogleg(at(above), at(md)) / np.maximum(md - above, 1e-9))
 
 
 def _track(axes: Any, md: np.ndarray, values: np.ndarray, start: float, label: str, name: str = "") -> None:

@@ -24,7 +24,7 @@ from drillpetsc.output.files.run_folder import BOUNDARY_TABLE, STABILITY_RUNS_TA
 from drillpetsc.output.quantities.frequency import STABILITY_BOUNDARY, STABILITY_MAP, STABILITY_RUNS
 from drillpetsc.output.result import RunResult
 from drillpetsc.solvers import petsc_options as options
-from drillpetsc.unit_systems import display_unit
+from drillpetsc.unit_systems import System, display_unit, shown
 
 SPEED_TOLERANCE = 0.05 * RPM  # of a boundary [rad/s]
 MARGINAL = 1e-4  # growth over |s| within which a mode neither grows nor decays: 1100 periods to double; less than damping is known
@@ -197,7 +197,7 @@ def run_stability(
                 runs.append(run_point(run_case, speed, weight, lowering, duration, comm))
     summary = _summary(case, points, edges, speeds, weights, kind)
     if runs:
-        _compare(summary, points, runs, duration)
+        _compare(summary, points, runs, duration, case.output.units or "metric")
     if comm.rank == 0:
         write_case_folder(case, folder.path)
         rows = [[rpm_of(p.speed), p.weight, p.growth, p.frequency, p.kind, p.imbalance] for p in points]
@@ -213,7 +213,9 @@ def run_stability(
     return RunResult(folder.path, summary, _lines(case, folder.path, points, edges, summary))
 
 
-def _compare(summary: dict[str, Any], points: list[Point], runs: list[RunPoint], duration: float) -> None:
+def _compare(
+    summary: dict[str, Any], points: list[Point], runs: list[RunPoint], duration: float, units: System
+) -> None:
     """Add to the summary what the runs did, and where they differ from the eigenvalues."""
     counts = {name: sum(r.behaviour == name for r in runs) for name in BEHAVIOURS}
     summary["runs"] = {"duration": duration, **{name: n for name, n in counts.items() if n}}
@@ -227,7 +229,7 @@ def _compare(summary: dict[str, Any], points: list[Point], runs: list[RunPoint],
         summary["warnings"].append(f"{counts['failed']} of {len(runs)} runs failed: nan in the table")
     for p, r in differ[:5]:
         summary["warnings"].append(
-            f"at {rpm_of(p.speed):g} rpm and {p.weight:g} N the run {SAYS[r.behaviour]}, and the largest growth is {p.growth:.3g} 1/s "
+            f"at {rpm_of(p.speed):g} rpm and {shown(p.weight, 'force', units)} the run {SAYS[r.behaviour]}, and the largest growth is {p.growth:.3g} 1/s "
             f"({p.kind}, {p.frequency:.3g} Hz)"
         )
     if len(differ) > 5:
@@ -246,7 +248,7 @@ def _summary(
     weights: tuple[float, ...],
     kind: str | None,
 ) -> dict[str, Any]:
-    warnings = []
+    warnings, units = list[str](), case.output.units or "metric"
     missing = [p for p in points if not np.isfinite(p.growth)]
     if missing:
         warnings.append(
@@ -256,8 +258,8 @@ def _summary(
     if rough:
         worst = max(rough, key=lambda p: p.imbalance / p.weight)
         warnings.append(
-            f"the state is not steady at {len(rough)} of {len(points)} points: unbalanced force up to {worst.imbalance:.3g} N "
-            f"at {rpm_of(worst.speed):g} rpm and {worst.weight:g} N"
+            f"the state is not steady at {len(rough)} of {len(points)} points: unbalanced force up to {shown(worst.imbalance, 'force', units)} "
+            f"at {rpm_of(worst.speed):g} rpm and {shown(worst.weight, 'force', units)}"
         )
     return {
         "title": case.title,

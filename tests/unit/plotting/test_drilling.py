@@ -3,6 +3,7 @@ pictures."""
 
 from __future__ import annotations
 
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -17,7 +18,7 @@ from drillpetsc.geometry.trajectory import angles
 from drillpetsc.geometry.well import Well
 from drillpetsc.output import RunFolder, read_table, write_summary, write_table
 from drillpetsc.output.files.run_folder import SWEEP_PICTURES
-from drillpetsc.plotting import directions, hole_path
+from drillpetsc.plotting import directions, hole_path, style
 from drillpetsc.plotting.directions import direction
 from drillpetsc.plotting.plot import plot
 from drillpetsc.plotting.sweep import (
@@ -320,3 +321,21 @@ def test_tracks_of_the_new_hole(tmp_path: Path) -> None:
     assert severity.lines[3].get_xdata()[-1] == pytest.approx(rate * 20 / 30, rel=1e-3)  # over the 30 m above
     assert inclination.lines[0].get_xdata()[[0, -1]] == pytest.approx([40.0, 40.6])
     assert azimuth.lines[0].get_xdata()[[0, -1]] == pytest.approx([359.9, 360.3])
+
+
+def test_the_new_hole_of_a_field_case_is_in_feet(tmp_path: Path) -> None:
+    """Depths over 0.3048 m, dogleg severity per 100 ft: 30.48/30 of that per 30 m; no metres in any text."""
+    write_hole(tmp_path / "trajectory.csv", 40.0, 359.9, 0.6, 0.4, 20.0)
+    table = read_table(tmp_path / "trajectory.csv")
+    token = style.UNITS.set("field")
+    try:
+        drawing = hole_path.new_hole(table, "t", 20.0)
+    finally:
+        style.UNITS.reset(token)
+    metric = hole_path.new_hole(table, "t", 20.0).axes[2].lines[0]
+    severity = drawing.axes[2].lines[0]
+    assert severity.get_ydata() * 0.3048 == pytest.approx(metric.get_ydata())
+    assert severity.get_xdata()[-1] == pytest.approx(metric.get_xdata()[-1] * 30.48 / 30, rel=1e-3)
+    texts = [t.get_text() for t in drawing.findobj(lambda a: hasattr(a, "get_text"))]
+    assert any("[deg/100ft]" in t for t in texts) and any("over the 100 ft above" in t for t in texts)
+    assert not [t for t in texts if re.search(r"\[m\]|\d m\b|30 ?m\b", t)]
