@@ -43,7 +43,7 @@ def test_script_that_ends_by_an_error(end, options):
 
 def test_state_after_a_step_that_failed_for_good(monkeypatch):
     """PETSc's post-step call after a failed step counts no step, and the state is that before it, to the last bit."""
-    with Session(load_case(CASE, ["petsc.ts_max_reject=2"])) as s:
+    with Session(load_case(CASE, ["petsc.ts_max_reject=2", "petsc.ts_type=bdf"])) as s:
         s.step(0.02)
         integrator = s._integrator
         asm, seen = integrator.system.assembly, []
