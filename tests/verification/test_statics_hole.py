@@ -425,7 +425,9 @@ def test_vertical_string_on_bottom_with_bent_collars():
     assert figures["hook_load"] == pytest.approx(weight - 5e4, rel=1e-4)
     assert figures["bit_torque"] == pytest.approx(0.3 * 5e4 * 2 / 3 * 0.2159 / 2, rel=1e-4)
     assert figures["surface_torque"] > figures["bit_torque"]
-    assert state.stable and figures["iterations"] < 50  # 44: the guided bit starts with a friction that has no side force
+    assert (
+        state.stable and figures["iterations"] < 50
+    )  # 44: the guided bit starts with a friction that has no side force
     columns, table = static_table(model)
     at = dict(zip([name for name, _ in columns], table.T, strict=True))
     assert np.hypot(at["offset_x"], at["offset_y"]).max() < 0.1122 - 0.0635 + 1e-3

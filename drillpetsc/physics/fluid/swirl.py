@@ -48,6 +48,7 @@ class Swirl:
         self.follow, self.flow = np.full(count, np.inf), np.zeros(count)
         self._start: float | None = None  # of the trend: time of the last step [s]; None: no motion has begun
         self._now, self._set = 0.0, set[int]()  # time of the last evaluation [s]; blocks with its parameters
+        self._writers: list[Callable[[], None]] = []  # of the parameters of each block
 
     # ------------------------------------------------------------------ parameters
     def attach(
@@ -61,7 +62,14 @@ class Swirl:
         rows: (m,) places of its elements in the arrays of this object, None: the block's points.
         """
         rows = block.points if rows is None else rows
-        p, key = block.named, id(block)
+        p, key = block.named, len(self._writers)
+
+        def write() -> None:
+            self._set.add(key)
+            swirl, rate = self.at(self._now)
+            share = self.share if self._start is not None else 0.0 * self.share
+            for name, value in zip(_NAMES, (share, swirl, rate, self.trend), strict=True):
+                p[name] = value[rows]
 
         def update(t: float) -> None:
             if others is not None:
@@ -69,24 +77,27 @@ class Swirl:
             if t != self._now:
                 self._now, self._set = t, set()
             if key not in self._set:
-                self._set.add(key)
-                swirl, rate = self.at(t)
-                share = self.share if self._start is not None else 0.0 * self.share
-                for name, value in zip(_NAMES, (share, swirl, rate, self.trend), strict=True):
-                    p[name] = value[rows]
+                write()
 
+        self._writers.append(write)
         block.update = update
 
     # ------------------------------------------------------------------ steps
     def start(self, spin: FloatArray) -> None:
         """Begin, or stay, with a steady swirl at the spins (n,) [rad/s]."""
         self._start, self.spin[:], self.swirl[:], self.trend[:] = self._now, spin, self.share * spin, 0.0
-        self._set = set()
+        self._write()
 
     def stop(self) -> None:
         """Return to mud that stands."""
-        self._start, self._set = None, set()
+        self._start = None
         self.swirl[:] = self.trend[:] = 0.0
+        self._write()
+
+    def _write(self) -> None:
+        """Set the parameters of all blocks now: linear analyses read them before the next evaluation."""
+        for write in self._writers:
+            write()
 
     def accept(self, spin: FloatArray) -> None:
         """Go on to an accepted step, at the time of the last evaluation, with the spins (n,) [rad/s] after it."""
