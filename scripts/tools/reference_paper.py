@@ -31,11 +31,11 @@ FIRST: dict[str, tuple[list[str], str]] = {
     "no-damping": (["fluid.lateral_damping=none"], "without viscous damping of lateral motion"),
     "pump-off": (["fluid.flow_rate=0 l/s"], "pump off"),
 }
-TURNING = ["top.rotation=80 rpm", "top.lowering=0 m/h", "formation=off"]  # steady from the start, on bottom
+TURNING = ["top.rotation=80 rpm"]  # steady from the start
 KNOBS: dict[str, tuple[list[str], str]] = {
     "default": ([], "as the case has it"),
-    "soft-wall": (["contact.stiffness=1e7 Pa"], "stiffness of the wall x 0.1"),
-    "hard-wall": (["contact.stiffness=1e9 Pa"], "stiffness of the wall x 10"),
+    "soft-rock": (["formation.young=2 GPa"], "modulus of the rock x 0.1"),
+    "hard-rock": (["formation.young=200 GPa"], "modulus of the rock x 10"),
     "restitution": (["contact.restitution=0.2"], "restitution 0.2 for 0.5"),
     "slip": (["contact.slip_velocity=0.003 m/s"], "slip velocity x 0.3"),
     "fine-mesh": (["string[0].element_length=4.5 m", "string[1].element_length=4 m"], "elements x 0.5"),
