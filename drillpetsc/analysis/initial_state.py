@@ -122,7 +122,9 @@ def initial_state(
         begin_new_states(model, 0.0)
         if quasi is None:
             release(model)
-            find_reactions(model)
+            find_reactions(model)  # at time 0, from which histories count
+            for component in model.components:
+                component.settle(model.system.assembly)
         else:
             quasi.start()
         return None

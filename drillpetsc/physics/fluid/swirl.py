@@ -106,8 +106,7 @@ class Swirl:
         step = self._now - self._start
         if step > 0.0:
             now, _ = self.at(self._now)
-            self.trend[:], self.swirl[:] = (spin - self.spin) / step, now
-        self._start = self._now  # of a clock that may have begun anew
+            self.trend[:], self.swirl[:], self._start = (spin - self.spin) / step, now, self._now
         self.spin[:] = spin
         self._set = set()
         return None
