@@ -104,6 +104,10 @@ class Swirl:
         if self._start is None:
             return self.start(spin)
         step = self._now - self._start
+        if np.array_equal(
+            spin, self.spin
+        ):  # the state that was accepted last, at the start of a run that goes on
+            return None
         if step > 0.0:
             now, _ = self.at(self._now)
             self.trend[:], self.swirl[:], self._start = (spin - self.spin) / step, now, self._now
