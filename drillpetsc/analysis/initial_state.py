@@ -124,7 +124,7 @@ def initial_state(
             release(model)
             find_reactions(model)  # at time 0, from which histories count
             for component in model.components:
-                component.settle(model.system.assembly)
+                component.settle(0.0, model.system.assembly)
         else:
             quasi.start()
         return None
@@ -134,7 +134,7 @@ def initial_state(
     release(model)
     move_rigidly(model)
     for component in model.components:
-        component.settle(model.system.assembly)
+        component.settle(0.0, model.system.assembly)
     if state is None or case.top.force is not None:
         find_reactions(model)
     return state

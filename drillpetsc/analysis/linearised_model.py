@@ -39,7 +39,7 @@ def settle(model: DrillingModel) -> list[str]:
         note = model.hoist.balance(model.system.assembly)
         notes += [note] if note else []
     for component in model.components:
-        component.settle(model.system.assembly)
+        component.settle(0.0, model.system.assembly)
     return notes
 
 

@@ -327,8 +327,8 @@ class Component:
     #: length of the vector that ``local_update`` returns, the same on every rank; 0: no update across ranks
     update_size: int = 0
 
-    def accept(self, state: Any) -> None:
-        """Update history variables after an accepted step."""
+    def accept(self, t: float, state: Any) -> None:
+        """Update history variables after an accepted step that ends at time ``t`` [s]."""
 
     def local_update(self, state: Any) -> FloatArray:
         """(update_size,) changes known to this rank after an accepted step, zero elsewhere."""
@@ -351,8 +351,8 @@ class Component:
     def set_local_state(self, state: dict[str, FloatArray]) -> None:
         """Continue from the history variables at the local points."""
 
-    def settle(self, state: Any) -> None:
-        """Give history variables the values that they have when the present motion is steady."""
+    def settle(self, t: float, state: Any) -> None:
+        """Give history variables the values that they have at time ``t`` [s] when the present motion is steady."""
 
     # ------------------------------------------------------------------ statics and quasi-static motion
     #: the loads of the component have a potential

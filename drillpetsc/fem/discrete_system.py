@@ -264,14 +264,14 @@ class DiscreteSystem:
             place["item"] = self.item_names[items[min(max(largest[2], 0), len(items) - 1)]]
         return place
 
-    def accept(self) -> None:
-        """Accept the current state and update components with history variables (collective).
+    def accept(self, t: float) -> None:
+        """Accept the current state at time ``t`` [s] and update components with history variables (collective).
 
         Rank-local changes are returned by ``local_update``; their sum over ranks is passed to
         ``apply_update``.
         """
         for component in self.components:
-            component.accept(self.assembly)
+            component.accept(t, self.assembly)
             if component.update_size:
                 change = component.local_update(self.assembly)
                 component.apply_update(total(self.comm, change))

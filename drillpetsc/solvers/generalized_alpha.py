@@ -226,7 +226,7 @@ class GeneralizedAlpha(TimeIntegrator):
         self._step_time[:, min(max(k, 0), CLASSES - 1)] += dt, dt * dt
         if self._monitored:
             print(f"{self.counters.steps} TS dt {dt:g} time {t:g}", flush=True)
-        self.system.accept()
+        self.system.accept(t)
         if self.work is not None:
             self.work.after_step(t, dt, self.newton.last_rows(), self.input_time(t), self.jumped)
         for call in self.after_step:
@@ -276,7 +276,7 @@ class GeneralizedAlpha(TimeIntegrator):
         system = self.system
         system.assembly.invalidate_prescribed_values()
         if not resume:
-            system.accept()
+            system.accept(start)
         near = END_TOLERANCE * max(1.0, abs(end))
         stops = sorted({b for b in breaks if start + near < b < end - near} | {end})
         jumps = {s for s in stops if any(abs(b - s) <= near for b in breaks)}
@@ -432,7 +432,8 @@ class GeneralizedAlpha(TimeIntegrator):
         empty = np.zeros(n)
         values = np.array([local(self.system, row, empty) for row in state["alpha"]])
         self.alpha = self.alpha.with_values(float(clock[1]), values)
-        self._load()
+        # positions and rates are the checkpoint's, in which states that it did not have may have begun
+        self.system.assembly.a[:n] = self.alpha.arrays["w"]
         self.fresh = self.alpha.step == 0.0
         self.newton.set_state(state)
 

@@ -398,7 +398,7 @@ class TimeIntegrator:
             ts.setTimeStep(
                 min(self.first_step, 2 * ts.getTimeStep(), remainder if remainder > SHORTEST_STEP else np.inf)
             )
-        self.system.accept()
+        self.system.accept(self._last)
         with self.system.assembly.unchanged():  # results of the step are shared by all that follows
             if self.work is not None:
                 rows = self.newton.last_rows()
@@ -455,7 +455,7 @@ class TimeIntegrator:
         system, ts = self.system, self.ts
         system.assembly.invalidate_prescribed_values()
         if not resume:
-            self.system.accept()
+            system.accept(start)
             system.store_state(self.state)
         # a break this near the start or the end coincides with it (0.1 + 0.2 and 0.3)
         near = END_TOLERANCE * max(1.0, abs(end))

@@ -179,6 +179,6 @@ def test_added_mass_follows_the_position_in_the_hole():
     component, block = model.fluid.annulus, model.fluid.annulus._blocks[0]
     aside = np.array([0.0, 0.25, 0.5, 0.75, 0.9]) * 0.5 * (0.2159 - 0.127)
     model.system.set_field("string.position", model.position + aside[:, None] * [0.6, 0.8, 0.0])
-    component.accept(model.system.assembly)
+    component.accept(0.0, model.system.assembly)
     middle = 0.5 * (aside[1:] + aside[:-1]) / (0.5 * (0.2159 - 0.127))
     assert block.named["chi"] == pytest.approx([chi_eccentric(0.127, 0.2159, e) for e in middle], rel=1e-3)

@@ -163,16 +163,14 @@ def test_swirl_follows_the_spin_as_its_equation_says():
             "annulus", "annulus_flow", "cell", np.zeros(1, np.int32), (), (), np.zeros((1, _width()))
         )
         swirl.attach(block)
-        swirl.start(np.zeros(1))
+        swirl.start(0.0, np.zeros(1))
         for t in np.linspace(0.0, 2.0, steps + 1)[1:]:
-            block.update(float(t))
-            swirl.accept(np.sin([omega * t]))
+            swirl.accept(float(t), np.sin([omega * t]))
         errors.append(abs(float(swirl.swirl[0]) - exact(2.0)))
     assert errors[-1] < 1e-3
     assert 1.7 < np.log2(errors[0] / errors[1]) < 2.3 and 1.7 < np.log2(errors[1] / errors[2]) < 2.3
     swirl.follow[:] = np.inf
-    block.update(2.5)
-    swirl.accept(np.array([5.0]))
+    swirl.accept(2.5, np.array([5.0]))
     block.update(2.5)
     assert swirl.at(2.5)[0] == pytest.approx(share * 5.0)
     assert block.named["swirl"][0] == pytest.approx(share * 5.0)

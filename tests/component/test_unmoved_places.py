@@ -75,7 +75,7 @@ def test_the_hole_is_evaluated_at_the_steps_at_which_a_projection_of_all_nodes_a
         annulus = model.fluid.annulus
         around = annulus.moving_hole
         places = model.system.layout.dofs["string.position"]
-        model.system.accept()
+        model.system.accept(0.0)
         start, found, stayed = asm.x.copy(), [], 0
         for k in range(200):
             asm.x[:] = start
@@ -83,7 +83,7 @@ def test_the_hole_is_evaluated_at_the_steps_at_which_a_projection_of_all_nodes_a
             if forget:
                 around._from = None
             stayed += around._stays(asm)
-            model.system.accept()
+            model.system.accept(0.0)
             found.append(around.get_state())
         depths.append(np.array(found))
         assert (stayed == 0) if forget else (20 < stayed < 180)

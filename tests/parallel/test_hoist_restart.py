@@ -4,16 +4,13 @@ from __future__ import annotations
 
 from pathlib import Path
 
-import numpy as np
 import pytest
 
 from drillpetsc import load_case
 from drillpetsc.analysis.transient import run
-from drillpetsc.output import read_table
-from tests.helpers.mpi import run_mpi
+from tests.helpers.ranks import FIXED, runs_on_ranks, same_histories
 from tests.parallel.test_restart import files, run_with_copies
 
-SCRIPT = Path(__file__).parent / "run_case.py"
 #: the autodriller begins at 0.04 s, its set point bends at 0.06 s; the torque is a sample
 CASE = """
 well:
@@ -63,15 +60,14 @@ def test_restarts_reproduce_the_run(measure, sample, tmp_path, monkeypatch):
 
 @pytest.mark.parallel
 def test_ranks_agree(tmp_path):
-    """Two and three ranks, against one: within 1e-6 of the largest value of each column."""
+    """Fixed steps on two and three ranks, against one.  The error of the speed is a small difference of large numbers."""
     case = written(tmp_path, "bit", "0 s")
-    run(load_case(case), tmp_path / "1", progress="silent")
-    one = read_table(tmp_path / "1" / "history.csv")
+    one = same_histories(runs_on_ranks(case, tmp_path, FIXED), without=("speed_error",))
     assert set(one["autodriller_mode [-]"]) >= {0.0, 1.0}
-    for ranks in (2, 3):
-        run_mpi(ranks, SCRIPT, [str(case), str(tmp_path / str(ranks))])
-        other = read_table(tmp_path / str(ranks) / "history.csv")
-        for name, values in one.items():
-            if name.split()[0] in ("step", "newton", "energy_error"):
-                continue
-            assert other[name] == pytest.approx(values, rel=1e-6, abs=1e-6 * np.abs(values).max()), name
+
+
+@pytest.mark.parallel
+def test_ranks_agree_on_steps_that_adapt(tmp_path):
+    """The local error is a difference of positions whose rounding, 1e-14 m, is 1e-4 of the first errors: steps differ as much."""
+    case = written(tmp_path, "bit", "0 s")
+    same_histories(runs_on_ranks(case, tmp_path, []), share=1e-5)

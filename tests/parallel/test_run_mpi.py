@@ -20,10 +20,15 @@ EXACT = ["-ts_adapt_type", "none", "-ts_dt", "2e-3", "-q_snes_stol", "1e-12"]
 
 @pytest.mark.parallel
 def test_generalised_alpha_is_the_same_on_1_2_and_3_ranks(tmp_path):
-    """Contact, mud, a bend and a jump of the top's motion (tests/parallel/test_restart.py), with fixed steps."""
+    """Contact, mud, a bend and a jump of the top's motion (tests/parallel/test_restart.py), with fixed steps.
+
+    After the jump at 60 ms the string strikes the wall, which multiplies rounding a thousandfold.
+    """
     (tmp_path / "case.yaml").write_text(WHIRL)
     exact = ["1e-3" if word == "2e-3" else word for word in EXACT] + ["-ts_type", "alpha2"]
-    same_histories(runs_on_ranks(tmp_path / "case.yaml", tmp_path, exact), share=5e-8)
+    folders = runs_on_ranks(tmp_path / "case.yaml", tmp_path, exact)
+    same_histories(folders, share=5e-8, until=0.06)
+    same_histories(folders, share=2e-6)
 
 
 @pytest.mark.parallel

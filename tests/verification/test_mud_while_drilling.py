@@ -159,7 +159,7 @@ def test_annulus_follows_a_string_that_slides_down_a_curved_hole():
     component.locate_hole(asm)
     for by in np.arange(0.04, 20.01, 0.04):
         shifted(model, by)
-        component.accept(asm)
+        component.accept(0.0, asm)
     steady_flow(model.system)
     ends = model.mesh.node_depth[[0, -1]] + 20.0
     pipes = 0.25 * np.pi * (200 * OUTER**2 + 100 * 0.14**2)
@@ -203,11 +203,11 @@ def test_restart_restores_the_mud_in_the_hole():
     steady_flow(model.system)
     for by in np.arange(0.3, 6.0, 0.3):
         shifted(model, by)
-        model.system.accept()
+        model.system.accept(0.0)
     again.system.assembly.x[:] = model.system.assembly.x
     for old, new in zip(model.fluid.components[1:], again.fluid.components[1:], strict=True):
         new.set_local_state(old.get_local_state())
-    again.system.accept()
+    again.system.accept(0.0)
     for old, new in zip(model.system.assembly.bound_blocks, again.system.assembly.bound_blocks, strict=True):
         if old.block.name.startswith(("annulus_flow", "bit_flow")):
             assert np.array_equal(old.block.params, new.block.params), old.block.name

@@ -221,10 +221,10 @@ class AnnulusFlow(ChannelFlow):
             self._swirl.stop()
         self._update_hole(state, False)
 
-    def settle(self, state) -> None:
+    def settle(self, t, state) -> None:
         """Let the mud swirl as it does when the present spins are steady."""
         if self._swirl is not None:
-            self._swirl.start(self._spins(state))
+            self._swirl.start(t, self._spins(state))
 
     def _spins(self, state) -> FloatArray:
         """(nc,) mean spin of the string in the local elements [rad/s]."""
@@ -249,12 +249,12 @@ class AnnulusFlow(ChannelFlow):
             flow[b.points] = state.x[state.index_of(b)[:, -1]]
         return flow
 
-    def accept(self, state) -> None:
+    def accept(self, t, state) -> None:
         """Update hole and added mass to the string's position after an accepted step."""
         self._update_hole(state, True)
         if self._swirl is not None:
             self._renew_following(self._swirl, state)
-            self._swirl.accept(self._spins(state))
+            self._swirl.accept(t, self._spins(state))
         if self.lateral.by_eccentricity is not None:
             self._renew_added_mass(state)
 

@@ -203,7 +203,7 @@ class BitFlow(Nozzle):
             middle = p["end"][0] - 0.5 * max(0.0, self._gap(p, x)) * p["axis"][0]
             p["lift"] = -self.fluid.density * p["reference"] * float(self.fluid.gravity @ middle)
 
-    def accept(self, state) -> None:
+    def accept(self, t, state) -> None:
         """Update the hole to the bit's position after an accepted step."""
         self._lift(state)
         self._update_hole(state, True)

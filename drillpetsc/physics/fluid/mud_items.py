@@ -88,16 +88,16 @@ class MudItems(Component):
             self._swirl.stop()
         self._locate(state)
 
-    def settle(self, state) -> None:
+    def settle(self, t, state) -> None:
         """Let the mud swirl as it does when the present spins are steady."""
         if self._swirl is not None:
-            self._swirl.start(self._spins(state))
+            self._swirl.start(t, self._spins(state))
 
-    def accept(self, state) -> None:
+    def accept(self, t, state) -> None:
         """Find the hole beside the items after an accepted step, and the swirl."""
         self._locate(state)
         if self._swirl is not None:
-            self._swirl.accept(self._spins(state))
+            self._swirl.accept(t, self._spins(state))
 
     def _spins(self, state) -> FloatArray:
         return np.asarray(state.y[state.dofs_of("string.spin")][self._vertices, 0])

@@ -47,8 +47,8 @@ class Swirl:
         self.spin, self.swirl, self.trend = np.zeros((3, count))
         self.follow, self.flow = np.full(count, np.inf), np.zeros(count)
         self._start: float | None = None  # of the trend: time of the last step [s]; None: no motion has begun
-        self._now, self._set = 0.0, set[int]()  # time of the last evaluation [s]; blocks with its parameters
-        self._writers: list[Callable[[], None]] = []  # of the parameters of each block
+        self._written = np.nan  # time to which the parameters of the blocks belong [s]
+        self._writers: list[Callable[[FloatArray, FloatArray, FloatArray], None]] = []
 
     # ------------------------------------------------------------------ parameters
     def attach(
@@ -62,57 +62,51 @@ class Swirl:
         rows: (m,) places of its elements in the arrays of this object, None: the block's points.
         """
         rows = block.points if rows is None else rows
-        p, key = block.named, len(self._writers)
+        p = block.named
 
-        def write() -> None:
-            self._set.add(key)
-            swirl, rate = self.at(self._now)
-            share = self.share if self._start is not None else 0.0 * self.share
+        def write(share: FloatArray, swirl: FloatArray, rate: FloatArray) -> None:
             for name, value in zip(_NAMES, (share, swirl, rate, self.trend), strict=True):
                 p[name] = value[rows]
 
         def update(t: float) -> None:
             if others is not None:
                 others(t)
-            if t != self._now:
-                self._now, self._set = t, set()
-            if key not in self._set:
-                write()
+            if t != self._written:
+                self._write(t)
 
         self._writers.append(write)
         block.update = update
 
+    def _write(self, t: float) -> None:
+        """Set the parameters of all blocks for time ``t`` [s]."""
+        swirl, rate = self.at(t)
+        share = self.share if self._start is not None else np.zeros_like(self.share)
+        for write in self._writers:
+            write(share, swirl, rate)
+        self._written = t
+
     # ------------------------------------------------------------------ steps
-    def start(self, spin: FloatArray) -> None:
-        """Begin, or stay, with a steady swirl at the spins (n,) [rad/s]."""
-        self._start, self.spin[:], self.swirl[:], self.trend[:] = self._now, spin, self.share * spin, 0.0
-        self._write()
+    def start(self, t: float, spin: FloatArray) -> None:
+        """Begin, or stay, with a steady swirl at the spins (n,) [rad/s] at time ``t`` [s]."""
+        self._start, self.spin[:], self.swirl[:], self.trend[:] = t, spin, self.share * spin, 0.0
+        self._write(t)  # now: linear analyses read them before the next evaluation
 
     def stop(self) -> None:
         """Return to mud that stands."""
         self._start = None
         self.swirl[:] = self.trend[:] = 0.0
-        self._write()
+        self._write(np.nan)
 
-    def _write(self) -> None:
-        """Set the parameters of all blocks now: linear analyses read them before the next evaluation."""
-        for write in self._writers:
-            write()
-
-    def accept(self, spin: FloatArray) -> None:
-        """Go on to an accepted step, at the time of the last evaluation, with the spins (n,) [rad/s] after it."""
+    def accept(self, t: float, spin: FloatArray) -> None:
+        """Go on to the end ``t`` [s] of an accepted step with the spins (n,) [rad/s] there."""
         if self._start is None:
-            return self.start(spin)
-        step = self._now - self._start
-        if np.array_equal(
-            spin, self.spin
-        ):  # the state that was accepted last, at the start of a run that goes on
-            return None
-        if step > 0.0:
-            now, _ = self.at(self._now)
-            self.trend[:], self.swirl[:], self._start = (spin - self.spin) / step, now, self._now
+            return self.start(t, spin)
+        step = t - self._start
+        if step > 0.0:  # not at the start of a run that goes on
+            self.swirl[:], _ = self.at(t)
+            self.trend[:], self._start = (spin - self.spin) / step, t
         self.spin[:] = spin
-        self._set = set()
+        self._write(t)
         return None
 
     def at(self, t: float) -> tuple[FloatArray, FloatArray]:
@@ -121,7 +115,8 @@ class Swirl:
         It is the exact solution for a spin on a straight line.
         """
         if self._start is None:
-            return np.zeros((2, len(self.spin)))[0], np.zeros(len(self.spin))
+            still = np.zeros_like(self.spin)
+            return still, still
         step, share = max(0.0, t - self._start), self.share
         at_once = np.isinf(self.follow)
         k = np.where(at_once, 1.0, self.follow)
@@ -140,4 +135,4 @@ class Swirl:
         """Continue from the result of ``get_state``."""
         self.spin, self.swirl, self.trend, self.follow, self.flow, time = np.array(saved.T, order="C")
         self._start = float(time[0]) if len(time) and not np.isnan(time[0]) else None
-        self._now, self._set = self._start or 0.0, set()
+        self._written = np.nan
