@@ -19,7 +19,7 @@ from tests.verification.test_agitator import with_mud
 
 SCRIPT = Path(__file__).parent / "run_case.py"
 STEPS = 3  # that are compared
-EXACT = ["-ts_adapt_type", "none", "-q_snes_stol", "1e-12", "-ts_dt"]
+FIXED = ["-ts_adapt_type", "none", "-ts_dt"]
 STEER = {"kind": "push", "force": 3e3, "pad_offset": 1.0, "steer": {"tool_face": 1.0}}
 STEERED = {"kind": "rss", "length": 4.0, "od": 0.1715, "id": 0.0714, "mass": 560, "rss": STEER}
 
@@ -29,8 +29,7 @@ def write(folder: Path, kind: str) -> Path:
         case = whole_string(two="two" in kind)
     else:
         case = with_mud() if kind == "agitator" else combined(JAR, COLLAR, SHOCK, MOTOR, STEERED)
-    # the whole string: a few steps, before one is repeated; latch and stops of 1e9 N/m leave Newton's method no more than 1e-12 of a
-    # step now and then, and whether a step is repeated with half its size is then rounding, too
+    # the whole string: a few steps, before one is repeated
     every = 2e-4 if kind.startswith("whole") else 4e-3
     case["time"], case["output"] = {"end": STEPS * every}, {"history_every": every, "checkpoint_every": every}
     path = folder / "case.yaml"
@@ -41,25 +40,31 @@ def write(folder: Path, kind: str) -> Path:
 @pytest.mark.parallel
 @pytest.mark.parametrize("kind", ["agitator", "jar, shock sub, motor, steering", "whole", "whole, two"])
 def test_tools_are_the_same_on_1_2_and_3_ranks(kind, tmp_path):
-    """Histories are equal to rounding; torque and angles of joints that carry none are rounding themselves."""
+    """Histories are equal to rounding; torque and angles of joints that carry none are rounding themselves.
+
+    Statics of the whole string end within 0.1 N of the axial force.  Stops of 1e9 N/m let Newton's method shrink a step by 1e-10,
+    and whether it reaches 1e-12 is rounding.
+    """
+    whole = kind.startswith("whole")
     path, runs = write(tmp_path, kind), []
+    options = ["2e-4", "-q_snes_stol", "1e-10"] if whole else ["1e-3", "-q_snes_stol", "1e-12"]
     for n in (1, 2, 3):
         out = tmp_path / f"ranks{n}"
-        step = "2e-4" if kind.startswith("whole") else "1e-3"
-        run_mpi(n, SCRIPT, [str(path), str(out), *EXACT, step], timeout=200)
+        run_mpi(n, SCRIPT, [str(path), str(out), *FIXED, *options], timeout=200)
         runs.append((read_table(out / "history.csv"), json.loads((out / "summary.json").read_text())))
     history, summary = runs[0]
+    largest = {
+        unit: max(np.abs(q).max() for n, q in history.items() if n.endswith(unit))
+        for unit in ("_force [N]", "_pressure [Pa]")
+    }
+    small = {"bearing_load": largest["_force [N]"], "motor_differential_pressure": largest["_pressure [Pa]"]}
     for other, its_summary in runs[1:]:
         assert its_summary["steps"] == summary["steps"]
         for name, values in history.items():
             if not name.startswith(("energy_error", "newton", "step")):
-                share = 1e-6 if kind.startswith("whole") else 1e-7
-                size = np.abs(values).max()
-                if name.startswith(
-                    "bearing_load"
-                ):  # a small difference between the force of its joint and the mud's thrust
-                    size = max(np.abs(q).max() for n, q in history.items() if n.endswith("_force [N]"))
-                assert np.abs(other[name] - values).max() <= share * size + 1e-10, name
+                # small differences of large forces and of large pressures
+                size = small.get(name.split()[0], np.abs(values).max())
+                assert np.abs(other[name] - values).max() <= (2e-5 if whole else 1e-7) * size + 1e-10, name
 
 
 @pytest.mark.parametrize("kind", ["agitator", "whole, two"])
