@@ -6,6 +6,7 @@ Manual: sec-time-condensed (condensed rates), sec-joints-prescribed (prescribed 
 
 from __future__ import annotations
 
+import ctypes
 from collections.abc import Callable, Sequence
 
 import numpy as np
@@ -13,12 +14,19 @@ from petsc4py import PETSc
 
 from drillpetsc.arrays import FloatArray
 from drillpetsc.fem.block_state import BlockState
-from drillpetsc.fem.bound_parts import ROW_SCALE, BoundBlock, BoundStabilization, RowReplacement
+from drillpetsc.fem.bound_parts import (
+    ROW_SCALE,
+    BoundBlock,
+    BoundStabilization,
+    RowReplacement,
+    block_call,
+    fill_prescribed,
+)
 from drillpetsc.fem.component import ElementBlock, PrescribedMotion, VelocityStabilization
 from drillpetsc.fem.dof_layout import DofLayout
 from drillpetsc.fem.end_exchange import EndExchange
-from drillpetsc.fem.step_calls import StepCalls
 from drillpetsc.kernels import function, pointer
+from drillpetsc.kernels.parameters import structure
 
 _rates = function("condensed_rates", "ipddppippp" + "p")
 _transport = function("spin_transport", "ippppp")
@@ -31,6 +39,10 @@ _step_rows = function("step_rows", "ppp")
 _step_state, _step_blocks = function("step_state", "pp"), function("step_blocks", "pp")
 _step_prescribed = function("step_prescribed", "pp")
 _prescribed_entries = function("prescribed_entries", "pd")
+
+_BlockCall, _PrescribedCall, _StepCall = map(structure, ("block_call", "prescribed_call", "step_call"))
+_MatrixCall, _PrescribedMatrix = structure("matrix_call"), structure("prescribed_matrix")
+_JacobianCall = structure("jacobian_call")
 
 #: weight of the columns by imposed rates [1/s]; without it the pressure of a closed channel would have no
 #: pivot in the block of its own node (manual: sec-time-imposed)
@@ -211,7 +223,7 @@ class Assembly(BlockState):
         x, y, a, _ = self._state
         _rates(self.layout.size, x, sigma, second, *self._history, *self._nodes, y, a)
         for c in self.stabilized:
-            c.apply(self, second)
+            c.apply(self.x, self.y, self.a, self.v1, second)
 
     def apply_prescribed_rates(self, t: float, sigma: float) -> None:
         """Set rates along prescribed directions to the given ones (manual: eq-prescribed-rates).
@@ -454,7 +466,7 @@ class Assembly(BlockState):
                 b.event.end()
         start = self._first_stabilization_entry
         for q in self.stabilized:
-            q.fill(self, c, self.values[start : start + len(q.rows)])
+            q.fill(self.x, self.y, self.a, c, self.values[start : start + len(q.rows)])
             start += len(q.rows)
         self.replace_jacobian_rows(1.0 if c[0] else 0.0)
         if self._frozen is not None:
@@ -511,3 +523,71 @@ def spin_derivatives(asm: Assembly) -> tuple[FloatArray, FloatArray]:
     _gradient(*arguments, 0.0, 1.0, pointer(by_v))
     _gradient(*arguments, 1.0, 1.0, pointer(both))
     return by_v[:k], (both - by_v)[:k]
+
+
+class StepCalls:
+    """Arguments of the compiled calls of one assembly (kernels/core/step.hpp), as long as its blocks and their states are the same.
+
+    step, jacobian: the records; step_at, jacobian_at: their addresses.
+    blocks: those with elements on this rank, in the order of the records.
+    """
+
+    def __init__(self, asm: Assembly):
+        self.blocks = [b for b in asm.bound_blocks if b.count]
+        calls = (_BlockCall * len(self.blocks))()
+        for call, b in zip(calls, self.blocks, strict=True):
+            block_call(call, b, asm.held_state if b.holds_rates else asm.state_at)
+        self.count, self.calls = len(self.blocks), calls
+        layout = asm.layout
+        owned = np.ascontiguousarray(layout.local_of_owned, dtype=np.int32)
+        places = np.full(layout.size, -1, dtype=np.int32)
+        places[owned] = np.arange(len(owned))
+        replacements = asm.row_replacements
+        rows = [np.ascontiguousarray(places[f.rows]) for f in replacements]
+        prescribed = (_PrescribedCall * len(replacements))()
+        for p, f, at in zip(prescribed, replacements, rows, strict=True):
+            p.count, p.directions, p.rows = f.head
+            p.rate, p.value, p.reaction = f.rate_at, f.value_at, f.reaction_at
+            p.rate_directions = pointer(f.rate_directions)
+            p.places = pointer(at) if f.owned else None
+            if f.leans:
+                p.axis, (p.lean, p.keep, p.direction) = f.axis_at, f.lean_head
+        x, y, a, r = asm.state_at
+        spins, where, reference = asm.spins_at
+        v0, v1 = asm.history_at
+        self.step = _StepCall(
+            owned=pointer(owned), x=x, y=y, a=a, r=r, v0=v0, v1=v1, where=where, reference=reference,
+            prescribed=ctypes.addressof(prescribed), blocks=ctypes.addressof(calls), scale=ROW_SCALE, n=len(owned),
+            size=layout.size, length=len(asm.r), spins=spins, prescriptions=len(prescribed), count=len(calls),
+        )  # fmt: skip
+        self.step_at = ctypes.addressof(self.step)
+        matrices = self._matrices()
+        own = self._prescribed_matrices(asm)
+        weights, spin = asm.weights_at
+        self.jacobian = _JacobianCall(
+            step=self.step_at, blocks=ctypes.addressof(matrices), prescribed=ctypes.addressof(own), values=pointer(asm.values),
+            weights=weights, spin=spin, count=len(matrices),
+        )  # fmt: skip
+        self.jacobian_at = ctypes.addressof(self.jacobian)
+        self._keep = owned, rows, prescribed, matrices, own
+
+    def _matrices(self) -> ctypes.Array:
+        """The Jacobian of each block with its arguments."""
+        calls = (_MatrixCall * len(self.blocks))()
+        for call, b in zip(calls, self.blocks, strict=True):
+            call.jacobian = ctypes.cast(b.jacobian, ctypes.c_void_p).value
+            call.count, call.index, call.nodes, call.parameters, call.record = b.matrix_head
+            call.values, call.width = b.values_at, b.width
+        return calls
+
+    @staticmethod
+    def _prescribed_matrices(asm: Assembly) -> ctypes.Array:
+        """Entries at prescribed motion; those of this rank's own nodes follow those of the blocks."""
+        calls = (_PrescribedMatrix * len(asm.row_replacements))()
+        at = pointer(asm.values) + 8 * asm.entries_of_blocks
+        for call, f in zip(calls, asm.row_replacements, strict=True):
+            fill_prescribed(call, f, f.all_elements)
+            call.projector, call.applied = pointer(f.projector), pointer(f.applied)
+            if f.owned:
+                call.own, at = at, at + 8 * 49
+        return calls

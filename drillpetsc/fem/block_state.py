@@ -10,10 +10,9 @@ from typing import Any
 import numpy as np
 
 from drillpetsc.arrays import FloatArray
-from drillpetsc.fem.bound_parts import BlockResults, BoundBlock, ResultGroup
+from drillpetsc.fem.bound_parts import BlockResults, BoundBlock, ResultGroup, block_call
 from drillpetsc.fem.component import ElementBlock
 from drillpetsc.fem.dof_layout import DofLayout
-from drillpetsc.fem.step_calls import block_call
 from drillpetsc.kernels import function, pointer
 from drillpetsc.kernels.parameters import structure
 

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import ctypes
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
+from typing import Any
 
 import numpy as np
 from petsc4py import PETSc
@@ -17,10 +17,6 @@ from drillpetsc.fem.component import ElementBlock, PrescribedMotion, VelocitySta
 from drillpetsc.fem.dof_layout import DofLayout
 from drillpetsc.kernels import function, pointer
 from drillpetsc.kernels.parameters import structure
-
-if TYPE_CHECKING:
-    from drillpetsc.fem.assembly import Assembly
-
 
 _run_results = function("run_results", "p")
 _run_all_results = function("run_all_results", "ip")
@@ -264,6 +260,22 @@ class RowReplacement:
         return self.lean
 
 
+def block_call(call: Any, b: BoundBlock, state: tuple[int, ...]) -> None:
+    """Fill the ``call`` of a block's residual; state: addresses of its unknowns, rates, accelerations and rows."""
+    call.residual = b.residual_at
+    call.count, call.index, call.parameters, call.record = b.head
+    call.x, call.y, call.a, _ = state
+
+
+def fill_prescribed(
+    call: Any, f: RowReplacement, elements: tuple[np.ndarray, np.ndarray, np.ndarray]
+) -> None:
+    """Fill the ``call`` that replaces rows in the entries of ``elements`` (``RowReplacement.elements_in``)."""
+    first, width, slots = elements
+    call.count, call.keep = len(first), pointer(f.row_complement)
+    call.at, call.width, call.slots = pointer(first), pointer(width), pointer(slots)
+
+
 class BoundStabilization:
     """Correction of rates by multipliers in an assembly (Gear, Gupta and Leimkuhler 1985; manual: eq-joint-ggl).
 
@@ -316,21 +328,23 @@ class BoundStabilization:
         # a corrected rate does not change the spin rate
         self._no_spin_gradient = np.zeros((max(1, len(layout.chain.vertices)), 3))
 
-    def apply(self, asm: Assembly, sigma: float) -> None:
-        """Correct the rates and accelerations of ``Assembly.condense`` (manual: eq-joint-corrected-rates).
+    def apply(self, x: FloatArray, y: FloatArray, a: FloatArray, v1: FloatArray, sigma: float) -> None:
+        """Correct the rates y and accelerations a of ``Assembly.condense`` in place (manual: eq-joint-corrected-rates).
 
-        sigma: da/dy of the time formula [1/s].
+        x: unknowns; v1: constant part of the accelerations; sigma: da/dy of the time formula [1/s].
         """
-        B = self.stabilization.directions(self.rates, asm.x)
-        asm.y[self.rates] += np.einsum("kij,kj->ki", B, asm.x[self.multipliers])
-        asm.a[self.rates] = sigma * asm.y[self.rates] + asm.v1[self.rates]
+        B = self.stabilization.directions(self.rates, x)
+        y[self.rates] += np.einsum("kij,kj->ki", B, x[self.multipliers])
+        a[self.rates] = sigma * y[self.rates] + v1[self.rates]
 
-    def fill(self, asm: Assembly, c: tuple[float, float, float], out: np.ndarray) -> None:
+    def fill(
+        self, x: FloatArray, y: FloatArray, a: FloatArray, c: tuple[float, float, float], out: np.ndarray
+    ) -> None:
         """Write the entries by the multipliers mu into ``out`` (len(rows),).
 
-        c: weights of dR/dx, dR/dy, dR/da; c2/c1 is da/dy [1/s].
+        x, y, a: unknowns, rates and accelerations; c: weights of dR/dx, dR/dy, dR/da; c2/c1 is da/dy [1/s].
         """
-        B = self.stabilization.directions(self.rates, asm.x)
+        B = self.stabilization.directions(self.rates, x)
         weights = np.array([0.0, 1.0, c[2] / c[1]]) if c[1] else np.zeros(3)
         position = 0
         for (item, e, slots, k), prescribed in zip(self.elements, self._prescribed, strict=True):
@@ -343,9 +357,9 @@ class BoundStabilization:
                 item.block.context,
                 pointer(weights),
                 pointer(self._no_spin_gradient),
-                pointer(asm.x),
-                pointer(asm.y),
-                pointer(asm.a),
+                pointer(x),
+                pointer(y),
+                pointer(a),
                 pointer(K),
             )
             entries = K[:, slots] @ B[k]

@@ -6,9 +6,8 @@ import ctypes
 
 import numpy as np
 
-from drillpetsc.fem.bound_parts import BoundBlock
+from drillpetsc.fem.bound_parts import BoundBlock, fill_prescribed
 from drillpetsc.fem.discrete_system import DiscreteSystem
-from drillpetsc.fem.step_calls import fill_prescribed
 from drillpetsc.kernels import pointer
 from drillpetsc.kernels.parameters import structure
 

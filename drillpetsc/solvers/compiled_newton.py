@@ -10,7 +10,7 @@ import numpy as np
 from petsc4py import PETSc
 
 from drillpetsc import petsc_compat
-from drillpetsc.fem.step_calls import StepCalls
+from drillpetsc.fem.assembly import StepCalls
 from drillpetsc.kernels import function, pointer
 from drillpetsc.kernels.parameters import structure
 

@@ -486,7 +486,9 @@ def _descend(beam: LateralBeam, U: FloatArray, most: int) -> FloatArray | None:
             return None
         convex = 0.0 if V is None else beam.least_shift(V, max(least, LEAST_SHIFT * first))
         if V is None or (convex and not shift):  # a full step ended at a saddle
-            if shift > 1e4 * first:
+            if (
+                shift >= 1e4 * first
+            ):  # at once where no element is in compression: no side spring follows from that
                 return None
             floor = failed = max(4 * shift, LEAST_SHIFT * first)
             continue

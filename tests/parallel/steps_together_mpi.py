@@ -15,7 +15,15 @@ from drillpetsc.output import recorder, run_writer  # noqa: E402
 
 CASE = "cases/benchmark/coupled-2000m.yaml"
 folder, found = Path(sys.argv[1]), []
-case = load_case(CASE, ["time.end=0.2 s", "string[0].element_length=45 m", "string[1].element_length=33 m", "output.probes=[600 m, 1900 m]"])
+case = load_case(
+    CASE,
+    [
+        "time.end=0.2 s",
+        "string[0].element_length=45 m",
+        "string[1].element_length=33 m",
+        "output.probes=[600 m, 1900 m]",
+    ],
+)
 for count, wait in ((1, 0.5), (5, 0.5), (256, 1e9), (256, 0.0)):
     recorder.STEPS_AT_ONCE, run_writer.ROWS_WAIT = count, wait
     out = folder / f"{count}-{wait:g}"
