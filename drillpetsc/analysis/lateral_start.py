@@ -440,9 +440,8 @@ def _points_of_item(
     if item.kind == "bit" and side is not None:
         per_length = law.stiffness * (1.0 if law.law == "linear" else np.sqrt(BIT_DEPTH))
         return [(side.below, side.stiffness / per_length, side.clearance)] if side.stiffness else []
-    span = item.contact_length or 2 * item.radius
     return [
-        (item.contact_above + x * item.contact_length, weight * span * hardness, None)
+        (item.contact_above + x * item.contact_length, weight * item.contact_span * hardness, None)
         for x, weight in rule(law.points, True, True)
     ]
 

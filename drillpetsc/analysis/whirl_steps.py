@@ -150,7 +150,7 @@ class WhirlSteps:
         """Rate [rad/s] at which a body vibrates on its contact with the wall: no whirl that lasts is faster."""
         law = self.model.contact.law  # type: ignore[union-attr]
         mass = sum(b.mass for b in self.model.mesh.bodies if b.node == body.node)
-        return float(np.sqrt(law.stiffness * (body.contact_length or 2 * body.radius) / mass))
+        return float(np.sqrt(law.stiffness * body.contact_span / mass))
 
     def _of_bit(self, body: RigidItem) -> Callable[[float], float]:
         """Whirl rate of a bit in gauge whose side may drive it round the hole (manual: eq-bit-whirl)."""

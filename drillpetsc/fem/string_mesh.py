@@ -25,7 +25,8 @@ class RigidItem:
     axial, transverse: moments of inertia about the centre of gravity [kg m2].
     radius: outer radius [m], 0 for none.
     friction: friction coefficient of the item [-], None: that of the hole.
-    touching: (distance from the node down to the part that touches the wall, its length) [m]; None: the item.
+    touching: (distance from the node down to the part that touches the wall, its length) [m]; None: the item.  Of length 0: a bit, which
+        touches at one point.
     guided: friction of the wall does not push it round the hole.
     """
 
@@ -55,8 +56,15 @@ class RigidItem:
         return self.length if self.touching is None else self.touching[1]
 
     @property
+    def contact_span(self) -> float:
+        """Length over which the wall pushes [m]; at one point it pushes as stiffly as along the item, or along its diameter."""
+        return self.contact_length or self.length or 2 * self.radius
+
+    @property
     def end_radii(self) -> tuple[float, float]:
         """Radii that touch the wall at the item's upper and lower end [m], 0 where nothing does."""
+        if not self.contact_length:
+            return self.radius, self.radius
         first, last = self.contact_above, self.contact_above + self.contact_length
         at_upper, at_lower = first - self.above < END_OF_ITEM, self.above + self.length - last < END_OF_ITEM
         return self.radius if at_upper else 0.0, self.radius if at_lower else 0.0

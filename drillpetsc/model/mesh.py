@@ -480,13 +480,19 @@ def _body(item: Any, node: int, before: float) -> RigidItem:
         item.inertia.transverse,
         0.5 * (item.od or 0.0),
         item.friction,
-        _blades(item, before),
+        _touching(item, before),
         isinstance(item, Bit) and item.side == "guided",
     )
 
 
-def _blades(item: Item, before: float) -> tuple[float, float] | None:
-    """Part of a stabilizer that touches the wall, for ``RigidItem``; None where the whole item does."""
+def _touching(item: Item, before: float) -> tuple[float, float] | None:
+    """Part of a stabilizer or bit that touches the wall, for ``RigidItem``; None where the whole item does.
+
+    A bit has cut its hole, in which it may tilt: held at both ends by a hole that curves, it would be a wedge whose couple is that of
+    the wall's stiffness.  It touches at the middle of its cutting part, which is about as high as wide.
+    """
+    if isinstance(item, Bit) and item.od:
+        return before + item.length - 0.5 * min(item.length, item.od), 0.0
     if not isinstance(item, Stabilizer) or item.blade_length is None:
         return None
     above, length = item.touching

@@ -258,9 +258,7 @@ class Contact(WallContact):
             len(here),
             above=[b.contact_above for b in here],
             length=[b.contact_length for b in here],
-            span=[
-                b.contact_length or 2 * b.radius for b in here
-            ],  # the wall pushes an item without length at one point
+            span=[b.contact_span for b in here],
             radius=[b.radius for b in here],
             friction=[-1.0 if b.friction is None else b.friction for b in here],
             guided=[float(b.guided) for b in here],
