@@ -21,6 +21,7 @@ from drillpetsc.errors import CaseError, SolveError
 from drillpetsc.output import read_table
 from drillpetsc.physics.fluid.rheology import from_dial_readings
 from drillpetsc.units import to_si
+from tests.helpers import handbook_hydraulics as handbook
 
 STIFF = {"bulk_modulus": 1e14, "elastic_walls": False}
 THREE_TWELVES = 3 * 0.25 * np.pi * (12 / 32 * INCH) ** 2
@@ -100,7 +101,7 @@ def test_power_law_losses_by_api(channel):
             {"density": 12.8 * PPG, "rheology": mud, "flow_rate": 335 * GPM},
         )
     ).at(335 * GPM)
-    gap, speed = 1.625 * INCH, trade.annular_velocity(335 * GPM, 8.625 * INCH, 7 * INCH)
+    gap, speed = 1.625 * INCH, handbook.annular_velocity(335 * GPM, 8.625 * INCH, 7 * INCH)
     rate = 12 * speed / gap * (2 * index + 1) / (3 * index)
     assert (
         2100 < 12 * 12.8 * PPG * speed**2 / (consistency * rate**index) < 3470 - 1370 * index
@@ -126,7 +127,7 @@ def test_laminar_annulus_and_regimes():
     mud = {
         "model": "power_law",
         "index": index,
-        "consistency": trade.power_law_consistency(60, index),
+        "consistency": handbook.power_law_consistency(60, index),
         "law": "exact",
     }
     found = Hydraulics(

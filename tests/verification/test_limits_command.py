@@ -14,13 +14,13 @@ import pytest
 from drillpetsc import statics
 from drillpetsc.analysis.limits.free_point import free_point, free_points, slope
 from drillpetsc.analysis.limits.limits import run_limits
-from drillpetsc.analysis.limits.rules_of_thumb import PPG
 from drillpetsc.analysis.limits.table import Choices
 from drillpetsc.case import Case
 from drillpetsc.case.catalogue.sizes import INCH, KSI, LB_PER_FT, LBF
 from drillpetsc.case.free_point_options import Pair, read_pairs
 from drillpetsc.errors import CaseError
 from drillpetsc.output import read_table
+from tests.helpers.rules_of_thumb import PPG
 
 FT, KLB, PSI, G = 0.3048, 1e3 * LBF, KSI / 1e3, 9.80665
 STEEL = 65.5 * PPG  # the density behind the trade's buoyancy factors

@@ -14,7 +14,6 @@ from scipy.optimize import brentq
 from scipy.special import jn_zeros
 
 from drillpetsc import Case
-from drillpetsc.analysis.limits.rules_of_thumb import critical_speed
 from drillpetsc.analysis.modal import modes, prepare_state, run_modes
 from drillpetsc.fem.string_mesh import uniform_string
 from drillpetsc.geometry.well import Well
@@ -32,6 +31,7 @@ from drillpetsc.time_function import Constant
 from tests.helpers.flow_models import build
 from tests.helpers.motion import straight
 from tests.helpers.moving import straight_model
+from tests.helpers.rules_of_thumb import critical_speed
 
 L, EA, EI, GJ, MASS, POLAR = 10.0, 2e7, 1.2e5, 9.4e4, 27.0, 0.09
 BETA_CANTILEVER = [

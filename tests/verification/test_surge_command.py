@@ -22,6 +22,7 @@ from drillpetsc.case import Case, load_case
 from drillpetsc.case.flow_options import PIPES, Trips, read_trips
 from drillpetsc.errors import CaseError, SolveError
 from drillpetsc.output import read_table
+from tests.helpers import handbook_hydraulics as handbook
 
 GRAVITY = 9.80665
 STIFF = {"bulk_modulus": 1e14, "elastic_walls": False}
@@ -56,7 +57,7 @@ def test_surge_of_lapeyrouse():
         "rheology": {
             "model": "power_law",
             "index": index,
-            "consistency": trade.power_law_consistency(140, index),
+            "consistency": handbook.power_law_consistency(140, index),
             "law": "exact",
         },
     }
@@ -64,7 +65,7 @@ def test_surge_of_lapeyrouse():
     speed = 405 * FOOT_PER_MINUTE
     trip = Tripping(case, whole_string(case), "closed")
     closed = trip.at("trip_in", speed).surge_pressure / PSI
-    flow = 1.5 * trade.surge_velocity_closed(270 * FOOT_PER_MINUTE, 7.875 * INCH, 4.5 * INCH)
+    flow = 1.5 * handbook.surge_velocity_closed(270 * FOOT_PER_MINUTE, 7.875 * INCH, 4.5 * INCH)
     stress = 716.8 * PSI * 3.375 * INCH / (4 * 14300 * FOOT)
     reynolds = 8 * 15 * PPG * flow**2 / stress
     x = (reynolds / (3470 - 1370 * index)) ** 2

@@ -13,8 +13,8 @@ import numpy as np
 import pytest
 
 from drillpetsc.analysis.limits import buckling_loads, fatigue, strength
-from drillpetsc.analysis.limits import rules_of_thumb as trade
 from drillpetsc.case.catalogue.sizes import FT_LBF, INCH, KSI, LB_PER_FT, LBF
+from tests.helpers import rules_of_thumb as trade
 
 FT, KLB, PSI, PPG = 0.3048, 1e3 * LBF, KSI / 1e3, trade.PPG
 YOUNG = 30e6 * PSI

@@ -1,6 +1,6 @@
 """Formulas of handbooks for stretch, stuck pipe, collars and overpull, in SI.
 
-They are for comparison with hand calculations. The figures of the commands come from the string itself.
+Hand calculations with which tests compare the figures of the commands.
 
 Sources: Lapeyrouse, Formulas and Calculations for Drilling, Production and Workover (LAP); drillingformulas.com (DF);
 PetroSkills drill string course (PS); Mitchell Engineering, BHA sheet, 1990 (ME); API RP 7G (RP).
