@@ -1,13 +1,15 @@
 """Both studies of the reference paper (DOI 10.1177/1687814016656703; manual: sec-paper-studies).
 
 first: a vertical well of 2000 m with mud and without, and with single terms of the mud switched; pictures of weight on bit, bit speed,
-orbits, shape and radius.  knobs: the same whirl, turning from the start, with numerical parameters changed.  second: build rates of three
-assemblies over density and flow rate of the mud.  Each writes a table and its pictures.
+orbits, shape and radius.  knobs: the same whirl, turning from the start, with numerical parameters changed.  settings: the first study
+and two of its other assemblies at the default settings and at converged ones.  second: build rates of three assemblies over density and
+flow rate of the mud.  Each writes a table, the studies their pictures.
 """
 
 from __future__ import annotations
 
 import argparse
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -19,7 +21,8 @@ from drillpetsc.output import read_frame, read_series, read_table
 
 ROOT = Path(__file__).parents[2]
 CASE, STUDY = ROOT / "cases" / "vertical-2000m.yaml", ROOT / "cases" / "reference-paper"
-FRAMES = ["output.field_every=1 s"]
+FRAMES = ["output.field_every=1 s", "output.item_forces=true"]
+ITEMS = {1998.75: "near-bit", 1999.75: "bit"}  # middles [m] of the rigid items
 #: name -> (changes, description)
 FIRST: dict[str, tuple[list[str], str]] = {
     "mud": ([], "all terms"),
@@ -42,6 +45,16 @@ KNOBS: dict[str, tuple[list[str], str]] = {
     "tolerance": (["petsc.ts_rtol=1e-5"], "tolerance x 0.1"),
     "bdf": (["petsc.ts_type=bdf", "petsc.ts_adapt_dt_max=2.3e-4"], "BDF 2, steps by the energy rule"),
 }
+COLLAR = "{kind: pipe, name: drill collar, length: 1.5 m, od: 177.8 mm, id: 71.4 mm, element_length: 1.5 m, eccentricity: 0.5 mm}"
+STABILIZERS = {"near-bit": [], "slick": [f"string[2]={COLLAR}"], "full-gauge": ["string[2].od=215.9 mm"]}
+FIXED = ["time.integrator=generalized_alpha", "petsc.ts_adapt_type=none", "petsc.ts_dt=1e-4"]
+CONVERGED = {"default": [], "tolerance": ["petsc.ts_rtol=1e-6"], "fixed": FIXED}
+#: assembly and settings -> (changes, description)
+SETTINGS: dict[str, tuple[list[str], str]] = {
+    f"{assembly}-{setting}": ([*changes, *more], f"{assembly}, {setting} steps")
+    for assembly, changes in STABILIZERS.items()
+    for setting, more in CONVERGED.items()
+}
 ASSEMBLIES = ("fulcrum", "pendulum", "slick")
 DENSITIES, FLOWS = (1000, 1300, 1700), (20, 40)
 PROBES = (600, 1200, 1900)
@@ -58,9 +71,14 @@ def figures(folder: Path, summary: dict, end: float) -> dict[str, float]:
         "torque [N m]": h["surface_torque [N m]"][late].mean(),
         "WOB [kN]": h["wob [N]"][late].mean() / 1e3,
         "std WOB [kN]": h["wob [N]"][late].std() / 1e3,
+        "bit speed [rpm]": h["bit_speed [rad/s]"][late].mean() * 30 / np.pi,
         "bit speed from [-]": speed.min(),
         "to [-]": speed.max(),
     }
+    for depth, item in ITEMS.items():
+        force = h.get(f"side_force_{depth:.10g} [N]")
+        if force is not None:
+            out[f"side force {item} [N]"] = np.sqrt((force[late] ** 2).mean())
     for depth in PROBES:
         z = 1e3 * (p[f"x_{depth} [m]"] + 1j * p[f"y_{depth} [m]"])
         out[f"radius {depth} m [mm]"] = np.abs(z)[late_p].max()
@@ -83,7 +101,7 @@ def write_table(rows: dict[str, dict[str, float]], file: Path) -> None:
     columns = list(dict.fromkeys(c for row in rows.values() for c in row))
     lines = [
         ["", *columns],
-        *([n, *(f"{row[c]:.4g}" if c in row else "" for c in columns)] for n, row in rows.items()),
+        *([n, *(f"{row[c]:.5g}" if c in row else "" for c in columns)] for n, row in rows.items()),
     ]
     file.write_text("\n".join(",".join(line) for line in lines) + "\n", encoding="utf-8")
 
@@ -136,29 +154,40 @@ def orbits(folders: dict[str, Path], out: Path) -> None:
     plt.close(figure)
 
 
+def variants(
+    all_of: dict[str, tuple[list[str], str]],
+    out: Path,
+    names: list[str],
+    end: float,
+    common: Sequence[str] = (),
+) -> dict[str, dict[str, float]]:
+    """Run variants of the first study; returns their figures."""
+    rows = {}
+    for name in names or all_of:
+        changes, words = all_of[name]
+        summary = compute(name, CASE, [*FRAMES, f"time.end={end} s", *common, *changes], out)
+        rows[name] = figures(out / name, summary, end)
+        print(f"{name}: {words}\n  " + ", ".join(f"{k} {v:.5g}" for k, v in rows[name].items()), flush=True)
+    return rows
+
+
 def first(out: Path, names: list[str], end: float) -> None:
     """The first study, with its pictures of ``mud`` and ``dry``."""
-    rows, folders = {}, {}
-    for name in names or FIRST:
-        changes, words = FIRST[name]
-        summary = compute(name, CASE, [*FRAMES, f"time.end={end} s", *changes], out)
-        folders[name], rows[name] = out / name, figures(out / name, summary, end)
-        print(f"{name}: {words}\n  " + ", ".join(f"{k} {v:.4g}" for k, v in rows[name].items()), flush=True)
+    rows = variants(FIRST, out, names, end)
     write_table(rows, out / "first.csv")
-    shown = {name: folders[name] for name in ("mud", "dry") if name in folders} or folders
+    shown = {name: out / name for name in [n for n in ("mud", "dry") if n in rows] or rows}
     for draw in (histories, orbits):
         draw(shown, out)
 
 
 def knobs(out: Path, names: list[str], end: float) -> None:
     """The whirl of the first study with numerical parameters changed; steady rotation from the start."""
-    rows = {}
-    for name in names or KNOBS:
-        changes, words = KNOBS[name]
-        summary = compute(name, CASE, [*FRAMES, f"time.end={end} s", *TURNING, *changes], out)
-        rows[name] = figures(out / name, summary, end)
-        print(f"{name}: {words}\n  " + ", ".join(f"{k} {v:.4g}" for k, v in rows[name].items()), flush=True)
-    write_table(rows, out / "knobs.csv")
+    write_table(variants(KNOBS, out, names, end, TURNING), out / "knobs.csv")
+
+
+def settings(out: Path, names: list[str], end: float) -> None:
+    """The first study and its other assemblies at the default settings and at converged ones."""
+    write_table(variants(SETTINGS, out, names, end), out / "settings.csv")
 
 
 def second(out: Path, names: list[str], end: float) -> None:
@@ -203,7 +232,12 @@ def second(out: Path, names: list[str], end: float) -> None:
     plt.close(figure)
 
 
-STUDIES = {"first": (first, FIRST, 16.0), "knobs": (knobs, KNOBS, 12.0), "second": (second, ASSEMBLIES, 0.0)}
+STUDIES = {
+    "first": (first, FIRST, 16.0),
+    "knobs": (knobs, KNOBS, 12.0),
+    "settings": (settings, SETTINGS, 12.0),
+    "second": (second, ASSEMBLIES, 0.0),
+}
 
 
 def main() -> None:

@@ -132,3 +132,37 @@ def test_depth_of_an_item_is_that_in_the_hole(tmp_path):
     assert item["md [m]"] == pytest.approx(200.0 - 0.2, abs=1e-9)
     (item,) = run(case, tmp_path / "run", progress="silent").summary["rigid_items"]
     assert item["md [m]"] == pytest.approx(200.0 - 0.2, abs=1e-9)
+
+
+@pytest.mark.parametrize("stiffness", [1e8, 1e9])
+def test_a_stabilizer_of_full_gauge_does_not_whirl(stiffness, tmp_path):
+    """It turns below 9 m of collar whose mass is off its axis, and carries no more than the centrifugal force of the collar,
+    m e Omega^2 L; the stiffness of the wall does not matter (manual: sec-contact-resultant).
+
+    Friction round the hole had driven it on the spring of the wall until it rolled, with the side force Omega a sqrt(k l M) of the
+    mass M that it carries, hundreds of kilonewtons."""
+    length, eccentricity, spin, mass = 9.0, 2e-3, 4 * np.pi, 7850 * np.pi / 4 * (0.1778**2 - 0.0714**2)
+    case = Case(
+        well={
+            "survey": {"md": [0.0, 20.0], "inclination": [0.0] * 2, "azimuth": [0.0] * 2},
+            "sections": [{"to": 20.0, "kind": "open_hole", "diameter": HOLE, "friction": 0.3}],
+        },
+        string=[
+            {
+                "kind": "pipe",
+                "length": length,
+                "od": 0.1778,
+                "id": 0.0714,
+                "element_length": 3.0,
+                "eccentricity": eccentricity,
+            },
+            {"kind": "stabilizer", "length": 0.5, "od": HOLE, "mass": MASS},
+        ],
+        top={"kind": "top_drive", "rotation": spin},
+        bottom="free",
+        contact={"stiffness": stiffness},
+        time={"end": 1.5},
+        output={"history_every": 0.01, "item_forces": True},
+    )
+    h = read_table(run(case, tmp_path / "run", progress="silent").folder / "history.csv")
+    assert 0.0 < h["side_force_9.25 [N]"][1:].max() < mass * eccentricity * spin**2 * length

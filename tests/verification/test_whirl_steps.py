@@ -1,4 +1,5 @@
-"""Steps keep the energy of a stabilizer that would roll along the wall, or the run says so (manual: sec-time-whirl-steps)."""
+"""Steps keep the energy of a stabilizer that would roll along the wall, or the run says so (manual: sec-time-whirl-steps), and the
+orbits of a string that is not balanced."""
 
 from __future__ import annotations
 
@@ -12,7 +13,9 @@ from drillpetsc.analysis.transient import run
 from drillpetsc.analysis.whirl_steps import PRODUCT_BDF, WhirlSteps, product_of_alpha
 from drillpetsc.case import Case
 from drillpetsc.model.drilling_model import build_model
+from drillpetsc.output import read_table
 from drillpetsc.solvers.alpha_formula import AlphaFormula
+from tests.helpers import frequency_models as m
 
 HOLE, BLADES, RPM = 0.2159, 0.209, 95.0
 ROLLING = RPM / 60 * BLADES / (HOLE - BLADES)  # turns of the hole a second, by Jansen (1991)
@@ -98,3 +101,37 @@ def test_default_steps_keep_what_may_whirl(tmp_path):
     bdf = case(**keys, petsc={"ts_type": "bdf", "ts_dt": 2e-3, "ts_adapt_type": "none"})
     (line,) = [w for w in run(bdf, out=tmp_path / "bdf").summary["warnings"] if "roll along" in w]
     assert "lower at MD" in line and "time.integrator: auto" in line
+
+
+@pytest.mark.parametrize("integrator", ["auto", "bdf"])
+@pytest.mark.parametrize("rpm", [30.0, 45.0, 60.0])
+@pytest.mark.parametrize("length", [14.0, 40.0])
+def test_orbits_of_an_eccentric_collar(length, rpm, integrator, tmp_path):
+    """At the default tolerance every row of the orbit of a hinged collar is within 1 %, below its critical speed (118 rpm) and
+    above it (14 rpm).  Its mass is off by e = 0.2 mm, and a force c m per length and velocity damps it, so that it comes to its
+    orbit: from EI w'''' + m (i c Omega - Omega^2) w = m Omega^2 e, in the middle, with q = L/2 (m (Omega^2 - i c Omega)/EI)^(1/4),
+
+    |w| = |e Omega^2/(Omega^2 - i c Omega) (1 - 1/(2 cos q) - 1/(2 cosh q))| (manual: verif-orbit-of-a-run)."""
+    e, c, speed, end = 2e-4, 2.0, rpm * m.RPM, 10.0
+    mass, stiffness = m.DENSITY * m.COLLAR_AREA, m.YOUNG * np.pi / 64 * (0.1778**4 - 0.0714**4)
+    pull = speed**2 - 1j * c * speed
+    q = 0.5 * length * (mass * pull / stiffness) ** 0.25
+    orbit = abs(e * speed**2 / pull * (1 - 0.5 / np.cos(q) - 0.5 / np.cosh(q)))
+    collar = m.collars(length, 10) | {"eccentricity": e}
+    collar["material"] |= {"damping": {"stiffness": 0.0, "mass": c}}
+    turning = Case(
+        well={
+            "survey": {"md": [0, 60], "inclination": [0, 0], "azimuth": [0, 0]},
+            "sections": [{"kind": "open_hole", "diameter": 0.3, "friction": 0.2}],
+        },
+        string=[collar],
+        top={"kind": "top_drive", "rotation": f"{rpm} rpm", "hinged": True},
+        bottom="pinned",
+        gravity=0.0,
+        initial={"from": "straight"},
+        time={"end": end, "integrator": integrator},
+        output={"history_every": 0.02, "probes": [length / 2]},
+    )
+    p = read_table(run(turning, out=tmp_path / "run", progress="silent").folder / "probes.csv")
+    radius = np.hypot(p[f"x_{length / 2:g} [m]"], p[f"y_{length / 2:g} [m]"])[p["time [s]"] > end - 2]
+    assert radius == pytest.approx(orbit, rel=0.01)

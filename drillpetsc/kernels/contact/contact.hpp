@@ -87,7 +87,8 @@ inline bool touches(const ContactLaw& law, const Well& well, const Vec<double>& 
 }
 
 // Touching point x of the axis with velocity u, section turning with `turning`, radius R; weight: length it stands for, times its hardness.
-// guided: friction has a torque and a force along the hole, none round it.
+// guided: friction has a torque and a force along the hole, none round it.  So has that of a part without clearance, which friction and the
+// spring of the wall would otherwise drive to a whirl whose force the stiffness of the wall decides.
 template <class T>
 inline void touch(const ContactLaw& law, const Well& well, const Foot& foot, const Vec<T>& x, const Vec<T>& u, const Vec<T>& turning, double R,
                   double own_friction, double weight, Touch<T>& out, PointResults* results = nullptr, bool guided = false) {
@@ -98,7 +99,7 @@ inline void touch(const ContactLaw& law, const Well& well, const Foot& foot, con
     if (clearance) {
         depth = h.rho + R - h.radius;
         gradient = h.n - h.t * (h.radius_slope * h.ds_dx);
-    }
+    } else guided = true;
     // a centring spring has no onset: at the axis the onset's force, stiffness x RAMP/4, would jump in direction
     const T d = clearance ? onset(depth) : depth, elastic = power_law(d, law.exponent) * (law.stiffness * (law.per_point ? 1.0 : weight));
     T factor = T(1.0);
