@@ -244,7 +244,9 @@ def _lines(case: Case, folder: RunFolder, state: StaticState, summary: dict[str,
         else f"UNSTABLE: {state.equilibrium.negative_pivots} negative pivots"
     )
     # a path ends in a motion, whose residual is not computed
-    residual = f", residual {state.equilibrium.residual:.2g} N" if state.path is None else ""
+    residual = (
+        f", residual {shown(state.equilibrium.residual, 'force', units, 2)}" if state.path is None else ""
+    )
     lines.append(f"  {stable}; {state.equilibrium.iterations} Newton iterations{residual}")
     lines += [f"  note: {w}" for w in state.warnings]
     lines.append(f"  results: {folder.path}   (scripts/drillpetsc plot {shlex.quote(str(folder.path))})")
