@@ -13,6 +13,7 @@ from drillpetsc.analysis.energy_descent import coarse_elements
 from drillpetsc.analysis.hoist_report import hoist_lines
 from drillpetsc.analysis.placement import top_depth
 from drillpetsc.analysis.rank_model import rank_lines, step_counts
+from drillpetsc.analysis.run_options import options_of
 from drillpetsc.analysis.string_figures import figure_lines
 from drillpetsc.analysis.summary import field_counts
 from drillpetsc.analysis.time_scales import time_scales
@@ -63,7 +64,8 @@ REGION_TEXT = {
 
 def describe(case: Case) -> str:
     """Return the text for the user; raises CaseError where the model cannot be built."""
-    return "\n".join(_lines(build_model(case)))
+    with options_of(case):
+        return "\n".join(_lines(build_model(case)))
 
 
 def _quasi_static(case: Case) -> bool:

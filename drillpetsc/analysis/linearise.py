@@ -26,6 +26,7 @@ from drillpetsc.analysis.live_outputs import LiveOutputs
 from drillpetsc.analysis.mean_over_turn import mean_over_turn
 from drillpetsc.analysis.modal import REPORTED_IMBALANCE, ZERO_FRACTION, reference_rate, unbalanced_force
 from drillpetsc.analysis.placement import motion_text, prescribed_motion
+from drillpetsc.analysis.run_options import options_of
 from drillpetsc.analysis.transient import make_folder
 from drillpetsc.arrays import FloatArray
 from drillpetsc.case.case import Case
@@ -37,7 +38,6 @@ from drillpetsc.output import RunFolder, write_summary
 from drillpetsc.output.case_files import write_case
 from drillpetsc.output.files.atomic import replace_file
 from drillpetsc.output.recorder import Recorder
-from drillpetsc.solvers import petsc_options as options
 from drillpetsc.solvers.model_reduction import Reduced, not_decaying, reduce
 from drillpetsc.solvers.state_space import StateSpace
 from drillpetsc.unit_systems import shown
@@ -117,7 +117,7 @@ def run_linearise(
     if case.top.autodriller is not None:  # which acts in a linear model from the start
         given.pop("top.lowering", None)
     refuse_unknown("--inputs", inputs, list(given))
-    with options.applied(case.petsc):
+    with options_of(case):
         disturbed = {key: DisturbedInput(given[key]) for key in inputs}
         model = build_model(with_inputs(mean_over_turn(case), disturbed), comm)
         model.case = case

@@ -29,6 +29,7 @@ from drillpetsc.analysis.linearised_model import linearise_model, settle
 from drillpetsc.analysis.mean_over_turn import mean_over_turn
 from drillpetsc.analysis.modes_of_kind import lowest_of_kind
 from drillpetsc.analysis.placement import motion_text, move_rigidly, prescribed_motion, release
+from drillpetsc.analysis.run_options import options_of
 from drillpetsc.analysis.steady_flow import release_flow
 from drillpetsc.analysis.time_scales import time_scales
 from drillpetsc.analysis.transient import make_folder
@@ -50,7 +51,6 @@ from drillpetsc.output.quantities import MODES
 from drillpetsc.output.quantities.modes import STOKES_NUMBER
 from drillpetsc.output.result import RunResult
 from drillpetsc.output.well_files import write_well_files
-from drillpetsc.solvers import petsc_options as options
 from drillpetsc.solvers.linearization import Linearised
 from drillpetsc.solvers.quadratic_eigenproblem import (
     NEUTRAL_GROWTH,
@@ -452,7 +452,7 @@ def run_modes(
         raise CaseError(
             at="--shift", got=shift, want="a frequency in Hz, at least 0, and not together with --kind"
         )
-    with options.applied(case.petsc):
+    with options_of(case):
         case = continuous_control(mean_over_turn(case))
         model = build_model(without_motor(case) if without_control else case, comm)
         folder = make_folder(comm, name, out, False, overwrite)

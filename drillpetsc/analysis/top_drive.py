@@ -9,6 +9,7 @@ import numpy as np
 from petsc4py import PETSc
 
 from drillpetsc.analysis.drive_report import control_lines, control_summary, control_warnings
+from drillpetsc.analysis.run_options import options_of
 from drillpetsc.analysis.transient import make_folder
 from drillpetsc.arrays import FloatArray
 from drillpetsc.case.blocks.ends import HeldBottom
@@ -49,7 +50,8 @@ def run_top_drive(
             at="top.control.kind", got="python", want="another: a function in Python has no known reflection"
         )
     comm = comm or PETSc.COMM_WORLD
-    mesh = build_mesh(case, build_well(case), None)
+    with options_of(case):
+        mesh = build_mesh(case, build_well(case), None)
     motor, laws, impedance = motor_of(case), laws_of(case, mesh), pipe_impedance(mesh)
     table = [np.abs(reflection(law, motor, impedance, FREQUENCIES)) for law in laws]
     summary: dict[str, Any] = {"title": case.title, "top_drive": control_summary(laws, motor, impedance)}

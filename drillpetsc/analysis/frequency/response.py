@@ -27,6 +27,7 @@ from drillpetsc.analysis.frequency.response_stress import stresses
 from drillpetsc.analysis.frequency.stokes import StokesForces, present
 from drillpetsc.analysis.frequency.turning import TurningModel, turning_case
 from drillpetsc.analysis.linearised_model import linearise_model
+from drillpetsc.analysis.run_options import options_of
 from drillpetsc.analysis.transient import make_folder
 from drillpetsc.arrays import FloatArray
 from drillpetsc.case.case import Case
@@ -40,7 +41,6 @@ from drillpetsc.output.files.run_folder import RESPONSE_TABLE
 from drillpetsc.output.flow_recorder import FlowRecorder
 from drillpetsc.output.quantities.frequency import RESPONSE, RESPONSE_STRESS
 from drillpetsc.output.result import RunResult
-from drillpetsc.solvers import petsc_options as options
 from drillpetsc.solvers.linearization import Linearised
 from drillpetsc.unit_systems import display_unit, shown
 
@@ -295,7 +295,7 @@ def run_response(
     """
     turning = turning_case(case, "response", without_control)
     comm = comm or PETSc.COMM_WORLD
-    with options.applied(case.petsc):
+    with options_of(case):
         states = TurningModel(turning, comm, balanced=True)
         model = states.model
         asymmetric = build_model(turning, comm) if excitation.kind == "unbalance" else None
