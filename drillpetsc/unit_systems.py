@@ -73,11 +73,25 @@ KINDS: dict[str, Kind] = {
     "temperature": Kind("K", "degF", "degC"),
     "power": Kind("W", "hp", "kW"),
     "wear_rate": Kind("W/m", "ft-lbf/ft/h", "W/m"),
+    "mass": Kind("kg", "lb", "kg"),
+    "density": Kind("kg/m^3", "lb/ft3", "kg/m3"),
+    "energy": Kind("J", "ft-lbf", "J"),
+    "creep": Kind("m/s", "in/min", "mm/s"),
+    "inertia": Kind("kg m^2", "lb ft2", "kg m2"),
+    "stiffness": Kind("N/m", "lbf/in", "kN/m"),
+    "section_stiffness": Kind("N m^2", "lbf ft2", "kN m2"),
+    "turning_stiffness": Kind("N m/rad", "ft-lbf/rad", "kN m/rad"),
+    "turning_damping": Kind("N m s/rad", "ft-lbf s/rad", "kN m s/rad"),
+    "drillability": Kind("m/(s N)", "ft/h/lbf", "m/h/kN"),
     "time": Kind("s", "s", "s"),
     "shear_rate": Kind("1/s", "1/s", "1/s"),
     "frequency": Kind("1/s", "Hz", "Hz"),
 }
-_NOT_FOR_BARE_NUMBERS = frozenset({"volume", "pressure_gradient"})
+#: kinds of what is shown alone: no key has a bare number of them
+_NOT_FOR_BARE_NUMBERS = frozenset(
+    {"volume", "pressure_gradient", "mass", "density", "energy", "creep", "inertia", "stiffness"}
+    | {"section_stiffness", "turning_stiffness", "turning_damping", "drillability"}
+)
 
 # SI unit -> kind of a quantity that names none. Units that stand for several things have no entry: a pressure, a modulus and a
 # stress are all Pa, a side force and a stiffness N/m.

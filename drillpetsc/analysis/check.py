@@ -13,6 +13,7 @@ from drillpetsc.analysis.energy_descent import coarse_elements
 from drillpetsc.analysis.hoist_report import hoist_lines
 from drillpetsc.analysis.placement import top_depth
 from drillpetsc.analysis.rank_model import rank_lines, step_counts
+from drillpetsc.analysis.run_options import options_of
 from drillpetsc.analysis.string_figures import figure_lines
 from drillpetsc.analysis.summary import field_counts
 from drillpetsc.analysis.time_scales import time_scales
@@ -63,7 +64,8 @@ REGION_TEXT = {
 
 def describe(case: Case) -> str:
     """Return the text for the user; raises CaseError where the model cannot be built."""
-    return "\n".join(_lines(build_model(case)))
+    with options_of(case):
+        return "\n".join(_lines(build_model(case)))
 
 
 def _quasi_static(case: Case) -> bool:
@@ -83,19 +85,19 @@ def _fitted(key: str, rheology: Rheology | None, units: System) -> list[str]:
     ]
 
 
-def _cutting(formation: Formation | None) -> str:
-    """Describe a bit on rock: law, drillabilities [m/(s N)], layers."""
+def _cutting(formation: Formation | None, units: System) -> str:
+    """Describe a bit on rock: law, drillabilities, layers."""
     if formation is None:
         return "bit cutting rock"
     values = [formation.drillability, *(layer.drillability for layer in formation.layers)]
-    least, most = f"{min(values):g}", f"{max(values):g}"
+    least, most = (shown(q, "drillability", units) for q in (min(values), max(values)))
     span = least if least == most else f"{least} to {most}"
     count = len(formation.layers)
     layers = f", {count} layer{'s' if count > 1 else ''}" if count else ""
     law = formation.bit_law
-    lobes = ", ".join(f"{q.order:g} lobes of {1e3 * q.amplitude:.3g} mm" for q in law.orders)
+    lobes = ", ".join(f"{q.order:g} lobes of {shown(q.amplitude, 'diameter', units, 3)}" for q in law.orders)
     kind = law.kind + (f" on {law.torque_law.kind}: {lobes}" if lobes else "")
-    return f"bit cutting rock (law {kind}, drillability {span} m/(s N){layers})"
+    return f"bit cutting rock (law {kind}, drillability {span}{layers})"
 
 
 def _chosen_lengths(case: Case, model: DrillingModel) -> list[str]:
@@ -152,7 +154,7 @@ def _lines(model: DrillingModel) -> list[str]:
         f"{len(mesh.bodies)} rigid items"
     )
     lines += _chosen_lengths(case, model)
-    lines += figure_lines(case)
+    lines += figure_lines(case, units)
     if case.rig is not None:
         lines.append(_rig(case.rig, units))
     if case.well is not None:
@@ -163,9 +165,9 @@ def _lines(model: DrillingModel) -> list[str]:
         )
     lines.append(f"  top: {case.top.kind}; bottom: {case.bottom.kind}; start: {case.initial.from_}")
     for sensor in case.output.sensors:
-        depth = sensor_depth(case.string, case.item_depths, sensor)
+        depth = float(sensor_depth(case.string, case.item_depths, sensor) or 0.0)
         lines.append(
-            f"  sensor {sensor.name}: MD {depth:g} m, {sensor.rate:g} Hz, {', '.join(sensor.channels)}; steps resolve "
+            f"  sensor {sensor.name}: MD {shown(depth, 'length', units, 6)}, {sensor.rate:g} Hz, {', '.join(sensor.channels)}; steps resolve "
             f"{sensor.finest:g} Hz up to {1e3 / (STEPS_PER_PERIOD * sensor.finest):.3g} ms"
         )
     if _quasi_static(case):
@@ -186,13 +188,13 @@ def _lines(model: DrillingModel) -> list[str]:
         (damped and model.beam is not None, "material damping"),
     ]
     parts += [(name in names, text) for name, text in TERMS] + [
-        (case.formation is not None, _cutting(case.formation))
+        (case.formation is not None, _cutting(case.formation, units))
     ]
     contained, left_out = ([text for present, text in parts if present == kind] for kind in (True, False))
     if case.fluid is not None:
         mud = case.fluid
         lines.append(
-            f"  fluid: {shown(mud.density, 'mud_weight', units, 6)}, {mud.rheology.model}, law {mud.rheology.law}, bulk modulus {mud.bulk_modulus:g} Pa"
+            f"  fluid: {shown(mud.density, 'mud_weight', units, 6)}, {mud.rheology.model}, law {mud.rheology.law}, bulk modulus {shown(mud.bulk_modulus, 'stress', units, plot=True)}"
         )
         lines += [
             *_fitted("rheology", mud.rheology, units),
@@ -221,7 +223,7 @@ def _lines(model: DrillingModel) -> list[str]:
     if coarse.any():
         limit = (240 * mesh.bending_stiffness / (mesh.mass * np.linalg.norm(case.gravity))) ** (1 / 3)
         lines.append(
-            f"  WARNING: {int(coarse.sum())} elements are longer than {limit[coarse].min():.3g} m = (240 EI/w)^(1/3): "
+            f"  WARNING: {int(coarse.sum())} elements are longer than {shown(limit[coarse].min(), 'length', units, 3)} = (240 EI/w)^(1/3): "
             "their bending cannot hold their own axial load, statics may report negative pivots; shorten element_length"
         )
     return lines

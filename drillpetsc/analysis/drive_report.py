@@ -11,6 +11,7 @@ from drillpetsc.case.case import Case
 from drillpetsc.model.drilling_model import DrillingModel, is_quasi_static
 from drillpetsc.physics.control import Law, Motor, reflection
 from drillpetsc.physics.top_drive import MotorDrive
+from drillpetsc.unit_systems import System, shown
 
 COARSE_SAMPLE = 0.1  # of the tuned period
 
@@ -33,10 +34,10 @@ def _law_summary(law: Law, motor: Motor, impedance: float) -> dict[str, Any]:
     return out
 
 
-def control_lines(laws: tuple[Law, ...], motor: Motor, impedance: float) -> list[str]:
+def control_lines(laws: tuple[Law, ...], motor: Motor, impedance: float, units: System) -> list[str]:
     """Lines for the screen: impedance, gains and tuned frequency of each controller."""
     lines = [
-        f"top drive: inertia {motor.inertia:g} kg m2, impedance of the uppermost pipe {impedance:.6g} N m s/rad"
+        f"top drive: inertia {shown(motor.inertia, 'inertia', units, 6)}, impedance of the uppermost pipe {shown(impedance, 'turning_damping', units, 6)}"
     ]
     for law in laws:
         start = f" from {law.start:g} s" if len(laws) > 1 else ""
@@ -46,7 +47,7 @@ def control_lines(laws: tuple[Law, ...], motor: Motor, impedance: float) -> list
             tuned = f", tuned to {law.frequency:.5g} Hz, where it reflects {r:.3g} of a wave"
         late = f", delay {law.delay:g} s" if law.delay else ""
         lines.append(
-            f"  {law.kind}{start}: p {law.p:.6g} N m s/rad ({law.p / impedance:.4g} impedances), i {law.i:.6g} N m/rad"
+            f"  {law.kind}{start}: p {shown(law.p, 'turning_damping', units, 6)} ({law.p / impedance:.4g} impedances), i {shown(law.i, 'turning_stiffness', units, 6)}"
             f"{tuned}{late}"
         )
     return lines
@@ -74,14 +75,14 @@ def control_warnings(case: Case, laws: tuple[Law, ...], impedance: float) -> lis
     return out
 
 
-def start_warnings(torque: float, motor: Motor) -> list[str]:
+def start_warnings(torque: float, motor: Motor, units: System) -> list[str]:
     """Sentence on a start for which the motor is too weak; torque: static, at the start [N m]."""
     if not motor.max_torque or motor.min_torque <= torque <= motor.max_torque:
         return []
     limit = motor.max_torque if torque > 0 else -motor.min_torque
     key = "max_torque" if torque > 0 else "min_torque"
     return [
-        f"top.motor: {key} {limit / 1e3:.4g} kN m is below the torque of the start, {abs(torque) / 1e3:.4g} kN m: "
+        f"top.motor: {key} {shown(limit, 'torque', units)} is below the torque of the start, {shown(abs(torque), 'torque', units)}: "
         "the string stands still"
     ]
 
@@ -99,7 +100,7 @@ def drive_warnings(model: DrillingModel, starts: bool) -> list[str]:
     out = control_warnings(case, drive.described, drive.impedance)
     if starts:
         torque = float(model.system.comm.tompi4py().allreduce(drive.start_torque))
-        out += start_warnings(torque, drive.motor)
+        out += start_warnings(torque, drive.motor, model.system.units)
     return out
 
 
@@ -108,7 +109,7 @@ def drive_lines(model: DrillingModel) -> list[str]:
     drive = model.drive
     if not isinstance(drive, MotorDrive):
         return []
-    lines = control_lines(drive.described, drive.motor, drive.impedance)
+    lines = control_lines(drive.described, drive.motor, drive.impedance, model.system.units)
     for q in model.case.top.control:
         if isinstance(q, PythonController):
             lines.append(f"  python: {q.function} every {q.sample:g} s")

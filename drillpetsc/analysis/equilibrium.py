@@ -21,6 +21,7 @@ from drillpetsc.analysis.soft_string_start import place_marched, soft_string
 from drillpetsc.analysis.static_problem import StaticProblem, StaticState
 from drillpetsc.analysis.steady_flow import fluid_unknowns, freeze_flow, steady_flow
 from drillpetsc.analysis.top_on_wall import balance_across
+from drillpetsc.case.quantities import said
 from drillpetsc.errors import CaseError, SolveError
 from drillpetsc.model.drilling_model import DrillingModel
 from drillpetsc.output.free_end import BEYOND, FreeEnd, end_is_free
@@ -296,8 +297,8 @@ def _lock_up(model: DrillingModel, found: March) -> SolveError | CaseError:
     if wob is not None and wob > most:
         return CaseError(
             at="initial.wob",
-            got=f"{wob:g} N",
-            want=f"less than {most:.3g} N, which compresses the pipe above the bit by 1 %",
+            got=shown(wob, "force", _units(model), 6),
+            want=f"less than {shown(most, 'force', _units(model), 3)}, which compresses the pipe above the bit by 1 %",
         )
     assert found.locked_at is not None
     item = case.string[int(mesh.item[max(found.locked_node - 1, 0)])]
@@ -406,12 +407,14 @@ def _set_weight_on_bit(model: DrillingModel, solver: StaticNewton, wob: float) -
     bit, top = model.bit, model.top
     if bit is None:
         raise CaseError(
-            at="initial.wob", got=f"{wob:g} N", want="a bottom of kind bit, which carries the weight"
+            at="initial.wob",
+            got=said(wob, "force", model.case.output.units or "SI"),
+            want="a bottom of kind bit, which carries the weight",
         )
     if top is None or model.case.top.force is not None:
         raise CaseError(
             at="initial.wob",
-            got=f"{wob:g} N",
+            got=said(wob, "force", model.case.output.units or "SI"),
             want="a top with a prescribed axial position (top_drive, driven, clamped, pinned)",
         )
     target = bit.depth_for(wob)

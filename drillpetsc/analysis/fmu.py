@@ -18,11 +18,11 @@ from petsc4py import PETSc
 from drillpetsc.analysis.case_inputs import describe, inputs_of
 from drillpetsc.analysis.linearise import refuse_unknown
 from drillpetsc.analysis.live_outputs import LiveOutputs
+from drillpetsc.analysis.run_options import options_of
 from drillpetsc.case.case import Case
 from drillpetsc.errors import CaseError
 from drillpetsc.model.drilling_model import build_model, is_quasi_static
 from drillpetsc.output.recorder import Recorder
-from drillpetsc.solvers import petsc_options as options
 from drillpetsc.version import __version__
 
 INSTALL = "pip install 'drillpetsc[fmu]'"
@@ -106,7 +106,7 @@ def build_fmu(
 def _described(case: Case, inputs: Sequence[str] | None, outputs: Sequence[str] | None) -> dict[str, Any]:
     """Names, units, descriptions and starts of inputs and outputs."""
     given = inputs_of(case)
-    with options.applied(case.petsc):
+    with options_of(case):
         live = LiveOutputs(Recorder(build_model(case, PETSc.COMM_SELF)))
     known = {q.name: q for q in live.described()}
     chosen = list(given) if inputs is None else list(inputs)

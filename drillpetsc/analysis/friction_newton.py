@@ -23,6 +23,7 @@ from drillpetsc.analysis.paths_of_problem import answer_by_path, has_two_paths, 
 from drillpetsc.analysis.soft_string_start import place_marched
 from drillpetsc.analysis.static_problem import StaticProblem
 from drillpetsc.errors import SolveError
+from drillpetsc.unit_systems import shown
 
 LATERAL_STEPS = 15  # of Newton's method from a lateral equilibrium, which is close to the state
 NEAR_STEPS, NEAR_INCREMENT = 6, 10.0  # of its first steps, and the increment that they reach from there
@@ -226,7 +227,7 @@ def _friction_by_substitution(problem: StaticProblem) -> None:
             newton_or_descent(model, solver, state.equilibrium, factors)
             last, factors = friction, (1.0,)
         raise SolveError(
-            f"friction did not converge in {len(changes) - 1} rounds (last change {changes[-1]:.3g} N)",
+            f"friction did not converge in {len(changes) - 1} rounds (last change {shown(changes[-1], 'force', system.units, 3)})",
             **system.locate_largest_residual(0.0),
         )
     finally:

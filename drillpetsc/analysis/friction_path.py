@@ -26,6 +26,7 @@ from drillpetsc.model.drilling_model import DrillingModel
 from drillpetsc.solvers.lateral_loads import lateral_loads
 from drillpetsc.solvers.overdamped import SPIN_ARM, Drag, OverdampedMotion
 from drillpetsc.solvers.static_newton import Advance, Equilibrium, StaticNewton, sum_of
+from drillpetsc.unit_systems import shown
 
 SEED = 1e-3  # random side loads, as a share of the weight
 SEED_SPACING = (
@@ -420,9 +421,10 @@ class FrictionPath:
         log = self._advance(way / LOWERING, lambda t: 1.0, 0.02 / LOWERING, speed=LOWERING, target=target)
         wob = self._end_forces()[1]
         if abs(wob - target) > 10 * WEIGHT_TOLERANCE * target:
+            units = self.model.case.output.units or "metric"
             raise SolveError(
-                f"locked up: the bit carries {wob:.4g} N after the top was lowered by {log[-1][0] * LOWERING:.3g} m, "
-                f"not {target:.4g} N; friction takes the rest",
+                f"locked up: the bit carries {shown(wob, 'force', units)} after the top was lowered by {shown(log[-1][0] * LOWERING, 'length', units, 3)}, "
+                f"not {shown(target, 'force', units)}; friction takes the rest",
                 hint="less weight, less friction, rotation, or a stiffer string",
             )
 

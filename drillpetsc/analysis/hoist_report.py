@@ -9,6 +9,7 @@ from drillpetsc.model.drilling_model import DrillingModel, is_quasi_static
 from drillpetsc.model.hoist import autodriller_of, gear_of
 from drillpetsc.physics.hoist import HoistLine
 from drillpetsc.physics.hoisting import fast_line_efficiency
+from drillpetsc.unit_systems import shown
 
 
 def hoist_summary(model: DrillingModel) -> dict[str, Any]:
@@ -32,12 +33,14 @@ def hoist_lines(model: DrillingModel) -> list[str]:
     case = model.case
     if model.hoist is None:
         return []
-    gear, drill = gear_of(case), autodriller_of(case)
-    lines = [f"hoist: block {gear.mass:g} kg on {gear.lines} lines, {gear.height:g} m over the floor"]
+    gear, drill, units = gear_of(case), autodriller_of(case), case.output.units or "metric"
+    lines = [
+        f"hoist: block {shown(gear.mass, 'mass', units, 6)} on {gear.lines} lines, {shown(gear.height, 'length', units)} over the floor"
+    ]
     if gear.line is not None:
         k = gear.line.stiffness
         lines.append(
-            f"  line: EA {gear.line.axial_stiffness:.6g} N, {k:.6g} N/m at the block, {1e6 / k * 1e3:.4g} mm per MN"
+            f"  line: EA {shown(gear.line.axial_stiffness, 'force', units, 6)}, {shown(k, 'stiffness', units, 6)} at the block"
         )
     if gear.efficiency < 1:
         e = fast_line_efficiency(gear.efficiency, gear.lines)
@@ -53,7 +56,9 @@ def hoist_lines(model: DrillingModel) -> list[str]:
             lines.append(f"  autodriller {q.kind}: p {q.p:g} m/s/{unit}, i {q.i:g} m/s2/{unit}{lag}")
         if drill.rate is not None:
             lines.append("  autodriller rop: the drum runs at the set point")
-        lines.append(f"  drum: {drill.least * 3600:g} to {drill.most * 3600:g} m/h from {drill.start:g} s on")
+        lines.append(
+            f"  drum: {shown(drill.least, 'rop', units)} to {shown(drill.most, 'rop', units)} from {drill.start:g} s on"
+        )
     return lines
 
 
@@ -64,12 +69,12 @@ def hoist_warnings(case: Case) -> list[str]:
         return []
     if is_quasi_static(case):
         return ["top.hoist: left out, since time.mode is quasi_static: the lowering moves the top itself"]
-    rig, out = case.rig, []
+    rig, out, units = case.rig, [], case.output.units or "metric"
     weight = hoist.block_mass * 9.80665
     if rig is not None and rig.block_weight and abs(rig.block_weight / weight - 1) > 0.01:
         out.append(
-            f"rig.block_weight {rig.block_weight / 1e3:.4g} kN is not the weight of top.hoist.block_mass, "
-            f"{weight / 1e3:.4g} kN: hook_load_total has the first, hook_load_sensor the second"
+            f"rig.block_weight {shown(rig.block_weight, 'force', units)} is not the weight of top.hoist.block_mass, "
+            f"{shown(weight, 'force', units)}: hook_load_total has the first, hook_load_sensor the second"
         )
     drill = autodriller_of(case)
     given = case.top.autodriller
@@ -81,7 +86,7 @@ def hoist_warnings(case: Case) -> list[str]:
         and not case.initial.wob
     ):
         out.append(
-            f"top.autodriller: a bit that begins without weight may land at up to {drill.most:g} m/s, the largest speed of the "
+            f"top.autodriller: a bit that begins without weight may land at up to {shown(drill.most, 'rop', units)}, the largest speed of the "
             "drum; give max_speed, or the mode rop as well"
         )
     if drill is not None and drill.start == 0 and case.initial.from_ in ("rest", "straight"):

@@ -25,7 +25,8 @@ from drillpetsc.analysis.linear_model import (
 from drillpetsc.analysis.live_outputs import LiveOutputs
 from drillpetsc.analysis.mean_over_turn import mean_over_turn
 from drillpetsc.analysis.modal import REPORTED_IMBALANCE, ZERO_FRACTION, reference_rate, unbalanced_force
-from drillpetsc.analysis.placement import prescribed_motion
+from drillpetsc.analysis.placement import motion_text, prescribed_motion
+from drillpetsc.analysis.run_options import options_of
 from drillpetsc.analysis.transient import make_folder
 from drillpetsc.arrays import FloatArray
 from drillpetsc.case.case import Case
@@ -37,9 +38,9 @@ from drillpetsc.output import RunFolder, write_summary
 from drillpetsc.output.case_files import write_case
 from drillpetsc.output.files.atomic import replace_file
 from drillpetsc.output.recorder import Recorder
-from drillpetsc.solvers import petsc_options as options
 from drillpetsc.solvers.model_reduction import Reduced, not_decaying, reduce
 from drillpetsc.solvers.state_space import StateSpace
+from drillpetsc.unit_systems import shown
 
 METHODS = ("balanced", "modal")
 FREQUENCIES = 500  # at which a reduced model is compared with the whole one
@@ -116,7 +117,7 @@ def run_linearise(
     if case.top.autodriller is not None:  # which acts in a linear model from the start
         given.pop("top.lowering", None)
     refuse_unknown("--inputs", inputs, list(given))
-    with options.applied(case.petsc):
+    with options_of(case):
         disturbed = {key: DisturbedInput(given[key]) for key in inputs}
         model = build_model(with_inputs(mean_over_turn(case), disturbed), comm)
         model.case = case
@@ -164,9 +165,7 @@ def refuse_unknown(option: str, names: Sequence[str], known: list[str]) -> None:
 
 def _about(model: DrillingModel) -> str:
     lowering, rotation = prescribed_motion(model)
-    moves = [f"rotation at {rotation:g} rad/s"] if rotation else []
-    moves += [f"lowering at {lowering:g} m/s"] if lowering else []
-    return " and ".join(moves) or "rest"
+    return motion_text(lowering, rotation, model.case.output.units or "metric")
 
 
 def _notes(model: DrillingModel, live: LiveOutputs) -> list[str]:
@@ -182,7 +181,9 @@ def _notes(model: DrillingModel, live: LiveOutputs) -> list[str]:
     mpi = model.system.comm.tompi4py()
     left = unbalanced_force(model)
     if left > REPORTED_IMBALANCE:
-        notes.append(f"unbalanced forces up to {left:.3g} N are left: the state is not exactly steady")
+        notes.append(
+            f"unbalanced forces up to {shown(left, 'force', model.case.output.units or 'metric', 3)} are left: the state is not exactly steady"
+        )
     if model.contact is not None:
         cells, items = model.contact.element_results(model.system.assembly)
         closed = mpi.allreduce(int((cells[:, 0] > 0).sum() + (items[:, 0] > 0).sum()))

@@ -28,7 +28,8 @@ from drillpetsc.analysis.initial_state import find_equilibrium
 from drillpetsc.analysis.linearised_model import linearise_model, settle
 from drillpetsc.analysis.mean_over_turn import mean_over_turn
 from drillpetsc.analysis.modes_of_kind import lowest_of_kind
-from drillpetsc.analysis.placement import move_rigidly, prescribed_motion, release
+from drillpetsc.analysis.placement import motion_text, move_rigidly, prescribed_motion, release
+from drillpetsc.analysis.run_options import options_of
 from drillpetsc.analysis.steady_flow import release_flow
 from drillpetsc.analysis.time_scales import time_scales
 from drillpetsc.analysis.transient import make_folder
@@ -50,7 +51,6 @@ from drillpetsc.output.quantities import MODES
 from drillpetsc.output.quantities.modes import STOKES_NUMBER
 from drillpetsc.output.result import RunResult
 from drillpetsc.output.well_files import write_well_files
-from drillpetsc.solvers import petsc_options as options
 from drillpetsc.solvers.linearization import Linearised
 from drillpetsc.solvers.quadratic_eigenproblem import (
     NEUTRAL_GROWTH,
@@ -58,6 +58,7 @@ from drillpetsc.solvers.quadratic_eigenproblem import (
     eigenvalues_near,
     lowest_eigenvalues,
 )
+from drillpetsc.unit_systems import System, shown
 
 STATES = ("steady", "rest")
 FREE_SPIN = 1e3  # spin over way above which a vector of a root zero turns freely [rad/m]
@@ -451,7 +452,7 @@ def run_modes(
         raise CaseError(
             at="--shift", got=shift, want="a frequency in Hz, at least 0, and not together with --kind"
         )
-    with options.applied(case.petsc):
+    with options_of(case):
         case = continuous_control(mean_over_turn(case))
         model = build_model(without_motor(case) if without_control else case, comm)
         folder = make_folder(comm, name, out, False, overwrite)
@@ -471,7 +472,7 @@ def run_modes(
         summary = {
             "title": case.title,
             "searched": searched,
-            **mode_summary(found, state),
+            **mode_summary(found, state, case.output.units or "metric"),
             "time_scales": time_scales(model).lines(),
         }
         summary["warnings"] += [*unresolved_growth(model, found), *fed_by_swirl(model, found)]
@@ -480,12 +481,10 @@ def run_modes(
     return RunResult(folder.path, summary, _lines(case, folder, found, summary))
 
 
-def mode_summary(found: Modes, state: StaticState) -> dict[str, Any]:
-    """Return the entries of summary.json: results of all modes together."""
-    moves = [f"rotation at {found.rotation:g} rad/s"] if found.rotation else []
-    moves += [f"lowering at {found.lowering:g} m/s"] if found.lowering else []
+def mode_summary(found: Modes, state: StaticState, units: System) -> dict[str, Any]:
+    """Return the entries of summary.json: results of all modes together; sentences in a system of units."""
     return {
-        "about": " and ".join(moves) or "rest",
+        "about": motion_text(found.lowering, found.rotation, units),
         "lowering": found.lowering,
         "rotation": found.rotation,
         "modes": found.count,
@@ -596,11 +595,11 @@ def _lines(case: Case, folder: RunFolder, found: Modes, summary: dict[str, Any])
         else f"{found.diverging} diverging, {found.fluttering} fluttering, {found.zeros} at zero"
     )
     lines.append(
-        f"  {stability}; largest growth {found.margin:.4g} 1/s, smallest |s| {found.smallest:.4g} rad/s"
+        f"  {stability}; largest growth {found.margin:.4g} 1/s, smallest |s| {found.smallest:.4g} 1/s"
     )
     if found.imbalance > REPORTED_IMBALANCE:
         lines.append(
-            f"  note: unbalanced forces up to {found.imbalance:.3g} N are left: the state is not exactly steady"
+            f"  note: unbalanced forces up to {shown(found.imbalance, 'force', case.output.units or 'metric', 3)} are left: the state is not exactly steady"
         )
     lines += [f"  {line}" for line in summary["time_scales"]]
     if found.stokes_number is not None:

@@ -8,6 +8,7 @@ from drillpetsc.analysis.steady_flow import release_flow, set_fluid_at_rest
 from drillpetsc.arrays import FloatArray
 from drillpetsc.model.drilling_model import DrillingModel
 from drillpetsc.model.hole import top_of_string
+from drillpetsc.unit_systems import System, shown
 
 
 def prescribed_motion(model: DrillingModel) -> tuple[float, float]:
@@ -18,6 +19,13 @@ def prescribed_motion(model: DrillingModel) -> tuple[float, float]:
     return (lowering.value(0.0) if lowering is not None else 0.0), (
         rotation.value(0.0) if rotation is not None else 0.0
     )
+
+
+def motion_text(lowering: float, rotation: float, units: System) -> str:
+    """`rotation at 60 rpm and lowering at 10 m/h`: the motion [m/s, rad/s] of the top for people, in a system of units."""
+    moves = [f"rotation at {shown(rotation, 'rotation', units, 6)}"] if rotation else []
+    moves += [f"lowering at {shown(lowering, 'rop', units, 6)}"] if lowering else []
+    return " and ".join(moves) or "rest"
 
 
 def average_over_turn(model: DrillingModel, rotation: float) -> None:

@@ -56,7 +56,7 @@ def stop_warnings(model: DrillingModel) -> list[str]:
             continue
         end, how = (joint.stroke[0], "closed") if stop < 0 else (joint.stroke[1], "extended")
         out.append(
-            f"the slider at MD {shown(top_depth(model) + joint.depth, 'length', units, 6)} is {how} to its stop at {1e3 * end:.4g} mm, "
+            f"the slider at MD {shown(top_depth(model) + joint.depth, 'length', units, 6)} is {how} to its stop at {shown(end, 'diameter', units)}, "
             f"which carries {shown(abs(stop), 'force', units, 3)}: it acts as rigid at this load"
         )
     return out

@@ -19,7 +19,7 @@ from drillpetsc.analysis.mud_above_top import mud_above_top
 from drillpetsc.analysis.path_answer import PathKind
 from drillpetsc.analysis.path_question import has_path
 from drillpetsc.analysis.placement import prescribed_motion, top_depth
-from drillpetsc.analysis.run_options import refuse_misspelt
+from drillpetsc.analysis.run_options import options_of
 from drillpetsc.analysis.slider_travel import stop_warnings
 from drillpetsc.analysis.swirl_left_out import swirl_left_out
 from drillpetsc.analysis.top_push import top_push
@@ -46,7 +46,6 @@ from drillpetsc.output.string_ends import TopEnd
 from drillpetsc.output.wall_depth import wall_depth_notes
 from drillpetsc.output.well_files import write_well_files
 from drillpetsc.physics.beam import RESULT_NAMES
-from drillpetsc.solvers import petsc_options as options
 from drillpetsc.unit_systems import System, display, kind_of, shown
 
 NOISE = 1e-12  # share of the largest load below which a load is rounding noise
@@ -81,8 +80,7 @@ def run_statics(
             raise CaseError(at="--motion", got=motion, want="one of --motion and --operation")
         case, moving = case_of(case, word), motion_of(case, word)
     case = held_at_weight(case)
-    with options.applied(case.petsc) as used:
-        refuse_misspelt(given, used)
+    with options_of(case, given):
         model = build_model(case, comm, moving)
         folder = make_folder(comm, name, out, False, overwrite)
         state = find_equilibrium(model, moving, False, path)
@@ -244,7 +242,9 @@ def _lines(case: Case, folder: RunFolder, state: StaticState, summary: dict[str,
         else f"UNSTABLE: {state.equilibrium.negative_pivots} negative pivots"
     )
     # a path ends in a motion, whose residual is not computed
-    residual = f", residual {state.equilibrium.residual:.2g} N" if state.path is None else ""
+    residual = (
+        f", residual {shown(state.equilibrium.residual, 'force', units, 2)}" if state.path is None else ""
+    )
     lines.append(f"  {stable}; {state.equilibrium.iterations} Newton iterations{residual}")
     lines += [f"  note: {w}" for w in state.warnings]
     lines.append(f"  results: {folder.path}   (scripts/drillpetsc plot {shlex.quote(str(folder.path))})")

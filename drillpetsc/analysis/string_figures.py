@@ -11,6 +11,7 @@ from drillpetsc.case.catalogue.formulas import tensile_strength, torsional_stren
 from drillpetsc.case.catalogue.sizes import FT_LBF, INCH, KSI, LB_PER_FT, LBF, inch_text
 from drillpetsc.case.figures import Figure
 from drillpetsc.case.section import ring, tubular_section
+from drillpetsc.unit_systems import System, shown
 
 #: SI unit -> unit of the trade, value of one of it in SI
 FIELD = {
@@ -25,8 +26,11 @@ LONG = 1.0  # lengths from here on are shown in feet, below in inches [m]
 TURBULENT = 4.75
 
 
-def figure_lines(case: Case) -> list[str]:
-    """Lines for the user; none where the case gives all figures itself."""
+def figure_lines(case: Case, units: System) -> list[str]:
+    """Lines for the user; none where the case gives all figures itself.
+
+    units: field: in units of the field alone; others: in SI, and in units of the field behind, in which catalogues are written.
+    """
     figures = case.figures
     lines: list[str] = []
     for number, item in enumerate(case.string):
@@ -35,12 +39,12 @@ def figure_lines(case: Case) -> list[str]:
             continue
         reference = figures.references.get(number)
         lines.append(f"    string[{number}] {item.name}" + (f' "{reference}"' if reference else "") + ":")
-        lines += [f"      {_figure(figure)}" for figure in found]
+        lines += [f"      {_figure(figure, units)}" for figure in found]
         if isinstance(item, Tubular):
-            lines += [f"      {line}" for line in _section_lines(case, item)]
+            lines += [f"      {line}" for line in _section_lines(case, item, units)]
         if isinstance(item, Stabilizer) and item.blade_length is not None:
             lines.append(
-                f"      touches the hole over its blades, {item.blade_length:.4g} m, not with its body"
+                f"      touches the hole over its blades, {shown(item.blade_length, 'length', units)}, not with its body"
             )
     return (
         ["  figures of the string that the case does not give, and where they are from:", *lines]
@@ -49,27 +53,35 @@ def figure_lines(case: Case) -> list[str]:
     )
 
 
-def _figure(figure: Figure) -> str:
+def _figure(figure: Figure, units: System) -> str:
     value = figure.value
     if isinstance(value, float):
-        text = f"{value:.6g} {figure.unit}".rstrip() + _in_field_units(value, figure.unit)
+        text = _with_field(f"{value:.6g} {figure.unit}".rstrip(), _in_field_units(value, figure.unit), units)
     else:
         text = str(value)
     return f"{figure.key} {text}: {figure.source}"
 
 
+def _with_field(text: str, field: str, units: System) -> str:
+    """A figure in SI and in units of the field, or in the latter alone for those who work in them."""
+    if not field:
+        return text
+    return field if units == "field" else f"{text} ({field})"
+
+
 def _in_field_units(value: float, unit: str) -> str:
     if unit == "m":
-        return f" ({value / 0.3048:.5g} ft)" if value >= LONG else f" ({inch_text(value / INCH)})"
+        return f"{value / 0.3048:.5g} ft" if value >= LONG else inch_text(value / INCH)
     if unit not in FIELD:
         return ""
     name, factor = FIELD[unit]
-    return f" ({value / factor:.5g} {name})"
+    return f"{value / factor:.5g} {name}"
 
 
-def _section_lines(case: Case, item: Tubular) -> list[str]:
+def _section_lines(case: Case, item: Tubular, units: System) -> list[str]:
     """What becomes of an item in the beam."""
     s = tubular_section(item)
+    areas: System = "field" if units == "field" else "metric"
     area, moment = ring(item.od, item.id)
     young = item.material.young
     way = ""
@@ -82,26 +94,30 @@ def _section_lines(case: Case, item: Tubular) -> list[str]:
             ]
             way = f" (tube and tool joints in series: EA {more[0]:+.1f} %, EI and GJ {more[1]:+.1f} % over the tube)"
     lines = [
-        f"EA {s.axial_stiffness:.5g} N, EI {s.bending_stiffness:.5g} N m2, GJ {s.torsional_stiffness:.5g} N m2: "
+        f"EA {shown(s.axial_stiffness, 'force', units, 5)}, EI {shown(s.bending_stiffness, 'section_stiffness', units, 5)}, "
+        f"GJ {shown(s.torsional_stiffness, 'section_stiffness', units, 5)}: "
         f"from the dimensions{way}",
-        f"areas: bore {1e6 * s.bore_area:.6g} mm2, outside {1e6 * s.outer_area:.6g} mm2: mean over a joint; "
+        f"areas: bore {shown(s.bore_area, 'flow_area', areas, 6)}, outside {shown(s.outer_area, 'flow_area', areas, 6)}: mean over a joint; "
         "bore and mass over density",
     ]
     if item.contact_od != item.od:
         upset = ", the centre upset is inside it" if getattr(item, "center_upset", None) is not None else ""
         lines.append(
-            f"touches the hole with {_length(s.contact_diameter)}: diameter of the tool joint{upset}"
+            f"touches the hole with {_length(s.contact_diameter, units)}: diameter of the tool joint{upset}"
         )
     else:
-        lines.append(f"touches the hole with {_length(s.contact_diameter)}: diameter of the body")
+        lines.append(f"touches the hole with {_length(s.contact_diameter, units)}: diameter of the body")
     if math.isnan(s.yield_strength):
         lines.append("no limits: no grade and no yield_strength given")
     else:
         pull = tensile_strength(s.worn_diameter / INCH, item.id / INCH, s.yield_strength / (KSI / 1e3))
         torque = torsional_strength(s.worn_diameter / INCH, item.id / INCH, s.yield_strength / (KSI / 1e3))
-        worn = f"tube worn to {_length(s.worn_diameter)}" if isinstance(item, DrillPipe) else "new tube"
+        worn = (
+            f"tube worn to {_length(s.worn_diameter, units)}" if isinstance(item, DrillPipe) else "new tube"
+        )
         lines.append(
-            f"yields at {pull * LBF / 1e3:.5g} kN ({pull:,.0f} lbf) or {torque * FT_LBF / 1e3:.5g} kN m ({torque:,.0f} ft-lbf): "
+            f"yields at {_with_field(f'{pull * LBF / 1e3:.5g} kN', f'{pull:,.0f} lbf', units)} or "
+            f"{_with_field(f'{torque * FT_LBF / 1e3:.5g} kN m', f'{torque:,.0f} ft-lbf', units)}: "
             f"formulas of API RP 7G, {worn}, connections not counted"
         )
     if case.fluid is not None and s.joint_share > 0:
@@ -112,5 +128,5 @@ def _section_lines(case: Case, item: Tubular) -> list[str]:
     return lines
 
 
-def _length(value: float) -> str:
-    return f"{1e3 * value:.5g} mm ({inch_text(value / INCH)})"
+def _length(value: float, units: System) -> str:
+    return _with_field(f"{1e3 * value:.5g} mm", inch_text(value / INCH), units)

@@ -193,13 +193,13 @@ def closing_lines(
     if e:
         damped = ", removed by numerical damping" if e["error_share"] < -DAMPING_SHOWN else ""
         lines.append(
-            f"  energy error {e['error']:.3g} J ({100 * e['error_share']:.2g} % of the energy exchanged{damped})"
+            f"  energy error {shown(e['error'], 'energy', system, 3)} ({100 * e['error_share']:.2g} % of the energy exchanged{damped})"
         )
-    lines += _time_lines(result, checked)
+    lines += _time_lines(result, checked, system)
     if "mass" in result:
         m = result["mass"]
         lines.append(
-            f"  mud: {m['pumped']:.6g} m3 pumped, {m['returned']:.6g} m3 returned, balance off by {m['error']:.2g} m3"
+            f"  mud: {shown(m['pumped'], 'volume', system, 6)} pumped, {shown(m['returned'], 'volume', system, 6)} returned, balance off by {shown(m['error'], 'volume', system, 2)}"
         )
     if "new_hole" in result:
         q = result["new_hole"]
@@ -224,14 +224,14 @@ def closing_lines(
     return lines
 
 
-def _time_lines(result: dict[str, Any], checked: bool) -> list[str]:
+def _time_lines(result: dict[str, Any], checked: bool, system: System) -> list[str]:
     """Lines on the error of the time steps: estimated error of the outputs, and what numerical damping has removed."""
     estimate, energy = result.get("error_estimate") or {}, result.get("energy", {})
     lines = time_error_lines(estimate["outputs"], checked) if "outputs" in estimate else []
     frequency, share = estimate.get("damped_above"), energy.get("damped_share", 0.0)
     if frequency is not None and share > DAMPING_MATTERS:
         lines.append(
-            f"  numerical damping removed {energy['damped']:.3g} J, {100 * share:.2g} % of the energy exchanged: at the steps taken, "
+            f"  numerical damping removed {shown(energy['damped'], 'energy', system, 3)}, {100 * share:.2g} % of the energy exchanged: at the steps taken, "
             f"vibrations above {frequency:.2g} Hz lose more than 1 % of their amplitude in a period"
         )
     return lines

@@ -9,6 +9,7 @@ import numpy as np
 from petsc4py import PETSc
 
 from drillpetsc.analysis.drive_report import control_lines, control_summary, control_warnings
+from drillpetsc.analysis.run_options import options_of
 from drillpetsc.analysis.transient import make_folder
 from drillpetsc.arrays import FloatArray
 from drillpetsc.case.blocks.ends import HeldBottom
@@ -49,7 +50,8 @@ def run_top_drive(
             at="top.control.kind", got="python", want="another: a function in Python has no known reflection"
         )
     comm = comm or PETSc.COMM_WORLD
-    mesh = build_mesh(case, build_well(case), None)
+    with options_of(case):
+        mesh = build_mesh(case, build_well(case), None)
     motor, laws, impedance = motor_of(case), laws_of(case, mesh), pipe_impedance(mesh)
     table = [np.abs(reflection(law, motor, impedance, FREQUENCIES)) for law in laws]
     summary: dict[str, Any] = {"title": case.title, "top_drive": control_summary(laws, motor, impedance)}
@@ -72,8 +74,10 @@ def run_top_drive(
 def _lines(
     case: Case, folder: Path, laws: tuple[Law, ...], motor: Motor, impedance: float, summary: dict[str, Any]
 ) -> list[str]:
-    lines = [f"{case.title or 'case'}: {control_lines(laws, motor, impedance)[0]}"]
-    lines += control_lines(laws, motor, impedance)[1:]
+    lines = [
+        f"{case.title or 'case'}: {control_lines(laws, motor, impedance, case.output.units or case.units)[0]}"
+    ]
+    lines += control_lines(laws, motor, impedance, case.output.units or case.units)[1:]
     lowest = summary["top_drive"]["torsional_frequency"]
     if lowest is not None:
         lines.append(f"  lowest torsional frequency with the top held: {lowest:.6g} Hz")

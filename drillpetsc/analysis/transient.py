@@ -273,7 +273,7 @@ class TransientRun:
             said = [
                 line
                 for c in self.model.system.components
-                for line in c.start_warnings(self.model.system.assembly)
+                for line in c.start_warnings(self.model.system.assembly, self.model.system.units)
             ]
             said = self.model.system.all_entries(said)
             self.notes["warnings"] += said

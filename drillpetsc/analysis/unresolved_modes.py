@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from drillpetsc.model.drilling_model import DrillingModel
+from drillpetsc.unit_systems import shown
 
 if TYPE_CHECKING:
     from drillpetsc.analysis.modal import Modes
@@ -25,13 +26,14 @@ def unresolved_growth(model: DrillingModel, found: Modes) -> list[str]:
     length = float(mesh.length[~mesh.is_joint].max())
     highest = np.sqrt(mud.bulk_modulus / mud.density) / (ELEMENTS_PER_WAVE * length)
     lateral = np.array([kind == "lateral" for kind in found.kind], dtype=bool)
+    units = model.case.output.units or "metric"
     coarse = found._grows & (found.frequency > highest) & ~lateral
     if not coarse.any():
         return []
     return [
         f"{int(coarse.sum())} of the growing modes, from {found.frequency[coarse].min():.4g} Hz, have pressure waves shorter than "
-        f"{ELEMENTS_PER_WAVE:g} elements of {length:.3g} m: their growth may come from the mesh; it is one of the model where it stays "
-        f"with element_length below {length * highest / found.frequency[coarse].max():.2g} m"
+        f"{ELEMENTS_PER_WAVE:g} elements of {shown(length, 'length', units, 3)}: their growth may come from the mesh; it is one of the model where it stays "
+        f"with element_length below {shown(length * highest / found.frequency[coarse].max(), 'length', units, 2)}"
     ]
 
 

@@ -18,7 +18,7 @@ from drillpetsc.case.figures import Figures
 from drillpetsc.case.key_paths import check_plain, refuse
 from drillpetsc.case.messages import case_error
 from drillpetsc.case.old_words import check_old_words
-from drillpetsc.case.quantities import BARE_NUMBERS
+from drillpetsc.case.quantities import BARE_NUMBERS, MESSAGES
 from drillpetsc.case.survey_file import FOLDER
 from drillpetsc.case.tubulars import completed_string
 from drillpetsc.case.writer import case_data, case_yaml, sourced_yaml
@@ -57,18 +57,20 @@ class Case(CaseBlocks):
     def __init__(self, /, **keys: Any) -> None:
         check_plain(keys)
         check_old_words(keys)
-        token = BARE_NUMBERS.set(system_of(keys))
+        token, words = BARE_NUMBERS.set(system_of(keys)), MESSAGES.set(system_of(keys))
         try:
             super().__init__(**keys)
         except ValidationError as error:
             raise case_error(error, keys) from None
         finally:
             BARE_NUMBERS.reset(token)
+            MESSAGES.reset(words)
         self._given = Given(_copied(keys), FOLDER.get())
 
     @model_validator(mode="after")
     def _check_and_fill(self) -> Case:
         token = BARE_NUMBERS.set("SI")  # blocks that defaults build
+        words = MESSAGES.set(self.output.units or self.units)
         try:
             fill_presence_defaults(self)
             string, self._figures, origins = completed_string(self)
@@ -81,6 +83,7 @@ class Case(CaseBlocks):
             self._units_to_output()
         finally:
             BARE_NUMBERS.reset(token)
+            MESSAGES.reset(words)
         return self
 
     def _units_to_output(self) -> None:

@@ -11,7 +11,7 @@ from pydantic_core import CoreSchema, core_schema
 
 from drillpetsc.case.catalogue.sizes import INCH, size_at_start
 from drillpetsc.case.key_paths import refuse
-from drillpetsc.case.quantities import as_list, with_unit
+from drillpetsc.case.quantities import as_list, said, with_unit
 from drillpetsc.units import to_si
 
 WANT = "3 x 12/32 in, 3x12, [12, 12, 12], 2 x 12 + 1 x 14 or 3 x 9.5 mm; whole numbers from 6 to 40 are 32nds of an inch"
@@ -42,7 +42,7 @@ class Nozzles:
             raise refuse(got=value, want=f"at most {MOST} nozzles")
         for diameter in sizes:
             if not SMALLEST <= diameter <= LARGEST:
-                want = f"nozzles of {SMALLEST * 1e3:g} mm to 2 in; this is one of {diameter * 1e3:.4g} mm"
+                want = f"nozzles of {said(SMALLEST, 'diameter')} to {said(LARGEST, 'diameter')}; this is one of {said(diameter, 'diameter')}"
                 raise refuse(got=value, want=want)
         return tuple(sizes)
 

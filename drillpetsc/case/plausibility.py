@@ -17,7 +17,7 @@ from drillpetsc.case.plausible_string import (
     short_of_hole,
     standing_bit,
 )
-from drillpetsc.case.quantities import largest
+from drillpetsc.case.quantities import largest, said
 from drillpetsc.unit_systems import shown
 
 ROUGHEST = 1.0  # friction factor: 0.1 to 0.5 are usual
@@ -36,6 +36,7 @@ SMALLEST_PUMP_PRESSURE = 2e4  # [Pa] of a number that was meant as bar or psi
 def plausibility(case: CaseBlocks) -> list[str]:
     """One line for each value that looks like a number in another unit, with the place and the value as read."""
     out: list[str] = []
+    units = case.output.units or "SI"
 
     def doubt(at: str, value: str, why: str) -> None:
         out.append(f"{at} is {value}: {why}")
@@ -43,22 +44,28 @@ def plausibility(case: CaseBlocks) -> list[str]:
     if case.well is not None:
         for i, section in enumerate(case.well.sections):
             if section.diameter > WIDEST_HOLE:
-                inches = f"; {section.diameter:g} in?" if section.diameter < 50 else ""
+                inches = f"; {section.diameter:g} in?" if units == "SI" and section.diameter < 50 else ""
                 doubt(
-                    f"well.sections[{i}].diameter", f"{section.diameter:g} m", f"no hole is that wide{inches}"
+                    f"well.sections[{i}].diameter",
+                    said(section.diameter, "diameter", units),
+                    f"no hole is that wide{inches}",
                 )
             if section.friction > ROUGHEST:
                 doubt(f"well.sections[{i}].friction", f"{section.friction:g}", _rough(section.friction))
         survey = case.well.survey
         if survey.md[-1] > DEEPEST:
-            doubt("well.survey", f"{survey.md[-1]:g} m deep", "deeper than any well; feet?")
+            doubt(
+                "well.survey",
+                f"{said(survey.md[-1], 'length', units)} deep",
+                "deeper than any well" + ("" if units == "field" else "; feet?"),
+            )
         steepest = max(survey.inclination)
         if steepest > STEEPEST:
             doubt(
                 "well.survey.inclination",
                 f"up to {math.degrees(steepest):.4g} deg",
                 f"the hole climbs there; bare numbers are in rad, were {steepest:g} deg meant?"
-                if case.units == "SI"
+                if units == "SI"
                 else "the hole climbs there",
             )
         largest_azimuth = max(map(abs, survey.azimuth))
@@ -76,25 +83,33 @@ def plausibility(case: CaseBlocks) -> list[str]:
         held = tool.held_by if isinstance(tool, ShockSub) else None
         if held is not None:
             does = "opens" if held < 0 else "closes"
-            load = f"a {'push' if held < 0 else 'pull'} above {abs(held) / 1e3:g} kN"
+            load = f"a {'push' if held < 0 else 'pull'} above {shown(abs(held), 'force', case.output.units or 'metric')}"
             out.append(f"string[{i}] shock_sub: preload {does} the stroke: acts as rigid without {load}")
     if case.fluid is not None:
         density = case.fluid.density
         if density < LIGHTEST_MUD and density > 0.5:
-            unit = "ppg" if 6 <= density <= 25 else "sg" if density < 3 else ""
+            unit = "" if units != "SI" else "ppg" if 6 <= density <= 25 else "sg" if density < 3 else ""
             doubt(
                 "fluid.density",
-                f"{density:g} kg/m3",
+                said(density, "mud_weight", units),
                 "lighter than any mud" + (f"; {density:g} {unit}?" if unit else ""),
             )
         if density > HEAVIEST_MUD:
-            doubt("fluid.density", f"{density:g} kg/m3", "heavier than any mud")
+            doubt("fluid.density", said(density, "mud_weight", units), "heavier than any mud")
         flow = largest(case.fluid.flow_rate)
         if flow > LARGEST_FLOW:
-            doubt("fluid.flow_rate", f"{flow * 6e4:g} l/min", "more than rig pumps deliver")
+            doubt(
+                "fluid.flow_rate",
+                shown(flow, "flow", case.output.units or "metric"),
+                "more than rig pumps deliver",
+            )
         pressure = largest(case.fluid.pump_pressure)
         if pressure > LARGEST_PUMP_PRESSURE or 0 < pressure < SMALLEST_PUMP_PRESSURE:
-            doubt("fluid.pump_pressure", f"{pressure:g} Pa", "no usual pump pressure; bar or psi?")
+            doubt(
+                "fluid.pump_pressure",
+                said(pressure, "pressure", units),
+                "no usual pump pressure; bar or psi?",
+            )
         for key, rheology in (
             ("rheology", case.fluid.rheology),
             ("annulus_rheology", case.fluid.annulus_rheology),
@@ -103,13 +118,17 @@ def plausibility(case: CaseBlocks) -> list[str]:
             if viscosity > THICKEST_MUD:
                 doubt(
                     f"fluid.{key}",
-                    f"a fluid of {viscosity:g} Pa s",
-                    f"thicker than any mud; {viscosity:g} cP?",
+                    f"a fluid of {said(viscosity, 'viscosity', units)}",
+                    "thicker than any mud" + (f"; {viscosity:g} cP?" if units == "SI" else ""),
                 )
     if case.output.units in ("field", "metric", "metric_t"):
         for i, item in enumerate(case.string):
             if item.od is not None and item.od < THINNEST_PIPE:
-                doubt(f"string[{i}].od", f"{item.od * 1e3:.4g} mm", "metres without their unit?")
+                doubt(
+                    f"string[{i}].od",
+                    shown(item.od, "diameter", case.output.units),
+                    "metres without their unit?",
+                )
     out += [*short_of_hole(case), *listed_upwards(case), *beyond_lower_part(case), *pumping_valves(case)]
     out += beyond_curves(case)
     out += [

@@ -10,7 +10,7 @@ from drillpetsc.case.blocks.formation import DragBit, Formation, Layer
 from drillpetsc.case.blocks.motor import PositiveDisplacementMotor
 from drillpetsc.case.blocks.string import Beam, Bit, Flexible, Item, Rigid, Stabilizer, Tube
 from drillpetsc.case.blocks.tubulars import DrillCollar, DrillPipe, HeavyPipe, Tubular
-from drillpetsc.case.quantities import largest
+from drillpetsc.case.quantities import largest, said
 from drillpetsc.unit_systems import shown
 
 ONE_JOINT = (
@@ -33,7 +33,7 @@ def lumped_masses(case: CaseBlocks) -> list[str]:
         steel = STEEL * item.length * math.pi / 4 * item.od**2
         if not LEAST_MASS < item.mass / steel < MOST_MASS:
             out.append(
-                f"string[{i}].mass is {item.mass:g} kg: a cylinder of steel of this size has {steel:.3g} kg; another unit?"
+                f"string[{i}].mass is {said(item.mass, 'mass', case.output.units or 'SI')}: a cylinder of steel of this size has {shown(steel, 'mass', case.output.units or 'SI', 3)}; another unit?"
             )
     return out
 

@@ -25,6 +25,9 @@ from drillpetsc.units import UnitError, bare_number, in_unit_of, spelled, to_si,
 BARE_NUMBERS: ContextVar[System] = ContextVar("BARE_NUMBERS", default="SI")
 """Unit system of numbers without a unit, while a case is read."""
 
+MESSAGES: ContextVar[System] = ContextVar("MESSAGES", default="SI")
+"""Unit system of figures in messages, while a case is read and checked."""
+
 SMALLEST, LARGEST = (
     1e-60,
     1e30,
@@ -34,13 +37,17 @@ _EXAMPLE_UNITS = {"m": "mm", "Pa": "GPa", "rad": "deg", "rad/s": "rpm", "kg/m^3"
 _SMALLER = {"klbf": "lbf", "kN": "N"}
 
 
-def said(value: float, kind: str, system: System | None = None) -> str:
+def said(value: float, kind: str, system: System | None = None, digits: int = 6) -> str:
     """A figure [SI] as text for a message: in the units of the case, or as it is without any.
 
-    kind: a key of `unit_systems.KINDS`; system: of the case, None: of the case that is being read.
+    kind: a key of `unit_systems.KINDS`; system: of the case, None: of the case that is being read; digits: significant ones.
     """
-    system = system or BARE_NUMBERS.get()
-    return f"{value:g} {KINDS[kind].si}" if system == "SI" else shown(value, kind, system, 6)
+    system = system or MESSAGES.get()
+    return (
+        f"{value:.{digits}g} {spelled(KINDS[kind].si)}"
+        if system == "SI"
+        else shown(value, kind, system, digits)
+    )
 
 
 class InSI(float):

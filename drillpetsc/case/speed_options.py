@@ -13,7 +13,7 @@ from drillpetsc.case.blocks.string import Flexible
 from drillpetsc.case.case import Case
 from drillpetsc.case.flow_options import Numbers, read_numbers
 from drillpetsc.case.key_paths import suggestion
-from drillpetsc.case.quantities import Quantity
+from drillpetsc.case.quantities import Quantity, said
 from drillpetsc.errors import CaseError
 from drillpetsc.unit_systems import System
 from drillpetsc.units import UnitError, to_si
@@ -139,7 +139,7 @@ def _place(text: str, case: Case) -> tuple[str, float]:
         )
         raise CaseError(at="--excite", got=text, want=want, hint=suggestion(text, [*KINDS, *found]))
     if not 0 <= depth <= case.string_length:
-        want = f"a measured depth along the string, 0 to {case.string_length:g} m"
+        want = f"a measured depth along the string, 0 to {said(case.string_length, 'length', case.output.units or 'SI')}"
         raise CaseError(at="--excite", got=text, want=want)
     return f"MD {text}", depth
 

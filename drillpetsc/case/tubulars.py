@@ -244,7 +244,7 @@ class _Completion:
         if upset is not None:
             joint = self.value("tool_joint")
             if not self.value("od") <= upset.od <= joint.od:
-                want = f"between the tube, {self.value('od'):g} m, and the tool joint, {joint.od:g} m"
+                want = f"between the tube, {said(self.value('od'), 'diameter')}, and the tool joint, {said(joint.od, 'diameter')}"
                 raise self.refuse("center_upset", "od", got=upset.od, want=want)
         if row is not None:
             self._steel("adjusted_weight")
@@ -296,7 +296,7 @@ class _Completion:
                 raise self.refuse(
                     shown,
                     got=getattr(item, shown),
-                    want=f"what the catalogue has within 1 %: {key} {listed:.5g} m ({row.file} line {row.line})",
+                    want=f"what the catalogue has within 1 %: {key} {said(listed, 'diameter')} ({row.file} line {row.line})",
                     hint="override: true takes the pipe as given",
                 )
         self.default("od", outer, "m", row.place)
@@ -319,7 +319,9 @@ class _Completion:
             pipe = " or a pipe from the catalogue" if isinstance(item, Jointed) else ""
             raise self.refuse("id", want=f"an inner diameter, a wall{pipe}", hint="a solid bar has id: 0")
         if inner < 0 or inner >= outer:
-            raise self.refuse("id", got=inner, want=f"an inner diameter below the outer, {outer:g} m")
+            raise self.refuse(
+                "id", got=inner, want=f"an inner diameter below the outer, {said(outer, 'diameter')}"
+            )
 
     def _joint(self, item: Jointed, own: ToolJoint, row: Row | None, prefix: str = "") -> None:
         """Tool joint: what is given, and the rest from a row of the catalogue."""
@@ -404,7 +406,7 @@ class _Completion:
                 raise self.refuse(
                     "yield_strength",
                     got=given,
-                    want=f"grade or yield_strength, not both: {grade} has {listed:g} Pa",
+                    want=f"grade or yield_strength, not both: {grade} has {said(listed, 'stress')}",
                 )
             return
         row = self.looked_up("grade", lambda: find_grade(self.catalogue, kind, grade), grade)
@@ -445,7 +447,7 @@ class _Completion:
             raise self.refuse(
                 key,
                 want="a mass per length: catalogue and formula are for steel",
-                hint=f"the material has {density:g} kg/m3",
+                hint=f"the material has {said(density, 'density')}",
             )
 
     def _pipe_weight(self, choice: PipeChoice | None) -> None:
@@ -516,17 +518,20 @@ class _Completion:
         joint, outer, inner = self.values["tool_joint"], self.value("od"), self.value("id")
         if joint.od < outer:
             raise self.refuse(
-                "tool_joint", "od", got=joint.od, want=f"at least that of the tube, {outer:g} m"
+                "tool_joint", "od", got=joint.od, want=f"at least that of the tube, {said(outer, 'diameter')}"
             )
         if joint.id >= joint.od:
             raise self.refuse(
-                "tool_joint", "id", got=joint.id, want=f"below its outer diameter, {joint.od:g} m"
+                "tool_joint",
+                "id",
+                got=joint.id,
+                want=f"below its outer diameter, {said(joint.od, 'diameter')}",
             )
         if joint.id > inner + RADIUS_UNDER_BORE:
-            want = f"at most 1/8 in above the bore of the tube, {inner + RADIUS_UNDER_BORE:g} m"
+            want = f"at most 1/8 in above the bore of the tube, {said(inner + RADIUS_UNDER_BORE, 'diameter')}"
             raise self.refuse("tool_joint", "id", got=joint.id, want=want)
         if joint.length > self.value("joint_length") / 3:
-            want = f"at most a third of a joint, {self.value('joint_length') / 3:g} m"
+            want = f"at most a third of a joint, {said(self.value('joint_length') / 3, 'length')}"
             raise self.refuse("tool_joint", "length", got=joint.length, want=want)
 
     # ------------------------------------------------------------------ stabilizer
@@ -546,9 +551,11 @@ class _Completion:
             key = "blade_od" if "blade_od" in item.model_fields_set else "od"
             raise self.refuse(key, got=said(outer, "diameter", units), want=want)
         if item.body_od is not None and item.body_od > outer:
-            raise self.refuse("body_od", got=item.body_od, want=f"at most that of the blades, {outer:g} m")
+            raise self.refuse(
+                "body_od", got=item.body_od, want=f"at most that of the blades, {said(outer, 'diameter')}"
+            )
         if item.id >= outer:
-            raise self.refuse("id", got=item.id, want=f"below the outer diameter, {outer:g} m")
+            raise self.refuse("id", got=item.id, want=f"below the outer diameter, {said(outer, 'diameter')}")
         if not item.stiff:
             return self._bending_stabilizer(item, outer)
         if item.body_od is not None and item.mass is None:

@@ -18,6 +18,7 @@ import numpy as np
 from drillpetsc.arrays import FloatArray, IntArray
 from drillpetsc.fem.quantity import Quantity
 from drillpetsc.kernels.parameters import Table, parameters_of
+from drillpetsc.unit_systems import System
 
 if TYPE_CHECKING:
     from drillpetsc.geometry.well import Well
@@ -263,8 +264,8 @@ class Component:
     def change_law(self, numbers: FloatArray) -> None:
         """Go over to the law that follows."""
 
-    def start_warnings(self, state: Any) -> list[str]:
-        """Sentences for the user about the state at the start of a motion, from the rank that knows."""
+    def start_warnings(self, state: Any, units: System) -> list[str]:
+        """Sentences for the user about the state at the start of a motion, in a system of units, from the rank that knows."""
         return []
 
     # ------------------------------------------------------------------ reference frames

@@ -13,6 +13,7 @@ from dataclasses import dataclass, replace
 from typing import Any, Literal, Protocol, TypeVar
 
 from drillpetsc.arrays import FloatArray
+from drillpetsc.unit_systems import System, shown
 
 Result = TypeVar("Result")
 
@@ -127,11 +128,13 @@ class Quantity:
                 return found.group(1) if found else None
         return "" if name == self.name else None
 
-    def label_at(self, place: str) -> str:
-        """The label with the depth or the name of a sensor in it."""
+    def label_at(self, place: str, system: System = "SI") -> str:
+        """The label with the depth, in a system of units, or the name of a sensor in it."""
         if self.tool and place:
             return f"{self.label} {place}"
-        return self.label.replace(DEPTH, place).replace(NAME, place) if place else self.label
+        if place and DEPTH in self.label:
+            return self.label.replace(f"{DEPTH} m", shown(float(place), "length", system, 6))
+        return self.label.replace(NAME, place) if place else self.label
 
 
 class Source(Protocol):

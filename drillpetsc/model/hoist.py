@@ -29,7 +29,8 @@ def gear_of(case: Case) -> Hoisting:
     heave = None
     if h.heave is not None:
         heave = Heave(h.heave.amplitude, h.heave.period, h.heave.phase, h.heave.compensation)
-    return Hoisting(h.block_mass, line, h.lines, h.height, h.crown, h.sheave_efficiency, h.tare, heave)
+    units = case.output.units or case.units
+    return Hoisting(h.block_mass, line, h.lines, h.height, h.crown, h.sheave_efficiency, h.tare, heave, units)
 
 
 def autodriller_of(case: Case) -> Autodriller | None:

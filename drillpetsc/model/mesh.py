@@ -31,6 +31,7 @@ from drillpetsc.geometry.well import Well
 from drillpetsc.model.element_length import ElementLengths, choose_lengths
 from drillpetsc.model.hole import build_well
 from drillpetsc.model.string_forces import StringForces, estimate_forces
+from drillpetsc.unit_systems import System, shown
 
 BEND_LENGTH = 0.5  # the kink of a bent sub is distributed over an element of this length [m] (manual: sec-junctions-bend)
 STIFFNESS_AND_MASS = (
@@ -128,7 +129,11 @@ def element_lengths(
 
 def string_forces(case: Case, well: Well | None) -> StringForces:
     """Forces along the string estimated before any solve (manual: sec-mesh-forces)."""
-    sections = {i: _section(item) for i, item in enumerate(case.string) if isinstance(item, Flexible)}
+    sections = {
+        i: _section(item, case.output.units or case.units)
+        for i, item in enumerate(case.string)
+        if isinstance(item, Flexible)
+    }
     return estimate_forces(case, well, sections, None)
 
 
@@ -149,7 +154,7 @@ def _element_ends(
     if earlier is not None:
         edges = {i: _with_depths(m, earlier) for i, m in marks.items()}
         return {**given, **edges}, ElementLengths(edges)
-    sections = {i: _section(item) for i, item in flexible.items()}
+    sections = {i: _section(item, case.output.units or case.units) for i, item in flexible.items()}
     lengths = choose_lengths(case, well or build_well(case), sections, marks, given, motion)
     return {**given, **lengths.edges}, lengths
 
@@ -298,7 +303,7 @@ def _with_sections(rows: list) -> list:
     return out
 
 
-def _section(item: Flexible) -> dict[str, float]:
+def _section(item: Flexible, units: System) -> dict[str, float]:
     """Section values of a flexible item, in the units of ``StringMesh``."""
     if isinstance(item, Tubular):
         section = tubular_section(item)
@@ -311,9 +316,10 @@ def _section(item: Flexible) -> dict[str, float]:
         if isinstance(item, PositiveDisplacementMotor):  # the rotor's mass is at the motor's joint
             values["mass"] -= item.pdm.rotor_mass / item.length
             if not values["mass"] > 0:
-                whole = f"{values['mass'] * item.length + item.pdm.rotor_mass:.4g} kg"
-                want = f"less than the mass of the item, {whole}"
-                raise CaseError(at="string: pdm.rotor_mass", got=f"{item.pdm.rotor_mass:g} kg", want=want)
+                whole = values["mass"] * item.length + item.pdm.rotor_mass
+                want = f"less than the mass of the item, {shown(whole, 'mass', units)}"
+                got = shown(item.pdm.rotor_mass, "mass", units)
+                raise CaseError(at="string: pdm.rotor_mass", got=got, want=want)
     else:
         assert isinstance(item, BeamItem)
         values = {k: getattr(item, k) for k in STIFFNESS_AND_MASS}
@@ -414,7 +420,7 @@ def _assemble(case: Case, rows, rigid, tops: dict[int, int], joints: tuple[Strin
     rows = _with_sections(rows)
     is_joint = np.zeros(n + 2, dtype=bool)  # with one more entry at either end
     is_joint[[1 + j.cell for j in joints]] = True
-    sections = {number: _section(item) for number, item, *_ in rows}
+    sections = {number: _section(item, case.output.units or case.units) for number, item, *_ in rows}
     keys = (
         *STIFFNESS_AND_MASS,
         "outer_diameter",

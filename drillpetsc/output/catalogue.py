@@ -22,6 +22,7 @@ from drillpetsc.output.quantities import (
 from drillpetsc.output.quantities.modes import STOKES_NUMBER
 from drillpetsc.output.summary_keys import SUMMARY_KEYS
 from drillpetsc.physics import quantities as physics
+from drillpetsc.unit_systems import System
 
 
 @dataclass(frozen=True)
@@ -214,10 +215,10 @@ def find(name: str) -> Quantity | None:
     return next((q for q in all_quantities() if q.matches(name)), None)
 
 
-def label(name: str) -> str | None:
-    """Words for the output of this name, with its depth; None where there is no such output."""
+def label(name: str, system: System = "SI") -> str | None:
+    """Words for the output of this name, with its depth in a system of units; None where there is no such output."""
     q = find(name)
-    return None if q is None else q.label_at(q.place(name) or "")
+    return None if q is None else q.label_at(q.place(name) or "", system)
 
 
 def in_order(declared: list[tuple], file: str) -> list[tuple]:

@@ -6,6 +6,7 @@ import numpy as np
 
 from drillpetsc.model.drilling_model import DrillingModel
 from drillpetsc.physics.contact import RESULTS
+from drillpetsc.unit_systems import shown
 
 SMALLEST_SHARE = 1e-3  # of the weight: friction below it holds nothing worth a message
 
@@ -42,8 +43,8 @@ def creep_warnings(model: DrillingModel, t: float) -> list[str]:
     if force <= SMALLEST_SHARE * weight:
         return []
     assert model.contact is not None
-    slip = model.contact.law.slip_velocity
+    slip, units = model.contact.law.slip_velocity, model.case.output.units or "metric"
     return [
-        f"friction of {force:.3g} N held by creep of {1e3 * speed:.3g} mm/s at the end: held loads relax with time; "
-        f"a smaller contact.slip_velocity ({1e3 * slip:g} mm/s) creeps less"
+        f"friction of {shown(force, 'force', units, 3)} held by creep of {shown(speed, 'creep', units, 3)} at the end: held loads relax with time; "
+        f"a smaller contact.slip_velocity ({shown(slip, 'creep', units, 3)}) creeps less"
     ]

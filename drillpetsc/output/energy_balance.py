@@ -14,6 +14,7 @@ from drillpetsc.fem.discrete_system import DiscreteSystem
 from drillpetsc.fem.quantity import Quantity
 from drillpetsc.output import quantities as declared
 from drillpetsc.parallel import total
+from drillpetsc.unit_systems import shown
 
 LIMIT = 0.01  # of the energy exchanged
 #: share of the strain energy below which an exchange is the settling of a state that is known to the solver's tolerance
@@ -252,4 +253,4 @@ class EnergyGainMonitor:
         """Warning for the user."""
         b = self.balance
         assert b is not None
-        return f"the time integration gained {b.gained:.3g} J without input, {100 * b.gained / b.exchanged:.2g} % of the energy exchanged"
+        return f"the time integration gained {shown(b.gained, 'energy', b.system.units, 3)} without input, {100 * b.gained / b.exchanged:.2g} % of the energy exchanged"

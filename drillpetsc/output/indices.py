@@ -19,7 +19,8 @@ from drillpetsc.output.files.fields import read_frame, read_series
 from drillpetsc.output.files.run_folder import INDICES_TABLE, RunFolder
 from drillpetsc.output.files.tables import read_table, split_name, write_table
 from drillpetsc.output.sensors.files import read_sensor, sensor_names
-from drillpetsc.unit_systems import System, display_unit, kind_of
+from drillpetsc.output.shown_units import unit_of
+from drillpetsc.unit_systems import System, shown
 
 IMPACT = 10 * STANDARD_GRAVITY  # lateral acceleration of an impact [m/s2]
 FEWEST = 20  # rows in a window below which its largest and smallest values mean little
@@ -49,20 +50,14 @@ class IndexTable:
         out = [f"{s['windows']} windows of {s['window']:g} s", f"  {'':48} {'mean':>10} {'largest':>10}"]
         for title, largest in s["largest"].items():
             name, unit = split_name(title)
-            quantity = catalogue.find(name)
-            text, size = "" if unit == "-" else unit, 1.0
-            kind = kind_of(unit, quantity.kind if quantity is not None else "")
-            if unit == "m/s2":
-                size, text = STANDARD_GRAVITY, "g"
-            elif kind:
-                size, _, text = display_unit(kind, units)
+            size, _, text = (STANDARD_GRAVITY, 0.0, "g") if unit == "m/s2" else unit_of(title, units)
             mean, most = (
                 "-" if value is None else f"{value / size:.4g}" for value in (s["mean"][title], largest)
             )
-            out.append(f"  {catalogue.label(name) or name:48} {mean:>10} {most:>10} {text}".rstrip())
+            out.append(f"  {catalogue.label(name, units) or name:48} {mean:>10} {most:>10} {text}".rstrip())
         for depth, classes in s["whirl"].items():
             shares = ", ".join(f"{name} {100 * share:.3g} %" for name, share in classes.items())
-            out.append(f"  Whirl at {depth} m: {shares}")
+            out.append(f"  Whirl at {shown(float(depth), 'length', units, 6)}: {shares}")
         return out
 
 
@@ -188,6 +183,7 @@ def _whirl(run: RunFolder, case: Case, ends: FloatArray) -> tuple[dict[tuple[str
         return {}, []
     probes, found = _columns(read_table(run.probes)), {}
     sizes, unresolved, still = _sizes(run), list[str](), list[str]()
+    units = case.output.units or "metric"
     for name in [key.removeprefix("x_") for key in probes if key.startswith("x_")]:
         radius, clearance = (np.nan, np.nan)
         if sizes is not None:
@@ -206,9 +202,9 @@ def _whirl(run: RunFolder, case: Case, ends: FloatArray) -> tuple[dict[tuple[str
         found["whirl_" + name, "-"] = words
         late = np.isfinite(got.radius)  # three revolutions are over
         if not late.any():
-            still.append(f"{name} m")
+            still.append(shown(float(name), "length", units, 6))
         elif np.mean(words[late] == "unresolved") > MANY:
-            unresolved.append(f"{name} m")
+            unresolved.append(shown(float(name), "length", units, 6))
     told = []
     if still:
         told.append(

@@ -1,12 +1,26 @@
-"""Units in which figures of hydraulics are printed and plotted; files stay in SI."""
+"""Units in which the columns of tables are printed and plotted; files stay in SI."""
 
 from __future__ import annotations
 
 import re
 
-from drillpetsc.unit_systems import System, display_unit
+from drillpetsc.output import catalogue
+from drillpetsc.output.files.tables import split_name
+from drillpetsc.unit_systems import System, display_unit, kind_of
+from drillpetsc.unit_tables import GRAVITY
 from drillpetsc.units import to_si
 
+#: kinds of columns that no quantity describes
+_KINDS = {
+    "offset": "diameter",
+    "offset_x": "diameter",
+    "offset_y": "diameter",
+    "distance_from_centre": "diameter",
+    "hole_radius": "diameter",
+    "outer_radius": "diameter",
+    "contact_diameter": "diameter",
+    "yield_strength": "stress",
+}
 _DIAMETERS = ("od", "id")
 _STRESSES = ("yield_stress", "shear_stress", "misfit", "yield_point")
 _KIND_OF_UNIT = {
@@ -28,6 +42,7 @@ _LENGTH = re.compile(r"(TVD |MD |, | to )(\d+(?:\.\d+)?) m(?=[ ,;:)]|$)")
 _MINUTE = ("min", 60.0)
 _JET = (("ft/s", to_si("1 ft/s", "m/s")), ("m/s", 1.0))
 _IMPACT = (("lbf", to_si("1 lbf", "N")), ("kN", 1e3))
+_ACCELERATION = (("g", GRAVITY), ("m/s2", 1.0))  # as sensors of vibration are read on a rig
 _PER_AREA = (("hp/in2", to_si("1 hp", "W") / to_si("1 in2", "m^2")), ("W/mm2", 1e6))
 #: name -> unit and its size in SI, in field and in metric units, where the trade has a unit of its own
 _OWN: dict[str, tuple[tuple[str, float], tuple[str, float]]] = {
@@ -42,13 +57,16 @@ _OWN: dict[str, tuple[tuple[str, float], tuple[str, float]]] = {
 }
 
 
-def shown_unit(name: str, unit: str, system: System) -> tuple[float, str]:
+def shown_unit(name: str, unit: str, system: System, plot: bool = False) -> tuple[float, str]:
     """Size of the unit [SI] in which a quantity is shown, and its text.
 
-    name: of the quantity; unit: SI, as in the heading of its column.
+    name: of the quantity; unit: SI, as in the heading of its column; plot: the unit of axes, where the system has one.
     """
     if system == "SI" or unit == "-":
         return 1.0, "" if unit == "-" else unit
+    if unit == "m/s2":
+        text, size = _ACCELERATION[system != "field"]
+        return size, text
     if name in _OWN:
         text, size = _OWN[name][system != "field"]
         return size, text
@@ -58,8 +76,29 @@ def shown_unit(name: str, unit: str, system: System) -> tuple[float, str]:
         kind = "diameter" if name in _DIAMETERS else _KIND_OF_UNIT.get(unit)
     if kind is None:
         return 1.0, unit
-    size, _, text = display_unit(kind, system)
+    size, _, text = display_unit(kind, system, plot)
     return size, text
+
+
+def unit_of(title: str, system: System, plot: bool = False) -> tuple[float, float, str]:
+    """(size of the unit [SI], its zero [SI], unit text) of a column `name [unit]` in a system.
+
+    plot: the unit of axes, where the system has one.  The text is empty for a pure number.
+    """
+    name, unit = split_name(title)
+    if unit in ("-", ""):
+        return 1.0, 0.0, ""
+    if unit == "deg/30m" and system == "field":
+        return 30.0 / 30.48, 0.0, "deg/100ft"
+    quantity = catalogue.find(name)
+    kind = quantity.kind if quantity is not None else ""
+    kind = kind or _KINDS.get(name, "diameter" if unit == "m" and name[:2] in ("x_", "y_") else "")
+    if not kind:
+        size, text = shown_unit(name, unit, system, plot)
+        if text != unit:
+            return size, 0.0, text
+    kind = kind_of(unit, kind)
+    return display_unit(kind, system, plot) if kind else (1.0, 0.0, unit)
 
 
 def lengths_shown(text: str, system: System) -> str:

@@ -21,6 +21,7 @@ from drillpetsc.physics.end_conditions import Input, PathEnd
 from drillpetsc.physics.hoisting import LOOPS, Autodriller, Hoisting, dead_line_share
 from drillpetsc.physics.interfaces import Hoist
 from drillpetsc.physics.rigid_bodies import VERTEX_SLOTS, local_vertices
+from drillpetsc.unit_systems import shown
 
 _evaluate = function("hoist_line_results", "ippppp" + "p")
 RESULTS = columns("hoist_line_results")
@@ -575,7 +576,7 @@ def check_height(gear: Hoisting, t: float, height: float, travel: float) -> None
     ):
         if passed:
             raise SolveError(
-                f"the block would pass the {what} at t = {t:.4g} s, after a travel of {travel:.4g} m: "
+                f"the block would pass the {what} at t = {t:.4g} s, after a travel of {shown(travel, 'length', gear.units)}: "
                 "connections are not modelled",
                 time=t,
                 hint=f"end the run before, or give another top.hoist.{key}",

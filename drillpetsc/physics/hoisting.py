@@ -10,6 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from drillpetsc.physics.end_conditions import Input
+from drillpetsc.unit_systems import System
 
 #: loops of an autodriller in the order of the kernel, and their numbers in the output ``autodriller_mode``; 0: it is off
 LOOPS = ("wob", "torque", "differential_pressure")
@@ -125,7 +126,7 @@ class Hoisting:
     mass: of block, hook and top drive [kg]; line: None: the block moves with the drum.
     height: of the block over the floor at the start; crown: of the crown [m].
     lines: n; efficiency: of one sheave [-]; tare: the sensor of the hook load leaves out the block's weight.
-    heave: None without.
+    heave: None without; units: of messages.
     """
 
     mass: float
@@ -136,6 +137,7 @@ class Hoisting:
     efficiency: float = 1.0
     tare: bool = False
     heave: Heave | None = None
+    units: System = "SI"
 
 
 @dataclass(frozen=True)

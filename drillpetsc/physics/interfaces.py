@@ -15,6 +15,7 @@ from drillpetsc.fem.component import Component
 from drillpetsc.fem.string_mesh import StringJoint
 from drillpetsc.geometry.growing_hole import GrowingHole
 from drillpetsc.geometry.well import Well
+from drillpetsc.unit_systems import System
 
 
 class Beam(Component):
@@ -418,8 +419,8 @@ class Motor(Component):
         """
 
     @abstractmethod
-    def static_warnings(self, torque: float, flow: float) -> list[str]:
-        """What the user should know of a static state under a torque [N m] at a flow rate [m3/s]."""
+    def static_warnings(self, torque: float, flow: float, units: System) -> list[str]:
+        """What the user should know of a static state under a torque [N m] at a flow rate [m3/s], in a system of units."""
 
     @abstractmethod
     def hold(self) -> None:

@@ -19,6 +19,7 @@ from drillpetsc.physics.beam import SLOTS
 from drillpetsc.physics.interfaces import JointSet
 from drillpetsc.physics.rigid_bodies import VERTEX_SLOTS, end_frames, local_vertices
 from drillpetsc.physics.tools.jar import LATCHED, Jar
+from drillpetsc.unit_systems import System, shown
 
 _results = function("joint_results", "iippppp")
 _directions = function("joint_directions", "ipppp")
@@ -207,14 +208,14 @@ class Joints(JointSet):
             jar.switch(*own)
         self._set_jar()
 
-    def start_warnings(self, state) -> list[str]:
+    def start_warnings(self, state, units: System) -> list[str]:
         out = []
         rows = self.event_numbers(state).reshape(-1, 3)
         for jar, mine, numbers in zip(self.jars, self._has_jar, rows, strict=True):
             if mine and jar.mode == LATCHED and jar.passed(*numbers):
                 does = "meters" if jar.law.resistance > 0 and jar.law.metering > 0 else "fires"
                 out.append(
-                    f"string[{jar.law.item}] jar: at time 0 the load {numbers[2] / 1e3:g} kN lies beyond its latch: "
+                    f"string[{jar.law.item}] jar: at time 0 the load {shown(numbers[2], 'force', units)} lies beyond its latch: "
                     f"it {does} at once"
                 )
         return out

@@ -139,13 +139,14 @@ def draw_critical_map(folder: Path, title: str) -> Any:
     drawing = style.figure(8.0, 5.0, dpi=110)
     top = style.heading(drawing, f"{title}: critical speeds without damping")
     axes = drawing.subplots()
+    size, unit = style.display_unit("wall_stiffness [Pa]", wall)
     line, kind = table["excitation_line [-]"].astype(float), table["kind [-]"].astype(str)
     groups = sorted(set(zip(kind.tolist(), np.round(line, 3).tolist(), strict=True)))
     for (word, order), marker in zip(groups, "osDv^<>Pd*Xhp" * (1 + len(groups) // 13), strict=False):
         here = (kind == word) & (np.round(line, 3) == order)
         speed = table["critical_rotary_speed [rpm]"][here].astype(float)
-        axes.semilogx(wall[here], speed, marker, markersize=5, label=f"{word}, {order:g} per turn")
-    axes.set(xlabel="Stiffness of the wall [Pa]", ylabel="Critical speed [rpm]", ylim=(0, None))
+        axes.semilogx(wall[here] / size, speed, marker, markersize=5, label=f"{word}, {order:g} per turn")
+    axes.set(xlabel=f"Stiffness of the wall [{unit}]", ylabel="Critical speed [rpm]", ylim=(0, None))
     axes.legend(frameon=False, fontsize=8.5, loc="center left", bbox_to_anchor=(1.02, 0.5))
     drawing.tight_layout(rect=(0, 0, 1, top))
     return drawing

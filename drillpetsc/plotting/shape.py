@@ -10,6 +10,7 @@ import numpy as np
 
 from drillpetsc.output.files.fields import Frame, cross_section_axes
 from drillpetsc.output.files.tables import split_name
+from drillpetsc.plotting import style
 
 LARGE = (
     0.02  # lateral displacement over length above which a string without a hole is drawn in its true shape
@@ -81,8 +82,10 @@ def cut(shape: Shape, interval: tuple[float, float] | None) -> Shape:
     low, high = interval
     inside = np.flatnonzero((shape.md >= low) & (shape.md <= high))
     if low >= high or inside.size == 0:
+        size, unit = style.depth_unit()
         raise ValueError(
-            f"no node between {low:g} m and {high:g} m: the string reaches from {shape.md[0]:g} m to {shape.md[-1]:g} m"
+            f"no node between {low / size:g} {unit} and {high / size:g} {unit}: "
+            f"the string reaches from {shape.md[0] / size:g} {unit} to {shape.md[-1] / size:g} {unit}"
         )
     part = slice(max(inside[0] - 1, 0), min(inside[-1] + 2, len(shape.md)))
     return Shape(

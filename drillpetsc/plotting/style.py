@@ -5,6 +5,8 @@ from __future__ import annotations
 import math
 import re
 import textwrap
+from collections.abc import Iterator
+from contextlib import contextmanager
 from contextvars import ContextVar
 from pathlib import Path
 from typing import Any, get_args
@@ -13,7 +15,8 @@ import numpy as np
 
 from drillpetsc.output import catalogue
 from drillpetsc.output.files.tables import split_name
-from drillpetsc.unit_systems import System, kind_of
+from drillpetsc.output.shown_units import unit_of
+from drillpetsc.unit_systems import System
 from drillpetsc.unit_systems import display_unit as unit_in
 
 UNITS: ContextVar[System | None] = ContextVar("UNITS", default=None)
@@ -64,13 +67,8 @@ def display_unit(title: str, values: Any) -> tuple[float, str]:
     name, unit = split_name(title)
     system = UNITS.get()
     if system is not None:
-        quantity = catalogue.find(name)
-        across = "diameter" if name in ("distance_from_centre", "offset") else ""
-        kind = kind_of(unit, quantity.kind if quantity is not None else across)
-        if kind and kind != "temperature":
-            size, _, text = unit_in(kind, system, plot=True)
-            return size, text
-        return 1.0, "" if unit == "-" else unit
+        size, zero, text = unit_of(title, system, plot=True)
+        return (size, text) if zero == 0.0 else (1.0, unit)
     if name in FIXED:
         text, size = FIXED[name]
         return size, text
@@ -118,6 +116,16 @@ def show_in(axis: Any, size: float) -> None:
     axis.set_major_formatter(FuncFormatter(lambda value, _: f"{round(value / size, 6):g}"))
 
 
+@contextmanager
+def in_units(system: System | None) -> Iterator[None]:
+    """Draw in a system of units, None: in metric units of a size that fits the values."""
+    token = UNITS.set(system)
+    try:
+        yield
+    finally:
+        UNITS.reset(token)
+
+
 def units_of_run(case: Path) -> System | None:
     """Unit system that the case of a run has for what is plotted; None where it has none.
 
@@ -130,7 +138,7 @@ def units_of_run(case: Path) -> System | None:
 def words(title: str) -> str:
     """ "surface_torque [N m]" as a label: "Surface torque"."""
     name, _ = split_name(title)
-    return catalogue.label(name) or name.replace("_", " ").capitalize()
+    return catalogue.label(name, UNITS.get() or "metric") or name.replace("_", " ").capitalize()
 
 
 def label(title: str, unit: str) -> str:

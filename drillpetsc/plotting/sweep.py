@@ -19,6 +19,7 @@ from drillpetsc.output.files.tables import read_table
 from drillpetsc.plotting import style
 from drillpetsc.plotting.directions import direction, high_side
 from drillpetsc.plotting.style import LINE_COLORS
+from drillpetsc.unit_systems import display_unit
 
 MARKERS = "osD^vP*X"
 BEHIND = 0.15  # length of old hole shown above the new hole, as a fraction of the new hole's length
@@ -71,7 +72,8 @@ def draw_sweep(sweep: str | os.PathLike, out: str | os.PathLike | None = None) -
     into = folder if out is None else Path(out)
     into.mkdir(parents=True, exist_ok=True)
     title = str(_summary(folder).get("title") or folder.name)
-    with style.look():
+    first = next((f for f in sorted(folder.glob(f"*/{RunFolder(folder).case.name}"))), folder)
+    with style.look(), style.in_units(style.UNITS.get() or style.units_of_run(first)):
         files: list[Path] = []
         if not paths:
             drawing = results(folder, title)
@@ -271,7 +273,9 @@ def trajectories(paths: list[Path3], title: str) -> Any:
     """Vertical section along the hole's azimuth, plan view, and ends of the holes; the titles state how many
     times offsets are exaggerated."""
     length = max(float(p.along[-1]) for p in paths)
-    drawing = _figure(15.0, 6.2, f"{title}: new hole, {length:.4g} m")
+    drawing = _figure(
+        15.0, 6.2, f"{title}: new hole, {length / style.depth_unit()[0]:.4g} {style.depth_unit()[1]}"
+    )
     section, plan, ends = drawing.subplots(1, 3, width_ratios=(1.5, 1, 1))
     _section(section, paths, length)
     _plan(plan, paths)
@@ -297,6 +301,9 @@ def _section(axes: Any, paths: list[Path3], length: float) -> None:
     p = paths[0]
     away, down = _in_section(p, np.array([-BEHIND * length, 0.0]), np.zeros(2))
     axes.plot(away, down, color="0.45", linewidth=5, solid_capstyle="butt", zorder=1)
+    size, unit = style.depth_unit()
+    style.show_in(axes.xaxis, size)
+    style.show_in(axes.yaxis, size)
     away, down = _in_section(p, np.array([0.0, length]), np.zeros(2))
     axes.plot(away, down, zorder=1, **STRAIGHT)
     sign = 1.0 if sum(float(q.up[-1]) for q in paths) >= 0 else -1.0
@@ -309,8 +316,8 @@ def _section(axes: Any, paths: list[Path3], length: float) -> None:
         else "the old hole's azimuth"
     )
     axes.set(
-        xlabel=f"departure along {where} [m]",
-        ylabel="depth below the start of new hole [m]",
+        xlabel=f"departure along {where} [{unit}]",
+        ylabel=f"depth below the start of new hole [{unit}]",
         title=f"Vertical section: offsets from the straight continuation {scale:g} times",
     )
 
@@ -324,7 +331,8 @@ def _in_section(p: Path3, along: np.ndarray, up: np.ndarray) -> tuple[np.ndarray
 
 def _offset_scale(axes: Any, p: Path3, length: float, largest: float, scale: float) -> None:
     """Draw a scale of offsets across the end of the straight continuation."""
-    step = round_scale(1e3 * largest / 2) * 1e-3 if largest > 2e-3 else max(largest, 1e-6)
+    small, text = style.lateral_unit(0.0)
+    step = round_scale(largest / small / 2) * small if largest > 2 * small else max(largest, 1e-6)
     marks = step * np.arange(int(1.2 * largest / step) + 1)
     beyond = np.full(len(marks), 1.03 * length)
     away, down = _in_section(p, beyond, scale * marks)
@@ -334,7 +342,7 @@ def _offset_scale(axes: Any, p: Path3, length: float, largest: float, scale: flo
     aside = 11 * np.sin(p.tilt), -11 * np.cos(p.tilt)  # further down the hole
     for i in (0, -1):
         axes.annotate(
-            f"{1e3 * marks[i]:.4g} mm",
+            f"{marks[i] / small:.4g} {text}",
             (away[i], down[i]),
             aside,
             textcoords="offset points",
@@ -354,16 +362,17 @@ def _plan(axes: Any, paths: list[Path3]) -> None:
     reach = max(float(np.ptp(a)) for a in across)
     scale = round_scale(EXAGGERATED * reach / max(widest, 1e-9)) if leaning else 1.0
     for number, (p, a, look) in enumerate(zip(paths, across, _looks(paths), strict=True)):
-        axes.plot(1e3 * p.right if scale > 1 else p.right, a, **_markers(look, len(a), number))
+        axes.plot(p.right, a, **_markers(look, len(a), number))
     axes.axvline(0.0, zorder=1, **STRAIGHT)
     axes.locator_params(axis="x", nbins=6)
-    unit = 1e3 if scale > 1 else 1.0
-    axes.set_aspect(unit / scale, adjustable="datalim")
-    aim = "departure along the hole's azimuth [m]" if leaning else "north [m]"
+    size, unit = style.depth_unit()
+    across_size, across_unit = style.lateral_unit(0.0) if scale > 1 else (size, unit)
+    style.show_in(axes.xaxis, across_size)
+    style.show_in(axes.yaxis, size)
+    axes.set_aspect(1.0 / scale, adjustable="datalim")
+    aim = f"departure along the hole's azimuth [{unit}]" if leaning else f"north [{unit}]"
     axes.set(
-        xlabel=f"to the right of the straight continuation [{'mm' if scale > 1 else 'm'}]"
-        if leaning
-        else "east [m]",
+        xlabel=f"to the right of the straight continuation [{across_unit}]" if leaning else f"east [{unit}]",
         ylabel=aim,
         title=f"Plan view: offsets to the right {scale:g} times" if leaning else "Plan view",
     )
@@ -374,8 +383,8 @@ def _ends(axes: Any, paths: list[Path3]) -> None:
     for p, look in zip(paths, _looks(paths), strict=True):
         spot = {"marker": "x", "markeredgewidth": 2} if p.dry else {"marker": look.get("marker", "o")}
         axes.plot(
-            1e3 * p.right[-1],
-            1e3 * p.up[-1],
+            p.right[-1],
+            p.up[-1],
             linestyle="",
             color=look["color"],
             markersize=8,
@@ -383,11 +392,13 @@ def _ends(axes: Any, paths: list[Path3]) -> None:
             **spot,
         )
     axes.margins(0.15)
-    axes.ticklabel_format(useOffset=False)
+    size, unit = style.lateral_unit(0.0)
+    style.show_in(axes.xaxis, size)
+    style.show_in(axes.yaxis, size)
     vertical = paths[0].tilt < 1e-6
     axes.set(
-        xlabel="east [mm]" if vertical else "to the right [mm]",
-        ylabel="north [mm]" if vertical else "to the high side [mm]",
+        xlabel=f"east [{unit}]" if vertical else f"to the right [{unit}]",
+        ylabel=f"north [{unit}]" if vertical else f"to the high side [{unit}]",
         title="Ends, off the straight continuation",
     )
 
@@ -396,9 +407,10 @@ def inclinations(paths: list[Path3], title: str) -> Any:
     """Inclination over measured depth."""
     drawing = _figure(10.5, 6.4, f"{title}: inclination of the new hole")
     axes = drawing.subplots()
+    size, unit = style.depth_unit()
     for number, (p, look) in enumerate(zip(paths, _looks(paths), strict=True)):
-        axes.plot(p.md, p.inclination, **_markers(look, len(p.md), number))
-    axes.set(xlabel="Measured depth [m]", ylabel="Inclination [deg]")
+        axes.plot(p.md / size, p.inclination, **_markers(look, len(p.md), number))
+    axes.set(xlabel=f"Measured depth [{unit}]", ylabel="Inclination [deg]")
     axes.ticklabel_format(useOffset=False)
     axes.margins(x=0.01)
     _legend(drawing, axes, paths)
@@ -421,11 +433,13 @@ def build_rates(paths: list[Path3], title: str) -> Any:
     drawing = _figure(9.0, 6.0, f"{title}: average build rate")
     axes = drawing.subplots()
     unit, size = shown_unit(first, paths)
+    rate, _, per = display_unit("dogleg", style.UNITS.get() or "metric")
+    rate *= np.degrees(30.0)  # to the unit, from deg/30 m
     for number, (words, members) in enumerate(groups.items()):
         members = sorted(members, key=lambda p: p.numbers[first])
         axes.plot(
             [p.numbers[first] / size for p in members],
-            [p.build for p in members],
+            [p.build / rate for p in members],
             color=LINE_COLORS[number % len(LINE_COLORS)],
             marker=MARKERS[number % len(MARKERS)],
             markersize=6,
@@ -434,8 +448,11 @@ def build_rates(paths: list[Path3], title: str) -> Any:
         )
     for p in paths:
         if first not in p.numbers:
-            axes.axhline(p.build, **DRY, label="no fluid" if p.dry else ", ".join(p.values.values()))
-    axes.set(xlabel=f"{first} [{unit}]" if unit else first, ylabel="Average build rate [deg/30 m]")
+            axes.axhline(p.build / rate, **DRY, label="no fluid" if p.dry else ", ".join(p.values.values()))
+    axes.set(
+        xlabel=f"{first} [{unit}]" if unit else first,
+        ylabel=f"Average build rate [{per.replace('30m', '30 m')}]",
+    )
     axes.ticklabel_format(useOffset=False)
     ticks = sorted({p.numbers[first] / size for p in paths if first in p.numbers})
     if len(ticks) <= 8:

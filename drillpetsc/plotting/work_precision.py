@@ -69,7 +69,8 @@ def _title(name: str) -> str:
     if probe is None:
         return style.words(name)
     kind = {"x": "Offset x", "y": "Offset y"}.get(probe[1], probe[1].capitalize())
-    return f"{kind} at {probe[2]} m"
+    depth = float(probe[2]) / style.depth_unit()[0]
+    return f"{kind} at {depth:.6g} {style.depth_unit()[1]}"
 
 
 def _note(content: Mapping[str, Any]) -> str:

@@ -158,13 +158,13 @@ def _shown(table: Table, system: System) -> list[tuple[str, np.ndarray]]:
 
 def _heading(title: str, values: np.ndarray, system: System) -> str:
     unit = unit_of(title, system)[2] if values.dtype.kind in "fiu" else ""
-    return f"{_label(title)} [{unit}]" if unit else _label(title)
+    return f"{_label(title, system)} [{unit}]" if unit else _label(title, system)
 
 
-def _label(title: str) -> str:
+def _label(title: str, system: System) -> str:
     """Words for a column; those of a probe or joint name its depth."""
     name = split_name(title)[0]
-    return label_of(title).replace("NNN", name.rpartition("_")[2])
+    return label_of(title, system).replace("NNN", name.rpartition("_")[2])
 
 
 def _csv(table: Table, system: System) -> bytes:
@@ -261,7 +261,7 @@ def _las(table: Table, system: System, title: str, remarks: list[str], name: str
         unit = unit_of(heading, system)[2].replace(" ", ".")
         mnemonic = LAS_INDICES[kind] if not curves else _mnemonic(heading, used)
         used.add(mnemonic)
-        curves.append((mnemonic, unit, _label(heading), in_units(heading, values, system)))
+        curves.append((mnemonic, unit, _label(heading, system), in_units(heading, values, system)))
     index = curves[0][3]
     even = np.diff(index)
     step = float(even[0]) if len(even) and np.allclose(even, even[0], rtol=1e-9) else 0.0

@@ -193,7 +193,7 @@ def grid_of(
     if not small:
         notes.append(f"the whole table is in {source}" if source else "too large to go along as CSV")
     return Grid(
-        [label_of(title) if title.endswith(MIXED) else heading_of(title, system) for title in titles],
+        [label_of(title, system) if title.endswith(MIXED) else heading_of(title, system) for title in titles],
         list(zip(*shown, strict=True)),
         caption,
         source,

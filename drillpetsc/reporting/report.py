@@ -25,10 +25,10 @@ from drillpetsc.output.files.tables import read_table, split_name
 from drillpetsc.output.shown_units import lengths_shown
 from drillpetsc.plotting import style
 from drillpetsc.reporting.inputs import mud_section, rig_rows, string_section, well_section
-from drillpetsc.reporting.page import Grid, Section, pictures_that_zoom
+from drillpetsc.reporting.page import MIXED, Grid, Section, pictures_that_zoom
 from drillpetsc.reporting.results import KINDS, NOTE, Run, result_sections, solver_section, warnings_of
 from drillpetsc.reporting.units import unit_of
-from drillpetsc.unit_systems import System
+from drillpetsc.unit_systems import System, display_unit
 from drillpetsc.version import __version__
 
 SECTIONS = ("well", "string", "mud", *(kind.key for kind in KINDS), "inputs", "solver")
@@ -266,7 +266,9 @@ def _signs(runs: Sequence[Run], system: System) -> Grid:
         quantity = catalogue.find(split_name(title)[0])
         if quantity is not None and not quantity.numerics and quantity.name not in rows:
             unit = unit_of(title, system)[2]
-            label = quantity.label.replace("NNN", "...")
+            if title.endswith(MIXED):
+                unit = " or ".join(display_unit(kind, system)[2] for kind in ("force", "torque"))
+            label = quantity.label.replace("NNN m", "its depth")
             rows[quantity.name] = label, quantity.mnemonic, unit, quantity.sign
     heads = ("Quantity", "Mnemonic", "Unit", "Positive")
     return Grid(heads, list(rows.values()), "Quantities of this report", folded=True)

@@ -16,7 +16,7 @@ from drillpetsc.output.files.tables import read_table, split_name
 from drillpetsc.output.summary_keys import SUMMARY_KEYS
 from drillpetsc.plotting import style
 from drillpetsc.plotting.plot import drawings
-from drillpetsc.reporting.page import Grid, Section, facts, file_grid, picture
+from drillpetsc.reporting.page import MIXED, Grid, Section, facts, file_grid, picture
 from drillpetsc.reporting.units import heading_of, in_units, label_of, number, texts, unit_of
 from drillpetsc.unit_systems import System
 
@@ -247,13 +247,17 @@ def _figures(kind: Kind, run: Run, system: System) -> list[Grid]:
         return _flows(run, system, source)
     if kind.key == "dynamics":
         final = run.summary.get("final", {})
-        rows = [(label_of(title), *number(value, title, system)) for title, value in final.items()]
+        rows = [(label_of(title, system), *number(value, title, system)) for title, value in final.items()]
         grids = [facts(rows, "At the end of the run", source)] if rows else []
         return grids + _sensors(run, system, source) + _whirl(run, system, source)
     rows = []
     for name, value in run.summary.items():
         quantity = catalogue.find(name)
-        if quantity is not None and isinstance(value, int | float) and not quantity.numerics:
+        if (
+            quantity is not None
+            and isinstance(value, int | float)
+            and not (quantity.numerics or quantity.title.endswith(MIXED))
+        ):
             rows.append((quantity.label, *number(value, quantity.title, system)))
     grids = [facts(rows, "Summary", source)] if rows and kind is run.kinds[0] else []
     if kind.key == "roadmap":
@@ -408,7 +412,7 @@ def _ranges(file: Path, system: System, source: str) -> list[Grid]:
         if not finite.size or (quantity is not None and quantity.numerics):
             continue
         figures = in_units(title, [finite.min(), finite.mean(), finite.max()], system)
-        rows.append((label_of(title), *texts(figures), unit_of(title, system)[2]))
+        rows.append((label_of(title, system), *texts(figures), unit_of(title, system)[2]))
     if not rows:
         return []
     time = next(iter(table.values()))

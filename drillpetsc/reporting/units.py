@@ -9,52 +9,22 @@ import numpy as np
 
 from drillpetsc.output import catalogue
 from drillpetsc.output.files.tables import split_name
-from drillpetsc.output.shown_units import shown_unit
-from drillpetsc.unit_systems import System, display_unit, kind_of
+from drillpetsc.output.shown_units import unit_of
+from drillpetsc.unit_systems import System
 
 DIGITS = 5  # significant digits of the largest figure of a column
-#: kinds of columns that no quantity describes
-_KINDS = {
-    "offset_x": "diameter",
-    "offset_y": "diameter",
-    "hole_radius": "diameter",
-    "outer_radius": "diameter",
-    "contact_diameter": "diameter",
-    "yield_strength": "stress",
-}
 
 
-def unit_of(title: str, system: System) -> tuple[float, float, str]:
-    """(size of the unit [SI], its zero [SI], unit text) of a column `name [unit]` in a system.
-
-    The text is empty for a pure number.
-    """
-    name, unit = split_name(title)
-    if unit in ("-", ""):
-        return 1.0, 0.0, ""
-    if unit == "deg/30m" and system == "field":
-        return 30.0 / 30.48, 0.0, "deg/100ft"
-    quantity = catalogue.find(name)
-    kind = quantity.kind if quantity is not None else ""
-    kind = kind or _KINDS.get(name, "diameter" if unit == "m" and name[:2] in ("x_", "y_") else "")
-    if not kind:
-        size, text = shown_unit(name, unit, system)
-        if text != unit:
-            return size, 0.0, text
-    kind = kind_of(unit, kind)
-    return display_unit(kind, system) if kind else (1.0, 0.0, unit)
-
-
-def label_of(title: str) -> str:
-    """Words for a column: the label of its quantity, else its name."""
+def label_of(title: str, system: System) -> str:
+    """Words for a column, a depth in them in a system of units: the label of its quantity, else its name."""
     name, _ = split_name(title)
-    return catalogue.label(name) or name.replace("_", " ").capitalize()
+    return catalogue.label(name, system) or name.replace("_", " ").capitalize()
 
 
 def heading_of(title: str, system: System) -> str:
     """Words and unit: `Hook load [klbf]`."""
     text = unit_of(title, system)[2]
-    return f"{label_of(title)} [{text}]" if text else label_of(title)
+    return f"{label_of(title, system)} [{text}]" if text else label_of(title, system)
 
 
 def in_units(title: str, values: Any, system: System) -> np.ndarray:

@@ -43,6 +43,7 @@ DEFLATION_CHECKS = 4  # eigenvalues of the deflated operator that are computed t
 #: eigenvalues
 SMALLEST_OPERATOR_EIGENVALUE = 1e-11
 MAX_DEFLATIONS = 40
+SLEPC_PREFIX = "modes_"  # of its options
 MAX_DISCS = 200
 
 
@@ -198,7 +199,7 @@ def _slepc(apply, size: int, count: int, kind: type, seed: int) -> np.ndarray:
     matrix = PETSc.Mat().createPython((size, size), context=Shell(), comm=PETSc.COMM_SELF)
     matrix.setUp()
     eps = SLEPc.EPS().create(comm=PETSc.COMM_SELF)
-    eps.setOptionsPrefix("modes_")
+    eps.setOptionsPrefix(SLEPC_PREFIX)
     eps.setOperators(matrix)
     eps.setProblemType(SLEPc.EPS.ProblemType.NHEP)
     eps.setWhichEigenpairs(SLEPc.EPS.Which.LARGEST_MAGNITUDE)
@@ -217,7 +218,7 @@ def _slepc(apply, size: int, count: int, kind: type, seed: int) -> np.ndarray:
     return np.array(out).reshape(-1, size).T
 
 
-def _has_slepc(kind: type) -> bool:
+def has_slepc(kind: type) -> bool:
     """Whether SLEPc is installed and computes with the number type ``kind``."""
     try:
         from petsc4py import PETSc
@@ -248,7 +249,7 @@ def _leading(apply, size: int, count: int, real: bool, engine: str) -> tuple[np.
     Raises SolveError where nothing converges.
     """
     kind: type = float if real else complex
-    method = _slepc if engine == "slepc" or (engine == "auto" and _has_slepc(kind)) else _arpack
+    method = _slepc if engine == "slepc" or (engine == "auto" and has_slepc(kind)) else _arpack
     Q: np.ndarray = np.zeros((size, 0), dtype=kind)
     values, vectors = np.zeros(0, dtype=complex), np.zeros((size, 0), dtype=complex)
     batch, bound = count, 0.0

@@ -11,6 +11,7 @@ from pathlib import Path
 
 import pytest
 
+from drillpetsc.cli import commands, main
 from tests.helpers.mpi import start_mpi
 
 ROOT = Path(__file__).parents[2]
@@ -66,16 +67,75 @@ def test_a_bad_option_is_refused_in_one_line(option, words, folder):
     assert not (folder / "bad").exists()
 
 
-@pytest.mark.parametrize("command", ["statics", "limits"])
-def test_a_misspelt_option_is_refused_without_a_run(command, folder):
+STILL = """
+title: a string that stands, with all that the commands below ask for
+well:
+  survey: {md: [0, 40], inclination: [0, 0], azimuth: [0, 0]}
+  sections: [{kind: casing, to: 10, diameter: 0.3, friction: 0.2}, {kind: open_hole, to: 40, diameter: 0.25, friction: 0.3}]
+string:
+  - {kind: pipe, length: 39 m, od: 127 mm, id: 108.6 mm, eccentricity: 1 mm, element_length: 13 m}
+  - {kind: bit, length: 1 m, od: 250 mm, mass: 90 kg, nozzle_area: 300 mm2}
+top: {kind: top_drive, rotation: 60 rpm, lowering: 1 m/h, motor: {inertia: 2900 kg m2, max_torque: 60 kN m}, control: {kind: stiff}}
+bottom: bit
+formation: {drillability: 4e-8}
+fluid: {density: 1100, flow_rate: 20 l/s, rheology: {model: newtonian, viscosity: 20 cP}}
+roadmap: {bit_depth: {from: 35, to: 40, step: 5}, friction_factor: {cased: 0.2, open_hole: 0.3}}
+initial: {wob: 1 kN}
+time: {end: 1 ms}
+"""
+LOG = "Bit Depth [m], Operation, HKLD [kN]\n35, POOH, 9\n40, POOH, 11\n"
+#: commands that take PETSc options and a case, with the words that they need; `study` is in test_study_cli
+COMMANDS = {
+    "check": "",
+    "run": "--out OUT --progress silent",
+    "sweep": "top.rotation=50,60 --out OUT --progress silent",
+    "statics": "--out OUT",
+    "limits": "--out OUT",
+    "roadmap": "--out OUT",
+    "roadmap --model stiff": "--out OUT",
+    "calibrate": "--measured log.csv --fit weight_factor --out OUT",
+    "hydraulics": "--out OUT",
+    "surge": "--speed 10m/min --out OUT",
+    "modes": "--count 2 --out OUT",
+    "campbell": "--speeds 60,70rpm --count 2 --without-control --out OUT",
+    "stability": "--rpm 60rpm --wob 1kN --count 2 --out OUT",
+    "response": "--excite unbalance --speeds 60rpm --without-control --out OUT",
+    "linearise": "--inputs top.rotation --outputs bit_speed --out OUT",
+    "top-drive": "--out OUT",
+    "fmu": "-o OUT.fmu",
+}
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+def test_a_misspelt_option_of_a_case_is_refused_in_every_command(command, folder, monkeypatch, capsys):
     """Options of runs, read or not, are accepted where nothing is integrated; others were taken without a word."""
-    well = "well: {survey: {md: [0, 40], inclination: [0, 0], azimuth: [0, 0]}, sections: [{kind: open_hole, diameter: 0.3}]}"
-    (folder / "still.yaml").write_text(CASE.replace("0 m/s2", "9.81 m/s2") + well)
-    for option, words in (("-ts_rtoll", "did you mean -ts_rtol?"), ("-q_snes_stoll", "-q_snes_stol?")):
-        done = drillpetsc(command, "still.yaml", "--out", command, option, "1e-3", cwd=folder)
-        assert done.returncode == 2 and words in done.stderr and not (folder / command).exists()
-    accepted = ("-ts_rtol", "1e-3", "-ts_adapt_safety", "0.8", "-snes_stol", "1e-4")
-    assert drillpetsc(command, "still.yaml", "--out", command, *accepted, cwd=folder).returncode == 0
+    monkeypatch.chdir(folder)
+    (folder / "log.csv").write_text(LOG)
+    name, *more = command.split()
+    for number, (option, hint) in enumerate(
+        (("ts_rtoll", "did you mean -ts_rtol?"), ("q_snes_stoll", "-q_snes_stol?"), ("ts_rtol", ""))
+    ):
+        accepted = "" if hint or name in ("run", "sweep") else ", ts_adapt_safety: 0.8, snes_stol: 1e-4"
+        (folder / "still.yaml").write_text(f"{STILL}petsc: {{{option}: 1e-3{accepted}}}\n")
+        out = f"{'-'.join((name, *more))}-{number}"
+        words = [name, "still.yaml", *more, *COMMANDS[command].replace("OUT", out).split()]
+        assert main(words) == (2 if hint else 0), capsys.readouterr().err
+        assert hint in capsys.readouterr().err and bool(list(folder.glob(f"{out}*"))) == (
+            not hint and name != "check"
+        )
+
+
+def test_a_misspelt_option_of_the_command_line_is_refused_without_a_run(folder):
+    (folder / "still.yaml").write_text(STILL)
+    done = drillpetsc("modes", "still.yaml", "--out", "modes", "-ts_rtoll", "1e-3", cwd=folder)
+    assert (
+        done.returncode == 2 and "did you mean -ts_rtol?" in done.stderr and not (folder / "modes").exists()
+    )
+
+
+def test_every_command_with_petsc_options_is_in_the_table():
+    takes = {command.name for command in commands.COMMANDS if command.takes_petsc_options}
+    assert takes == {command.split()[0] for command in COMMANDS} | {"study"}
 
 
 def test_a_bad_option_on_two_ranks_is_refused_without_an_abort(folder):

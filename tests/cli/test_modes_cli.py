@@ -47,7 +47,7 @@ def folder(tmp_path_factory) -> Path:
     (folder / "dry.yaml").write_text(CASE.split("fluid:")[0])
     done = drillpetsc("modes", "wet.yaml", "--out", "run", "--count", "8", cwd=folder)
     assert done.returncode == 0, done.stderr
-    assert "rotation at 6.28319 rad/s" in done.stdout and "results: run" in done.stdout
+    assert "rotation at 60 rpm" in done.stdout and "results: run" in done.stdout
     return folder
 
 

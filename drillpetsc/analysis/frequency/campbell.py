@@ -26,6 +26,7 @@ from drillpetsc.analysis.frequency.tracking import (
 from drillpetsc.analysis.frequency.turning import TurningModel, turning_case
 from drillpetsc.analysis.linearised_model import linearise_model
 from drillpetsc.analysis.modal import ROW_WEIGHT, ZERO_FRACTION, _of_kind, _shares, reference_rate
+from drillpetsc.analysis.run_options import options_of
 from drillpetsc.analysis.transient import make_folder
 from drillpetsc.arrays import FloatArray
 from drillpetsc.case.blocks.formation import DragBit
@@ -40,7 +41,6 @@ from drillpetsc.output.files.run_folder import CAMPBELL_TABLE, CRITICAL_MAP_TABL
 from drillpetsc.output.quantities import MODE_KINDS as KINDS
 from drillpetsc.output.quantities.frequency import CAMPBELL, CRITICAL, CRITICAL_MAP
 from drillpetsc.output.result import RunResult
-from drillpetsc.solvers import petsc_options as options
 from drillpetsc.solvers.linearization import Linearised
 from drillpetsc.solvers.quadratic_eigenproblem import NEUTRAL_GROWTH, Eigenvalues, lowest_eigenvalues
 
@@ -380,7 +380,7 @@ def run_campbell(
     lines = named_lines(case, lines) if lines else default_lines(case)
     if stiffness:
         demand_wall(case)
-    with options.applied(case.petsc):
+    with options_of(case):
         states = TurningModel(turning, comm)
         folder = make_folder(comm, name, out, False, overwrite)
         found = campbell(states, speeds, count, lines, kind, frequency == "wn")

@@ -27,6 +27,7 @@ from drillpetsc.analysis.frequency.response_stress import stresses
 from drillpetsc.analysis.frequency.stokes import StokesForces, present
 from drillpetsc.analysis.frequency.turning import TurningModel, turning_case
 from drillpetsc.analysis.linearised_model import linearise_model
+from drillpetsc.analysis.run_options import options_of
 from drillpetsc.analysis.transient import make_folder
 from drillpetsc.arrays import FloatArray
 from drillpetsc.case.case import Case
@@ -40,9 +41,8 @@ from drillpetsc.output.files.run_folder import RESPONSE_TABLE
 from drillpetsc.output.flow_recorder import FlowRecorder
 from drillpetsc.output.quantities.frequency import RESPONSE, RESPONSE_STRESS
 from drillpetsc.output.result import RunResult
-from drillpetsc.solvers import petsc_options as options
 from drillpetsc.solvers.linearization import Linearised
-from drillpetsc.unit_systems import display_unit
+from drillpetsc.unit_systems import display_unit, shown
 
 RPM = 2 * np.pi / 60
 PHASES = np.exp(2j * np.pi * np.arange(48) / 48)  # of a period, at which clearances are checked
@@ -73,7 +73,13 @@ def places(model: DrillingModel) -> list[Place]:
     found = [Place("top", 0, float(mesh.node_depth[0]))]
     for depth in model.case.output.probes:
         node = int(np.argmin(np.abs(mesh.node_depth - depth)))
-        found.append(Place(f"probe {depth:g} m", node, float(mesh.node_depth[node])))
+        found.append(
+            Place(
+                f"probe {shown(depth, 'length', model.case.output.units or 'metric', 6)}",
+                node,
+                float(mesh.node_depth[node]),
+            )
+        )
     for b in mesh.bodies:
         arm = b.contact_above + 0.5 * b.contact_length
         found.append(Place(b.name or b.kind, b.node, float(mesh.node_depth[b.node] + arm), arm))
@@ -289,7 +295,7 @@ def run_response(
     """
     turning = turning_case(case, "response", without_control)
     comm = comm or PETSc.COMM_WORLD
-    with options.applied(case.petsc):
+    with options_of(case):
         states = TurningModel(turning, comm, balanced=True)
         model = states.model
         asymmetric = build_model(turning, comm) if excitation.kind == "unbalance" else None
@@ -446,7 +452,7 @@ def _closed_contacts(model: DrillingModel) -> int:
 
 def _notes(excitation, speeds, valid, losses, closed: int, model: DrillingModel) -> list[str]:
     """What the user should know."""
-    notes = []
+    notes, units = [], model.case.output.units or "metric"
     for word, text in (
         (
             "infinite",
@@ -460,7 +466,7 @@ def _notes(excitation, speeds, valid, losses, closed: int, model: DrillingModel)
     ):
         at = [(s, md) for s, (w, md) in zip(speeds, valid, strict=True) if w == word]
         if at:
-            first = f" (first at MD {at[0][1]:.1f} m)" if np.isfinite(at[0][1]) else ""
+            first = f" (first at MD {shown(at[0][1], 'length', units)})" if np.isfinite(at[0][1]) else ""
             notes.append(f"at {_rpm_list([s for s, _ in at])} rpm {text}{first}")
     if losses and max(losses) < NO_LOSS:
         notes.append("nothing dissipates energy: resonances between these speeds have infinite amplitudes")
@@ -471,7 +477,9 @@ def _notes(excitation, speeds, valid, losses, closed: int, model: DrillingModel)
     if excitation.kind == "place":
         depth = model.mesh.node_depth
         nearest = float(depth[np.argmin(np.abs(depth - excitation.md))])
-        notes.append(f"{excitation.place}: the excitation acts on the node at MD {nearest:.1f} m")
+        notes.append(
+            f"{excitation.place}: the excitation acts on the node at MD {shown(nearest, 'length', units, 6)}"
+        )
     if excitation.kind == "bit" and excitation.what == "displacement" and model.bit is not None:
         notes.append("the bottom of the hole moves; the bit follows it through its contact")
     if excitation.kind == "bit" and model.bit is None:

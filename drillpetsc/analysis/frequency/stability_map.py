@@ -14,6 +14,7 @@ from drillpetsc.analysis.frequency.response import RPM, rpm_of, write_case_folde
 from drillpetsc.analysis.frequency.stability_runs import BEHAVIOURS, DURATION, RunPoint, refuse, run_point
 from drillpetsc.analysis.frequency.turning import TurningModel, turning_case
 from drillpetsc.analysis.modal import Modes, modes, without_motor
+from drillpetsc.analysis.run_options import options_of
 from drillpetsc.analysis.transient import make_folder
 from drillpetsc.case.blocks.ends import BitBottom
 from drillpetsc.case.case import Case
@@ -23,7 +24,6 @@ from drillpetsc.output import write_summary, write_table
 from drillpetsc.output.files.run_folder import BOUNDARY_TABLE, STABILITY_RUNS_TABLE, STABILITY_TABLE
 from drillpetsc.output.quantities.frequency import STABILITY_BOUNDARY, STABILITY_MAP, STABILITY_RUNS
 from drillpetsc.output.result import RunResult
-from drillpetsc.solvers import petsc_options as options
 from drillpetsc.unit_systems import System, display_unit, shown
 
 SPEED_TOLERANCE = 0.05 * RPM  # of a boundary [rad/s]
@@ -186,7 +186,7 @@ def run_stability(
     edges: list[Boundary] = []
     runs: list[RunPoint] = []
     run_case = without_motor(case) if without_control else case
-    with options.applied(case.petsc):
+    with options_of(case):
         folder = make_folder(comm, name, out, False, overwrite)
         for weight in weights:
             growth = StateGrowth(turning, weight, count, kind, comm)

@@ -24,6 +24,7 @@ from drillpetsc.case.blocks.string import Flexible, Item
 from drillpetsc.case.blocks.tools import TelescopingTool
 from drillpetsc.case.blocks.well import Well as WellCase
 from drillpetsc.case.case import Case
+from drillpetsc.case.quantities import said
 from drillpetsc.errors import CaseError, SolveError
 from drillpetsc.model.drilling_model import DrillingModel, build_model, build_well
 from drillpetsc.model.fluid import build_rheology
@@ -110,8 +111,8 @@ def string_at(case: Case, depth: float) -> PlacedString:
     if case.well is not None and depth > case.well.survey.md[-1] + 1e-6:
         raise CaseError(
             at="--bit-depth",
-            got=f"{depth:g} m",
-            want=f"at most {case.well.survey.md[-1]:g} m, the end of the hole",
+            got=said(depth, "length", case.output.units or case.units),
+            want=f"at most {said(case.well.survey.md[-1], 'length', case.output.units or case.units)}, the end of the hole",
         )
     items: list[Item] = []
     number: list[int] = []
@@ -123,15 +124,23 @@ def string_at(case: Case, depth: float) -> PlacedString:
             item = with_length(item, left, item.length - left)
         elif item.length > left + SHORTEST_PIECE:
             want = f"a depth at which the top of the string is not inside a rigid item ({item.name})"
-            raise CaseError(at="--bit-depth", got=f"{depth:g} m", want=want)
+            raise CaseError(
+                at="--bit-depth", got=said(depth, "length", case.output.units or case.units), want=want
+            )
         items.insert(0, item)
         number.insert(0, i)
         left -= item.length
     if left >= SHORTEST_PIECE:
-        want = f"at most {case.string_length:g} m, the length of the string: its topmost item is no pipe"
-        raise CaseError(at="--bit-depth", got=f"{depth:g} m", want=want)
+        want = f"at most {said(case.string_length, 'length', case.output.units or case.units)}, the length of the string: its topmost item is no pipe"
+        raise CaseError(
+            at="--bit-depth", got=said(depth, "length", case.output.units or case.units), want=want
+        )
     if not any(isinstance(item, Flexible) for item in items):
-        raise CaseError(at="--bit-depth", got=f"{depth:g} m", want="a depth at which a pipe is in the hole")
+        raise CaseError(
+            at="--bit-depth",
+            got=said(depth, "length", case.output.units or case.units),
+            want="a depth at which a pipe is in the hole",
+        )
     return PlacedString(tuple(items), tuple(number), 0.0)
 
 

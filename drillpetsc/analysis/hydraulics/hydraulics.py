@@ -33,6 +33,7 @@ from drillpetsc.analysis.hydraulics.open_hole import (
     vertical_depth,
     window_in_measured_depth,
 )
+from drillpetsc.analysis.run_options import options_of
 from drillpetsc.analysis.statics import beyond_rig
 from drillpetsc.analysis.transient import make_folder
 from drillpetsc.arrays import FloatArray
@@ -67,7 +68,6 @@ from drillpetsc.output.quantities.hydraulics import (
 from drillpetsc.output.result import RunResult
 from drillpetsc.output.shown_units import lengths_shown, shown_unit
 from drillpetsc.physics.fluid.channel_flow import RESULT_NAMES
-from drillpetsc.solvers import petsc_options as options
 from drillpetsc.time_function import Constant
 from drillpetsc.unit_systems import System
 
@@ -377,7 +377,7 @@ def run_hydraulics(
     Every rank computes the same, the first one writes.
     """
     comm = comm or PETSc.COMM_WORLD
-    with options.applied(case.petsc):
+    with options_of(case):
         hydraulics = Hydraulics(case, units)
         at = SPP
         if pump_pressure is None and not flows:

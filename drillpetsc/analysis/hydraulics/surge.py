@@ -36,6 +36,7 @@ from drillpetsc.analysis.hydraulics.open_hole import (
     open_hole,
     shoe_depth,
 )
+from drillpetsc.analysis.run_options import options_of
 from drillpetsc.analysis.transient import make_folder
 from drillpetsc.case.case import Case
 from drillpetsc.case.flow_options import Trips
@@ -47,7 +48,6 @@ from drillpetsc.output.quantities.hydraulics import DYNAMIC_SURGE, MAX_TRIP_SPEE
 from drillpetsc.output.result import RunResult
 from drillpetsc.output.shown_units import lengths_shown, shown_unit
 from drillpetsc.physics.fluid.rheology import wall_shear
-from drillpetsc.solvers import petsc_options as options
 from drillpetsc.unit_systems import System
 from drillpetsc.units import to_si
 
@@ -218,7 +218,7 @@ def run_surge(
     rows: list[SurgeRow] = []
     fastest: list[dict[str, Any]] = []
     by_area: list[dict[str, Any]] = []
-    with options.applied(case.petsc):
+    with options_of(case):
         whole = _string_from_rig(case, notes)
         strings = [whole] if plan.bit_depths is None else [string_at(case, d) for d in plan.bit_depths]
         for pipe in plan.pipes:

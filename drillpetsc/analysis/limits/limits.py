@@ -20,7 +20,7 @@ from drillpetsc.analysis.limits.fatigue import AS_S, rule_of
 from drillpetsc.analysis.limits.operations import OPERATIONS, case_of, motion_of, read_operation, words_of
 from drillpetsc.analysis.limits.soft_limits import SoftLimits
 from drillpetsc.analysis.limits.table import Choices, Strength, element_values, rows
-from drillpetsc.analysis.run_options import refuse_misspelt
+from drillpetsc.analysis.run_options import options_of
 from drillpetsc.analysis.statics import beyond_rig, static_summary
 from drillpetsc.analysis.torque_drag.left_out import bends_left_out, cutters_left_out
 from drillpetsc.analysis.torque_drag.operations import (
@@ -46,7 +46,6 @@ from drillpetsc.output.files.run_folder import CONTACTS_TABLE, LIMITS_TABLE
 from drillpetsc.output.quantities.limits import CONTACTS, LIMITS
 from drillpetsc.output.static_table import static_table
 from drillpetsc.physics.bit_on_bottom import bit_torque
-from drillpetsc.solvers import petsc_options as options
 from drillpetsc.unit_systems import System, shown
 
 NO_SOFT_STRING = "no margin of overpull and no largest weight on bit: they need a hole with contact, and gravity that points down"
@@ -96,8 +95,7 @@ def run_limits(
     case = held_at_weight(case if word is None else case_of(case, word))
     motion = None if word is None else motion_of(case, word)
     comm = comm or PETSc.COMM_WORLD
-    with options.applied(case.petsc) as used:
-        refuse_misspelt(given, used)
+    with options_of(case, given):
         model = build_model(case, comm, motion)
         folder = make_folder(comm, name, out, False, overwrite)
         state = find_equilibrium(model, motion, False)

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from petsc4py import PETSc
 
+from drillpetsc.analysis.run_options import options_of
 from drillpetsc.analysis.torque_drag.calibration import (
     AT_BOUND,
     BOUNDS,
@@ -52,7 +53,8 @@ def run_calibrate(
     points = plan.measured if points is None else points
     if not points:
         raise CaseError(at="--measured", want="a file of measured points, or roadmap.measured in the case")
-    work = Calibration(case, points, plan.hookload_excludes_block, units)
+    with options_of(case):
+        work = Calibration(case, points, plan.hookload_excludes_block, units)
     system: System = units or case.output.units or "metric"
     if parameters is None:
         parameters = work.factors

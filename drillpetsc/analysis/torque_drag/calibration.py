@@ -93,8 +93,12 @@ class Calibration:
         end = float(case.well.survey.md[-1])  # type: ignore[union-attr]
         for i, point in enumerate(points):
             if point.bit_depth > end + 1e-6:
-                want = f"at most {end:g} m, the end of the hole"
-                raise CaseError(at=f"measured[{i}].bit_depth", got=f"{point.bit_depth:g} m", want=want)
+                want = f"at most {shown(end, 'length', self.units, 6)}, the end of the hole"
+                raise CaseError(
+                    at=f"measured[{i}].bit_depth",
+                    got=shown(point.bit_depth, "length", self.units, 6),
+                    want=want,
+                )
         depths = sorted({point.bit_depth for point in points})
         at = f"measured[{next(i for i, p in enumerate(points) if p.bit_depth == depths[0])}].bit_depth"
         strings = [rows_at(case, depth, at) for depth in depths]

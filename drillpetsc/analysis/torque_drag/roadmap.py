@@ -11,6 +11,7 @@ from typing import Any, Literal
 import numpy as np
 from petsc4py import PETSc
 
+from drillpetsc.analysis.run_options import options_of
 from drillpetsc.analysis.torque_drag.batch import Columns, Hole, soft_strings
 from drillpetsc.analysis.torque_drag.circulation import Circulation, circulation
 from drillpetsc.analysis.torque_drag.left_out import bends_left_out, cutters_left_out
@@ -206,11 +207,13 @@ def run_roadmap(
     if len(plan.operations) * len(pairs) * len(strings) > MOST_ROWS:
         got = f"{len(plan.operations)} operations x {len(pairs)} pairs x {len(strings)} depths"
         raise CaseError(at="roadmap", got=got, want=f"at most {MOST_ROWS} rows")
-    rows = soft_rows(case, well, strings, plan.operations, pairs)
     stiff: dict[str, Any] = {}
+    with options_of(case):
+        rows = soft = soft_rows(case, well, strings, plan.operations, pairs)
+        start = time.perf_counter()
+        if model == "stiff":
+            rows = stiff_rows(case, well, strings, plan.operations, pairs, comm)
     if model == "stiff":
-        start, soft = time.perf_counter(), rows
-        rows = stiff_rows(case, well, strings, plan.operations, pairs, comm)
         stiff = {"stiff_seconds": time.perf_counter() - start, "soft_against_stiff": deviations(soft, rows)}
         notes.append("torque on bit is added to the torque of the string; its effect on bending is left out")
     block = None if case.rig is None else case.rig.block_weight

@@ -32,7 +32,6 @@ from drillpetsc.case.section import ring
 from drillpetsc.errors import CaseError, SolveError
 from drillpetsc.geometry.well import Well
 from drillpetsc.model.drilling_model import DrillingModel, build_model
-from drillpetsc.solvers import petsc_options as options
 
 BY_PATH = "one of several states: buckled with friction, at the end of a path of steady sliding"
 LIFTED = 10.0  # length of the pieces on which the forces of flowing mud are uniform [m]
@@ -154,9 +153,8 @@ def stiff_row(case: Case, well: Well, job: Job) -> dict[str, Any]:
         return row | failed(f"the flow: {job.flow}")
     motion = (-load.axial_velocity, load.rotation)
     try:
-        with options.applied(case.petsc):
-            model = build_model(stiff_case(case, well, job), PETSc.COMM_SELF, motion)
-            state = find_equilibrium(model, motion, False)
+        model = build_model(stiff_case(case, well, job), PETSc.COMM_SELF, motion)
+        state = find_equilibrium(model, motion, False)
     except (SolveError, CaseError) as error:
         return row | failed(str(error))
     if not state.stable and state.path is None:

@@ -12,7 +12,7 @@ from drillpetsc.case.blocks.hoist import AutodrillerBlock, HoistBlock
 from drillpetsc.case.blocks.string import Friction
 from drillpetsc.case.blocks.top_drive import Controllers, TopMotor
 from drillpetsc.case.key_paths import refuse
-from drillpetsc.case.quantities import OverTime, Quantity, Vector
+from drillpetsc.case.quantities import OverTime, Quantity, Vector, said
 from drillpetsc.time_function import Constant, TimeFunction
 
 Force = Annotated[tuple[float, float, float], Vector("N")]
@@ -172,7 +172,7 @@ class TopDrive(TopEnd):
         for t in (0.0, *self.lowering.breaks()):
             for value in (self.lowering.value(t, True), self.lowering.value(t)):
                 if abs(value) > most:
-                    raise refuse("lowering", got=value, want=f"at most hoist.max_speed, {most:g} m/s")
+                    raise refuse("lowering", got=value, want=f"at most hoist.max_speed, {said(most, 'rop')}")
         if drill is None:
             return
         if self.hoist.line is None:
@@ -184,7 +184,10 @@ class TopDrive(TopEnd):
             )  # fmt: skip
         if drill.max_speed is not None and drill.max_speed > most:
             raise refuse(
-                "autodriller", "max_speed", got=drill.max_speed, want=f"at most hoist.max_speed, {most:g} m/s"
+                "autodriller",
+                "max_speed",
+                got=drill.max_speed,
+                want=f"at most hoist.max_speed, {said(most, 'rop')}",
             )
 
     def _times(self) -> None:
@@ -305,7 +308,7 @@ class LineLoad(Load):
     @model_validator(mode="after")
     def _downward(self) -> LineLoad:
         if self.to <= self.from_:
-            raise refuse("to", got=self.to, want=f"below from, {self.from_:g} m")
+            raise refuse("to", got=self.to, want=f"below from, {said(self.from_, 'length')}")
         return self
 
 

@@ -10,7 +10,7 @@ from pydantic import BeforeValidator, Discriminator, Field, Tag, model_validator
 from drillpetsc.case.block import Block, derived_default, overlaid, tagged_union
 from drillpetsc.case.blocks.string import Friction
 from drillpetsc.case.key_paths import refuse
-from drillpetsc.case.quantities import Quantity
+from drillpetsc.case.quantities import Quantity, said
 
 Drillability = Annotated[float, Quantity("m/(s N)", at_least=0, at_most=1e-3)]
 BitAnisotropy = Annotated[
@@ -361,21 +361,28 @@ def _check_depths(layers: tuple[Layer, ...]) -> None:
     """Refuse layers that do not follow one another downward without a gap or an overlap."""
     for i, layer in enumerate(layers):
         if i and layer.from_ <= layers[i - 1].from_:
-            want = f"rising depths: below the layer above, which begins at {layers[i - 1].from_:g} m"
+            want = (
+                f"rising depths: below the layer above, which begins at {said(layers[i - 1].from_, 'length')}"
+            )
             raise refuse("layers", i, "from", got=layer.from_, want=want)
         if layer.to is not None and layer.to <= layer.from_:
-            raise refuse("layers", i, "to", got=layer.to, want=f"below from, {layer.from_:g} m")
+            raise refuse("layers", i, "to", got=layer.to, want=f"below from, {said(layer.from_, 'length')}")
     for i, (layer, below) in enumerate(zip(layers, layers[1:], strict=False), 1):
         if layer.to is None or abs(below.from_ - layer.to) <= SAME_DEPTH:
             continue
-        ends = f"{min(layer.to, below.from_):g} m to {max(layer.to, below.from_):g} m"
+        ends = f"{said(min(layer.to, below.from_), 'length')} to {said(max(layer.to, below.from_), 'length')}"
         gap = (
             f"formation gap: no rock from {ends}"
             if below.from_ > layer.to
             else f"formation overlap: two layers from {ends}"
         )
         raise refuse(
-            "layers", i, "from", got=below.from_, want=f"{layer.to:g} m, where the layer above ends", hint=gap
+            "layers",
+            i,
+            "from",
+            got=below.from_,
+            want=f"{said(layer.to, 'length')}, where the layer above ends",
+            hint=gap,
         )
 
 

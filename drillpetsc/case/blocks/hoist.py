@@ -9,7 +9,7 @@ from pydantic import BeforeValidator, Field, Strict, model_validator
 
 from drillpetsc.case.block import Block
 from drillpetsc.case.key_paths import refuse
-from drillpetsc.case.quantities import OverTime, Quantity
+from drillpetsc.case.quantities import OverTime, Quantity, said
 from drillpetsc.time_function import TimeFunction
 
 MODES = ("wob", "rop", "torque", "differential_pressure")
@@ -106,7 +106,7 @@ class HoistBlock(Block):
     @model_validator(mode="after")
     def _below_crown(self) -> HoistBlock:
         if self.crown_height is not None and self.crown_height <= self.height:
-            want = f"above the height of the block, {self.height:g} m"
+            want = f"above the height of the block, {said(self.height, 'length')}"
             raise refuse("crown_height", got=self.crown_height, want=want)
         if self.line is None and self.damping:
             raise refuse("damping", got=self.damping, want="no damping without a line")

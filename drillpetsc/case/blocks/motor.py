@@ -12,7 +12,7 @@ from drillpetsc.case.blocks.joints import Joint
 from drillpetsc.case.blocks.string import ToolTube
 from drillpetsc.case.key_paths import refuse
 from drillpetsc.case.motor_file import read_motor_curve
-from drillpetsc.case.quantities import OverTime, Quantity
+from drillpetsc.case.quantities import OverTime, Quantity, said
 from drillpetsc.time_function import Constant, TimeFunction
 
 _Flow = Annotated[float, Quantity("m^3/s", above=0, at_most=10)]
@@ -63,7 +63,7 @@ class MotorCurve(Block):
                     )
                     raise refuse("speed", b, got=self.speed[b], want=want)
                 if self.differential_pressure[b] < self.differential_pressure[a]:
-                    want = f"at least {self.differential_pressure[a]:g} Pa: the pressure does not fall with the torque in {name}"
+                    want = f"at least {said(self.differential_pressure[a], 'pressure')}: the pressure does not fall with the torque in {name}"
                     raise refuse("differential_pressure", b, got=self.differential_pressure[b], want=want)
         return self
 
@@ -157,7 +157,7 @@ class MotorSection(Block):
                     want = f"a stall_torque: the curve at {flow * 6e4:g} l/min ends at {self.curve.speed[last]:.3g} rad/s"
                     raise refuse("stall_torque", want=want)
                 if not self.stall_torque > self.curve.torque[last]:
-                    want = f"more than the last torque of the curve at {flow * 6e4:g} l/min, {self.curve.torque[last]:g} N m"
+                    want = f"more than the last torque of the curve at {said(flow, 'flow')}, {said(self.curve.torque[last], 'torque')}"
                     raise refuse("stall_torque", got=self.stall_torque, want=want)
         if self.lobes is not None and not (
             len(self.lobes) == 2 and self.lobes[0] >= 1 and self.lobes[1] == self.lobes[0] + 1
@@ -197,13 +197,13 @@ class PositiveDisplacementMotor(ToolTube):
         if self.joint_at is None:
             self.fill_defaults(joint_at=0.5 * (self.length + (bend or 0.0)))
         if not END_CLEARANCE <= self.joint_at <= self.length - END_CLEARANCE:
-            want = f"between {END_CLEARANCE:g} and {self.length - END_CLEARANCE:g} m: pipe of the item above and below it"
+            want = f"between {said(END_CLEARANCE, 'length')} and {said(self.length - END_CLEARANCE, 'length')}: pipe of the item above and below it"
             raise refuse("joint_at", got=self.joint_at, want=want)
         if bend is not None and self.joint_at - bend < END_CLEARANCE:
             raise refuse(
                 "joint_at",
                 got=self.joint_at,
-                want=f"more than {bend:g} m, below the bend: the housing bends, and what is below the joint turns with the bit",
+                want=f"more than {said(bend, 'length')}, below the bend: the housing bends, and what is below the joint turns with the bit",
             )
         return self
 

@@ -9,7 +9,7 @@ from pydantic import Field, model_validator
 
 from drillpetsc.case.block import Block
 from drillpetsc.case.key_paths import refuse
-from drillpetsc.case.quantities import Quantity
+from drillpetsc.case.quantities import Quantity, said
 from drillpetsc.units import UnitError, to_si
 
 STANDARD_GRAVITY = 9.80665  # [m/s2], ISO 80000-3
@@ -60,7 +60,7 @@ class Rig(Block):
     @model_validator(mode="after")
     def _block_below_limit(self) -> Rig:
         if self.max_hookload is not None and (self.block_weight or 0.0) >= self.max_hookload:
-            want = f"above the weight of the block, {self.block_weight:g} N"
+            want = f"above the weight of the block, {said(self.block_weight or 0.0, 'force')}"
             raise refuse("max_hookload", got=self.max_hookload, want=want)
         if self.elevation_ref is not None and self.elevation is None:
             raise refuse("elevation", want=f"the height of the datum above {self.elevation_ref}")

@@ -12,7 +12,7 @@ from drillpetsc.case.block import Block, derived_default
 from drillpetsc.case.blocks.sensors import Indices, Sensor, as_sensors, indices_or_true
 from drillpetsc.case.blocks.string import Angle
 from drillpetsc.case.key_paths import refuse, suggestion
-from drillpetsc.case.quantities import Quantity, as_list
+from drillpetsc.case.quantities import Quantity, as_list, said
 from drillpetsc.case.survey_file import FOLDER
 from drillpetsc.unit_systems import System
 
@@ -188,7 +188,10 @@ class Output(Block):
         for i, name in enumerate(names):
             if name in names[:i]:
                 raise refuse(
-                    "probes", i, got=self.probes[i], want=f"probes at different depths; {name} m stands twice"
+                    "probes",
+                    i,
+                    got=self.probes[i],
+                    want=f"probes at different depths; {said(self.probes[i], 'length')} stands twice",
                 )
         names = [sensor.name.lower() for sensor in self.sensors]
         for i, name in enumerate(names):

@@ -147,15 +147,21 @@ class Item(Block):
         if outer is None and inner is None:
             return self
         if outer is not None and inner is not None and inner >= outer:
-            raise refuse("id", got=inner, want=f"an inner diameter below the outer, {outer:g} m")
+            raise refuse(
+                "id", got=inner, want=f"an inner diameter below the outer, {said(outer, 'diameter')}"
+            )
         if outer is not None and inner is not None and inner > outer * (1 - MIN_WALL_RATIO):
             raise refuse(
                 "id",
                 got=inner,
-                want=f"a wall of at least {MIN_WALL_RATIO / 2 * outer:g} m inside the outer diameter, {outer:g} m",
+                want=f"a wall of at least {said(MIN_WALL_RATIO / 2 * outer, 'diameter')} inside the outer diameter, {said(outer, 'diameter')}",
             )
         if inner is not None and 0 < inner < MIN_BORE:
-            raise refuse("id", got=inner, want=f"0 (solid), or an inner diameter of at least {MIN_BORE:g} m")
+            raise refuse(
+                "id",
+                got=inner,
+                want=f"0 (solid), or an inner diameter of at least {said(MIN_BORE, 'diameter')}",
+            )
         if outer is None and inner and self.has_own_od:
             raise refuse("id", got=inner, want="an inner diameter together with an outer one (od)")
         return self
@@ -245,12 +251,17 @@ class Flexible(Item):
         outer = self.od
         if outer is not None and self.eccentricity > outer / 2:
             raise refuse(
-                "eccentricity", got=self.eccentricity, want=f"at most the outer radius, {outer / 2:g} m"
+                "eccentricity",
+                got=self.eccentricity,
+                want=f"at most the outer radius, {said(outer / 2, 'diameter')}",
             )
         at = None if self.bend is None else self.bend.position
         if at is not None and at > self.length:
             raise refuse(
-                "bend", "position", got=at, want=f"at most the length of the item, {self.length:g} m"
+                "bend",
+                "position",
+                got=at,
+                want=f"at most the length of the item, {said(self.length, 'length')}",
             )
         return self
 
@@ -337,7 +348,7 @@ class Rigid(Item):
                 "bend",
                 "position",
                 got=at,
-                want=f"{self.length:g} m, the upper end: a rigid item bends there only",
+                want=f"{said(self.length, 'length')}, the upper end: a rigid item bends there only",
                 hint="kind: pipe bends at any position",
             )
         return self
@@ -434,17 +445,19 @@ class Stabilizer(Rigid):
         else:
             if span > self.length + 1e-9:
                 raise refuse(
-                    "blade_length", got=span, want=f"at most the length of the item, {self.length:g} m"
+                    "blade_length",
+                    got=span,
+                    want=f"at most the length of the item, {said(self.length, 'length')}",
                 )
             at = 0.5 * self.length if at is None else at
             if not span / 2 - 1e-9 <= at <= self.length - span / 2 + 1e-9:
-                want = f"blades inside the item: {span / 2:g} to {self.length - span / 2:g} m above its lower end"
+                want = f"blades inside the item: {said(span / 2, 'length')} to {said(self.length - span / 2, 'length')} above its lower end"
                 raise refuse("blade_position", got=at, want=want)
             self.fill_defaults(blade_position=at)
         if self.body_od is not None:
             for key, below, above in (("od", self.body_od, self.od), ("body_od", self.id, self.body_od)):
                 if below is not None and above is not None and below > above:
-                    want = f"at least {'body_od' if key == 'od' else 'id'}, {below:g} m"
+                    want = f"at least {'body_od' if key == 'od' else 'id'}, {said(below, 'diameter')}"
                     raise refuse(key, got=above, want=want)
         if not self.stiff and (self.body_od is None or span is None):
             raise refuse("stiff", got=False, want="a body_od and a blade_length together with stiff: false")

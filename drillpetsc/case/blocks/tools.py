@@ -32,11 +32,11 @@ class TelescopingTool(ToolTube):
     @model_validator(mode="after")
     def _slider_inside(self) -> TelescopingTool:
         if self.length <= 2 * EDGE:
-            raise refuse("length", got=self.length, want=f"more than {2 * EDGE:g} m")
+            raise refuse("length", got=self.length, want=f"more than {said(2 * EDGE, 'length')}")
         if self.joint_at is None:
             self.fill_defaults(joint_at=0.5 * self.length)
         if not EDGE <= self.joint_at <= self.length - EDGE:
-            want = f"inside the item, {EDGE:g} to {self.length - EDGE:g} m below its upper end"
+            want = f"inside the item, {said(EDGE, 'length')} to {said(self.length - EDGE, 'length')} below its upper end"
             raise refuse("joint_at", got=self.joint_at, want=want)
         return self
 

@@ -9,7 +9,7 @@ from pydantic import BeforeValidator, Discriminator, Field, Tag, model_validator
 
 from drillpetsc.case.block import Block, tagged_union
 from drillpetsc.case.key_paths import refuse
-from drillpetsc.case.quantities import Quantity, WordOrNumber
+from drillpetsc.case.quantities import Quantity, WordOrNumber, said
 
 POWER_TOLERANCE = 0.01  # by which power and max_torque times base_speed may differ [-]
 
@@ -52,7 +52,9 @@ class TopMotor(Block):
             and self.min_torque is not None
             and -self.min_torque > 1e3 * self.max_torque
         ):
-            raise refuse("min_torque", got=self.min_torque, want=f"at least {-1e3 * self.max_torque:g} N m")
+            raise refuse(
+                "min_torque", got=self.min_torque, want=f"at least {said(-1e3 * self.max_torque, 'torque')}"
+            )
         if self.power is not None and self.base_speed is not None and self.max_torque is not None:
             if not math.isclose(self.power, self.base_speed * self.max_torque, rel_tol=POWER_TOLERANCE):
                 raise refuse(

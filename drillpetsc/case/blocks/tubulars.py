@@ -26,7 +26,7 @@ from drillpetsc.case.blocks.string import (
 )
 from drillpetsc.case.blocks.tools import BumperSub, Jar, ShockSub
 from drillpetsc.case.key_paths import refuse
-from drillpetsc.case.quantities import Quantity
+from drillpetsc.case.quantities import Quantity, said
 
 Wall = Annotated[float, Quantity("m", above=0, at_most=1, kind="diameter")]
 JointLength = Annotated[float, Quantity("m", above=0, at_most=100)]
@@ -84,7 +84,11 @@ class Tubular(Tube):
         if self.wall is not None and self.id is not None:
             raise refuse("wall", got=self.wall, want="id or wall, not both")
         if self.wall is not None and self.od is not None and 2 * self.wall >= self.od:
-            raise refuse("wall", got=self.wall, want=f"less than half the outer diameter, {self.od / 2:g} m")
+            raise refuse(
+                "wall",
+                got=self.wall,
+                want=f"less than half the outer diameter, {said(self.od / 2, 'diameter')}",
+            )
         return self
 
 

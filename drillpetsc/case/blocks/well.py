@@ -146,7 +146,7 @@ class Survey(Block):
             raise refuse("md", 0, got=self.md[0], want="a first station at 0 m (the rotary table)")
         for i in range(1, len(self.md)):
             if self.md[i] <= self.md[i - 1]:
-                want = f"rising depths: above {self.md[i - 1]:g} m, the station before"
+                want = f"rising depths: above {said(self.md[i - 1], 'length')}, the station before"
                 raise refuse("md", i, got=self.md[i], want=want)
         for key in ("inclination", "azimuth"):
             count = len(getattr(self, key))

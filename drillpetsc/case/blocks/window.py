@@ -8,7 +8,7 @@ from pydantic import BeforeValidator, Field, model_validator
 
 from drillpetsc.case.block import Block
 from drillpetsc.case.key_paths import refuse
-from drillpetsc.case.quantities import Quantity, as_list
+from drillpetsc.case.quantities import Quantity, as_list, said
 from drillpetsc.case.window_file import read_window
 
 
@@ -49,7 +49,7 @@ class Window(Block):
         for i in range(1, count):
             assert self.tvd is not None
             if self.tvd[i] <= self.tvd[i - 1]:
-                want = f"rising depths: above {self.tvd[i - 1]:g} m, the row before"
+                want = f"rising depths: above {said(self.tvd[i - 1], 'length')}, the row before"
                 raise refuse("tvd", i, got=self.tvd[i], want=want)
         for key in ("pore", "frac"):
             values = getattr(self, key)
@@ -58,7 +58,7 @@ class Window(Block):
                 raise refuse(key, got=f"{len(values)} values", want=want)
         for i, (low, high) in enumerate(zip(self.pore, self.frac, strict=True)):
             if high <= low:
-                raise refuse("frac", i, got=high, want=f"above pore, {low:g} kg/m3")
+                raise refuse("frac", i, got=high, want=f"above pore, {said(low, 'mud_weight')}")
         return self
 
 

@@ -95,7 +95,7 @@ def _one_stiffness(case: CaseBlocks, bottom: BitBottom) -> None:
     assert case.formation is not None
     given = case.formation.bit_law.stiffness
     if given is not None and "stiffness" in bottom.model_fields_set and given != bottom.stiffness:
-        want = f"the same as bottom.stiffness, {bottom.stiffness:g} N/m"
+        want = f"the same as bottom.stiffness, {said(bottom.stiffness, 'stiffness')}"
         hint = "both are the contact stiffness of the bit on the rock; give one of them"
         raise refuse("formation", "bit_law", "stiffness", got=given, want=want, hint=hint)
 
@@ -107,7 +107,7 @@ def _new_hole(case: CaseBlocks) -> None:
     diameter = bit.od
     assert diameter is not None  # the check of the bottom has refused it
     if abs(wider) >= diameter / 10:
-        want = f"between {-diameter / 10:g} m and {diameter / 10:g} m, a tenth of the bit's diameter"
+        want = f"between {said(-diameter / 10, 'diameter')} and {said(diameter / 10, 'diameter')}, a tenth of the bit's diameter"
         raise refuse(
             "formation", "overgauge", got=wider, want=want, hint="it is added to the radius of the new hole"
         )
@@ -117,7 +117,7 @@ def _new_hole(case: CaseBlocks) -> None:
     for i, item in enumerate(case.string[reamer + 1 : -1], reamer + 1):  # above a reamer the hole is wider
         outer = item.widest_od if isinstance(item, Flexible) else None
         if outer is not None and outer >= diameter + 2 * wider:
-            want = f"less than the diameter of the hole that the bit makes, {diameter + 2 * wider:g} m"
+            want = f"less than the diameter of the hole that the bit makes, {said(diameter + 2 * wider, 'diameter')}"
             key = ("od",) if outer == item.od else ("tool_joint", "od")
             raise refuse(
                 "string", i, *key, got=outer, want=want, hint="the item follows the bit into the new hole"

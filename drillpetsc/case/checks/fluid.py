@@ -150,8 +150,8 @@ def _metal_of_rigid_items(case: CaseBlocks) -> None:
                     "string",
                     i,
                     "mass",
-                    got=f"{item.mass:g} kg",
-                    want=f"at most {most:.4g} kg, the metal of a tube with this od, id and length",
+                    got=said(item.mass, "mass"),
+                    want=f"at most {said(most, 'mass', digits=4)}, the metal of a tube with this od, id and length",
                     hint="the mud flows past the item's metal; a larger od, or its own material: {density: ...}",
                 )
 
@@ -169,9 +169,9 @@ def _choke(fluid: Fluid) -> None:
             "fluid",
             "choke",
             "area",
-            got=f"{fluid.choke.area:g} m^2",
-            want=f"an area that passes {flow * 6e4:g} l/min: above {least:.2g} m^2",
-            hint=f"the choke would hold {loss / 1e6:.3g} MPa; for a well that is shut in give flow_rate 0",
+            got=said(fluid.choke.area, "flow_area"),
+            want=f"an area that passes {said(flow, 'flow')}: above {said(least, 'flow_area', digits=2)}",
+            hint=f"the choke would hold {said(loss, 'pressure', digits=3)}; for a well that is shut in give flow_rate 0",
         )
 
 
@@ -188,7 +188,7 @@ def _annulus(case: CaseBlocks) -> None:
         raise refuse("fluid", "choke", want="no choke without an annulus: it is a valve at the flow line")
     _choke(fluid)
     if case.well is not None and fluid.flow_line >= case.well.survey.md[-1]:
-        want = f"above the end of the hole, {case.well.survey.md[-1]:g} m"
+        want = f"above the end of the hole, {said(case.well.survey.md[-1], 'length')}"
         raise refuse("fluid", "flow_line", got=fluid.flow_line, want=want)
 
 

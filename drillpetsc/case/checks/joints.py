@@ -6,6 +6,7 @@ from drillpetsc.case.blocks.case_blocks import CaseBlocks
 from drillpetsc.case.blocks.string import Flexible, Rigid
 from drillpetsc.case.blocks.tools import Jar
 from drillpetsc.case.key_paths import refuse
+from drillpetsc.case.quantities import said
 
 TOLERANCE = 1e-6  # [m] depths closer than this are equal
 
@@ -21,7 +22,7 @@ def check_joints(case: CaseBlocks) -> None:
     for number, tool, slider in case.tools:
         for joint in case.joints:
             if abs(joint.at - slider.at) <= TOLERANCE:
-                want = f"another depth of the joint at {joint.at:g} m: the slider of {tool.kind} is there"
+                want = f"another depth of the joint at {said(joint.at, 'length')}: the slider of {tool.kind} is there"
                 raise refuse("string", number, "joint_at", got=tool.joint_at, want=want)
     in_motors = {joint.at: number for number, joint in case.motor_joints}
     for i, joint in enumerate(case.joints):
@@ -37,7 +38,7 @@ def check_joints(case: CaseBlocks) -> None:
                 i,
                 "at",
                 got=joint.at,
-                want=f"a measured depth on the string, from 0 to less than {end:g} m",
+                want=f"a measured depth on the string, from 0 to less than {said(end, 'length')}",
                 hint="a joint connects the part above it with the part below; for a lower end that can bend: bottom pinned",
             )
         for other, k in seen.items():
@@ -56,7 +57,7 @@ def check_joints(case: CaseBlocks) -> None:
         seen[joint.at] = i
         for k, (item, (above, below)) in enumerate(zip(case.string, case.item_depths, strict=True)):
             if not isinstance(item, Flexible) and above + TOLERANCE < joint.at < below - TOLERANCE:
-                want = f"an end of the rigid item string[{k}], {above:g} or {below:g} m, or a depth in a pipe or beam"
+                want = f"an end of the rigid item string[{k}], {said(above, 'length')} or {said(below, 'length')}, or a depth in a pipe or beam"
                 raise refuse("joints", i, "at", got=joint.at, want=want)
     _no_massless_part(case)
 

@@ -10,6 +10,7 @@ from drillpetsc.case.blocks.case_blocks import CaseBlocks
 from drillpetsc.case.blocks.ends import DrivenTop
 from drillpetsc.case.blocks.string import Flexible
 from drillpetsc.case.key_paths import refuse
+from drillpetsc.case.quantities import said
 from drillpetsc.errors import CaseError
 
 MAX_ELEMENTS = 200_000  # some 5 to 10 GB with fluid and contact; 12 km of string at 6 cm
@@ -88,7 +89,7 @@ def check_size(case: CaseBlocks) -> None:
         item = case.string[i]
         assert isinstance(item, Flexible)
         want = f"at most {MAX_ELEMENTS} elements in the string; with this it has {sum(counts.values()):.6g}"
-        hint = f"elements of {max(1e-3, 2 * case.string_length / MAX_ELEMENTS):.2g} m would do"
+        hint = f"elements of {said(max(1e-3, 2 * case.string_length / MAX_ELEMENTS), 'length', digits=2)} would do"
         raise refuse("string", i, "element_length", got=item.element_length, want=want, hint=hint)
     if case.time is None:
         return

@@ -5,6 +5,7 @@ from __future__ import annotations
 from drillpetsc.case.blocks.case_blocks import CaseBlocks
 from drillpetsc.case.blocks.sensors import Sensor, sensor_depth
 from drillpetsc.case.key_paths import refuse, suggestion
+from drillpetsc.case.quantities import said
 
 LENGTH_TOLERANCE = 1e-6  # [m]
 MAX_SAMPLES = 10**9
@@ -55,7 +56,7 @@ def _depth(case: CaseBlocks, i: int, sensor: Sensor) -> float:
         )
         raise refuse("output", "sensors", i, "at", got=sensor.at, want=want, hint=hint)
     if depth > case.string_length + LENGTH_TOLERANCE:
-        want = f"a measured depth on the string, 0 to {case.string_length:g} m"
+        want = f"a measured depth on the string, 0 to {said(case.string_length, 'length')}"
         raise refuse("output", "sensors", i, "at", got=depth, want=want)
     return depth
 
@@ -72,5 +73,5 @@ def _place(case: CaseBlocks, i: int, sensor: Sensor, depth: float) -> None:
             last = od
         elif above - LENGTH_TOLERANCE <= depth <= below + LENGTH_TOLERANCE:
             return  # without a diameter there is nothing to compare with
-    want = f"at most {0.5 * last:g} m, half the outer diameter of the string at {depth:g} m"
+    want = f"at most {said(0.5 * last, 'diameter')}, half the outer diameter of the string at {said(depth, 'length')}"
     raise refuse("output", "sensors", i, "radius", got=sensor.radius, want=want)

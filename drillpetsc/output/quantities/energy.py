@@ -8,6 +8,7 @@ ENERGY: tuple[Quantity, ...] = (
     Quantity(
         "kinetic_energy",
         "J",
+        kind="energy",
         on="scalar",
         label="Kinetic energy",
         mnemonic="EKIN",
@@ -21,6 +22,7 @@ ENERGY: tuple[Quantity, ...] = (
     Quantity(
         "strain_energy",
         "J",
+        kind="energy",
         on="scalar",
         label="Strain energy",
         mnemonic="ESTR",
@@ -34,6 +36,7 @@ ENERGY: tuple[Quantity, ...] = (
     Quantity(
         "energy_error",
         "J",
+        kind="energy",
         on="scalar",
         label="Energy error",
         mnemonic="EERR",

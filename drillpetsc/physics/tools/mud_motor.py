@@ -24,6 +24,7 @@ from drillpetsc.physics.end_conditions import Input
 from drillpetsc.physics.interfaces import JointSet, Motor
 from drillpetsc.physics.rigid_bodies import end_frames, local_vertices
 from drillpetsc.physics.tools.motor_law import SLIP, MotorLaw
+from drillpetsc.unit_systems import System, shown
 
 _values = function("mud_motor_values", "iippppp" + "p")
 _energies = function("mud_motor_energies", "iippppp")
@@ -219,9 +220,9 @@ class MudMotor(Motor):
         self._speed = min(self._start_speed, -least) if free < 0 else max(self._start_speed, least)
         return max(abs(self._speed - before) / turns, change) if turns > SLIP else change
 
-    def static_warnings(self, torque: float, flow: float) -> list[str]:
+    def static_warnings(self, torque: float, flow: float, units: System) -> list[str]:
         rpm, stall = self.law.free_speed(flow) * 30 / pi, self.law.stall_torque(flow)
-        gives = f"{self.label}: {flow * 1e3:.4g} l/s gives {rpm:.4g} rpm"
+        gives = f"{self.label}: {shown(flow, 'flow', units)} gives {rpm:.4g} rpm"
         if abs(rpm) * pi / 30 <= SLIP:
             return [f"{self.label}: no flow through the motor, so it does not turn"]
         if flow < 0:
@@ -230,11 +231,13 @@ class MudMotor(Motor):
             ]
         if torque >= stall:
             return [
-                f"{gives}, torque of the start {torque / 1e3:.4g} kN m is above stall_torque {stall / 1e3:.4g} kN m: "
+                f"{gives}, torque of the start {shown(torque, 'torque', units)} is above stall_torque {shown(stall, 'torque', units)}: "
                 "the motor stands"
             ]
         if torque < 0:
-            return [f"{gives}, what is below the motor drives it with {-torque / 1e3:.4g} kN m at the start"]
+            return [
+                f"{gives}, what is below the motor drives it with {shown(-torque, 'torque', units)} at the start"
+            ]
         return []
 
     def start(self, state: Any) -> None:

@@ -22,6 +22,7 @@ from drillpetsc.output.time_error import SMALL_RANGE, smallest_range
 from drillpetsc.solvers.time_integrator import TOLERANCE
 from drillpetsc.studies.convergence.coarse_mesh import differences
 from drillpetsc.studies.convergence.error_norms import FloatArray, extent
+from drillpetsc.unit_systems import System, shown
 
 REFINEMENT = 10.0  # tolerance of the run over that of the fine run
 STEP_REFINEMENT = REFINEMENT ** (1 / 3)  # fixed steps: the local error of order 2 goes with the step's cube
@@ -90,7 +91,7 @@ def add_tolerance_check(
         tables = (read_table(RunFolder(f).history) for f in (folder, fine.folder))
         check["columns"] = compared(*tables)
     check = world.tompi4py().bcast(check)
-    check["warnings"] = _warnings(check)
+    check["warnings"] = _warnings(check, case.output.units or "metric")
     added = {
         "error_estimate": {**(summary.get("error_estimate") or {}), "tolerance": check},
         "warnings": [*summary["warnings"], *check["warnings"]],
@@ -120,10 +121,10 @@ def compared(
     return out
 
 
-def _warnings(check: Mapping[str, Any]) -> list[str]:
+def _warnings(check: Mapping[str, Any], units: System) -> list[str]:
     """Sentences on changed classes, and on outputs that differ by more than the limit."""
     out = [
-        f"a tolerance ten times finer changes the motion of {c['name']} at MD {c['md [m]']:.6g} m: {c['what']} is "
+        f"a tolerance ten times finer changes the motion of {c['name']} at MD {shown(c['md [m]'], 'length', units, 6)}: {c['what']} is "
         f"'{c['is']}' there, '{c['was']}' in this run"
         for c in check["changed"]
     ]

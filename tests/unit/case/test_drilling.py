@@ -350,7 +350,7 @@ def test_described_in_words() -> None:
     has, lacks = describe(make_case(formation=formation, time={"end": 60, "mode": "quasi_static"})).split(
         "leaves out"
     )
-    assert "bit cutting rock (law drag_bit, drillability 1e-09 to 2.8e-08 m/(s N), 1 layer)" in has
+    assert "bit cutting rock (law drag_bit, drillability 1e-09 m/(s N) to 2.8e-08 m/(s N), 1 layer)" in has
     assert "quasi-static" in has and "inertia" not in has and "inertia" in lacks
     has, lacks = describe(make_case(formation=None, time={"end": 60})).split("leaves out")
     assert "bit cutting rock" in lacks and "inertia" in has and "quasi-static" not in has

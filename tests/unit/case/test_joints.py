@@ -63,7 +63,7 @@ REFUSED: list[tuple[list[dict[str, Any]], dict[str, Any], str, str]] = [
     ([{"at": 0, "kind": "fixed"}], {"top": "pinned"}, "joints[0].at", "a top that holds its section"),
     ([{"at": 19, "kind": "fixed"}], {}, "joints[0].at", "on the string"),
     ([{"at": 25, "kind": "fixed"}], {}, "joints[0].at", "on the string"),
-    ([{"at": 9.2, "kind": "fixed"}], {}, "joints[0].at", "an end of the rigid item string[1], 9 or 9.5 m"),
+    ([{"at": 9.2, "kind": "fixed"}], {}, "joints[0].at", "an end of the rigid item string[1], 9 m or 9.5 m"),
     (
         [{"at": 9, "kind": "fixed"}, {"at": 9, "kind": "slider"}],
         {},

@@ -9,6 +9,7 @@ import pytest
 from drillpetsc import Case
 from drillpetsc.case.measured_file import operation_word
 from drillpetsc.errors import CaseError
+from tests.helpers.si_words import si_units
 
 BASE = {
     "units": "field",
@@ -79,6 +80,28 @@ def changed(path, value):
         ),
         (("string", 2), REAMER | {"pilot": 8.25}, "string[2].pilot", ["the diameter of the bit, 8.5 in"]),
         (("string", 2), REAMER | {"od": 8}, "string[2].od", ["more than the diameter of the bit, 8.5 in"]),
+        (("string", 1, "id"), 7, "string[1].id", ["below the outer, 6.75 in"]),
+        (("string", 1, "eccentricity"), 4, "string[1].eccentricity", ["at most the outer radius, 3.375 in"]),
+        (("string", 1, "bend"), {"angle": 1, "position": 200}, "string[1].bend.position", ["item, 190 ft"]),
+        (("well", "survey", "md"), [0, 0], "well.survey.md[1]", ["above 0 ft, the station before"]),
+        (("fluid", "flow_line"), 8001, "fluid.flow_line", ["above the end of the hole, 8000 ft"]),
+        (("output",), {"probes": [900, 900]}, "output.probes[1]", ["900 ft stands twice"]),
+        (("rig", "max_hookload"), 50, "rig.max_hookload", ["above the weight of the block, 60 klbf"]),
+        (
+            ("window",),
+            {"tvd": [4500, 8000], "pore": [9, 10], "frac": [8, 13]},
+            "window.frac[0]",
+            ["above pore, 9 ppg"],
+        ),
+        (
+            ("formation",),
+            {
+                "drillability": "1e-8 m/(s N)",
+                "layers": [{"from": 8100, "to": 8050, "drillability": "2e-8 m/(s N)"}],
+            },
+            "formation.layers[0].to",
+            ["below from, 8100 ft"],
+        ),
     ],
 )
 def test_message(path, value, at, words):
@@ -87,7 +110,7 @@ def test_message(path, value, at, words):
     assert found.value.at == at
     text = str(found.value)
     assert all(word in text for word in words), text
-    assert " m\n" not in text and not text.endswith(" m")
+    assert si_units(text.replace("1e-8 m/(s N)", "").replace("2e-8 m/(s N)", "")) == []
 
 
 def test_a_reamer_needs_one_pilot_hole_below_it():

@@ -161,16 +161,19 @@ def test_a_bit_that_nothing_turns_is_doubted(changes, doubted):
 
 
 def test_a_mass_in_another_unit_is_doubted():
-    """A bit of 60 t, or of 60 g, is named beside the mass of a steel cylinder; one of 60 kg and a lumped one are not."""
+    """A bit of 60 t, or of 60 g, is named beside the mass of a steel cylinder, 87.6 kg; one of 60 kg and a lumped one are not.
+
+    In the units of the case: 60 t are 60000/0.45359237 lb.
+    """
 
     def said(mass: str) -> list[str]:
         bit = {**USUAL["string"][-1], "mass": mass}
         return [line for line in doubts(string=[*USUAL["string"][:-1], bit]) if "mass" in line]
 
     assert said("60 kg") == said("1000 kg") == []
-    for mass, number in (("60 t", "60000 kg"), ("60 g", "0.06 kg")):
+    for mass, number in (("60 t", "132277 lb"), ("60 g", "0.132277 lb")):
         (line,) = said(mass)
-        assert line.startswith(f"string[3].mass is {number}") and "87.6 kg" in line
+        assert line.startswith(f"string[3].mass is {number}") and "193 lb" in line
 
 
 def test_a_history_interval_beyond_the_run_is_doubted():

@@ -143,14 +143,29 @@ def test_offsets_in_the_section_have_the_stated_scale(tmp_path: Path) -> None:
         assert line.get_xdata() * c - line.get_ydata() * s == pytest.approx(20 * path.up, abs=1e-9)
         assert line.get_xdata() * s + line.get_ydata() * c == pytest.approx(path.along, abs=1e-9)
     for path, line, end in zip(paths, plan.lines, ends.lines, strict=False):
-        assert line.get_xdata() == pytest.approx(1e3 * path.right)
-        assert (end.get_xdata()[0], end.get_ydata()[0]) == pytest.approx(
-            (1e3 * path.right[-1], 1e3 * path.up[-1])
-        )
+        assert line.get_xdata() == pytest.approx(path.right)
+        assert (end.get_xdata()[0], end.get_ydata()[0]) == pytest.approx((path.right[-1], path.up[-1]))
     scale = float(plan.get_title().split()[-2])
-    assert plan.get_aspect() == pytest.approx(
-        1e3 / scale
-    )  # a metre of depth is as long as 1000/scale mm of offset
+    assert plan.get_aspect() == pytest.approx(1 / scale)  # a metre of depth is as long as 1/scale of offset
+    drawing.canvas.draw()
+    ticks = [(q.get_loc(), q.label1.get_text()) for q in plan.xaxis.get_major_ticks()]
+    assert plan.get_xlabel().endswith("[mm]") and all(1e3 * x == pytest.approx(float(mm)) for x, mm in ticks)
+
+
+def test_a_sweep_of_a_field_case_is_in_feet_and_inches(tmp_path: Path) -> None:
+    """The same lines; 20 m of new hole are 65.6 ft; 0.75 deg/30 m are 0.762 deg/100 ft."""
+    paths = drilled_paths(density_sweep(tmp_path / "out"))
+    with style.in_units("field"):
+        assert inclinations(paths, "t").axes[0].lines[0].get_xdata()[-1] == pytest.approx(120 / 0.3048)
+        rates = build_rates(paths, "t").axes[0]
+        drawing = trajectories(paths, "t")
+    assert rates.get_ylabel() == "Average build rate [deg/100ft]"
+    assert rates.lines[0].get_ydata() == pytest.approx(np.array([0.75, 1.05]) * 30.48 / 30)
+    assert drawing.get_suptitle() == "t: new hole, 65.62 ft"
+    drawing.canvas.draw()
+    for axes, size in zip(drawing.axes[:3], (0.3048, 0.3048, 0.0254), strict=True):
+        for q in axes.yaxis.get_major_ticks():
+            assert q.get_loc() == pytest.approx(float(q.label1.get_text()) * size, abs=1e-9)
 
 
 def test_colour_shows_the_first_key_the_marker_the_second_and_the_dry_member_is_dashed(

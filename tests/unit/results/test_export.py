@@ -53,7 +53,7 @@ def test_csv_has_words_and_units_of_people(folder: Path) -> None:
     assert [float(row[1]) for row in body[:2]] == pytest.approx([1.0, 2.0]) and body[2][1] == ""
     assert float(body[0][2]) == pytest.approx(60.0)
     heads, *body = rows(folder / "export" / "probes.csv")
-    assert "600" in heads[1] and "700" in heads[2] and float(body[0][1]) == pytest.approx(1.0)
+    assert "1968.5 ft" in heads[1] and "2296.59 ft" in heads[2] and float(body[0][1]) == pytest.approx(1.0)
     heads, *body = rows(folder / "export" / "limits.csv")
     assert float(body[1][0]) == pytest.approx(1000.0) and body[2][1] == "b, c"
 
