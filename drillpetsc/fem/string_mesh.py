@@ -56,6 +56,13 @@ class RigidItem:
         return self.length if self.touching is None else self.touching[1]
 
     @property
+    def middle(self) -> float:
+        """Distance from the node down to the item's middle, or that of its blades [m]: the place at which its forces are reported."""
+        if not self.contact_length:
+            return self.above + 0.5 * self.length
+        return self.contact_above + 0.5 * self.contact_length
+
+    @property
     def contact_span(self) -> float:
         """Length over which the wall pushes [m]; at one point it pushes as stiffly as along the item, or along its diameter."""
         return self.contact_length or self.length or 2 * self.radius

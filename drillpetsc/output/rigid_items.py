@@ -46,9 +46,7 @@ class RigidItems:
         self.names = tuple(b.name for b in bodies)
         bits = [k for k, b in enumerate(mesh.bodies) if b.kind == "bit"]
         self._bit = bits[-1] if bits else None
-        self.depths = tuple(
-            float(mesh.node_depth[b.node]) + b.contact_above + 0.5 * b.contact_length for b in bodies
-        )
+        self.depths = tuple(float(mesh.node_depth[b.node]) + b.middle for b in bodies)
 
     def quantities(self) -> tuple[Quantity, ...]:
         """Columns of the history, where the case asks for them."""

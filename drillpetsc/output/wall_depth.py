@@ -31,7 +31,7 @@ def wall_depth_notes(model: DrillingModel) -> list[str]:
     if place is not None and depth is not None:
         hole = model.well.project(place)
         nodes = [*range(len(mesh.upper)), *(b.node for b in mesh.bodies)]
-        below = [*(0.5 * mesh.length), *(b.contact_above + 0.5 * b.contact_length for b in mesh.bodies)]
+        below = [*(0.5 * mesh.length), *(b.middle for b in mesh.bodies)]
         radii = np.array([*(0.5 * mesh.contact_diameter), *(b.radius for b in mesh.bodies)])
         names = [model.case.string[k].name or model.case.string[k].kind for k in mesh.item]
         names += [b.name for b in mesh.bodies]

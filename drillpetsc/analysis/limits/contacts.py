@@ -45,7 +45,7 @@ def contact_rows(
             | {"side_couple": np.nan}  # of forces over hundreds of metres: not of use
         )
     for k, body in enumerate(mesh.bodies):
-        middle = body.contact_above + 0.5 * body.contact_length
+        middle = body.middle
         row = _row(body.name, body.kind, float(mesh.node_depth[body.node]) + middle + shift)
         axis = tangent[body.node]
         foot = well.project((nodes[body.node] + middle * axis)[None])
