@@ -27,7 +27,6 @@ from drillpetsc.analysis.mean_over_turn import mean_over_turn
 from drillpetsc.analysis.modal import REPORTED_IMBALANCE, ZERO_FRACTION, reference_rate, unbalanced_force
 from drillpetsc.analysis.placement import motion_text, prescribed_motion
 from drillpetsc.analysis.run_options import options_of
-from drillpetsc.analysis.transient import make_folder
 from drillpetsc.arrays import FloatArray
 from drillpetsc.case.case import Case
 from drillpetsc.case.checks.limits import refuse_quaternion
@@ -37,6 +36,7 @@ from drillpetsc.model.top_drive import continuous_control
 from drillpetsc.output import RunFolder, write_summary
 from drillpetsc.output.case_files import write_case
 from drillpetsc.output.files.atomic import replace_file
+from drillpetsc.output.files.run_folder import make_folder
 from drillpetsc.output.recorder import Recorder
 from drillpetsc.solvers.model_reduction import Reduced, not_decaying, reduce
 from drillpetsc.solvers.state_space import StateSpace

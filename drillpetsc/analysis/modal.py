@@ -32,7 +32,6 @@ from drillpetsc.analysis.placement import motion_text, move_rigidly, prescribed_
 from drillpetsc.analysis.run_options import options_of
 from drillpetsc.analysis.steady_flow import release_flow
 from drillpetsc.analysis.time_scales import time_scales
-from drillpetsc.analysis.transient import make_folder
 from drillpetsc.analysis.unresolved_modes import fed_by_swirl, unresolved_growth
 from drillpetsc.arrays import FloatArray
 from drillpetsc.case.case import Case
@@ -46,6 +45,7 @@ from drillpetsc.output.case_files import write_case
 from drillpetsc.output.field_output import FieldOutput
 from drillpetsc.output.files.atomic import replace_file
 from drillpetsc.output.files.fields import _write_vtu
+from drillpetsc.output.files.run_folder import make_folder
 from drillpetsc.output.quantities import MODE_KINDS as KINDS
 from drillpetsc.output.quantities import MODES
 from drillpetsc.output.quantities.modes import STOKES_NUMBER

@@ -24,7 +24,6 @@ from drillpetsc.analysis.slider_travel import stop_warnings
 from drillpetsc.analysis.swirl_left_out import swirl_left_out
 from drillpetsc.analysis.top_push import top_push
 from drillpetsc.analysis.torque_drag.operations import plan_of, told
-from drillpetsc.analysis.transient import make_folder
 from drillpetsc.case.case import Case
 from drillpetsc.case.checks.limits import refuse_quaternion
 from drillpetsc.errors import CaseError
@@ -35,6 +34,7 @@ from drillpetsc.model.string_forces import held_at_weight
 from drillpetsc.output import FieldWriter, RunFolder, write_summary, write_table
 from drillpetsc.output.case_files import write_case
 from drillpetsc.output.field_output import FieldOutput
+from drillpetsc.output.files.run_folder import make_folder
 from drillpetsc.output.files.tables import Column
 from drillpetsc.output.flow_recorder import FlowRecorder
 from drillpetsc.output.mud_column import below_flow_line, equivalent_density

@@ -10,7 +10,6 @@ from petsc4py import PETSc
 
 from drillpetsc.analysis.drive_report import control_lines, control_summary, control_warnings
 from drillpetsc.analysis.run_options import options_of
-from drillpetsc.analysis.transient import make_folder
 from drillpetsc.arrays import FloatArray
 from drillpetsc.case.blocks.ends import HeldBottom
 from drillpetsc.case.case import Case
@@ -20,7 +19,7 @@ from drillpetsc.model.mesh import build_mesh
 from drillpetsc.model.top_drive import laws_of, lowest_torsional_frequency, motor_of, pipe_impedance
 from drillpetsc.output import write_summary, write_table
 from drillpetsc.output.case_files import write_case
-from drillpetsc.output.files.run_folder import REFLECTION_TABLE
+from drillpetsc.output.files.run_folder import REFLECTION_TABLE, make_folder
 from drillpetsc.output.quantities.top_drive import REFLECTION
 from drillpetsc.output.result import RunResult
 from drillpetsc.physics.control import Law, Motor, reflection

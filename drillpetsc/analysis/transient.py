@@ -40,6 +40,7 @@ from drillpetsc.output import RunFolder, read_summary, write_summary
 from drillpetsc.output.case_files import write_case
 from drillpetsc.output.creep import creep_warnings
 from drillpetsc.output.energy_balance import EnergyGainMonitor
+from drillpetsc.output.files.run_folder import make_folder
 from drillpetsc.output.indices import indices
 from drillpetsc.output.monitors import Monitors
 from drillpetsc.output.motion_classes import MotionClasses
@@ -130,21 +131,6 @@ def run(
             ).run()
         finally:
             folder.release()
-
-
-def make_folder(comm, name: str, out, restart: bool, overwrite: bool) -> RunFolder:
-    """The run folder, created by rank 0.  An error is raised on every rank."""
-    mpi = comm.tompi4py()
-    answer: Any = None
-    if comm.rank == 0:
-        try:
-            answer = RunFolder.create(name, out, restart=restart, overwrite=overwrite)
-        except OSError as error:
-            answer = CaseError(at="--out", got=str(out) if out else "", want=str(error))
-    answer = mpi.bcast(answer)
-    if isinstance(answer, CaseError):
-        raise answer
-    return answer
 
 
 def _result_of_finished_run(comm, folder: RunFolder) -> RunResult | None:

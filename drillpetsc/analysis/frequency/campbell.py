@@ -27,7 +27,6 @@ from drillpetsc.analysis.frequency.turning import TurningModel, turning_case
 from drillpetsc.analysis.linearised_model import linearise_model
 from drillpetsc.analysis.modal import ROW_WEIGHT, ZERO_FRACTION, _of_kind, _shares, reference_rate
 from drillpetsc.analysis.run_options import options_of
-from drillpetsc.analysis.transient import make_folder
 from drillpetsc.arrays import FloatArray
 from drillpetsc.case.blocks.formation import DragBit
 from drillpetsc.case.blocks.motor import PositiveDisplacementMotor
@@ -37,7 +36,7 @@ from drillpetsc.errors import CaseError, DrillError
 from drillpetsc.fem.component import DRIVE
 from drillpetsc.model.drilling_model import DrillingModel
 from drillpetsc.output import write_summary, write_table
-from drillpetsc.output.files.run_folder import CAMPBELL_TABLE, CRITICAL_MAP_TABLE, CRITICAL_TABLE
+from drillpetsc.output.files.run_folder import CAMPBELL_TABLE, CRITICAL_MAP_TABLE, CRITICAL_TABLE, make_folder
 from drillpetsc.output.quantities import MODE_KINDS as KINDS
 from drillpetsc.output.quantities.frequency import CAMPBELL, CRITICAL, CRITICAL_MAP
 from drillpetsc.output.result import RunResult

@@ -28,7 +28,6 @@ from drillpetsc.analysis.frequency.stokes import StokesForces, present
 from drillpetsc.analysis.frequency.turning import TurningModel, turning_case
 from drillpetsc.analysis.linearised_model import linearise_model
 from drillpetsc.analysis.run_options import options_of
-from drillpetsc.analysis.transient import make_folder
 from drillpetsc.arrays import FloatArray
 from drillpetsc.case.case import Case
 from drillpetsc.case.speed_options import Excitation
@@ -37,7 +36,7 @@ from drillpetsc.fem.string_mesh import StringMesh
 from drillpetsc.model.drilling_model import DrillingModel, build_model
 from drillpetsc.output import write_summary, write_table
 from drillpetsc.output.case_files import write_case
-from drillpetsc.output.files.run_folder import RESPONSE_TABLE
+from drillpetsc.output.files.run_folder import RESPONSE_TABLE, make_folder
 from drillpetsc.output.flow_recorder import FlowRecorder
 from drillpetsc.output.quantities.frequency import RESPONSE, RESPONSE_STRESS
 from drillpetsc.output.result import RunResult

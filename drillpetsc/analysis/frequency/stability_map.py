@@ -15,13 +15,17 @@ from drillpetsc.analysis.frequency.stability_runs import BEHAVIOURS, DURATION, R
 from drillpetsc.analysis.frequency.turning import TurningModel, turning_case
 from drillpetsc.analysis.modal import Modes, modes, without_motor
 from drillpetsc.analysis.run_options import options_of
-from drillpetsc.analysis.transient import make_folder
 from drillpetsc.case.blocks.ends import BitBottom
 from drillpetsc.case.case import Case
 from drillpetsc.errors import CaseError, SolveError
 from drillpetsc.model.drilling_model import DrillingModel
 from drillpetsc.output import write_summary, write_table
-from drillpetsc.output.files.run_folder import BOUNDARY_TABLE, STABILITY_RUNS_TABLE, STABILITY_TABLE
+from drillpetsc.output.files.run_folder import (
+    BOUNDARY_TABLE,
+    STABILITY_RUNS_TABLE,
+    STABILITY_TABLE,
+    make_folder,
+)
 from drillpetsc.output.quantities.frequency import STABILITY_BOUNDARY, STABILITY_MAP, STABILITY_RUNS
 from drillpetsc.output.result import RunResult
 from drillpetsc.unit_systems import System, display_unit, shown

@@ -35,7 +35,6 @@ from drillpetsc.analysis.hydraulics.open_hole import (
 )
 from drillpetsc.analysis.run_options import options_of
 from drillpetsc.analysis.statics import beyond_rig
-from drillpetsc.analysis.transient import make_folder
 from drillpetsc.arrays import FloatArray
 from drillpetsc.case.blocks.fluid import Rheology
 from drillpetsc.case.blocks.string import Bit, Flexible
@@ -53,6 +52,7 @@ from drillpetsc.output.files.run_folder import (
     NOZZLE_TABLE,
     PROFILE_TABLE,
     READINGS_TABLE,
+    make_folder,
 )
 from drillpetsc.output.quantities.hydraulics import (
     DIAL_READINGS,

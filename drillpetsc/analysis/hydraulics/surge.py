@@ -37,13 +37,12 @@ from drillpetsc.analysis.hydraulics.open_hole import (
     shoe_depth,
 )
 from drillpetsc.analysis.run_options import options_of
-from drillpetsc.analysis.transient import make_folder
 from drillpetsc.case.case import Case
 from drillpetsc.case.flow_options import Trips
 from drillpetsc.errors import CaseError, SolveError
 from drillpetsc.model.fluid import build_rheology
 from drillpetsc.output import write_summary, write_table
-from drillpetsc.output.files.run_folder import SURGE_TABLE, TRIP_SPEED_TABLE
+from drillpetsc.output.files.run_folder import SURGE_TABLE, TRIP_SPEED_TABLE, make_folder
 from drillpetsc.output.quantities.hydraulics import DYNAMIC_SURGE, MAX_TRIP_SPEED, SIDE_SURGE, SURGE
 from drillpetsc.output.result import RunResult
 from drillpetsc.output.shown_units import lengths_shown, shown_unit

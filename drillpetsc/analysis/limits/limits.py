@@ -31,7 +31,6 @@ from drillpetsc.analysis.torque_drag.operations import (
     told,
     torque_of_bit,
 )
-from drillpetsc.analysis.transient import RunResult, make_folder
 from drillpetsc.arrays import FloatArray
 from drillpetsc.case.blocks.ends import BitBottom
 from drillpetsc.case.blocks.tubulars import DrillPipe, Jointed, Tubular
@@ -42,8 +41,9 @@ from drillpetsc.model.drilling_model import DrillingModel, build_model
 from drillpetsc.model.string_forces import held_at_weight
 from drillpetsc.output import write_summary, write_table
 from drillpetsc.output.case_files import write_case
-from drillpetsc.output.files.run_folder import CONTACTS_TABLE, LIMITS_TABLE
+from drillpetsc.output.files.run_folder import CONTACTS_TABLE, LIMITS_TABLE, make_folder
 from drillpetsc.output.quantities.limits import CONTACTS, LIMITS
+from drillpetsc.output.result import RunResult
 from drillpetsc.output.static_table import static_table
 from drillpetsc.physics.bit_on_bottom import bit_torque
 from drillpetsc.unit_systems import System, shown

@@ -20,14 +20,14 @@ from drillpetsc.analysis.torque_drag.calibration import (
 )
 from drillpetsc.analysis.torque_drag.left_out import bends_left_out, cutters_left_out
 from drillpetsc.analysis.torque_drag.operations import KINDS, plan_of
-from drillpetsc.analysis.transient import RunResult, make_folder
 from drillpetsc.case.blocks.roadmap import MeasuredPoint
 from drillpetsc.case.case import Case
 from drillpetsc.case.plausible_operations import readings
 from drillpetsc.errors import CaseError
 from drillpetsc.output import write_summary, write_table
-from drillpetsc.output.files.run_folder import CALIBRATION_TABLE
+from drillpetsc.output.files.run_folder import CALIBRATION_TABLE, make_folder
 from drillpetsc.output.quantities.torque_drag import MEASURED
+from drillpetsc.output.result import RunResult
 from drillpetsc.output.shown_units import shown_unit
 from drillpetsc.unit_systems import System, shown
 

@@ -31,14 +31,14 @@ from drillpetsc.analysis.torque_drag.operations import (
 from drillpetsc.analysis.torque_drag.string_rows import StringRows, gravity_of, need_well
 from drillpetsc.analysis.torque_drag.table import OK, Pressures, failed, rows_of, still_mud
 from drillpetsc.analysis.torque_drag.torque_lines import passed, torque_lines
-from drillpetsc.analysis.transient import RunResult, make_folder
 from drillpetsc.case.blocks.roadmap import MeasuredPoint
 from drillpetsc.case.case import Case
 from drillpetsc.errors import CaseError, SolveError
 from drillpetsc.geometry.well import Well
 from drillpetsc.output import write_summary, write_table
-from drillpetsc.output.files.run_folder import ROADMAP_FILE, ROADMAP_TABLE
+from drillpetsc.output.files.run_folder import ROADMAP_FILE, ROADMAP_TABLE, make_folder
 from drillpetsc.output.quantities.torque_drag import ROADMAP
+from drillpetsc.output.result import RunResult
 from drillpetsc.output.shown_units import lengths_shown, shown_unit
 from drillpetsc.unit_systems import System
 

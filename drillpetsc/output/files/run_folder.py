@@ -7,7 +7,9 @@ import re
 import shutil
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
+from drillpetsc.errors import CaseError
 from drillpetsc.output.files import lock
 from drillpetsc.output.files.atomic import remove_leftovers
 
@@ -275,3 +277,23 @@ def _make_next(case_name: str, results: Path) -> Path:
             return path
         except FileExistsError:
             number += 1
+
+
+def make_folder(
+    comm: Any, name: str, out: str | os.PathLike | None, restart: bool, overwrite: bool
+) -> RunFolder:
+    """Make the folder of a run on rank 0 (``RunFolder.create``); collective.
+
+    Raises CaseError on every rank where that fails.
+    """
+    mpi = comm.tompi4py()
+    answer: Any = None
+    if comm.rank == 0:
+        try:
+            answer = RunFolder.create(name, out, restart=restart, overwrite=overwrite)
+        except OSError as error:
+            answer = CaseError(at="--out", got=str(out) if out else "", want=str(error))
+    answer = mpi.bcast(answer)
+    if isinstance(answer, CaseError):
+        raise answer
+    return answer
