@@ -21,12 +21,14 @@ def runs_on_ranks(case: Path, folder: Path, options: list[str], timeout: float =
     return folders
 
 
-def same_histories(folders: list[Path], share: float = 1e-7, least: float = 0.0) -> dict[str, np.ndarray]:
+def same_histories(
+    folders: list[Path], share: float = 1e-7, least: float = 0.0, table: str = "history.csv"
+) -> dict[str, np.ndarray]:
     """Columns of the first history; asserts that those of the others differ by ``share`` of the largest value at most.
 
-    least: largest values below it count as it.
+    least: largest values below it count as it; table: file of the run folders.
     """
-    one, *others = (read_table(folder / "history.csv") for folder in folders)
+    one, *others = (read_table(folder / table) for folder in folders)
     for other in others:
         assert list(other) == list(one)
         for name, values in one.items():
