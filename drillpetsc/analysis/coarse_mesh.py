@@ -183,7 +183,9 @@ def _supports(model: DrillingModel, load: _Loads) -> list[str]:
     mesh = model.mesh
     if model.contact is None:
         return []
-    touching = [b for b in mesh.bodies if b.radius > 0]
+    touching = [
+        b for b in mesh.bodies if b.radius > 0 and b.contact_length
+    ]  # a bit, at one point, passes no moment to the hole
     ends = sorted({b.node for b in touching})
     out: list[str] = []
     for b in touching:

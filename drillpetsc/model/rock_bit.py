@@ -13,12 +13,12 @@ from drillpetsc.fem.string_mesh import StringMesh
 from drillpetsc.geometry.growing_hole import GrowingHole
 from drillpetsc.geometry.well import Well
 from drillpetsc.model.wall import ITEM_LOAD, LEAST_CLEARANCE, rock_young
+from drillpetsc.physics.bit_side import Gauge, SideLaw
 from drillpetsc.physics.contact import damping_factor
 from drillpetsc.physics.rock_bit import (
     BitContact,
     BitShape,
     DragBit,
-    Gauge,
     Layer,
     PatternOrder,
     Rock,
@@ -45,7 +45,7 @@ def build_rock_bit(case: Case, mesh: StringMesh, well: Well) -> RockBit:
     wall = friction if item is None or item.friction is None else item.friction
     c = case.contact
     if c is None:
-        contact = BitContact(bottom.stiffness, 0.0, bottom.friction, 0.0)  # the bottom only
+        contact = BitContact(bottom.stiffness, bottom.friction, SideLaw(0.0, 0.0))  # the bottom only
     else:
         lateral = bottom.stiffness
         if c.stiffness == "physical":
@@ -60,7 +60,7 @@ def build_rock_bit(case: Case, mesh: StringMesh, well: Well) -> RockBit:
             # its size matters little: the depth under N_y is small against the over-gauge of a bit that whirls, some mm
             lateral = gauge.length * _line_stiffness(case, radius, gauge.strength / gauge.length)
         contact = BitContact(
-            bottom.stiffness, lateral, bottom.friction, wall, c.slip_velocity, damping, guided, gauge
+            bottom.stiffness, bottom.friction, SideLaw(lateral, wall, guided, gauge), c.slip_velocity, damping
         )
     rock = Rock(
         _layers(formation, start),

@@ -369,6 +369,11 @@ CAMPBELL: tuple[SummaryKey, ...] = (
         "Hz",
         "Frequency up to which all modes are known, at each speed, those between included.",
     ),
+    SummaryKey(
+        "searched_beside",
+        "Hz",
+        "Distance from excitation lines above up to which modes are known, at each speed; null where no line lies above.",
+    ),
     SummaryKey("branches", "-", "Number of modes that were followed."),
     SummaryKey("lost", "-", "Number of those that were lost."),
     SummaryKey("critical_speeds", "-", "Number of crossings of branches and lines."),

@@ -20,19 +20,16 @@ from drillpetsc.geometry.well import Well
 from drillpetsc.kernels import function, pointer
 from drillpetsc.kernels.parameters import Parameters, Table, columns, constant, structure
 from drillpetsc.physics import quantities as declared
+from drillpetsc.physics.bit_profile import CHIPS, chip_for, profile_derivative
+from drillpetsc.physics.bit_side import SideLaw
 from drillpetsc.physics.contact import penetration
 from drillpetsc.physics.interfaces import Bit, SideContact
 from drillpetsc.physics.rigid_bodies import VERTEX_SLOTS, local_vertices
-from drillpetsc.physics.roots import bracketed_root
 
 _rate = function("rock_rate", "pppddp")
 _beyond = function("bit_beyond", "dd", ctypes.c_double)
 
 _Law = structure("bit_law")  # BitLaw of kernels/bit/bit.hpp
-CHIPS = int(constant("bit_chips"))  # states of the rock's profile ahead of a blade
-RING_DAMPING = (
-    4.0  # damping of the profile's shortest wave, times its length; with 3 to 6 no wave grows on a ring
-)
 LAYER_WIDTH = 0.1  # length over which one layer goes over into the next [m]
 ON_ROCK = -constant("contact_onset")  # depth from which the bit touches [m]
 KINDS = columns("bit_kind")
@@ -144,64 +141,18 @@ class BitShape:
 
 
 @dataclass(frozen=True)
-class Gauge:
-    """Gauge of a bit whose hole gives way beside it (manual: eq-bit-overgauge).
-
-    strength: force at which the rock is crushed, N_y [N]; length: of the gauge, l_g [m].
-    relaxation: eta, force beyond the strength over the rate at which the rock gives way [N s/m].
-    """
-
-    strength: float
-    length: float
-    relaxation: float = 1e6
-
-
-@dataclass(frozen=True)
 class BitContact:
     """Contact of the bit with its hole.
 
-    stiffness, side: stiffness of bottom and side [N/m]; side 0: the side does not touch.
-    friction, wall: friction coefficients of bottom and side [-].
+    stiffness: of the bottom [N/m]; friction: coefficient of the bottom [-]; side: law of the side.
     slip: regularisation of both [m/s]; damping: c of ``damping_factor`` [s/m].
-    guided: friction of the side does not push the bit round the hole (manual: sec-bit-side).
-    gauge: of a side that gives way; None: it does not.
     """
 
     stiffness: float
-    side: float
     friction: float
-    wall: float
+    side: SideLaw
     slip: float = 0.01
     damping: float = 0.0
-    guided: bool = False
-    gauge: Gauge | None = None
-
-
-def profile_derivative(states: int, length: float) -> FloatArray:
-    """Compute the derivative matrix (n, n+1) of a profile at Chebyshev points from 0 to ``length``.
-
-    Manual: eq-bit-profile.
-
-    The points are x_k = (1 - cos(pi k/n)) length/2, k = 0 .. n; the last one is the inflow.  The entries
-    follow from the barycentric weights (Trefethen, Spectral Methods in MATLAB, chapter 6).  Chebyshev modes
-    above two thirds of n are damped (spectral viscosity, Tadmor 1989).  Off bottom the inflow equals the
-    outflow, and on this ring the undamped derivative lets one mode grow by 5e-4 per radian.  With the damping
-    no mode grows.  For smooth profiles the derivative is unchanged: polynomials of degree <= 2 n/3 are exact,
-    and a sine is within 1e-4 after a quarter turn.
-
-    states: number n of states; length: of the profile [rad].
-    """
-    k = np.arange(states + 1)
-    x = 0.5 * length * (1 - np.cos(np.pi * k / states))
-    weight = np.where((k == 0) | (k == states), 2.0, 1.0) * (-1.0) ** k
-    difference = x[:, None] - x[None, :] + np.eye(states + 1)
-    d = weight[:, None] / weight[None, :] / difference
-    d -= np.diag(d.sum(axis=1))
-    kept = 2 * states // 3
-    modes = np.polynomial.chebyshev.chebvander(2 * x / length - 1, states)
-    damping = RING_DAMPING / length * np.clip((k - kept) / (states - kept), 0.0, None) ** 2
-    d -= modes @ (damping[:, None] * np.linalg.inv(modes))
-    return np.ascontiguousarray(d[:states])
 
 
 class RockBit(Bit):
@@ -340,11 +291,7 @@ class RockBit(Bit):
             out += (
                 Field("bit.chips", CHIPS, physics="rock", region="bottom", scale=1e-4, second_order=False),
             )
-        if self.contact.gauge is not None:
-            out += (
-                Field("hole.overgauge", 1, physics="rock", region="bottom", scale=scale, second_order=False),
-            )
-        return out
+        return out + self.contact.side.fields(scale)
 
     def blocks(self, part) -> tuple[ElementBlock, ...]:
         _, vertices = local_vertices(part, np.array([self.node]))
@@ -353,9 +300,7 @@ class RockBit(Bit):
         if self.profiled:
             slots += (("bit.chips", 0),)
         s, c = self.shape, self.contact
-        gauge = c.gauge or Gauge(0.0, 1.0)
-        if c.gauge is not None:
-            slots += (("hole.overgauge", 0),)
+        slots += c.side.slots()
         self.params = Parameters(
             "bit_rock",
             len(vertices),
@@ -364,10 +309,8 @@ class RockBit(Bit):
             radius=s.radius,
             half=s.half,
             stiffness=c.stiffness,
-            side=c.side,
             clearance=0.0,  # this and the axis: _follow
             friction=c.friction,
-            wall=c.wall,
             slip=c.slip,
             damping=c.damping,
             end=self.hole.end,
@@ -381,13 +324,10 @@ class RockBit(Bit):
             held=self.rock.post_step,
             hold=0.0,
             angle=0.0,
-            guided=float(c.guided),
-            strength=gauge.strength,
-            relaxation=gauge.relaxation,
-            gauge=gauge.length,
+            **c.side.parameters(),
         )
         kernel = "bit_rock_profile" if self.profiled else "bit_rock_pattern" if self.pattern else "bit_rock"
-        kernel += "" if c.gauge is None else "_cutting"
+        kernel += c.side.kernel
         self._results = function(f"{kernel}_results", "pppppp")
         self._block = ElementBlock(
             "bit_rock",
@@ -525,7 +465,7 @@ class RockBit(Bit):
         weight = max(0.0, depth) * self.contact.stiffness
         down, axis, r = float(state.y[i[:3]] @ self.params["axis"][0]), state.y[i[6]], self._made
         flat = 0.5 * r.contact * (1 + down / np.hypot(down, r.rest))
-        chip = _chip_for(weight, r.cut * r.blades, flat, r.onset)
+        chip = chip_for(weight, r.cut * r.blades, flat, r.onset)
         cut = min(chip, r.exposure)
         if chip > cut:  # the body carries the rest
             chip = cut + (weight - r.cut * r.blades * cut - flat) / self.contact.stiffness
@@ -634,7 +574,7 @@ class RockBit(Bit):
     @property
     def side_contact(self) -> SideContact:
         s = self.shape
-        return SideContact(s.face - s.half, self.contact.side, self.hole.radial_clearance(s.radius))
+        return SideContact(s.face - s.half, self.contact.side.stiffness, self.hole.radial_clearance(s.radius))
 
     def weight_and_torque(self, state) -> tuple[float, float]:
         """Weight on bit [N] and torque on bit [N m], zero on ranks without the bit."""
@@ -657,7 +597,7 @@ class RockBit(Bit):
         """Return the offset of the bit from the axis of its hole and the over-gauge of the hole beside it [m]."""
         if not self._mine:
             return 0.0, 0.0
-        wider = 0.0 if self.contact.gauge is None else float(state.x[state.index_of(self._block)[0, -1]])
+        wider = 0.0 if self.contact.side.gauge is None else float(state.x[state.index_of(self._block)[0, -1]])
         orbit = float(self.element_results(state)[RESULTS["offset"]])
         return orbit, wider + self.hole.radial_clearance(self.shape.radius)
 
@@ -680,17 +620,4 @@ class RockBit(Bit):
         return Powers(float(self.element_results(state)[RESULTS["dissipated"]]))
 
     def quantities(self) -> tuple[Quantity, ...]:
-        return declared.BIT if self.contact.gauge is None else declared.BIT + declared.BIT_SIDE
-
-
-def _chip_for(weight: float, cut: float, flat: float, onset: float) -> float:
-    """Chip per blade [m] that carries ``weight`` [N]: cut d + flat e(d/onset) with the smooth onset e of
-    kernels/bit/bit.hpp.  A sharp bit (``flat`` 0) cuts with all of the weight."""
-    if weight <= 0 or flat <= 0:
-        return max(weight, 0.0) / cut
-
-    def miss(d: float) -> float:
-        u = np.clip(d / onset, 0.0, 1.0)
-        return float(cut * d + flat * u * u * (3 - 2 * u) - weight)
-
-    return bracketed_root(miss, 0.0, weight / cut)
+        return declared.BIT if self.contact.side.gauge is None else declared.BIT + declared.BIT_SIDE

@@ -12,18 +12,17 @@ from drillpetsc.geometry.frames import transported_frames
 from drillpetsc.geometry.growing_hole import GrowingHole
 from drillpetsc.geometry.well import Well
 from drillpetsc.physics.beam import AncfBeam
+from drillpetsc.physics.bit_profile import CHIPS, chip_for
+from drillpetsc.physics.bit_side import Gauge, SideLaw
 from drillpetsc.physics.rock_bit import (
-    CHIPS,
     BitContact,
     BitShape,
     DragBit,
-    Gauge,
     Layer,
     PatternOrder,
     Rock,
     RockBit,
     Weakening,
-    _chip_for,
 )
 from tests.helpers.bit_models import drilling
 from tests.helpers.component_models import (
@@ -89,7 +88,7 @@ def bit(kind: str, hole: GrowingHole) -> RockBit:
     lobes = (PatternOrder(3.0, 0.03, 0.4), PatternOrder(1.7, 0.02)) if "cone" in words else ()
     damping = 0.0 if "statics" in words or "quasi" in words else 0.2
     gauge = Gauge(4.0, 0.5, 30.0) if "cutting" in words else None
-    contact = BitContact(800.0, 500.0, 0.4, 0.3, 0.5, damping, "guided" in words, gauge)
+    contact = BitContact(800.0, 0.4, SideLaw(500.0, 0.3, "guided" in words, gauge), 0.5, damping)
     return RockBit(4, BitShape(0.3, 0.2, 0.15), contact, law, rock, hole, "quasi" not in words, lobes)
 
 
@@ -196,8 +195,8 @@ def test_first_chip_of_a_sharp_bit(weight):
     """Without a wear flat all of the weight cuts: d = W/(zeta eps a) for any weight, W = 0 cuts nothing
     (manual: eq-bit-drag with l_w = 0).  With the last two weights cut (W/cut) is below W by rounding."""
     cut = 0.6 * 60e6 * 0.108
-    assert _chip_for(weight, cut, 0.0, 1e-6) == pytest.approx(weight / cut, rel=1e-14)
-    assert _chip_for(0.0, cut, 0.0, 1e-6) == 0.0
+    assert chip_for(weight, cut, 0.0, 1e-6) == pytest.approx(weight / cut, rel=1e-14)
+    assert chip_for(0.0, cut, 0.0, 1e-6) == 0.0
 
 
 @pytest.mark.parametrize("contact", ["none", {"slip_velocity": 0.5}])

@@ -29,13 +29,14 @@ def same_histories(
     least: float = 0.0,
     until: float = np.inf,
     without: tuple[str, ...] = (),
+    table: str = "history.csv",
 ) -> dict[str, np.ndarray]:
     """Columns of the first history; asserts that those of the others differ by ``share`` of the largest value at most.
 
     least: largest values below it count as it; until: time of the last row compared [s]; without: beginnings of the names of
-    columns that are rounding.
+    columns that are rounding; table: file of the run folders.
     """
-    one, *others = (read_table(folder / "history.csv") for folder in folders)
+    one, *others = (read_table(folder / table) for folder in folders)
     rows = one["time [s]"] <= until
     for other in others:
         assert list(other) == list(one)

@@ -12,8 +12,8 @@ import numpy as np
 import pytest
 
 from drillpetsc.model.drilling_model import DrillingModel
+from drillpetsc.physics.bit_profile import CHIPS, profile_derivative
 from drillpetsc.physics.end_conditions import TopDrive
-from drillpetsc.physics.rock_bit import CHIPS, profile_derivative
 from drillpetsc.solvers.petsc_options import applied
 from drillpetsc.solvers.time_integrator import TimeIntegrator
 from tests.helpers.bit_models import DRAG, RADIUS, TURNING, bit_of, drilling, lowered, unknowns

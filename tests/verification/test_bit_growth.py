@@ -15,6 +15,7 @@ from drillpetsc.fem.string_mesh import RigidItem, uniform_string
 from drillpetsc.geometry.growing_hole import GrowingHole
 from drillpetsc.geometry.well import Well
 from drillpetsc.model.drilling_model import DrillingModel
+from drillpetsc.physics.bit_side import SideLaw
 from drillpetsc.physics.end_conditions import TopDrive
 from drillpetsc.physics.rigid_bodies import RigidBodies
 from drillpetsc.physics.rock_bit import BitContact, BitShape, Layer, Rock, RockBit
@@ -68,7 +69,9 @@ def spring_bit(post_step: bool) -> tuple[DiscreteSystem, RockBit]:
     depth = LENGTH - 5e-4
     hole = GrowingHole(Well.from_survey([0, depth], [0, 0], [0, 0], [depth], [0.1], [0.0]), 0.05, 0.1, 0.0)
     rock = Rock((Layer(-1.0, DRILLABILITY, 0.0, 1.0, 0.0, 0.2, np.eye(3)),), post_step=post_step)
-    bit = RockBit(1, BitShape(0.0, 0.1, 0.05), BitContact(BOTTOM, BOTTOM, 0.0, 0.0), None, rock, hole)
+    bit = RockBit(
+        1, BitShape(0.0, 0.1, 0.05), BitContact(BOTTOM, 0.0, SideLaw(BOTTOM, 0.0)), None, rock, hole
+    )
     system = straight_model(
         mesh,
         [

@@ -10,7 +10,8 @@ import pytest
 from drillpetsc.geometry.growing_hole import GrowingHole
 from drillpetsc.geometry.well import Well
 from drillpetsc.kernels import function, pointer
-from drillpetsc.physics.rock_bit import MOTION, BitContact, BitShape, Gauge, Layer, Rock, RockBit
+from drillpetsc.physics.bit_side import Gauge, SideLaw
+from drillpetsc.physics.rock_bit import MOTION, BitContact, BitShape, Layer, Rock, RockBit
 
 MASS, SPRING, DAMPING = 300.0, 4.05e4, 0.01  # [kg], [N/m], share of critical damping
 RADIUS, SPIN, FRICTION, BOTTOM = 0.10795, 80 * np.pi / 30, 0.3, 1e8  # [m], [rad/s], [-], [N/m]
@@ -28,7 +29,7 @@ class MassOnSpring:
         well = Well.from_survey(np.array([0.0, 10.0]), np.zeros(2), np.zeros(2), [10.0], [RADIUS], [FRICTION])
         hole = GrowingHole(well, 0.05, RADIUS, FRICTION)
         rock = Rock((Layer(-1.0, SPEED / weight, 0.0, 1.0, 0.0, 1e-9, np.eye(3)),), post_step=True)
-        contact = BitContact(BOTTOM, stiffness, FRICTION, FRICTION, guided=guided, gauge=gauge)
+        contact = BitContact(BOTTOM, FRICTION, SideLaw(stiffness, FRICTION, guided, gauge))
         shape = BitShape(0.05, RADIUS, 0.05)  # its centre is at the node
         bit = RockBit(0, shape, contact, None, rock, hole)
         part = type("Part", (), {"vertices": np.array([0]), "owned": np.array([True])})()
@@ -83,7 +84,7 @@ class MassOnSpring:
             if k >= first:
                 rows, place = self.forces(z), complex(z[0], z[1])
                 wider = z[4] if self.cuts else 0.0
-                side = self.bit.contact.side * max(abs(place) - wider, 0.0)
+                side = self.bit.contact.side.stiffness * max(abs(place) - wider, 0.0)
                 sums += rows[6], side, abs(place)
                 turned += np.angle(place / before) if before else 0.0
                 before = place

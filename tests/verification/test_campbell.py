@@ -315,24 +315,72 @@ def test_branches_do_not_hang_on_rounding(tmp_path, monkeypatch):
     )
 
 
-@pytest.mark.parametrize(
-    ("speeds", "words"),
-    [
-        ((600.0, 900.0), "no excitation line was searched: the modes that were computed reach"),
-        ((30.0, 900.0), "the lines 15 Hz: critical speeds above are not known"),
-        ((30.0, 60.0), None),
-    ],
-)
-def test_lines_above_the_modes_are_said(speeds, words, tmp_path):
-    """Once per turn at 600 to 900 rpm is 10 to 15 Hz; the lowest mode of the disc lies at 5.7 to 6.2 Hz."""
-    from drillpetsc.analysis.frequency.campbell import run_campbell
+def test_critical_speeds_above_the_lowest_modes(tmp_path):
+    """One mode is asked for, 5.8 Hz; 12 per turn meets the second pair of the disc on a cantilever, at the roots of the quartic with
+    w = +-12 Omega: det K - w^2 (m k2 + It k0) +- Ip k0 w Omega + m It w^4 -+ Ip m w^3 Omega = 0."""
+    L, mass, transverse, axial, order = 2.0, 300.0, 12.0, 20.0, 12.0
+    k0, k1, k2 = m.EI / L**3 * np.array([12.0, -6.0 * L, 4.0 * L**2])
+    expected = []
+    for sign in (1.0, -1.0):
+        c = sign * axial / order  # Ip Omega w = c w^2 on the line
+        four, two = mass * (transverse - c), -(mass * k2 + (transverse - c) * k0)
+        expected.append(np.sqrt(np.roots([four, two, k0 * k2 - k1**2]).max()) / (2 * np.pi))
+    speeds = [m.RPM * rpm for rpm in np.arange(250.0, 451.0, 25.0)]
+    _, critical = tables(m.disc(), tmp_path, speeds=speeds, count=1, lines=(order,))
+    assert np.sort(critical["frequency"]) == pytest.approx(np.sort(expected), rel=2e-3)
+    assert np.sort(critical["critical_rotary_speed"]) == pytest.approx(
+        np.sort(expected) * 60 / order, rel=2e-3
+    )
+    assert set(critical["whirl_sense"]) == {"forward", "backward"}
 
-    rates = tuple(m.RPM * np.array(speeds))
-    result = run_campbell(Case(**m.disc()), rates, tmp_path / "out", count=1, lines=(1.0,))
-    said = [text for text in result.summary["warnings"] if "larger --count" in text]
-    assert [words in text for text in said] == ([True] if words else [])
-    assert len(result.summary["searched_to"]) == len(speeds) + len(result.summary["added_speeds"])
-    assert 5.7 < min(result.summary["searched_to"]) <= max(result.summary["searched_to"]) < 6.2
-    if words and "no excitation" in words:
-        assert "the lines begin at 10 Hz" in said[0]
-    assert not any("no branch meets" in line for line in result.lines)
+
+def lateral(depth: float = 600.0) -> Case:
+    """A string that hangs in mud, whose lateral modes lie some hundredths of a hertz apart."""
+    return Case(
+        well={"survey": {"md": [0, depth], "inclination": [0, 0], "azimuth": [0, 0]},
+              "sections": [{"kind": "open_hole", "to": depth, "diameter": 0.2159, "friction": 0.2}]},
+        string=[{"kind": "pipe", "length": depth - 10.0, "od": 0.127, "id": 0.1086, "element_length": 10.0}],
+        top={"kind": "top_drive", "hinged": True, "rotation": 60 * m.RPM},
+        bottom="free",
+        fluid={"density": 1200.0, "flow_rate": 0.02, "rheology": {"model": "newtonian", "viscosity": 0.03}},
+    )  # fmt: skip
+
+
+def test_the_search_beside_lines_finds_what_a_search_of_all_modes_finds(tmp_path):
+    """Three modes reach 0.07 Hz and the line begins at 0.5 Hz: it said that no branch meets a line."""
+    found = []
+    for count in (3, 60):
+        result = drillpetsc.campbell(
+            lateral(), tmp_path / str(count), speeds="30:45:3 rpm", count=count, lines=(1.0,)
+        )
+        table = read_table(tmp_path / str(count) / "critical.csv")
+        found.append(np.sort(table["critical_rotary_speed [rpm]"]))
+        assert (
+            max(result.summary["searched_to"]) < 0.1
+            if count == 3
+            else min(result.summary["searched_to"]) > 0.75
+        )
+    assert len(found[0]) > 5 and found[0] == pytest.approx(found[1], rel=1e-4)
+
+
+def test_what_was_searched_is_said(tmp_path, monkeypatch):
+    """Once per turn at 600 to 900 rpm is 10 to 15 Hz; the modes of the disc lie at 6 and 60 Hz."""
+    from drillpetsc.analysis.frequency import campbell
+
+    rates = tuple(m.RPM * np.array([600.0, 900.0]))
+    result = campbell.run_campbell(Case(**m.disc()), rates, tmp_path / "out", count=1, lines=(1.0,))
+    assert "    none among the modes that were searched" in result.lines
+    said = next(line for line in result.lines if "searched:" in line)
+    # 1.4 times the way of the line to the next speed, 5 Hz, and a tenth of its frequency across
+    assert said.startswith("  searched: all modes up to 5.") and said.endswith(
+        "within 7.1 Hz of the excitation lines"
+    )
+    assert len(result.summary["searched_to"]) == len(result.summary["searched_beside"]) == 2
+    assert not any("may be missing" in w for w in result.summary["warnings"])
+    monkeypatch.setattr(campbell, "BESIDE_A_LINE", 6)
+    speeds = tuple(m.RPM * np.array([30.0, 60.0]))
+    narrow = campbell.run_campbell(lateral(), speeds, tmp_path / "narrow", count=1, lines=(1.0,))
+    assert any(
+        "too close for the search" in w and "critical speeds may be missing" in w
+        for w in narrow.summary["warnings"]
+    )

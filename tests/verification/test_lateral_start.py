@@ -256,12 +256,12 @@ def lowered(
 @pytest.mark.parametrize(
     ("case", "most"),
     [
-        (lowered(20e3, 5.0), 20),  # 1177 before
+        (lowered(20e3, 5.0), 25),  # 1177 before
         (lowered(50e3, 5.0), 30),  # 466
         (lowered(50e3, 2.5), 60),  # 499
-        (lowered(50e3, 5.0, mud=True), 40),  # 446
+        (lowered(50e3, 5.0, mud=True), 75),  # 446
         (lowered(50e3, 5.0, mu=0.4), 30),
-        (lowered(80e3, 5.0, bore=0.17), 30),  # 412
+        (lowered(80e3, 5.0, bore=0.17), 45),  # 412
         (lowered(50e3, 5.0, inclination=1.0), 20),  # 153
         (lowered(80e3, 5.0, inclination=3.0), 30),  # 174
         (lowered(80e3, 5.0, inclination=20.0), 20),  # 126
@@ -269,8 +269,8 @@ def lowered(
         (deep(0.0, 150e3, 5.0, lowering=0.1), 20),  # 579 with 2000 m
         (deep(3.0, 80e3, 5.0, mud=True, lowering=0.1), 30),
         # helices that creep along the wall while the string slides: along a path before
-        (lowered(100e3, 5.0), 30),  # 4927
-        (lowered(100e3, 2.5), 30),
+        (lowered(100e3, 5.0), 42),  # 4927
+        (lowered(100e3, 2.5), 48),
         (lowered(150e3, 5.0), 45),
         (lowered(150e3, 5.0, mu=0.1), 35),
         (lowered(100e3, 5.0, mud=True), 55),  # 1240
@@ -311,12 +311,16 @@ def test_factorisations_with_a_universal_joint(joint, wob, motion, monkeypatch):
 
 @pytest.mark.parametrize("wob", [50e3, 100e3])
 def test_lowered_strings_on_a_mesh_of_half_the_length(wob):
-    """The hook load of a buckled string that is lowered is the same within 0.01 % from elements of 5 and 2.5 m."""
+    """The hook load of a buckled string that is lowered converges: 0.05 % from elements of 5 to those of 2.5 m, 0.001 % to 1.25 m.
+
+    At 100 kN it bends most just above the bit, which may tilt: the last turn of its helix begins there.
+    """
     loads = []
-    for element in (5.0, 2.5):
+    for element in (5.0, 2.5, 1.25):
         model = build_model(lowered(wob, element))
         loads.append(static_summary(model, find_equilibrium(model))["hook_load"])
-    assert loads[1] == pytest.approx(loads[0], rel=1e-4)
+    assert loads[1] == pytest.approx(loads[0], rel=5e-4)
+    assert loads[2] == pytest.approx(loads[1], rel=1e-5)
 
 
 def test_a_motion_across_the_hole_that_nothing_holds(tmp_path) -> None:

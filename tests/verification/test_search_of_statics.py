@@ -68,7 +68,7 @@ def test_a_coiled_string_is_hoisted_with_weight_on_its_bit(wob, friction, factor
     """
     model = build_model(case(wob, friction))
     figures = static_summary(model, find_equilibrium(model, MOTIONS["hoist"]))
-    assert factorisations[0] <= 60
+    assert factorisations[0] <= 90
     assert figures["wob"] == pytest.approx(wob, rel=1e-3)
     columns, values = static_table(model)
     names = [c[0].split(" ")[0] for c in columns]

@@ -6,11 +6,13 @@ import numpy as np
 import pytest
 from scipy.optimize import root
 
-from drillpetsc import Case
+from drillpetsc import Case, run
 from drillpetsc.analysis.modal import modes, prepare_state
 from drillpetsc.analysis.unresolved_modes import fed_by_swirl
 from drillpetsc.model.drilling_model import build_model
+from drillpetsc.output import read_table
 from drillpetsc.physics.fluid.added_mass import stokes_force
+from tests.helpers.collar_in_mud import CASE, EXACT
 
 # a collar between two pins, without axial force: mass with the mud in its bore and added mass [kg/m], damping [N s/m2], stiffness
 # E I (pi/L)^4 [N/m2] (Fritz, J. Basic Eng. 92 (1970) 923: a rotor in a fluid that turns with a share of its speed)
@@ -107,3 +109,39 @@ def test_viscous_mud_at_the_rates_of_both_whirls():
     for one, way in zip(found, (-1.0, 1.0), strict=True):
         exact = complex(*root(rest, [one.real, one.imag], args=(way,)).x)
         assert abs(one - exact) < 1e-3 * abs(exact)
+
+
+def probes(folder, top=None, fluid=None, angle: float = 1.0) -> dict[str, np.ndarray]:
+    """probes.csv of the collar turned up in mud, with other keys of `top` and `fluid` and angle of an eccentricity [rad]."""
+    string = [*CASE["string"][:2], CASE["string"][2] | {"eccentricity_angle": angle}, *CASE["string"][3:]]
+    petsc = dict(zip((name[1:] for name in EXACT[::2]), EXACT[1::2], strict=True))
+    case = CASE | {
+        "string": string,
+        "top": CASE["top"] | (top or {}),
+        "fluid": CASE["fluid"] | (fluid or {}),
+        "petsc": petsc,
+    }
+    run(Case(**case), folder, progress="silent")
+    return read_table(folder / "probes.csv")
+
+
+def test_a_string_that_turns_the_other_way_round_moves_in_the_mirror(tmp_path):
+    """Counter-clockwise rotation with mirrored eccentricities: the same motion, mirrored; the swirl moves it by some 5 % of its size."""
+    one = probes(tmp_path / "one")
+    other = probes(tmp_path / "other", {"rotation": {"ramp": 0.1, "value": -12.0}}, angle=-1.0)
+    without = probes(tmp_path / "without", fluid={"swirl": "none"})
+    for depth in ("6", "12.5", "20"):
+        x, y, spin = f"x_{depth} [m]", f"y_{depth} [m]", f"spin_{depth} [rad/s]"
+        size = np.hypot(one[x], one[y]).max()
+        for name, sign in ((x, 1.0), (y, -1.0), (spin, -1.0)):
+            assert other[name] == pytest.approx(
+                sign * one[name], abs=1e-9 * max(size, np.abs(one[name]).max())
+            )
+        assert np.hypot(without[x] - one[x], without[y] - one[y]).max() > 0.02 * size
+
+
+def test_mud_about_a_string_that_does_not_turn_has_no_swirl(tmp_path):
+    still = probes(tmp_path / "still", {"rotation": 0.0})
+    without = probes(tmp_path / "without", {"rotation": 0.0}, {"swirl": "none"})
+    for name, values in still.items():
+        assert np.array_equal(values, without[name]), name

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -12,6 +12,14 @@ from petsc4py import PETSc
 from scipy.interpolate import CubicSpline
 from scipy.optimize import brentq
 
+from drillpetsc.analysis.frequency.beside_lines import (
+    half_widths,
+    in_bands,
+    not_searched,
+    searched_beside,
+    step_at,
+    with_modes_beside,
+)
 from drillpetsc.analysis.frequency.critical_map import critical_map, demand_wall, map_columns
 from drillpetsc.analysis.frequency.response import RPM, rpm_of, write_case_folder
 from drillpetsc.analysis.frequency.stokes import FrequencyDependent, at_own_frequencies, frequency_dependent
@@ -52,6 +60,7 @@ PURE = 0.9  # share of the energy in forward orbits above which a mode whirls fo
 SHARP = 0.1  # damping ratio below which a critical speed near the case's speed is warned of
 MARGIN = 15.0  # margin to the case's speed [%] below which a critical speed is warned of
 DEFAULT_LINES = (1.0, 2.0, 3.0)
+BESIDE_A_LINE = 80  # eigenvalues computed beside a line at most, where twice --count is less
 FREQUENCIES = ("wd", "wn")  # lines meet damped or natural frequencies
 
 
@@ -96,20 +105,27 @@ class Campbell:
 
 
 # ---------------------------------------------------------------------- one speed
-def modes_at(states: TurningModel, speed: float, count: int, kind: str | None = None) -> SpeedModes:
+def modes_at(
+    states: TurningModel,
+    speed: float,
+    count: int,
+    kind: str | None = None,
+    lines: Callable[[], list[tuple[float, float]]] = list,
+) -> SpeedModes:
     """Compute the lowest modes at ``speed`` [rad/s] and some more, the same on all ranks; collective.
 
     count: oscillating modes; kind: only those of one kind.
+    lines: frequencies beside which modes are sought, too, and half widths [rad/s], from the state at this speed.
     Raises SolveError where no state or no eigenvalue is found.
     """
     states.at(speed)
-    model = states.model
+    model, beside = states.model, lines()
     own = frequency_dependent(model)
     system, linearised = model.system, linearise_model(model)
     answer: Any = None
     if linearised is not None:
         try:
-            answer = _found(model, linearised, own, speed, count, kind)
+            answer = _found(model, linearised, own, speed, count, kind, beside)
         except DrillError as failure:
             answer = failure
     if system.comm.size > 1:
@@ -126,15 +142,20 @@ def _found(
     speed: float,
     count: int,
     kind: str | None,
+    lines: list[tuple[float, float]],
 ) -> SpeedModes:
     """The modes of the linearised system, on the rank that has it."""
     reference = reference_rate(model)
-    found = lowest_eigenvalues(
+    problem, selected = (
         linearised.eigenproblem(reference),
-        count + (SPARE_OF_KIND if kind else SPARE_MODES),
-        selected=_of_kind(model, linearised, kind) if kind else None,
-        sparing=True,
+        _of_kind(model, linearised, kind) if kind else None,
     )
+    wanted = count + (SPARE_OF_KIND if kind else SPARE_MODES)
+    found = lowest_eigenvalues(problem, wanted, selected=selected, sparing=True)
+    rate = np.sort(found.s.imag[found.s.imag > 0])
+    reach, top = (float(rate[:n].max(initial=0.0)) for n in (count, wanted))
+    above = [line for line in lines if sum(line) > reach]
+    found, bands = with_modes_beside(problem, found, top, above, max(BESIDE_A_LINE, 2 * count), selected)
     u = linearised.vectors(found)
     share = _shares(model, linearised, found.s, u)
     if own is not None:
@@ -143,12 +164,13 @@ def _found(
         share = _shares(model, linearised, found.s, u)
     kinds = tuple(KINDS[i] for i in share.argmax(axis=1))
     x, wx = energy_vectors(model, linearised, found, u)
-    oscillating = np.flatnonzero(found.s.imag > 0)
+    oscillating = np.flatnonzero((found.s.imag > 0) & (found.s.imag <= top))
     counted = np.zeros(len(found.s), dtype=bool)
     rate = found.s[oscillating]
     while 0 < count < len(rate) and abs(rate[count] - rate[count - 1]) < EQUAL * abs(rate[count]):
         count += 1  # which of equal modes comes first is rounding: all of them count
     counted[oscillating[:count]] = True
+    near = (found.s.imag > 0) & ~counted & in_bands(bands, found.s)
     sense = whirl(model, linearised, u) if speed else ("mixed",) * len(kinds)
     sense = tuple(q if k == "lateral" else "none" for q, k in zip(sense, kinds, strict=True))
     stuck = (
@@ -156,7 +178,8 @@ def _found(
         and not model.system.assembly.y.any()
         and (model.contact is not None or model.bit is not None)
     )
-    return SpeedModes(speed, found.s, x, wx, kinds, sense, counted, stuck, ZERO_FRACTION * reference)
+    zero = ZERO_FRACTION * reference
+    return SpeedModes(speed, found.s, x, wx, kinds, sense, counted, stuck, zero, near, bands)
 
 
 def energy_vectors(
@@ -223,11 +246,17 @@ def campbell(
     """
     orbit = dict[float, float]()
 
+    step_to_next = step_at(speeds)
+
     def at(speed: float) -> SpeedModes:
-        modes = modes_at(states, speed, count, kind)
-        if "motor" in lines:
-            orbit[speed] = orbit_rate(states.model)
-        return modes
+        def beside() -> list[tuple[float, float]]:
+            rates = [abs(line) * abs(speed) for line in lines if not isinstance(line, str)]
+            if "motor" in lines:
+                orbit[speed] = orbit_rate(states.model)
+                rates.append(abs(orbit[speed]))
+            return half_widths(sorted(rates), abs(speed), step_to_next(speed)) if speed else []
+
+        return modes_at(states, speed, count, kind, beside)
 
     found = [at(speeds[0])]
     pairings: list[Pairing] = []
@@ -246,7 +275,21 @@ def campbell(
             found.append(waiting.pop())
     branches = track(found, pairings)
     rates = np.array([orbit[m.speed] for m in found]) if orbit else None
-    return Campbell(found, branches, critical_speeds(found, branches, lines, natural, rates), rates)
+    critical = critical_speeds(found, branches, lines, natural, rates)
+    met = {c.branch for c in critical}
+    kept = [b for b in branches if b.number in met or b.end == "lost" or not _begins_beside(found, b)]
+    numbers = {b.number: k for k, b in enumerate(kept, 1)}
+    critical = [replace(c, branch=numbers[c.branch]) for c in critical]
+    for branch in kept:
+        branch.number = numbers[branch.number]
+    return Campbell(found, kept, critical, rates)
+
+
+def _begins_beside(speeds: list[SpeedModes], branch: Branch) -> bool:
+    """Whether a branch begins with a mode that was sought beside a line."""
+    speed, mode = branch.points[0]
+    near = speeds[speed].near
+    return near is not None and bool(near[mode])
 
 
 def orbit_rate(model: DrillingModel) -> float:
@@ -265,9 +308,8 @@ def _unpaired(here: SpeedModes, there: SpeedModes, pairing: Pairing) -> bool:
     """Whether a mode that is asked for has no partner, and is not above those that were computed."""
     if here.stuck:
         return False
-    top = 0.95 * there.s.imag.max(initial=0.0)
-    alone = (pairing.after < 0) & here.counted & (here.s.imag > 0) & (here.s.imag <= top)
-    return bool(alone.any())
+    alone = np.flatnonzero((pairing.after < 0) & here.starts)
+    return any(there.awaits(here, int(mode), pairing.after) for mode in alone)
 
 
 def critical_speeds(
@@ -445,25 +487,6 @@ def searched_to(found: Campbell) -> FloatArray:
     return np.array([m.s.imag[m.counted].max(initial=0.0) for m in found.speeds])
 
 
-def _not_searched(found: Campbell, lines: tuple[float | str, ...]) -> list[str]:
-    """Say where lines lie above all modes that were computed, so that critical speeds there are not known."""
-    top, omega = searched_to(found), np.array([m.speed for m in found.speeds])
-    orders = [line for line in lines if not isinstance(line, str)]
-    excited = [abs(n) * omega for n in orders] + ([] if found.orbit is None else [np.abs(found.orbit)])
-    turning = omega > 0
-    line = np.array(excited)[:, turning] / (2 * np.pi)
-    reach = top[turning] / (2 * np.pi)
-    above = line > reach
-    if not line.size or not above.any():
-        return []
-    modes = f"the modes that were computed reach {reach.min():.3g} to {reach.max():.3g} Hz"
-    if above.all():
-        said = f"no excitation line was searched: {modes}, the lines begin at {np.nanmin(line):.3g} Hz"
-    else:
-        said = f"{modes}, the lines {np.nanmax(line):.3g} Hz: critical speeds above are not known"
-    return [f"{said}; a larger --count searches further"]
-
-
 def _summary(
     case: Case,
     found: Campbell,
@@ -499,7 +522,7 @@ def _summary(
         warnings.append(
             "at 0 rpm the string is at rest without friction; modes there need not continue those above"
         )
-    warnings += _not_searched(found, lines)
+    warnings += not_searched(found.speeds)
     if grows:
         warnings.append(
             f"a mode grows at {len(grows)} of {len(found.speeds)} speeds, first at {grows[0]:g} rpm"
@@ -517,6 +540,9 @@ def _summary(
         ),
         "searched": kind or "all kinds",
         "searched_to": [float(q) for q in searched_to(found) / (2 * np.pi)],
+        "searched_beside": [
+            None if np.isnan(q) else float(q) for q in searched_beside(found.speeds) / (2 * np.pi)
+        ],
         "branches": len(found.branches),
         "lost": len(lost),
         "critical_speeds": len(found.critical),
@@ -566,9 +592,15 @@ def _lines(case: Case, folder: Path, found: Campbell, summary: dict[str, Any]) -
             f"{_amplification(c):>13}   {c.branch:>6}"
         )
     if not shown:
-        lines.append("    none among the modes that were computed")
+        lines.append("    none among the modes that were searched")
     if len(found.critical) > SHOWN:
         lines.append(f"    and {len(found.critical) - SHOWN} more in {CRITICAL_TABLE}")
+    turning = [q for q, m in zip(summary["searched_to"], found.speeds, strict=True) if m.speed]
+    beside = [q for q in summary["searched_beside"] if q is not None]
+    lines.append(
+        f"  searched: all modes up to {min(turning):.3g} Hz"
+        + (f"; above, those within {min(beside):.2g} Hz of the excitation lines" if beside else "")
+    )
     lines += [f"  note: {w}" for w in summary["warnings"]]
     lines.append(f"  results: {folder}")
     return lines

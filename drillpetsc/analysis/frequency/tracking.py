@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
 
 import numpy as np
 from scipy.optimize import linear_sum_assignment
@@ -10,9 +11,13 @@ from scipy.optimize import linear_sum_assignment
 from drillpetsc.arrays import FloatArray
 from drillpetsc.solvers.quadratic_eigenproblem import NEUTRAL_GROWTH
 
+if TYPE_CHECKING:
+    from drillpetsc.analysis.frequency.beside_lines import Band
+
 LEAST_MAC = 0.9  # below which two modes are not the same
 CLUSTER = 2e-3  # relative distance of eigenvalues below which their shapes may be any of their span
 OWN_SHAPE = 0.1  # weight of a mode's own shape beside that of its cluster
+EDGE = 0.95  # share of the highest frequency up to which a mode that is missing is lost, not outside
 FAR = 0.5  # relative change of an eigenvalue between two speeds beyond which modes are not compared
 
 
@@ -24,6 +29,7 @@ class SpeedModes:
     x, wx: (n, m) energy vectors, and the metric applied to them: x_i* W x_j is an energy [J]; x_j* W x_j = 1.
     kind: (m,) kinds; whirl: (m,) ``forward``, ``mixed``, ``backward``; ``none`` for modes that are not lateral.
     counted: (m,) whether a mode belongs to the lowest that were asked for.
+    near: (m,) whether a mode was sought beside an excitation line; bands: those searches.
     stuck: the string is at rest without friction, which it has at any speed above: another state.
     zero: eigenvalues of this size or smaller count as zero [1/s].
     """
@@ -37,6 +43,33 @@ class SpeedModes:
     counted: np.ndarray
     stuck: bool = False
     zero: float = 0.0
+    near: np.ndarray | None = None
+    bands: tuple[Band, ...] = ()
+
+    @property
+    def starts(self) -> np.ndarray:
+        """(m,) mask of the oscillating modes that begin a branch."""
+        return (self.counted if self.near is None else self.counted | self.near) & (self.s.imag > 0)
+
+    def awaits(self, before: SpeedModes, mode: int, after: np.ndarray) -> bool:
+        """Whether a mode of the speed before, which has found no partner, should have one among these.
+
+        It lies below the highest of the lowest ones; or it was sought beside a line that passes its frequency on the way, and a mode
+        of its kind, without a partner as well, lies across the line.  after: partners of the modes before (``Pairing``).
+        """
+        frequency = before.s[mode].imag
+        if before.near is None or not before.near[mode]:
+            lowest = self.s.imag if self.near is None else self.s.imag[~self.near]
+            return bool(frequency <= EDGE * lowest.max(initial=0.0))
+        free = np.array([q == before.kind[mode] for q in self.kind]) & self.starts
+        free[after[after >= 0]] = False
+        for old in (q for q in before.bands if q.holds(before.s[mode])):
+            line = old.middle * self.speed / before.speed
+            side = frequency - old.middle
+            passes = side * (frequency - line) <= 0
+            if passes and np.any(side * (self.s.imag[free] - line) <= 0):
+                return True
+        return False
 
     @property
     def grows(self) -> np.ndarray:
@@ -151,7 +184,6 @@ def track(speeds: list[SpeedModes], pairings: list[Pairing]) -> list[Branch]:
     for k, here in enumerate(speeds):
         if k:
             pairing, moved = pairings[k - 1], dict[int, Branch]()
-            highest = here.s.imag.max(initial=0.0)
             for mode, branch in open_branches.items():
                 partner = int(pairing.after[mode])
                 if partner >= 0:
@@ -159,10 +191,10 @@ def track(speeds: list[SpeedModes], pairings: list[Pairing]) -> list[Branch]:
                     branch.mac.append(float(pairing.mac[mode]))
                     moved[partner] = branch
                 else:
-                    top = speeds[k - 1].s[mode].imag > 0.95 * highest
-                    branch.end = "rest" if speeds[k - 1].stuck else "outside" if top else "lost"
+                    missing = here.awaits(speeds[k - 1], mode, pairing.after)
+                    branch.end = "rest" if speeds[k - 1].stuck else "lost" if missing else "outside"
             open_branches = moved
-        for mode in np.flatnonzero(here.counted & (here.s.imag > 0)):
+        for mode in np.flatnonzero(here.starts):
             if int(mode) not in open_branches:
                 branch = Branch(len(branches) + 1, [(k, int(mode))], [1.0])
                 branches.append(branch)

@@ -19,10 +19,11 @@ from drillpetsc.geometry.well import Well
 from drillpetsc.kernels import function, pointer
 from drillpetsc.kernels.parameters import Parameters, columns, structure
 from drillpetsc.physics import quantities as declared
+from drillpetsc.physics.bit_profile import CHIPS, profile_derivative
 from drillpetsc.physics.contact import ONSET, penetration
 from drillpetsc.physics.interfaces import ReamingTool
 from drillpetsc.physics.rigid_bodies import VERTEX_SLOTS, local_vertices
-from drillpetsc.physics.rock_bit import CHIPS, KINDS, MOTION, QUASI_STATIC, STATICS, profile_derivative
+from drillpetsc.physics.rock_bit import KINDS, MOTION, QUASI_STATIC, STATICS
 
 _results = function("reamer_results", "ipppppp")
 _Law = structure("bit_law")
