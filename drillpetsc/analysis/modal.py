@@ -14,7 +14,7 @@ bent or eccentric one.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -27,6 +27,7 @@ from drillpetsc.analysis.frequency.stokes import at_own_frequencies, frequency_d
 from drillpetsc.analysis.initial_state import find_equilibrium
 from drillpetsc.analysis.linearised_model import linearise_model, settle
 from drillpetsc.analysis.mean_over_turn import mean_over_turn
+from drillpetsc.analysis.modes import Modes
 from drillpetsc.analysis.modes_of_kind import lowest_of_kind
 from drillpetsc.analysis.placement import motion_text, move_rigidly, prescribed_motion, release
 from drillpetsc.analysis.run_options import options_of
@@ -53,7 +54,6 @@ from drillpetsc.output.result import RunResult
 from drillpetsc.output.well_files import write_well_files
 from drillpetsc.solvers.linearization import Linearised
 from drillpetsc.solvers.quadratic_eigenproblem import (
-    NEUTRAL_GROWTH,
     Eigenvalues,
     eigenvalues_near,
     lowest_eigenvalues,
@@ -69,82 +69,6 @@ ROW_WEIGHT = {"pressure": 1e6, "flow": 1e-2}
 REPORTED_IMBALANCE = 1.0  # unbalanced force above which a note is shown [N]
 LATERAL = 1e-6  # share of lateral motion from which the mud's force across the hole matters
 SHAPE_PRESSURE = 1e5  # largest pressure in the shape of a mode of the fluid [Pa]
-
-
-@dataclass(frozen=True)
-class Modes:
-    """Modes exp(s t), s = growth + i 2 pi frequency, sorted by frequency (manual: eq-eigen-figures).
-
-    Real eigenvalues (frequency 0) are first, of them the fastest growing.
-
-    eigenvalue: (m,) s [1/s]; frequency: (m,) [Hz]; growth: (m,) [1/s].
-    damping_ratio: (m,) -growth/|s| [-], nan at zero.
-    share: (m, 4) fractions of the mode's energy in the columns of ``KINDS`` [-]; kind: (m,) the largest of
-    them.
-    error: (m,) backward errors of the eigenvalues [-].
-    shapes: by field, (m, nodes, size) complex; the largest displacement is 1 m, or spin angle 1 rad, or
-    pressure 1 bar, and real.
-    imbalance: largest unbalanced force on a node in the state [N].
-    zero: eigenvalues of this size or smaller count as zero [1/s].
-    lowering [m/s], rotation [rad/s]: of the state.
-    stokes_number: (m,) [-], with ``added_mass: stokes``; kept: modes then that have the mud's force at the reference
-    frequency, because their own was not found.
-    """
-
-    eigenvalue: np.ndarray
-    frequency: FloatArray
-    growth: FloatArray
-    damping_ratio: FloatArray
-    kind: tuple[str, ...]
-    share: FloatArray
-    error: FloatArray
-    shapes: dict[str, np.ndarray]
-    imbalance: float
-    zero: float
-    lowering: float
-    rotation: float
-    stokes_number: FloatArray | None = None
-    kept: int = 0
-
-    @property
-    def count(self) -> int:
-        """Number of modes."""
-        return len(self.eigenvalue)
-
-    @property
-    def margin(self) -> float:
-        """Largest growth [1/s]; negative where every computed mode decays."""
-        return float(self.growth.max(initial=-np.inf))
-
-    @property
-    def _grows(self) -> np.ndarray:
-        size = np.abs(self.eigenvalue)
-        return (self.growth > NEUTRAL_GROWTH * size) & (size > self.zero)
-
-    @property
-    def diverging(self) -> int:
-        """Number of modes that grow without oscillation."""
-        return int((self._grows & (self.frequency == 0)).sum())
-
-    @property
-    def fluttering(self) -> int:
-        """Number of modes that grow with oscillation."""
-        return int((self._grows & (self.frequency > 0)).sum())
-
-    @property
-    def unstable(self) -> int:
-        """Number of modes that grow."""
-        return self.diverging + self.fluttering
-
-    @property
-    def zeros(self) -> int:
-        """Number of eigenvalues that are zero: unconstrained motions, or a load at which the string just buckles."""
-        return int((np.abs(self.eigenvalue) <= self.zero).sum())
-
-    @property
-    def smallest(self) -> float:
-        """Smallest |s| [rad/s]."""
-        return float(np.abs(self.eigenvalue).min(initial=np.inf))
 
 
 # ---------------------------------------------------------------------- state

@@ -2,15 +2,11 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 
+from drillpetsc.analysis.modes import Modes
 from drillpetsc.model.drilling_model import DrillingModel
 from drillpetsc.unit_systems import shown
-
-if TYPE_CHECKING:
-    from drillpetsc.analysis.modal import Modes
 
 ELEMENTS_PER_WAVE = 4.0  # fewer do not resolve the exchange of work between string and mud
 

@@ -87,7 +87,7 @@ def campbell(
     walls = read_stiffnesses(stiffness) if len(stiffness) else ()
     case, name = loaded(case, name)
     initialise_petsc()
-    from drillpetsc.analysis.frequency.campbell import run_campbell
+    from drillpetsc.analysis.frequency.campbell_command import run_campbell
     from drillpetsc.results.result import result_of
 
     return result_of(

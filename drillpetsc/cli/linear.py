@@ -132,7 +132,7 @@ def _campbell(arguments: argparse.Namespace, petsc_options: list[str]) -> int:
     stiffness = read_stiffnesses(arguments.stiffness) if arguments.stiffness else ()
     start_job(petsc_options)
     print_warnings(case)
-    from drillpetsc.analysis.frequency.campbell import run_campbell
+    from drillpetsc.analysis.frequency.campbell_command import run_campbell
 
     result = run_campbell(
         case,

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import graphlib
 import shutil
 import subprocess
 import sys
 from pathlib import Path
 
+import grimp
 import pytest
 
 ROOT = Path(__file__).parents[2]
@@ -51,3 +53,11 @@ def test_a_wrong_import_is_found(copy: Path, file: str, wrong: str) -> None:
     target.write_text(target.read_text() + f"\n{wrong}\n")
     done = lint(copy)
     assert done.returncode != 0 and "BROKEN" in done.stdout, done.stdout + done.stderr
+
+
+def test_no_modules_import_each_other() -> None:
+    """Neither at run time, nor inside functions, nor for typing.  Left: the compiled iteration and the Newton method that it is part of."""
+    graph = grimp.build_graph("drillpetsc", exclude_type_checking_imports=False, cache_dir=None)
+    imports = {module: set(graph.find_modules_directly_imported_by(module)) for module in graph.modules}
+    imports["drillpetsc.solvers.compiled_newton"].remove("drillpetsc.solvers.newton")
+    graphlib.TopologicalSorter(imports).prepare()  # raises CycleError, which names the modules

@@ -11,7 +11,7 @@ import yaml
 
 import drillpetsc
 from drillpetsc import Case
-from drillpetsc.analysis.frequency.campbell import named_lines
+from drillpetsc.analysis.frequency.campbell_command import named_lines
 from drillpetsc.analysis.frequency.tracking import SpeedModes, pair, track
 from drillpetsc.errors import CaseError
 from drillpetsc.output import read_table
@@ -365,10 +365,10 @@ def test_the_search_beside_lines_finds_what_a_search_of_all_modes_finds(tmp_path
 
 def test_what_was_searched_is_said(tmp_path, monkeypatch):
     """Once per turn at 600 to 900 rpm is 10 to 15 Hz; the modes of the disc lie at 6 and 60 Hz."""
-    from drillpetsc.analysis.frequency import campbell
+    from drillpetsc.analysis.frequency import campbell, campbell_command
 
     rates = tuple(m.RPM * np.array([600.0, 900.0]))
-    result = campbell.run_campbell(Case(**m.disc()), rates, tmp_path / "out", count=1, lines=(1.0,))
+    result = campbell_command.run_campbell(Case(**m.disc()), rates, tmp_path / "out", count=1, lines=(1.0,))
     assert "    none among the modes that were searched" in result.lines
     said = next(line for line in result.lines if "searched:" in line)
     # 1.4 times the way of the line to the next speed, 5 Hz, and a tenth of its frequency across
@@ -379,7 +379,7 @@ def test_what_was_searched_is_said(tmp_path, monkeypatch):
     assert not any("may be missing" in w for w in result.summary["warnings"])
     monkeypatch.setattr(campbell, "BESIDE_A_LINE", 6)
     speeds = tuple(m.RPM * np.array([30.0, 60.0]))
-    narrow = campbell.run_campbell(lateral(), speeds, tmp_path / "narrow", count=1, lines=(1.0,))
+    narrow = campbell_command.run_campbell(lateral(), speeds, tmp_path / "narrow", count=1, lines=(1.0,))
     assert any(
         "too close for the search" in w and "critical speeds may be missing" in w
         for w in narrow.summary["warnings"]

@@ -11,7 +11,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from drillpetsc import Case, run
-from drillpetsc.analysis.frequency.campbell import default_lines
+from drillpetsc.analysis.frequency.campbell_command import default_lines
 from drillpetsc.analysis.frequency.turning import turning_case
 from drillpetsc.analysis.initial_state import find_equilibrium
 from drillpetsc.analysis.placement import move_rigidly, release

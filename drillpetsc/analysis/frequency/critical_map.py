@@ -2,18 +2,16 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from petsc4py import PETSc
 
+from drillpetsc.analysis.frequency.campbell import Critical, campbell
 from drillpetsc.analysis.frequency.response import rpm_of
 from drillpetsc.analysis.frequency.turning import TurningModel, turning_case
 from drillpetsc.case.case import Case
 from drillpetsc.errors import CaseError
-
-if TYPE_CHECKING:
-    from drillpetsc.analysis.frequency.campbell import Critical
 
 
 def demand_wall(case: Case) -> None:
@@ -77,8 +75,6 @@ def critical_map(
 
     The other arguments are those of ``run_campbell``.
     """
-    from drillpetsc.analysis.frequency.campbell import campbell
-
     out = []
     for stiffness in stiffnesses:
         states = TurningModel(turning_case(undamped(case, stiffness), "campbell", without_control), comm)

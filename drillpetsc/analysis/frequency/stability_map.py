@@ -13,7 +13,8 @@ from scipy.optimize import brentq
 from drillpetsc.analysis.frequency.response import RPM, rpm_of, write_case_folder
 from drillpetsc.analysis.frequency.stability_runs import BEHAVIOURS, DURATION, RunPoint, refuse, run_point
 from drillpetsc.analysis.frequency.turning import TurningModel, turning_case
-from drillpetsc.analysis.modal import Modes, modes, without_motor
+from drillpetsc.analysis.modal import modes, without_motor
+from drillpetsc.analysis.modes import Modes
 from drillpetsc.analysis.run_options import options_of
 from drillpetsc.case.blocks.ends import BitBottom
 from drillpetsc.case.case import Case

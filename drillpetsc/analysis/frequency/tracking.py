@@ -3,16 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
 
 import numpy as np
 from scipy.optimize import linear_sum_assignment
 
+from drillpetsc.analysis.frequency.beside_lines import Band
 from drillpetsc.arrays import FloatArray
 from drillpetsc.solvers.quadratic_eigenproblem import NEUTRAL_GROWTH
-
-if TYPE_CHECKING:
-    from drillpetsc.analysis.frequency.beside_lines import Band
 
 LEAST_MAC = 0.9  # below which two modes are not the same
 CLUSTER = 2e-3  # relative distance of eigenvalues below which their shapes may be any of their span
@@ -207,3 +204,21 @@ def track(speeds: list[SpeedModes], pairings: list[Pairing]) -> list[Branch]:
     for number, branch in enumerate(branches, 1):
         branch.number = number
     return branches
+
+
+def searched_beside(speeds: list[SpeedModes]) -> FloatArray:
+    """(k,) smallest distance [rad/s] from a line, at each speed, up to which all modes are known; nan where no line lies above the lowest modes."""
+    return np.array([min((band.radius for band in m.bands), default=np.nan) for m in speeds])
+
+
+def not_searched(speeds: list[SpeedModes]) -> list[str]:
+    """Say where the search beside a line is narrower than the line moves to the next speed, so that critical speeds may be missing."""
+    cut = [(band, m.speed) for m in speeds for band in m.bands if band.radius < band.width]
+    if not cut:
+        return []
+    band, speed = min(cut, key=lambda q: q[0].radius / q[0].width)
+    return [
+        f"modes beside excitation lines lie too close for the search at {len({s for _, s in cut})} of {len(speeds)} speeds: at "
+        f"{speed * 30 / np.pi:.6g} rpm they are known within {band.radius / (2 * np.pi):.2g} Hz of {band.middle / (2 * np.pi):.3g} Hz, where the speeds ask for "
+        f"{band.width / (2 * np.pi):.2g} Hz: critical speeds may be missing; a smaller step of the speeds, or a larger --count"
+    ]
