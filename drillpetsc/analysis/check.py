@@ -106,7 +106,7 @@ def _chosen_lengths(case: Case, model: DrillingModel) -> list[str]:
     count = sum(r.count for r in lengths.ranges)
     if not count:
         return []
-    units = case.output.units or "metric"
+    units = case.shown_units
     scale, _, unit = display_unit("length", units)
     top = top_depth(model)
     lines = [f"  automatic element lengths, {count} elements:"]

@@ -119,7 +119,7 @@ def expected_warnings(model: DrillingModel) -> list[str]:
 
 
 def _units(model: DrillingModel) -> System:
-    return model.case.output.units or "metric"
+    return model.case.shown_units
 
 
 def _of_state(model: DrillingModel, columns: list[Column], values: FloatArray) -> _Loads:

@@ -20,7 +20,7 @@ def _refused(commands: str, error: CaseError) -> str:
 
 
 def _window(case: Case) -> list[str]:
-    window, units = case.window, case.output.units or "metric"
+    window, units = case.window, case.shown_units
     if window is None:
         return []
     pore, frac = (
@@ -43,7 +43,7 @@ def _window(case: Case) -> list[str]:
 def _roadmap(case: Case) -> list[str]:
     if case.roadmap is None or case.well is None:
         return []
-    plan, units = plan_of(case), case.output.units or "metric"
+    plan, units = plan_of(case), case.shown_units
     try:
         strings, pairs = strings_of(case, plan, []), pairs_of(case, plan, [])
     except CaseError as error:

@@ -287,7 +287,7 @@ def _helix_hint(model: DrillingModel, found: March, moves: bool) -> str:
 
 
 def _units(model: DrillingModel) -> System:
-    return model.case.output.units or "metric"
+    return model.case.shown_units
 
 
 def _lock_up(model: DrillingModel, found: March) -> SolveError | CaseError:

@@ -47,7 +47,7 @@ def weight_warnings(model: DrillingModel) -> list[str]:
     weight, given = freed_weight(model), model.case.initial.wob
     if weight is None or not given or weight - given < WORTH_SAYING * given:
         return []
-    units = model.case.output.units or "metric"
+    units = model.case.shown_units
     return [
         f"initial.wob, {shown(given, 'force', units)}, is that of a string which slides at time 0: when it turns, rotation frees its "
         f"friction and the bit carries about {shown(weight, 'force', units, 2)}, until it is drilled off; with top.rotation at time 0 "

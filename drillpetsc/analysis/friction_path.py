@@ -421,7 +421,7 @@ class FrictionPath:
         log = self._advance(way / LOWERING, lambda t: 1.0, 0.02 / LOWERING, speed=LOWERING, target=target)
         wob = self._end_forces()[1]
         if abs(wob - target) > 10 * WEIGHT_TOLERANCE * target:
-            units = self.model.case.output.units or "metric"
+            units = self.model.case.shown_units
             raise SolveError(
                 f"locked up: the bit carries {shown(wob, 'force', units)} after the top was lowered by {shown(log[-1][0] * LOWERING, 'length', units, 3)}, "
                 f"not {shown(target, 'force', units)}; friction takes the rest",

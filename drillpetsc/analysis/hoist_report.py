@@ -33,7 +33,7 @@ def hoist_lines(model: DrillingModel) -> list[str]:
     case = model.case
     if model.hoist is None:
         return []
-    gear, drill, units = gear_of(case), autodriller_of(case), case.output.units or "metric"
+    gear, drill, units = gear_of(case), autodriller_of(case), case.shown_units
     lines = [
         f"hoist: block {shown(gear.mass, 'mass', units, 6)} on {gear.lines} lines, {shown(gear.height, 'length', units)} over the floor"
     ]
@@ -69,7 +69,7 @@ def hoist_warnings(case: Case) -> list[str]:
         return []
     if is_quasi_static(case):
         return ["top.hoist: left out, since time.mode is quasi_static: the lowering moves the top itself"]
-    rig, out, units = case.rig, [], case.output.units or "metric"
+    rig, out, units = case.rig, [], case.shown_units
     weight = hoist.block_mass * 9.80665
     if rig is not None and rig.block_weight and abs(rig.block_weight / weight - 1) > 0.01:
         out.append(

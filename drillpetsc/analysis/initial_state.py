@@ -84,7 +84,7 @@ def _equilibrium_at_weight(
     force, hook_load = model.case.top.force, -other.reaction("top.axial_reaction")
     assert force is not None
     if abs(force.value(0.0) - hook_load) > TOLERATED_JUMP * abs(hook_load):
-        units = model.case.output.units or "metric"
+        units = model.case.shown_units
         state.warnings.append(
             f"the top pulls with {shown(force.value(0.0), 'force', units)} from time 0 on, and with initial.wob the string "
             f"hangs on {shown(hook_load, 'force', units)}: it starts to move"

@@ -165,7 +165,7 @@ def refuse_unknown(option: str, names: Sequence[str], known: list[str]) -> None:
 
 def _about(model: DrillingModel) -> str:
     lowering, rotation = prescribed_motion(model)
-    return motion_text(lowering, rotation, model.case.output.units or "metric")
+    return motion_text(lowering, rotation, model.case.shown_units)
 
 
 def _notes(model: DrillingModel, live: LiveOutputs) -> list[str]:

@@ -396,7 +396,7 @@ def run_modes(
         summary = {
             "title": case.title,
             "searched": searched,
-            **mode_summary(found, state, case.output.units or "metric"),
+            **mode_summary(found, state, case.shown_units),
             "time_scales": time_scales(model).lines(),
         }
         summary["warnings"] += [*unresolved_growth(model, found), *fed_by_swirl(model, found)]

@@ -32,7 +32,7 @@ def mud_above_top(model: DrillingModel, hook_load: float | None = None) -> list[
         found = system.comm.tompi4py().allreduce(found)
     if not found[0] >= LEAST_DEPTH:  # nan without gravity
         return []
-    units = model.case.output.units or "metric"
+    units = model.case.shown_units
     force = found[1] * float(fluid.annulus.annulus.outer[0])
     push = shown(force, "force", units)
     both = (

@@ -99,7 +99,7 @@ def _take(problem: StaticProblem, answer: PathAnswer, imperfection: float) -> No
     report.negative_pivots, report.singular = max(0, end.negative_pivots), end.negative_pivots < 0
     report.iterations += end.iterations
     state.lateral_fraction = 0.0 if answer.turns else 1.0
-    state.warnings += answer.lines(problem.model.case.output.units or "metric")
+    state.warnings += answer.lines(problem.model.case.shown_units)
 
 
 def _gap(model: DrillingModel) -> FloatArray:

@@ -48,7 +48,7 @@ def stop_warnings(model: DrillingModel) -> list[str]:
         return []
     rows = total(system.comm, joints.element_results(system.assembly))
     travel_of, stops = (rows[:, joints.RESULTS.index(name)] for name in ("travel", "stop"))
-    out, units = [], model.case.output.units or "metric"
+    out, units = [], model.case.shown_units
     for joint, travel, stop in zip(joints.joints, travel_of, stops, strict=True):
         if joint.jar is not None or joint.stroke is None or not joint.spring > 0:
             continue

@@ -88,7 +88,7 @@ def run_statics(
         buckled = buckling(model, columns, values) if values is not None else Buckling()
         is_buckled = bool(buckled.sinusoidal or buckled.helical)
         slides = is_buckled and _slides_unfollowed(model, state)
-        state.warnings += buckled.lines(case.output.units or "metric", slides)
+        state.warnings += buckled.lines(case.shown_units, slides)
         state.warnings += band_of_theory(model, state) if is_buckled else []
         state.warnings += [*state_warnings(model, columns, values), *model.mesh.notes]
         state.warnings += _hoisted_with_weight(model, moving)
@@ -123,7 +123,7 @@ def band_of_theory(model: DrillingModel, state: StaticState) -> list[str]:
     if band is None or (state.path is not None and len(state.path.ends) > 1):
         return []
     what = {"wob": "weight on bit", "hook_load": "hook load"}[band.name]
-    low, high = (shown(q, "force", model.case.output.units or "metric") for q in (band.low, band.high))
+    low, high = (shown(q, "force", model.case.shown_units) for q in (band.low, band.high))
     other = (
         "; --path sliding gives the states from a straight string and after an overload"
         if has_path(model, state.motion)
@@ -187,7 +187,7 @@ def beyond_rig(case: Case, summary: dict[str, Any], units: System | None = None)
         ),
         ("standpipe pressure", summary.get("pump_pressure"), rig.max_spp, "max_spp", "pressure"),
     )
-    system = units or case.output.units or "metric"
+    system = units or case.shown_units
     return [
         f"{name} of {shown(abs(value), kind, system)} exceeds rig.{key}, {shown(limit, kind, system)}"
         for name, value, limit, key, kind in limits

@@ -39,7 +39,7 @@ def swirl_left_out(model: DrillingModel, torque: float | None) -> list[str]:
     added = float(total(model.system.comm.tompi4py(), mine)) if model.system.comm.size > 1 else mine
     if added <= SMALL * abs(torque or 0.0):
         return []
-    units = model.case.output.units or "metric"
+    units = model.case.shown_units
     return [
         f"the mud that swirls with the turning string adds about {shown(added, 'torque', units)} to the torque in motion "
         f"({100 * added / max(abs(torque or 0.0), 1e-9):.2g} %): it presses pipe that lies on the wall and brakes it; this "

@@ -14,7 +14,7 @@ def top_push(case: Case, hook_load: float | None) -> list[str]:
     """
     if hook_load is None or hook_load > -LEAST_PUSH or case.well is None or case.top.force is not None:
         return []
-    push = shown(-hook_load, "force", case.output.units or "metric")
+    push = shown(-hook_load, "force", case.shown_units)
     weight = (
         "the weight on the bit is more than the string puts there, or " if case.bottom.kind == "bit" else ""
     )

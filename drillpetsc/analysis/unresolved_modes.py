@@ -22,7 +22,7 @@ def unresolved_growth(model: DrillingModel, found: Modes) -> list[str]:
     length = float(mesh.length[~mesh.is_joint].max())
     highest = np.sqrt(mud.bulk_modulus / mud.density) / (ELEMENTS_PER_WAVE * length)
     lateral = np.array([kind == "lateral" for kind in found.kind], dtype=bool)
-    units = model.case.output.units or "metric"
+    units = model.case.shown_units
     coarse = found._grows & (found.frequency > highest) & ~lateral
     if not coarse.any():
         return []

@@ -236,7 +236,7 @@ class WhirlSteps:
         if not lost:
             return []
         rate, part = max(lost, key=lambda pair: pair[0])
-        units = self.model.case.output.units or "metric"
+        units = self.model.case.shown_units
         return [
             f"torque, weight on bit and side forces are not determined by the steps of this run: {part.name} at MD "
             f"{shown(part.depth, 'length', units, 5)} would roll along the wall at {rate / (2 * pi):.2g} Hz ({60 * turned / (2 * pi):.3g} "

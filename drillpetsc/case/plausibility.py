@@ -100,7 +100,7 @@ def plausibility(case: CaseBlocks) -> list[str]:
         if flow > LARGEST_FLOW:
             doubt(
                 "fluid.flow_rate",
-                shown(flow, "flow", case.output.units or "metric"),
+                shown(flow, "flow", case.shown_units),
                 "more than rig pumps deliver",
             )
         pressure = largest(case.fluid.pump_pressure)
@@ -141,9 +141,9 @@ def plausibility(case: CaseBlocks) -> list[str]:
     ]
     if case.roadmap is not None and case.roadmap.measured:
         hole = None if case.well is None else case.well.survey.md[-1]
-        out += readings(case.roadmap.measured, hole, case.output.units or "metric")
+        out += readings(case.roadmap.measured, hole, case.shown_units)
     if case.initial.wob is not None and case.initial.wob > LARGEST_WEIGHT:
-        units = case.output.units or "metric"
+        units = case.shown_units
         more = (
             f"; {shown(LARGEST_WEIGHT, 'force', units)} are the most"
             if units != "field"

@@ -25,7 +25,7 @@ def torques(case: CaseBlocks) -> list[str]:
     """Say which torques are of a few N m on a string of drill pipe: `tob: 5` in ft-lbf where kft-lbf were meant."""
     if max((item.od or 0.0 for item in case.string), default=0.0) < STRING_OD:
         return []
-    units = case.output.units or "metric"
+    units = case.shown_units
     keys: dict[str, float | None] = {}
     if case.roadmap is not None:
         plan = case.roadmap
@@ -60,7 +60,7 @@ def intervals(case: CaseBlocks) -> list[str]:
 
 def flows(case: CaseBlocks) -> list[str]:
     """Say that a flow rate is far outside of what the size of the bit takes."""
-    bit, units = case.string[-1], case.output.units or "metric"
+    bit, units = case.string[-1], case.shown_units
     if case.well is None or not isinstance(bit, Bit):
         return []
     keys: dict[str, float] = {}
@@ -87,7 +87,7 @@ def casings(case: CaseBlocks) -> list[str]:
     """Say that the diameter of a casing, which is its bore, is a nominal outer diameter."""
     if case.well is None:
         return []
-    units = case.output.units or "metric"
+    units = case.shown_units
     out = []
     for i, section in enumerate(case.well.sections):
         inches = section.diameter / to_si("1 in", "m")

@@ -50,7 +50,7 @@ def short_of_hole(case: CaseBlocks) -> list[str]:
     missing = case.well.survey.md[-1] - case.string_length
     if missing <= ONE_JOINT:
         return []
-    units = case.output.units or "metric"
+    units = case.shown_units
     length, hole, gap = (
         shown(v, "length", units, 5) for v in (case.string_length, case.well.survey.md[-1], missing)
     )
@@ -88,7 +88,7 @@ def pumping_valves(case: CaseBlocks) -> list[str]:
     """
     if case.fluid is None or not case.has_bore:
         return []
-    units, fluid = case.output.units or "metric", case.fluid
+    units, fluid = case.shown_units, case.fluid
     flow = None if fluid.pump_pressure is not None else largest(fluid.flow_rate)
     words = []
     for i, item in enumerate(case.string):
@@ -116,7 +116,7 @@ def beyond_curves(case: CaseBlocks, flow: float | None = None) -> list[str]:
     """
     if case.fluid is None or not case.has_bore:
         return []
-    units = case.output.units or "metric"
+    units = case.shown_units
     flow = (
         (largest(case.fluid.flow_rate) if case.fluid.pump_pressure is None else 0.0) if flow is None else flow
     )
@@ -142,7 +142,7 @@ def beyond_lower_part(case: CaseBlocks) -> list[str]:
     if found is None:
         return []
     weight, names = found
-    units = case.output.units or "metric"
+    units = case.shown_units
     keys = {"initial.wob": case.initial.wob}
     if case.roadmap is not None:
         keys |= {f"roadmap.{word}.wob": getattr(case.roadmap, word).wob for word in ("drilling", "sliding")}

@@ -40,7 +40,7 @@ def string_rows(case: Any, units: System | None = None) -> tuple[list[str], list
 
     units: field, metric, metric_t or SI; by default those of the case, metric where it has none
     """
-    system: System = units or case.output.units or "metric"
+    system: System = units or case.shown_units
     rows = []
     for number, (item, (upper, lower)) in enumerate(zip(case.string, case.item_depths, strict=True)):
         figures = (upper, lower, item.od, item.id if item.od else None, mass_per_length(item))
@@ -82,7 +82,7 @@ def schematic(case: Any) -> str:
 def case_html(case: Any) -> str:
     """The case for a notebook: title, string table, schematic, hole, ends."""
     heads, rows = string_rows(case)
-    system: System = case.output.units or "metric"
+    system: System = case.shown_units
     head = "".join(f"<th>{html.escape(name)}</th>" for name in heads)
     body = "".join(
         "<tr>" + "".join(f"<td>{html.escape(cell)}</td>" for cell in row) + "</tr>" for row in rows

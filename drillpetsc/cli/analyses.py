@@ -269,7 +269,7 @@ def _freepoint(arguments: argparse.Namespace, petsc_options: list[str]) -> int:
     print_warnings(case)
     from drillpetsc.analysis.limits.free_point import free_point_lines
 
-    print_once(free_point_lines(case, pairs, arguments.units or case.output.units or "metric"))
+    print_once(free_point_lines(case, pairs, arguments.units or case.shown_units))
     return 0
 
 

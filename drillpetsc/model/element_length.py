@@ -165,7 +165,7 @@ class _Asked:
         sections: dict[int, dict[str, float]],
         given: dict[int, list[float]],
     ) -> None:
-        self.case, self.forces, self.units = case, forces, case.output.units or "metric"
+        self.case, self.forces, self.units = case, forces, case.shown_units
         self.texts = [f"longest automatic element, {shown(LONGEST, 'length', self.units, 3)}"]
         flexible = np.isin(forces.item, list(sections))
         self.x = np.concatenate([[0.0], np.cumsum(np.where(flexible, np.diff(forces.md), 0.0))])

@@ -290,7 +290,7 @@ def _refuse_closed_annulus(case: Case, mesh: StringMesh, sizes: Annulus) -> None
     narrow = np.flatnonzero(sizes.hole - sizes.outer <= LEAST_OPEN * sizes.hole)
     for number in dict.fromkeys(mesh.item[narrow].tolist()):
         if case.string[number].annulus_od is not None:
-            units = case.output.units or "metric"
+            units = case.shown_units
             k = int(narrow[mesh.item[narrow] == number][0])
             raise CaseError(
                 at=f"string[{number}].annulus_od",
@@ -304,7 +304,7 @@ def _refuse_closed_annulus(case: Case, mesh: StringMesh, sizes: Annulus) -> None
     names = ", ".join(b.name for b in mesh.bodies if b.node == k)
     numbers = [i for i, item in enumerate(case.string) if isinstance(item, Rigid)]
     number = next(i for i, b in zip(numbers, mesh.bodies, strict=True) if b.node == k)
-    units = case.output.units or "metric"
+    units = case.shown_units
     raise CaseError(
         at=f"string[{number}]",
         got=f"{names}: metal and bore of {shown(sizes.outer_above[k], 'flow_area', units)}",

@@ -43,7 +43,7 @@ def creep_warnings(model: DrillingModel, t: float) -> list[str]:
     if force <= SMALLEST_SHARE * weight:
         return []
     assert model.contact is not None
-    slip, units = model.contact.law.slip_velocity, model.case.output.units or "metric"
+    slip, units = model.contact.law.slip_velocity, model.case.shown_units
     return [
         f"friction of {shown(force, 'force', units, 3)} held by creep of {shown(speed, 'creep', units, 3)} at the end: held loads relax with time; "
         f"a smaller contact.slip_velocity ({shown(slip, 'creep', units, 3)}) creeps less"

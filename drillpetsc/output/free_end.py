@@ -72,7 +72,7 @@ class FreeEndWatch:
         """Sentence for the summary."""
         if self.first is None:
             return []
-        most = shown(self.most, "length", self.model.case.output.units or "metric", 3)
+        most = shown(self.most, "length", self.model.case.shown_units, 3)
         return [
             f"the free end of the string passes the end of the hole from {self.first:.6g} s on, by up to {most}: nothing stops it "
             "there, and the results from then on are of a deeper hole; bottom: {kind: bit} stands on the bottom"

@@ -183,7 +183,7 @@ def _whirl(run: RunFolder, case: Case, ends: FloatArray) -> tuple[dict[tuple[str
         return {}, []
     probes, found = _columns(read_table(run.probes)), {}
     sizes, unresolved, still = _sizes(run), list[str](), list[str]()
-    units = case.output.units or "metric"
+    units = case.shown_units
     for name in [key.removeprefix("x_") for key in probes if key.startswith("x_")]:
         radius, clearance = (np.nan, np.nan)
         if sizes is not None:

@@ -36,7 +36,7 @@ class Monitors:
     """
 
     def __init__(self, model: DrillingModel, top: float) -> None:
-        units = model.case.output.units or "metric"
+        units = model.case.shown_units
         self._all: dict[str, Monitor] = {
             "boiling": BoilingMonitor(model.system, model.fluid, units, top),
             "free_end": FreeEndWatch(model),

@@ -96,7 +96,7 @@ class OperationWatch:
 
     def warnings(self, told: Sequence[str] = ()) -> list[str]:
         """Sentences for the summary.  told: names of signs that it has already."""
-        units, out = self.case.output.units or "metric", []
+        units, out = self.case.shown_units, []
         for name, spell in self.spells.items():
             if name in told:
                 continue

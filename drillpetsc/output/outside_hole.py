@@ -51,7 +51,7 @@ def static_warnings(model: DrillingModel) -> list[str]:
 
 
 def _said(model: DrillingModel, found: Outside, when: str) -> str:
-    units: System = model.case.output.units or "metric"
+    units: System = model.case.shown_units
     distance, depth = (shown(value, "length", units, 3) for value in (found.distance, found.depth))
     return (
         f"the string leaves its hole: it lies {distance} from the axis at MD {depth}{when}, where the forces and energies of the "

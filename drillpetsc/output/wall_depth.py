@@ -50,7 +50,7 @@ def _sentence(
     k = int(np.argmax(share))
     if not share[k] >= LARGEST:
         return []
-    units = model.case.output.units or "metric"
+    units = model.case.shown_units
     pressed, free = (shown(float(v), "diameter", units, 2) for v in (depth[k], clearance[k]))
     return [
         f"{names[k]} at MD {shown(float(md[k]), 'length', units, 5)} depends on the wall stiffness: it presses into the wall by {pressed} of its "

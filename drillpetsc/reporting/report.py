@@ -86,7 +86,7 @@ def report(
         target = Path(out)
     else:
         target = source.runs[0].folder.report if source.runs else Path(f"{source.file.stem}-report.html")
-    system = units or source.case.output.units or "metric"
+    system = units or source.case.shown_units
     text = html(source, system, tuple(sections) or SECTIONS, interactive)
     try:
         return replace_text(target, text)

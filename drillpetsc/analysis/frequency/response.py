@@ -451,7 +451,7 @@ def _closed_contacts(model: DrillingModel) -> int:
 
 def _notes(excitation, speeds, valid, losses, closed: int, model: DrillingModel) -> list[str]:
     """What the user should know."""
-    notes, units = [], model.case.output.units or "metric"
+    notes, units = [], model.case.shown_units
     for word, text in (
         (
             "infinite",
@@ -535,7 +535,7 @@ SHOWN = (
 
 def _lines(case: Case, folder: Path, summary: dict[str, Any]) -> list[str]:
     """Return the lines to show: largest amplitudes by place."""
-    speeds, system = summary["speeds"], case.output.units or "metric"
+    speeds, system = summary["speeds"], case.shown_units
     found = {name for entry in summary["peaks"] for name in entry}
     shown = [q for q in SHOWN if q[0] in found]
     units = [display_unit(kind, system) for _, _, kind in shown]

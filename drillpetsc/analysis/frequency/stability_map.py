@@ -202,7 +202,7 @@ def run_stability(
                 runs.append(run_point(run_case, speed, weight, lowering, duration, comm))
     summary = _summary(case, points, edges, speeds, weights, kind)
     if runs:
-        _compare(summary, points, runs, duration, case.output.units or "metric")
+        _compare(summary, points, runs, duration, case.shown_units)
     if comm.rank == 0:
         write_case_folder(case, folder.path)
         rows = [[rpm_of(p.speed), p.weight, p.growth, p.frequency, p.kind, p.imbalance] for p in points]
@@ -253,7 +253,7 @@ def _summary(
     weights: tuple[float, ...],
     kind: str | None,
 ) -> dict[str, Any]:
-    warnings, units = list[str](), case.output.units or "metric"
+    warnings, units = list[str](), case.shown_units
     missing = [p for p in points if not np.isfinite(p.growth)]
     if missing:
         warnings.append(
@@ -281,7 +281,7 @@ def _summary(
 def _lines(
     case: Case, folder: Path, points: list[Point], edges: list[Boundary], summary: dict[str, Any]
 ) -> list[str]:
-    size, _, text = display_unit("force", case.output.units or "metric")
+    size, _, text = display_unit("force", case.shown_units)
     lines = [
         f"{case.title or 'case'}: steady motion at {len(summary['speeds'])} speeds and {len(summary['weights'])} weights on bit, "
         f"unstable at {summary['unstable']} of {len(points)} points"

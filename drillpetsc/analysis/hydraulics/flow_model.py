@@ -369,7 +369,7 @@ class FlowModel:
 
     def warnings(self) -> list[str]:
         """Say where the pressure is below that of a vacuum."""
-        out, units = [], self.case.output.units or "metric"
+        out, units = [], self.case.shown_units
         for channel in ("bore", "annulus"):
             pressure = self.pressure(channel)
             if pressure is None or not pressure.min() < VAPOUR_PRESSURE:

@@ -173,7 +173,7 @@ class Hydraulics:
                 want="a string with a bore that is open at its lower end: the mud must get out",
             )
         self.case = case
-        self.units: System = units or case.output.units or "metric"
+        self.units: System = units or case.shown_units
         self.flow = FlowModel(case, whole_string(case), "pumping")
         self.flow.solve(0.0)
         still = self.flow.pressure("annulus")
@@ -394,7 +394,7 @@ def run_hydraulics(
         rates = np.unique(np.append(np.minimum(max(flows) * CURVE, 2 * LARGEST_FLOW), flows))
         curve = [_curve_row(hydraulics, rate) for rate in rates]
         folder = make_folder(comm, name, out, False, overwrite)
-        summary = _summary(case, hydraulics, results) | {"units": units or case.output.units or "metric"}
+        summary = _summary(case, hydraulics, results) | {"units": units or case.shown_units}
         if comm.rank == 0:
             case.dump(folder.case)
             _write(folder.path, case, results, curve, case.fluid.rheology)  # type: ignore[union-attr]

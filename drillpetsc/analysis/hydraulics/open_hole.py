@@ -83,7 +83,7 @@ def window_in_measured_depth(case: Case, window: Window | None) -> list[str]:
     tvd = float(vertical_depth(case, np.array([end]))[0])
     if abs(window.tvd[-1] - end) > 1e-3 * end or tvd > 0.98 * end:
         return []
-    units = case.output.units or "metric"
+    units = case.shown_units
     return [
         f"window.tvd ends at {shown(end, 'length', units, 5)}, the measured depth of the hole, whose end is at TVD "
         f"{shown(tvd, 'length', units, 5)}: are these measured depths?"
@@ -111,7 +111,7 @@ def open_hole(case: Case, window: Window | None) -> OpenHole | None:
         pore, frac = np.full(len(md), window.pore[0]), np.full(len(md), window.frac[0])
         return OpenHole(md, tvd, pore, frac)
     if len(tvd) and (tvd.min() < window.tvd[0] - 1e-3 or tvd.max() > window.tvd[-1] + 1e-3):
-        units = case.output.units or "metric"
+        units = case.shown_units
         given, needed = (
             f"{shown(a, 'length', units, 5)} to {shown(b, 'length', units, 5)}"
             for a, b in ((window.tvd[0], window.tvd[-1]), (tvd.min(), tvd.max()))

@@ -236,7 +236,7 @@ def run_surge(
         folder = make_folder(comm, name, out, False, overwrite)
         summary = {
             "title": case.title,
-            "units": units or case.output.units or "metric",
+            "units": units or case.shown_units,
             "window": window_table(window),
             "window_from": None if window is None else ("--window" if plan.window is not None else "case"),
             "surge": [

@@ -83,7 +83,7 @@ def run_limits(
     units: of printed and plotted figures; None: metric.
     Raises CaseError where the case cannot be in the operation, SolveError without equilibrium.
     """
-    choices, units = choices or Choices(), units or case.output.units or "metric"
+    choices, units = choices or Choices(), units or case.shown_units
     refuse_quaternion(case, "limits")
     _check(choices)
     if case.hold_string:
@@ -264,7 +264,7 @@ def _torque_notes(case: Case, word: str | None) -> list[str]:
         return []
     if bit.od is None or not case.initial.wob:
         return []
-    units = case.output.units or "metric"
+    units = case.shown_units
     own, other = bit_torque(case.initial.wob, bottom.friction, 0.5 * bit.od), torque_of_bit(case, plan)
     given = "" if "friction" in bottom.model_fields_set else ", the default"
     more = (

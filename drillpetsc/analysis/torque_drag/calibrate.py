@@ -55,7 +55,7 @@ def run_calibrate(
         raise CaseError(at="--measured", want="a file of measured points, or roadmap.measured in the case")
     with options_of(case):
         work = Calibration(case, points, plan.hookload_excludes_block, units)
-    system: System = units or case.output.units or "metric"
+    system: System = units or case.shown_units
     if parameters is None:
         parameters = work.factors
     unknown = [name for name in parameters if name not in (*KINDS, *work.factors, *BOUNDS)]

@@ -88,7 +88,7 @@ class Calibration:
     ) -> None:
         well = need_well(case, "calibrate")
         self.case, self.points = case, points
-        self.units: System = units or case.output.units or "metric"
+        self.units: System = units or case.shown_units
         gravity_of(case, "calibrate")
         end = float(case.well.survey.md[-1])  # type: ignore[union-attr]
         for i, point in enumerate(points):

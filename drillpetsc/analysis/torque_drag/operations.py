@@ -60,7 +60,7 @@ def plan_of(case: Case) -> Roadmap:
 
 def assumptions(case: Case, plan: Roadmap) -> list[str]:
     """What the case does not give and was assumed, as sentences."""
-    units = case.output.units or "metric"
+    units = case.shown_units
     notes, given = [], plan.model_fields_set
     used = plan.operations
     if any(word.startswith("trip") for word in used) and "trip_speed" not in given:
@@ -111,7 +111,7 @@ _KINDS = {"tob": "torque", "rop": "rop", "speed": "trip_speed", "rpm": "rotation
 
 def assumed(case: Case, plan: Roadmap, word: str) -> str:
     """What of drilling, sliding or backreaming was assumed, in the units of the case; empty where all is given."""
-    block, units = getattr(plan, word), case.output.units or "metric"
+    block, units = getattr(plan, word), case.shown_units
     missing = [key for key in _KINDS if key in type(block).model_fields and key not in block.model_fields_set]
     parts = []
     if word == "drilling" and "tob" in missing and torque_of_bit(case, plan) != block.tob:
@@ -264,7 +264,7 @@ def pairs_of(case: Case, plan: Roadmap, notes: list[str]) -> list[Pair]:
 
 def _length(case: Case, depth: float) -> str:
     """A depth [m] as text in the units of the case."""
-    return shown(depth, "length", case.output.units or "metric", 6)
+    return shown(depth, "length", case.shown_units, 6)
 
 
 def shoes_of(case: Case) -> list[float]:

@@ -221,7 +221,7 @@ def run_roadmap(
         for row in rows:
             row["hook_load_total"] = row["hook_load"] + block
     points = plan.measured if measured is None else measured
-    system: System = units or case.output.units or "metric"
+    system: System = units or case.shown_units
     lines_of_torque = torque_lines(case, strings, rows)
     warnings = _warnings(case, rows, lines_of_torque, system)
     excludes = plan.hookload_excludes_block

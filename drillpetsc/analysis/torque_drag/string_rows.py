@@ -142,7 +142,7 @@ def _misfit(case: Case, items: tuple[Item, ...]) -> str:
     for item in items:
         found = misfit(case.well, item, above, above + item.length)
         if found is not None:
-            return found.told(item.name, case.output.units or "metric")
+            return found.told(item.name, case.shown_units)
         above += item.length
     return ""
 

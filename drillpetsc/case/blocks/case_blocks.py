@@ -35,6 +35,7 @@ from drillpetsc.case.blocks.well import Well
 from drillpetsc.case.blocks.window import Window, window_or_file
 from drillpetsc.case.key_paths import refuse
 from drillpetsc.case.quantities import Vector
+from drillpetsc.unit_systems import System
 
 Option = bool | int | float | str
 
@@ -144,6 +145,11 @@ class CaseBlocks(Block):
                 raise refuse(key, got=option, want="a number, a word, true or false")
             options[str(key)] = "" if option is None else option
         return options
+
+    @property
+    def shown_units(self) -> System:
+        """System of units of messages, tables and pictures."""
+        return self.output.units or "metric"
 
     @property
     def item_depths(self) -> tuple[tuple[float, float], ...]:

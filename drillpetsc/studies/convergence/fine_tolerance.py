@@ -91,7 +91,7 @@ def add_tolerance_check(
         tables = (read_table(RunFolder(f).history) for f in (folder, fine.folder))
         check["columns"] = compared(*tables)
     check = world.tompi4py().bcast(check)
-    check["warnings"] = _warnings(check, case.output.units or "metric")
+    check["warnings"] = _warnings(check, case.shown_units)
     added = {
         "error_estimate": {**(summary.get("error_estimate") or {}), "tolerance": check},
         "warnings": [*summary["warnings"], *check["warnings"]],
