@@ -411,7 +411,7 @@ class _Parts:
                 )
                 off = across(ends_at - np.asarray(well.at(at)[0]), a)
                 wall = weight * self.length[e] * model.contact.hardness[0][a]
-                columns.append((e, self._shape(e, depth), gap, wall, drag[a], off, depth))
+                columns.append((e, self._shape(e, depth), gap, wall, drag[a] * (gap > 0.0), off, depth))
         for b, hardness in zip(mesh.bodies, model.contact.hardness[1], strict=True):
             if b.radius <= 0 or b.node < self.nodes[0]:
                 continue
@@ -420,11 +420,13 @@ class _Parts:
             for y, length, clearance in _points_of_item(model, b, float(hardness)):
                 factors = np.array([[0.0, 0.0, 1.0, y] if last else [1.0, y, 0.0, 0.0]])
                 gap = np.maximum(np.asarray(well.radius(md[node] + y)) - b.radius, 0.0)
+                # friction does not push what is led round the hole
+                led = b.guided or (clearance is None and gap[0] == 0.0)
                 if clearance is not None:
                     gap[:] = clearance
                 off = across(centre[node] + y * t[node] - np.asarray(well.at(md[node] + y)[0]), node)
                 at = mesh.node_depth[node] + y
-                columns.append((cell, factors, gap, np.array([length]), drag[node] * (not b.guided), off, at))
+                columns.append((cell, factors, gap, np.array([length]), drag[node] * (not led), off, at))
         return ContactPoints(*(np.concatenate(q) for q in zip(*columns, strict=True)))
 
 
