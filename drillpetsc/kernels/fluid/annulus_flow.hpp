@@ -242,7 +242,7 @@ struct AnnulusFlow {
             const T now = volume + (dot(on.x.r2, tw) - p[PLACE2]) * p[EXCESS2] - (dot(on.above, tw) - p[PLACE1]) * p[EXCESS1];
             results->content = c.theta * now;
             results->stored = stored_energy(f, (p1 + p2) * 0.5, p[WALL], now);
-            energies(on, y, c, p, f, area, M, across, w, wall, V, tau.pull, resistance - beside.resistance, q, drag, (swept1 + swept2) * L, (p1 + p2) * 0.5, now, p1, p2, results);
+            energies(on, y, c, p, f, area, M, across, across1, w, wall, V, tau.pull, resistance - beside.resistance, q, drag, (swept1 + swept2) * L, (p1 + p2) * 0.5, now, p1, p2, results);
             if constexpr (JUNCTION) energies_beside(on, c, p, f, q, beside, (p1 + p2) * 0.5 * p[WALL], tw, results);
         }
     }
@@ -260,10 +260,12 @@ struct AnnulusFlow {
         results->dissipated += beside.resistance * (q * f.density / c.density + V * space) - beside.pull * V;
     }
 
-    // of the mud: half m (w + V)^2 along, M_a |P(V + c r_s)|^2/2 across; weight at the hole's axis, less what the pipe displaces sideways
+    // of the mud: half m (w + V)^2 along, M_a (|P V|^2 - |c P r_s|^2)/2 across; weight at the hole's axis, less what the pipe displaces sideways.
+    // The second is M_a |P(V + c r_s)|^2/2 less M_a c P r_s.(V + c r_s): the flow along a bent string works on its motion, and its row of momentum
+    // leaves that out (manual: eq-mud-energy-across)
     template <class R, class T, class S>
     static void energies(const R& on, const T* y, const Compressed<T>& c, const S* p, const Fluid& f, const T& area, const T& M,
-                         const T& across, const T& w, const T& wall, const T& V, const T& tau, const T& resistance, const T& q, const T& drag,
+                         const T& across, const T& across1, const T& w, const T& wall, const T& V, const T& tau, const T& resistance, const T& q, const T& drag,
                          const T& widens, const T& pressure, const T& held, const T& p1, const T& p2, FlowResultsOf<T>* results) {
         const S L = p[LENGTH];
         const T density = c.density, per_length = f.density * area;
@@ -275,7 +277,7 @@ struct AnnulusFlow {
         const Four<T> X = {cut(on.x.r1), cut(on.x.v1), cut(on.x.r2), cut(on.x.v2)}, Y = {cut(on.y.r1), cut(on.y.v1), cut(on.y.r2), cut(on.y.v2)};
         const T a = pair(Y, consistent(Y, L)) * L * (1.0 / 420), b = pair(slopes(X.r2 - X.r1, X.v1, X.v2, L), Y);
         const T s = pair(X, stiffness(X.r2 - X.r1, X.v1, X.v2, L));
-        results->kinetic = 0.5 * per_length * L * wall * wall + 0.5 * M * (a + 2.0 * across * b + across * across * s);
+        results->kinetic = 0.5 * per_length * L * wall * wall + 0.5 * M * (a - across * across * s);
         const Vec<T> middle = (on.x.r1 + on.x.r2) * 0.5;
         // the mud at the hole's axis, all of it with that in the give of the walls, less what the pipe displaces across the hole
         const T give = pressure * p[WALL], content = density * held;
@@ -291,14 +293,15 @@ struct AnnulusFlow {
         const S round = p[DIAMETER] * 3.14159265358979324;
         results->dissipated += resistance * (volume + V * area * f.density / density) - tau * round * L * V;
         results->dissipated += drag * (a + across * b) + p[DAMPING] * a;
+        results->left_out -= M * across1 * (b + across * s);
         const T o1 = y[6], o2 = y[13];
         if (swirls(p[SHARE])) {
             const Offset<T> off(on.x, p + AXIS1, p + AXIS2, vec(p + TANGENT1), vec(p + TANGENT2), tw);
             const T turning = pair(off.turned, consistent(Y, L)) * L * (1.0 / 420), size = pair(off.y, consistent(off.y, L)) * L * (1.0 / 420);
             const T bent = pair(slopes(X.r2 - X.r1, X.v1, X.v2, L), off.turned), along_spin = (o1 + o2) * (p[SHARE] * 0.5);
             const T relative = turning + across * bent - size * p[SWIRL];  // of J y to the velocity relative to the mud
-            results->kinetic += M * (p[SWIRL] * p[SWIRL] * 0.5 * size - (turning + across * bent) * p[SWIRL] + (p[SWIRL] - along_spin) * relative);
-            results->left_out += M * relative * (p[SWIRL_RATE] - p[SHARE] * p[SPIN_RATE]);
+            results->kinetic += M * (p[SWIRL] * p[SWIRL] * 0.5 * size - turning * p[SWIRL] + (p[SWIRL] - along_spin) * relative);
+            results->left_out += M * (relative * (p[SWIRL_RATE] - p[SHARE] * p[SPIN_RATE]) + across1 * bent * p[SWIRL]);
             results->dissipated += (drag + p[DAMPING]) * (along_spin * p[SWIRL] * size - (along_spin + p[SWIRL]) * turning) - drag * across * along_spin * bent;
         }
         results->dissipated += p[TURNING] * L * (1.0 / 3) * (o1 * o1 + o1 * o2 + o2 * o2);
