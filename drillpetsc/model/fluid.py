@@ -19,6 +19,7 @@ from drillpetsc.errors import CaseError
 from drillpetsc.fem.string_mesh import StringMesh
 from drillpetsc.geometry.growing_hole import GrowingHole
 from drillpetsc.geometry.well import Well
+from drillpetsc.kernels.parameters import constant
 from drillpetsc.model.mud_sections import build_bore, build_walls, loss_tables, metal_below, poisson
 from drillpetsc.physics.fluid.added_mass import (
     chi_confined,
@@ -47,7 +48,8 @@ from drillpetsc.unit_systems import shown
 
 LEAST_OPEN = 1e-4  # share of the hole that must be open around a rigid item
 LEAST_BESIDE = 0.25  # share of the hole that bits and stabilizers leave open to mud that moves across it
-LARGEST_ECCENTRICITY = 0.98  # eccentricity [-] above which the added mass is constant
+LARGEST_ECCENTRICITY = 0.98  # eccentricity [-] up to which the added mass is fitted
+CHI_ROUNDING = constant("chi_rounding")
 
 #: smallest flow rate of a pump to which tolerances refer, of the usual flow rate [-]
 LEAST_PUMPED = 0.05
@@ -390,28 +392,28 @@ def lateral_viscosity(case: Case, inner: FloatArray, outer: FloatArray) -> Float
 
 
 @lru_cache(maxsize=256)
-def _added_mass_table(inner: float, outer: float) -> tuple[FloatArray, FloatArray]:
-    """Tabulate the added-mass coefficient [-] by eccentricity [-] (manual: eq-mud-chi-eccentric).
+def _chi_coefficients(inner: float, outer: float) -> FloatArray:
+    """Fit the added mass [-] by the eccentricity, up to ``LARGEST_ECCENTRICITY`` (manual: eq-mud-chi-place).
 
-    The coefficient has no limit at the wall; the table ends at ``LARGEST_ECCENTRICITY``, its points are
-    denser there.
-
-    inner, outer: diameters of string and hole [m].
+    inner, outer: diameters of string and hole [m].  Returns (5,): of r to the powers -1 to 3; relative errors are below 5e-4.
     """
-    eccentricities = LARGEST_ECCENTRICITY * np.sin(np.linspace(0, np.pi / 2, 60))
-    return eccentricities, np.array([chi_eccentric(inner, outer, e) for e in eccentricities])
+    eccentricity = LARGEST_ECCENTRICITY * np.sin(np.linspace(0, np.pi / 2, 60))
+    chi = np.array([chi_eccentric(inner, outer, e) for e in eccentricity])
+    powers = place_radius(eccentricity)[:, None] ** np.arange(-1, 4)
+    return np.asarray(np.linalg.lstsq(powers / chi[:, None], np.ones(60), rcond=None)[0])
 
 
-def _added_mass_at(eccentricity: FloatArray, inner: FloatArray, outer: FloatArray) -> FloatArray:
-    """Compute the added-mass coefficients (k,) [-] of elements at eccentricities (k,) [-].
+def place_radius(eccentricity: FloatArray) -> FloatArray:
+    """r (k,) [-] of kernels/fluid/annulus_flow.hpp at eccentricities (k,) [-]: sqrt(1 - e^2), rounded at and beyond the wall."""
+    z = 1.0 - np.asarray(eccentricity) ** 2
+    return np.asarray(np.sqrt(CHI_ROUNDING + 0.5 * (z + np.sqrt(z * z + 4.0 * CHI_ROUNDING**2))))
 
-    inner, outer: (k,) outer diameters of the elements and diameters of the hole [m], rounded to 0.1 mm.
-    """
+
+def _chi_by_place(inner: FloatArray, outer: FloatArray) -> FloatArray:
+    """Coefficients (k, 5) of elements of outer diameters (k,) in holes of diameters (k,) [m], both rounded to 0.1 mm."""
     sizes, which = np.unique(np.round(np.column_stack([inner, outer]), 4), axis=0, return_inverse=True)
-    out, which = np.empty(len(eccentricity)), np.ravel(which)
-    for k, (d, w) in enumerate(sizes):
-        out[which == k] = np.interp(eccentricity[which == k], *_added_mass_table(float(d), float(w)))
-    return out
+    each = np.array([_chi_coefficients(float(d), float(w)) for d, w in sizes]).reshape(-1, 5)
+    return each[np.ravel(which)]
 
 
 def shear_viscosity(case: Case, shear_rate: FloatArray) -> FloatArray:
@@ -453,7 +455,7 @@ def _lateral_coefficients(case: Case, sizes: Annulus) -> LateralCoefficients:
         rotation_drag,
         swirl,
         partial(_following, case, build_rheology(case, annulus=True)) if f.swirl_lag else None,
-        _added_mass_at if f.added_mass == "eccentric" else None,
+        _chi_by_place if f.added_mass == "eccentric" else None,
     )
 
 

@@ -39,6 +39,8 @@ KINDS = (
     "annulus_junction_widening",
     "annulus_swirl",
     "annulus_junction_swirl",
+    "annulus_aside",
+    "annulus_junction_swirl_aside",
     "pipe_annulus_bit_drilled",
     "annulus_bit_drilled",
 )
@@ -60,7 +62,7 @@ def build(
     """DiscreteSystem of ``kind`` (words joined by _): fluid of density 3, bulk modulus 60, power law, in a
     curved hole.
 
-    widening: elements that move into sections of other areas; swirl: of the mud about the string; drilled: the end of the hole moves, cuttings
+    aside: an added mass by the place in the hole; widening: elements that move into sections of other areas; swirl: of the mud about the string; drilled: the end of the hole moves, cuttings
     returned.
     """
     from dataclasses import replace
@@ -110,7 +112,14 @@ def build(
             BoreFlow(mesh, bore, fluid, poisson, None if pressure else Ramp(0.03, 1.0), pressure, held)
         )
     if "annulus" in kind:
-        side = LateralCoefficients(np.array([2.0, 2.0, 1.5, 1.5]), 0.3 * n, 0.2 * n, 0.0 * n)
+        by_place = (
+            (lambda outer, hole: np.tile([0.3, 1.8, -0.9, 0.4, -0.2], (len(outer), 1)))
+            if "aside" in kind
+            else None
+        )
+        side = LateralCoefficients(
+            np.array([2.0, 2.0, 1.5, 1.5]), 0.3 * n, 0.2 * n, 0.0 * n, by_place=by_place
+        )
         components.append(
             AnnulusFlow(mesh, sizes, well, fluid, poisson, side, Constant(0.4), 0.1, None, held)
         )

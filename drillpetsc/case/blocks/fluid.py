@@ -316,7 +316,7 @@ class Fluid(Block):
     ] = Field(
         default="confined",
         description="mass of annulus fluid that moves sideways with the string, over the mass it displaces: "
-        "confined: (Dw^2 + Do^2)/(Dw^2 - Do^2); eccentric: increases towards the wall, from the position at the last step; "
+        "confined: (Dw^2 + Do^2)/(Dw^2 - Do^2); eccentric: increases towards the wall, with the forces of its gradient; "
         "stokes: from the oscillating viscous flow, at lateral_damping_speed in runs and at each mode's own frequency in modes; "
         "paper_plug: Do^2/(Dw^2 - Do^2), as in the reference formulation (DOI 10.1177/1687814016656703); a number; none: 0",
     )

@@ -51,6 +51,8 @@ def check_fluid(case: CaseBlocks) -> None:
     if case.formation is not None and case.fluid.formulation == "hermite":
         hint = "hermite needs a hole of constant size; formulation: mixed lets the hole grow"
         raise refuse("fluid", "formulation", got="hermite", want="mixed with a formation", hint=hint)
+    if case.fluid.formulation == "hermite" and case.fluid.added_mass == "eccentric":
+        raise refuse("fluid", "formulation", got="hermite", want="mixed with added_mass: eccentric")
     if case.fluid.surface_line is not None and not case.has_bore:
         want = "no surface_line where nothing flows into the string"
         raise refuse("fluid", "surface_line", want=want)

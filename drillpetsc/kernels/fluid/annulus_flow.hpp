@@ -51,7 +51,28 @@ template <class T> inline T pair(const Four<T>& u, const Four<T>& v) { return do
 inline bool swirls(double share) { return share != 0.0; }
 inline bool swirls(const Pack& share) { return share.v[0] != 0.0 || share.v[1] != 0.0 || share.v[2] != 0.0 || share.v[3] != 0.0; }
 
-template <bool JUNCTION, bool HELD>
+// Added mass over displaced mass of a string aside in its hole: chi = k_0/r + k_1 + k_2 r + k_3 r^2 + k_4 r^3 with r^2 = h + 1 - e^2, e the offset of
+// the element's middle over the clearance, h a rounding: 1 - e^2 ends at 0 smoothly; and its gradient by the offset [1/m] (manual: eq-mud-chi-place).
+constexpr double CHI_ROUNDING = 0.01;
+template <class T> struct AddedMassAside {
+    T chi;
+    Vec<T> gradient;
+    template <class S>
+    AddedMassAside(const Four<T>& y, const S& L, const S* k, const S& clearance) {
+        const Vec<T> e = ((y.r1 + y.r2) * 0.5 + (y.v1 - y.v2) * (L * 0.125)) * (S(1.0) / clearance);
+        const T z = 1.0 - dot(e, e), root = sqrt(z * z + 4.0 * CHI_ROUNDING * CHI_ROUNDING), open = (z + root) * 0.5, r = sqrt(open + CHI_ROUNDING);
+        chi = k[0] / r + k[1] + r * (k[2] + r * (k[3] + r * k[4]));
+        gradient = e * ((k[2] + r * (2.0 * k[3] + r * (3.0 * k[4])) - k[0] / (r * r)) * open / (r * root) * (S(-1.0) / clearance));
+    }
+    // by the unknowns of the element
+    template <class S>
+    Four<T> on_nodes(const S& L) const {
+        const Vec<T> arm = gradient * (L * 0.125);
+        return {gradient * 0.5, arm, gradient * 0.5, -arm};
+    }
+};
+
+template <bool JUNCTION, bool HELD, bool ASIDE = false>
 struct AnnulusFlow {
     static constexpr int F = HELD ? 0 : JUNCTION ? 15 : 14, D = F + 3, NSPIN = HELD ? 0 : 2;
     static constexpr bool PACKED = true;
@@ -81,7 +102,9 @@ struct AnnulusFlow {
         SWIRL, SWIRL_RATE,         // swirl of the mud [rad/s] and its rate [rad/s2]
         SPIN_RATE,                 // rate of the string's spin, for the energies [rad/s2]
         AXIS1, AXIS2 = AXIS1 + 3,  // 3 each: points of the hole's axis beside the nodes [m]
-        NP = AXIS2 + 3)
+        CHI_BY = AXIS2 + 3,        // 5: chi by the place of the string in its hole (AddedMassAside), where ASIDE
+        CLEARANCE = CHI_BY + 5,    // of the string in its hole [m]
+        NP)
 
     template <class T, class S>
     static void force(int, const T* x, const T* y, const T* a, const S* p, void* context, T* r) {
@@ -206,7 +229,16 @@ struct AnnulusFlow {
         F4.r1 += tw * shoulders(q, c, p, f);
         if constexpr (JUNCTION) F4.r1 += tw * (beside.rise * p[OUTER_ABOVE] - beside.pull) + (g - tw * gw) * (c.density * p[OUTER_ABOVE] * p[RIGID]);
         // motion across the hole
-        const T M = c.density * lam * (p[CHI] * AO);
+        T M = c.density * lam * (p[CHI] * AO), mass_rate = T(0.0);
+        Four<T> by_place = {zero, zero, zero, zero};  // of M
+        if constexpr (ASIDE) {
+            const AddedMassAside<T> at(Offset<T>(on.x, p + AXIS1, p + AXIS2, tw1, tw2, tw).y, L, p + CHI_BY, p[CLEARANCE]);
+            M = c.density * lam * (at.chi * AO);
+            by_place = at.on_nodes(L);
+            const T displaced = c.density * lam * AO;
+            by_place = {by_place.r1 * displaced, by_place.v1 * displaced, by_place.r2 * displaced, by_place.v2 * displaced};
+            mass_rate = pair(by_place, on.y);
+        }
         const T drag = tau.drag * (p[DIAMETER] * 3.14159265358979324), damping = drag + p[DAMPING];
         Four<T> carried = {on.a.r1 * M + on.y.r1 * damping, on.a.v1 * M + on.y.v1 * damping, on.a.r2 * M + on.y.r2 * damping, on.a.v2 * M + on.y.v2 * damping};
         Four<T> C = {zero, zero, zero, zero};
@@ -229,6 +261,17 @@ struct AnnulusFlow {
         C.r1 += on.y.r1 * (M * across);
         C.r2 -= on.y.r2 * (M * across);
         accumulate(C, stiffness(d, on.x.v1, on.x.v2, L), -(M * across * across));
+        if constexpr (ASIDE) {
+            // momentum of the mass that comes and goes, and the pull to where there is more of it
+            const auto cut = [&tw](const Vec<T>& u) -> Vec<T> { return u - tw * dot(u, tw); };
+            Four<T> u = {cut(on.y.r1), cut(on.y.v1), cut(on.y.r2), cut(on.y.v2)};
+            if (swirling) accumulate(u, Offset<T>(on.x, p + AXIS1, p + AXIS2, tw1, tw2, tw).turned, T(-p[SWIRL]));
+            const Four<T> X = {cut(on.x.r1), cut(on.x.v1), cut(on.x.r2), cut(on.x.v2)}, slope = slopes(X.r2 - X.r1, X.v1, X.v2, L), even = consistent(u, L);
+            const T energy = pair(u, even) * (L * (1.0 / 840)) + across * pair(slope, u) + 0.5 * across * across * pair(X, stiffness(X.r2 - X.r1, X.v1, X.v2, L));
+            accumulate(C, even, mass_rate * (L * (1.0 / 420)));
+            accumulate(C, slope, mass_rate * across);
+            accumulate(C, by_place, -energy);
+        }
         if (swirling) brake = pair(Offset<T>(on.x, p + AXIS1, p + AXIS2, tw1, tw2, tw).turned, C) * (p[SHARE] * -0.5);
         const auto cross_part = [&tw](const Vec<T>& u) { return u - tw * dot(u, tw); };
         F4.r1 += cross_part(C.r1); F4.v1 += cross_part(C.v1); F4.r2 += cross_part(C.r2); F4.v2 += cross_part(C.v2);
@@ -242,7 +285,7 @@ struct AnnulusFlow {
             const T now = volume + (dot(on.x.r2, tw) - p[PLACE2]) * p[EXCESS2] - (dot(on.above, tw) - p[PLACE1]) * p[EXCESS1];
             results->content = c.theta * now;
             results->stored = stored_energy(f, (p1 + p2) * 0.5, p[WALL], now);
-            energies(on, y, c, p, f, area, M, across, w, wall, V, tau.pull, resistance - beside.resistance, q, drag, (swept1 + swept2) * L, (p1 + p2) * 0.5, now, p1, p2, results);
+            energies(on, y, c, p, f, area, M, across, across1, w, wall, V, tau.pull, resistance - beside.resistance, q, drag, (swept1 + swept2) * L, (p1 + p2) * 0.5, now, p1, p2, results);
             if constexpr (JUNCTION) energies_beside(on, c, p, f, q, beside, (p1 + p2) * 0.5 * p[WALL], tw, results);
         }
     }
@@ -260,10 +303,12 @@ struct AnnulusFlow {
         results->dissipated += beside.resistance * (q * f.density / c.density + V * space) - beside.pull * V;
     }
 
-    // of the mud: half m (w + V)^2 along, M_a |P(V + c r_s)|^2/2 across; weight at the hole's axis, less what the pipe displaces sideways
+    // of the mud: half m (w + V)^2 along, M_a (|P V|^2 - |c P r_s|^2)/2 across; weight at the hole's axis, less what the pipe displaces sideways.
+    // The second is M_a |P(V + c r_s)|^2/2 less M_a c P r_s.(V + c r_s): the flow along a bent string works on its motion, and its row of momentum
+    // leaves that out (manual: eq-mud-energy-across)
     template <class R, class T, class S>
     static void energies(const R& on, const T* y, const Compressed<T>& c, const S* p, const Fluid& f, const T& area, const T& M,
-                         const T& across, const T& w, const T& wall, const T& V, const T& tau, const T& resistance, const T& q, const T& drag,
+                         const T& across, const T& across1, const T& w, const T& wall, const T& V, const T& tau, const T& resistance, const T& q, const T& drag,
                          const T& widens, const T& pressure, const T& held, const T& p1, const T& p2, FlowResultsOf<T>* results) {
         const S L = p[LENGTH];
         const T density = c.density, per_length = f.density * area;
@@ -275,7 +320,7 @@ struct AnnulusFlow {
         const Four<T> X = {cut(on.x.r1), cut(on.x.v1), cut(on.x.r2), cut(on.x.v2)}, Y = {cut(on.y.r1), cut(on.y.v1), cut(on.y.r2), cut(on.y.v2)};
         const T a = pair(Y, consistent(Y, L)) * L * (1.0 / 420), b = pair(slopes(X.r2 - X.r1, X.v1, X.v2, L), Y);
         const T s = pair(X, stiffness(X.r2 - X.r1, X.v1, X.v2, L));
-        results->kinetic = 0.5 * per_length * L * wall * wall + 0.5 * M * (a + 2.0 * across * b + across * across * s);
+        results->kinetic = 0.5 * per_length * L * wall * wall + 0.5 * M * (a - across * across * s);
         const Vec<T> middle = (on.x.r1 + on.x.r2) * 0.5;
         // the mud at the hole's axis, all of it with that in the give of the walls, less what the pipe displaces across the hole
         const T give = pressure * p[WALL], content = density * held;
@@ -291,14 +336,15 @@ struct AnnulusFlow {
         const S round = p[DIAMETER] * 3.14159265358979324;
         results->dissipated += resistance * (volume + V * area * f.density / density) - tau * round * L * V;
         results->dissipated += drag * (a + across * b) + p[DAMPING] * a;
+        results->left_out -= M * across1 * (b + across * s);
         const T o1 = y[6], o2 = y[13];
         if (swirls(p[SHARE])) {
             const Offset<T> off(on.x, p + AXIS1, p + AXIS2, vec(p + TANGENT1), vec(p + TANGENT2), tw);
             const T turning = pair(off.turned, consistent(Y, L)) * L * (1.0 / 420), size = pair(off.y, consistent(off.y, L)) * L * (1.0 / 420);
             const T bent = pair(slopes(X.r2 - X.r1, X.v1, X.v2, L), off.turned), along_spin = (o1 + o2) * (p[SHARE] * 0.5);
             const T relative = turning + across * bent - size * p[SWIRL];  // of J y to the velocity relative to the mud
-            results->kinetic += M * (p[SWIRL] * p[SWIRL] * 0.5 * size - (turning + across * bent) * p[SWIRL] + (p[SWIRL] - along_spin) * relative);
-            results->left_out += M * relative * (p[SWIRL_RATE] - p[SHARE] * p[SPIN_RATE]);
+            results->kinetic += M * (p[SWIRL] * p[SWIRL] * 0.5 * size - turning * p[SWIRL] + (p[SWIRL] - along_spin) * relative);
+            results->left_out += M * (relative * (p[SWIRL_RATE] - p[SHARE] * p[SPIN_RATE]) + across1 * bent * p[SWIRL]);
             results->dissipated += (drag + p[DAMPING]) * (along_spin * p[SWIRL] * size - (along_spin + p[SWIRL]) * turning) - drag * across * along_spin * bent;
         }
         results->dissipated += p[TURNING] * L * (1.0 / 3) * (o1 * o1 + o1 * o2 + o2 * o2);

@@ -30,7 +30,8 @@ template <class T> inline T softplus(const T& g) { return val(g) > 40 ? g : log(
     TANGENT = AXIS + 3, CUT = TANGENT + 3, LIFT, REFERENCE, HEAD
 
 // Power lost [W], flow through the nozzles [m3/s]; kinetic and stored energy [J], content [m3] and potential [J] of the chamber; cuttings that
-// enter it [m3/s at zero pressure]; power that the bottom supplies with cuttings, less the work of pressure on rock that gives way [W].
+// enter it [m3/s at zero pressure]; power that the bottom supplies with cuttings and with mud that moves across the hole, less the work of
+// pressure on rock that gives way [W].
 DP_RECORD(BitFlowResults, double lost, flow, kinetic, stored, content, potential, cuttings, bottom;)
 
 // 1/(1 + exp(-z)); neither exponential overflows, whose derivative would be no number
@@ -102,7 +103,9 @@ struct BitFlow {
                 const Vec<double> tw = vec(p + TANGENT);
                 const T rate = x[QA] * f.density / (c.density * p[OPEN]), M = c.density * p[ADDED] * rate;
                 const Vec<T> carried = (vec(y) + vec(x + 3) * rate) * M;
-                F += carried - tw * dot(carried, tw) + g * (c.density * p[BUOYANT]);
+                const Vec<T> across = carried - tw * dot(carried, tw);
+                F += across + g * (c.density * p[BUOYANT]);
+                if (results) results->bottom -= val(dot(across, vec(y)));  // the mud that enters brings its momentum across the hole along
             }
             const T volume = p[VOLUME] + p[HOLE] * GAP_ROUNDING * softplus(gap * (1.0 / GAP_ROUNDING));
             r[PA] = (volume * c.by_p * y[PA] + c.theta * swept) * MASS_ROW;

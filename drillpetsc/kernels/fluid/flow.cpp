@@ -11,6 +11,8 @@ typedef BoreFlow<false, true> PipeHeld;
 typedef AnnulusFlow<false, false> AnnulusPlain;
 typedef AnnulusFlow<true, false> AnnulusJunction;
 typedef AnnulusFlow<false, true> AnnulusHeld;
+typedef AnnulusFlow<false, false, true> AnnulusAside;
+typedef AnnulusFlow<true, false, true> AnnulusAsideJunction;
 typedef BitFlow<true, true, false> BitNozzle;
 typedef BitFlow<true, false, false> BitJet;
 typedef BitFlow<false, true, false> BitClosed;
@@ -36,6 +38,9 @@ DP_JACOBIAN(annulus_flow, run_annulus_flow_jacobian)
 DP_ENTRY(annulus_flow_junction, AnnulusJunction)
 DP_ENTRY(annulus_flow_held, AnnulusHeld)
 DP_ENTRY(annulus_flow_joint, AnnulusJoint)
+DP_ENTRY(annulus_flow_aside, AnnulusAside)
+DP_ENTRY(annulus_flow_aside_junction, AnnulusAsideJunction)
+DP_ENTRY(annulus_flow_aside_joint, AnnulusJoint)
 DP_ENTRY(joint_inertia, JointInertia)
 DP_ENTRY(joint_seal, SealBoth)
 DP_ENTRY(joint_seal_bore, SealBore)
@@ -67,6 +72,7 @@ DP_EXPORT(bit_flow_results, BitFlowResultsText)
 DP_EXPORT(seal_results, SealResultsText)
 DP_EXPORT(side_nozzle_results, SideNozzleResultsText)
 DP_CONSTANT(gap_rounding, GAP_ROUNDING)
+DP_CONSTANT(chi_rounding, CHI_ROUNDING)
 DP_CONSTANT(flow_rounding, FLOW_ROUNDING)
 DP_CONSTANT(jet_rounding, JET_ROUNDING)
 
@@ -88,6 +94,9 @@ DP_CHANNEL_RESULTS(annulus_flow, AnnulusPlain)
 DP_CHANNEL_RESULTS(annulus_flow_junction, AnnulusJunction)
 DP_CHANNEL_RESULTS(annulus_flow_held, AnnulusHeld)
 DP_CHANNEL_RESULTS(annulus_flow_joint, AnnulusJoint)
+DP_CHANNEL_RESULTS(annulus_flow_aside, AnnulusAside)
+DP_CHANNEL_RESULTS(annulus_flow_aside_junction, AnnulusAsideJunction)
+DP_CHANNEL_RESULTS(annulus_flow_aside_joint, AnnulusJoint)
 DP_FLOW_RESULTS(bit_flow, BitNozzle, BitFlowResults)
 DP_FLOW_RESULTS(bit_flow_jet, BitJet, BitFlowResults)
 DP_FLOW_RESULTS(bit_flow_closed, BitClosed, BitFlowResults)

@@ -103,8 +103,22 @@ class AnnulusFlow(ChannelFlow):
             shoulder=self._shoulders(e, a.only(e), a.only(above)),
             control=np.where(e == 0, 1.0, 0.0),
             widening=zero,
+            **self._by_place(e),
             **dict.fromkeys(("place1", "place2", "excess1", "excess2"), zero),
         )
+
+    @property
+    def kernel(self) -> str:
+        return super().kernel + ("_aside" if self.lateral.by_place is not None and not self.held else "")
+
+    def _by_place(self, e: np.ndarray) -> dict[str, FloatArray]:
+        """Parameters of the added mass by the place of the elements ``e`` (k,) in their holes."""
+        outer, hole, by_place = self._outer[e], self._hole[e], self.lateral.by_place
+        clearance = 0.5 * (hole - outer)
+        return {
+            "chi_by": np.zeros((len(e), 5)) if by_place is None else by_place(outer, hole),
+            "clearance": clearance,
+        }
 
     def _shoulders(self, e: np.ndarray, own: Annulus, above: Annulus) -> FloatArray:
         """Lift by the shoulders at the upper ends of the elements ``e`` (k,), with their annuli and those above."""
@@ -250,13 +264,11 @@ class AnnulusFlow(ChannelFlow):
         return flow
 
     def accept(self, t, state) -> None:
-        """Update hole and added mass to the string's position after an accepted step."""
+        """Update the hole to the string's position after an accepted step."""
         self._update_hole(state, True)
         if self._swirl is not None:
             self._renew_following(self._swirl, state)
             self._swirl.accept(t, self._spins(state))
-        if self.lateral.by_eccentricity is not None:
-            self._renew_added_mass(state)
 
     def _update_hole(self, state, keep: bool) -> None:
         around = self.moving_hole
@@ -316,25 +328,11 @@ class AnnulusFlow(ChannelFlow):
             self._hole[e[new]] = own.hole_diameter[new]
             for name, value in (("chi", s.added), ("damping", s.damping), ("turning", s.turning)):
                 params[name][rows[new]] = value
+            for name, value in self._by_place(e[new]).items():
+                params[name][rows[new]] = value
             if self._swirl is not None:
                 share = self._swirl.share
                 share[cells[new]] = np.where(share[cells[new]] > 0, s.swirl, 0.0)
-
-    def _renew_added_mass(self, state) -> None:
-        chi = self.lateral.by_eccentricity
-        assert chi is not None
-        chain, m = self._part, self.mesh
-        r, v = (state.x[state.dofs_of(f"string.{name}")] for name in ("position", "tangent"))
-        upper, lower, e = chain.ends[:, 0], chain.ends[:, 1], chain.cells
-        middle = 0.5 * (r[upper] + r[lower]) + 0.125 * m.length[e][:, None] * (v[upper] - v[lower])
-        well, outer, hole = (
-            self.well if self.moving_hole is None else self.moving_hole.current_well(),
-            self._outer[e],
-            self._hole[e],
-        )
-        value = chi(np.linalg.norm(well.project(middle).offset, axis=1) / (0.5 * (hole - outer)), outer, hole)
-        for b in self._blocks:
-            b.named["chi"] = value[b.points]
 
     # ------------------------------------------------------------------ motion across the hole
     def lateral_sizes(self) -> FloatArray:

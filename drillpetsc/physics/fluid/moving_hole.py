@@ -50,9 +50,8 @@ class LateralCoefficients:
     swirl: (n,) spin of the mud over that of the string, when steady [-]; 0: the mud does not swirl.
     following(speed, outer, hole): rate (k,) [1/s] at which the swirl follows the spin, at speeds (k,) [m/s] along elements of
     outer diameters (k,) [m] in holes of diameters (k,) [m]; None: at once.
-    by_eccentricity(eccentricity, outer, hole): added mass (k,) at eccentricities (k,) from 0 to 1, of
-    elements of outer diameters (k,) [m] in holes of diameters (k,) [m]; None: independent of the
-    eccentricity.
+    by_place(outer, hole): coefficients (k, 5) [-] of the added mass by the place in the hole (manual: eq-mud-chi-place) of elements of
+    outer diameters (k,) [m] in holes of diameters (k,) [m]; None: the same everywhere.
     """
 
     added: FloatArray
@@ -60,7 +59,7 @@ class LateralCoefficients:
     turning: FloatArray
     swirl: FloatArray
     following: Callable[[FloatArray, FloatArray, FloatArray], FloatArray] | None = None
-    by_eccentricity: Callable[[FloatArray, FloatArray, FloatArray], FloatArray] | None = None
+    by_place: Callable[[FloatArray, FloatArray], FloatArray] | None = None
 
 
 class MovingHole:
