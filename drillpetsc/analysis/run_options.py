@@ -7,7 +7,7 @@ from contextlib import contextmanager
 
 from petsc4py import PETSc
 
-from drillpetsc.analysis.transient import make_integrator
+from drillpetsc.analysis.integrator_choice import make_integrator
 from drillpetsc.case.case import Case
 from drillpetsc.model.drilling_model import build_model
 from drillpetsc.solvers import petsc_options as options
