@@ -100,7 +100,7 @@ def drive_warnings(model: DrillingModel, starts: bool) -> list[str]:
     out = control_warnings(case, drive.described, drive.impedance)
     if starts:
         torque = float(model.system.comm.tompi4py().allreduce(drive.start_torque))
-        out += start_warnings(torque, drive.motor, model.system.units)
+        out += start_warnings(torque, drive.motor, case.output.units or "metric")
     return out
 
 

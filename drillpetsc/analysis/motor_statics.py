@@ -47,7 +47,7 @@ def motor_equilibrium(
         state.warnings.append(
             "the speed of the downhole motor did not settle in the search for the equilibrium"
         )
-    state.warnings += motor.static_warnings(torque, flow, model.system.units)
+    state.warnings += motor.static_warnings(torque, flow, model.case.output.units or "metric")
     return state
 
 

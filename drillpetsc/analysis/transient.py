@@ -259,7 +259,9 @@ class TransientRun:
             said = [
                 line
                 for c in self.model.system.components
-                for line in c.start_warnings(self.model.system.assembly, self.model.system.units)
+                for line in c.start_warnings(
+                    self.model.system.assembly, self.model.case.output.units or "metric"
+                )
             ]
             said = self.model.system.all_entries(said)
             self.notes["warnings"] += said
