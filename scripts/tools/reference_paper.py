@@ -33,6 +33,7 @@ FIRST: dict[str, tuple[list[str], str]] = {
     "no-added-mass": (["fluid.added_mass=none"], "without added mass"),
     "no-damping": (["fluid.lateral_damping=none"], "without viscous damping of lateral motion"),
     "pump-off": (["fluid.flow_rate=0 l/s"], "pump off"),
+    "quaternion": (["beam.formulation=quaternion"], "with the reference paper's element"),
 }
 IMPACTS = ["output.history_every=1 ms"]  # an impact of the near-bit stabilizer lasts 8 ms
 TURNING = ["top.rotation=80 rpm"]  # steady from the start
