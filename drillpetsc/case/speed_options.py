@@ -99,15 +99,14 @@ class Excitation:
     place: str = "the lower end"
     md: float = math.nan
 
-    @property
-    def words(self) -> str:
-        """For people."""
+    def words(self, units: System) -> str:
+        """For people, in a system of units."""
         if self.kind == "unbalance":
             return "unbalance, once per turn"
         if self.kind == "motor":
             return "orbit of the motor's rotor"
-        unit = {"displacement": "m", "force": "N", "torque": "N m"}[self.what]
-        return f"{self.what} of {self.amplitude:g} {unit} at {self.place}, {self.order:g} per turn"
+        kind = {"displacement": "diameter"}.get(self.what, self.what)
+        return f"{self.what} of {said(self.amplitude, kind, units)} at {self.place}, {self.order:g} per turn"
 
 
 KINDS = ("unbalance", "bit", "motor")

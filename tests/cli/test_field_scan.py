@@ -93,6 +93,7 @@ COMMANDS: dict[str, tuple[str, ...]] = {
     "campbell rotary.yaml --out cam --speeds 60,120rpm --count 6 --stiffness 1e6,1e7Pa": (),
     "stability rotary.yaml --rpm 60,120rpm --wob 4,5 --count 4 --out sta": (),
     "response rotary.yaml --excite unbalance --speeds 60:120:20rpm --out re --stress": (),
+    "response rotary.yaml --excite 700ft --amplitude 5klbf --speeds 60,80rpm --out res2": (),
     # the units of the matrices that it writes, which are in SI as all files
     "linearise rotary.yaml --inputs top.rotation --outputs bit_speed --out lin": (
         "top.rotation [rad/s]",

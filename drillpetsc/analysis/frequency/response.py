@@ -375,7 +375,7 @@ def run_response(
         )
         summary = {
             "title": case.title,
-            "excitation": excitation.words,
+            "excitation": excitation.words(case.output.units or "SI"),
             "order": None if excitation.kind == "motor" else excitation.order,
             "speeds": [rpm_of(s) for s in speeds],
             "validity": [word for word, _ in valid],
