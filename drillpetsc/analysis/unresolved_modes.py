@@ -12,25 +12,33 @@ ELEMENTS_PER_WAVE = 4.0  # fewer do not resolve the exchange of work between str
 
 
 def unresolved_growth(model: DrillingModel, found: Modes) -> list[str]:
-    """Return a warning on growing modes whose pressure waves are shorter than ``ELEMENTS_PER_WAVE`` elements.
+    """Return a warning on growing modes whose waves are shorter than ``ELEMENTS_PER_WAVE`` elements.
 
-    The exchange of work between string and mud is balanced up to the error of the mesh only.
+    The exchange of work between string and mud is balanced up to the error of the mesh only.  Waves are those of pressure in the mud, or
+    of bending, at the frequency w of the pipe's own mass m per length: (m w^2/EI)^(1/4).
     """
     if model.fluid is None or model.beam is None:
         return []
     mud, mesh = model.fluid.constants, model.mesh
+    pipe = ~mesh.is_joint & (mesh.mass > 0)
     length = float(mesh.length[~mesh.is_joint].max())
-    highest = np.sqrt(mud.bulk_modulus / mud.density) / (ELEMENTS_PER_WAVE * length)
+    slowest = np.sqrt(mesh.bending_stiffness[pipe] / mesh.mass[pipe]) * (2 * np.pi / mesh.length[pipe]) ** 2
+    limits = {
+        "pressure": np.sqrt(mud.bulk_modulus / mud.density) / (ELEMENTS_PER_WAVE * length),
+        "bending": float(slowest.min()) / (2 * np.pi * ELEMENTS_PER_WAVE**2),
+    }
     lateral = np.array([kind == "lateral" for kind in found.kind], dtype=bool)
-    units = model.case.shown_units
-    coarse = found._grows & (found.frequency > highest) & ~lateral
-    if not coarse.any():
-        return []
-    return [
-        f"{int(coarse.sum())} of the growing modes, from {found.frequency[coarse].min():.4g} Hz, have pressure waves shorter than "
-        f"{ELEMENTS_PER_WAVE:g} elements of {shown(length, 'length', units, 3)}: their growth may come from the mesh; it is one of the model where it stays "
-        f"with element_length below {shown(length * highest / found.frequency[coarse].max(), 'length', units, 2)}"
-    ]
+    units, out = model.case.shown_units, []
+    for waves, power, of_kind in (("pressure", 1.0, ~lateral), ("bending", 0.5, lateral)):
+        coarse = found._grows & (found.frequency > limits[waves]) & of_kind
+        if coarse.any():
+            enough = length * (limits[waves] / found.frequency[coarse].max()) ** power
+            out.append(
+                f"{int(coarse.sum())} of the growing modes, from {found.frequency[coarse].min():.4g} Hz, have {waves} waves shorter than "
+                f"{ELEMENTS_PER_WAVE:g} elements of {shown(length, 'length', units, 3)}: their growth may come from the mesh; it is one of the "
+                f"model where it stays with element_length below {shown(enough, 'length', units, 2)}"
+            )
+    return out
 
 
 def fed_by_swirl(model: DrillingModel, found: Modes) -> list[str]:

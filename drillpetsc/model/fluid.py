@@ -448,7 +448,10 @@ def _lateral_coefficients(case: Case, sizes: Annulus) -> LateralCoefficients:
         rotation_drag = np.pi * viscosity * inner**2 * outer**2 / (outer**2 - inner**2)
     swirl = np.zeros(len(inner))
     if may_turn(case):
-        swirl = steady_share(inner, outer) if f.swirl == "auto" else np.full(len(inner), float(f.swirl))
+        carried = np.where(
+            viscosity > 0, steady_share(inner, outer), 0.0
+        )  # nothing turns mud without viscosity
+        swirl = carried if f.swirl == "auto" else np.full(len(inner), float(f.swirl))
     return LateralCoefficients(
         _added_mass(case, sizes),
         damping,

@@ -221,6 +221,16 @@ def test_swirl_follows_the_spin_as_its_equation_says():
     assert block.named["swirl"][0] == pytest.approx(share * 5.0)
 
 
+def test_swirl_that_nothing_drives_stays():
+    """Without viscosity the rate at which the swirl follows is zero: it keeps what it has, and has no other by itself."""
+    swirl = Swirl(np.full(1, 0.4))
+    swirl.follow[:] = 0.0
+    swirl.start(0.0, np.full(1, 2.0))
+    for t in (0.5, 1.0):
+        swirl.accept(t, np.full(1, 2.0 + t))
+        assert swirl.at(t + 0.3) == (pytest.approx([0.8]), pytest.approx([0.0]))
+
+
 def test_share_is_the_mean_of_couettes_flow():
     """int w r^3 dr/(Omega int r^3 dr) over the gap with w = A - B/r^2, w(a) = Omega, w(b) = 0 (manual: eq-mud-swirl-share)."""
     for inner, outer in ((0.127, 0.2159), (0.1778, 0.2159)):

@@ -119,11 +119,13 @@ class Swirl:
             return still, still
         step, share = max(0.0, t - self._start), self.share
         at_once = np.isinf(self.follow)
-        k = np.where(at_once, 1.0, self.follow)
-        late = np.where(at_once, 0.0, share * self.trend / k)
-        behind = np.where(at_once, 0.0, (self.swirl - share * self.spin + late) * np.exp(-k * step) - late)
-        rate = share * self.trend - np.where(at_once, 0.0, k * (behind + late))
-        return share * (self.spin + self.trend * step) + behind, rate
+        k = np.where(at_once, 0.0, self.follow)
+        waited = np.divide(-np.expm1(-k * step), k, out=np.full_like(k, step), where=k > 0)
+        behind = (self.swirl - share * self.spin) * np.exp(-k * step) - share * self.trend * waited
+        behind[at_once] = 0.0
+        return share * (self.spin + self.trend * step) + behind, np.where(
+            at_once, share * self.trend, -k * behind
+        )
 
     # ------------------------------------------------------------------ checkpoints
     def get_state(self) -> FloatArray:
