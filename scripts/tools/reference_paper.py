@@ -43,13 +43,16 @@ KNOBS: dict[str, tuple[list[str], str]] = {
     "hard-rock": (["formation.young=200 GPa"], "modulus of the rock x 10"),
     "restitution": (["contact.restitution=0.2"], "restitution 0.2 for 0.5"),
     "slip": (["contact.slip_velocity=0.003 m/s"], "slip velocity x 0.3"),
-    "fine-mesh": (["string[0].element_length=4.5 m", "string[1].element_length=4 m"], "elements x 0.5"),
+    "fine-mesh": (
+        ["string[0].element_length=5.03 m", "string[1].element_length=4 m", "string[2].element_length=0.5 m"],
+        "elements x 0.5",
+    ),
     "tolerance": (["petsc.ts_rtol=1e-5"], "tolerance x 0.1"),
     "quaternion": (["beam.formulation=quaternion"], "the reference paper's element"),
     "bdf": (["petsc.ts_type=bdf", "petsc.ts_adapt_dt_max=2.3e-4"], "BDF 2, steps by the energy rule"),
 }
 COLLAR = "{kind: pipe, name: drill collar, length: 1.5 m, od: 177.8 mm, id: 71.4 mm, element_length: 1.5 m, eccentricity: 0.5 mm}"
-STABILIZERS = {"near-bit": [], "slick": [f"string[2]={COLLAR}"], "full-gauge": ["string[2].od=215.9 mm"]}
+STABILIZERS = {"near-bit": [], "slick": [f"string[3]={COLLAR}"], "full-gauge": ["string[3].od=215.9 mm"]}
 FIXED = [
     "time.integrator=generalized_alpha",
     "petsc.ts_adapt_type=none",
