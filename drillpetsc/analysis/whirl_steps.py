@@ -13,11 +13,11 @@ from math import pi
 
 import numpy as np
 
+from drillpetsc.analysis.placement import top_depth
 from drillpetsc.arrays import FloatArray
 from drillpetsc.fem.string_mesh import RigidItem
 from drillpetsc.model.drilling_model import DrillingModel
 from drillpetsc.output.rigid_items import RigidItems
-from drillpetsc.parallel import total
 from drillpetsc.unit_systems import shown
 
 SLOWEST = 0.1  # rotation [rad/s] below which nothing whirls
@@ -86,7 +86,7 @@ class WhirlSteps:
 
     @property
     def parts(self) -> list[_Part]:
-        """The parts, at the clearances that they had at the first use; collective."""
+        """The parts, at the clearances that they have at the start."""
         if self._parts is None:
             self._parts = (
                 self._find() if self.model.beam is not None and self.model.contact is not None else []
@@ -102,7 +102,8 @@ class WhirlSteps:
         assert model.well is not None
         chain, out = model.system.chain, []
         local = {int(v): i for i, v in enumerate(chain.vertices) if chain.owned[i]}
-        place = self._depths(local)
+        # where the string lies before it moves, in the hole of the case: a run that is restarted finds the same parts
+        place = mesh.node_depth + top_depth(model)
         for k in RigidItems(model).items:
             body = mesh.bodies[k]
             md = float(place[body.node])
@@ -155,22 +156,11 @@ class WhirlSteps:
     def _of_bit(self, body: RigidItem) -> Callable[[float], float]:
         """Whirl rate of a bit in gauge whose side may drive it round the hole (manual: eq-bit-whirl)."""
         fastest = self._fastest(body)
-        gauge = getattr(getattr(self.model.drilling, "contact", None), "gauge", None)
-        if gauge is None:
+        strength = None if self.model.drilling is None else self.model.drilling.side_strength
+        if strength is None:
             return lambda spin: fastest if spin > SLOWEST else 0.0
         mass = sum(b.mass for b in self.model.mesh.bodies if b.node == body.node)
-        return lambda spin: (
-            min(fastest, gauge.strength / (mass * spin * body.radius)) if spin > SLOWEST else 0.0
-        )
-
-    def _depths(self, local: dict[int, int]) -> FloatArray:
-        """(n+1,) measured depths of the nodes in the hole [m], on all ranks."""
-        system, out = self.model.system, np.zeros(self.model.mesh.nodes)
-        position = system.assembly.x[system.assembly.dofs_of("string.position")]
-        if local:
-            rows = list(local.values())
-            out[list(local)] = self.model.well.project(position[rows]).md  # type: ignore[union-attr]
-        return np.asarray(total(system.comm.tompi4py(), out)) if system.comm.size > 1 else out
+        return lambda spin: min(fastest, strength / (mass * spin * body.radius)) if spin > SLOWEST else 0.0
 
     def _rates(self) -> FloatArray:
         """(parts,) whirl rates [rad/s] of the parts that turn and touch the wall, at present; the same on all ranks."""

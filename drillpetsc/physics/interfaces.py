@@ -215,6 +215,11 @@ class Bit(Component):
         """Length drilled since the start [m] and rate of penetration [m/s], zero on ranks without the bit."""
         return 0.0, 0.0
 
+    @property
+    def side_strength(self) -> float | None:
+        """Force at which the rock beside the bit gives way [N]; None where it does not."""
+        return None
+
     def orbit_and_overgauge(self, state: Any) -> tuple[float, float]:
         """Distance of the bit's centre from the axis of its hole and radius of the hole beside the bit less that of the bit [m].
 

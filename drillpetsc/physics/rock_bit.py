@@ -593,6 +593,11 @@ class RockBit(Bit):
         )
         return float(drilled), float(self.element_results(state)[RESULTS["rate"]])
 
+    @property
+    def side_strength(self) -> float | None:
+        gauge = self.contact.side.gauge
+        return None if gauge is None else gauge.strength
+
     def orbit_and_overgauge(self, state) -> tuple[float, float]:
         """Return the offset of the bit from the axis of its hole and the over-gauge of the hole beside it [m]."""
         if not self._mine:

@@ -286,7 +286,7 @@ class GeneralizedAlpha(TimeIntegrator):
             self.work.start(start)
         at_break = any(abs(b - start) <= near for b in breaks)
         if self._restored is not None:
-            self._restore(self._restored)
+            self._restore(self._restored, at_break)
             resume, self._restored = True, None
         t, first = start, not resume
         for stop in stops:
@@ -423,7 +423,7 @@ class GeneralizedAlpha(TimeIntegrator):
         if self.estimate is not None:
             self.estimate.set_state(state)
 
-    def _restore(self, state: dict[str, FloatArray]) -> None:
+    def _restore(self, state: dict[str, FloatArray], at_break: bool) -> None:
         clock, n = state["alpha_clock"], self.system.layout.size
         self._next_step = float(clock[0])
         self._step_number, self._steps_over_jump = int(clock[2]), int(clock[3])
@@ -432,8 +432,10 @@ class GeneralizedAlpha(TimeIntegrator):
         empty = np.zeros(n)
         values = np.array([local(self.system, row, empty) for row in state["alpha"]])
         self.alpha = self.alpha.with_values(float(clock[1]), values)
-        # positions and rates are the checkpoint's, in which states that it did not have may have begun
-        self.system.assembly.a[:n] = self.alpha.arrays["w"]
+        if at_break:  # the formula starts from the assembly's state, in which others than the checkpoint's may have begun
+            self.system.assembly.a[:n] = self.alpha.arrays["w"]
+        else:
+            self._load()
         self.fresh = self.alpha.step == 0.0
         self.newton.set_state(state)
 

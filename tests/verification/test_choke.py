@@ -97,4 +97,4 @@ def test_a_choke_too_small_for_the_pump_is_refused():
     with pytest.raises(CaseError) as error:
         loop({**MUD, "flow_rate": 0.02, "choke": {"area": 1e-8}}, 10)
     assert "fluid.choke.area" in str(error.value)
-    assert "1200 l/min" in str(error.value)
+    assert "passes 0.02 m3/s" in str(error.value)

@@ -337,6 +337,6 @@ def test_automatic_element_lengths_use_weight_and_clearance_of_tool_joints():
     case = Case(
         string=[PIPE | {"length": 300.0}], top="clamped", well=well(310.0, 0.5, "8.5 in"), fluid=mud(1300.0)
     )
-    forces = estimate_forces(case, build_model(case).well, {0: _section(case.string[0])}, None)
+    forces = estimate_forces(case, build_model(case).well, {0: _section(case.string[0], "field")}, None)
     assert forces.weight == pytest.approx(case.string[0].adjusted_weight * G0 * (1 - 1300 / 7850), rel=1e-9)
     assert forces.clearance == pytest.approx(0.5 * 8.5 * INCH - JOINT_RADIUS, rel=1e-9)
