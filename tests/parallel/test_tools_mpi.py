@@ -42,12 +42,16 @@ def write(folder: Path, kind: str) -> Path:
 def test_tools_are_the_same_on_1_2_and_3_ranks(kind, tmp_path):
     """Histories are equal to rounding; torque and angles of joints that carry none are rounding themselves.
 
-    Statics of the whole string end within 0.1 N of the axial force.  Stops of 1e9 N/m let Newton's method shrink a step by 1e-10,
-    and whether it reaches 1e-12 is rounding.
+    The whole string goes on from the state of another run: its buckles have more than one place, and which of them a search of 170
+    factorisations ends at is rounding.  Stops of 1e9 N/m let Newton's method shrink a step by 1e-10; whether it reaches 1e-12 is, too.
     """
     whole = kind.startswith("whole")
     path, runs = write(tmp_path, kind), []
     options = ["2e-4", "-q_snes_stol", "1e-10"] if whole else ["1e-3", "-q_snes_stol", "1e-12"]
+    if whole:
+        run_mpi(1, SCRIPT, [str(path), str(tmp_path / "start"), *FIXED, *options], timeout=200)
+        case = yaml.safe_load(path.read_text()) | {"initial": {"from": str(tmp_path / "start")}}
+        path.write_text(yaml.safe_dump(case))
     for n in (1, 2, 3):
         out = tmp_path / f"ranks{n}"
         run_mpi(n, SCRIPT, [str(path), str(out), *FIXED, *options], timeout=200)
@@ -64,7 +68,7 @@ def test_tools_are_the_same_on_1_2_and_3_ranks(kind, tmp_path):
             if not name.startswith(("energy_error", "newton", "step")):
                 # small differences of large forces and of large pressures
                 size = small.get(name.split()[0], np.abs(values).max())
-                assert np.abs(other[name] - values).max() <= (2e-5 if whole else 1e-7) * size + 1e-10, name
+                assert np.abs(other[name] - values).max() <= (1e-6 if whole else 1e-7) * size + 1e-10, name
 
 
 @pytest.mark.parametrize("kind", ["agitator", "whole, two"])
