@@ -246,7 +246,7 @@ struct Bit {
             depth_s -= x[OVERGAUGE];
             closing -= y[OVERGAUGE];
         }
-        T side = T(0.0), elastic_s = T(0.0);
+        T side = T(0.0), load = T(0.0), elastic_s = T(0.0);  // load: of the side, with friction
         Vec<T> push = zero, drag = zero;
         const Vec<T> touch = (n * (a * a) + t.t * (squeeze * lean)) / girth;
         if (p[SIDE] != 0 && !(val(depth_s) <= -RAMP)) {
@@ -254,16 +254,17 @@ struct Bit {
             elastic_s = (spring ? depth_s : onset(depth_s)) * p[SIDE];
             side = moving ? damped(elastic_s, closing, p[DAMPING]) : elastic_s;
             const Vec<T> around = cross(axis, n);
+            load = spring ? side * offset_share(across, rho) : side;
             if (moving) {
                 const Vec<T> rim = cross(cross(t.t, t.t1) + t.t * omega, touch), surface = speed + rim;
                 const T va = dot(surface, axis), vb = dot(guided ? rim : surface, around), v2 = va * va + vb * vb;
-                const T hold = -(side * p[WALL]) / sqrt(v2 + p[SLIP] * p[SLIP]);
+                const T hold = -(load * p[WALL]) / sqrt(v2 + p[SLIP] * p[SLIP]);
                 drag = push = (axis * va + around * vb) * hold;
                 if (guided) push = axis * (va * hold);
             } else {
                 const double vb = p[SPIN] * a, size = std::sqrt(p[AXIAL] * p[AXIAL] + vb * vb), share = size > 0 ? p[WALL] / size : 0.0;
-                drag = (axis * (p[AXIAL] * share) + around * (vb * share)) * (-side);
-                push = (axis * (p[AXIAL] * share) + around * (guided ? 0.0 : vb * share * p[SHARE])) * (-side);
+                drag = (axis * (p[AXIAL] * share) + around * (vb * share)) * (-load);
+                push = (axis * (p[AXIAL] * share) + around * (guided ? 0.0 : vb * share * p[SHARE])) * (-load);
             }
         }
 
@@ -298,7 +299,7 @@ struct Bit {
             results->torque = val(r[6]);
             results->velocity = values(rate);
             results->rate = norm(results->velocity);
-            results->side = val(side);
+            results->side = val(load);
             results->push = values(n) * -val(side);
             results->force = values(wall);
             results->couple = values(cross(touch, n * (-side) + drag));

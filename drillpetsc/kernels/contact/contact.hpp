@@ -109,15 +109,15 @@ inline void touch(const ContactLaw& law, const Well& well, const Foot& foot, con
         const T root = sqrt(a * a + CLIP * CLIP);
         factor = val(a) > 0 ? 0.5 * (a + root) : (0.5 * CLIP * CLIP) / (root - a);  // (a + root)/2 without cancellation
     }
-    const T N = elastic * factor;
+    const T N = elastic * factor, load = clearance ? N : N * offset_share(h.e, h.rho);
     const Vec<T> around = cross(h.t, h.n);
     const T mu0 = own_friction < 0 ? h.friction : T(own_friction);
     Vec<T> drag, push = {T(0.0), T(0.0), T(0.0)};
     if (law.imposed) {
         const double va = law.axial, vb = law.spin * R, speed = std::sqrt(va * va + vb * vb);
         const double share = speed > 0 ? 1 / speed : 0.0;
-        drag = (h.t * (va * share) + around * (vb * share)) * (-(mu0 * N));
-        push = (h.t * (va * share) + around * (guided ? 0.0 : vb * share * law.side)) * (-(mu0 * N));
+        drag = (h.t * (va * share) + around * (vb * share)) * (-(mu0 * load));
+        push = (h.t * (va * share) + around * (guided ? 0.0 : vb * share * law.side)) * (-(mu0 * load));
         if (results) results->friction_power = 0;
     } else {
         const Vec<T> rim = cross(turning, h.n) * R, surface = u + rim;
@@ -125,17 +125,17 @@ inline void touch(const ContactLaw& law, const Well& well, const Foot& foot, con
         const T speed = sqrt(v2 + law.slip * law.slip);
         T mu = mu0;
         if (law.extra != 0) mu = mu0 * (1.0 + law.extra * exp(-v2 / (law.decay * law.decay)));
-        const T grip = -(mu * N) / speed;
+        const T grip = -(mu * load) / speed;
         push = drag = (h.t * va + around * vb) * grip;
         if (guided) push = h.t * (va * grip);
-        if (results) results->friction_power = val(mu * N * v2 / speed);
+        if (results) results->friction_power = val(mu * load * v2 / speed);
     }
     out.force = push - gradient * N;
     out.couple = cross(h.n, drag) * R;
     out.normal = N;
     if (results) {
         const double dv = val(d), e = val(elastic);
-        results->normal = val(N);
+        results->normal = val(load);
         results->stored = e * dv / (law.exponent + 1);
         results->damping_power = (val(N) - e) * val(rate);
         results->penetration = val(depth);

@@ -27,6 +27,8 @@ struct WellStep {  // a smoothstep over a transition
     DP_ENUM(Column, START, WIDTH, RADIUS, RADIUS_CHANGE, FRICTION, FRICTION_CHANGE, COLUMNS)
 };
 constexpr double WELL_RHO0 = 1e-6;  // m, rounds off |e| at the axis
+// Share of a centring spring's force k rho that is a force: k |e|.  The rest is the rounding of rho, on which there is no friction.
+template <class T> inline T offset_share(const Vec<T>& e, const T& rho) { return sqrt(dot(e, e) + 1e-24) / rho; }
 
 struct Well {
     int nodes, steps;
