@@ -92,10 +92,10 @@ def drive_warnings(model: DrillingModel, starts: bool) -> list[str]:
 
     starts: the run begins; a continued one has no static torque.
     """
-    case, drive = model.case, model.drive
+    case, drive = model.case, model.part(MotorDrive)
     if case.top.motor is not None and is_quasi_static(case):
         return ["top.motor: left out, since time.mode is quasi_static: the rotation is prescribed"]
-    if not isinstance(drive, MotorDrive):
+    if drive is None:
         return []
     out = control_warnings(case, drive.described, drive.impedance)
     if starts:
@@ -106,8 +106,8 @@ def drive_warnings(model: DrillingModel, starts: bool) -> list[str]:
 
 def drive_lines(model: DrillingModel) -> list[str]:
     """Lines of the command `check`; empty without a motor."""
-    drive = model.drive
-    if not isinstance(drive, MotorDrive):
+    drive = model.part(MotorDrive)
+    if drive is None:
         return []
     lines = control_lines(drive.described, drive.motor, drive.impedance, model.system.units)
     for q in model.case.top.control:

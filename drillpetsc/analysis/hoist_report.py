@@ -7,16 +7,13 @@ from typing import Any
 from drillpetsc.case.case import Case
 from drillpetsc.model.drilling_model import DrillingModel, is_quasi_static
 from drillpetsc.model.hoist import autodriller_of, gear_of
-from drillpetsc.physics.hoist import HoistLine
+from drillpetsc.physics.hoist import Hoist, HoistLine
 from drillpetsc.physics.hoisting import fast_line_efficiency
 from drillpetsc.unit_systems import shown
 
 
-def hoist_summary(model: DrillingModel) -> dict[str, Any]:
-    """Entries of summary.json (SI); empty without a hoist."""
-    hoist = model.hoist
-    if hoist is None:
-        return {}
+def hoist_summary(model: DrillingModel, hoist: Hoist) -> dict[str, Any]:
+    """Entries of summary.json (SI)."""
     gear = gear_of(model.case)
     out: dict[str, Any] = {"fast_line_efficiency": fast_line_efficiency(gear.efficiency, gear.lines)}
     if isinstance(hoist, HoistLine):
@@ -31,7 +28,7 @@ def hoist_summary(model: DrillingModel) -> dict[str, Any]:
 def hoist_lines(model: DrillingModel) -> list[str]:
     """Lines of the command `check`; empty without a hoist."""
     case = model.case
-    if model.hoist is None:
+    if not model.parts(Hoist):
         return []
     gear, drill, units = gear_of(case), autodriller_of(case), case.shown_units
     lines = [
@@ -98,9 +95,8 @@ def hoist_warnings(case: Case) -> list[str]:
     return out
 
 
-def slack_warnings(model: DrillingModel) -> list[str]:
+def slack_warnings(hoist: Hoist) -> list[str]:
     """Sentence on lines that would have gone slack."""
-    hoist = model.hoist
     if not isinstance(hoist, HoistLine) or hoist.slack is None:
         return []
     return [

@@ -18,6 +18,7 @@ from drillpetsc.analysis.equilibrium import StaticState
 from drillpetsc.analysis.linearised_model import linearise_model
 from drillpetsc.analysis.live_outputs import LiveOutputs
 from drillpetsc.analysis.modal import prepare_state, reference_rate
+from drillpetsc.analysis.placement import start_of
 from drillpetsc.analysis.state_differences import NOISE, StateDifferences, of_motion
 from drillpetsc.arrays import FloatArray
 from drillpetsc.case.quantities import largest
@@ -26,6 +27,7 @@ from drillpetsc.fem.component import DRIVE
 from drillpetsc.model.drilling_model import DrillingModel
 from drillpetsc.output.recorder import Recorder
 from drillpetsc.output.table_rows import TableColumn
+from drillpetsc.physics.interfaces import Drive
 from drillpetsc.solvers.linearization import Linearised
 from drillpetsc.solvers.model_reduction import LARGEST_DENSE
 from drillpetsc.solvers.state_space import Exchange, StateSpace, connected, eliminate
@@ -98,8 +100,8 @@ class LinearModel:
 def steady_state(model: DrillingModel) -> StaticState:
     """Set the model to its steady state (``modal.prepare_state``), with a drive that inputs act on; collective."""
     state = prepare_state(model)
-    if model.drive is not None:
-        model.drive.start(model.system.assembly)
+    for drive in model.parts(Drive):
+        drive.begin_motion(model.system.assembly, start_of(model))
     return state
 
 

@@ -12,8 +12,8 @@ import scipy.sparse as sparse
 
 from drillpetsc.analysis.state_differences import StateDifferences, of_motion
 from drillpetsc.arrays import FloatArray
-from drillpetsc.case.blocks.tools import Jar
 from drillpetsc.model.drilling_model import DrillingModel
+from drillpetsc.physics.hoist import Hoist
 from drillpetsc.solvers.linearization import Linearised, linearise
 
 MEASURED_AT = 3  # nodes from each end of the string between which nothing is measured
@@ -21,23 +21,15 @@ MEASURED_STEP = {"wob": 1e2, "torque": 1e1, "differential_pressure": 1e3}  # [N]
 
 
 def settle(model: DrillingModel) -> list[str]:
-    """Leave out what moves on its own in a steady state, and close the autodriller's loop; returns notes.  Collective.
+    """Prepare the model, which is in motion, for linearising; returns notes for the user.  Collective.
 
-    The model is in motion.  The valve of an agitator stands, and the rotor of a motor is balanced: both excite the
-    string, and have no part in how it answers.
+    Agitator valves and motor unbalance are left out: they excite the string and do not change its linear response.  The
+    autodriller's loop is closed.
     """
-    notes = []
-    if model.motor is not None:
-        model.motor.balance_orbit()
-    for agitator in model.agitators:
-        agitator.hold()
-    if model.agitators:
-        notes.append("the valve of the agitator stands: its pulses are no part of a linear model")
-    if any(isinstance(item, Jar) for item in model.case.string):
-        notes.append("the jar stays as it is at the start: its latch is a spring")
-    if model.hoist is not None:
-        note = model.hoist.balance(model.system.assembly)
-        notes += [note] if note else []
+    notes: list[str] = []
+    for component in model.components:
+        note = component.balance(model.system.assembly)
+        notes += [note] if note and note not in notes else []
     for component in model.components:
         component.settle(0.0, model.system.assembly)
     return notes
@@ -79,7 +71,7 @@ def _fed_back(model: DrillingModel, q: Linearised | None) -> list[sparse.csr_mat
 
     In a run the measurement follows each step.  Here it is a function of the state, whose derivatives are differences.
     """
-    hoist = model.hoist
+    hoist = model.part(Hoist)
     kind = hoist.sensed_loop() if hoist is not None else None
     if hoist is None or kind is None:
         return None

@@ -52,6 +52,7 @@ from drillpetsc.output.quantities import MODES
 from drillpetsc.output.quantities.modes import STOKES_NUMBER
 from drillpetsc.output.result import RunResult
 from drillpetsc.output.well_files import write_well_files
+from drillpetsc.physics.tools.mud_motor import MudMotor
 from drillpetsc.solvers.linearization import Linearised
 from drillpetsc.solvers.quadratic_eigenproblem import (
     Eigenvalues,
@@ -90,7 +91,7 @@ def prepare_state(model: DrillingModel, about: str = "steady") -> StaticState:
 
     Raises SolveError where no equilibrium is found.
     """
-    if about == "steady" and (prescribed_motion(model) != (0.0, 0.0) or model.motor is not None):
+    if about == "steady" and (prescribed_motion(model) != (0.0, 0.0) or model.parts(MudMotor)):
         state = find_equilibrium(model)
         release(model)
         move_rigidly(model)
@@ -105,7 +106,7 @@ def rest_of(model: DrillingModel) -> list[str]:
     """From an equilibrium, set the model to rest without friction; returns notes; collective."""
     release(model, at_rest=True)
     notes = settle(model)
-    for part in model.imposed:
+    for part in model.components:
         # no sliding: without friction, which at rest would be a damper of mu N over the slip velocity
         part.impose_sliding_direction(0.0, 0.0)
     model.system.assembly.y[:] = 0.0
@@ -178,12 +179,11 @@ def modes(
                 eigenvalues = _nearest(
                     eigenvalues_near(problem, 2j * np.pi * shift, 2 * count, engine), shift, count
                 )
-            if model.drive is not None and model.drive.free_angle:
-                eigenvalues = _without_free_angle(model, linearised, eigenvalues)
-            if model.motor is not None:  # the angle of the rotor
-                eigenvalues = _without_free_angle(model, linearised, eigenvalues)
-            if model.hoist is not None:
-                eigenvalues = _without_free_drum(model, linearised, eigenvalues)
+            for component in model.components:
+                for _ in range(component.free_angles):
+                    eigenvalues = _without_free_angle(model, linearised, eigenvalues)
+                if component.free_length:
+                    eigenvalues = _without_free_length(component.free_length, model, linearised, eigenvalues)
             kept = 0
             if own is not None:
                 share = _shares(model, linearised, eigenvalues.s, linearised.vectors(eigenvalues))
@@ -239,13 +239,15 @@ def _without_free_angle(model: DrillingModel, linearised: Linearised, found: Eig
     return found if not len(turning) else found.subset(np.arange(len(found.s)) != turning[0])
 
 
-def _without_free_drum(model: DrillingModel, linearised: Linearised, found: Eigenvalues) -> Eigenvalues:
-    """Leave out the root zero of the drum's pay-out, to which nothing returns a drum of given speed."""
+def _without_free_length(
+    field: str, model: DrillingModel, linearised: Linearised, found: Eigenvalues
+) -> Eigenvalues:
+    """Leave out the root zero of a ``field`` to which nothing returns, such as the pay-out of a drum of given speed."""
     names = [f.name for f in model.system.layout.fields]
-    if "hoist.pay_out" not in names:
+    if field not in names:
         return found
     small = np.flatnonzero(np.abs(found.s) <= ZERO_FRACTION * reference_rate(model))
-    row = np.flatnonzero(linearised.field == names.index("hoist.pay_out"))
+    row = np.flatnonzero(linearised.field == names.index(field))
     u = np.abs(linearised.vectors(found.subset(small)))
     share = (u[row] / np.maximum(u.max(axis=0), 1e-300)).ravel()
     paying = small[share > PAYING]

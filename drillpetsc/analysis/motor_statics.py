@@ -12,7 +12,7 @@ from drillpetsc.case.blocks.fluid import Fluid
 from drillpetsc.errors import CaseError
 from drillpetsc.model.drilling_model import DrillingModel
 from drillpetsc.model.mud_motor import motor_item
-from drillpetsc.physics.interfaces import Motor
+from drillpetsc.physics.tools.mud_motor import MudMotor
 
 MOST_ROUNDS = 8  # equilibria, each with the speed of the one before
 SAME_SPEED = 1e-3  # change of speed and torque, as shares of free speed and stall torque, that is none
@@ -20,7 +20,7 @@ SAME_SPEED = 1e-3  # change of speed and torque, as shares of free speed and sta
 
 def motor_equilibrium(
     model: DrillingModel,
-    motor: Motor,
+    motor: MudMotor,
     motion: tuple[float, float] | None,
     lateral_friction: bool,
     path: PathKind | None,
@@ -66,7 +66,7 @@ def motor_flow(model: DrillingModel) -> float:
     return max(found[1].pdm.flow_rate.value(0.0), 0.0)
 
 
-def _torque_and_flow(model: DrillingModel, motor: Motor) -> tuple[float, float]:
+def _torque_and_flow(model: DrillingModel, motor: MudMotor) -> tuple[float, float]:
     """Torque [N m] and flow rate [m3/s] of the motor, the same on all ranks."""
     values = motor.torque_and_flow(0.0, model.system.assembly)
     comm = model.system.comm

@@ -6,8 +6,11 @@ import numpy as np
 
 from drillpetsc.analysis.steady_flow import release_flow, set_fluid_at_rest
 from drillpetsc.arrays import FloatArray
+from drillpetsc.fem.component import DRIVE, JOINT, Start
 from drillpetsc.model.drilling_model import DrillingModel
 from drillpetsc.model.hole import top_of_string
+from drillpetsc.physics.hoist import Hoist
+from drillpetsc.physics.tools.mud_motor import MudMotor
 from drillpetsc.unit_systems import System, shown
 
 
@@ -45,26 +48,16 @@ def place_along_hole(model: DrillingModel, top: float = 0.0) -> None:
     top: measured depth of its upper end [m].
     """
     system = model.system
-    if model.drive is not None:
-        model.drive.hold()
-    if model.hoist is not None:
-        model.hoist.hold()
-    if model.motor is not None:
-        model.motor.hold()
-        system.set_field("motor.torque", np.zeros((system.mesh.nodes, 1)))
-    for agitator in model.agitators:
-        agitator.hold()
-        system.set_field(f"{agitator.name}.angle", np.zeros((system.mesh.nodes, 1)))
+    for component in model.components:
+        component.hold()
     if model.beam is not None:
         position, tangent = model.position, model.tangent
         if top and model.well is not None:
             position, tangent, _ = (np.asarray(q) for q in model.well.at(model.mesh.node_depth + top))
         model.beam.place(system, position, tangent)
-    if "string.ratio" in system.layout.dofs:
-        system.set_field("string.ratio", np.ones((system.mesh.nodes, 1)))
-    for name in ("joint.load", "joint.correction"):
-        if name in system.layout.dofs:
-            system.set_field(name, np.zeros((system.mesh.nodes, 6)))
+    for field in system.layout.fields:
+        if field.physics in (JOINT, DRIVE) or field.name == "string.ratio":
+            system.set_field(field.name, np.full((system.mesh.nodes, field.size), field.default))
     system.assembly.y[:] = 0.0
     system.assembly.a[:] = 0.0
     if model.fluid is not None:
@@ -123,13 +116,11 @@ def move_rigidly(model: DrillingModel) -> None:
         lowering, rotation = prescribed_motion(model)
         along, turn = share_of_top(model)
         spin = rotation * turn
-        if model.motor is not None:
-            spin[model.motor.cell + 1 :] += model.motor.start_speed
+        for motor in model.parts(MudMotor):
+            spin[motor.cell + 1 :] += motor.start_speed
         model.beam.set_rigid_motion(model.system, tangent, curvature, lowering * along, spin)
-        if model.bit is not None:
-            model.bit.first_cut(model.system.assembly)
-        for reamer in model.reamers:
-            reamer.first_cut(model.system.assembly)
+        for component in model.components:
+            component.first_cut(model.system.assembly)
     release_flow(model)
 
 
@@ -140,16 +131,17 @@ def release(model: DrillingModel, at_rest: bool = False) -> None:
     """
     for component in model.components:
         component.release_sliding_direction()
-    if model.drive is not None:
-        model.drive.start(model.system.assembly, at_rest)
-    if model.motor is not None:
-        model.motor.start(model.system.assembly)
-    for agitator in model.agitators:
-        agitator.start(model.system.assembly)
-    if model.hoist is not None:
-        system, hoist = model.system, model.hoist
-        shared = np.asarray(system.comm.tompi4py().allreduce(hoist.local_update(system.assembly)))
-        hoist.start(system.assembly, -system.reaction("top.axial_reaction"), shared, at_rest)
+    start = start_of(model, at_rest)
+    for component in model.components:
+        component.begin_motion(model.system.assembly, start)
+
+
+def start_of(model: DrillingModel, at_rest: bool = False) -> Start:
+    """What machines need to know of the static state to begin their motion; collective."""
+    system = model.system
+    total = system.comm.tompi4py().allreduce
+    hook_load = -system.reaction("top.axial_reaction") if model.parts(Hoist) else 0.0
+    return Start(hook_load, lambda values: np.asarray(total(values)), at_rest)
 
 
 def find_reactions(model: DrillingModel) -> None:

@@ -35,13 +35,14 @@ class SampledControl:
 
     def __init__(self, model: DrillingModel) -> None:
         controller = model.case.top.control[0]
-        assert isinstance(model.drive, MotorDrive) and isinstance(model.drive.torque_input, SampledTorque)
+        drive = model.part(MotorDrive)
+        assert drive is not None and isinstance(drive.torque_input, SampledTorque)
         self.period, self._name = controller.sample, str(controller.kind)
-        self._model, self._drive, self._held = model, model.drive, model.drive.torque_input
+        self._model, self._drive, self._held = model, drive, drive.torque_input
         self._law: SampledLaw | None = None
         if not isinstance(controller, PythonController):
             delays = [getattr(q, "delay", 0.0) for q in model.case.top.control]
-            self._law = SampledLaw(model.drive.described, delays, self.period, model.drive.motor)
+            self._law = SampledLaw(drive.described, delays, self.period, drive.motor)
             self._function: Callable[..., Any] = self._law.torque
             self._parameters = 3
             self._held.kind = self._law.laws[0].kind
@@ -102,7 +103,7 @@ def load_function(path: str) -> Callable[..., Any]:
 
 def sampled_control(model: DrillingModel) -> SampledControl | None:
     """The controller of a model that samples; None where it has none."""
-    drive = model.drive
-    if isinstance(drive, MotorDrive) and isinstance(drive.torque_input, SampledTorque):
+    drive = model.part(MotorDrive)
+    if drive is not None and isinstance(drive.torque_input, SampledTorque):
         return SampledControl(model)
     return None

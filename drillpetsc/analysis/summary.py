@@ -21,6 +21,7 @@ from drillpetsc.geometry.trajectory import as_dict, new_hole
 from drillpetsc.model.drilling_model import DrillingModel
 from drillpetsc.output.recorder import Recorder
 from drillpetsc.output.time_error import time_error_lines
+from drillpetsc.physics.hoist import Hoist
 from drillpetsc.physics.top_drive import MotorDrive
 from drillpetsc.solvers.time_integrator import TimeIntegrator
 from drillpetsc.unit_systems import System, display_unit, shown
@@ -102,11 +103,11 @@ def outcome(
         result["accepted_changes"] = list(notes["accepted_changes"])
     if "statics" in notes:
         result["statics"] = notes["statics"]
-    if isinstance(model.drive, MotorDrive):
-        result["top_drive"] = control_summary(model.drive.described, model.drive.motor, model.drive.impedance)
-    if model.hoist is not None:
-        result["hoist"] = hoist_summary(model)
-        result["warnings"] += slack_warnings(model)
+    for drive in model.parts(MotorDrive):
+        result["top_drive"] = control_summary(drive.described, drive.motor, drive.impedance)
+    for hoist in model.parts(Hoist):
+        result["hoist"] = hoist_summary(model, hoist)
+        result["warnings"] += slack_warnings(hoist)
     if recorder.energy is not None:
         result["energy"] = recorder.energy.summary(newton_work)
     if recorder.mass is not None:

@@ -33,6 +33,7 @@ __all__ = [
     "IntArray",
     "Powers",
     "PrescribedMotion",
+    "Start",
     "VelocityStabilization",
 ]
 
@@ -186,6 +187,18 @@ class Powers(NamedTuple):
 
     dissipated: float = 0.0
     supplied: float = 0.0
+
+
+class Start(NamedTuple):
+    """What a machine needs to know when a motion begins from the static state.
+
+    hook_load: pull on the string [N]; total(values): sum of an array over all ranks, collective.
+    at_rest: drives and drums stand still, whatever their set points, for the modes about rest.
+    """
+
+    hook_load: float
+    total: Callable[[FloatArray], FloatArray]
+    at_rest: bool = False
 
 
 class Component:
@@ -354,6 +367,26 @@ class Component:
 
     def settle(self, t: float, state: Any) -> None:
         """Give history variables the values that they have at time ``t`` [s] when the present motion is steady."""
+
+    # ------------------------------------------------------------------ machines
+    #: angles that nothing returns to a place, such as that of a motor's rotor: each is a root zero of the linear model
+    free_angles: int = 0
+    #: field of a length to which nothing returns, such as the pay-out of a drum: a root zero as well; empty for none
+    free_length: str = ""
+
+    def hold(self) -> None:
+        """Hold whatever the component moves by itself, for statics."""
+
+    def begin_motion(self, state: Any, start: Start) -> None:
+        """Let go of what ``hold`` holds; it goes on with its static load.  Every rank calls it."""
+
+    def first_cut(self, state: Any) -> None:
+        """Set the rates of cutters at the start of a motion so that they carry their static weight."""
+
+    def balance(self, state: Any) -> str:
+        """Prepare a linear model about the present state: leave out what shakes the string by itself, close control loops inside
+        their limits.  Returns a note for the user, empty without any."""
+        return ""
 
     # ------------------------------------------------------------------ statics and quasi-static motion
     #: the loads of the component have a potential

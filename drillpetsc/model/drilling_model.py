@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from typing import TypeVar
 
 import numpy as np
 from petsc4py import PETSc
@@ -34,13 +35,18 @@ from drillpetsc.physics.beam import AncfBeam
 from drillpetsc.physics.bit_on_bottom import BitOnBottom
 from drillpetsc.physics.contact import Contact, ContactLaw
 from drillpetsc.physics.end_conditions import FixedEnd, Loads, NodeLoad, RotaryDrive, TopDrive
+from drillpetsc.physics.hoist import Hoist
 from drillpetsc.physics.hole_path import HolePath, is_curved
 from drillpetsc.physics.joints import Joints
 from drillpetsc.physics.precurvature import Precurvature
 from drillpetsc.physics.quaternion.contact import QuaternionContact
 from drillpetsc.physics.rigid_bodies import RigidBodies
 from drillpetsc.physics.rock_bit import RockBit
+from drillpetsc.physics.tools.mud_motor import MudMotor
+from drillpetsc.physics.tools.reamer import Reamer
 from drillpetsc.time_function import Constant
+
+Part = TypeVar("Part")
 
 
 @dataclass
@@ -53,13 +59,12 @@ class DrillingModel:
     position: (n_nodes, 3) unstrained string along the axis of the hole [m]; tangent: (n_nodes, 3) unit
     tangents.
     components: all components, in the order of the discrete system.
-    beam, top, drive, contact, bit: the components of these kinds, None where absent.  A held string has no
-    beam.
+    beam, top, contact, bit: the components of these kinds, None where absent.  A held string has no beam.
     system: the discrete system.
     fluid: components of the drilling fluid, None in a dry model.
-    hoist: block and drum above the top, None where absent.
-    steering: rotary steerable tool; motor: downhole motor; None where absent.
-    agitators, reamers: from the top.
+
+    Machines (drive, hoist, tools) are components like any other: hooks of ``Component`` hold, start and balance them, and
+    ``parts`` finds one by its class where its own numbers are wanted.
     """
 
     case: Case
@@ -71,16 +76,18 @@ class DrillingModel:
     components: tuple
     beam: interfaces.Beam | None
     top: interfaces.Top | None
-    drive: interfaces.Drive | None
     contact: Contact | None
     bit: interfaces.Bit | None
     system: DiscreteSystem
     fluid: FluidComponents | None = None
-    hoist: interfaces.Hoist | None = None
-    steering: interfaces.SteeringTool | None = None
-    motor: interfaces.Motor | None = None
-    agitators: tuple[interfaces.PulsedTool, ...] = ()
-    reamers: tuple[interfaces.ReamingTool, ...] = ()
+
+    def parts(self, kind: type[Part]) -> tuple[Part, ...]:
+        """The components of a class, from the top."""
+        return tuple(part for part in self.components if isinstance(part, kind))
+
+    def part(self, kind: type[Part]) -> Part | None:
+        """The component of a class that a string has once, None where absent."""
+        return next((part for part in self.components if isinstance(part, kind)), None)
 
     @property
     def effective_mass(self) -> FloatArray:
@@ -89,24 +96,26 @@ class DrillingModel:
         Manual: eq-mud-buoyed-weight.
         """
         mass = self.mesh.mass.copy()
-        if self.motor is not None:  # its rotor, over the element above its joint
-            cell = self.motor.cell - 1
-            mass[cell] += self.motor.rotor_mass / self.mesh.length[cell]
+        for motor in self.parts(MudMotor):  # its rotor, over the element above its joint
+            mass[motor.cell - 1] += motor.rotor.mass / self.mesh.length[motor.cell - 1]
         if self.fluid is not None and self.fluid.bore is not None:
             mass += self.fluid.constants.density * self.fluid.bore.bore.area
         if self.fluid is not None and self.fluid.annulus is not None:
             mass -= self.fluid.constants.density * self.fluid.annulus.annulus.outer
         return mass
 
-    @property
-    def imposed(self) -> tuple[Component, ...]:
-        """Components that statics gives a sliding direction or a mean over a turn."""
-        return tuple(r for r in (self.contact, self.bit, *self.reamers, self.steering) if r is not None)
+    # until statics has no machines of its own
+    motor = property(lambda self: self.part(MudMotor))
+    drive = property(lambda self: self.part(interfaces.Drive))
+    reamers = property(lambda self: self.parts(Reamer))
+    imposed = property(lambda self: self.components)
 
     def copy_sliding_direction(self, other: DrillingModel) -> None:
-        """Take over the sliding directions that statics imposed on another model of the same case."""
-        for mine, its in zip(self.imposed, other.imposed, strict=True):
-            mine.copy_sliding_direction(its)
+        """Take over the sliding directions that statics imposed on another model of the same string."""
+        theirs = {part.name: part for part in other.components}
+        for part in self.components:
+            if part.name in theirs:
+                part.copy_sliding_direction(theirs[part.name])
 
     @property
     def drilling(self) -> interfaces.Bit | None:
@@ -145,11 +154,8 @@ def build_model(
     mesh = _balanced(mesh) if balanced else curvature_by_tool_face(mesh, frames)
     beam: interfaces.Beam | None = None
     top: interfaces.Top | None = None
-    drive: interfaces.Drive | None = None
-    hoist: interfaces.Hoist | None = None
-    contact, bit, steering, motor = None, None, None, None
-    agitators: tuple[interfaces.PulsedTool, ...] = ()
-    reamers: tuple[interfaces.ReamingTool, ...] = ()
+    contact, bit = None, None
+    reamers: tuple[Reamer, ...] = ()
     components: list = []
     if case.beam.formulation == "quaternion":
         breaks = tuple(b for q in case.loads for b in q.value_over.breaks()) + _top_breaks(case)
@@ -186,12 +192,9 @@ def build_model(
         if mesh.joints:
             joints = Joints(mesh, frames)
             motor = build_mud_motor(case, mesh, frames, gravity, joints, balanced)
-            agitators = build_agitators(case, mesh)
-            components += [joints, *((motor,) if motor is not None else ()), *agitators]
-        top, drive, hoist = _top_components(
-            case, mesh, position[0], tangent[0], _top_path(well, frames), frames
-        )
-        components += [r for r in (top, drive, hoist) if r is not None]
+            components += [joints, *((motor,) if motor is not None else ()), *build_agitators(case, mesh)]
+        top, machines = _top_components(case, mesh, position[0], tangent[0], _top_path(well, frames), frames)
+        components += [r for r in (top, *machines) if r is not None]
         components += _bottom_components(case, mesh.nodes - 1, position[-1], tangent[-1])
         loads = _loads(case, mesh, tangent)
         if loads:
@@ -215,19 +218,14 @@ def build_model(
         tuple(components),
         beam,
         top,
-        drive,
         contact,
         bit,
         system,
         fluid,
-        hoist,
-        steering,
-        motor,
-        agitators,
-        reamers,
     )
+    hoist = model.part(Hoist)
     if hoist is not None:
-        connect_sensors(hoist, drive, bit, fluid)
+        connect_sensors(hoist, model.part(interfaces.Drive), bit, fluid)
     if bit is not None and bit.hole is not None:
         _subscribe_to_hole(model, bit.hole)
     return model
@@ -309,31 +307,26 @@ def _top_components(
     tangent: FloatArray,
     path: HolePath | None,
     frames: Frames,
-):
-    """Create the top end, the drive of its rotation, and the hoist; None where absent.
+) -> tuple[interfaces.Top | None, tuple[Component, ...]]:
+    """Create the top end, None where absent, and the machines above it: a drive of its rotation, a hoist.
 
     path: of the top, None: a straight line.
     """
     top = case.top
     if isinstance(top, HeldTop):
-        return (
-            (
-                None
-                if top.kind == "free"
-                else FixedEnd(0, top.kind, position, tangent, path=path, frames=frames)
-            ),
-            None,
-            None,
-        )
+        if top.kind == "free":
+            return None, ()
+        return FixedEnd(0, top.kind, position, tangent, path=path, frames=frames), ()
     if isinstance(top, TopDriveCase):
-        lowering = None if top.force is not None else top.lowering
-        motor = top.motor is not None and not is_quasi_static(case)
         # without inertia rotation acts through the direction of friction only
-        rotation = None if motor else Constant(0.0) if is_quasi_static(case) else top.rotation
-        drive = build_drive(case, mesh) if motor else None
-        if top.hoist is not None and not is_quasi_static(case):
+        still = is_quasi_static(case)
+        motor = top.motor is not None and not still
+        rotation = None if motor else Constant(0.0) if still else top.rotation
+        machines = (build_drive(case, mesh),) if motor else ()
+        if top.hoist is not None and not still:
             guided, hoist = build_hoist(case, mesh.nodes, position, tangent, rotation, path, frames)
-            return guided, drive, hoist
+            return guided, (*machines, hoist)
+        lowering = None if top.force is not None else top.lowering
         held = TopDrive(
             position,
             tangent,
@@ -344,10 +337,10 @@ def _top_components(
             hinged=top.hinged,
             guided=top.guided,
         )
-        return held, drive, None
+        return held, machines
     assert isinstance(top, DrivenTop)
     driven = TopDrive(position, tangent, None, top.lowering, path=path, frames=frames)
-    return driven, RotaryDrive(top.rotation, top.stiffness, top.damping, top.inertia), None
+    return driven, (RotaryDrive(top.rotation, top.stiffness, top.damping, top.inertia),)
 
 
 def _top_breaks(case: Case) -> tuple[float, ...]:

@@ -42,7 +42,7 @@ from drillpetsc.physics.fluid.side_nozzles import SideLink, SideNozzles
 from drillpetsc.physics.fluid.surface_line import SurfaceLine
 from drillpetsc.physics.fluid.swirl import steady_share
 from drillpetsc.physics.fluid.tool_losses import ToolLosses
-from drillpetsc.physics.interfaces import ReamingTool
+from drillpetsc.physics.tools.reamer import Reamer
 from drillpetsc.time_function import Constant
 from drillpetsc.unit_systems import shown
 
@@ -138,7 +138,7 @@ def build_fluid(
     position: FloatArray,
     tangent: FloatArray,
     hole: GrowingHole | None = None,
-    reamers: tuple[ReamingTool, ...] = (),
+    reamers: tuple[Reamer, ...] = (),
 ) -> FluidComponents | None:
     """Create the components of the case's fluid, None without one.
 

@@ -13,7 +13,7 @@ from drillpetsc.geometry.frames import Frames
 from drillpetsc.model.fluid import FluidComponents
 from drillpetsc.physics import interfaces
 from drillpetsc.physics.end_conditions import Input, TopDrive
-from drillpetsc.physics.hoist import HoistedTop, HoistLine, RigidHoist
+from drillpetsc.physics.hoist import Hoist, HoistedTop, HoistLine, RigidHoist
 from drillpetsc.physics.hoisting import Autodriller, Heave, HeavingSpeed, Hoisting, Line, Loop
 from drillpetsc.physics.hole_path import HolePath
 
@@ -69,7 +69,7 @@ def build_hoist(
     rotation: Input | None,
     path: HolePath | None,
     frames: Frames,
-) -> tuple[interfaces.Top, interfaces.Hoist]:
+) -> tuple[interfaces.Top, Hoist]:
     """Create the guided top and the hoist of a case.
 
     nodes: of the string; position, tangent: (3,) of its upper end [m, -]; rotation: prescribed, None: free.
@@ -89,7 +89,7 @@ def build_hoist(
 
 
 def connect_sensors(
-    hoist: interfaces.Hoist,
+    hoist: Hoist,
     drive: interfaces.Drive | None,
     bit: interfaces.Bit | None,
     fluid: FluidComponents | None,

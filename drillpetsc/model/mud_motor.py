@@ -11,7 +11,7 @@ from drillpetsc.case.blocks.motor import MotorSection, PositiveDisplacementMotor
 from drillpetsc.case.case import Case
 from drillpetsc.fem.string_mesh import StringMesh
 from drillpetsc.geometry.frames import Frames
-from drillpetsc.physics.interfaces import JointSet
+from drillpetsc.physics.joints import Joints
 from drillpetsc.physics.tools.motor_law import MeasuredCurve, MotorLaw
 from drillpetsc.physics.tools.mud_motor import Bend, MudMotor, Rotor
 from drillpetsc.time_function import Constant
@@ -59,7 +59,7 @@ def _curves(section: MotorSection) -> list[MeasuredCurve]:
 
 
 def build_mud_motor(
-    case: Case, mesh: StringMesh, frames: Frames, gravity: FloatArray, joints: JointSet, balanced: bool
+    case: Case, mesh: StringMesh, frames: Frames, gravity: FloatArray, joints: Joints, balanced: bool
 ) -> MudMotor | None:
     """Create the motor of the string; None without one, and in a plugged string without the mud that would turn it.
 

@@ -11,6 +11,7 @@ from drillpetsc.fem.bound_parts import BoundBlock
 from drillpetsc.fem.component import FloatArray
 from drillpetsc.geometry.frames import cross, directors, high_sides
 from drillpetsc.model.drilling_model import DrillingModel
+from drillpetsc.physics.tools.steering import PointTool
 
 #: stands for the areas of a rigid item whose mud is left out of the element below it [m2]
 NO_AREA = 1e-30
@@ -166,8 +167,8 @@ def curvatures(model: DrillingModel, moment: FloatArray) -> FloatArray:
             d2, d3 = directors(model.frames, chain.vertices[node], v[node], phi[node, 0])
             out[:, end] += mesh.curvature[e][:, :1] * d2 + mesh.curvature[e][:, 1:] * d3
         out[mesh.is_joint[e]] = 0.0
-    if model.steering is not None:
-        cells, towards = model.steering.stress_free_curvature()
+    for tool in model.parts(PointTool):
+        cells, towards = tool.stress_free_curvature()
         slope = model.system.field("string.tangent")[chain.ends[cells]]
         tangent = slope / np.linalg.norm(slope, axis=2, keepdims=True)
         for end in (0, 1):

@@ -15,7 +15,8 @@ from drillpetsc.model.drilling_model import DrillingModel
 from drillpetsc.model.hole import hole_depth
 from drillpetsc.output import quantities as declared
 from drillpetsc.output.in_hole import along_hole, measured_depth, measured_depths
-from drillpetsc.physics.interfaces import Bit
+from drillpetsc.physics.hoist import Hoist
+from drillpetsc.physics.interfaces import Bit, Drive
 from drillpetsc.time_function import Constant
 
 
@@ -51,6 +52,7 @@ class TopEnd:
     def __init__(self, model: DrillingModel) -> None:
         self.model, self.force = model, model.case.top.force
         rig, chain = model.case.rig, model.system.chain
+        self._hoist, self._drive = model.part(Hoist), model.part(Drive)
         self.block = None if rig is None else rig.block_weight  # [N]
         self._is_here = bool((chain.owned & (chain.vertices == 0)).any())
 
@@ -78,22 +80,21 @@ class TopEnd:
         """Pull on the string [N]."""
         if self.force is not None:
             return self.force.value(sample.time) if self._is_here else 0.0
-        hoist = self.model.hoist
-        pull = None if hoist is None else hoist.hook_load(sample.time, sample.assembly)
+        pull = None if self._hoist is None else self._hoist.hook_load(sample.time, sample.assembly)
         if pull is not None:
             return pull
         return -top_reaction(sample.system, "top.axial_reaction")
 
     def hook_loads(self, steps: StepRecord) -> FloatArray | None:
         """(k,) ``hook_load`` after each of k recorded steps; None where it is found one by one only."""
-        if self.force is not None or self.model.hoist is not None:
+        if self.force is not None or self._hoist is not None:
             return None
         found = top_reactions(steps, "top.axial_reaction")
         return None if found is None else -found
 
     def surface_torques(self, steps: StepRecord) -> FloatArray | None:
         """(k,) ``surface_torque`` after each of k recorded steps; None where it is found one by one only."""
-        return None if self.model.drive is not None else top_reactions(steps, "top.torque_reaction")
+        return None if self._drive is not None else top_reactions(steps, "top.torque_reaction")
 
     def hook_load_total(self, sample: Sample) -> float:
         """Pull on the string and weight of the block [N]."""
@@ -102,7 +103,7 @@ class TopEnd:
     def surface_torque(self, sample: Sample) -> float:
         """Torque on the string [N m]: of a prescribed rotation, or of a rotary drive."""
         torque = top_reaction(sample.system, "top.torque_reaction")
-        drive = self.model.drive
+        drive = self._drive
         return torque if drive is None else torque + drive.torque(sample.time, sample.assembly)
 
 

@@ -5,6 +5,7 @@ Kernel: kernels/top/hoist.hpp.  Manual: sec-hoist.
 
 from __future__ import annotations
 
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from typing import Any
 
@@ -12,14 +13,13 @@ import numpy as np
 
 from drillpetsc.arrays import FloatArray
 from drillpetsc.errors import SolveError
-from drillpetsc.fem.component import DRIVE, ElementBlock, Energies, Field, Powers
+from drillpetsc.fem.component import DRIVE, Component, ElementBlock, Energies, Field, Powers, Start
 from drillpetsc.fem.quantity import Quantity
 from drillpetsc.kernels import function, pointer
 from drillpetsc.kernels.parameters import Parameters, columns
 from drillpetsc.physics import quantities as declared
 from drillpetsc.physics.end_conditions import Input, PathEnd
 from drillpetsc.physics.hoisting import LOOPS, Autodriller, Hoisting, dead_line_share
-from drillpetsc.physics.interfaces import Hoist
 from drillpetsc.physics.rigid_bodies import VERTEX_SLOTS, local_vertices
 from drillpetsc.unit_systems import shown
 
@@ -103,6 +103,33 @@ class HoistedTop(PathEnd):
         if self._path is None:
             return 0.0, np.zeros(3), self._fixed.directions[0, :3]
         return self.depth, self._path.at(self.depth).centre, self._path.at(self.depth).axes[0]
+
+
+class Hoist(Component):
+    """Block, drum and what turns it, above the top.
+
+    ``sensors``: measurements that are not known to the component, by name: this rank's share as a function of
+    the time [s] and the state.
+    """
+
+    free_length = "hoist.pay_out"  # nothing returns a drum of given speed
+    sensors: Mapping[str, Callable[[float, Any], float]] = {}
+
+    def figures(self, t: float, state: Any) -> FloatArray:
+        """Numbers of its quantities at the time ``t`` [s], in the order of ``FIGURES``; this rank's share."""
+        raise NotImplementedError
+
+    def hook_load(self, t: float, state: Any) -> float | None:
+        """Pull on the string [N], this rank's share; None where it is the reaction of a prescribed top."""
+        return None
+
+    def sensed_loop(self) -> str | None:
+        """Loop in charge after ``balance`` whose measurement is one of ``sensors``; None without."""
+        return None
+
+    def set_measured(self, kind: str, value: float) -> float:
+        """Set the measurement of a loop of ``sensors``; returns the one before, on the rank with the block."""
+        return 0.0
 
 
 class HoistLine(Hoist):
@@ -287,9 +314,10 @@ class HoistLine(Hoist):
     def hold(self) -> None:
         self.top.free, self._changed = False, True
 
-    def start(self, state: Any, hook_load: float, shared: FloatArray, at_rest: bool = False) -> None:
-        self._share = 0.0 if at_rest else 1.0
-        shared = shared.copy()
+    def begin_motion(self, state: Any, start: Start) -> None:
+        """The static load stretches the line; the drum of a start at rest stands still."""
+        self._share = 0.0 if start.at_rest else 1.0
+        hook_load, shared = start.hook_load, start.total(self.local_update(state)).copy()
         wob = float(shared[SHARED.index("wob")])
         shared[SHARED.index("time")] = 0.0
         self._acting = self.autodriller is not None and self.autodriller.start == 0

@@ -1,9 +1,9 @@
-"""Interfaces of the components that others use: beam, top, bit, wall contact, drive, joints, tools."""
+"""Interfaces of components that have more than one implementation: beam, top, bit, wall contact, drive."""
 
 from __future__ import annotations
 
 from abc import abstractmethod
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Any
@@ -12,10 +12,8 @@ import numpy as np
 
 from drillpetsc.arrays import FloatArray, IntArray
 from drillpetsc.fem.component import Component
-from drillpetsc.fem.string_mesh import StringJoint
 from drillpetsc.geometry.growing_hole import GrowingHole
 from drillpetsc.geometry.well import Well
-from drillpetsc.unit_systems import System
 
 
 class Beam(Component):
@@ -208,9 +206,6 @@ class Bit(Component):
         """
         return np.zeros(3)
 
-    def first_cut(self, state: Any) -> None:
-        """Set the rates of a bit that begins to drill from its weight and speed."""
-
     def progress(self, state: Any) -> tuple[float, float]:
         """Length drilled since the start [m] and rate of penetration [m/s], zero on ranks without the bit."""
         return 0.0, 0.0
@@ -266,16 +261,11 @@ class WallContact(Component):
 
 
 class Drive(Component):
-    """A drive that turns the upper end.
+    """A drive that turns the upper end."""
 
-    ``free_angle``: the drive has no angle to return to, so the whole string may stand at any angle.
-    """
-
-    free_angle: bool = False
-
-    @abstractmethod
     def torque(self, t: float, state: Any) -> float:
         """Torque of the drive on the string [N m], this rank's share."""
+        raise NotImplementedError
 
     def results(self, state: Any) -> FloatArray:
         """Results of the drive on the rank with the top, zero elsewhere; empty for a drive without any."""
@@ -284,221 +274,3 @@ class Drive(Component):
     def figures(self, t: float, state: Any) -> FloatArray:
         """Numbers of its quantities at the time ``t`` [s], this rank's share; empty for a drive without any."""
         return np.zeros(0)
-
-    def hold(self) -> None:
-        """Hold the top for statics, where a drive would not."""
-
-    def start(self, state: Any, at_rest: bool = False) -> None:
-        """Begin the motion from statics; the drive goes on with the static torque.
-
-        at_rest: without rotation, for the modes about rest.
-        """
-
-
-class Hoist(Component):
-    """Block, drum and what turns it, above the top.
-
-    ``sensors``: measurements that are not known to the component, by name: this rank's share as a function of
-    the time [s] and the state.
-    """
-
-    sensors: Mapping[str, Callable[[float, Any], float]] = {}
-
-    @abstractmethod
-    def figures(self, t: float, state: Any) -> FloatArray:
-        """Numbers of its quantities at the time ``t`` [s] (``physics.hoist.FIGURES``), this rank's share."""
-
-    def hook_load(self, t: float, state: Any) -> float | None:
-        """Pull on the string [N], this rank's share; None where it is the reaction of a prescribed top."""
-        return None
-
-    def hold(self) -> None:
-        """Prescribe the axial position of the top, for statics; the line takes no part."""
-
-    def start(self, state: Any, hook_load: float, shared: FloatArray, at_rest: bool = False) -> None:
-        """Begin the motion after ``hold``: the line is stretched by the static load.
-
-        hook_load: static [N]; shared: sum of ``local_update`` over all ranks; at_rest: the drum stands still.
-        """
-
-    def balance(self, state: Any) -> str:
-        """Close the loop in charge about the present state, inside the limits, for linear models; returns what was done.
-
-        Empty without an autodriller.
-        """
-        return ""
-
-    def sensed_loop(self) -> str | None:
-        """Loop in charge after ``balance`` whose measurement is one of ``sensors``; None without."""
-        return None
-
-    def set_measured(self, kind: str, value: float) -> float:
-        """Set the measurement of a loop of ``sensors``; returns the one before, on the rank with the block."""
-        return 0.0
-
-
-class ReamingTool(Component):
-    """Cutters above the bit that widen the hole.
-
-    node: that carries the reamer; ring: area of the rock that it takes from the wall [m2]; depth_field: its unknown metres
-    reamed; shoulder: measured depth of the shoulder at the start [m].
-    """
-
-    node: int
-    ring: float
-    depth_field: str
-    shoulder: float
-
-    @abstractmethod
-    def weight_and_torque_at(self, depth: float) -> tuple[float, float]:
-        """Weight [N] and torque, not negative [N m], at the start of a reamer whose node rests at measured depth ``depth`` [m]."""
-
-    @property
-    @abstractmethod
-    def reamed(self) -> float:
-        """Metres reamed after the last accepted step."""
-
-    @property
-    @abstractmethod
-    def stands(self) -> bool:
-        """Whether the cutters stand on the shoulder."""
-
-    @abstractmethod
-    def element_results(self, state: Any) -> FloatArray:
-        """(5,) weight [N], torque [N m], rate [m/s], stored energy [J], power into the rock [W]; zero on other ranks."""
-
-    @abstractmethod
-    def depth(self, state: Any) -> float:
-        """Measured depth of the shoulder [m] on the rank with the reamer, 0 elsewhere."""
-
-    @abstractmethod
-    def first_cut(self, state: Any) -> None:
-        """Set profile and rate so that the cutters carry their static weight at the start of the motion."""
-
-
-class SteeringTool(Component):
-    """A rotary steerable tool."""
-
-    @abstractmethod
-    def share(self, t: float) -> float:
-        """Commanded share of force or tilt [-] at the time ``t`` [s] on the rank with the tool, 0 elsewhere."""
-
-    @abstractmethod
-    def tool_face(self, t: float) -> float:
-        """Commanded tool face [rad] at the time ``t`` [s] on the rank with the tool, 0 elsewhere."""
-
-    def stress_free_curvature(self) -> tuple[IntArray, FloatArray]:
-        """Local elements (k,) that it bends without stress, and their curvature towards the tool face (k, 3) [1/m].
-
-        Of the last evaluation; empty for pads.
-        """
-        return np.zeros(0, dtype=np.int32), np.zeros((0, 3))
-
-
-class Motor(Component):
-    """A downhole motor, which turns what is below it in the string.  ``cell``: of its joint."""
-
-    cell: int
-    #: mass of the rotor, at the node above the joint and not in the mesh [kg]
-    rotor_mass: float = 0.0
-
-    @property
-    @abstractmethod
-    def static_speed(self) -> float:
-        """Speed of the rotor from the stator in statics [rad/s]; friction below the motor takes its direction from it."""
-
-    @property
-    @abstractmethod
-    def start_speed(self) -> float:
-        """Speed of the rotor from the stator at the start of a run [rad/s]."""
-
-    @abstractmethod
-    def run_statically(self, flow: float) -> None:
-        """Turn in statics as without torque at a flow rate [m3/s]; at 0 the motor stands."""
-
-    @abstractmethod
-    def update_static_speed(self, torque: float, flow: float) -> float:
-        """Set the speeds by the torque [N m] and flow rate [m3/s] of a static state.
-
-        Returns the larger change: of the speed as a share of the free speed, of the torque of that of the stall.
-        """
-
-    @abstractmethod
-    def static_warnings(self, torque: float, flow: float, units: System) -> list[str]:
-        """What the user should know of a static state under a torque [N m] at a flow rate [m3/s], in a system of units."""
-
-    @abstractmethod
-    def hold(self) -> None:
-        """Hold the rotor for statics, which finds its torque."""
-
-    @abstractmethod
-    def start(self, state: Any) -> None:
-        """Begin the motion from statics with the static torque."""
-
-    #: lobes of the rotor, whose orbit turns back by so many turns for each of the rotor's; unbalance of the orbit [kg m]
-    lobes: int = 1
-    orbit_unbalance: float = 0.0
-
-    @abstractmethod
-    def balance_orbit(self, balanced: bool = True) -> None:
-        """Leave out the turning force of the rotor's orbit, for linear models, or take it in again."""
-
-    @abstractmethod
-    def orbit_speed(self, t: float, state: Any) -> float:
-        """Speed of the orbit in space [rad/s], clockwise positive; on the rank with the motor, 0 elsewhere."""
-
-    @abstractmethod
-    def figures(self, t: float, state: Any) -> FloatArray:
-        """Numbers of its quantities at the time ``t`` [s] (``physics.tools.mud_motor.RESULTS``), this rank's share."""
-
-    @abstractmethod
-    def thrust(self, t: float, state: Any) -> float:
-        """Load of the thrust bearing [N], this rank's share; positive while mud and weight push the rotor down."""
-
-    @abstractmethod
-    def housing(self, state: Any) -> FloatArray:
-        """(6,) tangent and direction of the bend of the housing at its node, this rank's share."""
-
-    @staticmethod
-    @abstractmethod
-    def tool_face(values: FloatArray) -> float:
-        """Tool face [rad], between -pi and pi, of what ``housing`` returns."""
-
-    @abstractmethod
-    def torque_and_flow(self, t: float, state: Any) -> FloatArray:
-        """(2,) torque of the motor [N m] and flow rate through it [m3/s] at the time ``t`` [s], this rank's share."""
-
-
-class PulsedTool(Component):
-    """A tool whose valve pulses the mud."""
-
-    @abstractmethod
-    def hold(self) -> None:
-        """Let the valve stand, for statics."""
-
-    @abstractmethod
-    def start(self, state: Any) -> None:
-        """Begin the motion from statics."""
-
-    @abstractmethod
-    def figures(self, t: float, state: Any) -> FloatArray:
-        """Numbers of its quantities at the time ``t`` [s] (``physics.tools.agitator.RESULTS``), this rank's share."""
-
-
-class JointSet(Component):
-    """All joints of the string.  ``joints``: their places; RESULTS: columns of ``element_results``."""
-
-    joints: tuple[StringJoint, ...]
-    RESULTS: tuple[str, ...]
-
-    @abstractmethod
-    def lock(self, cell: int, locked: bool) -> None:
-        """Hold all motions in the joint of a ``cell``, or let it move as its kind does."""
-
-    @abstractmethod
-    def element_results(self, state: Any) -> FloatArray:
-        """(joints, 12) results of all joints, zero on ranks without the joint: columns of ``physics.joints.RESULT_NAMES``."""
-
-    @abstractmethod
-    def jar_figures(self, state: Any) -> FloatArray:
-        """(4 k,) state, travel [m], force of the stops [N] and number of shots of each jar, zero on ranks without it."""

@@ -8,7 +8,7 @@ from __future__ import annotations
 import numpy as np
 
 from drillpetsc.arrays import FloatArray, IntArray
-from drillpetsc.fem.component import ElementBlock, Energies, Field, Powers, VelocityStabilization
+from drillpetsc.fem.component import Component, ElementBlock, Energies, Field, Powers, VelocityStabilization
 from drillpetsc.fem.quantity import Quantity
 from drillpetsc.fem.string_mesh import StringJoint, StringMesh
 from drillpetsc.geometry.frames import Frames
@@ -16,7 +16,6 @@ from drillpetsc.kernels import function, pointer
 from drillpetsc.kernels.parameters import Parameters, Table, columns
 from drillpetsc.physics import quantities as declared
 from drillpetsc.physics.beam import SLOTS
-from drillpetsc.physics.interfaces import JointSet
 from drillpetsc.physics.rigid_bodies import VERTEX_SLOTS, end_frames, local_vertices
 from drillpetsc.physics.tools.jar import LATCHED, Jar
 from drillpetsc.unit_systems import System, shown
@@ -32,7 +31,7 @@ SCALE = 1.0e6
 STOP_ROUNDING = 1.0e-4  # length over which the force of a stop sets in [m]
 
 
-class Joints(JointSet):
+class Joints(Component):
     """All joints of a string.
 
     Fields: ``joint.load`` (6) at the node below, force and moment of the joint in units of SCALE (manual:
@@ -171,6 +170,7 @@ class Joints(JointSet):
             self._correction_params[:] = self._correction_rows()
 
     def lock(self, cell: int, locked: bool) -> None:
+        """Hold all motions in the joint of a ``cell``, or let it move as its kind does."""
         for b, chosen in zip(self._blocks, self._chosen, strict=True):
             for row, k in enumerate(chosen):
                 joint = self.joints[k]
@@ -178,6 +178,9 @@ class Joints(JointSet):
                     b.named["kind"][row] = KINDS.index("fixed" if locked else joint.kind)
 
     # ------------------------------------------------------------------ jars
+    def balance(self, state) -> str:
+        return "the jar stays as it is at the start: its latch is a spring" if self.jars else ""
+
     def _set_jar(self) -> None:
         """Put the laws of the jars' states into the parameters of their sliders, where this rank has them."""
         self._has_jar = np.zeros(len(self.jars), dtype=bool)

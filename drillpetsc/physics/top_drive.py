@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from drillpetsc.arrays import FloatArray
-from drillpetsc.fem.component import DRIVE, ElementBlock, Energies, Field, Powers
+from drillpetsc.fem.component import DRIVE, ElementBlock, Energies, Field, Powers, Start
 from drillpetsc.fem.quantity import Quantity
 from drillpetsc.kernels import function, pointer
 from drillpetsc.kernels.parameters import Parameters, columns
@@ -50,7 +50,7 @@ class MotorDrive(Drive):
     """
 
     name = "top_motor"
-    free_angle = True
+    free_angles = 1
 
     def __init__(
         self,
@@ -190,12 +190,9 @@ class MotorDrive(Drive):
         """Hold the top by a stiff spring, whose torque statics finds; the states are zero."""
         self.params["held"] = HOLDING
 
-    def start(self, state: Any, at_rest: bool = False) -> None:
-        """Begin the motion after ``hold``: the states carry the static torque.
-
-        at_rest: the set point is zero, for the modes about rest.
-        """
-        self._share = 0.0 if at_rest else 1.0
+    def begin_motion(self, state: Any, start: Start) -> None:
+        """The states carry the static torque; the set point of a start at rest is zero."""
+        self._share = 0.0 if start.at_rest else 1.0
         self._set_phase(0)
         if not len(self._block.points) or not self.params["held"][0] > 0:
             return

@@ -11,6 +11,7 @@ from scipy.integrate import solve_ivp
 
 from drillpetsc import Case, Session, modes
 from drillpetsc.output import read_table
+from drillpetsc.physics.hoist import Hoist
 from tests.helpers.hoist_models import DRILLABILITY, EA, HOIST, LINE_STIFFNESS, drilling, history
 
 P, I = 5.0e-8, 2.0e-9  # default gains [m/s/N], [m/s2/N]
@@ -267,10 +268,10 @@ def test_a_ramp_limits_every_change_of_the_weight():
         s.step(0.5)
         assert abs(s.get("drum_speed") - before) < P * 1.2e3
         s.step(4.5)
-        goal = s._model.hoist._goal("wob", s.time)
+        goal = s._model.part(Hoist)._goal("wob", s.time)
         assert goal == pytest.approx(20e3 + 2e3 * 5.0, rel=1e-6)
         s.step(20.0)
-        assert s._model.hoist._goal("wob", s.time) == 60e3
+        assert s._model.part(Hoist)._goal("wob", s.time) == 60e3
 
 
 def test_landing(tmp_path):

@@ -11,6 +11,7 @@ import drillpetsc
 from drillpetsc import Case, run
 from drillpetsc.errors import CaseError, SolveError
 from drillpetsc.output import read_table
+from drillpetsc.physics.top_drive import MotorDrive
 from tests.helpers import top_drive_models as m
 
 PIPE = {"kind": "pipe", "length": 10.0, "od": 0.127, "id": 0.1086, "element_length": 5.0}
@@ -111,7 +112,7 @@ def test_sessions_and_saved_states_keep_torque_and_memory():
             s.set_state(state)
             for _ in range(7):
                 s.step(0.0113)
-            held = s._model.drive.torque_input
+            held = s._model.part(MotorDrive).torque_input
             found.append(
                 [*s.get_many(["top_speed", "motor_torque", "bit_speed"]), held.torque, dict(held.memory)]
             )

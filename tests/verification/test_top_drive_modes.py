@@ -12,6 +12,7 @@ import pytest
 from drillpetsc import Case
 from drillpetsc.analysis.modal import modes, prepare_state
 from drillpetsc.model.drilling_model import build_model
+from drillpetsc.physics.top_drive import MotorDrive
 from tests.helpers import top_drive_models as m
 
 
@@ -112,7 +113,7 @@ def test_modes_with_the_top_held():
     found = torsional(m.twisting(None), 2)
     assert found.frequency[:2] == pytest.approx([0.180895, 0.840967], rel=2e-3)
     model = build_model(Case(**m.twisting({"kind": "soft_torque"})))
-    assert model.drive.laws[0].frequency == pytest.approx(0.180895, rel=1e-4)
+    assert model.part(MotorDrive).laws[0].frequency == pytest.approx(0.180895, rel=1e-4)
 
 
 @pytest.mark.parametrize(

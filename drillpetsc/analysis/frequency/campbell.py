@@ -32,6 +32,7 @@ from drillpetsc.errors import DrillError
 from drillpetsc.fem.component import DRIVE
 from drillpetsc.model.drilling_model import DrillingModel
 from drillpetsc.output.quantities import MODE_KINDS as KINDS
+from drillpetsc.physics.tools.mud_motor import MudMotor
 from drillpetsc.solvers.linearization import Linearised
 from drillpetsc.solvers.quadratic_eigenproblem import NEUTRAL_GROWTH, Eigenvalues, lowest_eigenvalues
 
@@ -279,8 +280,9 @@ def orbit_rate(model: DrillingModel) -> float:
 
     nan in a string at rest, whose rotor stands as well.
     """
-    assert model.motor is not None
-    rate = model.motor.orbit_speed(0.0, model.system.assembly)
+    motor = model.part(MudMotor)
+    assert motor is not None
+    rate = motor.orbit_speed(0.0, model.system.assembly)
     if model.system.comm.size > 1:
         rate = float(model.system.comm.tompi4py().allreduce(rate))
     return rate if rate else float("nan")

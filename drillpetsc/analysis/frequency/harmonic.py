@@ -19,6 +19,7 @@ from drillpetsc.model.drilling_model import DrillingModel
 from drillpetsc.output.bending import end_forces
 from drillpetsc.output.flow_recorder import FlowRecorder
 from drillpetsc.physics.beam import RESULT_NAMES
+from drillpetsc.physics.tools.mud_motor import MudMotor
 from drillpetsc.solvers.linearization import Linearised
 
 #: blocks whose loads turn with the section
@@ -68,7 +69,7 @@ def orbit_load(model: DrillingModel) -> tuple[np.ndarray | None, float]:
     The rotor is turned below its joint so that the orbit stands at four angles.  The amplitudes are on rank 0, None
     elsewhere; collective.
     """
-    motor, system = model.motor, model.system
+    motor, system = model.part(MudMotor), model.system
     assert motor is not None
     asm, layout = system.assembly, system.layout
     speed = motor.orbit_speed(0.0, asm)
@@ -79,7 +80,7 @@ def orbit_load(model: DrillingModel) -> tuple[np.ndarray | None, float]:
     start, rows = asm.x[below].copy(), []
     motor.balance_orbit(False)
     for angle in (0.0, 0.5 * np.pi, np.pi, 1.5 * np.pi):
-        asm.x[below] = start - angle / motor.lobes
+        asm.x[below] = start - angle / motor.rotor.lobes
         local = asm.partial_residual(0.0, lambda block: block.name == "mud_motor").copy()
         rows.append(system.sum_local(local)[layout.local_of_owned])
     asm.x[below] = start

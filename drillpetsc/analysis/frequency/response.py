@@ -40,6 +40,7 @@ from drillpetsc.output.files.run_folder import RESPONSE_TABLE, make_folder
 from drillpetsc.output.flow_recorder import FlowRecorder
 from drillpetsc.output.quantities.frequency import RESPONSE, RESPONSE_STRESS
 from drillpetsc.output.result import RunResult
+from drillpetsc.physics.tools.mud_motor import MudMotor
 from drillpetsc.solvers.linearization import Linearised
 from drillpetsc.unit_systems import display_unit, shown
 
@@ -300,7 +301,7 @@ def run_response(
         asymmetric = build_model(turning, comm) if excitation.kind == "unbalance" else None
         if asymmetric is not None:
             _demand_asymmetry(asymmetric)
-        if excitation.kind == "motor" and not (model.motor is not None and model.motor.orbit_unbalance > 0):
+        if excitation.kind == "motor" and not any(m.rotor.unbalance > 0 for m in model.parts(MudMotor)):
             want = "a pdm with rotor_mass, eccentricity and lobes, which the case does not have"
             raise CaseError(at="--excite", got="motor", want=want)
         folder = make_folder(comm, name, out, False, overwrite)

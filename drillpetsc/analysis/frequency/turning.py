@@ -20,6 +20,7 @@ from drillpetsc.case.checks.limits import refuse_quaternion
 from drillpetsc.errors import CaseError
 from drillpetsc.model.drilling_model import DrillingModel, build_model, is_quasi_static
 from drillpetsc.model.top_drive import continuous_control
+from drillpetsc.physics.tools.mud_motor import MudMotor
 from drillpetsc.time_function import Constant
 
 
@@ -100,14 +101,10 @@ class TurningModel:
             self._static = key, state, Snapshot(model)
         else:
             self._static[2].restore()
-            if model.drive is not None:
-                model.drive.hold()
-            if model.motor is not None:
-                model.motor.hold()
-            for agitator in model.agitators:
-                agitator.hold()
+            for component in model.components:
+                component.hold()
             state = self._static[1]
-        if motion == (0.0, 0.0) and model.motor is None:
+        if motion == (0.0, 0.0) and not model.parts(MudMotor):
             notes = rest_of(model)
         else:
             release(model)
@@ -121,6 +118,6 @@ class TurningModel:
         """What the static equilibrium depends on."""
         lowering, speed = motion
         drills = self.model.drilling is not None
-        if drills or self.model.motor is not None or (lowering and self.model.contact is not None):
+        if drills or self.model.parts(MudMotor) or (lowering and self.model.contact is not None):
             return motion
         return lowering != 0, (speed > 0) - (speed < 0)

@@ -22,6 +22,7 @@ from drillpetsc.model.mud_sections import losses_of_items
 from drillpetsc.physics.fluid.channel_flow import RESULT_NAMES, ChannelFlow
 from drillpetsc.physics.fluid.rheology import Rheology, wall_shear
 from drillpetsc.physics.tools.mud_motor import RESULTS as MOTOR_RESULTS
+from drillpetsc.physics.tools.mud_motor import MudMotor
 
 TINY_DENSITY = 1e-300  # at which the wall shear is that of laminar flow [kg/m3]
 TURBULENT_SPAN = 800.0  # Reynolds numbers from the end of laminar to the start of turbulent flow (API RP 13D)
@@ -294,7 +295,7 @@ def _friction_numbers(
 
 def motor_rows(flow: FlowModel) -> list[Loss]:
     """A row of the downhole motor without load, none without one."""
-    motor, rates = flow.model.motor, flow.flow_rate("bore")
+    motor, rates = flow.model.part(MudMotor), flow.flow_rate("bore")
     if motor is None or rates is None:
         return []
     depth = flow.string.top + float(flow.mesh.node_depth[motor.cell])

@@ -25,7 +25,7 @@ from drillpetsc.fem.string_mesh import StringMesh
 from drillpetsc.geometry.well import Well
 from drillpetsc.kernels import function, pointer
 from drillpetsc.physics.fluid.channels import Annulus, AnnulusWalls, HoleVolume
-from drillpetsc.physics.interfaces import ReamingTool
+from drillpetsc.physics.tools.reamer import Reamer
 
 _moved_along = function("moved_along", "ipppdd", ctypes.c_int)
 REFRESH = 0.01  # motion of a node after which the hole is re-evaluated [m]; 3 deg/30 m turn the hole by 2e-5 over it
@@ -81,7 +81,7 @@ class MovingHole:
         walls: AnnulusWalls,
         current_well: Callable[[], Well],
         lateral: Callable[[Annulus], LateralCoefficients],
-        reamers: tuple[ReamingTool, ...] = (),
+        reamers: tuple[Reamer, ...] = (),
     ):
         self.reamers, self.nodes = reamers, np.arange(mesh.nodes)
         self._reamed = [0.0] * len(reamers)  # of each reamer when all nodes were evaluated last [m]
@@ -176,7 +176,7 @@ class MovingHole:
             self.area[moved] = (self._volume_ahead(moved, here, ahead) - volume) / ahead
         return moved
 
-    def _rings(self, moved: np.ndarray, share: Callable[[ReamingTool], float]) -> FloatArray:
+    def _rings(self, moved: np.ndarray, share: Callable[[Reamer], float]) -> FloatArray:
         """(k,) sum over the reamers above the ``moved`` nodes of their ring times ``share`` of the reamer."""
         out = np.zeros(int(moved.sum()))
         for reamer in self.reamers:

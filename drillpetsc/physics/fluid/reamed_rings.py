@@ -11,8 +11,8 @@ from drillpetsc.fem.component import ElementBlock, Powers
 from drillpetsc.kernels.parameters import Parameters
 from drillpetsc.physics.flow_interfaces import RockInMud
 from drillpetsc.physics.fluid.channel_flow import FluidConstants
-from drillpetsc.physics.interfaces import ReamingTool
 from drillpetsc.physics.rigid_bodies import local_vertices
+from drillpetsc.physics.tools.reamer import Reamer
 
 
 class ReamedRings(RockInMud):
@@ -27,17 +27,17 @@ class ReamedRings(RockInMud):
 
     name = "reamed_rings"
 
-    def __init__(self, last: int, reamers: tuple[ReamingTool, ...], fluid: FluidConstants, returned: bool):
+    def __init__(self, last: int, reamers: tuple[Reamer, ...], fluid: FluidConstants, returned: bool):
         self.reamers, self.fluid, self.returned, self._last = reamers, fluid, returned, last
 
-    def _gained(self, reamer: ReamingTool) -> float:
+    def _gained(self, reamer: Reamer) -> float:
         """Volume of mud that flows in per metre reamed [m2]; negative where rock becomes mud in the chamber at the bit."""
         in_chamber = reamer.node == self._last
         return reamer.ring * (float(not in_chamber) - float(self.returned))
 
     def blocks(self, part) -> tuple[ElementBlock, ...]:
         out = []
-        self._here: list[tuple[ReamingTool, int]] = []
+        self._here: list[tuple[Reamer, int]] = []
         for reamer in self.reamers:
             _, vertices = local_vertices(part, np.array([reamer.node]))
             self._here += [(reamer, int(v)) for v in vertices]
@@ -59,7 +59,7 @@ class ReamedRings(RockInMud):
             out.append(block)
         return tuple(out)
 
-    def _state(self, reamer: ReamingTool, vertex: int, state) -> tuple[float, float, float]:
+    def _state(self, reamer: Reamer, vertex: int, state) -> tuple[float, float, float]:
         """Pressure [Pa] and head [Pa] of the mud at the reamer, and its rate [m/s]."""
         dofs = state.layout.dofs
         pressure = float(state.x[dofs["annulus.pressure"][vertex, 0]])

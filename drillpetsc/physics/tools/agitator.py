@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from drillpetsc.arrays import FloatArray
-from drillpetsc.fem.component import DRIVE, ElementBlock, Field, Powers
+from drillpetsc.fem.component import DRIVE, Component, ElementBlock, Field, Powers, Start
 from drillpetsc.fem.quantity import Quantity, numbered
 from drillpetsc.fem.string_mesh import StringMesh
 from drillpetsc.kernels import function, pointer
@@ -19,7 +19,6 @@ from drillpetsc.kernels.parameters import Parameters, columns
 from drillpetsc.physics import quantities as declared
 from drillpetsc.physics.beam import SLOTS
 from drillpetsc.physics.end_conditions import Input
-from drillpetsc.physics.interfaces import PulsedTool
 from drillpetsc.physics.tools.mud_motor import MUD_SLOTS
 
 _values = function("agitator_values", "iippppp")
@@ -40,7 +39,7 @@ class Valve:
     square: bool = False
 
 
-class Agitator(PulsedTool):
+class Agitator(Component):
     """Force A_p dp on a slider, dp an oscillation of the valve whose rotor turns with the flow rate.
 
     Field: ``agitator.angle`` of the rotor at the node below the slider [rad].
@@ -115,10 +114,15 @@ class Agitator(PulsedTool):
     def hold(self) -> None:
         self.params["held"] = 1.0
 
-    def start(self, state: Any) -> None:
+    def begin_motion(self, state: Any, start: Start) -> None:
         self.params["held"] = 0.0
 
+    def balance(self, state: Any) -> str:
+        self.hold()
+        return "the valve of the agitator is held: its pulses excite the string and do not change its linear response"
+
     def figures(self, t: float, state: Any) -> FloatArray:
+        """Numbers of its quantities at the time ``t`` [s], in the order of ``RESULTS``; this rank's share."""
         out = np.zeros((len(self._block.points), RESULTS.width))
         if not len(out):
             return np.zeros(RESULTS.width)

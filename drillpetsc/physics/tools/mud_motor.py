@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from drillpetsc.arrays import FloatArray
-from drillpetsc.fem.component import DRIVE, ElementBlock, Energies, Field, Powers
+from drillpetsc.fem.component import DRIVE, Component, ElementBlock, Energies, Field, Powers, Start
 from drillpetsc.fem.quantity import Quantity
 from drillpetsc.fem.string_mesh import StringMesh
 from drillpetsc.geometry.frames import Frames, directors, tool_face_zero
@@ -21,7 +21,7 @@ from drillpetsc.kernels.parameters import Parameters, columns
 from drillpetsc.physics import quantities as declared
 from drillpetsc.physics.beam import SLOTS
 from drillpetsc.physics.end_conditions import Input
-from drillpetsc.physics.interfaces import JointSet, Motor
+from drillpetsc.physics.joints import Joints
 from drillpetsc.physics.rigid_bodies import end_frames, local_vertices
 from drillpetsc.physics.tools.motor_law import SLIP, MotorLaw
 from drillpetsc.unit_systems import System, shown
@@ -52,6 +52,11 @@ class Rotor:
     seal_area: float = 0.0
 
     @property
+    def unbalance(self) -> float:
+        """Unbalance of the orbit [kg m]."""
+        return self.mass * self.eccentricity
+
+    @property
     def equivalent_inertia(self) -> float:
         """Inertia of rotation in a stator that stands still [kg m2] (manual: eq-motor-inertia)."""
         return self.inertia + self.mass * (self.eccentricity * self.lobes) ** 2
@@ -76,7 +81,7 @@ class Bend:
     tool_face: float
 
 
-class MudMotor(Motor):
+class MudMotor(Component):
     """The motor at a joint of the string that leaves rotation about the tangent free.
 
     Field: ``motor.torque`` at the node below the joint, torque of the stator on the rotor [N m]; its row is the law.
@@ -88,6 +93,7 @@ class MudMotor(Motor):
     """
 
     name = "mud_motor"
+    free_angles = 1  # that of the rotor
 
     def __init__(
         self,
@@ -97,7 +103,7 @@ class MudMotor(Motor):
         cell: int,
         law: MotorLaw,
         rotor: Rotor,
-        joints: JointSet,
+        joints: Joints,
         bend: Bend,
         flow: Input | None = None,
         compressibility: float | None = None,
@@ -107,11 +113,6 @@ class MudMotor(Motor):
     ):
         self.mesh, self.frames, self.gravity = mesh, frames, gravity
         self.cell, self.law, self.rotor, self.joints = cell, law, rotor, joints
-        self.rotor_mass, self.lobes, self.orbit_unbalance = (
-            rotor.mass,
-            rotor.lobes,
-            rotor.mass * rotor.eccentricity,
-        )
         self.bend, self.outside = bend, outside
         self.flow, self.compressibility, self.balanced = flow, compressibility, balanced
         self._speed = self._start_speed = self._load = 0.0
@@ -189,7 +190,7 @@ class MudMotor(Motor):
     # ------------------------------------------------------------------ statics and start
     @property
     def static_speed(self) -> float:
-        """Speed of the rotor in statics [rad/s], from which friction below the motor takes its direction."""
+        """Speed of the rotor from the stator in statics [rad/s]; friction below the motor takes its direction from it."""
         return self._speed
 
     @property
@@ -203,13 +204,19 @@ class MudMotor(Motor):
 
     @property
     def start_speed(self) -> float:
+        """Speed of the rotor from the stator at the start of a run [rad/s]."""
         return self._start_speed
 
     def run_statically(self, flow: float) -> None:
+        """Turn in statics as without torque at a flow rate [m3/s]; at 0 the motor stands."""
         self._speed = self._start_speed = self.law.free_speed(flow)
         self._load, self.params["load"] = 0.0, 0.0
 
     def update_static_speed(self, torque: float, flow: float) -> float:
+        """Set the speeds by the torque [N m] and flow rate [m3/s] of a static state.
+
+        Returns the larger change: of the speed as a share of the free speed, or of the torque as a share of the stall torque.
+        """
         before, free = self._speed, self.law.free_speed(flow)
         turns = abs(free)  # backwards where the mud flows up
         change, self._load = abs(torque - self._load) / self.law.stall_torque(flow), torque
@@ -221,6 +228,7 @@ class MudMotor(Motor):
         return max(abs(self._speed - before) / turns, change) if turns > SLIP else change
 
     def static_warnings(self, torque: float, flow: float, units: System) -> list[str]:
+        """What the user should know of a static state under a torque [N m] at a flow rate [m3/s], in a system of units."""
         rpm, stall = self.law.free_speed(flow) * 30 / pi, self.law.stall_torque(flow)
         gives = f"{self.label}: {shown(flow, 'flow', units)} gives {rpm:.4g} rpm"
         if abs(rpm) * pi / 30 <= SLIP:
@@ -240,16 +248,22 @@ class MudMotor(Motor):
             ]
         return []
 
-    def start(self, state: Any) -> None:
+    def begin_motion(self, state: Any, start: Start) -> None:
         if self._held:
             state.x[state.index_of(self._block)[0, TORQUE]] = self._results(state)[RESULTS["torque"]]
         self.params["held"] = 0.0
         self.joints.lock(self.cell, False)
 
+    def balance(self, state: Any) -> str:
+        self.balance_orbit()  # the unbalance excites the string and does not change its linear response
+        return ""
+
     def balance_orbit(self, balanced: bool = True) -> None:
+        """Leave out the turning force of the rotor's orbit, or take it in again."""
         self.params["balanced"] = float(balanced)
 
     def orbit_speed(self, t: float, state: Any) -> float:
+        """Speed of the rotor's orbit in space [rad/s], clockwise positive; on the rank with the motor, 0 elsewhere."""
         return float(self.figures(t, state)[RESULTS["orbit_speed"]])
 
     # ------------------------------------------------------------------ results
@@ -276,6 +290,7 @@ class MudMotor(Motor):
         return self._results(state)
 
     def torque_and_flow(self, t: float, state: Any) -> FloatArray:
+        """(2,) torque of the motor [N m] and flow rate through it [m3/s] at the time ``t`` [s], this rank's share."""
         r = self.figures(t, state)
         return np.array([r[RESULTS["torque"]], r[RESULTS["flow_rate"]]])
 

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from drillpetsc.arrays import FloatArray
-from drillpetsc.fem.component import ContactFlags, ElementBlock, Energies, Field, Powers
+from drillpetsc.fem.component import Component, ContactFlags, ElementBlock, Energies, Field, Powers
 from drillpetsc.fem.quantity import Quantity, numbered
 from drillpetsc.geometry.growing_hole import GrowingHole
 from drillpetsc.geometry.well import Well
@@ -21,7 +21,6 @@ from drillpetsc.kernels.parameters import Parameters, columns, structure
 from drillpetsc.physics import quantities as declared
 from drillpetsc.physics.bit_profile import CHIPS, profile_derivative
 from drillpetsc.physics.contact import ONSET, penetration
-from drillpetsc.physics.interfaces import ReamingTool
 from drillpetsc.physics.rigid_bodies import VERTEX_SLOTS, local_vertices
 from drillpetsc.physics.rock_bit import KINDS, MOTION, QUASI_STATIC, STATICS
 
@@ -55,7 +54,7 @@ class ReamerLaw:
         return 0.5 * self.specific_energy * (self.radius**2 - self.pilot**2)
 
 
-class Reamer(ReamingTool):
+class Reamer(Component):
     """The cutters of a reamer, and the shoulder on which they stand.
 
     Unknowns: metres reamed hole.reamer [m], and with inertia the profile reamer.chips [m].
@@ -111,6 +110,7 @@ class Reamer(ReamingTool):
         self._place(start)
 
     def weight_and_torque_at(self, depth: float) -> tuple[float, float]:
+        """Weight [N] and torque, not negative [N m], at the start if the node rests at the measured depth ``depth`` [m]."""
         below = depth + self.face - self.shoulder
         onset = max(below + ONSET, 0.0) ** 2 / (4 * ONSET)
         weight = self.stiffness * (below if below > ONSET else onset)
@@ -118,10 +118,12 @@ class Reamer(ReamingTool):
 
     @property
     def reamed(self) -> float:
+        """Metres reamed after the last accepted step."""
         return self._reamed
 
     @property
     def stands(self) -> bool:
+        """Whether the cutters stand on the shoulder."""
         return float(self._frame[6]) - self._reamed > -LIFTED
 
     def _place(self, md: float) -> None:

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from drillpetsc.arrays import FloatArray
-from drillpetsc.fem.component import ElementBlock, Powers
+from drillpetsc.fem.component import Component, ElementBlock, Powers
 from drillpetsc.fem.quantity import Quantity
 from drillpetsc.fem.string_mesh import StringMesh
 from drillpetsc.geometry.frames import Frames, tool_face_zero
@@ -18,7 +18,6 @@ from drillpetsc.geometry.well import Well
 from drillpetsc.kernels.parameters import Parameters, constant
 from drillpetsc.physics import quantities as declared
 from drillpetsc.physics.beam import SLOTS
-from drillpetsc.physics.interfaces import SteeringTool
 from drillpetsc.physics.rigid_bodies import VERTEX_SLOTS, local_vertices
 from drillpetsc.time_function import TimeFunction
 
@@ -54,7 +53,7 @@ def mean_share() -> float:
     return float(3 / np.pi * (whole + quad(share, WINDOW - OVERLAP, WINDOW + OVERLAP)[0]))
 
 
-class Steering(SteeringTool):
+class Steering(Component):
     """What rotary steerable tools have in common: a direction fixed in space, about the axis of the hole.
 
     steer: the command.
@@ -121,9 +120,11 @@ class Steering(SteeringTool):
         return Powers(supplied=-state.power(self._block, t))
 
     def share(self, t: float) -> float:
+        """Commanded share of force or tilt [-] at the time ``t`` [s] on the rank with the tool, 0 elsewhere."""
         return self.steer.ratio.value(t) if self._mine else 0.0
 
     def tool_face(self, t: float) -> float:
+        """Commanded tool face [rad] at the time ``t`` [s] on the rank with the tool, 0 elsewhere."""
         return self.steer.tool_face.value(t) if self._mine else 0.0
 
 
@@ -239,6 +240,7 @@ class PointTool(Steering):
         self.params["towards"] = self._direction(t)
 
     def stress_free_curvature(self) -> tuple[np.ndarray, FloatArray]:
+        """Local elements (k,) that the tool bends without stress, and their curvature towards the tool face (k, 3) [1/m]."""
         size = self.params["couple"] / self._stiffness
         return self._block.points, size[:, None] * self.params["towards"]
 
