@@ -63,9 +63,7 @@ class FieldOutput:
 
     def _gathered(self, parts: dict[Key, FloatArray], on: str) -> dict[Key, FloatArray] | None:
         """Local values (k, ...) collected in depth order on rank 0, as (n, m); None elsewhere."""
-        if (
-            self.system.comm.size == 1
-        ):  # nothing to send; data kept elsewhere is copied, since it will change
+        if self.system.comm.size == 1:  # nothing to send; data kept elsewhere is copied, since it will change
             chain = self.system.chain
             numbers = chain.vertices if on == "vertex" else chain.cells
             if np.array_equal(numbers, np.arange(len(numbers))):

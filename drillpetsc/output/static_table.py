@@ -159,9 +159,7 @@ def _buckling_load(model: DrillingModel, position: FloatArray, tension: FloatArr
     mesh, well = model.mesh, model.well
     if well is None or model.contact is None:
         return np.full(mesh.nodes, np.nan)
-    depth = well.project(
-        position
-    ).md  # of the hole at the node, which may be lowered or stretched to there
+    depth = well.project(position).md  # of the hole at the node, which may be lowered or stretched to there
     _, t, kappa = well.at(depth)
     weight = at_nodes(model.effective_mass, model.effective_mass)[:, None] * np.array(model.case.gravity)
     side = np.linalg.norm(
