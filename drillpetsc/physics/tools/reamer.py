@@ -28,7 +28,7 @@ from drillpetsc.physics.rock_bit import KINDS, MOTION, QUASI_STATIC, STATICS
 _results = function("reamer_results", "ipppppp")
 _Law = structure("bit_law")
 RESULTS = columns("reamer_results")
-LIFTED = 0.01  # distance of the cutters from the shoulder above which they are off it [m]
+LIFTED = 0.01  # distance of the cutters from the shoulder above which they do not stand on it [m]
 
 
 @dataclass(frozen=True)
@@ -56,7 +56,7 @@ class ReamerLaw:
 
 
 class Reamer(ReamingTool):
-    """The cutters of a reamer, and the shoulder on which they rest.
+    """The cutters of a reamer, and the shoulder on which they stand.
 
     Unknowns: metres reamed hole.reamer [m], and with inertia the profile reamer.chips [m].
 

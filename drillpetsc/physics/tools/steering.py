@@ -55,7 +55,7 @@ def mean_share() -> float:
 
 
 class Steering(SteeringTool):
-    """Common part of rotary steerable tools: a direction fixed in space, about the axis of the hole.
+    """What rotary steerable tools have in common: a direction fixed in space, about the axis of the hole.
 
     steer: the command.
     node: at which the hole's axis is taken; axis: (3,) unit direction of the hole there at the start.
@@ -131,7 +131,7 @@ class PushTool(Steering):
     """Pads that push on the wall: a force on one node (manual: eq-steering-push).
 
     force: mean force at full command [N].
-    rotating: three pads turn with the pipe, each acts in a window of 120 deg; otherwise the force is constant in space.
+    rotating: three pads turn with the pipe, each acts in a window of 120 deg; else the force is constant in space.
     frames: of the nodes.
     """
 
