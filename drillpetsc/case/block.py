@@ -42,7 +42,7 @@ class Block(BaseModel):
 
     @classmethod
     def __pydantic_init_subclass__(cls, **_: Any) -> None:
-        """Give a block of a certain kind the attributes of its family that are no keys of it."""
+        """Give a block of a certain kind the attributes of its family that are not keys of it."""
         if cls.discriminator in cls.model_fields:
             for name, value in cls.optional_attributes.items():
                 if name not in cls.model_fields:
@@ -124,7 +124,7 @@ def tagged_union(
 ) -> tuple[Callable[[Any], Any], Callable[[Any], str]]:
     """(check, tag) for a union of blocks that differ by `kind`, or by the key named `key`.
 
-    check: normalises and refuses; kinds named in `short` may be written as a bare word instead of a mapping.
+    check: normalises and refuses; kinds named in `short` may be written as a single word instead of a mapping.
     tag: names the block for pydantic, as `kind:<name of the class>`; messages drop such a step of a key path.
     """
     block_of = {kind: block for block in blocks for kind in kinds_of(block, key)}

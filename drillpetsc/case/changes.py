@@ -15,7 +15,7 @@ from drillpetsc.case.yaml_text import read_value
 from drillpetsc.errors import CaseError
 
 WITHOUT = {"contact": "none"}  # blocks that a case has by default -> the value that removes them
-#: keys that are no blocks of physics: on and off are refused
+#: keys that are not blocks of physics: on and off are refused
 SETTINGS = (
     "material",
     "beam",
@@ -75,7 +75,7 @@ def changed(data: Mapping[str, Any], values: Mapping[str, str]) -> dict[str, Any
 
     data: keys of a case
     values: key path -> text of the value as in a case file; `on`, `off` keep or remove a block
-    Raises CaseError for paths that lead nowhere and for texts that cannot be read.
+    Raises CaseError for unknown paths and for texts that cannot be read.
     """
     data = dict(data)
     for key, text in sorted(values.items(), key=lambda each: len(parsed(each[0]))):

@@ -93,10 +93,10 @@ def tube_mass(item: Rigid, density: float) -> float:
 
 
 def tube_inertia(item: Rigid, mass: float) -> Inertia:
-    """Moments of inertia [kg m2]: those given, else those of a thick-walled tube about its centre.
+    """Moments of inertia [kg m2]: as given, otherwise of a thick-walled tube about its centre.
 
     axial m (od^2 + id^2)/8; transverse m (3 (ro^2 + ri^2) + length^2)/12 (any table of moments of inertia).
-    An item without a diameter has those of a thin rod.
+    An item without a diameter is treated as a thin rod.
 
     mass: [kg]
     """

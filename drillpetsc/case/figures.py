@@ -10,7 +10,7 @@ from dataclasses import dataclass, field
 class Figure:
     """A figure of a string item.
 
-    key: path below the item, as in the case file; value: in SI, or a word; unit: of the value; source: where it is from.
+    key: path below the item, as in the case file; value: in SI, or a word; unit: of the value; source: its origin.
     """
 
     key: str

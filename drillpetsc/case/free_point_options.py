@@ -17,7 +17,7 @@ MASS = Quantity("kg", above=0, at_most=1e7)
 
 @dataclass(frozen=True)
 class Pair:
-    """Stretch [m] of the string at the surface under a pull [N] beyond that of its free weight."""
+    """Stretch [m] of the string at the surface under a pull [N] in excess of its free weight."""
 
     stretch: float
     pull: float
@@ -26,10 +26,10 @@ class Pair:
 def read_pairs(
     stretch: str | float | Sequence[str | float], pull: str | float | Sequence[str | float]
 ) -> tuple[Pair, ...]:
-    """Read stretches and pulls; a pull with a unit of mass is times standard gravity, as `30 klb` is meant.
+    """Read stretches and pulls; a pull with a unit of mass is multiplied by standard gravity, as in `30 klb`.
 
     From Python also numbers in SI.
-    Raises CaseError where a number is wrong, or the two lists differ in length.
+    Raises CaseError if a number is wrong, or the two lists differ in length.
     """
     for at, text, example in (("--stretch", stretch, "24 in"), ("--pull", pull, "30 klb")):
         if isinstance(text, str) and not any(letter.isalpha() for letter in text.rpartition(",")[2]):

@@ -1,8 +1,8 @@
 """String items for Python: `DrillPipe("5in 19.50 S-135 NC50 premium", length="9200 ft")`.
 
-An item is the mapping that stands in the list `string` of a case file, with the keys that its kind has. Values are those of the
-case file: text carries a unit, and a bare number has the unit that the case gives it. They are read when the case is made,
-because a unit of bare numbers belongs to a case. A key that a kind does not have is refused at once.
+An item is a mapping as in the list `string` of a case file, with the keys of its kind. Values are written as in the
+case file: text carries a unit, and a bare number has the unit set by the case. They are read when the case is made,
+because a unit of bare numbers belongs to a case. An unknown key is refused at once.
 """
 
 from __future__ import annotations

@@ -66,7 +66,7 @@ def operation_word(text: str) -> str | None:
 
 @dataclass(frozen=True)
 class Reading:
-    """One measured point, SI; the keys are those of `MeasuredPoint`."""
+    """One measured point, SI, with the keys of `MeasuredPoint`."""
 
     values: dict[str, Any]
 
@@ -278,7 +278,7 @@ def _units_below(
 def _units(
     path: Path, line: int, heads: Sequence[str], columns: dict[str, tuple[int, str]], remarks: list[str]
 ) -> dict[str, str]:
-    """Unit text of each column: its own, else that of the case's units."""
+    """Unit text of each column: as given, otherwise from the case's units."""
     units: dict[str, str] = {}
     system = BARE_NUMBERS.get()
     assumed: list[str] = []

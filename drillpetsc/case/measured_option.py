@@ -15,7 +15,7 @@ from drillpetsc.errors import CaseError
 
 
 def measured_option(name: str, case: Case) -> tuple[MeasuredPoint, ...]:
-    """The points of a file; columns without a unit have that of the case's units.
+    """The points of a file; columns without a unit are in the case's units.
 
     Raises CaseError, which names the option, or the file and its line.
     """
@@ -47,6 +47,6 @@ FITTED = ("cased", "open_hole", "block_weight", "weight_factor")
 
 
 def fit_option(text: str, case: Case) -> tuple[str, ...]:
-    """The parameters that `calibrate` fits; CaseError for a word that is none, nor a group of the case."""
+    """The parameters that `calibrate` fits; CaseError for a word that is neither a parameter nor a group of the case."""
     groups = () if case.well is None else tuple(section.group for section in case.well.sections)
     return read_words(text, tuple(dict.fromkeys([*FITTED, *groups])), "--fit")

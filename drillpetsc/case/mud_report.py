@@ -1,6 +1,6 @@
-"""Rheology as the mud report has it: dial readings, plastic viscosity and yield point, n and K.
+"""Rheology as in the mud report: dial readings, plastic viscosity and yield point, n and K.
 
-The constants of a model come out; the readings stay beside them, for reports. A reading is that of a rotational
+The result is the constants of a model; the readings are kept for reports. A reading refers to a rotational
 viscometer with the usual bob (R1-B1-F1): 1 degree is 0.5107 Pa, 1 rpm is 1.7023 1/s.
 """
 
@@ -167,7 +167,7 @@ def api_annulus(dial: Mapping[str, float]) -> tuple[float, float] | None:
 
 
 def _steep(dial: Mapping[str, float]) -> str:
-    """The first two readings that rise more than their speeds, which no drilling mud does; empty where none do."""
+    """The first two readings that rise more than their speeds, which is impossible for drilling mud; empty if there are none."""
     rows = sorted((float(speed), speed, reading) for speed, reading in dial.items())
     for (slow, low, first), (fast, high, second) in zip(rows, rows[1:], strict=False):
         if first > 0 and second / first > fast / slow:

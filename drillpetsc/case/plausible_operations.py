@@ -17,12 +17,12 @@ LEAST_FLOW, MOST_FLOW = (
     to_si("8 gpm", "m^3/s") / to_si("1 in", "m"),
     to_si("150 gpm", "m^3/s") / to_si("1 in", "m"),
 )  # over the diameter of the bit; 30 to 60 gpm per inch are usual [m2/s]
-#: outer diameters of casing (API 5CT) that are no bore of another one [in]
+#: outer diameters of casing (API 5CT) that are not the bore of another casing [in]
 CASING_OD = (9.625, 10.75, 11.75, 13.375, 18.625)
 
 
 def torques(case: CaseBlocks) -> list[str]:
-    """Say which torques are of a few N m on a string of drill pipe: `tob: 5` in ft-lbf where kft-lbf were meant."""
+    """List torques of a few N m on a string of drill pipe: `tob: 5` in ft-lbf instead of kft-lbf."""
     if max((item.od or 0.0 for item in case.string), default=0.0) < STRING_OD:
         return []
     units = case.shown_units
@@ -70,7 +70,7 @@ def flows(case: CaseBlocks) -> list[str]:
         for word in ("drilling", "sliding", "backreaming"):
             keys[f"roadmap.{word}.flow_rate"] = (
                 getattr(case.roadmap, word).flow_rate or 0.0
-            )  # not given: that of the fluid
+            )  # not given: taken from the fluid
     out = []
     for key, flow in keys.items():
         if flow > 0 and not LEAST_FLOW <= flow / bit.od <= MOST_FLOW:

@@ -18,13 +18,13 @@ ONE_JOINT = (
 )
 STEEP = math.radians(60)  # inclination above which drill pipe is usual in compression
 STEEL = 7850.0  # [kg/m3]
-LEAST_MASS, MOST_MASS = 0.01, 20.0  # of a rigid item, over that of a cylinder of steel [-]
+LEAST_MASS, MOST_MASS = 0.01, 20.0  # of a rigid item, relative to a cylinder of steel [-]
 
 
 def lumped_masses(case: CaseBlocks) -> list[str]:
-    """Say which rigid items weigh far more, or less, than steel of their size: tonnes and kilograms mistaken.
+    """List rigid items that weigh far more, or less, than steel of their size: tonnes and kilograms mistaken.
 
-    A bit that stands for the collars above it, of some times its own weight, is usual in models and is not named.
+    A bit that represents the collars above it, with several times its weight, is usual in models and is not listed.
     """
     out = []
     for i, item in enumerate(case.string):
@@ -39,9 +39,9 @@ def lumped_masses(case: CaseBlocks) -> list[str]:
 
 
 def short_of_hole(case: CaseBlocks) -> list[str]:
-    """Say that a string which drills does not reach from the rig to the end of its hole; empty where it does.
+    """Report a string that drills but does not reach from the rig to the end of its hole; empty if it does.
 
-    With initial.wob such a string stands on the bottom with its top below the rig; without, it hangs above the bottom.
+    With initial.wob such a string rests on the bottom with its top below the rig; otherwise it hangs above the bottom.
     """
     if case.well is None or case.bottom.kind != "bit":
         return []
@@ -63,7 +63,7 @@ def short_of_hole(case: CaseBlocks) -> list[str]:
 
 
 def listed_upwards(case: CaseBlocks) -> list[str]:
-    """Say that drill pipe or heavy-wall pipe stands right above the bit, below collars; empty where it does not."""
+    """Report drill pipe or heavy-wall pipe directly above the bit, below collars; empty if there is none."""
     items = case.string
     if not isinstance(items[-1], Bit):
         return []
@@ -158,7 +158,7 @@ def beyond_lower_part(case: CaseBlocks) -> list[str]:
 
 
 def standing_bit(case: CaseBlocks) -> list[str]:
-    """Say that a bit which nothing turns is lowered onto rock that only a turning bit drills: the weight on it grows without end."""
+    """Report a bit without rotation that is lowered onto rock that only a turning bit drills: the weight on it grows without limit."""
     rock, top = case.formation, case.top
     if (
         rock is None
@@ -182,8 +182,8 @@ def standing_bit(case: CaseBlocks) -> list[str]:
 
 
 def _weight_of_lower_part(case: CaseBlocks) -> tuple[float, str] | None:
-    """Buoyed weight along the hole [N] of what hangs below the drill pipe, and the names of the items; None where there is
-    no such part, or the hole is steep there. The inclination is that of the nearest survey station."""
+    """Buoyed weight along the hole [N] of the string below the drill pipe, and the names of the items; None if there is
+    no such part, or the hole is steep there. The inclination is taken from the nearest survey station."""
     pipe = [i for i, item in enumerate(case.string) if isinstance(item, DrillPipe)]
     if not pipe or case.well is None or not any(item.length for item in case.string[pipe[-1] + 1 : -1]):
         return None

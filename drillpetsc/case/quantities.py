@@ -92,7 +92,7 @@ class Quantity:
     """A key of `unit_systems.KINDS`, `none` for a quantity whose numbers always need a unit, or "": the usual kind of the unit."""
 
     def allowed(self, system: System = "SI") -> str:
-        """The range in words, in the units of a system where it has one for this quantity; empty when unbounded."""
+        """The range in words, in the units of a system if it has one for this quantity; empty if unbounded."""
         unit = unit_of_bare_number(self.unit, self.kind, system) if self.unit else None
         kind = kind_of(self.unit, self.kind)
         words = (
@@ -110,7 +110,7 @@ class Quantity:
         return f"{text} {numbers[0][1][1]}" if numbers else ""
 
     def _allowed_for(self, value: object, system: System) -> str:
-        """The range in words, of angles in the unit of the ``value`` (degrees), else as of ``allowed``."""
+        """The range in words; for angles in the unit of the ``value`` (degrees), otherwise as in ``allowed``."""
         bounds = (
             ("above", self.above),
             ("at least", self.at_least),
@@ -297,7 +297,7 @@ class OverTime:
 
 @dataclass(frozen=True)
 class WordOrNumber:
-    """One of some words, or a number in the SI unit of `quantity`; `none` is 0 where it is allowed."""
+    """One of some words, or a number in the SI unit of `quantity`; `none` is 0 if it is allowed."""
 
     words: tuple[str, ...]
     quantity: Quantity
@@ -348,7 +348,7 @@ def as_list(value: Any) -> Any:
 
 
 def largest(function: TimeFunction | None) -> float:
-    """Largest magnitude of an input over time, in its unit; 0 without an input, and that at time 0 of one set while it runs."""
+    """Largest magnitude of an input over time, in its unit; 0 without an input; for an input set during the run, its value at time 0."""
     if function is None:
         return 0.0
     if isinstance(function, Constant):
@@ -361,9 +361,9 @@ def largest(function: TimeFunction | None) -> float:
 
 
 def unit_of_field(field: FieldInfo) -> str | None:
-    """SI unit of the values of a key; "" for pure numbers, None where the key takes no quantity or several.
+    """SI unit of the values of a key; "" for pure numbers, None if the key takes no quantity or several.
 
-    Units of keys inside a block are not those of the block.
+    Units of keys inside a block do not apply to the block.
     """
     units = {part.unit for part in _metadata(field.annotation, field.metadata) if hasattr(part, "unit")}
     return units.pop() if len(units) == 1 else None

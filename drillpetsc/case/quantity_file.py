@@ -35,7 +35,7 @@ class QuantityFile:
     """A kind of file.
 
     columns: by key; example: of a header; otherwise: what a case may give instead of the file.
-    bare: a column without a unit is allowed, whose numbers have that of the case's bare numbers.
+    bare: a column without a unit is allowed; its numbers are in the units of the case.
     """
 
     columns: Mapping[str, QuantityColumn]

@@ -45,7 +45,7 @@ def unit_of(key: str) -> str:
 
 
 def bare_unit_of(key: str, system: System) -> str:
-    """Unit of a number without one, of a key in a case with these units; empty as for `unit_of`, and where none is allowed."""
+    """Unit of a number without one, of a key in a case with these units; empty as for `unit_of`, and if no such number is allowed."""
     kinds = {kind for field in _fields_of(key) for kind in kinds_of_field(field)}
     if len(kinds) != 1:
         return ""
@@ -53,7 +53,7 @@ def bare_unit_of(key: str, system: System) -> str:
 
 
 def _fields_of(key: str) -> list[FieldInfo]:
-    """The fields of a key, one for each block that may stand there."""
+    """The fields of a key, one for each block that it may contain."""
     blocks: list[type[Block]] = [CaseBlocks]
     fields: list[FieldInfo] = []
     for step in parsed(key):

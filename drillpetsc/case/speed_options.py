@@ -86,7 +86,7 @@ class Excitation:
     """A harmonic excitation.
 
     kind: ``unbalance``, ``bit``, ``motor``, the orbit of a downhole motor's rotor, or ``place``, somewhere along the string.
-    what: of bit and place: ``displacement`` along the string [m], ``force`` along it [N] or ``torque`` [N m]; else empty.
+    what: of bit and place: ``displacement`` along the string [m], ``force`` along it [N] or ``torque`` [N m]; otherwise empty.
     amplitude: [m], [N] or [N m], 0 with unbalance and motor.
     order: cycles per turn; nan with motor, which sets its own frequency.
     place: name of the place, md: its measured depth [m].
@@ -149,7 +149,7 @@ def read_excitation(
     """Read the excitation of `response`.
 
     kind: one of ``KINDS``, or a place of the ``case``: the name of a string item, or a measured depth (``120 m``).
-    amplitude: of a motion (``3 mm``), force (``5 kN``) or torque (``1 kN m``) of bit or place; its unit tells which.
+    amplitude: of a motion (``3 mm``), force (``5 kN``) or torque (``1 kN m``) of bit or place; its unit decides which.
     order: cycles per turn, None: 3 of the bit (the lobes that a roller-cone bit cuts), 1 of a place.
     Raises CaseError.
     """

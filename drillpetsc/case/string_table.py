@@ -36,9 +36,9 @@ def mass_per_length(item: Any) -> float | None:
 
 
 def string_rows(case: Any, units: System | None = None) -> tuple[list[str], list[list[str]]]:
-    """(headings with units, cells) of the string table; an empty cell where an item has no such figure.
+    """(headings with units, cells) of the string table; an empty cell if an item has no such figure.
 
-    units: field, metric, metric_t or SI; by default those of the case, metric where it has none
+    units: field, metric, metric_t or SI; by default the units of the case, or metric
     """
     system: System = units or case.shown_units
     rows = []

@@ -1,4 +1,4 @@
-"""Words of the trade that a driller may write for a key or a kind of the case file, and the hints that answer them."""
+"""Words of the trade that a driller may write for a key or a kind of the case file, and the corresponding hints."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ KEYS: dict[str, tuple[str, ...]] = {
     "jets": ("nozzles",),
     "type": ("bit_type",),
 }
-#: word -> what to write, where the key stands in another block or has another meaning
+#: word -> what to write, if the key is in another block or has another meaning
 PLACES: dict[str, str] = {
     "wob": "weight on bit stands in initial: {wob: 25 klbf}, with bottom: bit",
     "rpm": "rotation stands in top: {kind: top_drive, rotation: 120 rpm}",
@@ -87,7 +87,7 @@ def _fits(word: str, keys: Collection[str]) -> bool:
 
 
 def kind_hint(word: object, kinds: Collection[str]) -> str:
-    """The hint for an unknown kind; may be empty. kinds: that may stand there."""
+    """The hint for an unknown kind; may be empty. kinds: the allowed ones."""
     meant = KINDS.get(str(word).lower().replace(" ", "_").replace("-", "_"))
     if meant is not None and meant.partition(",")[0] in kinds:
         return f"did you mean '{meant}'?" if "," not in meant else f"write {meant}"

@@ -47,7 +47,7 @@ from drillpetsc.case.section import BLADE_METAL, ring, stabilizer_metal
 from drillpetsc.case.survey_file import FOLDER
 
 FOOT = 0.3048  # [m]
-AGREES = 0.01  # relative difference from the catalogue that is no contradiction
+AGREES = 0.01  # relative difference from the catalogue that is not a contradiction
 JOINT_LENGTHS = {2: 31.0 * FOOT, 3: 44.0 * FOOT}  # by range [m]
 CATALOGUE_STEEL = 7850.0  # density that weights of the catalogue belong to [kg/m3]
 NONMAGNETIC = Material(density=7860.0, young=193e9)
@@ -60,9 +60,9 @@ FORMULA = "formula of API RP 7G for drill pipe with tool joints"
 
 
 def read_catalogue(name: str | None) -> Catalogue:
-    """The built-in catalogue, with the rows of the user's folder or file before its own.
+    """The built-in catalogue, preceded by the rows of the user's folder or file.
 
-    Relative names count from the folder of the case file, then from the working directory.
+    Relative names refer to the folder of the case file first, then to the working directory.
     """
     if name is None:
         return Catalogue.built_in()
@@ -345,7 +345,7 @@ class _Completion:
         self.values["tool_joint"] = ToolJoint(**joint)
 
     def _make_up(self, joint: dict[str, Any], own: ToolJoint, row: Row | None) -> float | None:
-        """Make-up torque [N m]: that of the row for its own tool joint, else by the formula for new ones; None: unknown threads."""
+        """Make-up torque [N m]: from the row for its tool joint, otherwise by the formula for new ones; None: unknown threads."""
         key, place = "tool_joint.make_up_torque", "" if row is None else row.place
         if row is not None and row["make_up"] is not None and own.od is None and own.id is None:
             torque = row["make_up"] * FT_LBF
@@ -398,7 +398,7 @@ class _Completion:
         if grade is None:
             return
         if given is not None:
-            try:  # both stand in a case that was written out
+            try:  # both are in a case that was written out
                 listed = find_grade(self.catalogue, kind, grade)["yield"] * KSI
             except ReferenceProblem:
                 return
@@ -441,7 +441,7 @@ class _Completion:
 
     # ------------------------------------------------------------------ weights
     def _steel(self, key: str) -> None:
-        """Refuse a weight for steel where the material is another."""
+        """Refuse a weight for steel if the material is different."""
         density = self.values["material"].density
         if self.value(key) is None and abs(density - CATALOGUE_STEEL) > 0.02 * CATALOGUE_STEEL:
             raise self.refuse(
@@ -451,7 +451,7 @@ class _Completion:
             )
 
     def _pipe_weight(self, choice: PipeChoice | None) -> None:
-        """Average weight of drill pipe: that of the row, if the tool joint is the row's; else the formula."""
+        """Average weight of drill pipe: from the row, if the tool joint is the row's; otherwise by the formula."""
         if self.value("adjusted_weight") is not None:
             return
         self._steel("adjusted_weight")
@@ -494,7 +494,7 @@ class _Completion:
         return 1.0, ""
 
     def _check_weight(self) -> None:
-        """Refuse a weight below that of the plain tube, or above that of a solid bar."""
+        """Refuse a weight below the plain tube's, or above the weight of a solid bar."""
         density = self.values["material"].density
         outer = self.value("od")
         tube, _ = ring(outer, self.value("id"))

@@ -19,6 +19,6 @@ _FILE = QuantityFile(
 def read_window(name: str) -> dict[str, list[float]]:
     """{tvd: [m], pore: [kg/m3], frac: [kg/m3]} from a CSV file, see ``QuantityFile.read``.
 
-    Without a unit a column has that of the case's bare numbers.
+    A column without a unit has the unit of the case's bare numbers.
     """
     return _FILE.read(name)

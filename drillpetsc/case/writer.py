@@ -20,7 +20,7 @@ def case_data(case: CaseBlocks) -> dict[str, Any]:
     if case.well is not None:  # the hole gives the position of the string
         del data["initial"]["inclination"], data["initial"]["azimuth"]
     if case.initial.from_ != "statics" and "imperfection" not in case.initial.model_fields_set:
-        del data["initial"]["imperfection"]  # a start from rest has one only where it is given
+        del data["initial"]["imperfection"]  # a start from rest has one only if it is given
     for item, item_data in zip(case.string, data["string"], strict=True):
         if item.material == case.material:
             del item_data["material"]
@@ -64,7 +64,7 @@ def sourced_yaml(case: CaseBlocks, figures: Figures) -> str:
             place = tree["string"][number]
             for block in blocks:
                 place = place.get(block, {})
-            if key in place:  # a material that is that of the case stands there
+            if key in place:  # a material equal to the case's is in the block of the case instead
                 place.yaml_add_eol_comment(f"from: {figure.source}", key)
     yaml = YAML(typ="rt", pure=True)
     yaml.width = 4096

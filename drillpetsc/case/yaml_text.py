@@ -1,6 +1,6 @@
 """YAML 1.2 text as plain data: dicts, lists and scalars, with the line of each key.
 
-No text makes the reader hang, and nothing is read as YAML 1.1 would.
+The reader never hangs, and nothing is read by the rules of YAML 1.1.
 """
 
 from __future__ import annotations

@@ -58,7 +58,7 @@ def high_side(tangent: FloatArray) -> FloatArray:
 
     Manual: eq-conv-high-side.
 
-    It points north where the hole is vertical; z points down.
+    It points north if the hole is vertical; z points down.
     """
     up = np.array([0.0, 0.0, -1.0])
     across = up - tangent * (up @ tangent)
@@ -84,7 +84,7 @@ def tool_face_zero(tangent: FloatArray) -> FloatArray:
 
     Manual: eq-conv-tool-face.
 
-    It is the high side (gravity tool face).  Where the hole is inclined by less than ``MAGNETIC_BELOW`` to the
+    It is the high side (gravity tool face).  If the hole is inclined by less than ``MAGNETIC_BELOW`` to the
     vertical, it points north (magnetic tool face).
     """
     if np.hypot(tangent[0], tangent[1]) >= np.sin(MAGNETIC_BELOW):
@@ -124,7 +124,7 @@ def directors(
 ) -> tuple[FloatArray, FloatArray]:
     """Compute directors 2 and 3, (k, 3) each, of k nodes (manual: eq-beam-directors).
 
-    The directors are those of minrot(a -> t) D0 Rot1(phi).
+    The directors are the columns of minrot(a -> t) D0 Rot1(phi).
 
     nodes: (k,) numbers; v: (k, 3) slopes [-]; phi: (k,) spin angles [rad].
     """

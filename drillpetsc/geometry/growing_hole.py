@@ -23,7 +23,7 @@ class GrowingHole:
     """A hole whose end advances; the same on all ranks.
 
     The *end* is the centre of the bit on bottom, above the hole's deepest point.  The new path begins at its
-    place at the start, ``half`` above the bottom of the old hole.  After every ``interval`` of new hole a node
+    initial position, ``half`` above the bottom of the old hole.  After every ``interval`` of new hole a node
     of the centreline is fixed.  Between the last node and the end the hole follows the end.
 
     well: the hole at the start.
@@ -81,7 +81,7 @@ class GrowingHole:
         return True
 
     def _reamed(self, well: Well, ends: dict[int, float] | None = None) -> Well:
-        """Return ``well``, as it is without reamers, with its reamed sections down to where their reamers are."""
+        """Return ``well``, given without reamers, with its sections reamed down to the present depths of the reamers."""
         if not self._reamed_to:
             return well
         to, first = well.section_to.copy(), min(self._reamed_to)
@@ -144,7 +144,7 @@ class GrowingHole:
     def _longer(self, well: Well, s: float, position: FloatArray, tangent: FloatArray) -> Well:
         """Return ``well`` with one more node at ``s`` [m], ``position`` (3,) [m] and ``tangent`` (3,).
 
-        The new hole becomes a section of its own as soon as it is long enough for a transition of the radius.
+        The new hole becomes a separate section as soon as it is long enough for a transition of the radius.
         """
         longer, old = well.extended(s, position, tangent), self.original
         same = (self.radius, self.friction) == (old.section_radius[-1], old.section_friction[-1])
@@ -172,7 +172,7 @@ class GrowingHole:
     def _freeze(self, s: float, h: float) -> None:
         """Fix a node at ``s`` [m], ``h`` [m] or more behind the end.
 
-        Its direction is that of the chord from ``h`` above to ``h`` below it.
+        Its direction is along the chord from ``h`` above to ``h`` below it.
         """
         chord = self._at(s + h)[0] - self._at(s - h)[0]
         self._frozen = self._longer(self._frozen, s, self._at(s)[0], chord / np.linalg.norm(chord))
@@ -199,14 +199,14 @@ class GrowingHole:
     def _tangent(self, s: float, position: FloatArray) -> FloatArray:
         """Compute the direction (3,) at the end (manual: eq-borehole-end-direction).
 
-        It is that of the chord over the last half interval, turned on by half the turn since the chord before
-        it, but by no more than half the turn between that one and the chord before it.  On an arc it is exact
+        It is the direction of the chord over the last half interval, plus half the turn since the chord before
+        it, but at most half the turn between that chord and its predecessor.  On an arc it is exact
         to second order.  At a kink it does not go beyond the new direction.  The wandering of the bit within a
         turn is averaged over half an interval.
 
         s: measured depth of the end [m]; position: (3,) of the end [m].
         """
-        # the points behind are on the existing trail; otherwise long steps would extrapolate from their own
+        # the points behind are on the existing trail; otherwise long steps would extrapolate from themselves
         # direction
         h = max(0.5 * self.interval, s - self._trail[-1, 0])
         points = [position, *(self._at(s - k * h)[0] for k in (1, 2, 3))]

@@ -20,8 +20,8 @@ class HoleSteps:
     A step p moves a node to x + p to first order.  A node on the wall that moves about the axis stays on the
     wall to second order, and a node that moves along a curved hole follows it.
 
-    well: the hole; at: (n, 2) places of position and slope of each node in the unknowns.
-    clearance: (n,) radial clearance [m], beyond a fraction of which a node moves about the axis; 0: never.
+    well: the hole; at: (n, 2) positions of place and slope of each node in the unknowns.
+    clearance: (n,) radial clearance [m]; beyond a fraction of it a node moves about the axis; 0: never.
     """
 
     def __init__(self, well: Well, at: np.ndarray, clearance: FloatArray):

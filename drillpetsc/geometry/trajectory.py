@@ -40,7 +40,7 @@ class NewHole:
 def angles(tangent: ArrayLike) -> tuple[FloatArray, FloatArray]:
     """Compute inclination and azimuth (...) [rad] of unit vectors ``tangent`` (..., 3).
 
-    The azimuth is between 0 and 2 pi, and 0 where the hole is vertical.
+    The azimuth is between 0 and 2 pi, and 0 if the hole is vertical.
     """
     north, east, down = components(tangent)
     across = np.hypot(north, east)
@@ -59,8 +59,8 @@ def dogleg_severity(md: ArrayLike, tangent: ArrayLike, course: float = COURSE) -
 
     md: (n,) measured depths of the stations [m].
     tangent: (n, 3) unit tangents.
-    course: length [m].  It is cut at the first station; where stations are further apart, it reaches to the
-    one above.
+    course: length [m].  It is cut at the first station; if stations are further apart, it extends to the
+    station above.
     """
     s, t = np.asarray(md, dtype=float), np.asarray(tangent, dtype=float)
     out = np.zeros(len(s))
@@ -71,11 +71,11 @@ def dogleg_severity(md: ArrayLike, tangent: ArrayLike, course: float = COURSE) -
 
 
 def refine_stations(well: Well, md: ArrayLike, within: float = SURVEY_TOLERANCE) -> FloatArray:
-    """Add stations where minimum curvature would miss the path of the well; returns all stations (m,) [m].
+    """Add stations at which minimum curvature would miss the path of the well; returns all stations (m,) [m].
 
     Minimum curvature integrates the directions by the trapezoidal rule, and is exact at constant curvature.
-    Between stations h apart its error is h^2/12 times the change of curvature; with k equal pieces it is
-    1/k^2 of that (manual: eq-borehole-survey-error).
+    Between stations h apart its error is h^2/12 times the change of curvature; k equal pieces reduce the error
+    by 1/k^2 (manual: eq-borehole-survey-error).
 
     md: (n,) measured depths of the stations [m].
     within: largest error from one station to the next [m].
@@ -91,13 +91,13 @@ def refine_stations(well: Well, md: ArrayLike, within: float = SURVEY_TOLERANCE)
 
 
 def new_hole(well: Well, start: float, original: Well | None = None) -> NewHole | None:
-    """Compute angles and rates of the part of ``well`` below ``start`` [m]; None where nothing was drilled.
+    """Compute angles and rates of the part of ``well`` below ``start`` [m]; None if nothing was drilled.
 
     With the directions t1 of the old hole and t2 of the new end, the dogleg severity is arccos(t1.t2)/dS, the
     build rate (I2 - I1)/dS, and the turn rate (A2 - A1) sin(I)/dS with the mean inclination I (manual:
     eq-borehole-rates).
 
-    original: the hole before it grew, for the direction at its end; the upper part of ``well`` where not given.
+    original: the hole before it grew, for the direction at its end; by default the upper part of ``well``.
     """
     original = original or well
     length = well.depth - start

@@ -36,7 +36,7 @@ class ClosestPoints:
     tangent: (n, 3) unit tangents.
     offset: (n, 3) from the closest point to the position [m].
     radius: (n,) of the hole [m]; friction: (n,) [-].
-    segment: (n,) int32 numbers of the segments, to start the next search from.
+    segment: (n,) int32 numbers of the segments, as starting points of the next search.
     """
 
     md: Array
@@ -144,7 +144,7 @@ class Well:
         Measured depth within a segment is s(u) = s0 + u L + (m - L) u (1-u)(1-2u) (manual:
         eq-borehole-depth).  This cubic has ds/du = m at both ends, so dc/ds is the unit tangent at every node
         (C1 in s), and s is the arc length up to order beta^4 inside.  Beyond both ends the centreline
-        continues straight.  At a node the curvature is that of the segment below it.
+        continues straight.  At a node the curvature is taken from the segment below it.
         """
         md = np.asarray(md, dtype=float)
         s = np.clip(md, self.node_md[0], self.node_md[-1])
@@ -183,7 +183,7 @@ class Well:
 
         Rows (start [m], width [m], radius above [m], its change [m], friction above [-], its change [-]).
         Each section boundary is smoothed over max(0.5 m, 10 |dR|) centred on it, or over the shorter of its
-        two neighbouring sections where that is less, so that transitions do not overlap.
+        two neighbouring sections if that is less, so that transitions do not overlap.
         """
         dr, df = np.diff(self.section_radius), np.diff(self.section_friction)
         length = np.diff(np.r_[-np.inf, self.section_to[:-1], np.inf])
@@ -238,13 +238,13 @@ class Well:
     ) -> Well:
         """Return this well with one more node.
 
-        The last section becomes longer, or a new open-hole section is added where radius or friction differ
+        The last section becomes longer, or a new open-hole section is added if radius or friction differ
         from it.
 
         md: of the node [m], below the last node; position: (3,) [m]; tangent: (3,).
-        radius: of the new hole [m]; friction: [-]; None: those of the last section.
+        radius: of the new hole [m]; friction: [-]; None: as in the last section.
 
-        Raises ValueError where the node is not below the last one.
+        Raises ValueError if the node is not below the last one.
         """
         if md <= self.node_md[-1]:
             raise ValueError(f"the new node at {md} m must lie below the last one at {self.node_md[-1]} m")
@@ -270,7 +270,7 @@ class Well:
     def cut(self, md: float) -> Well:
         """Return this well cut at ``md`` [m]: the drilled part of a planned path, which `extended` can continue.
 
-        Raises ValueError where the centreline does not reach to ``md``.
+        Raises ValueError if the centreline does not reach ``md``.
         """
         if not 0 < md <= self.node_md[-1]:
             raise ValueError(f"cannot end the well at {md} m: its centreline runs to {self.node_md[-1]} m")

@@ -1,7 +1,7 @@
 """The compiled kernels: one shared library, made when the package is installed (drillpetsc/kernels/build.py).
 
-Importing this package compiles nothing.  The library is opened when the first kernel is asked for, from the
-package's own folder only, and only if no other user can have written it.
+Importing this package compiles nothing.  The library is opened when the first kernel is used, from the
+package's folder only, and only if no other user can have written it.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""``python -m drillpetsc.kernels build`` compiles the kernels if needed and prints where they are."""
+"""``python -m drillpetsc.kernels build`` compiles the kernels if needed and prints their location."""
 
 import sys
 

@@ -29,7 +29,7 @@ class UntrustedLibrary(RuntimeError):
 
 
 def build_folder() -> Path:
-    """Where the library belongs: in the package itself, wherever that is installed."""
+    """Folder of the library: inside the package, wherever that is installed."""
     return SOURCES / "_build"
 
 
@@ -55,9 +55,9 @@ def check_trusted(library: Path) -> None:
 def build(folder: Path | None = None, objects: Path | None = None) -> Path:
     """Build the library if it is missing or may have been written by others, and return its path.
 
-    folder: where it goes, ``_build`` in the package by default; objects: folder of the object files, which are
+    folder: destination, ``_build`` in the package by default; objects: folder of the object files, which are
     kept so that a changed source compiles alone.  Processes that build at the same time wait for each other.
-    Raises RuntimeError with the compiler's message when a source does not compile, or without a compiler.
+    Raises RuntimeError with the compiler's message if a source does not compile, or without a compiler.
     """
     target = library_path(folder)
     if target.exists():

@@ -1,4 +1,4 @@
-"""Numbers below 2e-308 taken as zero while a computation goes on (manual: speed)."""
+"""Numbers below 2e-308 treated as zero during a computation (manual: speed)."""
 
 from __future__ import annotations
 
@@ -13,10 +13,10 @@ from drillpetsc.kernels import function
 
 @contextmanager
 def flushed_denormals() -> Iterator[None]:
-    """Take denormal numbers as zero in this thread, around a block or, as a decorator, around a function.
+    """Treat denormal numbers as zero in this thread, around a block or, as a decorator, around a function.
 
-    What a wave has not yet reached moves by less and less with the distance, down to the smallest numbers there are.  Processors
-    take a hundred times as long for those, and nothing that is written depends on them.
+    Ahead of a wave the motion decreases with the distance, down to the smallest floating-point numbers.  Processors
+    take a hundred times as long for these, and no output depends on them.
     """
     flush = function("flush_denormals", "i", ctypes.c_int)
     for kind in (np.float32, np.float64):

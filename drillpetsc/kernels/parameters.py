@@ -23,7 +23,7 @@ _TYPES = {"double": (ctypes.c_double, 1), "int": (ctypes.c_int, 1), "Vec<double>
 
 
 class Columns:
-    """Names of the columns of a table, in order: ``columns["length"]`` is a number, a slice where it is wider.
+    """Names of the columns of a table, in order: ``columns["length"]`` is a number, or a slice if it is wider.
 
     names: the names, in lower case; width: columns in all.
     """

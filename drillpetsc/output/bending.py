@@ -13,13 +13,13 @@ from drillpetsc.geometry.frames import cross, directors, high_sides
 from drillpetsc.model.drilling_model import DrillingModel
 from drillpetsc.physics.tools.steering import PointTool
 
-#: stands for the areas of a rigid item whose mud is left out of the element below it [m2]
+#: represents the areas of a rigid item whose mud is left out of the element below it [m2]
 NO_AREA = 1e-30
 
 
 @dataclass(frozen=True)
 class EndForces:
-    """What the string below a place exerts on the string above it, at both ends of each local element.
+    """Forces that the string below a point exerts on the string above it, at both ends of each local element.
 
     tangent: (nc, 2, 3) of the string [-].
     force: (nc, 2, 3) [N], effective: with the pressures of the mud on the section.
@@ -54,9 +54,9 @@ class EndForces:
 def end_forces(model: DrillingModel, time: float = 0.0) -> EndForces:
     """Forces and bending moments at the ends of the local elements, from the elements' equilibrium.
 
-    They are the rows of all components on an element: elastic and damping forces less distributed loads and inertia.
-    At an end of an element they are what its neighbour must exert, so they are exact for a straight beam under loads
-    that the element distributes (manual: eq-beam-nodal-moment).  time: of inputs [s].
+    They follow from the rows of all components on an element: elastic and damping forces less distributed loads and inertia.
+    At an end of an element they are the forces that its neighbour must exert, so they are exact for a straight beam under loads
+    distributed by the element (manual: eq-beam-nodal-moment).  time: of inputs [s].
     """
     system, beam = model.system, model.beam
     assert beam is not None
@@ -150,7 +150,7 @@ def all_across_hole(model: DrillingModel, *vectors: FloatArray) -> list[FloatArr
 
 
 def curvatures(model: DrillingModel, moment: FloatArray) -> FloatArray:
-    """(nc, 2, 3) curvature vectors [1/m] of the local elements at both ends: M/EI and that of the stress-free shape.
+    """(nc, 2, 3) curvature vectors [1/m] of the local elements at both ends: M/EI plus the stress-free curvature.
 
     moment: (nc, 2, 3) bending moment [N m], without damping.
     """

@@ -11,12 +11,12 @@ from drillpetsc.fem.discrete_system import DiscreteSystem
 from drillpetsc.model.fluid import FluidComponents
 from drillpetsc.unit_systems import System, shown
 
-VAPOUR_PRESSURE = -1.0e5  # gauge pressure [Pa]: absolute zero, below which no liquid is
+VAPOUR_PRESSURE = -1.0e5  # gauge pressure [Pa]: absolute zero, below which there is no liquid
 
 
 @dataclass(frozen=True)
 class LowPressure:
-    """A pressure [Pa] below that of the vapour, with time [s], node and channel."""
+    """A pressure [Pa] below the vapour pressure, with time [s], node and channel."""
 
     pressure: float
     time: float
@@ -42,7 +42,7 @@ class BoilingMonitor:
         channels = () if fluid is None else (fluid.bore, fluid.annulus)
         self._channels = [c for c in channels if c is not None]
         self._places: np.ndarray | None = None  # of pressures in the unknowns
-        self._computed: list[Any] = []  # channels whose pressures are no unknowns
+        self._computed: list[Any] = []  # channels whose pressures are not unknowns
         self.first: LowPressure | None = None
         self.lowest: LowPressure | None = None
 
@@ -66,7 +66,7 @@ class BoilingMonitor:
                 self.lowest = low
 
     def share(self) -> None:
-        """Make ``first`` and ``lowest`` those of all ranks; collective."""
+        """Combine ``first`` and ``lowest`` over all ranks; collective."""
         if not self._channels or self.system.comm.size == 1:
             return
         found = self.system.comm.tompi4py().allgather((self.first, self.lowest))

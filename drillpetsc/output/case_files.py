@@ -7,7 +7,7 @@ from drillpetsc.output.files.run_folder import RunFolder
 
 
 def write_case(case: Case, folder: RunFolder) -> None:
-    """Write case.yaml; and case.resolved.yaml where the case has figures from catalogue, defaults or formulas."""
+    """Write case.yaml; and case.resolved.yaml if the case has figures from catalogue, defaults or formulas."""
     case.dump(folder.case)
     if case.figures.of_item:
         folder.resolved_case.write_text(case.to_sourced_yaml(), encoding="utf-8")

@@ -29,7 +29,7 @@ from drillpetsc.unit_systems import System
 class Listed:
     """A quantity in a file.
 
-    condition: what the case has where the file contains the quantity; empty: always.
+    condition: what the case must contain for the file to have the quantity; empty: always.
     """
 
     quantity: Quantity
@@ -183,10 +183,10 @@ def outputs_by_file() -> dict[str, tuple[Quantity, ...]]:
 
 
 def records() -> list[dict[str, str]]:
-    """Every output and key of the files of a run folder, as texts: what ``drillpetsc schema --outputs`` prints.
+    """Every output and key of the files of a run folder, as texts, printed by ``drillpetsc schema --outputs``.
 
-    ``condition`` is empty for what every such file contains; ``label``, ``mnemonic`` and ``sign`` are empty for keys of
-    summary.json that are no quantities.
+    ``condition`` is empty for quantities in every such file; ``label``, ``mnemonic`` and ``sign`` are empty for keys of
+    summary.json that are not quantities.
     """
     described = listed_by_file()
     out: list[dict[str, str]] = []
@@ -211,12 +211,12 @@ def all_quantities() -> tuple[Quantity, ...]:
 
 
 def find(name: str) -> Quantity | None:
-    """The output of this name (``x_600`` is ``x_NNN``), None where there is none."""
+    """The output of this name (``x_600`` is ``x_NNN``), None if there is none."""
     return next((q for q in all_quantities() if q.matches(name)), None)
 
 
 def label(name: str, system: System = "SI") -> str | None:
-    """Words for the output of this name, with its depth in a system of units; None where there is no such output."""
+    """Words for the output of this name, with its depth in a system of units; None if there is no such output."""
     q = find(name)
     return None if q is None else q.label_at(q.place(name) or "", system)
 

@@ -1,4 +1,4 @@
-"""What a case has where an output exists, in words for the manual and the list of outputs."""
+"""Contents of a case required for an output, in words for the manual and the list of outputs."""
 
 STRING = "string that is not held"
 TUBES = f"{STRING}, every element a pipe"

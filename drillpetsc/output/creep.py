@@ -14,8 +14,8 @@ SMALLEST_SHARE = 1e-3  # of the weight: friction below it holds nothing worth a 
 def held_by_creep(model: DrillingModel) -> tuple[float, float]:
     """(friction [N] of elements that creep, mean of their slip speeds [m/s] weighted by it); collective.
 
-    An element creeps where its slip speed is below the slip velocity of the law: its friction is then below 0.71 of
-    the limit and would hold, were it not regularised. The slip speed is the power of the friction over its force.
+    An element creeps if its slip speed is below the slip velocity of the law. Its friction is then below 0.71 of
+    the limit and would hold without regularisation. The slip speed is the power of the friction over its force.
     """
     contact, system, mesh = model.contact, model.system, model.mesh
     if contact is None or model.beam is None:
@@ -33,7 +33,7 @@ def held_by_creep(model: DrillingModel) -> tuple[float, float]:
 
 
 def creep_warnings(model: DrillingModel, t: float) -> list[str]:
-    """Warning where the top stands still at ``t`` [s] and friction holds the string; collective."""
+    """Warning if the top is at rest at ``t`` [s] and friction holds the string; collective."""
     top = model.case.top
     motions = (top.lowering if top.force is None else None, top.rotation)
     if any(motion is not None and motion.value(t) != 0.0 for motion in motions):

@@ -115,7 +115,7 @@ class EnergyBalance:
         self._before_event = self._stored
 
     def after_event(self, t: float) -> None:
-        """Count the stored energy that a change of law sets free as turned into heat: that of a latch."""
+        """Count the stored energy released by a change of law, such as by a latch, as turned into heat."""
         self.update(t)
         self.dissipated += self._before_event - self._stored
         self._powers = tuple(self.system.powers(t))  # type: ignore[assignment]
@@ -132,7 +132,7 @@ class EnergyBalance:
     def add_impulse_work(self, t: float) -> None:
         """Count as supplied the energy gained in the steps whose formula spans a jump of a prescribed velocity.
 
-        Neither reaction nor rate has a value at the jump, so no quadrature over these steps gives their product.
+        Neither reaction nor rate has a value at the jump, so quadrature over these steps cannot give their product.
         """
         self.update(t)
         self.supplied += self.error - self._before_jump
@@ -141,7 +141,7 @@ class EnergyBalance:
     def exchanged(self) -> float:
         """Scale of an energy error [J]: the larger of the peaks, since the start, of the supplied work and of the change
         of kinetic and strain energy, at least the rounding of the energies and the settling of the start.  Work that was
-        supplied and given back counts."""
+        supplied and returned counts."""
         least = max(1e-9 * sum(map(abs, self.energies)), SETTLING * abs(self.energies[1]), 1e-300)
         return max(abs(self.supplied), self.peak_exchange, least)
 

@@ -32,7 +32,7 @@ class FieldOutput:
         ]
         self._quantities = in_order(found, "string/*.vtu")
         self._element = ~model.mesh.is_joint
-        #: (n+1, 1) number of elements that meet at a node; 1 where none does, at a rigid item between joints
+        #: (n+1, 1) number of elements that meet at a node; 1 if there is none, at a rigid item between joints
         self._meeting = np.maximum(np.append(self._element, 0) + np.append(0, self._element), 1)[:, None]
 
     def fields(self, t: float) -> tuple[FloatArray, dict[str, FloatArray]] | None:
@@ -63,9 +63,7 @@ class FieldOutput:
 
     def _gathered(self, parts: dict[Key, FloatArray], on: str) -> dict[Key, FloatArray] | None:
         """Local values (k, ...) collected in depth order on rank 0, as (n, m); None elsewhere."""
-        if (
-            self.system.comm.size == 1
-        ):  # nothing to send; what is kept elsewhere is copied, since it goes on to change
+        if self.system.comm.size == 1:  # nothing to send; data kept elsewhere is copied, since it will change
             chain = self.system.chain
             numbers = chain.vertices if on == "vertex" else chain.cells
             if np.array_equal(numbers, np.arange(len(numbers))):

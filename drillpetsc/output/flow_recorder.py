@@ -56,7 +56,7 @@ class FlowRecorder:
         return bore.upper_pressure(sample.assembly) + (0.0 if line is None else line.loss(flow))
 
     def bit_pressure(self, sample: Sample) -> float:
-        """Pressure outside the lower end [Pa]: of the annulus, or at the outlet where there is none.
+        """Pressure outside the lower end [Pa]: of the annulus, or at the outlet if there is none.
 
         A closed string without an annulus has no mud outside: the pressure inside its end.
         """
@@ -115,7 +115,7 @@ class FlowRecorder:
     def pressed_areas(self) -> Iterator[tuple[str, BoreFlow | AnnulusFlow, FloatArray, float]]:
         """Name, channel, area (n,) [m2] of the tube on which its pressure acts, and 1 (inside) or -1 (outside).
 
-        Between tool joints: the mean areas of a joint, of which the equations are, are those of no section.
+        Between tool joints: the mean areas of a joint, used by the equations, do not belong to any section.
         """
         bore, annulus, mesh = self.fluid.bore, self.fluid.annulus, self.system.mesh
         if bore is not None:
@@ -139,7 +139,7 @@ class FlowRecorder:
         """(nc, 2) tension [N] of the pipe's wall beyond EA times strain at both ends of the local elements.
 
         2 nu (p_i A_i - p_o A_o) with mean areas keeps a pipe under pressure from shortening, and the tube between tool joints
-        has areas of its own (manual: eq-mud-effective-tension, eq-tubulars-wall-tension).
+        has different areas (manual: eq-mud-effective-tension, eq-tubulars-wall-tension).
         """
         chain, mesh = self.system.chain, self.system.mesh
         out, mean = np.zeros((len(chain.cells), 2)), {"bore": mesh.bore_area, "annulus": mesh.outer_area}

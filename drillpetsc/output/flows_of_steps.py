@@ -14,9 +14,9 @@ BIT_FLOW, CHAMBER, CUTTINGS = 1, 4, 6  # in the results of the flow at the bit
 
 
 class FlowsOfSteps:
-    """(k,) numbers of this rank after each of k steps; None where a model has them one by one only.
+    """(k,) numbers of this rank after each of k steps; None if a model provides them one by one only.
 
-    fluid: components of the mud; last: local number of the last node, None where another rank has it.
+    fluid: components of the mud; last: local number of the last node, None on ranks without it.
     """
 
     def __init__(self, fluid: FluidComponents, last: int | None) -> None:

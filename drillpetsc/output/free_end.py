@@ -10,24 +10,24 @@ from drillpetsc.case.blocks.ends import HeldBottom
 from drillpetsc.model.drilling_model import DrillingModel
 from drillpetsc.unit_systems import shown
 
-BEYOND = 1e-3  # distance below the end of the hole that is told [m]
+BEYOND = 1e-3  # distance below the end of the hole above which it is reported [m]
 
 
 def end_is_free(model: DrillingModel) -> bool:
-    """Whether nothing holds the lower end of a string in a hole, and no bit stands on the bottom."""
+    """Whether the lower end of a string in a hole is free: not held, and without a bit on the bottom."""
     bottom = model.case.bottom
     held = isinstance(bottom, HeldBottom) and bottom.kind != "free"
     return model.well is not None and model.beam is not None and model.bit is None and not held
 
 
 class FreeEnd:
-    """The free lower end of a string in a hole; not ``exists`` where it is held or stands on the bottom."""
+    """The free lower end of a string in a hole; not ``exists`` if it is held or rests on the bottom."""
 
     def __init__(self, model: DrillingModel) -> None:
         system, mesh = model.system, model.mesh
         self.exists, self.system = end_is_free(model), system
         last = np.flatnonzero(system.chain.owned & (system.chain.vertices == mesh.nodes - 1))
-        self._places = None  # of its position in the unknowns, on its own rank
+        self._places = None  # of its position in the unknowns, on the rank that owns it
         if len(last) and self.exists and model.well is not None:
             self._places = system.layout.dofs["string.position"][last[0]]
             end, axis, _ = model.well.at(model.well.depth)
@@ -46,7 +46,7 @@ class FreeEnd:
 class FreeEndWatch:
     """Finds when a free lower end first passes the end of the hole, and how far it goes.
 
-    first: time [s], None before; most: distance [m].  Those of the rank that owns the lower end, until ``share``.
+    first: time [s], None before; most: distance [m].  Only on the rank that owns the lower end, until ``share``.
     """
 
     def __init__(self, model: DrillingModel) -> None:
@@ -62,7 +62,7 @@ class FreeEndWatch:
             self.most = max(self.most, beyond)
 
     def share(self) -> None:
-        """Make the figures those of all ranks; collective."""
+        """Combine the figures over all ranks; collective."""
         if self.model.system.comm.size > 1 and self._end.exists:
             found = self.model.system.comm.tompi4py().allgather((self.first, self.most))
             self.first = min((first for first, _ in found if first is not None), default=None)

@@ -24,7 +24,7 @@ from drillpetsc.unit_systems import System, shown
 
 IMPACT = 10 * STANDARD_GRAVITY  # lateral acceleration of an impact [m/s2]
 FEWEST = 20  # rows in a window below which its largest and smallest values mean little
-MANY = 0.1  # share of windows without an answer from which on it is said
+MANY = 0.1  # share of windows without a result from which on it is reported
 MOST_WINDOWS = 100_000  # of a run
 DEFAULT_WINDOW, DEFAULT_EVERY = 20.0, 1.0  # [s]
 
@@ -33,7 +33,7 @@ DEFAULT_WINDOW, DEFAULT_EVERY = 20.0, 1.0  # [s]
 class IndexTable:
     """Indices at the ends of windows.
 
-    columns: name, unit -> (k,) numbers or words; summary: for summary.json; warnings: what the user should know.
+    columns: name, unit -> (k,) numbers or words; summary: for summary.json; warnings: for the user.
     """
 
     columns: dict[tuple[str, str], Any]
@@ -66,7 +66,7 @@ def indices(
 ) -> IndexTable:
     """Indices of the run in a folder, in windows of a length [s] whose ends are ``every`` [s] apart.
 
-    A run shorter than a window has one row, over the whole run.  Raises CaseError where the folder has no history of a string.
+    A run shorter than a window has one row, over the whole run.  Raises CaseError if the folder has no history of a string.
     """
     run = RunFolder(folder)
     history = _columns(read_table(run.history)) if run.history.is_file() else {}

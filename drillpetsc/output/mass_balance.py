@@ -28,8 +28,8 @@ class MassBalance:
     def step(self, rates: Sequence[float], dt: float, fresh: bool) -> None:
         """Integrate ``rates`` (3,) [m3/s] of pump, return and cuttings over an accepted step ``dt`` [s].
 
-        BDF of order 2, the formula of the pressures (manual: eq-time-bdf): its error at a wave front is then no loss
-        of mud.  fresh: the formula starts anew, with a half step of order 1 as PETSc does.
+        BDF of order 2, the formula of the pressures (manual: eq-time-bdf): its error at a wave front is then not a loss
+        of mud.  fresh: the formula restarts, with a half step of order 1 as in PETSc.
         """
         old = self._sums
         if fresh or self._before is None:

@@ -1,4 +1,4 @@
-"""What a run looks at after every step, since it makes results doubtful: boiling mud, a free end or a string outside the hole."""
+"""Checks of a run after every step for states that make results doubtful: boiling mud, a free end or a string outside the hole."""
 
 from __future__ import annotations
 
@@ -11,13 +11,13 @@ from drillpetsc.output.outside_hole import HoleMonitor
 
 
 class Monitor(Protocol):
-    """Looks for one thing."""
+    """Checks for one such state."""
 
     def update(self, t: float) -> None:
         """After an accepted step to ``t`` [s]; not collective."""
 
     def share(self) -> None:
-        """Make what was found that of all ranks; collective."""
+        """Combine the findings over all ranks; collective."""
 
     def warnings(self) -> list[str]:
         """Sentences for the summary, of all ranks after ``share``."""
@@ -49,7 +49,7 @@ class Monitors:
             monitor.update(t)
 
     def share(self) -> None:
-        """Make what was found that of all ranks; collective."""
+        """Combine the findings over all ranks; collective."""
         for monitor in self._all.values():
             monitor.share()
 

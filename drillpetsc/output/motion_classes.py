@@ -164,7 +164,7 @@ def _held(share: float, yes: str, no: str, between: str) -> str:
 
 
 def _whirl(angle: float, spin: float) -> dict[str, Any]:
-    """Class of whirl from the angle [rad] about the hole's axis and that of the string's rotation."""
+    """Class of whirl from the angle [rad] about the hole's axis and the angle of the string's rotation."""
     turns, ratio = angle / (2 * np.pi), angle / spin if spin else 0.0
     forward = turns * (np.sign(spin) or 1.0)
     if abs(turns) < WHIRL_TURNS or (spin and abs(ratio) < WHIRL_RATIO):

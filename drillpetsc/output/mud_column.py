@@ -17,7 +17,7 @@ LOWEST_COLUMN = 1.0  # height of mud above a point below which it has no equival
 def equivalent_density(
     pressure: FloatArray | float, height: FloatArray | float, gravity: float
 ) -> FloatArray:
-    """Compute p/(g h) [kg/m3]; nan where the column is lower than LOWEST_COLUMN, or the point lies above the flow line.
+    """Compute p/(g h) [kg/m3]; nan if the column is lower than LOWEST_COLUMN, or the point lies above the flow line.
 
     pressure: (k,) gauge [Pa]; height: (k,) vertical, below the flow line [m]; gravity: [m/s2].
     """
@@ -28,7 +28,7 @@ def equivalent_density(
 
 
 def below_flow_line(model: DrillingModel, position: FloatArray) -> FloatArray:
-    """Vertical depth below the flow line (k,) [m] of points (k, 3) [m] of the string where it is now."""
+    """Vertical depth below the flow line (k,) [m] of points (k, 3) [m] of the string at its present position."""
     assert model.fluid is not None and model.case.fluid is not None
     gravity = np.asarray(model.fluid.constants.gravity)
     size = float(np.linalg.norm(gravity))

@@ -1,6 +1,6 @@
-"""Watches the rows of a run for what a rig or a tool does not do: a hook that pushes, a motor at its stall, a shock sub on a stop.
+"""Checks the rows of a run for states that a rig or a tool cannot reach: a hook that pushes, a motor at its stall, a shock sub on a stop.
 
-Manual: sec-outputs-watch.  Of what happens between two rows nothing is known.
+Manual: sec-outputs-watch.  Events between two rows are not seen.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from drillpetsc.physics.joints import STOP_ROUNDING
 from drillpetsc.unit_systems import shown
 
 LEAST_PUSH = 1e3  # push at the top that is reported [N]
-NEAR_STALL = 0.95  # torque of a motor over that of its stall from which it is told: it has less than a fifth of its speed
+NEAR_STALL = 0.95  # ratio of a motor's torque to its stall torque above which it is reported: its speed is then below a fifth
 
 
 @dataclass
@@ -35,7 +35,7 @@ class Spell:
 
 
 class _Sign:
-    """One thing to look for: the sentence about it, and its measure in the rows."""
+    """One state to check for: the sentence about it, and its measure in the rows."""
 
     def __init__(self, name: str, column: int, least: float, scale: float = 1.0) -> None:
         self.name, self.column, self.least, self.scale = name, column, least, scale
@@ -95,7 +95,7 @@ class OperationWatch:
                 spell.largest, spell.at = float(sizes[k]), float(times[k])
 
     def warnings(self, told: Sequence[str] = ()) -> list[str]:
-        """Sentences for the summary.  told: names of signs that it has already."""
+        """Sentences for the summary.  told: names of signs that it already contains."""
         units, out = self.case.shown_units, []
         for name, spell in self.spells.items():
             if name in told:
@@ -124,7 +124,7 @@ class OperationWatch:
         return {"rows": self.rows, **{k: [s.first, s.rows, s.largest, s.at] for k, s in self.spells.items()}}
 
     def set_notes(self, saved: dict[str, Any]) -> None:
-        """Continue from ``get_notes``; of a case that has changed, what is still looked for."""
+        """Continue from ``get_notes``; if the case has changed, only with the signs still checked."""
         known = {sign.name for sign in self._signs}
         self.rows = int(saved.get("rows", 0))
         self.spells = {k: Spell(*v) for k, v in saved.items() if k in known}

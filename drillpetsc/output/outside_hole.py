@@ -27,7 +27,7 @@ class Outside:
 
 
 def outside(model: DrillingModel, t: float) -> Outside | None:
-    """Compute the point of the local nodes that is furthest outside the hole at time ``t`` [s], None where all are inside."""
+    """Compute the point of the local nodes that is furthest outside the hole at time ``t`` [s], None if all are inside."""
     assert model.well is not None
     foot = model.well.project(model.system.field("string.position"))
     distance = np.linalg.norm(foot.offset, axis=1)
@@ -66,7 +66,7 @@ def _furthest(model: DrillingModel, here: Outside | None) -> Outside | None:
 
 
 class HoleMonitor:
-    """Finds when the string is furthest outside its hole during a run; nothing is computed where contact keeps it inside."""
+    """Finds when the string is furthest outside its hole during a run; nothing is computed if contact keeps it inside."""
 
     def __init__(self, model: DrillingModel) -> None:
         self.model = model
@@ -81,7 +81,7 @@ class HoleMonitor:
                 self.worst = found
 
     def share(self) -> None:
-        """Make ``worst`` that of all ranks; collective."""
+        """Combine ``worst`` over all ranks; collective."""
         if self.watches:
             self.worst = _furthest(self.model, self.worst)
 

@@ -63,8 +63,8 @@ class Probes:
         return _Probe(cell, float(np.clip((depth - mesh.upper[cell]) / mesh.length[cell], 0.0, 1.0)))
 
     def _direct_places(self) -> tuple[FloatArray, FloatArray, FloatArray] | None:
-        """Places (4, k, 3) in the unknowns of positions and slopes at both ends, (2, k) of the spins, weights (4, k, 1), of the k probes
-        of this rank; None where the motion between two nodes is not the cubic through them."""
+        """Positions (4, k, 3) in the unknowns of positions and slopes at both ends, (2, k) of the spins, weights (4, k, 1), of the k probes
+        of this rank; None if the motion between two nodes is not the cubic through them."""
         beam, dofs = self.model.beam, self.model.system.layout.dofs
         if beam is None or beam.formulation != "ancf" or self._below_item or not len(self._here):
             return None
@@ -86,7 +86,7 @@ class Probes:
         return tuple(q for q in declared.PROBES if touches or not q.matches("contact_0"))
 
     def motion(self, state) -> FloatArray:
-        """(probes, 4) position [m] and spin rate [rad/s]; zero where another rank has the element.
+        """(probes, 4) position [m] and spin rate [rad/s]; zero on ranks without the element.
 
         By the element's cubic shape functions, the spin rate linearly (manual: eq-beam-tube).
         """
@@ -115,7 +115,7 @@ class Probes:
         return out
 
     def motions(self, steps: StepRecord) -> FloatArray | None:
-        """(k, probes, 4) ``motion`` after each of k recorded steps; None where it is found one by one only."""
+        """(k, probes, 4) ``motion`` after each of k recorded steps; None if it can only be found step by step."""
         out = np.zeros((len(steps), len(self._probes), 4))
         if not len(self._here):
             return out

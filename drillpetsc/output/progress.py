@@ -17,7 +17,7 @@ Receiver = Callable[[float, str], Any]
 
 
 def check_progress(progress: Any, words: tuple[str, ...]) -> None:
-    """Raise CaseError for a progress that is neither one of the words nor a function."""
+    """Raise CaseError if the progress is neither one of the words nor a function."""
     if not callable(progress) and progress not in words:
         raise CaseError(
             at="progress", got=progress, want=f"{', '.join(words)}, or a function of (share, text)"
@@ -29,7 +29,7 @@ class Progress:
 
     update() is called after every accepted step; between two prints it costs a clock reading (well under 1
     us). The factor is simulated seconds per wall second over the last prints (about the last 30 s of wall
-    time), so that the estimate follows a run that slows down; finish() gives the one over the whole run.
+    time), so that the estimate follows a run that slows down; finish() gives the factor over the whole run.
     """
 
     def __init__(
@@ -43,7 +43,7 @@ class Progress:
     ) -> None:
         """end, start: simulated time [s]. interval: wall seconds between prints (0.2 live, 5 in a log).
         label: a name in front, for several wells at once.
-        mode: or a function, which gets the lines instead of the stream, as often as a terminal does."""
+        mode: or a function, which receives the lines instead of the stream, as often as a terminal does."""
         self.stream = sys.stderr if stream is None else stream
         self._receiver: Receiver | None = mode if callable(mode) else None
         if callable(mode):
@@ -65,7 +65,7 @@ class Progress:
             self._print(now, simulated, step, step_size)
 
     def message(self, text: str) -> None:
-        """Print a line of its own without tearing the live line."""
+        """Print a separate line without breaking the live line."""
         if self.mode == "silent":
             return
         self._clear()

@@ -69,10 +69,10 @@ class _Step:
 class Recorder:
     """Samples a model; every rank calls it and has the same values.
 
-    Steps are recorded one by one and evaluated together, at the latest when somebody asks for what follows from them.
+    Steps are recorded one by one and evaluated together, at the latest when their results are needed.
 
     columns, probe_columns: names and units of history.csv and probes.csv.
-    energy: energy balance; None without inertia, where work goes into motion that is not computed.
+    energy: energy balance; None without inertia, in which work goes into motion that is not computed.
     mass: mass balance of the mud; None without mud.
     sensors: downhole sensors; None without any.
     """
@@ -131,7 +131,7 @@ class Recorder:
         #: estimated time error of the main outputs; None without an estimate
         self.time_error: TimeError | None = None
         self._samples: deque[tuple[float, FloatArray]] = deque(maxlen=3)
-        #: rows that are due and not computed: samples at their times, and numbers of both tables that are those at the time of writing
+        #: rows that are due and not computed: samples at their times, and numbers of both tables taken at the time of writing
         self._kept: list[FloatArray] = []
         self._now: list[tuple[list[float], list[float]]] = []
         self._keeps = False
@@ -192,7 +192,7 @@ class Recorder:
         """Count an accepted step of ``dt`` [s] that ends at ``t`` [s]; collective.
 
         next_row: time at which a row is due next [s]; a step far from it is not sampled, unless there is mud.
-        inputs_at: time at which the step saw its inputs [s]: just before a jump where it ends on one.
+        inputs_at: time at which the step saw its inputs [s]: just before a jump if it ends on one.
         fresh: the first step of the time formula after a start.
         """
         seen, asm = t if inputs_at is None else inputs_at, self.system.assembly
@@ -206,7 +206,7 @@ class Recorder:
             self._record.add(seen, sampled)
             followed = self.energy.follow(t) if self.energy is not None else 0.0
         self._waiting.append(_Step(t, dt, fresh, sampled, followed))
-        # a hole that grows changes the places of points in it: those of a row are found at its step
+        # a growing hole changes the positions of points in it: for a row they are found at its step
         row = self._grows and t * (1 + ROW_ROUNDING) >= next_row
         if row or len(self._waiting) >= self._record.capacity:
             self.catch_up()
@@ -232,7 +232,7 @@ class Recorder:
 
     # ------------------------------------------------------------------ recorded steps
     def _ask(self, t: float) -> None:
-        """Tell the record what the outputs need.  t: time of inputs [s]."""
+        """Set the numbers that the outputs need from the record.  t: time of inputs [s]."""
         every = [*self._numbers, *self._arrays]
         main = [slot for _, slot in self._main] if self.time_error is not None else []
         power = [
@@ -301,7 +301,7 @@ class Recorder:
         self._event.end()
 
     def end_at(self, t: float) -> None:
-        """Take the energies at the end of the run, ``t`` [s], where no row was due; collective."""
+        """Take the energies at the end of the run, ``t`` [s], if no row was due; collective."""
         if self.energy is not None and self._energies_at != t:
             self.energy.update(t)
             self._energies_at = t

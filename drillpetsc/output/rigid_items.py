@@ -49,18 +49,18 @@ class RigidItems:
         self.depths = tuple(float(mesh.node_depth[b.node]) + b.middle for b in bodies)
 
     def quantities(self) -> tuple[Quantity, ...]:
-        """Columns of the history, where the case asks for them."""
+        """Columns of the history, if the case requests them."""
         asked = self.model.case.output.item_forces and len(self.items) > 0
         return declared.SIDE_FORCES if asked else ()
 
     def wall_results(self, sample: Sample) -> FloatArray:
-        """(bodies, columns) results of the wall contact of each rigid item of the mesh, that of a bit that cuts included.
+        """(bodies, columns) results of the wall contact of each rigid item of the mesh, including a bit that cuts.
 
-        Zero where another rank has the item.
+        Zero on ranks without the item.
         """
         assert self.model.contact is not None
         out: FloatArray = sample.once(self.model.contact.item_results).copy()
-        if self.model.drilling is not None and self._bit is not None:  # it has a contact of its own
+        if self.model.drilling is not None and self._bit is not None:  # it has a separate contact
             out[self._bit] += self._of_drilling_bit(sample)
         return out
 
@@ -83,13 +83,13 @@ class RigidItems:
         return out
 
     def loads(self, sample: Sample) -> FloatArray:
-        """(items, 13) loads of the wall, zero where another rank has the item."""
+        """(items, 13) loads of the wall, zero on ranks without the item."""
         if self.model.contact is None:
             return np.zeros((0, declared.WALL_NUMBERS))
         return np.asarray(self.wall_results(sample)[np.ix_(self.items, _LOADS)])
 
     def loads_of(self, steps: StepRecord) -> FloatArray | None:
-        """(k, items, 13) ``loads`` after each of k recorded steps; None where they are found one by one only."""
+        """(k, items, 13) ``loads`` after each of k recorded steps; None if they can only be found step by step."""
         if self.model.contact is None:
             return np.zeros((len(steps), 0, declared.WALL_NUMBERS))
         if self.model.drilling is not None and self._bit is not None:

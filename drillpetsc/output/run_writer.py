@@ -185,7 +185,7 @@ class RunWriter:
 def missing_output(
     folder: RunFolder, recorder: Recorder, restart_time: float, last_row: float
 ) -> CaseError | None:
-    """The error for output of a run folder that cannot be continued, None where all is there.
+    """The error for output of a run folder that cannot be continued, None if it is complete.
 
     restart_time: time of the checkpoint [s].
     last_row: time of the last row before it [s].

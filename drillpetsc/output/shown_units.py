@@ -44,7 +44,7 @@ _JET = (("ft/s", to_si("1 ft/s", "m/s")), ("m/s", 1.0))
 _IMPACT = (("lbf", to_si("1 lbf", "N")), ("kN", 1e3))
 _ACCELERATION = (("g", GRAVITY), ("m/s2", 1.0))  # as sensors of vibration are read on a rig
 _PER_AREA = (("hp/in2", to_si("1 hp", "W") / to_si("1 in2", "m^2")), ("W/mm2", 1e6))
-#: name -> unit and its size in SI, in field and in metric units, where the trade has a unit of its own
+#: name -> unit and its size in SI, in field and in metric units, for quantities with a special unit in the field
 _OWN: dict[str, tuple[tuple[str, float], tuple[str, float]]] = {
     "jet_velocity": _JET,
     "impact_force": _IMPACT,
@@ -60,7 +60,7 @@ _OWN: dict[str, tuple[tuple[str, float], tuple[str, float]]] = {
 def shown_unit(name: str, unit: str, system: System, plot: bool = False) -> tuple[float, str]:
     """Size of the unit [SI] in which a quantity is shown, and its text.
 
-    name: of the quantity; unit: SI, as in the heading of its column; plot: the unit of axes, where the system has one.
+    name: of the quantity; unit: SI, as in the heading of its column; plot: the unit of axes, if the system has one.
     """
     if system == "SI" or unit == "-":
         return 1.0, "" if unit == "-" else unit
@@ -83,7 +83,7 @@ def shown_unit(name: str, unit: str, system: System, plot: bool = False) -> tupl
 def unit_of(title: str, system: System, plot: bool = False) -> tuple[float, float, str]:
     """(size of the unit [SI], its zero [SI], unit text) of a column `name [unit]` in a system.
 
-    plot: the unit of axes, where the system has one.  The text is empty for a pure number.
+    plot: the unit of axes, if the system has one.  The text is empty for a pure number.
     """
     name, unit = split_name(title)
     if unit in ("-", ""):

@@ -38,7 +38,7 @@ def static_table(model: DrillingModel) -> tuple[list[Column], FloatArray | None]
 
 
 def _of_mud(model: DrillingModel, mud: FlowRecorder) -> dict[str, FloatArray] | None:
-    """Columns of the mud on rank 0; ``ecd`` is p/(g h), h the height of the flow line above the node where it is now."""
+    """Columns of the mud on rank 0; ``ecd`` is p/(g h), h the height of the flow line above the node at its present position."""
     system, sample = model.system, Sample(model.system, 0.0)
     parts = [q for q in mud.quantities() if q.on in ("node", "element") and q.unit != "m/s"]
     local = {q.name: (q.on, np.asarray(q.value(mud, sample))) for q in parts if q.value is not None}
@@ -63,7 +63,7 @@ def _of_string(
     """Columns of the string on rank 0.
 
     buckling_load: 2 sqrt(EI q/r) of Dawson and Paslay (SPE 11167), with the side load q = |w_perp + T kappa| of the
-    string in the hole and the radial clearance r; T and w are effective tension and buoyed weight where there is mud.
+    string in the hole and the radial clearance r; with mud, T and w are effective tension and buoyed weight.
     """
     system, mesh, sample = model.system, model.mesh, Sample(model.system, 0.0)
     string = StringFields(model, mud)
@@ -133,7 +133,7 @@ def _of_pressures(model: DrillingModel, mud: FlowRecorder, wet: dict[str, FloatA
 def at_nodes(upper: FloatArray, lower: FloatArray, element: np.ndarray | None = None) -> FloatArray:
     """(n+1,) means at the nodes of values (n,) at the upper and lower ends of the elements.
 
-    element: (n,) False for joints, where either part has its own end.
+    element: (n,) False for joints, at which the two parts have separate ends.
     """
     out = np.concatenate([upper, lower[-1:]])
     out[1:-1] = 0.5 * (upper[1:] + lower[:-1])
@@ -155,13 +155,11 @@ def _linear(values: FloatArray, element: np.ndarray) -> FloatArray:
 
 def _buckling_load(model: DrillingModel, position: FloatArray, tension: FloatArray) -> FloatArray:
     """(n_nodes,) load of sinusoidal buckling [N] of nodes at ``position`` (n_nodes, 3) [m] under an effective tension
-    (n_nodes,) [N]; nan where the string has no side load or no clearance."""
+    (n_nodes,) [N]; nan if the string has no side load or no clearance."""
     mesh, well = model.mesh, model.well
     if well is None or model.contact is None:
         return np.full(mesh.nodes, np.nan)
-    depth = well.project(
-        position
-    ).md  # of the hole where the node is, which may be lowered or stretched there
+    depth = well.project(position).md  # of the hole at the node, which may be lowered or stretched to there
     _, t, kappa = well.at(depth)
     weight = at_nodes(model.effective_mass, model.effective_mass)[:, None] * np.array(model.case.gravity)
     side = np.linalg.norm(

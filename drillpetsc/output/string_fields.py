@@ -1,4 +1,4 @@
-"""The string as a source of quantities at its nodes and elements; values are those of this rank."""
+"""The string as a source of quantities at its nodes and elements, with the values of this rank."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ _AXIAL = [_COLUMN["axial_upper"], _COLUMN["axial_lower"]]
 class StringFields:
     """Motion, forces and surroundings of the string.
 
-    mud: where there is mud; it stretches and loads the pipe.
+    mud: with mud, which stretches and loads the pipe.
     """
 
     def __init__(self, model: DrillingModel, mud: FlowRecorder | None) -> None:
@@ -53,7 +53,7 @@ class StringFields:
         return np.asarray(sample.once(self.model.beam.columns))
 
     def position(self, sample: Sample) -> FloatArray:
-        """(nv, 3) position [m]; that at the start where the string is held."""
+        """(nv, 3) position [m]; for a held string, the initial position."""
         return self.start[self._vertices] if self.model.beam is None else self.motion(sample)[:, :3]
 
     def offset(self, position: FloatArray, depth: FloatArray) -> FloatArray:

@@ -1,4 +1,4 @@
-"""Keys of summary.json that are no quantities of the model: counts, times, balances, settings.
+"""Keys of summary.json that are not quantities of the model: counts, times, balances, settings.
 
 Plain descriptions, like ``drillpetsc.output.quantities``.  ``tests/unit/output/test_catalogue.py`` compares them with
 the files that the commands write.
@@ -32,7 +32,7 @@ class SummaryKey:
     name: path of the key, ``energy.error`` for ``error`` in the block ``energy``; a path may name a whole block.
     unit: as in ``Quantity``; empty for text, blocks and truth values.
     doc: one sentence.
-    condition: what the case or the run has where the key exists; empty: always.
+    condition: what the case or the run must contain for the key to exist; empty: always.
     """
 
     name: str

@@ -21,7 +21,7 @@ class Slot:
     value share a slot.
 
     is_number: the value is a number, not an array.
-    values: the same of many steps, None where there is no such function.
+    values: the same for many steps, None if there is no such function.
     """
 
     source: Any
@@ -84,9 +84,9 @@ class SampleLayout:
 
 
 class TableColumn:
-    """A column of a table: a quantity, of one joint, probe or rigid item where it has several.
+    """A column of a table: a quantity, for one joint, probe or rigid item if there are several.
 
-    slot: of the sampled value; None where the value is that at the time of writing.
+    slot: of the sampled value; None if the value is taken at the time of writing.
     number: of the joint or probe, at ``depth`` [m].
     """
 

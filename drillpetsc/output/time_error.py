@@ -134,10 +134,10 @@ class TimeError:
         }
 
     def damped_above(self) -> float | None:
-        """Frequency [Hz] above which the formula takes more than ``LOSS`` of an amplitude in a period.
+        """Frequency [Hz] above which the formula removes more than ``LOSS`` of an amplitude in a period.
 
         It belongs to the median of the steps by time: half of the time it is lower.
-        None for orders above 2, which do not damp such vibrations, for other formulas, which know it themselves, and
+        None for orders above 2, which do not damp such vibrations, for other formulas, which provide it themselves, and
         before the first step.
         """
         product = self.damped_product()

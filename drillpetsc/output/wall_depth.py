@@ -1,4 +1,4 @@
-"""Where results depend on the stiffness of the wall: parts that press into it by a share of their clearance (manual: sec-contact-physical)."""
+"""Results that depend on the stiffness of the wall: parts that press into it by a share of their clearance (manual: sec-contact-physical)."""
 
 from __future__ import annotations
 

@@ -22,8 +22,8 @@ def present_hole(model: DrillingModel) -> Well | None:
 def stations(model: DrillingModel, well: Well) -> FloatArray:
     """(n,) measured depths [m] of the stations in trajectory.csv.
 
-    In the old hole: every ten metres, survey stations, ends of sections.  In the new hole: all nodes, and more where the
-    table needs them to be the survey of a next case.
+    In the old hole: every ten metres, survey stations, ends of sections.  In the new hole: all nodes, and more if the
+    table requires them as the survey of a following case.
     """
     case_well = model.case.well
     assert case_well is not None

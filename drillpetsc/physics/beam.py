@@ -43,7 +43,7 @@ class AncfBeam(interfaces.Beam):
 
     mesh: of the string; frames: reference frames of its nodes.
     gravity: (3,) [m/s2].
-    finest_motion: penetration of impacts into the wall [m], infinite without contact.  Where it is smaller
+    finest_motion: penetration of impacts into the wall [m], infinite without contact.  If it is smaller
     than ``POSITION_SCALE`` it is the scale of positions (manual: sec-time-error).
     """
 
@@ -139,7 +139,7 @@ class AncfBeam(interfaces.Beam):
     ) -> None:
         """Set the velocity of every node to ``lowering`` [m/s] along the hole, its spin to ``rotation`` [rad/s].
 
-        lowering, rotation: (n_nodes,) where they differ along the string.
+        lowering, rotation: (n_nodes,) if they differ along the string.
         tangent, curvature: (n_nodes, 3) of the hole at the nodes [-, 1/m].
         """
         along = np.broadcast_to(np.reshape(lowering, (-1, 1)), (self.mesh.nodes, 1))

@@ -1,4 +1,4 @@
-"""A bit that stands on the end of the hole: a spring along its axis, friction against turning and sliding (manual: sec-bit-on-bottom)."""
+"""A bit that rests on the end of the hole: a spring along its axis, friction against turning and sliding (manual: sec-bit-on-bottom)."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ def bit_torque(weight: float, friction: float, radius: float) -> float:
 
 
 class BitOnBottom(Bit):
-    """The bit stands on the end of the hole: a spring along its axis, and friction of its face."""
+    """The bit rests on the end of the hole: a spring along its axis, and friction of its face."""
 
     name = "bit"
 
@@ -107,7 +107,7 @@ class BitOnBottom(Bit):
 
     @contextmanager
     def preloaded(self, weight: float, travel: float):
-        """Meanwhile the bit stands on a weak spring that carries ``weight`` [N] after ``travel`` [m], at the
+        """Meanwhile the bit rests on a weak spring that carries ``weight`` [N] after ``travel`` [m], at the
         depth of ``depth_for``."""
         p = self._block.named
         before = p.array.copy()

@@ -1,4 +1,4 @@
-"""The side law of a bit: how the rock beside it resists, whether its friction may push the bit round the hole, and where it gives way.
+"""The side law of a bit: resistance of the rock beside it, whether its friction may push the bit round the hole, and yielding of the rock.
 
 Kernel: kernels/bit/bit.hpp, cutting_side.cpp.  Manual: sec-bit-side.
 """
@@ -14,10 +14,10 @@ _OVERGAUGE = "hole.overgauge"
 
 @dataclass(frozen=True)
 class Gauge:
-    """Gauge of a bit whose hole gives way beside it (manual: eq-bit-overgauge).
+    """Gauge of a bit in a hole that yields beside it (manual: eq-bit-overgauge).
 
     strength: force at which the rock is crushed, N_y [N]; length: of the gauge, l_g [m].
-    relaxation: eta, force beyond the strength over the rate at which the rock gives way [N s/m].
+    relaxation: eta, force beyond the strength over the rate at which the rock yields [N s/m].
     """
 
     strength: float
@@ -31,7 +31,7 @@ class SideLaw:
 
     stiffness: [N/m], 0: the side does not touch; friction: coefficient [-].
     guided: friction of the side does not push the bit round the hole.
-    gauge: of a side that gives way; None: it does not.
+    gauge: of a yielding side; None: the side does not yield.
     """
 
     stiffness: float
@@ -45,7 +45,7 @@ class SideLaw:
         return "" if self.gauge is None else "_cutting"
 
     def fields(self, scale: float) -> tuple[Field, ...]:
-        """The over-gauge of the hole [m] beyond that of new hole, where the side gives way."""
+        """The over-gauge of the hole [m] in excess of new hole, if the side yields."""
         if self.gauge is None:
             return ()
         return (Field(_OVERGAUGE, 1, physics="rock", region="bottom", scale=scale, second_order=False),)

@@ -96,7 +96,7 @@ def damping_factor(restitution: float, speed: float) -> float:
 
     if miss((1 - 1e-14) / e) < 0:  # below e = 0.027: 1 - d e = (1 + d) exp(-d (1 + e)) is less than rounding
         return 1 / e / speed
-    # d = 0 is a root, too; near e = 1 the other one is 3/2 (1 - e) (1 + (1 - e) + ...), by the series of the
+    # d = 0 is also a root; near e = 1 the other one is 3/2 (1 - e) (1 + (1 - e) + ...), by the series of the
     # logarithms
     if 1 - e < 1e-4:
         return 1.5 * (1 - e) * (2 - e) / speed
@@ -107,7 +107,7 @@ ONSET = constant("contact_onset")  # half width of the onset [m] (manual: eq-con
 
 
 def penetration(linear: ArrayLike) -> FloatArray:
-    """Compute the penetration [m] at which the wall carries a force, from that of a wall without onset.
+    """Compute the penetration [m] at which the wall carries a force, from the penetration of a wall without onset.
 
     The onset is a parabola, (d + e)^2/4e for |d| < e (manual: eq-contact-onset).
     """
@@ -121,7 +121,7 @@ class Contact(WallContact):
     mesh: of the string; well: the hole; law: constants of the contact.
     with_bit: include the bit; a bit that cuts has its own contact (physics/rock_bit.py).
     free_top: the upper end of the string is free.
-    hardness: stiffness of the wall at each element (n,) and each rigid item (bodies,), over that of the law [-]; None: that of the law.
+    hardness: stiffness of the wall at each element (n,) and each rigid item (bodies,), relative to the law [-]; None: the law's stiffness.
     """
 
     name = "contact"
@@ -287,7 +287,7 @@ class Contact(WallContact):
     def _groups(self) -> list[tuple[str, np.ndarray, tuple[bool, bool]]]:
         """Group the elements by their quadrature: name, mask (n,) and exposed ends.
 
-        Those without exposed ends first.
+        Elements without exposed ends come first.
         """
         upper, lower = exposed_ends(self.mesh, self.free_top)
         if self.law.law == "hertz_point":
@@ -323,7 +323,7 @@ class Contact(WallContact):
 
         axial: velocity [m/s], down positive; spin: [rad/s].
         side: fraction of the lateral friction force; at 0 friction across the pipe has only its torque.
-        motor: what a downhole motor adds to the spin below it [rad/s].
+        motor: contribution of a downhole motor to the spin below it [rad/s].
         """
         for record, driven in zip(self._laws, self._driven, strict=True):
             record.imposed, record.axial, record.side = 1.0, axial, side
@@ -358,8 +358,8 @@ class Contact(WallContact):
 
         Manual: sec-statics-path.
 
-        speed: that of the string along the hole [m/s], down positive, to which its own velocities add.
-        slip: velocity that rounds off Coulomb's law [m/s].
+        speed: of the string along the hole [m/s], down positive, added to the velocities of the state.
+        slip: velocity over which Coulomb's law is rounded [m/s].
         """
         for record in self._laws:
             record.imposed, record.axial, record.slip, record.damping = 0.0, speed, slip, 0.0
@@ -403,7 +403,7 @@ class Contact(WallContact):
         return cells, bodies[-1] if len(bodies) == 2 else np.vstack(bodies)
 
     def item_results(self, state) -> FloatArray:
-        """(bodies, columns) results of each rigid item of the mesh, as of ``RESULTS``, zero where another rank has it."""
+        """(bodies, columns) results of each rigid item of the mesh, in the columns of ``RESULTS``; zero on ranks without the item."""
         out = np.zeros((len(self.mesh.bodies), RESULTS.width))
         found = (b for b in self._blocks if b.on != "cell")
         for items, b in zip(self._items, found, strict=True):

@@ -21,10 +21,10 @@ class Law:
 
     kind: one of ``MODES``; start: [s].
     p: [N m s/rad]; i: [N m/rad].
-    compensation: inertia that a torque proportional to the acceleration takes away [kg m2].
+    compensation: inertia cancelled by a torque proportional to the acceleration [kg m2].
     coupling: change of the set point by the torque of the pipe [rad/(N m s)].
-    low_pass, high_pass: time constants of the filters of that torque [s], 0: none.
-    estimated: the torque of the pipe follows from the motor's torque and the filtered acceleration.
+    low_pass, high_pass: time constants of the filters of this torque [s], 0: none.
+    estimated: the torque of the pipe is computed from the motor's torque and the filtered acceleration.
     delay: of the whole output [s].
     frequency: to which the law is tuned [Hz], 0: none.
     """

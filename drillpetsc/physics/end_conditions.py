@@ -56,8 +56,8 @@ class PathEnd(Top):
     curved path (manual: sec-prescribed-path) ``anchor`` (4,) is the measured depth [m], the offsets from the
     centreline along both normals [m] and the angle of the section about the tangent [rad], all at time 0.
 
-    The axial position is prescribed where ``axial``, the position across where ``across``, the slope's direction where
-    ``tilt``, the spin where ``spin``.  Without ``across`` there is no ``axial`` either.
+    The axial position is prescribed if ``axial``, the position across if ``across``, the slope's direction if
+    ``tilt``, the spin if ``spin``.  Without ``across`` there is no ``axial`` either.
     """
 
     def __init__(
@@ -243,7 +243,7 @@ class TopDrive(PathEnd):
     lowering: over time [m/s]; None: the axial position is free, and a load prescribes the force.
     path, frames: centreline along which the top moves, and the string's frames; None: its tangent.
     hinged: the direction of the string is free.
-    guided: the position across the path is prescribed; without it lowering is None.
+    guided: the position across the path is prescribed; otherwise lowering is None.
     """
 
     name = "top_drive"

@@ -60,7 +60,7 @@ FIGURES = (
 class HoistedTop(PathEnd):
     """Guided top whose axial position is prescribed in statics and free in motion.
 
-    Arguments as of ``PathEnd``; the axial row of the directions is zero while it is free.
+    Arguments as for ``PathEnd``; the axial row of the directions is zero while it is free.
     """
 
     name = "top_drive"
@@ -87,7 +87,7 @@ class HoistedTop(PathEnd):
     def _at_free(
         self, t: float, x: FloatArray, y: FloatArray | None
     ) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Directions (m, 7), values and rates (m,) as of ``PathEnd._at``; a free axial row is zero."""
+        """Directions (m, 7), values and rates (m,) as for ``PathEnd._at``; a free axial row is zero."""
         if self._path is None:
             D, value, rate = np.array(self._fixed.directions), self._fixed.value(t), self._fixed.rate(t)
         else:
@@ -278,7 +278,7 @@ class HoistLine(Hoist):
         p["stretch"], p["tare"] = self.stretch, self._tare
 
     def _goal(self, kind: str, t: float) -> float:
-        """Set point of a loop at ``t`` [s]; that of the weight changes by the given rate at most."""
+        """Set point of a loop at ``t`` [s]; the set point of the weight changes at most at the given rate."""
         now = float(self._loops[kind].goal.value(t))
         ramp = self.autodriller.ramp if self.autodriller is not None else 0.0
         if kind != "wob" or not ramp:
@@ -321,7 +321,7 @@ class HoistLine(Hoist):
         wob = float(shared[SHARED.index("wob")])
         shared[SHARED.index("time")] = 0.0
         self._acting = self.autodriller is not None and self.autodriller.start == 0
-        if self.top.free:  # goes on from another run, whose heave ended at another height
+        if self.top.free:  # continues another run, whose heave ended at another height
             if self.gear.heave is not None:
                 self.stretch += self.gear.heave.crown(self._now)[0]
                 self._lifted += self._risen(self._now)
@@ -400,7 +400,7 @@ class HoistLine(Hoist):
         return before
 
     def at_break(self, t: float, state: Any) -> bool:
-        """Let the autodriller begin with the drum's speed of before; True where states change."""
+        """Start the autodriller from the present speed of the drum; True if states change."""
         drill = self.autodriller
         if drill is None or self._acting or t < drill.start - NEAR * max(1.0, t):
             return False
@@ -447,7 +447,7 @@ class HoistLine(Hoist):
         return 0.0 if heave is None else heave.floor(t)[0] - heave.floor(0.0)[0]
 
     def apply_update(self, total: FloatArray) -> None:
-        """Keep the measurements of a step; raises SolveError where the block meets the floor or the crown."""
+        """Keep the measurements of a step; raises SolveError if the block meets the floor or the crown."""
         t, height, depth, line = total[:4]
         if not self.top.free or t <= self._last[0]:
             return

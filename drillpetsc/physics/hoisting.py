@@ -22,7 +22,7 @@ class Line:
     """Drilling line between drum and dead-line anchor (manual: eq-hoist-stiffness).
 
     lines: number of lines between crown and block, n; axial_stiffness: EA of the rope [N].
-    length: of one of the lines at the start; fast_line, dead_line: of the others [m].
+    length: of one of these lines at the start; fast_line, dead_line: of the other two [m].
     damping: between drum and block [N s/m].
     """
 
@@ -99,7 +99,7 @@ class Heave:
 
 @dataclass(frozen=True)
 class HeavingSpeed:
-    """Speed of the top, down: that of the drum less that of the crown (an ``Input``)."""
+    """Downward speed of the top: speed of the drum minus speed of the crown (an ``Input``)."""
 
     drum: Input
     heave: Heave
@@ -121,7 +121,7 @@ class HeavingSpeed:
 
 @dataclass(frozen=True)
 class Hoisting:
-    """What hangs between crown and string.
+    """Parts between crown and string.
 
     mass: of block, hook and top drive [kg]; line: None: the block moves with the drum.
     height: of the block over the floor at the start; crown: of the crown [m].
@@ -155,11 +155,11 @@ class Loop:
 
 @dataclass(frozen=True)
 class Autodriller:
-    """Controller of the drum: of several loops the one with the least speed acts.
+    """Controller of the drum: of several loops, the one with the lowest speed acts.
 
     loops: PI loops; rate: set point of the rate of penetration over time [m/s], None: none.
     start: time from which it acts [s]; least, most: speed of the drum [m/s].
-    at_bit: the weight is measured at the bit, else at the surface.
+    at_bit: the weight is measured at the bit, otherwise at the surface.
     filter: time constant of the measurements; sample: their interval [s], 0: none.
     ramp: rate at which the set point of the weight may change [N/s], 0: any.
     """

@@ -77,7 +77,7 @@ class HolePath:
         return np.append(depth, here.axes[1:] @ (position - here.centre))
 
     def position(self, coordinates: FloatArray) -> FloatArray:
-        """Return the position (3,) [m] at the ``coordinates`` (3,), as from the method of this name."""
+        """Return the position (3,) [m] at the ``coordinates`` (3,), as the method of this name does."""
         here = self.at(float(coordinates[0]))
         return here.centre + coordinates[1:] @ here.axes[1:]
 

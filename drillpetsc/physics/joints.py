@@ -182,7 +182,7 @@ class Joints(Component):
         return "the jar stays as it is at the start: its latch is a spring" if self.jars else ""
 
     def _set_jar(self) -> None:
-        """Put the laws of the jars' states into the parameters of their sliders, where this rank has them."""
+        """Put the laws of the jars' states into the parameters of their sliders, if this rank has them."""
         self._has_jar = np.zeros(len(self.jars), dtype=bool)
         for b, chosen in zip(self._blocks, self._chosen, strict=True):
             for i, (jar, joint) in enumerate(zip(self.jars, self._jar_joints, strict=True)):
@@ -233,7 +233,7 @@ class Joints(Component):
             self._set_jar()
 
     def jar_figures(self, state) -> FloatArray:
-        """(4 k,) state, travel [m], force of the stops [N] and number of shots of each jar, zero where another rank has it."""
+        """(4 k,) state, travel [m], force of the stops [N] and number of shots of each jar, zero on ranks without it."""
         rows = self.element_results(state)[self._jar_joints]
         travel, stops = (rows[:, RESULT_NAMES.index(name)] for name in ("travel", "stop"))
         modes, shots = ([getattr(jar, key) for jar in self.jars] for key in ("mode", "fired"))
@@ -243,7 +243,7 @@ class Joints(Component):
 
     # ------------------------------------------------------------------ results
     def element_results(self, state) -> FloatArray:
-        """(joints, 12) results of all joints, zero where another rank has the joint: the columns of
+        """(joints, 12) results of all joints, zero on ranks without the joint: the columns of
         ``RESULT_NAMES``."""
         out = np.zeros((len(self.joints), len(RESULT_NAMES)))
         for b, chosen in zip(self._blocks, self._chosen, strict=True):

@@ -58,7 +58,7 @@ class Precurvature(Component):
         return tuple(self._blocks)
 
     def average_over_turn(self, turning: bool) -> None:
-        """Leave out the curvature while the string turns: nothing of it is left on average over a turn."""
+        """Leave out the curvature while the string turns: its effect averages out over a turn."""
         share = 0.0 if turning else 1.0
         for b, e in zip(self._blocks, self._cells, strict=True):
             b.named["curvature"] = share * self.mesh.curvature[e]

@@ -257,7 +257,7 @@ def _motor_power(drive: Any, sample: Sample) -> float:
 
 
 def _whole(drive: Any, values: FloatArray, depth: Any) -> tuple[float]:
-    """The nearest whole number, where a row lies between two steps."""
+    """The nearest whole number, if a row lies between two steps."""
     return (float(np.round(values[0])),)
 
 

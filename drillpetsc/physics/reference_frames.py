@@ -2,9 +2,9 @@
 
 No physical quantity changes.
 
-The spin angle is counted from a reference direction a, and is singular where the tangent t is opposite to it.
-When a.t < -0.5 the reference direction becomes a' = t (manual: eq-beam-update-criterion).  The smallest
-rotation carries the second director along.  The spin angle changes by minus the solid angle of (a, a', v),
+The spin angle is measured from a reference direction a, and is singular if the tangent t is opposite to it.
+If a.t < -0.5 the reference direction becomes a' = t (manual: eq-beam-update-criterion).  The smallest
+rotation moves the second director with it.  The spin angle changes by minus the solid angle of (a, a', v),
 and the twist offset of each neighbouring element compensates the change of its twist (manual:
 eq-beam-update).
 """
@@ -29,7 +29,7 @@ REFERENCE_LIMIT_COSINE = (
 
 
 def renew_reference_frames(system: DiscreteSystem, frames: Frames, twists: Callable[[], FloatArray]) -> bool:
-    """Update reference frames where needed; True where any changed; collective.
+    """Update reference frames if needed; True if any changed; collective.
 
     Call it between load steps or time steps only: a time formula with earlier spin angles must restart after
     a change.

@@ -64,7 +64,7 @@ class DragBit:
     """Drag bit (manual: eq-bit-drag; Detournay and Defourny, Int. J. Rock Mech. Min. Sci. 29(1):13, 1992).
 
     W = zeta eps a d + sigma a l, T = eps a^2 d/2 + mu gamma sigma a^2 l/2, with the radius a and the depth of
-    cut d per turn, up to the exposure of the cutters for each blade; the body carries what is beyond (manual: eq-bit-body).
+    cut d per turn, up to the exposure of the cutters for each blade; the body carries the rest of the weight (manual: eq-bit-body).
 
     blades: their number.
     specific_energy: eps [Pa]; inclination_ratio: zeta [-].
@@ -115,9 +115,9 @@ class Rock:
     layers: from the start on.
     reference_speed [rad/s], reference_weight [N]: manual: eq-bit-speed-factor.
     walk: walk angle [rad].
-    bit_axis: the hole grows along the bit's axis, else along the rate of penetration.
+    bit_axis: the hole grows along the bit's axis, otherwise along the rate of penetration.
     post_step: the end moves between the steps, as in the reference formulation (manual: sec-paper-source);
-    else the end is a state of the integrator.
+    otherwise the end is a state of the integrator.
     """
 
     layers: tuple[Layer, ...]
@@ -159,7 +159,7 @@ class RockBit(Bit):
     """The bit at the lower end of the string (manual: sec-bit).
 
     Unknowns: displacement of the hole's end hole.end (3) [m], length drilled hole.drilled [m], the
-    profile bit.chips [m] of a drag bit, and where the side gives way the over-gauge hole.overgauge [m] beyond that of new hole.
+    profile bit.chips [m] of a drag bit, and if the side yields the over-gauge hole.overgauge [m] in excess of new hole.
 
     node: of the bit; shape, contact: of the bit; law: of its torque, None: friction; rock: the formation.
     hole: the growing hole.
@@ -508,7 +508,7 @@ class RockBit(Bit):
     def _turn_bottom(
         self, before: FloatArray, now: FloatArray, place: FloatArray, direction: FloatArray
     ) -> None:
-        """Let the bottom turn about the place where the bit stands: the depth of the bit stays (manual: eq-bit-bottom-turn).
+        """Turn the bottom about the position of the bit, so that the depth of the bit does not change (manual: eq-bit-bottom-turn).
 
         before, now: (3,) axes of the end; place: (3,) of the bit's centre from the end [m]; direction: (3,) of the bit.
         """
@@ -532,7 +532,7 @@ class RockBit(Bit):
             hold[:, 3] += np.linalg.norm(rate) * step
 
     def get_state(self) -> dict[str, FloatArray]:
-        """History variables for a checkpoint, the same on all ranks; those of the hole included."""
+        """History variables for a checkpoint, the same on all ranks; includes the history of the hole."""
         angle = {"pattern_angle": np.array([self._zero_angle])} if self.pattern else {}
         own = {"hold": self._end, "accepted": np.array([self._accepted]), "turned": self._turned}
         return own | angle | self.hole.get_state()
@@ -553,7 +553,7 @@ class RockBit(Bit):
 
     # ------------------------------------------------------------------ results
     def element_results(self, state) -> FloatArray:
-        """(columns,) as of ``RESULTS``: weight [N], torque [N m], rate [m/s], side force [N], stored
+        """(columns,) of ``RESULTS``: weight [N], torque [N m], rate [m/s], side force [N], stored
         energy [J], power into the rock [W], depth [m], offset of the bit's centre from the hole's axis [m],
         rate of penetration in space (3) [m/s], forces and couple of the side; zero without the bit; not to be changed."""
         return state.evaluate_once(self._evaluate_results, state)

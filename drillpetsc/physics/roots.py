@@ -21,10 +21,10 @@ def bracketed_root(
     """Root of f between two places where f has opposite signs.
 
     The method (Brent, Algorithms for Minimization without Derivatives, 1973, chapter 4) takes a secant step, or
-    a hyperbolic step through the last three points (Bus and Dekker, ACM TOMS 1, 1975), and bisects where these
+    a hyperbolic step through the last three points (Bus and Dekker, ACM TOMS 1, 1975), and bisects if these
     steps are too long.
 
-    absolute, relative: tolerances of the root, as of scipy.optimize.brentq
+    absolute, relative: tolerances of the root, as in scipy.optimize.brentq
     """
     before, f_before, best, f_best = left, f(left), right, f(right)
     if f_before == 0.0:

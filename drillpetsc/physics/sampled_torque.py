@@ -11,8 +11,8 @@ class SampledTorque:
     """An input over time (``drillpetsc.time_function``) that is constant between samples.
 
     torque: now [N m]; kind: of the controller that acts; memory: numbers by name that the controller keeps from sample to sample.
-    measured: (2,) torque of the motor and on the pipe at the end of the last step [N m]; resumed: they are those of a checkpoint,
-    which has no accelerations to find them from.
+    measured: (2,) torque of the motor and on the pipe at the end of the last step [N m]; resumed: they come from a checkpoint,
+    which has no accelerations to compute them from.
     """
 
     def __init__(self) -> None:

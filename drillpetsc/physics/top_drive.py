@@ -45,7 +45,7 @@ class MotorDrive(Drive):
     """A motor with inertia at the upper end, whose torque is prescribed or set by a speed controller.
 
     rotation: set point over time [rad/s]; torque: prescribed over time [N m], None with laws.
-    laws: controllers by the time from which they act, empty where the torque is prescribed.
+    laws: controllers by the time from which they act, empty if the torque is prescribed.
     motor: inertia and limits; impedance: of the uppermost pipe, zeta [N m s/rad]; nodes: of the string.
     """
 
@@ -63,7 +63,7 @@ class MotorDrive(Drive):
     ):
         self._at_top = np.arange(nodes) == 0
         self.update_size = 2 if isinstance(torque, SampledTorque) else 0
-        #: laws for reports: those of a sampled controller, too, with its mean delay
+        #: laws for reports, including a sampled controller with its mean delay
         self.described: tuple[Law, ...] = tuple(laws)
         self.rotation, self.torque_input = rotation, torque
         self.laws, self.motor, self.impedance = tuple(laws), motor, impedance
@@ -209,10 +209,10 @@ class MotorDrive(Drive):
             state.x[index[LOW_PASSED]] = 0.0  # filtered inertia torque
 
     def begin_new_states(self, t: float, state: Any) -> bool:
-        """Let filters, lag and delay begin at the torque that the controller asks for.
+        """Start filters, lag and delay at the torque requested by the controller.
 
-        One that begins at zero would take the whole torque for one that has just set in.  The torque of the pipe, which would be
-        exact, needs the acceleration of the top, which a restored state does not have.
+        If they started at zero, the whole torque would appear as a sudden change.  The torque of the pipe, which would be
+        exact, requires the acceleration of the top, which a restored state does not have.
         """
         if not len(self._block.points) or not self.laws:
             return False
@@ -232,7 +232,7 @@ class MotorDrive(Drive):
         return changed
 
     def at_break(self, t: float, state: Any) -> bool:
-        """Change to the law that acts from ``t`` [s] on without a jump of the torque; True where states change."""
+        """Change to the law that acts from ``t`` [s] on without a jump of the torque; True if states change."""
         phase = self._phase_at(t) if len(self.laws) > 1 else self._phase
         before = self._phase_before(t)
         if phase == before:
@@ -246,7 +246,7 @@ class MotorDrive(Drive):
         new, law = self.results(state), self.laws[phase]
         kept = old[RESULTS["torque"]] if old[RESULTS["limited"]] else old[RESULTS["command"]]
         gain = 1.0
-        if not self.lag and (law.low_pass == 0 or law.estimated):  # the torque acts on its own set point
+        if not self.lag and (law.low_pass == 0 or law.estimated):  # the torque acts on its set point
             gain += law.p * law.coupling
         index = state.index_of(self._block)[0]
         state.x[index[INTEGRAL]] += gain * (kept - new[RESULTS["command"]])
@@ -260,7 +260,7 @@ class MotorDrive(Drive):
     def local_update(self, state: Any) -> FloatArray:
         """(2,) torque of the motor and on the pipe [N m], for the samples of a controller; (0,) without one.
 
-        nan where a restored state has no accelerations yet.
+        nan if a restored state has no accelerations yet.
         """
         held = self.torque_input
         if isinstance(held, SampledTorque) and held.resumed and not np.any(state.a):

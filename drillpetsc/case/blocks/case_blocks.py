@@ -172,7 +172,7 @@ class CaseBlocks(Block):
 
     @property
     def all_joints(self) -> tuple[Joint, ...]:
-        """Joints of the case and those of its tools."""
+        """Joints of the case and of its tools."""
         return (
             *self.joints,
             *(joint for _, _, joint in self.tools),
@@ -206,7 +206,7 @@ class CaseBlocks(Block):
     def has_bore(self) -> bool:
         """Whether there is fluid in the string.
 
-        There is none in a solid string, nor in a plugged one that is filled neither by a pump pressure nor through
+        There is none in a solid string, nor in a plugged string filled neither by a pump pressure nor through
         nozzles above the bit.
         """
         sealed = self.bottom.plugged and not self.side_nozzles

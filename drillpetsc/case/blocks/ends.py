@@ -158,7 +158,7 @@ class TopDrive(TopEnd):
         return self
 
     def _hoisting(self) -> None:
-        """Raise where hoist, autodriller, force and lowering do not fit each other."""
+        """Raise if hoist, autodriller, force and lowering are inconsistent."""
         drill = self.autodriller
         if self.hoist is None:
             if drill is not None:
@@ -191,7 +191,7 @@ class TopDrive(TopEnd):
             )
 
     def _times(self) -> None:
-        """Raise where controllers do not follow each other from time 0 on."""
+        """Raise if controllers do not follow each other from time 0 on."""
         for i, q in enumerate(self.control):
             if q.kind == "python" and len(self.control) > 1:
                 want = "a single controller: a function in Python changes its law by itself"
@@ -225,7 +225,7 @@ class ForcedBottom(Block):
 
 
 class BitBottom(Block):
-    """A bit that stands on the end of the hole."""
+    """A bit that rests on the end of the hole."""
 
     kind: Literal["bit"] = Field(description="a bit on the end of the hole")
     stiffness: Annotated[float, Quantity("N/m", above=0)] = Field(

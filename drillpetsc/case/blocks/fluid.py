@@ -76,7 +76,7 @@ class WithYieldStress(Rheology):
 
     unsupported_values: ClassVar[dict[str, tuple[str, ...]]] = {
         "law": ("api",)
-    }  # the API formulas are those of a power law
+    }  # the API formulas apply to a power law
 
     law: Literal["blend", "exact"] = Field(
         default="blend",
@@ -117,7 +117,7 @@ _rheology, _rheology_tag = tagged_union(*_MODELS, key="model")
 
 
 class _MudReportForms:
-    """What may stand in the place of a model's keys, for the JSON schema: {dial}, {pv, yp}, {n, k}, {ty, n, k}."""
+    """Alternatives to a model's keys, for the JSON schema: {dial}, {pv, yp}, {n, k}, {ty, n, k}."""
 
     KEYS: ClassVar[dict[str, str]] = {
         "pv": "plastic viscosity of bingham [Pa s]",

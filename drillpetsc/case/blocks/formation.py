@@ -403,7 +403,7 @@ def largest_turn_of_bit(sideways: float, walk: float) -> float:
 
     With u = (part of x across e)^2 / (part along e)^2 and c = cos(walk) the cosine of the angle is
     (1 + I c u) / sqrt((1 + u)(1 + I^2 u)). Its one stationary point is the minimum
-    u = (1 + I^2 - 2 I c) / (I (c (1 + I^2) - 2 I)); where that is not positive, the cosine falls to c at u =
+    u = (1 + I^2 - 2 I c) / (I (c (1 + I^2) - 2 I)); if that is not positive, the cosine falls to c at u =
     infinity.
     """
     c, square = math.cos(walk), sideways**2

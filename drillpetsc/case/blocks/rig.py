@@ -32,7 +32,7 @@ class Weight(Quantity):
 
 
 class Rig(Block):
-    """The rig: what hangs on the hook beside the string, and what the rig can bear."""
+    """The rig: weight on the hook in addition to the string, and the limits of the rig."""
 
     datum: str = Field(
         default="", description="point that measured depths count from, such as RKB; shown in reports"

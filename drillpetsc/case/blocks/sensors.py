@@ -76,7 +76,7 @@ Channel = Literal["ax", "ay", "az", "rpm", "torque", "wob", "bending", "pressure
 
 
 class Sensor(Block):
-    """A downhole sensor: channels at one place of the string, sampled at a rate of their own."""
+    """A downhole sensor: channels at one place of the string, sampled at a given rate."""
 
     name: str = Field(description="name of its file, such as mwd; letters, digits, - and _")
     at: Annotated[float | str, DepthOrItem("m", at_least=0, at_most=50e3)] = Field(
@@ -160,7 +160,7 @@ class Indices(Block):
 
 
 def sensor_depth(string: Any, item_depths: Any, sensor: Sensor) -> float | None:
-    """Measured depth [m] of a sensor; None where no item has its name, or several have it."""
+    """Measured depth [m] of a sensor; None if no item, or several items, have its name."""
     if not isinstance(sensor.at, str):
         return float(sensor.at)
     found = [

@@ -210,12 +210,12 @@ class Item(Block):
 
     @property
     def contact_od(self) -> float | None:
-        """Diameter that touches the hole [m]: that of the tool joints, of the blades, or the outer diameter."""
+        """Diameter that touches the hole [m]: of the tool joints, of the blades, or the outer diameter."""
         return self.od
 
     @property
     def widest_od(self) -> float | None:
-        """Diameter that has to pass the hole [m]: that of the tool joints, or the one that touches it."""
+        """Diameter that has to pass the hole [m]: of the tool joints, or the diameter that touches it."""
         return self.contact_od
 
     @property
@@ -275,7 +275,7 @@ class Tube(Flexible):
 
 
 class ToolTube(Tube):
-    """A tube that the mud may meet with other sections than those of its od and id: pipe, or a tool."""
+    """A tube in which the mud may flow through sections other than its od and id: pipe, or a tool."""
 
     bore_volume: BoreVolume = Field(default=None, description=_BORE_VOLUME)
     annulus_od: Diameter | None = Field(default=None, description=_ANNULUS_OD)

@@ -88,7 +88,7 @@ class ShockSub(SealedTool):
 
     @property
     def held_by(self) -> float | None:
-        """Load [N, tension positive] up to which the preload holds the parts on a stop, None where it does not."""
+        """Load [N, tension positive] up to which the preload holds the parts on a stop, None if it does not."""
         if self.stroke is None:
             return None
         least, largest = (self.stiffness * end - self.preload for end in self.stroke)

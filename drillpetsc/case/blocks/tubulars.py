@@ -38,7 +38,7 @@ Share = Annotated[float, Quantity("", above=0, at_most=1)]
 
 
 class ToolJoint(Block):
-    """Tool joint at each end of a joint of pipe. Keys left out are those of the catalogue."""
+    """Tool joint at each end of a joint of pipe. Missing keys are taken from the catalogue."""
 
     connection: str | None = Field(default=None, description="name of the connection, such as NC50")
     od: Diameter = derived_default("outer diameter")

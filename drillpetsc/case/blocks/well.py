@@ -249,7 +249,7 @@ class Section(Block):
 
     @property
     def group(self) -> str:
-        """Name of the group of sections with one friction factor: cased, open_hole, or that of the case."""
+        """Name of the group of sections with one friction factor: cased, open_hole, or a name given in the case."""
         return self.ff_group or ("open_hole" if self.kind == "open_hole" else "cased")
 
 
@@ -299,5 +299,5 @@ class Well(Block):
         return self
 
     def diameter_at(self, depth: float) -> float:
-        """Diameter of the hole [m] at a measured depth [m]; below the last section, that of it."""
+        """Diameter of the hole [m] at a measured depth [m]; below the last section, the diameter of that section."""
         return next((q.diameter for q in self.sections if depth <= q.to), self.sections[-1].diameter)

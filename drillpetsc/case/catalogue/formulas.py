@@ -11,7 +11,7 @@ MAKE_UP = (
     0.6  # recommended make-up torque over the torque at which the tool joint yields (API RP 7G, table 10)
 )
 THREAD_FRICTION = 0.08  # of threads and shoulders with dope (API RP 7G, A.8.2)
-SPIRAL = 0.96  # weight of a spiral collar over that of a round one (Smith, Drilling Assembly Handbook)
+SPIRAL = 0.96  # ratio of the weights of a spiral and a round collar (Smith, Drilling Assembly Handbook)
 
 
 def section(outer: float, inner: float) -> float:
@@ -40,7 +40,7 @@ def tensile_strength(outer: float, inner: float, yield_strength: float) -> float
 def torsional_strength(outer: float, inner: float, yield_strength: float, pull: float = 0.0) -> float:
     """Torque at which a tube under a pull [lbf] yields [ft-lbf] (API RP 7G, A.9.1 and A.9.2).
 
-    0.096167 J/D sqrt(Y^2 - (P/A)^2), with J = pi/32 (D^4 - d^4) [in4]; 0.096167 = 2 x 0.577/12. The result is 0 where the
+    0.096167 J/D sqrt(Y^2 - (P/A)^2), with J = pi/32 (D^4 - d^4) [in4]; 0.096167 = 2 x 0.577/12. The result is 0 if the
     pull alone exceeds the yield.
     Diameters [in], yield strength [psi].
     """
@@ -83,7 +83,7 @@ def tool_joint_torque(
     joint_outer: float,
     joint_inner: float,
 ) -> float:
-    """Torque at which pin or box of a tool joint yields [ft-lbf] (API RP 7G, A.8.2); 0 where no metal is left.
+    """Torque at which pin or box of a tool joint yields [ft-lbf] (API RP 7G, A.8.2); 0 if no metal is left.
 
     (Y A/12) [p/(2 pi) + R_t f/cos 30 deg + R_s f], A the smaller section of pin and box, 3/4 in and 3/8 in from the shoulder.
 

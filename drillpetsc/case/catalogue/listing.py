@@ -127,12 +127,12 @@ def _metric(value: Any, unit: str) -> str:
 
 
 def catalogue(text: str = "", path: str | Path | None = None) -> CatalogueRows:
-    """Rows of the catalogue of tubulars that fit a text; all rows for an empty one.
+    """Rows of the catalogue of tubulars that match a text; all rows for an empty text.
 
     text: a size (`5in`), a size and a weight, and words that a row must contain: `5in 19.50 S NC50`, `HWDP`,
     `drill_collar 8in`
     path: a folder with CSV files, or one CSV file, whose rows come before the built-in ones
-    Raises CaseError where nothing fits.
+    Raises CaseError if nothing matches.
     """
     whole = Catalogue.built_in()
     if path is not None:

@@ -53,7 +53,7 @@ class ReferenceProblem(ValueError):
 
 @dataclass(frozen=True)
 class Reference:
-    """A text reference, read: size [in], nominal weight [lb/ft], and the words, None where not given."""
+    """A text reference, parsed: size [in], nominal weight [lb/ft], and the words, None if not given."""
 
     size: float
     weight: float
@@ -116,7 +116,7 @@ def same_connection(catalogue: Catalogue, one: str, other: str) -> bool:
 
 
 def find_threads(catalogue: Catalogue, name: str) -> Row | None:
-    """Threads of a connection; None where the catalogue has none of this name."""
+    """Threads of a connection; None if the catalogue has no such name."""
     rows = catalogue.rows["connection"]
     return next((row for row in rows if same_connection(catalogue, name, row["connection"])), None)
 
@@ -193,7 +193,7 @@ def _names_of(rows: Iterable[Row], weight: str) -> str:
 
 
 def weights_text(catalogue: Catalogue, size: float, table: str = "drill_pipe") -> str:
-    """`weights of 5 in: 16.25, 19.50, 25.60 lb/ft`; empty where the size has none."""
+    """`weights of 5 in: 16.25, 19.50, 25.60 lb/ft`; empty if the size has none."""
     weight = "weight" if table == "hwdp" else "nominal"
     rows = _of_size(catalogue.rows[table], size)
     weights = sorted({float(row[weight]) for row in rows})
@@ -224,7 +224,7 @@ def find_tube(catalogue: Catalogue, table: str, size: float, weight: float) -> R
 
 
 def _replaces(earlier: Row, row: Row) -> bool:
-    """Whether an earlier row, of the user for instance, is the same tool joint: connection, and upset where it has one."""
+    """Whether an earlier row, for instance of the user, is the same tool joint: connection, and upset if it has one."""
     if _bare(earlier["connection"]) != _bare(row["connection"]):
         return False
     return not earlier["upset"] or earlier["upset"].upper() == (row["upset"] or "").upper()
@@ -236,7 +236,7 @@ def _joint_text(row: Row) -> str:
 
 
 def _drill_pipe(catalogue: Catalogue, reference: Reference) -> Row:
-    """Row of the tube; where only heavy-wall pipe has the size and weight, the hint says so."""
+    """Row of the tube; if only heavy-wall pipe has the size and weight, the hint says so."""
     try:
         return find_tube(catalogue, "drill_pipe", reference.size, reference.weight)
     except ReferenceProblem as problem:
@@ -255,8 +255,8 @@ def find_pipe(
 ) -> PipeChoice:
     """Rows of the drill pipe that a reference names; raises ReferenceProblem.
 
-    given: grade and connection that stand beside the reference and win over its words
-    joint_needed: a tool joint must be found; else it may be missing
+    given: grade and connection beside the reference, which override its words
+    joint_needed: a tool joint must be found; otherwise it may be missing
     """
     reference = parse(catalogue, text) if isinstance(text, str) else text
     given = given or {}

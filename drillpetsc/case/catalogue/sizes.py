@@ -22,7 +22,7 @@ SIZE = re.compile(
 
 
 def size_at_start(text: str) -> tuple[float, str] | None:
-    """(size [in], rest of the text) of a text that starts with a size; None where it does not."""
+    """(size [in], rest of the text) of a text that starts with a size; None if it does not."""
     match = SIZE.match(text[:LONGEST])
     if match is None or (match["under"] and int(match["under"]) == 0):
         return None

@@ -17,9 +17,9 @@ from drillpetsc.errors import CaseError
 
 FOLDER = Path(__file__).parent
 MAX_BYTES = 5_000_000  # of a table
-CONSISTENT = 0.02  # relative difference that a weight may have from that of the dimensions
+CONSISTENT = 0.02  # allowed relative difference between a weight and the weight computed from the dimensions
 
-# Column -> unit; "" is text. A column behind a "?" may be empty or left out; it is computed where that is possible.
+# Column -> unit; "" is text. A column marked with "?" may be empty or left out; it is computed if possible.
 TABLES: dict[str, dict[str, str]] = {
     "drill_pipe": {
         "size": "in",
@@ -97,7 +97,7 @@ _HEAD = re.compile(r"\s*([A-Za-z_0-9]+)\s*(?:\[([^\]]*)\])?\s*")
 class Row:
     """One row of a table.
 
-    table: its name; file, line: where it stands; cells: column -> number in the unit of the table, or text.
+    table: its name; file, line: its location; cells: column -> number in the unit of the table, or text.
     """
 
     table: str
@@ -115,7 +115,7 @@ class Row:
 
     @property
     def place(self) -> str:
-        """`catalogue drill_pipe.csv line 16`, for a list of sources; says so where the row is not verified."""
+        """`catalogue drill_pipe.csv line 16`, for a list of sources; says so if the row is not verified."""
         return f"catalogue {self.file} line {self.line}{'' if self.verified else ' (unverified)'}"
 
     @property
@@ -126,7 +126,7 @@ class Row:
 
 @dataclass(frozen=True)
 class Catalogue:
-    """Rows of all tables, those of the user's own files first."""
+    """Rows of all tables, the user's files first."""
 
     rows: Mapping[str, tuple[Row, ...]]
 
@@ -137,9 +137,9 @@ class Catalogue:
         return cls({name: read_table(FOLDER / f"{name}.csv", name) for name in TABLES})
 
     def with_files(self, path: Path) -> Catalogue:
-        """The catalogue with the rows of a user's folder, or of one CSV file, before its own.
+        """The catalogue with the rows of a user's folder, or of one CSV file, before the built-in ones.
 
-        A file is named like the table that it adds to: drill_pipe.csv, or drill_pipe-rig-7.csv.
+        A file is named after the table that it extends: drill_pipe.csv, or drill_pipe-rig-7.csv.
         """
         rows = dict(self.rows)
         for file in _user_files(path):
@@ -183,7 +183,7 @@ def _table_of(file: Path) -> str:
 
 
 def read_table(path: Path, name: str) -> tuple[Row, ...]:
-    """Rows of a CSV file; raises CaseError with file, line and column where a cell cannot be right."""
+    """Rows of a CSV file; raises CaseError with file, line and column if a cell cannot be right."""
     try:
         if path.stat().st_size > MAX_BYTES:
             raise CaseError(file=path, got="a larger one", want=f"a table of at most {MAX_BYTES // 10**6} MB")

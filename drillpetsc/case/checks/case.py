@@ -109,7 +109,7 @@ def _string_in_hole(case: CaseBlocks) -> None:
             raise refuse(
                 "string", i, "od", want="an outer diameter: the case has a well", hint="or contact: none"
             )
-        if isinstance(item, (Bit, Reamer)):  # checks of their own
+        if isinstance(item, (Bit, Reamer)):  # checked separately
             continue
         found = misfit(case.well, item, above, below)
         if found is not None:
@@ -129,7 +129,7 @@ def _refuse_misfit(i: int, item: Item, found: Misfit, units: System) -> None:
 
 
 def _stabilizers(case: CaseBlocks) -> None:
-    """Raise where a bypass area does not fit the hole that the stabilizer stands in."""
+    """Raise if a bypass area does not fit the hole of the stabilizer."""
     for i, (item, depths) in enumerate(zip(case.string, case.item_depths, strict=True)):
         if not isinstance(item, Stabilizer) or item.bypass_area is None:
             continue

@@ -10,12 +10,12 @@ from drillpetsc.case.key_paths import refuse
 from drillpetsc.case.quantities import said
 
 LENGTH_TOLERANCE = 1e-6  # [m] diameters and depths closer than this are equal
-ON_BOTTOM = 1.0  # a bit that is closer than this to the end of the hole stands on it [m]
-SMALLEST_BIT = 0.9  # of the hole it stands in
+ON_BOTTOM = 1.0  # a bit that is closer than this to the end of the hole is on bottom [m]
+SMALLEST_BIT = 0.9  # relative to its hole
 
 
 def check_drilling(case: CaseBlocks) -> None:
-    """Raise where the bit has nothing to cut, or does not fit into the hole."""
+    """Raise if the bit has nothing to cut, or does not fit into the hole."""
     _bit_passes(case)
     if case.fluid is not None and case.fluid.cuttings == "returned" and case.formation is None:
         hint = "without a formation nothing is cut"
@@ -125,7 +125,7 @@ def _new_hole(case: CaseBlocks) -> None:
 
 
 def check_time(case: CaseBlocks) -> None:
-    """Raise where a quasi-static run, a sequence of equilibria, is not possible."""
+    """Raise if a quasi-static run, a sequence of equilibria, is not possible."""
     if case.time is None or case.time.mode != "quasi_static":
         return
     if case.hold_string:

@@ -18,8 +18,8 @@ LENGTH_TOLERANCE = 1e-6  # [m] sums of item lengths
 class Misfit:
     """A section of the hole that is too narrow for an item.
 
-    section: its number; depth: where the item meets it [m]; outer, hole: diameters of the item and of the section [m].
-    key: where the item's diameter stands in its block.
+    section: its number; depth: at which the item meets it [m]; outer, hole: diameters of the item and of the section [m].
+    key: path of the item's diameter in its block.
     """
 
     section: int

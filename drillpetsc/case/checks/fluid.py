@@ -16,7 +16,7 @@ SHARE_OF_MODULUS = 0.25
 
 
 def check_held_string(case: CaseBlocks) -> None:
-    """Raise where a held string is moved or loaded, or where there is no fluid.
+    """Raise if a held string is moved or loaded, or if there is no fluid.
 
     A held string has no unknowns. The flow is the only thing left to compute.
     """
@@ -44,7 +44,7 @@ def check_held_string(case: CaseBlocks) -> None:
 
 
 def check_fluid(case: CaseBlocks) -> None:
-    """Raise where the fluid has no way in, through or out."""
+    """Raise if the fluid has no way in, through or out."""
     if case.fluid is None:
         return
     _annulus(case)
@@ -86,7 +86,7 @@ def check_fluid(case: CaseBlocks) -> None:
 
 
 def _mud_sections(case: CaseBlocks) -> None:
-    """Raise where the volume of the mud in an item, or its outer diameter for the mud, cannot count."""
+    """Raise if the volume of the mud in an item, or its outer diameter for the mud, has no effect."""
     last = max(i for i, item in enumerate(case.string) if isinstance(item, Flexible))
     for i, item in enumerate(case.string):
         if item.bore_volume is not None and i > last:
@@ -116,7 +116,7 @@ def _mud_sections(case: CaseBlocks) -> None:
 
 
 def _side_nozzles(case: CaseBlocks) -> None:
-    """Raise where mud cannot flow through the nozzles of an item above the bit."""
+    """Raise if mud cannot flow through the nozzles of an item above the bit."""
     fluid, first = case.fluid, next(i for i, item in enumerate(case.string) if isinstance(item, Flexible))
     assert fluid is not None
     for i, _ in case.side_nozzles:
@@ -139,9 +139,9 @@ def _side_nozzles(case: CaseBlocks) -> None:
 
 
 def _metal_of_rigid_items(case: CaseBlocks) -> None:
-    """Raise where a rigid item is heavier than a solid cylinder of its od.
+    """Raise if a rigid item is heavier than a solid cylinder of its od.
 
-    The mud flows past the volume of its metal, which would close the annulus further than the od does.
+    The mud flows past the volume of its metal, which would narrow the annulus more than the od does.
     """
     for i, item in enumerate(case.string[:-1]):
         if isinstance(item, Rigid) and item.annulus_od is None and item.od is not None and item.length > 0:
@@ -159,7 +159,7 @@ def _metal_of_rigid_items(case: CaseBlocks) -> None:
 
 
 def _choke(fluid: Fluid) -> None:
-    """Raise where the pump's flow through the choke asks for a pressure that no mud has."""
+    """Raise if the pump's flow through the choke requires a pressure that mud cannot have."""
     if fluid.choke is None or fluid.pump_pressure is not None:
         return
     flow = largest(fluid.flow_rate)
@@ -195,9 +195,9 @@ def _annulus(case: CaseBlocks) -> None:
 
 
 def _lower_end(case: CaseBlocks) -> None:
-    """Raise where a plugged string has a flow rate, or no fluid is left.
+    """Raise if a plugged string has a flow rate, or no fluid is left.
 
-    A plugged string that nothing fills from above is empty. Then the fluid is in the annulus alone.
+    A plugged string that is not filled from above is empty. The fluid is then in the annulus only.
     """
     fluid = case.fluid
     assert fluid is not None
@@ -215,7 +215,7 @@ def _lower_end(case: CaseBlocks) -> None:
 
 
 def _bore(case: CaseBlocks) -> None:
-    """Raise unless all flexible items have a bore, or none has and nothing is pumped."""
+    """Raise unless all flexible items have a bore, or none has a bore and nothing is pumped."""
     fluid = case.fluid
     assert fluid is not None
     solid = [i for i, item in enumerate(case.string) if isinstance(item, Flexible) and item.id == 0]

@@ -12,7 +12,7 @@ TOLERANCE = 1e-6  # [m] depths closer than this are equal
 
 
 def check_joints(case: CaseBlocks) -> None:
-    """Raise where joints do not fit the string or the rest of the case."""
+    """Raise if joints do not fit the string or the rest of the case."""
     end = case.string_length
     seen: dict[float, int] = {}
     if case.all_joints and case.fluid is not None and case.fluid.formulation == "hermite":
@@ -83,7 +83,7 @@ def _joint_at_the_top(case: CaseBlocks, i: int) -> None:
 
 
 def _jars(case: CaseBlocks) -> None:
-    """Raise where a time integration does not locate the events of a jar."""
+    """Raise if the time integration does not locate the events of a jar."""
     if case.time is None or not any(isinstance(tool, Jar) for _, tool, _ in case.tools):
         return
     if case.time.mode == "quasi_static":
@@ -96,7 +96,7 @@ def _jars(case: CaseBlocks) -> None:
 
 
 def _no_massless_part(case: CaseBlocks) -> None:
-    """Raise if the string between two joints, or between a joint and an end, has no mass of its own."""
+    """Raise if the string between two joints, or between a joint and an end, has no mass."""
     inner = sorted(joint.at for joint in case.all_joints if joint.at > TOLERANCE)
     marks = [0.0, *inner, case.string_length]
     for above, below in zip(marks, marks[1:], strict=False):

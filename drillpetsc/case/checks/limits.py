@@ -75,14 +75,14 @@ def _not_supported(*at: str | int, got: Any = None, what: str) -> PydanticCustom
 
 
 def element_count(item: Flexible) -> int:
-    """Number of equal elements of an item that names their length; 0 where it is chosen with the model."""
+    """Number of equal elements of an item with a given element length; 0 if the length is chosen with the model."""
     if isinstance(item.element_length, str):
         return 0
     return max(1, round(min(item.length / item.element_length, 1e18)))
 
 
 def check_size(case: CaseBlocks) -> None:
-    """Raise where the mesh has more elements, or a run more output, than a machine can hold."""
+    """Raise if the mesh has more elements, or a run more output, than a machine can hold."""
     counts = {i: element_count(item) for i, item in enumerate(case.string) if isinstance(item, Flexible)}
     if sum(counts.values()) > MAX_ELEMENTS:
         i = max(counts, key=lambda i: counts[i])

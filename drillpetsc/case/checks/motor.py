@@ -9,7 +9,7 @@ from drillpetsc.case.key_paths import refuse
 
 
 def check_motor(case: CaseBlocks) -> None:
-    """Raise where a downhole motor does not fit the rest of the case."""
+    """Raise if a downhole motor does not fit the rest of the case."""
     for i, tool in enumerate(case.string):
         if isinstance(tool, AgitatorTool):
             _check_agitator(case, i, tool)
@@ -57,7 +57,7 @@ def check_motor(case: CaseBlocks) -> None:
 
 
 def _check_agitator(case: CaseBlocks, number: int, item: AgitatorTool) -> None:
-    """Raise where the agitator ``item``, that of ``number``, does not fit the rest of the case."""
+    """Raise if the agitator ``item``, with the given ``number``, does not fit the rest of the case."""
     if case.hold_string and case.fluid is not None:
         want = "no agitator in a string that hold_string keeps still"
         raise refuse("string", number, "kind", got="agitator", want=want)

@@ -12,19 +12,19 @@ from drillpetsc.case.quantities import said
 
 BLADE_OVER_HOLE = INCH / 16  # [m] by which blades may be larger than the hole of a case
 SAME = 1e-6  # [m] diameters closer than this are equal
-TOUCHING = 1e-3  # [m] cutters deeper than the shoulder by more than this stand in rock
+TOUCHING = 1e-3  # [m] cutters deeper than the shoulder by more than this are in rock
 LEAST_PILOT = 1.0  # [m] between cutters and bit
 
 
 def check_reamer(case: CaseBlocks) -> None:
-    """Raise where a reamer has no pilot hole to widen, or does not stand at the end of its hole."""
+    """Raise if a reamer has no pilot hole to widen, or is not at the end of its hole."""
     found = [i for i, item in enumerate(case.string) if isinstance(item, Reamer)]
     for number, below in zip(found, [*found[1:], len(case.string) - 1], strict=False):
         _check(case, number, below)
 
 
 def _check(case: CaseBlocks, number: int, below: int) -> None:
-    """Raise where the reamer of ``number`` does not fit.  below: number of the item that cuts its pilot hole."""
+    """Raise if the reamer of ``number`` does not fit.  below: number of the item that cuts its pilot hole."""
     item, cutter, units = case.string[number], case.string[below], case.output.units or case.units
     assert isinstance(item, Reamer) and item.od is not None
     if not isinstance(case.string[-1], Bit):
@@ -45,7 +45,7 @@ def _check(case: CaseBlocks, number: int, below: int) -> None:
 
 
 def _check_pilot_hole(case: CaseBlocks, number: int, below: int, name: str) -> None:
-    """Raise where a reamer that drills has no pilot hole.  name: of the item ``below`` that cuts it."""
+    """Raise if a reamer that drills has no pilot hole.  name: of the item ``below`` that cuts it."""
     item, cutter, units = case.string[number], case.string[below], case.output.units or case.units
 
     def length(value: float) -> str:
@@ -102,9 +102,9 @@ def _cutters(case: CaseBlocks, number: int) -> float:
 
 
 def _body_passes(case: CaseBlocks, number: int) -> None:
-    """Raise where the hole down to the reamer of ``number`` is narrower than its body, or than the blades that stand in it.
+    """Raise if the hole down to the reamer of ``number`` is narrower than its body, or narrower than its blades around them.
 
-    Cutters open below a narrower casing: the hole above need not be as wide as they are.
+    Cutters open below a narrower casing: the hole above may be narrower than the cutters.
     """
     item, units = case.string[number], case.output.units or case.units
     if case.well is None:

@@ -62,7 +62,7 @@ def _depth(case: CaseBlocks, i: int, sensor: Sensor) -> float:
 
 
 def _place(case: CaseBlocks, i: int, sensor: Sensor, depth: float) -> None:
-    """Raise where the accelerometers stand outside the pipe."""
+    """Raise if the accelerometers are outside the pipe."""
     if not sensor.radius:
         return
     for item, (above, below) in zip(case.string, case.item_depths, strict=True):

@@ -10,7 +10,7 @@ TOLERANCE = 1e-6  # [m] depths closer than this are equal
 
 
 def check_steering(case: CaseBlocks) -> None:
-    """Raise where there are several steerable tools, or a joint inside one."""
+    """Raise if there are several steerable tools, or a joint inside one."""
     tools = list(case.steering_depths)
     if len(tools) > 1:
         raise refuse(

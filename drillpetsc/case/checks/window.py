@@ -7,7 +7,7 @@ from drillpetsc.case.key_paths import refuse
 
 
 def check_window(case: CaseBlocks) -> None:
-    """Raise where there is no hole that the window could belong to."""
+    """Raise if there is no hole for the window."""
     if case.window is None:
         return
     if case.well is None:

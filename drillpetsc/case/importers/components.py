@@ -21,13 +21,13 @@ Kind = Literal["bit", "stabilizer", "drill_pipe", "hwdp", "drill_collar", "other
 
 @dataclass(frozen=True)
 class Component:
-    """One row of a tally, in SI; None for what the file does not give.
+    """One row of a tally, in SI; None for data that the file does not give.
 
-    kind: what becomes of it; words: its type in the words of the file
+    kind: kind of item to create; words: its type in the words of the file
     length, od, bore [m], weight per length [kg/m]
     blade: diameter over the blades of a stabilizer [m]; bit_od: of a bit [m]; nozzle_area [m2]
     tool_joint: (outer, inner diameter, length of pin and box) of a joint [m]
-    keys: names of length, od, id, blade, bit_od in the file; file, line: where it stands
+    keys: names of length, od, id, blade, bit_od in the file; file, line: its location
     """
 
     kind: Kind
@@ -48,7 +48,7 @@ class Component:
     keys: Mapping[str, str] = field(default_factory=dict)
 
     def refused(self, key: str, got: str, want: str) -> CaseError:
-        """The error of a value that no item can have."""
+        """The error for a value that is impossible for any item."""
         at = self.keys.get(key, key)
         return CaseError(at=at, got=f"{self.name}: {got}", want=want, file=self.file, line=self.line)
 
@@ -118,7 +118,7 @@ def _tube(c: Component, length: float, od: float, remarks: list[str]) -> dict[st
 
 
 def _fitting(joint: tuple[float, float, float] | None, od: float) -> dict[str, str] | None:
-    """Tool joint as plain data; None where there is none that fits the tube."""
+    """Tool joint as plain data; None if there is none that fits the tube."""
     if joint is None or joint[0] < od or not 0 < joint[1] < joint[0] or not joint[2] > 0:
         return None
     return {
@@ -176,7 +176,7 @@ def _bit(c: Component, length: float) -> dict[str, Any]:
 
 
 def plausible(weight: float, od: float, bore: float) -> bool:
-    """Whether a weight per length [kg/m] lies between that of the plain tube and that of a solid bar."""
+    """Whether a weight per length [kg/m] lies between the weights of the plain tube and of a solid bar."""
     return LIGHTEST * STEEL * math.pi / 4 * (od**2 - bore**2) <= weight <= STEEL * math.pi / 4 * od**2
 
 
@@ -193,7 +193,7 @@ class Piece:
 
 
 def narrowest(pieces: list[Piece], at: str, file: Path, line: int) -> list[dict[str, Any]]:
-    """Sections of the hole as plain data: at each depth the narrowest piece. CaseError where there is none.
+    """Sections of the hole as plain data: at each depth the narrowest piece. CaseError if there is none.
 
     at: name of the list in the file
     """

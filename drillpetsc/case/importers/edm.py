@@ -33,7 +33,7 @@ _BIT, _NO_BIT = re.compile(r"\bbit\b"), re.compile(r"\b(?:sub|box|near.bit|motor
 
 @dataclass(frozen=True)
 class Wanted:
-    """What to take where an export has several: names of the wellbore, of the assembly, of the design with the hole."""
+    """Choice among several entries of an export: names of the wellbore, of the assembly, of the design with the hole."""
 
     wellbore: str | None = None
     assembly: str | None = None
@@ -41,10 +41,10 @@ class Wanted:
 
 
 def import_edm(file: Path, wanted: Wanted) -> tuple[Imported, dict[str, Any] | None, float]:
-    """(what an export gives to a case, well.survey as plain data or None, its last measured depth [m]).
+    """(contribution of an export to a case, well.survey as plain data or None, its last measured depth [m]).
 
     Raises CaseError without the package welleng, for a file that it cannot read, for names that the file does not have,
-    and where a choice among several wellbores is needed.
+    and if a choice among several wellbores is needed.
     """
     reader = _opened(file)
     bore = _wellbore(reader, file, wanted.wellbore)
@@ -59,7 +59,7 @@ def import_edm(file: Path, wanted: Wanted) -> tuple[Imported, dict[str, Any] | N
 
 
 def _opened(file: Path) -> Any:
-    """The reader of welleng on the file; CaseError where it is missing or fails."""
+    """The reader of welleng on the file; CaseError if it is missing or fails."""
     try:
         from welleng.exchange.edm_stream import EDMReader
     except ImportError:
@@ -153,7 +153,7 @@ def _cell(value: float | None) -> str:
 
 
 def _size(value: Any, unit: float) -> float | None:
-    """A number of the database in SI; None where there is none above zero."""
+    """A number of the database in SI; None if there is none above zero."""
     try:
         number = float(value)
     except (TypeError, ValueError):
@@ -162,7 +162,7 @@ def _size(value: Any, unit: float) -> float | None:
 
 
 def _depth(value: Any) -> float | None:
-    """A depth of the database [m], 0 included; None where there is none."""
+    """A depth of the database [m], 0 included; None if there is none."""
     try:
         number = float(value)
     except (TypeError, ValueError):
@@ -172,7 +172,7 @@ def _depth(value: Any) -> float | None:
 
 # ---------------------------------------------------------------------- string
 def _string(reader: Any, bore: Any, file: Path, name: str | None, out: Imported) -> None:
-    """Items of the drill string, from the rig down; left out, with a remark, where the file has none or several."""
+    """Items of the drill string, from the rig down; left out, with a remark, if the file has none or several."""
     every = {str(assembly.name or assembly.assembly_id): assembly for assembly in reader.assemblies(bore)}
     drilling = {
         key: assembly
@@ -276,7 +276,7 @@ def _component(component: Any, file: Path) -> Component:
 
 # ---------------------------------------------------------------------- hole
 def _hole(reader: Any, bore: Any, file: Path, name: str | None, out: Imported) -> None:
-    """Sections of the hole; left out, with a remark, where the file has none or several designs that differ."""
+    """Sections of the hole; left out, with a remark, if the file has none or several different designs."""
     groups = reader.hole_section_groups(bore)
     named: dict[str, list[Any]] = {}
     for group in groups:

@@ -40,7 +40,7 @@ def fragment(
 
     files: at most one of each kind: survey, tubular, geometry of the wellbore; an EDM export may have all three
     folder: of the case file, in which the survey is named relative to it
-    wanted: what to take from an EDM export
+    wanted: choices for an EDM export
     """
     found: dict[str, tuple[Path, Imported | Survey]] = {}
     remarks: list[str] = []
@@ -128,7 +128,7 @@ def _read(
 
 
 def _check_items(path: Path, content: Imported) -> None:
-    """Raise where a case would refuse an item of the file."""
+    """Raise if a case would refuse an item of the file."""
     if not content.string:
         return
     try:
@@ -141,7 +141,7 @@ def _check_items(path: Path, content: Imported) -> None:
 
 
 def _fitted(sections: list[dict[str, Any]], end: float) -> list[str]:
-    """Let the last section end with the survey where the two agree; a remark where they do not."""
+    """Let the last section end with the survey if the two agree; otherwise add a remark."""
     last = float(str(sections[-1]["to"]).split()[0])
     if abs(last - end) <= SAME_END:
         sections[-1]["to"] = "end"

@@ -21,7 +21,7 @@ STEEPEST_START = math.radians(
 STRAIGHT = math.radians(0.5)  # inclination below which an azimuth has no meaning
 SHARPEST = math.radians(30) / 30  # [rad/m] dogleg of a typing error
 SAME_DEPTH = 1e-6  # [m]
-NO_ROW = 0  # number of a station that stands in no row
+NO_ROW = 0  # number of a station that is in no row
 _NUMBER = re.compile(r"[+-]?(?:\d+(?:\.\d*)?|\.\d+)(?:[eE][+-]?\d{1,3})?", re.ASCII)
 
 
@@ -41,12 +41,12 @@ class Stations:
 
 @dataclass(frozen=True)
 class Rules:
-    """What a survey may be.
+    """Limits of a survey.
 
     units: unit system of the case, for columns without a unit; SI: metres and degrees
     tie_in: (md [m], inclination [rad], azimuth [rad]) of the station before the first
-    allow_dogleg: sharp bends are no typing errors
-    exact: a file that this program wrote: nothing is mended
+    allow_dogleg: sharp bends are not typing errors
+    exact: a file that this program wrote: nothing is corrected
     """
 
     units: System = "SI"
@@ -119,7 +119,7 @@ _ALLOWED = {
 def _numbers(
     table: Table, units: dict[str, str], out: Stations
 ) -> tuple[list[int], dict[str, list[float]], dict[int, dict[str, float]]]:
-    """(numbers of the rows, values [SI] of the three columns, those of other columns by row, for comparison)."""
+    """(numbers of the rows, values [SI] of the three columns, values of other columns by row, for comparison)."""
     scale = {column: to_si(f"1 {unit}", SI_UNIT[column]) for column, unit in units.items() if unit}
     numbers: list[int] = []
     values: dict[str, list[float]] = {column: [] for column in NEEDED}
@@ -267,7 +267,7 @@ def _from_the_top(
 
 
 def _no_twist(values: dict[str, list[float]], remarks: list[str]) -> None:
-    """Replace azimuths of vertical stations, which have no meaning, by those of the next inclined station."""
+    """Replace azimuths of vertical stations, which have no meaning, by the azimuth of the next inclined station."""
     inclined = [i for i, angle in enumerate(values["inclination"]) if angle >= STRAIGHT]
     if not inclined:
         return
@@ -286,7 +286,7 @@ def _no_twist(values: dict[str, list[float]], remarks: list[str]) -> None:
 
 
 def _smooth(table: Table, numbers: list[int], values: dict[str, list[float]]) -> None:
-    """Refuse doglegs that no hole has."""
+    """Refuse doglegs that are impossible in a hole."""
     errors = []
     for i in range(1, len(values["md"])):
         angle = _between(values, i - 1, i)
@@ -344,7 +344,7 @@ def _positions(
     given: dict[int, dict[str, float]],
     remarks: list[str],
 ) -> None:
-    """Compare the positions in the file with those of its angles."""
+    """Compare the positions in the file with positions computed from its angles."""
     at = [0.0, 0.0, 0.0]
     start: dict[str, float] = {}
     worst: dict[str, tuple[float, float]] = {}

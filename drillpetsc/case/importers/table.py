@@ -61,12 +61,12 @@ _COMMENT_UNIT = re.compile(
 class Table:
     """Columns and rows of a survey.
 
-    file: the file; counted: what numbers a row, `line` or `row`
-    heads: titles of the columns as they stand in the file
+    file: the file; counted: unit of row numbers, `line` or `row`
+    heads: titles of the columns as in the file
     head_at: number of the header
     columns: quantity -> (index of its column, unit text or "")
     rows: (number, cells as texts)
-    comma: what a comma in a number is: `decimal`, `thousands`, or "" for a file without
+    comma: meaning of a comma in a number: `decimal`, `thousands`, or "" for a file without
     depth_unit: unit of depths that comments give, or ""
     remarks: what was assumed
     """
@@ -259,7 +259,7 @@ def _header(
 ) -> tuple[int, str, list[str], dict[str, tuple[int, str]]] | None:
     """(line number, separator, titles, columns) of the first line that names a survey's columns.
 
-    A header may stand in a comment line where no other line is one.
+    A header may be in a comment line if no other line is a header.
     """
     for in_comments in (False, True):
         tried = 0
@@ -280,7 +280,7 @@ def _header(
 
 
 def _split_head(text: str, separator: str, file: Path, number: int) -> Iterator[list[str]]:
-    """Titles of a header line. With blanks between them, those of two words have two blanks around them."""
+    """Titles of a header line. With blanks between them, titles of two words have two blanks around them."""
     if separator != " ":
         yield _cells(text, separator, file, number)
     else:
@@ -299,7 +299,7 @@ def _rows(lines: list[str], at: int, separator: str, file: Path) -> Iterator[tup
 def _no_header(lines: list[str], file: Path) -> CaseError:
     """The error for a file in which no line names the three columns.
 
-    The line itself is not shown where the file is no survey: it may be anything, a password too.
+    The line itself is not shown if the file is not a survey: it may be anything, even a password.
     """
     want = "a header with md, inclination, azimuth, such as: md [m], inclination [deg], azimuth [deg]"
     for number, line in enumerate(lines[: 2 * TITLE_LINES], 1):

@@ -22,7 +22,7 @@ KEYS = {"length": "len", "od": "od", "id": "id", "blade": "odBladeMx", "bit_od":
 
 @dataclass
 class Imported:
-    """What a file gives to a case.
+    """Contribution of a file to a case.
 
     kind: trajectory, tubular or wbGeometry
     title: name of the well
@@ -195,7 +195,7 @@ def _item(component: Element, file: Path, remarks: list[str]) -> dict[str, Any]:
 
 
 def _kind(words: str) -> Kind:
-    """What becomes of a component that is no bit."""
+    """Kind of item for a component that is not a bit."""
     if "stabilizer" in words:
         return "stabilizer"
     if "collar" in words:
@@ -206,7 +206,7 @@ def _kind(words: str) -> Kind:
 
 
 def _tool_joint(component: Element, file: Path, od: float) -> tuple[float, float, float] | None:
-    """Tool joint of a pipe, from the connections at both of its ends; None where the file lacks them."""
+    """Tool joint of a pipe, from the connections at both of its ends; None if the file lacks them."""
     ends = list(component.all("connection"))
     if len(ends) != 2:
         return None

@@ -13,9 +13,9 @@ LEFTOVER = re.compile(r"\.\d+-.+")
 def replace_file(path: str | os.PathLike, write: Callable[[Path], object], *, lasting: bool = False) -> Path:
     """Let `write` make a file beside `path`, then rename it over `path` in one step.
 
-    A reader (ParaView while the run goes on) or a kill at any moment meets a whole file. The temporary name
+    A reader (such as ParaView during the run) or a kill at any moment finds a whole file. The temporary name
     keeps the suffix, because some writers choose the format by it, and starts with a dot, so that no pattern
-    like string/*.vtu finds it. lasting: the disk has the new file before the old one goes, so that a power
+    like string/*.vtu finds it. lasting: the new file is on disk before the old one is removed, so that a power
     cut leaves one of them.
     """
     path = Path(path)

@@ -1,4 +1,4 @@
-"""Work on files in a thread of its own, in order: the run goes on while the disk is waited for."""
+"""Work on files in a separate thread, in order: the run does not wait for the disk."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ class Background:
         self._thread: threading.Thread | None = None
 
     def submit(self, task: Callable[[], object]) -> None:
-        """Carry out ``task`` later; it must not use what the caller goes on to change."""
+        """Carry out ``task`` later; it must not use data that the caller will change."""
         if self._thread is None:
             self._thread = threading.Thread(target=self._work, name="output", daemon=True)
             self._thread.start()

@@ -119,9 +119,9 @@ def _checked(data: Mapping[str, np.ndarray] | None, count: int, where: str) -> d
 
 
 class FieldWriter:
-    """Writes the deformed string, one .vtu a call, and keeps string.pvd true after every one of them.
+    """Writes the deformed string, one .vtu a call, and updates string.pvd after each of them.
 
-    With `restart_time` a series is continued: frames later than that time are removed, numbering goes on.
+    With `restart_time` a series is continued: frames later than that time are removed, and numbering continues.
     """
 
     def __init__(
@@ -158,7 +158,7 @@ class FieldWriter:
 
         time: [s]. points: (n, 3) deformed positions [m], in order along the string; n - 1 straight lines join
         them.
-        point_data: {"axial_force [N]": (n,), "displacement [m]": (n, 3), ...}; cell_data the same with n - 1
+        point_data: {"axial_force [N]": (n,), "displacement [m]": (n, 3), ...}; cell_data likewise with n - 1
         values.
         """
         points = np.ascontiguousarray(points, dtype=float)

@@ -17,7 +17,7 @@ from drillpetsc.output.files.atomic import replace_text
 
 
 def plain(value: object) -> object:
-    """The value in JSON's own types.
+    """The value in JSON types.
 
     numpy scalars and arrays become numbers and lists, NaN and infinity (which JSON does not have) null,
     complex numbers [real, imaginary], dataclasses and mappings objects, paths and anything unknown text: a
@@ -54,7 +54,7 @@ def write_summary(path: str | os.PathLike, summary: Mapping[str, object]) -> Pat
 
 
 def read_summary(path: str | os.PathLike) -> dict:
-    """The summary in a file; raises CaseError where that is damaged."""
+    """The summary in a file; raises CaseError if it is damaged."""
     try:
         found = json.loads(Path(path).read_text(encoding="utf-8"))
     except ValueError as error:  # no JSON, or no text

@@ -24,11 +24,11 @@ class RunFolderBusy(FileExistsError):
 
 
 def take(folder: Path) -> None:
-    """Hold the folder for this process; RunFolderBusy when another one that is alive has it.
+    """Hold the folder for this process; raises RunFolderBusy if another living process holds it.
 
-    A lock of a process that has ended (on this host) is taken over; of one on another host nobody here can
-    know, so it counts as alive. What is asked and written meanwhile is guarded by a lock of the operating
-    system on the file, so that only one of two can win.
+    A lock of a process that has ended (on this host) is taken over. The state of a process on another host is
+    unknown here, so it counts as alive. A lock of the operating system on the file guards reading and writing
+    meanwhile, so that only one of two processes can win.
     """
     file = (folder / NAME).absolute()
     with _guarded(file) as number:
@@ -76,7 +76,7 @@ def _release_all() -> None:
 
 @contextmanager
 def _guarded(file: Path) -> Iterator[int]:
-    """The open lock file (descriptor), while no other process looks at it."""
+    """The open lock file (descriptor), while no other process reads it."""
     while True:
         number = os.open(file, os.O_RDWR | os.O_CREAT, 0o644)
         try:
@@ -139,7 +139,7 @@ def _is_alive(owner: dict[str, Any]) -> bool:
         return False
     except PermissionError:  # somebody else's process
         pass
-    if _state(owner["pid"])[:1] in (["Z"], ["X"]):  # it has ended, but nobody has asked for its exit status
+    if _state(owner["pid"])[:1] in (["Z"], ["X"]):  # it has ended, but its exit status has not been collected
         return False
     return owner.get("started") in (
         None,
@@ -148,7 +148,7 @@ def _is_alive(owner: dict[str, Any]) -> bool:
 
 
 def _started(pid: int) -> int | None:
-    """When a process began, in the system's own count; None where it is unknown."""
+    """Start time of a process, in the system's count; None if it is unknown."""
     try:
         return int(_state(pid)[19])  # field 22 of proc(5)
     except (ValueError, IndexError):
@@ -156,7 +156,7 @@ def _started(pid: int) -> int | None:
 
 
 def _state(pid: int) -> list[str]:
-    """Fields of proc(5), stat, from the third on; none where the system tells nothing."""
+    """Fields of proc(5), stat, from the third on; none if the system does not provide them."""
     try:
         text = Path(f"/proc/{pid}/stat").read_text(encoding="utf-8", errors="replace")
     except OSError:

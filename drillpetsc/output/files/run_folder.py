@@ -1,4 +1,4 @@
-"""The run folder: where it lies, how it is made, and the names of the files in it."""
+"""The run folder: its location, its creation, and the names of the files in it."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ INDICES_TABLE = "indices.csv"  # indices of drilling dynamics over windows of ti
 REFLECTION_TABLE = "reflection.csv"  # of torsional waves at a controlled top
 RESPONSE_TABLE = "response.csv"  # forced harmonic response by speed and place
 CAMPBELL_TABLE = "campbell.csv"  # modes by rotary speed
-CRITICAL_TABLE = "critical.csv"  # critical speeds: where an excitation line meets a mode
+CRITICAL_TABLE = "critical.csv"  # critical speeds: intersections of excitation lines and modes
 CRITICAL_MAP_TABLE = "critical_map.csv"  # critical speeds by stiffness of the wall
 STABILITY_TABLE = "stability_map.csv"  # largest growth by rotary speed and weight on bit
 BOUNDARY_TABLE = "stability_boundary.csv"  # speeds at which it changes its sign
@@ -71,7 +71,7 @@ class RunFolderExists(FileExistsError):
 
 
 class RunFolderMissing(FileNotFoundError):
-    """A run that should be continued or looked at is not there."""
+    """A run to be continued or read does not exist."""
 
 
 @dataclass(frozen=True)
@@ -205,7 +205,7 @@ class RunFolder:
         return cls(numbers[max(numbers)])
 
     def release(self) -> None:
-        """Let other processes write here: nothing more is written by this one. Without effect in one that
+        """Let other processes write here: this process writes no more. Without effect in a process that
         does not hold the folder."""
         lock.release(self.path)
 
@@ -216,7 +216,7 @@ class RunFolder:
         remove_leftovers(self.sensors)
 
     def clear(self) -> None:
-        """Remove the files of the contract, and nothing else that may lie in the folder."""
+        """Remove the files of the contract, and nothing else in the folder."""
         self.tidy()
         for file in (
             self.history,
@@ -284,7 +284,7 @@ def make_folder(
 ) -> RunFolder:
     """Make the folder of a run on rank 0 (``RunFolder.create``); collective.
 
-    Raises CaseError on every rank where that fails.
+    Raises CaseError on every rank if that fails.
     """
     mpi = comm.tompi4py()
     answer: Any = None

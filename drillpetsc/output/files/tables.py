@@ -1,6 +1,6 @@
 """CSV tables: header `name [unit]`, SI values, each number written so that reading it gives the same double.
 
-`Table` grows row by row while the run goes on (history.csv, probes.csv); `write_table` writes one whole
+`Table` grows row by row during the run (history.csv, probes.csv); `write_table` writes one whole
 (statics.csv, trajectory.csv). A column that belongs to absent physics is simply not in the caller's list.
 """
 
@@ -59,7 +59,7 @@ def _compiled() -> tuple[Callable[..., int], int]:
 
 
 def rows_as_text(rows: np.ndarray) -> bytes:
-    """Rows (k, m) of a table, numbers as ``_number`` writes them; by compiled code where its library has such digits."""
+    """Rows (k, m) of a table, numbers as written by ``_number``; by compiled code if its library formats such digits."""
     write, width = _compiled()
     values = np.ascontiguousarray(rows, dtype=float)
     text = np.empty(values.size * width, dtype=np.uint8)
@@ -109,7 +109,7 @@ class Table:
         return kept
 
     def add(self, row: Sequence[float] | np.ndarray) -> None:
-        """row: one number per column, SI; NaN where a value is not known at this time."""
+        """row: one number per column, SI; NaN if a value is not known at this time."""
         values = row.tolist() if isinstance(row, np.ndarray) else row
         if len(values) != self._width:
             raise ValueError(f"{self.path.name}: a row of {len(values)} values for {self._width} columns")
@@ -131,7 +131,7 @@ class Table:
             raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC), str(self.path))
 
     def flush(self) -> None:
-        """Ask the disk itself to have every row (for a checkpoint; a kill of the process needs no flush)."""
+        """Flush every row to disk (for a checkpoint; a kill of the process needs no flush)."""
         os.fsync(self._file)
 
     def close(self) -> None:

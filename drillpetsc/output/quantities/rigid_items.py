@@ -1,4 +1,4 @@
-"""Columns of history.csv of each rigid item, where ``output.item_forces`` asks for them."""
+"""Columns of history.csv of each rigid item, with ``output.item_forces``."""
 
 from __future__ import annotations
 

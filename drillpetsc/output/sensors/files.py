@@ -1,4 +1,4 @@
-"""Files of sensors: CSV, or HDF5 where the samples are many (manual: sec-guide-sensors)."""
+"""Files of sensors: CSV, or HDF5 for many samples (manual: sec-guide-sensors)."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from drillpetsc.output.files.tables import Column, Table, header, read_table
 
 MOST_ROWS = 10**6  # of a CSV file; a sensor with more samples has an HDF5 file
 FOLDER = "sensors"
-SENSOR_TABLE = "sensors/*.csv"  # stands for the file of any sensor in the catalogue
+SENSOR_TABLE = "sensors/*.csv"  # represents the file of any sensor in the catalogue
 
 
 def sensor_file(folder: Path, name: str, rows: float, continued: bool = False) -> Path:
@@ -60,7 +60,7 @@ class Hdf5Samples:
                 dataset[-len(values) :] = values
 
     def flush(self) -> None:
-        """Ask the disk to have every row."""
+        """Flush every row to disk."""
         handle = os.open(self.path, os.O_RDONLY)
         os.fsync(handle)
         os.close(handle)
@@ -99,7 +99,7 @@ def read_sensor(folder: Path, name: str) -> dict[str, np.ndarray]:
 
 
 def covered(path: Path, columns: Sequence[Column]) -> float | None:
-    """Time of the last sample in the file of a sensor [s], minus infinity without any; None where its columns are others."""
+    """Time of the last sample in the file of a sensor [s], minus infinity without any; None if its columns differ."""
     if path.suffix == ".h5":
         import h5py
 

@@ -1,4 +1,4 @@
-"""Motion and loads of the section in which a sensor stands, recorded after every step (manual: sec-vibration-sensors)."""
+"""Motion and loads of the section of a sensor, recorded after every step (manual: sec-vibration-sensors)."""
 
 from __future__ import annotations
 
@@ -81,7 +81,7 @@ class SensorSection:
         return out
 
     def _loads(self, asm: Any, out: FloatArray) -> None:
-        """Write torque [N m], effective tension [N], pressures in bore and annulus [Pa] into ``out`` (4,) where they are asked for."""
+        """Write torque [N m], effective tension [N], pressures in bore and annulus [Pa] into ``out`` (4,) as far as requested."""
         s = self.share
         if self._wants & {"torque", "wob"}:
             row = asm.evaluate_once(_element_results, self.model.beam, asm)[self._local]
@@ -140,7 +140,7 @@ def _element_results(beam: Beam, asm: Any) -> FloatArray:
 
 
 def _sum(weights: tuple[float, ...], values: tuple[FloatArray, ...]) -> FloatArray:
-    """Weighted sum of (k, 3) values, term by term: its bits do not depend on k, as those of a library would."""
+    """Weighted sum of (k, 3) values, term by term: unlike a library's, its bits do not depend on k."""
     a, b, c, d = (w * q for w, q in zip(weights, values, strict=True))
     return ((a + b) + c) + d
 

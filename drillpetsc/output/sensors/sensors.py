@@ -70,7 +70,7 @@ class Sensors:
     def step(self, t: float, dt: float, fresh: bool) -> bool:
         """Record an accepted step of ``dt`` [s] that ends at ``t`` [s]; True if samples should be taken.
 
-        fresh: the first step of the time formula after a start or a jump, at whose beginning no acceleration is known.
+        fresh: the first step of the time formula after a start or a jump, whose initial acceleration is unknown.
         """
         ends = self._raw()
         if fresh:

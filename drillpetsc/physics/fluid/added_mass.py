@@ -72,13 +72,13 @@ def stokes_coefficients(stokes_number: ArrayLike, ratio: ArrayLike) -> tuple[Arr
 
     Manual: eq-mud-stokes, eq-mud-stokes-coefficients.  Exact solution of the unsteady Stokes equations (Chen,
     Wambsganss and Jendrzejczyk, J. Appl. Mech. 43, 1976, 325-329), derived here: lengths in R_o, speeds in
-    the cylinder's, stream function f(r) sin(theta) exp(i Omega t) with
+    the cylinder's speed, stream function f(r) sin(theta) exp(i Omega t) with
 
         f = A/r + B r + C I_1(l r) + D K_1(l r),  l = sqrt(i S);   f(1) = f'(1) = 1, f(ratio) = f'(ratio) = 0.
 
     The pressure belongs to A and B only, the shear stress at the wall is mu l^2 (C I_1 + D K_1), and together
     C_m - i C_d = 2 A - 1.  With k = 1/ratio the damping is C_d = (2 sqrt(2)/sqrt(S)) (1 + k^3)/(1 - k^2)^2
-    within a few per cent where S (1 - k)^2 > 1e4.  For slow motion, S (ratio - 1)^2 < QUASI_STEADY, steady
+    within a few per cent if S (1 - k)^2 > 1e4.  For slow motion, S (ratio - 1)^2 < QUASI_STEADY, steady
     Stokes flow has C_d S = 4/(ln(ratio) - (ratio^2 - 1)/(ratio^2 + 1)), and C_m has its value at that limit.
 
     stokes_number: S = Omega R_o^2/nu [-], above 0; ratio: hole over string diameter [-], above 1; they
@@ -95,10 +95,10 @@ def stokes_coefficients(stokes_number: ArrayLike, ratio: ArrayLike) -> tuple[Arr
 
 
 def steady_resistance(ratio: ArrayLike) -> Array:
-    """Compute the limit of C_d S (n,) [-] for slow motion, where the force per length is (C_d S) pi mu V.
+    """Compute the limit of C_d S (n,) [-] for slow motion, in which the force per length is (C_d S) pi mu V.
 
     Steady Stokes flow between concentric cylinders, f = A/r + B r + C r ln(r) + D r^3 with the wall
-    conditions of `stokes_coefficients`.  The force is that of the Stokeslet C.
+    conditions of `stokes_coefficients`.  The force is the force of the Stokeslet C.
 
     ratio: (n,) hole over string diameter [-].
     """

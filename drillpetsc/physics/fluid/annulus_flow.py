@@ -28,11 +28,11 @@ class AnnulusFlow(ChannelFlow):
     towards the bit.
 
     mesh: of the string; annulus: of its elements; well: the hole; fluid: constants.
-    poisson: (n,) Poisson's ratio [-], 0 where stretch does not narrow the string.
+    poisson: (n,) Poisson's ratio [-], 0 if stretch does not narrow the string.
     lateral: added mass, damping and rotational drag of the elements.
     outlet: gauge pressure at the flow line over time [Pa]; flow_line: its depth below the rotary table [m].
-    moving_hole: the hole around a moving string, where sizes and directions depend on the position of the
-    elements; None: they remain those at the start.
+    moving_hole: the hole around a moving string, with sizes and directions that depend on the position of the
+    elements; None: they keep their initial values.
     held_at: (n+1, 3) positions of the nodes of a held string [m], None for a string that moves.
     choke: 1/(2 C_d^2 A^2) of a valve at the flow line [1/m4], 0 without one.
     """
@@ -230,7 +230,7 @@ class AnnulusFlow(ChannelFlow):
 
     # ------------------------------------------------------------------ the hole at the string's position
     def locate_hole(self, state) -> None:
-        """Evaluate the hole at the string's present position, before a run or in statics, with mud that stands."""
+        """Evaluate the hole at the string's present position, before a run or in statics, with mud at rest."""
         if self._swirl is not None:
             self._swirl.stop()
         self._update_hole(state, False)
@@ -246,7 +246,7 @@ class AnnulusFlow(ChannelFlow):
         return np.asarray(0.5 * (spin[self._part.ends[:, 0]] + spin[self._part.ends[:, 1]]))
 
     def _renew_following(self, swirl: Swirl, state) -> None:
-        """Compute the rates at which the swirl follows, where the flow has changed."""
+        """Compute the rates at which the swirl follows, if the flow has changed."""
         following, flow, e = self.lateral.following, self._present_flow(state), self._part.cells
         changed = np.abs(flow - swirl.flow).max(initial=0.0) > OTHER_FLOW * self.fluid.usual_flow
         if following is not None and (changed or np.isinf(swirl.follow).any()):
@@ -311,7 +311,7 @@ class AnnulusFlow(ChannelFlow):
         axis /= np.linalg.norm(axis, axis=1, keepdims=True)
         for k, end in enumerate(nodes.T, 1):
             params[f"place{k}"][rows] = np.sum(around.places[end] * axis, axis=1)
-            # a hole that is reamed is read after every 0.2 mm, and its areas ahead are those of rings not yet cut
+            # a hole being reamed is reread after every 0.2 mm, and its areas ahead include rings not yet cut
             fixed = without_length[e] | bool(around.reamers)
             params[f"excess{k}"][rows] = np.where(fixed, 0.0, around.area[end] - params["hole"][rows])
         params["wall"][rows] = own.wall
@@ -427,7 +427,7 @@ class AnnulusFlow(ChannelFlow):
 
     # ------------------------------------------------------------------ of recorded steps
     def _records_top(self) -> bool:
-        """Whether what the powers and volumes at the upper end need stands in arrays that keep their memory."""
+        """Whether the data for powers and volumes at the upper end are in arrays that keep their memory."""
         around = self.moving_hole
         fixed = around is None or not self.resizes
         return not self.held and (fixed or (around.evaluated and self._top_place is not None))  # type: ignore[union-attr]
@@ -445,7 +445,7 @@ class AnnulusFlow(ChannelFlow):
         return steps.numbers(around.area, 0) - self.annulus.outer[0]
 
     def outflow_of(self, steps) -> FloatArray | None:
-        """(k,) ``outflow`` after each of k recorded steps, zero on ranks without the upper end; None where it is found one by one only."""
+        """(k,) ``outflow`` after each of k recorded steps, zero on ranks without the upper end; None if it can only be found step by step."""
         if not self._records_top():
             return None
         flow = self.upper_flow_of(steps)

@@ -24,7 +24,7 @@ from drillpetsc.time_function import TimeFunction
 
 END_CORRECTION = 0.61  # of an open unflanged pipe, in radii: Levine and Schwinger, Phys. Rev. 73:383, 1948
 GAP_ROUNDING = constant("gap_rounding")  # distance over which a bit on bottom stops displacing mud [m]
-STRING_UNKNOWNS = 7  # of the last node, before those of the mud
+STRING_UNKNOWNS = 7  # of the last node, before the unknowns of the mud
 NEAR = 2.0  # distance from the bottom up to which the mud under the bit is measured from the hole's end [m]
 RESULTS = columns("bit_flow_results")
 LIFTED = columns("bit_flow_parameters").span("lift", "head")
@@ -71,12 +71,12 @@ class BitEnd:
 
 
 class BitFlow(Nozzle):
-    """One link and one chamber at the last node: unknown q_b [m3/s] where the bore ends in a link.
+    """One link and one chamber at the last node: unknown q_b [m3/s] if the bore ends in a link.
 
     node: the last one; end: data of the lower end; fluid: constants.
     held_at: (n+1, 3) positions of the nodes of a held string [m], None for a string that moves.
-    moving_hole: the hole around a moving string, where size and direction depend on the position; None: they
-    remain those at the start.
+    moving_hole: the hole around a moving string, whose size and direction depend on the position; None: they
+    keep their initial values.
     hole: the growing hole, whose end moves by the fields hole.end (3,) [m] and hole.drilled [m] of the bit;
     None: the hole does not grow.
     """
@@ -231,8 +231,8 @@ class BitFlow(Nozzle):
     def _update_hole(self, state, keep: bool) -> None:
         """Evaluate size and direction of the hole at the last node and at the hole's end.
 
-        keep: during a run the volume of the chamber does not change, and only its further rate of change is
-        that of the new size.  Otherwise the volume becomes that of the hole below the bit.
+        keep: during a run the volume of the chamber does not change, and only its further rate of change uses
+        the new size.  Otherwise the volume becomes the volume of the hole below the bit.
         """
         around, block = self.moving_hole, self._block
         if around is None or not self.has_annulus or self.held_at is not None or not len(block.points):
@@ -265,11 +265,11 @@ class BitFlow(Nozzle):
             p["added"], self._size = float(around.lateral(sizes).added[0]) * self.end.outer, area
 
     def _lower_end(self, x: FloatArray, depth: float, face: float) -> tuple[FloatArray, FloatArray, float]:
-        """End and direction (3,) of the hole as the chamber's gap sees them, and distance [m] of the face from the end.
+        """End and direction (3,) of the hole for the gap of the chamber, and distance [m] of the face from the end.
 
         x: unknowns of the block; depth: measured depth of the last node [m]; face: distance of the face below it [m].
-        Near the bottom they are those of the hole's end.  Far above it the mud under the bit is counted along the hole: the
-        direction is that where the bit is, and the end lies as far ahead along it as along the hole.
+        Near the bottom they belong to the hole's end.  Far above it the mud under the bit is measured along the hole: the
+        direction is the hole's direction at the bit, and the end lies as far ahead along it as along the hole.
         """
         around, grown = self.moving_hole, self.growing
         assert around is not None
@@ -319,7 +319,7 @@ class BitFlow(Nozzle):
     def closed_face(self, state) -> FloatArray:
         """Area of the bit's face under which no mud is displaced, times the hole's direction (3,) [m2].
 
-        Zero where this rank does not have the bit, without an annulus, where the string is held, and in a growing hole.
+        Zero on ranks without the bit, without an annulus, for a held string, and in a growing hole.
         """
         if (
             not self.has_annulus
@@ -371,7 +371,7 @@ class BitFlow(Nozzle):
             speed = flow * self._thinning(inside) / e.bore
             tangent = state.x.take(index[3:6]) if moving else np.ones(3)
             forward = float(velocity.dot(tangent)) / sqrt(tangent.dot(tangent))
-            # power of the reaction on the moving string, which goes into the mud
+            # power of the reaction on the moving string, transferred to the mud
             reaction = float(velocity.dot(velocity)) + 2 * jet * forward
             lost += float(results[RESULTS["lost"]]) + 0.5 * f.density * flow * (speed**2 + reaction)
             if not self.has_annulus:
@@ -424,7 +424,7 @@ class BitFlow(Nozzle):
         return inside, float(own[int(self.has_link)]), float(rising)
 
     def _thinning(self, pressure: float) -> float:
-        """Density at zero pressure over that at ``pressure`` [Pa]."""
+        """Ratio of the density at zero pressure to the density at ``pressure`` [Pa]."""
         return float(np.exp(-pressure / self.fluid.bulk_modulus))
 
     def _head(self, state) -> float:

@@ -25,7 +25,7 @@ class BoreFlow(ChannelFlow):
     """Flow in the bore: pressure [Pa] at the nodes, flow rate at zero pressure [m3/s] in the elements, towards the bit.
 
     mesh: of the string; bore: of its elements; fluid: constants.
-    poisson: (n,) Poisson's ratio [-], 0 where stretch does not narrow the bore (manual: eq-mud-narrowing).
+    poisson: (n,) Poisson's ratio [-], 0 if stretch does not narrow the bore (manual: eq-mud-narrowing).
     flow_rate [m3/s] or pump_pressure [Pa]: over time, at the upper end.
     held_at: (n+1, 3) positions of the nodes of a held string [m], None for a string that moves.
     """
@@ -78,7 +78,7 @@ class BoreFlow(ChannelFlow):
         }
 
     def _entry(self, e: np.ndarray) -> dict[str, FloatArray]:
-        """Losses where the flow enters the elements ``e`` (k,), and the pressure at the upper end."""
+        """Losses at the entry of the flow into the elements ``e`` (k,), and the pressure at the upper end."""
         area, above = self.bore.area[e], self.bore.area[np.maximum(e - 1, 0)]
         zero = np.zeros(len(e))
         return {

@@ -36,7 +36,7 @@ class FluidConstants:
     density: at zero gauge pressure [kg/m3]; bulk_modulus: [Pa]; gravity: (3,) [m/s2].
     rheology: parameters in the layout of kernels/fluid/rheology.hpp.
     clinging: clinging factor [-] (manual: eq-mud-clinging).
-    usual_pressure, usual_flow: magnitudes to which tolerances refer [Pa], [m3/s] (manual: sec-time-error).
+    usual_pressure, usual_flow: typical magnitudes for the tolerances [Pa], [m3/s] (manual: sec-time-error).
 
     ``address`` is the kernels' argument; the object must live as long as the blocks that use it.
     """
@@ -119,7 +119,7 @@ class ChannelFlow(Channel):
     def blocks(self, part) -> tuple[ElementBlock, ...]:
         """Blocks of the local cells: below a junction or not, and across joints.
 
-        Those of a held string have none of its unknowns.
+        Blocks of a held string contain no unknowns of the string.
         """
         m, own = self.mesh, self.own_slots()
         junction, joint = m.below_junction, m.is_joint
@@ -146,7 +146,7 @@ class ChannelFlow(Channel):
             block.keep = (self.fluid,)
             self._blocks.append(block)
         top = [(b, i) for b in self._blocks for i in np.flatnonzero(part.cells[b.points] == 0)]
-        self._top = top[0] if top else None  # block and row of the uppermost element, where this rank has it
+        self._top = top[0] if top else None  # block and row of the uppermost element, if this rank has it
         for b in self._blocks:
             b.update = self._update_of(b)
         return tuple(self._blocks)
@@ -158,7 +158,7 @@ class ChannelFlow(Channel):
     def element_results(self, state) -> FloatArray:
         """(nc, 10) per local element: the columns of ``RESULT_NAMES`` (content: volume at zero pressure [m3]).
 
-        The array is not to be changed, nor kept: the next evaluation overwrites it.
+        Do not change or keep the array: the next evaluation overwrites it.
         """
         parts = [self._block_results(b, state).table for b in self._blocks]
         if len(parts) == 1:  # all elements, in depth order
@@ -196,9 +196,9 @@ class ChannelFlow(Channel):
         return Powers(total[_DISSIPATED], at_end + total[_LEFT_OUT])
 
     def velocity_power(self, above: np.ndarray, below: np.ndarray, state) -> float:
-        """Sum of q rho0 w^2/2 over cells ``above``, less that over cells ``below`` with their flow in the section above them.
+        """Sum of q rho0 w^2/2 over cells ``above``, less the sum over cells ``below`` with their flow in the section above them.
 
-        The rows of the cells below give and take the velocity head of their own step of the section (manual:
+        The rows of the cells below contain the velocity head of the section step above them (manual:
         eq-mud-momentum).
         """
         total = 0.0
@@ -217,7 +217,7 @@ class ChannelFlow(Channel):
         return total
 
     def _string_speed(self, block: ElementBlock, rows: np.ndarray, state) -> FloatArray:
-        """(k,) speed that the string adds to that of the mud in the ``rows`` (k,) of a block [m/s]: none in the bore."""
+        """(k,) speed of the string to be added to the mud's speed in the ``rows`` (k,) of a block [m/s]: zero in the bore."""
         return np.zeros(len(rows))
 
     def sums_of(self, steps) -> FloatArray:

@@ -24,7 +24,7 @@ class Bore:
     area: [m2]; wall: compliance d(ln area)/dp [1/Pa] (manual: eq-mud-wall-bore).
     area_above: of the rigid item above the element [m2].
     body: of the tube between tool joints [m2], for friction; None: ``area``.
-    joint_share: share of the length that tool joints have [-], joint_area: of their bore [m2]; None: no tool joints.
+    joint_share: fraction of the length with tool joints [-], joint_area: of their bore [m2]; None: no tool joints.
     tool: loss over density and flow rate squared, of tools in the string [1/m4]; None: no tools.
     """
 
@@ -46,14 +46,14 @@ class Bore:
             "diameter": self.diameter[e],
             "joint_share": share[e],
             "joint_diameter": np.sqrt(4 / np.pi * joint)[e],
-            # kernels work on several elements at once: those without tool joints have the speed in their area
+            # kernels work on several elements at once: elements without tool joints have the speed in their area
             "tube_speed": np.where(share > 0, self.area / tube, 1.0)[e],
             "joint_speed": np.where(share > 0, self.area / joint, 1.0)[e],
         }
 
     @property
     def diameter(self) -> FloatArray:
-        """Diameter for friction [m], that of the tube."""
+        """Diameter for friction [m]: the diameter of the tube."""
         return np.sqrt(4 / np.pi * (self.area if self.body is None else self.body))
 
     @property
@@ -69,8 +69,8 @@ class Annulus:
     wall: compliance d(ln area)/dp [1/Pa] (manual: eq-mud-wall-annulus).
     outer_above: area of the rigid item above the element [m2].
     body: area of the tube between tool joints [m2], for friction; None: ``outer``.
-    joint_share: share of the length that tool joints have [-], joint_area: their area [m2]; None: no tool joints.
-    hole_above: area of the hole around the rigid item [m2]; None: that of the element.
+    joint_share: fraction of the length with tool joints [-], joint_area: their area [m2]; None: no tool joints.
+    hole_above: area of the hole around the rigid item [m2]; None: the same as at the element.
     """
 
     outer: FloatArray
@@ -122,7 +122,7 @@ class Annulus:
         joint = np.where(share > 0, self.joint_area, tube)
         hole, tube_d, joint_d = self.hole_diameter, np.sqrt(4 / np.pi * tube), np.sqrt(4 / np.pi * joint)
         open_area, shoulder = self.hole - self.outer, 4 / np.pi * share * (1 - share) * (joint - tube)
-        # kernels work on several elements at once: those without tool joints have the speed in their area
+        # kernels work on several elements at once: elements without tool joints have the speed in their area
         return {
             "joint_share": share,
             "joint_gap": hole - joint_d,
@@ -146,12 +146,12 @@ class Annulus:
     ) -> FloatArray:
         """Lift by shoulders of the string at the upper end of elements, over rho q^2 (n,) [1/m2].
 
-        Between sections A and B of the flow a shoulder has the pressure that is rho q^2/(2 A B) below that
-        of mud at rest; pressures at the nodes are those in the section of the element above (manual:
+        Between sections A and B of the flow, the pressure on a shoulder is rho q^2/(2 A B) lower than
+        in mud at rest; pressures at the nodes refer to the section of the element above (manual:
         eq-mud-shoulder).
 
         arm, joint: (n,) whether a rigid item lies above the element, whether it is a joint of the string.
-        above: annulus of the elements above, with the same of them.
+        above: annulus of the elements above, with the same data.
         """
         upper_string = np.where(arm_above & joint_above, above.outer_above, above.outer)
         upper_hole = np.where(arm_above & joint_above, above.hole_around, above.hole)
@@ -191,7 +191,7 @@ class HoleVolume:
     def area(self, md: FloatArray | float) -> FloatArray:
         """Compute the area (...) [m2] at md (...) [m].
 
-        Beyond the ends of the hole it is that of the nearest section.
+        Beyond the ends of the hole the nearest section is used.
         """
         return np.pi * np.asarray(self.well.radius(md)) ** 2
 
@@ -209,10 +209,10 @@ class AnnulusWalls:
     outer_above: (n,) mean section of the rigid items above the element [m2]; rigid_above: (n,) their length
     [m].
     section_to: (m,) lower end of each hole section [m]; give: (m,) compliance of its rock, (1 + nu)/E [1/Pa].
-    elastic: the walls are elastic, else rigid.
-    section: (n,) mean outer area of the elements with tool joints [m2]; None: that of ``outer``.
-    joint_share: (n,) share of the length that tool joints have [-], joint_area: (n,) their area [m2]; None: no tool joints.
-    body: (n,) area beside which the mud flows, between tool joints [m2]; None: that of ``outer``.
+    elastic: the walls are elastic, otherwise rigid.
+    section: (n,) mean outer area of the elements with tool joints [m2]; None: from ``outer``.
+    joint_share: (n,) fraction of the length with tool joints [-], joint_area: (n,) their area [m2]; None: no tool joints.
+    body: (n,) area beside which the mud flows, between tool joints [m2]; None: from ``outer``.
     """
 
     outer: FloatArray
@@ -233,7 +233,7 @@ class AnnulusWalls:
         """Create the annulus of the elements ``e`` (k,) between measured depths ``upper`` and ``lower`` (k,) [m].
 
         Compliance (Lame; manual: eq-mud-wall-annulus): 2/(Rw^2 - Ro^2) {Rw^2 (1 + nu_r)/E_r + (Ro^2/E) [(Ro^2
-        + Ri^2)/(Ro^2 - Ri^2) - nu]}.  The first term is that of infinite rock; it is left out where a section
+        + Ri^2)/(Ro^2 - Ri^2) - nu]}.  The first term is for infinite rock; it is left out if a section
         has no compliance (a rigid wall).
         """
         top, outer, inner, wall = (

@@ -26,7 +26,7 @@ class JointSeals(SealSet):
     """Seals of all sliders that have a sealed area.
 
     mesh: of the string; fluid: constants.
-    bore, annulus: there is mud inside, outside the string; at least one of them.
+    bore, annulus: there is mud inside or outside the string; at least one of them.
     ambient: pressure outside a string without an annulus over time [Pa].
     """
 

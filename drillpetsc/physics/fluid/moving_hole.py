@@ -3,13 +3,13 @@
 Manual: sec-mud-moving, eq-mud-swept.  A node at measured depth s has the volume W of hole above it, and dW/dt
 = a ds/dt with the hole's area a at the node.  An element between two nodes has W2 - W1, and the chamber under
 the bit has the volume below the last node, so no volume is lost between them.  The rows of mass contain these
-rates (WIDENING in kernels/fluid/annulus_flow.hpp is a2 - a1 over the length); where the hole is wider or
+rates (WIDENING in kernels/fluid/annulus_flow.hpp is a2 - a1 over the length); if the hole is wider or
 narrower at the new position, mud flows in or out.  When the geometry is re-evaluated, W has changed by a ds,
-which is what the rates have integrated to; mass is conserved for any a.  a is chosen so that W becomes the
+the integral of the rates; mass is conserved for any a.  a is chosen so that W becomes the
 hole's true volume ``AHEAD`` further on.
 
 A reamer that advances by db adds its ring to the hole above all nodes below it, dW = ring db.  While it cuts, a is
-chosen for a shoulder that moves along with the string.
+chosen for a shoulder that moves with the string.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ from drillpetsc.physics.tools.reamer import Reamer
 
 _moved_along = function("moved_along", "ipppdd", ctypes.c_int)
 REFRESH = 0.01  # motion of a node after which the hole is re-evaluated [m]; 3 deg/30 m turn the hole by 2e-5 over it
-REAMED = 2e-4  # metres reamed after which it is re-evaluated at all nodes: they need not be those of the string [m]
+REAMED = 2e-4  # metres reamed after which the hole is re-evaluated at all nodes; they may differ from the metres moved by the string [m]
 AHEAD = 0.5  # [m], as long as the shortest transition of a hole between two diameters
 OTHER_SIZE = 0.01  # relative change of the hole's diameter after which added mass and damping are recomputed
 
@@ -47,10 +47,10 @@ class LateralCoefficients:
 
     added: (n,) added mass over displaced mass [-]; damping: (n,) [N s/m2].
     turning: (n,) torque per length and spin [N s].
-    swirl: (n,) spin of the mud over that of the string, when steady [-]; 0: the mud does not swirl.
+    swirl: (n,) ratio of the steady spin of the mud to the spin of the string [-]; 0: the mud does not swirl.
     following(speed, outer, hole): rate (k,) [1/s] at which the swirl follows the spin, at speeds (k,) [m/s] along elements of
     outer diameters (k,) [m] in holes of diameters (k,) [m]; None: at once.
-    by_place(outer, hole): coefficients (k, 5) [-] of the added mass by the place in the hole (manual: eq-mud-chi-place) of elements of
+    by_place(outer, hole): coefficients (k, 5) [-] of the added mass by position in the hole (manual: eq-mud-chi-place) of elements of
     outer diameters (k,) [m] in holes of diameters (k,) [m]; None: the same everywhere.
     """
 
@@ -118,7 +118,7 @@ class MovingHole:
         position = state.x[places]
         found = well.project(position, self._near)
         self._near = found.segment
-        # at the start the shoulder is where it is, whatever the string has moved since
+        # at the start the shoulder is at its given depth, wherever the string has moved since
         moved = self.update(found.md, keep, ringed or (bool(self.reamers) and not keep))
         if moved.all():
             self._reamed = reamed
@@ -134,7 +134,7 @@ class MovingHole:
         return self._from[2][:, :3]
 
     def _stays(self, state) -> bool:
-        """Whether surely no local node has moved by REFRESH, which is found without a projection."""
+        """Whether certainly no local node has moved by REFRESH; found without a projection."""
         if self._from is None or self._from[0] is not self.current_well():
             return False
         _, places, nodes = self._from
@@ -149,7 +149,7 @@ class MovingHole:
 
         depths: (nv,) present measured depths of the nodes [m]; everywhere: at all nodes.
         keep: volumes change by the integral of the rates.  A node that has moved further than ``ahead`` gets
-        the true volume.  Without ``keep`` all volumes are those of the hole.
+        the true volume.  Without ``keep`` all volumes are taken from the hole.
         """
         if not self.evaluated:
             self.depth, (self.volume, self.area, self.ahead), keep = (
@@ -185,7 +185,7 @@ class MovingHole:
 
     def _volume_ahead(self, moved: np.ndarray, here: FloatArray, ahead: FloatArray) -> FloatArray:
         """(k,) volume of hole [m3] above the ``moved`` nodes at ``here`` when they are ``ahead`` further on, less the rings
-        that are cut on the way: those come by the rates of the reamers."""
+        cut on the way, which enter through the rates of the reamers."""
         hole = self.hole
         if not self.reamers or not all(reamer.stands for reamer in self.reamers):
             return hole.volume(here + ahead)
@@ -203,7 +203,7 @@ class MovingHole:
         """Compute the mean area of the hole (k,) [m2] between nodes ``ends`` (k, 2), and its change with
         their depth (k,) [m].
 
-        without_length: (k,) mask of joints, between whose nodes there is no more than their travel.
+        without_length: (k,) mask of joints, between whose nodes there is only their travel.
         rigid: (k,) length of the rigid item below the first node [m], which is left out; around: (k,) area of the hole there [m2].
         """
         first, second = ends.T

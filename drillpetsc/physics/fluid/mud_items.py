@@ -83,7 +83,7 @@ class MudItems(Component):
 
     # ------------------------------------------------------------------ hole and swirl
     def locate_hole(self, state) -> None:
-        """Find the hole beside the items, with mud that stands."""
+        """Find the hole beside the items, with mud at rest."""
         if self._swirl is not None:
             self._swirl.stop()
         self._locate(state)

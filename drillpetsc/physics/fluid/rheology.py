@@ -24,7 +24,7 @@ exact   tau_lam from the integrated profile of the pipe (Rabinowitsch, Buckingha
 and turbulence as blend.
 
 The flow index n of a Casson fluid is 1.  A gel below its yield stress creeps, since `shear_rate_eps` smooths
-the yield.  The constants a and b are those of n = 0.05 for any smaller index.
+the yield.  For any smaller index, the constants a and b are evaluated at n = 0.05.
 """
 
 from __future__ import annotations
@@ -215,7 +215,7 @@ def from_dial_readings(R600: float, R300: float, R100: float, R3: float) -> Dial
 def eccentricity_factor(
     eccentricity: ArrayLike, diameter_ratio: ArrayLike, index: float, turbulent: bool = False
 ) -> Array:
-    """Compute the pressure loss of an eccentric annulus over that of the concentric one [-].
+    """Compute the ratio of the pressure losses of an eccentric and a concentric annulus [-].
 
     Manual: sec-mud-eccentricity.
 

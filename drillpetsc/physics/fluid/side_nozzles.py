@@ -41,7 +41,7 @@ class SideNozzles(SideOutlets):
     """One link a node with nozzles: unknown flow rate out of the string at zero pressure [m3/s].
 
     links: from the top down; fluid: constants; discharge_coefficient: [-] (manual: eq-mud-side-nozzle).
-    bore, annulus: the channels; without an annulus the nozzles end in the pressure ``ambient`` over time [Pa].
+    bore, annulus: the channels; without an annulus the nozzles discharge to the pressure ``ambient`` over time [Pa].
     lower_end: (area of the bit's nozzles or of the open end [m2], discharge coefficient [-]), area 0: closed; for the start of
     the steady flow.
     held_at: (n+1, 3) positions of the nodes of a held string [m], None for a string that moves.
@@ -154,7 +154,7 @@ class SideNozzles(SideOutlets):
     def powers(self, t: float, state) -> Powers:
         """Losses in the nozzles and of the jets, which come to rest beside the string.
 
-        The mud that goes on in the bore, and that which rises in the annulus, leaves or takes up the difference of the velocity heads
+        The mud remaining in the bore, and the mud rising in the annulus, dissipate or gain the difference of the velocity heads
         (manual: eq-mud-side-power).
         """
         lost = supplied = 0.0
@@ -168,7 +168,7 @@ class SideNozzles(SideOutlets):
             velocity = state.y[index[row, :3]] if moving else np.zeros(3)
             reaction = float(
                 velocity @ velocity
-            )  # power of the reaction on the string, which goes into the mud
+            )  # power of the reaction on the string, transferred to the mud
             lost += result[_LOST] + 0.5 * f.density * flow * reaction
             if self.annulus is None:
                 node = self.links[self._chosen[row]].node

@@ -10,7 +10,7 @@ from drillpetsc.physics.fluid.rheology import Rheology, pressure_gradient
 
 @dataclass(frozen=True)
 class SurfaceLine:
-    """A pipe with the string's friction law, or a measured loss that goes with the flow rate squared.
+    """A pipe with the string's friction law, or a measured loss scaled with the flow rate squared.
 
     rheology, density: of the fluid [kg/m3].
     length, diameter: of the pipe [m]; 0 with a measured loss.

@@ -1,12 +1,12 @@
 """Swirl of the mud about a turning string, a history variable of the annulus (manual: sec-mud-swirl).
 
-The mud between a string that turns at the rate Omega and a hole that stands turns at Omega_s about the hole's axis.
-Steady, Omega_s = share Omega; after a change of the spin it follows within the time that friction takes:
+The mud between a string that turns at the rate Omega and a stationary hole turns at Omega_s about the hole's axis.
+In steady state, Omega_s = share Omega; after a change of the spin, friction makes it follow with a time lag:
 
     d(Omega_s)/dt = k (share Omega - Omega_s)                                                  (manual: eq-mud-swirl-lag)
 
-The swirl is constant while Newton's method solves a step: it is found from the spins after the last steps, which are
-taken to go on along a straight line.
+The swirl is constant while Newton's method solves a step: it is computed from the spins after the last steps, which are
+extrapolated linearly.
 """
 
 from __future__ import annotations
@@ -32,11 +32,11 @@ def steady_share(outer_diameter: FloatArray, hole_diameter: FloatArray) -> Float
 
 
 class Swirl:
-    """Swirl about elements, from the spins at accepted steps, and its place in the parameters of their blocks.
+    """Swirl about elements, from the spins at accepted steps, and its position in the parameters of their blocks.
 
-    share: (n,) swirl over spin when steady [-], 0 where the mud stands; it may be changed in place.
+    share: (n,) ratio of steady swirl to spin [-], 0 for mud at rest; it may be changed in place.
     After the last step, (n,) each: spin, swirl [rad/s], trend of the spin [rad/s2].
-    follow: (n,) rate at which the swirl follows [1/s], inf: at once; flow: (n,) rate of flow to which it belongs [m3/s].
+    follow: (n,) rate at which the swirl follows [1/s], inf: at once; flow: (n,) corresponding flow rate [m3/s].
     """
 
     STATE = 6  #: columns of ``get_state``
@@ -92,7 +92,7 @@ class Swirl:
         self._write(t)  # now: linear analyses read them before the next evaluation
 
     def stop(self) -> None:
-        """Return to mud that stands."""
+        """Return to mud at rest."""
         self._start = None
         self.swirl[:] = self.trend[:] = 0.0
         self._write(np.nan)
@@ -102,7 +102,7 @@ class Swirl:
         if self._start is None:
             return self.start(t, spin)
         step = t - self._start
-        if step > 0.0:  # not at the start of a run that goes on
+        if step > 0.0:  # not at the start of a continued run
             self.swirl[:], _ = self.at(t)
             self.trend[:], self._start = (spin - self.spin) / step, t
         self.spin[:] = spin

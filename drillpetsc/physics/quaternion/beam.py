@@ -41,7 +41,7 @@ NODE_SLOTS = tuple((name, 0) for name in NODE)
 ANCF_NODE = ("string.position", "string.tangent", "string.spin")
 LEVELS = {"index3": 3.0, "index2": 2.0, "stabilized": 2.0}
 ROW_SCALE = 1.0e6  # of constraint rows, so that one norm fits them and the forces
-# scale of a multiplier, which is linear in the rows and correct where the motion is; its rounding error grows
+# scale of a multiplier, which is linear in the rows and correct if the motion is correct; its rounding error grows
 # as 1/step^2, so it takes no part in error control
 UNCONTROLLED_SCALE = 1.0e30
 DIFFERENCE = (
@@ -212,8 +212,8 @@ class QuaternionBeam(Beam):
 
         Manual: sec-quaternion-view.
 
-        Other blocks are returned unchanged.  The parameters are shared, so that a component updates both with
-        its own. ``Assembly.index_of`` gives that component the derived fields.  Kernel:
+        Other blocks are returned unchanged.  The parameters are shared, so that a component updates both
+        together. ``Assembly.index_of`` gives that component the derived fields.  Kernel:
         kernels/quaternion/on_quaternion.hpp.
         """
         if not any(name in self.derived_fields for name, _ in block.slots):
@@ -262,7 +262,7 @@ class QuaternionBeam(Beam):
     ) -> None:
         """Set the velocity of every node to ``lowering`` [m/s] along the hole, its spin to ``rotation`` [rad/s].
 
-        lowering, rotation: (n_nodes,) where they differ along the string.
+        lowering, rotation: (n_nodes,) if they differ along the string.
         tangent, curvature: (n_nodes, 3) of the hole at the nodes [-, 1/m].
         """
         along = np.broadcast_to(np.reshape(lowering, (-1, 1)), (self.mesh.nodes, 1))
@@ -294,13 +294,13 @@ class QuaternionBeam(Beam):
         return place, (1 + strain[0]) * direction(q), np.array([angle])
 
     def average_over_turn(self, turning: bool) -> None:
-        """Leave out the stress-free curvature while the string turns: nothing of it is left on average over a turn."""
+        """Leave out the stress-free curvature while the string turns: its effect averages out over a turn."""
         for block in self._elements:
             cells = self._part.cells[block.points]
             block.named["curvature"] = (0.0 if turning else 1.0) * self.mesh.curvature[cells]
 
     def constrain_positions(self, hold: bool) -> None:
-        """The constraint on positions whatever its form in motion: statics knows no velocities."""
+        """The constraint on positions, whatever its form in motion: statics has no velocities."""
         self._length.named["level"] = 3.0 if hold else LEVELS[self.constraint]
 
     def restore_constraints(self, state) -> None:

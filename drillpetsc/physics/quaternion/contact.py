@@ -16,7 +16,7 @@ from drillpetsc.physics.quaternion.beam import SLOTS
 class QuaternionContact(Contact):
     """The wall contact of ``Contact``, on the unknowns of the quaternion element.
 
-    The block below rigid items is that of ``Contact``, which ``QuaternionBeam.translate`` rewrites.
+    The block below rigid items is taken from ``Contact``, and ``QuaternionBeam.translate`` rewrites it.
     """
 
     def blocks(self, part) -> tuple[ElementBlock, ...]:

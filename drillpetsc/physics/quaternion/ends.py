@@ -177,13 +177,13 @@ class ConstrainedEnd(Top):
         return self._axes.T @ self.anchor[: self.prescribed_positions]
 
     def constrain_positions(self, hold: bool) -> None:
-        """The constraints on positions whatever their form in motion: statics knows no velocities."""
+        """The constraints on positions, whatever their form in motion: statics has no velocities."""
         self._given["level"] = 3.0 if hold else LEVELS[self.constraint]
 
     def align(self, position: FloatArray, slope: FloatArray, spin: FloatArray) -> None:
         """Prescribe at time 0 the given position (3,) [m] and spin angle (1,) [rad] from the frame at the start.
 
-        The direction of the section is that of the path.
+        The section has the direction of the path.
         """
         if self._path is None:
             self.anchor[:-1] = self._axes @ position
@@ -193,7 +193,7 @@ class ConstrainedEnd(Top):
         self.anchor[3] = spin[0] - self._angle_of_normals(self._path.at(float(self.anchor[0])))
 
     def _angle_of_normals(self, here: PathPoint) -> float:
-        """Angle [rad] by which the path's normals at ``here`` differ from the smallest rotation of those at the start."""
+        """Angle [rad] between the path's normals at ``here`` and the smallest rotation of the initial normals."""
         first, side, _ = self._start_axes
         carried = smallest_rotation(first, here.axes[0], side)
         about = np.cross(here.axes[0], carried)

@@ -45,8 +45,8 @@ class Agitator(Component):
     Field: ``agitator.angle`` of the rotor at the node below the slider [rad].
 
     cell: of the slider; valve: of the tool; flow: without mud, flow rate over time [m3/s].
-    compressibility: of the mud [1/Pa], None without mud.  With mud the flow rate is that of the slider's cell, where the
-    mud loses the pressure of the pulses, too.
+    compressibility: of the mud [1/Pa], None without mud.  With mud the flow rate is taken from the slider's cell, in which the
+    mud also loses the pressure of the pulses.
     number: of the agitator in the string, from the top.
     """
 

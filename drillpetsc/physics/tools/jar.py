@@ -20,7 +20,7 @@ class Jar:
 
     law: constants; mode: LATCHED, METERING or FREE; side: 1 up (the jar opens), -1 down, of the last pull.
     place: travel at which the latch holds [m]; load: its force there [N, tension positive]; fired: number of shots.
-    returning: it is free on its way back to the latch, without having fired: pulled again, it meters from where it is.
+    returning: it is free on its way back to the latch, without having fired: if pulled again, it meters from there.
     """
 
     law: JarLaw
@@ -45,12 +45,12 @@ class Jar:
 
     @property
     def brake(self) -> float:
-        """Force of the latch while the jar meters, beside that of the metering [N]."""
+        """Force of the latch while the jar meters, in addition to the metering force [N]."""
         return self.side * self.law.threshold if self.mode == METERING else 0.0
 
     @property
     def at_latch(self) -> float:
-        """What the energy of a spring with preload lacks of one that begins where the latch holds [J]."""
+        """Difference in energy [J] between a spring with preload and one that begins where the latch holds."""
         held = self.mode == LATCHED
         return (0.5 * self.law.latch * self.place - self.load) * self.place if held else 0.0
 

@@ -37,7 +37,7 @@ class MotorPoint(NamedTuple):
 
     @property
     def stalled(self) -> bool:
-        """Whether the rotor stands still under its load."""
+        """Whether the rotor is stalled under its load."""
         return self.load >= 1.0
 
 
@@ -45,7 +45,7 @@ class MotorPoint(NamedTuple):
 class MeasuredCurve:
     """Performance of a motor at one flow rate, by rising torque.
 
-    flow [m3/s]; torque, pressure, speed: (n,) [N m], [Pa], [rad/s]; the last torque is that of the stall.
+    flow [m3/s]; torque, pressure, speed: (n,) [N m], [Pa], [rad/s]; the last torque is the stall torque.
     """
 
     flow: float
@@ -125,7 +125,7 @@ class MotorLaw:
         return self.point(0.0, flow).speed
 
     def stall_torque(self, flow: float) -> float:
-        """Torque under which the rotor stands still [N m]."""
+        """Torque at which the rotor stalls [N m]."""
         return 1.0 / self.point(1.0, flow).load
 
     def stall_pressure(self, flow: float) -> float:
@@ -156,7 +156,7 @@ class MotorLaw:
 def monotone_slopes(x: FloatArray, f: FloatArray) -> FloatArray:
     """(n, ...) derivatives of a smooth curve through the points (x (n,), f (n, ...)) without new extremes.
 
-    Fritsch and Butland, SIAM J. Sci. Stat. Comput. 5:300 (1984); at the ends that of the nearest interval.
+    Fritsch and Butland, SIAM J. Sci. Stat. Comput. 5:300 (1984); at the ends the derivative of the nearest interval is used.
     """
     h, d = np.diff(x), np.diff(f, axis=0) / np.diff(x).reshape(-1, *(1,) * (f.ndim - 1))
     if len(h) == 1:
@@ -186,7 +186,7 @@ def _resampled(curve: MeasuredCurve) -> tuple[FloatArray, FloatArray]:
 def _table(curves: Sequence[MeasuredCurve]) -> tuple[ctypes.Structure, list[FloatArray]]:
     """The kernel's record of measured curves, and the arrays that it points to.
 
-    A row without flow comes first: the motor stands, and its pressure is that of the least flow without its
+    A row without flow comes first: the motor is at rest, and its pressure is the pressure at the lowest flow minus its
     pressure at no load.
     """
     sampled = [_resampled(c) for c in curves]

@@ -41,7 +41,7 @@ MUD_SLOTS = (("bore.pressure", 0), ("bore.pressure", 1), ("bore.flow", 1))
 class Rotor:
     """Rotor of a motor, which orbits backwards in its stator.
 
-    lobes: of the rotor; mass [kg]; eccentricity: radius of the orbit [m]; inertia: about its own axis [kg m2].
+    lobes: of the rotor; mass [kg]; eccentricity: radius of the orbit [m]; inertia: about the rotor axis [kg m2].
     seal_area: on which the differential pressure pushes the rotor down [m2].
     """
 
@@ -58,11 +58,11 @@ class Rotor:
 
     @property
     def equivalent_inertia(self) -> float:
-        """Inertia of rotation in a stator that stands still [kg m2] (manual: eq-motor-inertia)."""
+        """Inertia of rotation in a stationary stator [kg m2] (manual: eq-motor-inertia)."""
         return self.inertia + self.mass * (self.eccentricity * self.lobes) ** 2
 
     def orbit_force(self, speed: float) -> float:
-        """Turning force [N] of the orbit at the ``speed`` [rad/s] of the rotor from a stator that stands still."""
+        """Turning force [N] of the orbit at the ``speed`` [rad/s] of the rotor relative to a stationary stator."""
         return self.mass * self.eccentricity * (self.lobes * speed) ** 2
 
     def orbit_frequency(self, speed: float) -> float:
@@ -218,11 +218,11 @@ class MudMotor(Component):
         Returns the larger change: of the speed as a share of the free speed, or of the torque as a share of the stall torque.
         """
         before, free = self._speed, self.law.free_speed(flow)
-        turns = abs(free)  # backwards where the mud flows up
+        turns = abs(free)  # backwards if the mud flows up
         change, self._load = abs(torque - self._load) / self.law.stall_torque(flow), torque
         self.params["load"] = torque
-        self._start_speed = self.law.speed(torque, flow)  # with the slip of one that stands
-        # a stalled motor stands against the friction of rotation, whose direction is that of its rotation
+        self._start_speed = self.law.speed(torque, flow)  # with the slip of a stalled motor
+        # a stalled motor resists with the friction of rotation, in the direction of its rotation
         least = LEAST_STATIC * turns
         self._speed = min(self._start_speed, -least) if free < 0 else max(self._start_speed, least)
         return max(abs(self._speed - before) / turns, change) if turns > SLIP else change

@@ -4,9 +4,9 @@ Kernel: kernels/fluid/hermite/hermite_flow.hpp.  Manual: eq-mud-hermite, eq-mud-
 sec-paper-source.
 
 Unknowns at every node: the volume that has passed it in excess of a reference flow Q(t), and the pressure
-(with the heads of the flow's speed since the channel's uppermost element).  Q is arbitrary as long as volumes
+(including the velocity heads since the channel's uppermost element).  Q is arbitrary as long as volumes
 stay small.  Here it is the pump's flow with its jumps distributed over a second, in the annulus with the
-other sign, so that steady circulation is a state of rest.
+opposite sign, so that steady circulation is a state of rest.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ from drillpetsc.physics.rigid_bodies import VERTEX_SLOTS, local_vertices
 from drillpetsc.time_function import TimeFunction
 
 VOLUME_SCALE = 1.0e-2  # [m3]
-SMALLEST = 1e-4  # chamber that is left under a bit on bottom where the case gives less [m3]
+SMALLEST = 1e-4  # chamber under a bit on bottom if the case gives less [m3]
 WINDOW = 1.0  # time over which the reference follows a jump of the pump [s]
 
 
@@ -61,7 +61,7 @@ class Reference:
         return float(sum(0.5 * d * (s + WINDOW / np.pi * np.sin(np.pi * s / WINDOW)) for s, d in passed))
 
     def rate(self, t: float) -> float:
-        """Return the rate just before ``t`` [s], which is that of a step ending there [m3/s2]."""
+        """Return the rate just before ``t`` [s], for a step ending there [m3/s2]."""
         late = sum(
             0.5 * d * np.pi / WINDOW * np.sin(np.pi * (t - at) / WINDOW)
             for at, d in self._jumps
@@ -146,7 +146,7 @@ def _taken_up(component: HermiteBore | HermiteAnnulus, wall: FloatArray, pressur
 
 
 class _OneByOne:
-    """What this form finds after recorded steps one by one: its pressures and flows are no unknowns, or others than in the mixed form."""
+    """Results after recorded steps, found one by one: pressures and flows are not unknowns in this form, or differ from the mixed form."""
 
     def _computed(self, steps, what: str) -> FloatArray:
         """(k,) of the method ``what`` of a state."""
@@ -267,7 +267,7 @@ class HermiteBore(_OneByOne, BoreFlow):
 class HermiteAnnulus(_OneByOne, AnnulusFlow):
     """Annulus with the pump's flow upwards as reference flow.
 
-    Its sizes remain those at the start: the pressure follows from the content of an element, and would jump
+    Its sizes keep their initial values: the pressure follows from the content of an element, and would jump
     with it. Arguments as in ``AnnulusFlow``; pump: its flow over time [m3/s].
     """
 
@@ -340,7 +340,7 @@ class HermiteAnnulus(_OneByOne, AnnulusFlow):
 
 
 class HermiteBit(BitFlow):
-    """Nozzles and chamber without own unknowns (kernels/fluid/hermite/hermite_bit.hpp).
+    """Nozzles and chamber without unknowns (kernels/fluid/hermite/hermite_bit.hpp).
 
     node, end, fluid, held_at: as in ``BitFlow``; pump: its flow over time [m3/s].
     bore, annulus: the channels, whose lowest elements give the heads; None where absent.
@@ -417,7 +417,7 @@ class HermiteBit(BitFlow):
         return Component.powers_of(self, steps)
 
     def _end_flow(self, t: float, state) -> tuple[float, float, float]:
-        """As for ``BitFlow``: the bore's pressure is no unknown of the bit, and its mud counts as dense as that outside."""
+        """As for ``BitFlow``: the bore's pressure is not an unknown of the bit, and its mud has the density of the mud outside."""
         outside = self.end.ambient.value(t)
         if self.has_annulus:
             outside = float(state.x[state.index_of(self._block)[0, -1]])
