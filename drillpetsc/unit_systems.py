@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import Literal, TypeVar
+from typing import Literal, TypeVar, get_args
 
 from drillpetsc.unit_tables import WITH_ZERO
 from drillpetsc.units import canonical, to_si
@@ -145,6 +145,11 @@ def _scale(text: str, si: str) -> tuple[float, float]:
         length = text.rpartition("/")[2]
         return to_si(f"1 {text.rpartition('/')[0]}", "Pa") / to_si(f"1 {length}", "m"), 0.0
     return to_si(f"1 {text}", si), 0.0
+
+
+def system_named(word: object) -> System | None:
+    """The system of a word that names one, else None."""
+    return next((system for system in get_args(System) if system == word), None)
 
 
 def display(value: Values, kind: str, system: System, plot: bool = False) -> tuple[Values, str]:

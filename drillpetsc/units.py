@@ -17,7 +17,7 @@ import math
 import re
 from fractions import Fraction
 from functools import lru_cache
-from typing import Any
+from typing import Any, SupportsFloat, cast
 
 from drillpetsc.unit_tables import DIMENSIONS, FACTORS, FIELD, GRAVITY, INVERSE, KEEP_CASE, REFUSED, WITH_ZERO
 
@@ -87,7 +87,7 @@ def to_si(value: object, unit: str) -> float:
         except OverflowError:  # a whole number of more than 308 digits
             number = math.inf
     elif _is_number_like(value):
-        number = float(value)  # type: ignore[arg-type]
+        number = float(cast(SupportsFloat, value))
     else:
         raise UnitError(value, wanted(unit))
     if not math.isfinite(number):
@@ -196,7 +196,7 @@ def bare_number(value: object) -> float | None:
             return _of_fraction(fraction)
         return float(text) if _NUMBER.fullmatch(text) else None
     is_number = isinstance(value, (int, float)) and not isinstance(value, bool)
-    return float(value) if is_number or _is_number_like(value) else None  # type: ignore[arg-type]
+    return float(cast(SupportsFloat, value)) if is_number or _is_number_like(value) else None
 
 
 def _is_number_like(value: object) -> bool:

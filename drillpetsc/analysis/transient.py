@@ -197,7 +197,7 @@ class TransientRun:
         self.case, self.mpi = self.model.case, self.model.system.comm.tompi4py()
         self.first = self.mpi.rank == 0
         self.start = self.t = self.saved.time if self.saved is not None else 0.0
-        self.end = float(self.case.time.end)  # type: ignore[union-attr]
+        self.end = float(self.case.given_time.end)
         self.notes["warnings"] = step_warnings(self.model, self.fixed_step)
         self.notes["warnings"] += [*run_warnings(self.model), *self.model.mesh.notes]
         self.notes["warnings"] += drive_warnings(self.model, self.saved is None)
@@ -331,7 +331,9 @@ class TransientRun:
     @property
     def _checkpoint_interval(self) -> float:
         """Simulated time between two checkpoints [s]."""
-        return float(self.case.output.checkpoint_every)  # type: ignore[arg-type]
+        every = self.case.output.checkpoint_every
+        assert every is not None  # a default fills it
+        return float(every)
 
     def _after_step(self, t: float, dt: float) -> None:
         with self.model.system.assembly.unchanged():  # results of the step are shared by all that follows
@@ -419,50 +421,7 @@ class TransientRun:
             self.writer.write_samples(self.control)
         self.writer.close()
         self.bar.finish(self.t, self.integrator.counters.steps)
-        clocks = summary.Clocks(self.began, self.moving_since)
-        result = summary.run_summary(model, self.integrator, error)
-        result |= summary.timing(self.integrator, clocks, self.start, self.t, error)
-        work = self.integrator.work
-        left = work.total_left() if work is not None and error is None else None
-        result |= summary.outcome(model, self.recorder, self.notes, self.t, error, left)
-        result |= self.estimate.as_dict(error is None) | {"memory": self.memory.as_dict(error is None)}
-        if "error_estimate" in result and self.recorder.time_error is not None:
-            result["error_estimate"]["outputs"] = self.recorder.time_error.summary()
-            result["error_estimate"]["damped_above"] = self.recorder.time_error.damped_above()
-        frequency, product = self.integrator.damped_above(), self.integrator.damped_product()
-        if frequency is not None:
-            result["error_estimate"] = (result.get("error_estimate") or {}) | {"damped_above": frequency}
-        elif self.recorder.time_error is not None:
-            frequency, product = (
-                self.recorder.time_error.damped_above(),
-                self.recorder.time_error.damped_product(),
-            )
-        if error is None:
-            limited = self.whirl.summary(self.integrator.counters.steps)
-            result |= {} if limited is None else {"steps_limited_by": limited}
-            said = []
-            if product is not None and frequency and self.integrator.step_limit is not self.whirl:
-                said = self.whirl.warnings(product / frequency, largest(self.case.top.rotation))
-            result["warnings"] = [*result["warnings"], *said]
-            self._warn(said)
-        if self.classes is not None:
-            result["motion"] = self.classes.summary()
-        said = [*self.writer.watch.warnings(self._told), *self.monitors.warnings()]
-        result["warnings"] = [*result["warnings"], *said]
-        self._warn(said)
-        if self.recorder.sensors is not None:
-            result["sensors"] = self.recorder.sensors.summary()
-            result["warnings"] += self.recorder.sensors.warnings()
-            self._warn(self.recorder.sensors.warnings())
-        if error is None and self.recorder.energy is not None:  # a quasi-static string has no slip speeds
-            result["warnings"] += creep_warnings(model, self.t)
-        if error is None:
-            result["warnings"] += wall_depth_notes(model)
-        if "energy" in result:
-            result["energy"] |= self.gain.summary()
-            if result["energy"]["flag"]:
-                result["warnings"] = [*result["warnings"], self.gain.message()]
-                self._warn(result["warnings"][-1:])
+        result = self._summary(error)
 
         def put() -> None:
             if model.drilling is not None:
@@ -479,6 +438,55 @@ class TransientRun:
             except OSError as failure:  # the run ends with its own message
                 self.bar.message(cannot_write(failure, str(folder.summary)))
         return result
+
+    def _summary(self, error: BaseException | None) -> dict[str, Any]:
+        """What the run found, with all doubts about it; collective unless it ended with an error."""
+        model = self.model
+        clocks = summary.Clocks(self.began, self.moving_since)
+        result = summary.run_summary(model, self.integrator, error)
+        result |= summary.timing(self.integrator, clocks, self.start, self.t, error)
+        work = self.integrator.work
+        left = work.total_left() if work is not None and error is None else None
+        result |= summary.outcome(model, self.recorder, self.notes, self.t, error, left)
+        result |= self.estimate.as_dict(error is None) | {"memory": self.memory.as_dict(error is None)}
+        damping_step = self._take_time_error(result)
+        said: list[str] = []
+        if error is None:
+            limited = self.whirl.summary(self.integrator.counters.steps)
+            result |= {} if limited is None else {"steps_limited_by": limited}
+            if damping_step is not None and self.integrator.step_limit is not self.whirl:
+                said += self.whirl.warnings(damping_step, largest(self.case.top.rotation))
+        if self.classes is not None:
+            result["motion"] = self.classes.summary()
+        said += [*self.writer.watch.warnings(self._told), *self.monitors.warnings()]
+        if self.recorder.sensors is not None:
+            result["sensors"] = self.recorder.sensors.summary()
+            said += self.recorder.sensors.warnings()
+        self._warn(said)
+        result["warnings"] = [*result["warnings"], *said]
+        if error is None and self.recorder.energy is not None:  # a quasi-static string has no slip speeds
+            result["warnings"] += creep_warnings(model, self.t)
+        if error is None:
+            result["warnings"] += wall_depth_notes(model)
+        if "energy" in result:
+            result["energy"] |= self.gain.summary()
+            if result["energy"]["flag"]:
+                result["warnings"] = [*result["warnings"], self.gain.message()]
+                self._warn(result["warnings"][-1:])
+        return result
+
+    def _take_time_error(self, result: dict[str, Any]) -> float | None:
+        """Put what is known of the errors in time into the summary; returns the length of the steps [s] that damp short motions,
+        None where it is not known."""
+        by_outputs, entry = self.recorder.time_error, result.get("error_estimate")
+        if entry is not None and by_outputs is not None:
+            entry |= {"outputs": by_outputs.summary(), "damped_above": by_outputs.damped_above()}
+        frequency, product = self.integrator.damped_above(), self.integrator.damped_product()
+        if frequency is not None:
+            result["error_estimate"] = (entry or {}) | {"damped_above": frequency}
+        elif by_outputs is not None:
+            frequency, product = by_outputs.damped_above(), by_outputs.damped_product()
+        return product / frequency if product is not None and frequency else None
 
     def _find_indices(self, result: dict[str, Any], window: float, every: float) -> None:
         """Write indices.csv and put the indices into the summary; a run without enough rows for them is done all the same."""

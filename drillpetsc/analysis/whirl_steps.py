@@ -149,9 +149,10 @@ class WhirlSteps:
 
     def _fastest(self, body: RigidItem) -> float:
         """Rate [rad/s] at which a body vibrates on its contact with the wall: no whirl that lasts is faster."""
-        law = self.model.contact.law  # type: ignore[union-attr]
+        contact = self.model.contact
+        assert contact is not None
         mass = sum(b.mass for b in self.model.mesh.bodies if b.node == body.node)
-        return float(np.sqrt(law.stiffness * body.contact_span / mass))
+        return float(np.sqrt(contact.law.stiffness * body.contact_span / mass))
 
     def _of_bit(self, body: RigidItem) -> Callable[[float], float]:
         """Whirl rate of a bit in gauge whose side may drive it round the hole (manual: eq-bit-whirl)."""

@@ -80,8 +80,10 @@ class BoundBlock:
 
         A note with component, elements and time is added to an exception.
         """
+        update = self.block.update
+        assert update is not None
         try:
-            self.block.update(t)  # type: ignore[misc]
+            update(t)
         except Exception as error:
             error.add_note(
                 f"in component {self.block.component}, element {self._numbers.min()} to {self._numbers.max()} of the string, time {t:g} s"

@@ -8,9 +8,10 @@ import numpy as np
 
 from drillpetsc.fem.bound_parts import BoundBlock, fill_prescribed
 from drillpetsc.fem.discrete_system import DiscreteSystem
-from drillpetsc.kernels import pointer
+from drillpetsc.kernels import function, pointer
 from drillpetsc.kernels.parameters import structure
 
+_renew = function("renew_contact_entries", "pipipi", ctypes.c_int)
 _ContactCall = structure("contact_call")  # ContactCall of kernels/newton/newton.cpp
 _PrescribedMatrix = structure("prescribed_matrix")
 
@@ -27,10 +28,7 @@ class ContactEntries:
         pairs = zip(asm.bound_blocks, system.component_of, strict=True)
         self._blocks = [b for b, c in pairs if b.count and c.has_contact]
         self._flags = system.contact_flags
-        self._at_wall = [flags.values for flags in self._flags if flags.wall]
-        self._values = [asm.values[b.span] for b in self._blocks]
-        self._before = [np.empty(len(values)) for values in self._values]
-        self._changed = [np.empty(len(values), dtype=bool) for values in self._values]
+        self._before = [np.empty(b.span.stop - b.span.start) for b in self._blocks]
         #: rows that prescribed motion replaces in these blocks; those in other blocks are the same as long as it has not turned
         self._replaced = [f.elements_in(self._blocks) for f in asm.row_replacements]
         #: of each block: first node of an element or of any after it
@@ -40,19 +38,6 @@ class ContactEntries:
             first = np.minimum.accumulate(node[::-1])[::-1]
             self._first.append(np.ascontiguousarray(first, dtype=np.int32))
 
-    @property
-    def at_wall(self) -> bool:
-        """Whether any contact of this rank is at the wall: a bit alone has another cause of slow convergence."""
-        return bool(self._blocks) and any(bool(touching.any()) for touching in self._at_wall)
-
-    @property
-    def hindered(self) -> bool:
-        """Whether contacts of this rank cannot be computed apart from all else.
-
-        So it is where a prescribed motion has turned, since its rows are in the entries of other elements, too.
-        """
-        return not self._asm.plain or any(f.turned for f in self._asm.row_replacements)
-
     def replaced_record(self) -> ctypes.Array:
         """Rows that prescribed motion replaces in the blocks of contacts, for the compiled iteration."""
         calls = (_PrescribedMatrix * len(self._replaced))()
@@ -60,10 +45,11 @@ class ContactEntries:
             fill_prescribed(call, f, elements)
         return calls
 
-    def record(self, blocks: list[BoundBlock], flags_before: np.ndarray) -> ctypes.Array:
+    def record(self, blocks: list[BoundBlock], flags_before: np.ndarray | None = None) -> ctypes.Array:
         """The blocks for the compiled iteration.
 
-        blocks: of the assembly; flags_before: bytes of all contact flags at the factorisation, one after the other.
+        blocks: of the assembly; flags_before: bytes of all contact flags at the factorisation, one after the other;
+        None: elements without contact are computed as well.
         """
         calls = (_ContactCall * len(self._blocks))()
         starts = np.cumsum([0, *(flags.values.nbytes for flags in self._flags)])
@@ -71,7 +57,7 @@ class ContactEntries:
             call.block = next(k for k, other in enumerate(blocks) if other is b)
             call.first, call.before = pointer(first), pointer(before)
             for flags, start in zip(self._flags, starts[:-1].tolist(), strict=True):
-                if flags.context and flags.context == b.block.context:
+                if flags_before is not None and flags.context and flags.context == b.block.context:
                     call.touching, call.touched = pointer(flags.values), pointer(flags_before) + start
                     call.points = len(flags.values) // b.count
         return calls
@@ -82,19 +68,19 @@ class ContactEntries:
         Returns the first of this rank's nodes along the chain that has a changed entry, ``nodes`` where there is none.
         """
         asm = self._asm
-        state = asm.weigh(c, True)
-        for b, values, before in zip(self._blocks, self._values, self._before, strict=True):
-            before[:] = values
+        for b in self._blocks:
             if b.block.update:
                 b.update_parameters(t)
-            b.jacobian(*b.matrix_head, *state, b.values_at)
-        for replacement, elements in zip(asm.row_replacements, self._replaced, strict=True):
-            replacement.replace_matrix_rows(asm.values, elements)
+        asm.weigh_next(c)
+        calls, replaced = self.record(asm.calls.blocks), self.replaced_record()
+        asm.calls.step.sigma = c[1]
+        first: int = _renew(
+            asm.calls.jacobian_at,
+            len(calls),
+            ctypes.addressof(calls),
+            len(replaced),
+            ctypes.addressof(replaced),
+            self.nodes,
+        )
         asm.version += 1
-        first = self.nodes
-        for k, b in enumerate(self._blocks):
-            changed = np.not_equal(self._values[k], self._before[k], out=self._changed[k])
-            entry = int(changed.argmax())
-            if changed[entry]:
-                first = min(first, int(self._first[k][entry // b.width**2]))
         return first

@@ -54,17 +54,7 @@ class DiscreteSystem:
             np.arange(mesh.nodes, dtype=float) if mesh.joints else mesh.node_depth, comm or PETSc.COMM_WORLD
         )
         self.comm = self.chain.plex.comm
-        junction = mesh.junction if len(mesh.junction) else np.zeros(mesh.nodes, dtype=bool)
-        order = np.arange(mesh.nodes)
-        regions = {
-            "string": order >= 0,
-            "junction": junction,
-            "below_top": order > 0,
-            "bottom": order == mesh.nodes - 1,
-        }
-        for component in self.components:
-            regions |= component.regions()
-        self.regions = regions
+        self.regions = regions = self._find_regions()
         #: number of Lagrange multipliers of the whole string; a stable equilibrium has exactly as many
         #: negative eigenvalues (manual: eq-statics-stable)
         self.multipliers = sum(component.multipliers for component in self.components)
@@ -110,10 +100,28 @@ class DiscreteSystem:
         scale = np.array([f.scale for f in layout.fields])
         self.scale = scale[layout.field_of]  # (n,) usual magnitude of each local unknown
         self._with_rate = np.flatnonzero(layout.y_local >= 0)  # unknowns with a rate in the state
+        self._make_tables()
+
+    def _find_regions(self) -> dict[str, np.ndarray]:
+        """Sets of vertices by name: (n_nodes,) masks, those of all components among them."""
+        mesh, order = self.mesh, np.arange(self.mesh.nodes)
+        regions = {
+            "string": order >= 0,
+            "junction": mesh.junction if len(mesh.junction) else np.zeros(mesh.nodes, dtype=bool),
+            "below_top": order > 0,
+            "bottom": order == mesh.nodes - 1,
+        }
+        for component in self.components:
+            regions |= component.regions()
+        return regions
+
+    def _make_tables(self) -> None:
+        """Places of a global state's owned part in x and y, and back."""
+        layout = self.layout
         owned = np.flatnonzero(layout.y_owned >= 0)
         from_state = np.full((2, layout.size), -1, dtype=np.int32)
         from_state[:, layout.local_of_owned] = layout.x_owned, layout.y_owned
-        tables = (  # from the owned part of a global state to x and y, and back
+        tables = (
             from_state[0],
             from_state[1],
             layout.local_of_owned,

@@ -112,7 +112,7 @@ class StepRecord:
         array: C-contiguous, of doubles; it is kept and must keep its memory.
         """
         one = isinstance(places, int | np.integer)
-        key = pointer(array), int(places) if one else np.asarray(places).tobytes()  # type: ignore[arg-type]
+        key = pointer(array), int(np.asarray(places)) if one else np.asarray(places).tobytes()
         span = self._spans.get(key)
         if span is None:
             if self._table is not None:

@@ -9,6 +9,7 @@ from __future__ import annotations
 import ctypes
 import sys
 from functools import cache
+from typing import Any
 
 import numpy as np
 
@@ -64,7 +65,7 @@ def pointer(array: np.ndarray) -> int:
     return array.__array_interface__["data"][0]
 
 
-def function(name: str, arguments: str, result: type | None = None) -> ctypes._FuncPointer:  # type: ignore[name-defined]
+def function(name: str, arguments: str, result: type | None = None) -> Any:
     """Entry point ``name``; ``arguments`` is a letter each: p pointer, i int, d double."""
     entry = getattr(library(), name)
     entry.argtypes = [{"p": ctypes.c_void_p, "i": ctypes.c_int, "d": ctypes.c_double}[c] for c in arguments]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import TypeVar
+from typing import NamedTuple, TypeVar
 
 import numpy as np
 from petsc4py import PETSc
@@ -152,58 +152,18 @@ def build_model(
     position, tangent = _axis(case, mesh, well)
     frames = transported_frames(tangent)
     mesh = _balanced(mesh) if balanced else curvature_by_tool_face(mesh, frames)
-    beam: interfaces.Beam | None = None
-    top: interfaces.Top | None = None
-    contact, bit = None, None
-    reamers: tuple[Reamer, ...] = ()
-    components: list = []
+    string = _NO_STRING
     if case.beam.formulation == "quaternion":
-        breaks = tuple(b for q in case.loads for b in q.value_over.breaks()) + _top_breaks(case)
         mesh = _with_one_strain(mesh)
         if is_quasi_static(case):  # a section that turns in place has no strain rate on average over a turn
             mesh = replace(mesh, stiffness_damping=np.zeros_like(mesh.stiffness_damping))
-        contact, bit = _contact(case, mesh, well, QuaternionContact), _bit(case, mesh, well)
-        beam, top, components = quaternion_components(
-            case,
-            mesh,
-            frames,
-            position=position,
-            tangent=tangent,
-            loads=_loads(case, mesh, tangent),
-            breaks=breaks,
-            contact=contact,
-            path=_top_path(well, frames),
-        )
-        still = is_quasi_static(case)
-        if mesh.bodies or (mesh.eccentricity.any() and not still):
-            components.append(RigidBodies(mesh, frames, np.array(case.gravity, dtype=float), still))
-        if mesh.joints:
-            components.append(Joints(mesh, frames))
-        components += [bit] if bit is not None else []
-        steering = build_steering(case, mesh, well, frames, tangent)
-        reamers = build_reamers(case, mesh, well, bit)
-        components += [*((steering,) if steering is not None else ()), *reamers]
+        string = _quaternion_string(case, mesh, well, frames, position, tangent)
     elif not case.hold_string:
-        gravity = np.array(case.gravity, dtype=float)
-        contact, bit = _contact(case, mesh, well), _bit(case, mesh, well)
-        beam = AncfBeam(mesh, frames, gravity, contact.impact_depth if contact is not None else np.inf)
-        components.append(beam)
-        components += _optional_components(mesh, frames, gravity, balanced=is_quasi_static(case))
-        if mesh.joints:
-            joints = Joints(mesh, frames)
-            motor = build_mud_motor(case, mesh, frames, gravity, joints, balanced)
-            components += [joints, *((motor,) if motor is not None else ()), *build_agitators(case, mesh)]
-        top, machines = _top_components(case, mesh, position[0], tangent[0], _top_path(well, frames), frames)
-        components += [r for r in (top, *machines) if r is not None]
-        components += _bottom_components(case, mesh.nodes - 1, position[-1], tangent[-1])
-        loads = _loads(case, mesh, tangent)
-        if loads:
-            breaks = tuple(b for q in case.loads for b in q.value_over.breaks())
-            components.append(Loads(loads, frames, breaks + _top_breaks(case)))
-        steering = build_steering(case, mesh, well, frames, tangent)
-        reamers = build_reamers(case, mesh, well, bit)
-        components += [r for r in (contact, bit, *reamers, steering) if r is not None]
-    fluid = build_fluid(case, mesh, well, position, tangent, bit.hole if bit is not None else None, reamers)
+        string = _ancf_string(case, mesh, well, frames, position, tangent, balanced)
+    bit, components = string.bit, list(string.components)
+    fluid = build_fluid(
+        case, mesh, well, position, tangent, bit.hole if bit is not None else None, string.reamers
+    )
     components += fluid.components if fluid is not None else ()
     system = DiscreteSystem(mesh, frames, components, comm)
     system.item_names = tuple(item.name or item.kind for item in case.string)
@@ -216,9 +176,9 @@ def build_model(
         position,
         tangent,
         tuple(components),
-        beam,
-        top,
-        contact,
+        string.beam,
+        string.top,
+        string.contact,
         bit,
         system,
         fluid,
@@ -229,6 +189,88 @@ def build_model(
     if bit is not None and bit.hole is not None:
         _subscribe_to_hole(model, bit.hole)
     return model
+
+
+class _String(NamedTuple):
+    """The components of a string and its ends; those that are named are among ``components`` as well."""
+
+    components: tuple[Component, ...] = ()
+    beam: interfaces.Beam | None = None
+    top: interfaces.Top | None = None
+    contact: Contact | None = None
+    bit: BitOnBottom | RockBit | None = None
+    reamers: tuple[Reamer, ...] = ()
+
+
+_NO_STRING = _String()  # of a string that is held: mud alone flows
+
+
+def _present(*components: Component | None) -> tuple[Component, ...]:
+    return tuple(component for component in components if component is not None)
+
+
+def _ancf_string(
+    case: Case,
+    mesh: StringMesh,
+    well: Well | None,
+    frames: Frames,
+    position: FloatArray,
+    tangent: FloatArray,
+    balanced: bool,
+) -> _String:
+    """Create the components of a string of ANCF elements."""
+    gravity = np.array(case.gravity, dtype=float)
+    contact, bit = _contact(case, mesh, well), _bit(case, mesh, well)
+    beam = AncfBeam(mesh, frames, gravity, contact.impact_depth if contact is not None else np.inf)
+    joints: tuple[Component, ...] = ()
+    if mesh.joints:
+        held = Joints(mesh, frames)
+        motor = build_mud_motor(case, mesh, frames, gravity, held, balanced)
+        joints = (held, *_present(motor), *build_agitators(case, mesh))
+    top, machines = _top_components(case, mesh, position[0], tangent[0], _top_path(well, frames), frames)
+    loads = _loads(case, mesh, tangent)
+    breaks = tuple(b for q in case.loads for b in q.value_over.breaks()) + _top_breaks(case)
+    reamers = build_reamers(case, mesh, well, bit)
+    components = (
+        beam,
+        *_optional_components(mesh, frames, gravity, balanced=is_quasi_static(case)),
+        *joints,
+        *_present(top, *machines),
+        *_bottom_components(case, mesh.nodes - 1, position[-1], tangent[-1]),
+        *((Loads(loads, frames, breaks),) if loads else ()),
+        *_present(contact, bit, *reamers, build_steering(case, mesh, well, frames, tangent)),
+    )
+    return _String(components, beam, top, contact, bit, reamers)
+
+
+def _quaternion_string(
+    case: Case,
+    mesh: StringMesh,
+    well: Well | None,
+    frames: Frames,
+    position: FloatArray,
+    tangent: FloatArray,
+) -> _String:
+    """Create the components of a string of quaternion elements."""
+    contact, bit = _contact(case, mesh, well, QuaternionContact), _bit(case, mesh, well)
+    beam, top, components = quaternion_components(
+        case,
+        mesh,
+        frames,
+        position=position,
+        tangent=tangent,
+        loads=_loads(case, mesh, tangent),
+        breaks=tuple(b for q in case.loads for b in q.value_over.breaks()) + _top_breaks(case),
+        contact=contact,
+        path=_top_path(well, frames),
+    )
+    still, reamers = is_quasi_static(case), build_reamers(case, mesh, well, bit)
+    if mesh.bodies or (mesh.eccentricity.any() and not still):
+        components.append(RigidBodies(mesh, frames, np.array(case.gravity, dtype=float), still))
+    if mesh.joints:
+        components.append(Joints(mesh, frames))
+    tools = _present(bit, build_steering(case, mesh, well, frames, tangent), *reamers)
+    return _String((*components, *tools), beam, top, contact, bit, reamers)
 
 
 def _with_one_strain(mesh: StringMesh) -> StringMesh:
@@ -365,7 +407,7 @@ def _contact(
         return None
     ratio, speed = 1.0, 1.0
     if c.stribeck is not None:
-        kinetic = max(q.friction for q in case.well.sections)  # type: ignore[union-attr]
+        kinetic = max(q.friction for q in case.given_well.sections)
         ratio, speed = (c.stribeck.static / kinetic if kinetic > 0 else 1.0), c.stribeck.speed
     stiffness, hardness = (
         mean_and_hardness(case, mesh, well) if c.stiffness == "physical" else (c.stiffness, None)

@@ -160,19 +160,9 @@ def build_fluid(
     around = constants
     if f.annulus_rheology is not None:
         around = replace(constants, rheology=build_rheology(case, annulus=True).parameters())
-    narrowing, fixed_position = poisson(case, mesh), position if case.hold_string else None
-    hermite = f.formulation == "hermite"
-    bore_flow: BoreFlow | None = None
-    annulus: AnnulusFlow | None = None
-    sizes, chi, moving_hole = None, np.zeros(len(mesh.upper)), None
-    if case.has_bore:
-        flow, bore = None if f.pump_pressure is not None else f.flow_rate, build_bore(case, mesh)
-        if hermite:
-            bore_flow = HermiteBore(
-                mesh, bore, constants, narrowing, f.flow_rate, case.bottom.plugged, fixed_position
-            )
-        else:
-            bore_flow = BoreFlow(mesh, bore, constants, narrowing, flow, f.pump_pressure, fixed_position)
+    fixed_position = position if case.hold_string else None
+    bore_flow = _bore_flow(case, mesh, constants, fixed_position) if case.has_bore else None
+    annulus, sizes, chi, moving_hole = None, None, np.zeros(len(mesh.upper)), None
     if case.has_annulus:
         assert well is not None
         walls = build_walls(case, mesh)
@@ -181,48 +171,29 @@ def build_fluid(
             _refuse_closed_annulus(case, mesh, sizes)
         chi = _added_mass(case, sizes)
         if not case.hold_string and (hole is not None or not _is_uniform(well, walls)):
-            moving_hole = MovingHole(
-                mesh,
-                walls,
-                lambda: well if hole is None else hole.well,
-                partial(_lateral_coefficients, case),
-                reamers,
-            )
-        arguments = (
-            mesh,
-            sizes,
-            well,
-            around,
-            narrowing,
-            _lateral_coefficients(case, sizes),
-            f.outlet_pressure,
-            f.flow_line,
-            moving_hole,
-            fixed_position,
-        )
-        choke = 0.0 if f.choke is None else 1 / (2 * f.choke.discharge_coefficient**2 * f.choke.area**2)
-        annulus = (
-            HermiteAnnulus(*arguments, pump=f.flow_rate) if hermite else AnnulusFlow(*arguments, choke=choke)
-        )
+            here: Any = (lambda: well) if hole is None else (lambda: hole.well)
+            lateral = partial(_lateral_coefficients, case)
+            moving_hole = MovingHole(mesh, walls, here, lateral, reamers)
+        annulus = _annulus_flow(case, mesh, well, sizes, around, moving_hole, fixed_position)
     bit: BitFlow | None = None
     if bore_flow is not None and not case.bottom.plugged or annulus is not None:
         end = _bit_end(case, mesh, well, sizes, chi, position, tangent)
         if hole is not None:
             end = _in_growing_hole(end, hole, f.cuttings == "returned")
-        bit = BitFlow(mesh.nodes - 1, end, constants, fixed_position, moving_hole, hole)
-        if hermite:
+        last = mesh.nodes - 1
+        bit = BitFlow(last, end, constants, fixed_position, moving_hole, hole)
+        if f.formulation == "hermite":
             pair: Any = (bore_flow, annulus)  # both are Hermite channels
             bit = HermiteBit(
-                mesh.nodes - 1, end, constants, f.flow_rate, pair[0], pair[1], position[-1], fixed_position
+                last, end, constants, f.flow_rate, pair[0], pair[1], position[-1], fixed_position
             )
     volumes = None
-    if hermite:
+    if f.formulation == "hermite":
         head = f.density * ((position - position[0]) @ gravity)
         volumes = partial(volumes_at_rest, bore_flow, annulus, bit, head)  # type: ignore[arg-type]
         if isinstance(bore_flow, HermiteBore) and bore_flow.closed:
-            bore_flow.kept = float(
-                volumes(f.outlet_pressure.value(0.0) if annulus is not None else 0.0)["bore.volume"][-1]
-            )
+            under = f.outlet_pressure.value(0.0) if annulus is not None else 0.0
+            bore_flow.kept = float(volumes(under)["bore.volume"][-1])
     seals = None
     if any(joint.seal_area > 0 for joint in mesh.joints):
         seals = JointSeals(mesh, constants, bore_flow is not None, annulus is not None, f.outlet_pressure)
@@ -239,20 +210,68 @@ def build_fluid(
             _lower_end_area(case, mesh),
             fixed_position,
         )
-    rings = None
-    if reamers and annulus is not None and not case.hold_string:
-        rings = ReamedRings(mesh.nodes - 1, reamers, constants, f.cuttings == "returned")
+    rings = items = None
+    if annulus is not None and not case.hold_string:
+        rings = ReamedRings(mesh.nodes - 1, reamers, constants, f.cuttings == "returned") if reamers else None
+        items = _items_in_mud(case, mesh, sizes, well, hole)
     curves = loss_tables(case, mesh) if bore_flow is not None else ()
     losses = ToolLosses(curves, constants) if curves else None
-    beside = None
-    if annulus is not None and sizes is not None and not case.hold_string:
-        found = _mud_items(case, mesh, sizes)
-        around_items: Any = (lambda: well) if hole is None else (lambda: hole.well)
-        beside = MudItems(found, around_items) if found else None
     line = _surface_line(case)
     return FluidComponents(
-        constants, bore_flow, annulus, bit, volumes, line, seals, side, rings, losses, beside
+        constants, bore_flow, annulus, bit, volumes, line, seals, side, rings, losses, items
     )
+
+
+def _bore_flow(
+    case: Case, mesh: StringMesh, constants: FluidConstants, fixed_position: FloatArray | None
+) -> BoreFlow:
+    """Create the flow in the string; fixed_position: (n+1, 3) of a held string [m], else None."""
+    f = case.fluid
+    assert f is not None
+    bore, narrowing = build_bore(case, mesh), poisson(case, mesh)
+    if f.formulation == "hermite":
+        return HermiteBore(mesh, bore, constants, narrowing, f.flow_rate, case.bottom.plugged, fixed_position)
+    flow = None if f.pump_pressure is not None else f.flow_rate
+    return BoreFlow(mesh, bore, constants, narrowing, flow, f.pump_pressure, fixed_position)
+
+
+def _annulus_flow(
+    case: Case,
+    mesh: StringMesh,
+    well: Well,
+    sizes: Annulus,
+    constants: FluidConstants,
+    moving_hole: MovingHole | None,
+    fixed_position: FloatArray | None,
+) -> AnnulusFlow:
+    """Create the flow around the string; fixed_position: (n+1, 3) of a held string [m], else None."""
+    f = case.fluid
+    assert f is not None
+    arguments = (
+        mesh,
+        sizes,
+        well,
+        constants,
+        poisson(case, mesh),
+        _lateral_coefficients(case, sizes),
+        f.outlet_pressure,
+        f.flow_line,
+        moving_hole,
+        fixed_position,
+    )
+    if f.formulation == "hermite":
+        return HermiteAnnulus(*arguments, pump=f.flow_rate)
+    choke = 0.0 if f.choke is None else 1 / (2 * f.choke.discharge_coefficient**2 * f.choke.area**2)
+    return AnnulusFlow(*arguments, choke=choke)
+
+
+def _items_in_mud(
+    case: Case, mesh: StringMesh, sizes: Annulus | None, well: Well | None, hole: GrowingHole | None
+) -> MudItems | None:
+    """Create the mud across the hole beside rigid items, None without any."""
+    found = () if sizes is None else _mud_items(case, mesh, sizes)
+    around: Any = (lambda: well) if hole is None else (lambda: hole.well)
+    return MudItems(found, around) if found else None
 
 
 def _mud_items(case: Case, mesh: StringMesh, sizes: Annulus) -> tuple[MudItem, ...]:
@@ -278,7 +297,7 @@ def _mud_items(case: Case, mesh: StringMesh, sizes: Annulus) -> tuple[MudItem, .
     whole = Annulus(np.pi / 4 * outer**2, area, np.zeros(len(outer)), np.zeros(len(outer)))
     side = _lateral_coefficients(case, whole)
     share = end_leakage(length, outer, hole)
-    mass = share * side.added * case.fluid.density * whole.outer * length  # type: ignore[union-attr]
+    mass = share * side.added * case.given_fluid.density * whole.outer * length
     damping = share * side.damping * length
     return tuple(
         MudItem(b.node, b.above + 0.5 * b.length, *map(float, row))
@@ -355,7 +374,7 @@ def _surface_line(case: Case) -> SurfaceLine | None:
 
 def _added_mass(case: Case, sizes: Annulus) -> FloatArray:
     """Compute the added-mass coefficient chi (n,) [-] of the elements (manual: eq-mud-chi)."""
-    kind = case.fluid.added_mass  # type: ignore[union-attr]
+    kind = case.given_fluid.added_mass
     if kind in ("confined", "eccentric"):
         return np.asarray(chi_confined(sizes.outer_diameter, sizes.hole_diameter))
     if kind == "paper_plug":
@@ -514,7 +533,7 @@ def _bit_end(
     nozzle = last.nozzle_area or 0.0
     end, axis = position[-1], tangent[-1]
     if sizes is not None and well is not None:
-        points, directions, _ = well.at(np.array([case.well.survey.md[-1]]))  # type: ignore[union-attr]
+        points, directions, _ = well.at(np.array([case.given_well.survey.md[-1]]))
         end, axis = np.asarray(points)[0], np.asarray(directions)[0]
     rock = case.well.sections[-1].compliance if case.well is not None and f.elastic_walls else None
     hole = (0.0, 0.0, 0.0)

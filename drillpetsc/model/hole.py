@@ -44,4 +44,4 @@ def top_of_string(case: Case, length: float) -> float:
 
 def hole_depth(case: Case) -> float:
     """Measured depth of the end of the hole [m]: the last survey station."""
-    return float(case.well.survey.md[-1])  # type: ignore[union-attr]
+    return float(case.given_well.survey.md[-1])

@@ -40,7 +40,7 @@ def build_rock_bit(case: Case, mesh: StringMesh, well: Well) -> RockBit:
     face = mesh.total_length - float(mesh.node_depth[-1])
     # the cutting part of a bit is about as high as wide; the part above it does not touch the hole
     shape = BitShape(face, radius, 0.5 * min(length, 2 * radius) or 0.5 * radius)
-    start, friction = float(case.well.survey.md[-1]), float(case.well.sections[-1].friction)  # type: ignore[arg-type]
+    start, friction = float(case.given_well.survey.md[-1]), float(case.given_well.sections[-1].friction)
     hole = GrowingHole(well, shape.half, radius + formation.overgauge, friction, formation.node_spacing)
     wall = friction if item is None or item.friction is None else item.friction
     c = case.contact

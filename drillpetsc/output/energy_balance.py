@@ -118,11 +118,15 @@ class EnergyBalance:
         """Count the stored energy released by a change of law, such as by a latch, as turned into heat."""
         self.update(t)
         self.dissipated += self._before_event - self._stored
-        self._powers = tuple(self.system.powers(t))  # type: ignore[assignment]
+        self._take_powers(t)
+
+    def _take_powers(self, t: float) -> None:
+        powers = self.system.powers(t)
+        self._powers = float(powers.dissipated), float(powers.supplied)
 
     def after_sample(self, t: float) -> None:
         """Take the powers after a force has jumped: the quadrature of the next step begins with them."""
-        self._powers = tuple(self.system.powers(t))  # type: ignore[assignment]
+        self._take_powers(t)
 
     def at_jump(self, t: float) -> None:
         """Store the energy error just before a jump of a prescribed velocity."""

@@ -47,7 +47,8 @@ class RunWriter:
         self.model, self.recorder, self.folder = model, recorder, folder
         self.field_output = FieldOutput(model)
         out = model.case.output
-        self.every = (float(out.history_every), float(out.field_every))  # type: ignore[arg-type]
+        assert out.history_every is not None and out.field_every is not None  # defaults fill them
+        self.every = (float(out.history_every), float(out.field_every))
         self.next_row, self.next_frame = (
             (0, 0) if restart_time is None else (after(restart_time, e) for e in self.every)
         )
@@ -121,7 +122,7 @@ class RunWriter:
         try:
             task()
         except OSError as error:
-            errors.report_write_error(error, error.filename or str(self.folder.path))  # type: ignore[union-attr]
+            errors.report_write_error(error, error.filename or str(self.folder and self.folder.path))
 
     def _write(self, t: float, fields: tuple[FloatArray, dict[str, FloatArray]] | None) -> None:
         if self.folder is None:

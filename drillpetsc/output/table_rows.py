@@ -154,7 +154,9 @@ class TableRow:
 
     def __init__(self, columns: Sequence[TableColumn], depths: dict[str, tuple[float, ...]]) -> None:
         self.width = len(columns)
-        self._now = [(i, c.quantity.value, c.source) for i, c in enumerate(columns) if c.slot is None]
+        self._now: list[tuple[int, Any, Any]] = [
+            (i, c.quantity.value, c.source) for i, c in enumerate(columns) if c.slot is None
+        ]
         plain = [i for i, c in enumerate(columns) if c.slot is not None and c.quantity.finish is None]
         self._plain = np.array(plain, dtype=int)
         self._plain_at = np.array(
@@ -175,7 +177,7 @@ class TableRow:
 
     def numbers_now(self) -> list[float]:
         """Numbers of a row that do not come from a sample, at the time of writing."""
-        return [value(source, None) for _, value, source in self._now]  # type: ignore[misc]
+        return [value(source, None) for _, value, source in self._now]
 
     def rows(self, samples: FloatArray, now: Sequence[Sequence[float]]) -> FloatArray:
         """(k, columns) rows from samples (k, width) and the ``numbers_now`` of each."""
@@ -193,7 +195,7 @@ class TableRow:
         for group in self._finished:
             group.write(sample, row)
         for i, value, source in self._now:
-            row[i] = value(source, None)  # type: ignore[misc]
+            row[i] = value(source, None)
         return row.tolist()
 
 

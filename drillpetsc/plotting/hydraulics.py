@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any, get_args
+from typing import Any
 
 import numpy as np
 
@@ -24,7 +24,7 @@ from drillpetsc.output.quantities.hydraulics import LEVELS, LOSSES
 from drillpetsc.output.shown_units import shown_unit
 from drillpetsc.plotting import style
 from drillpetsc.plotting.style import LINE_COLORS, words
-from drillpetsc.unit_systems import System
+from drillpetsc.unit_systems import System, system_named
 
 Table = dict[str, np.ndarray]
 
@@ -63,8 +63,7 @@ def hydraulics_drawers(folder: Path, title: str, system: System) -> dict[str, Ca
 
 def units_of(summary: dict[str, Any]) -> System:
     """Units in which the pictures of a folder are drawn: those that its command printed, else metric."""
-    units = summary.get("units")
-    return units if units in get_args(System) else "metric"  # type: ignore[return-value]
+    return system_named(summary.get("units")) or "metric"
 
 
 class _Axis:

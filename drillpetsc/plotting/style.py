@@ -9,14 +9,14 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from contextvars import ContextVar
 from pathlib import Path
-from typing import Any, get_args
+from typing import Any
 
 import numpy as np
 
 from drillpetsc.output import catalogue
 from drillpetsc.output.files.tables import split_name
 from drillpetsc.output.shown_units import unit_of
-from drillpetsc.unit_systems import System
+from drillpetsc.unit_systems import System, system_named
 from drillpetsc.unit_systems import display_unit as unit_in
 
 UNITS: ContextVar[System | None] = ContextVar("UNITS", default=None)
@@ -132,7 +132,7 @@ def units_of_run(case: Path) -> System | None:
     case: the case.yaml of a run folder, which the program has written
     """
     found = _OUTPUT_UNITS.search(case.read_text(encoding="utf-8")) if case.is_file() else None
-    return found.group(1) if found and found.group(1) in get_args(System) else None  # type: ignore[return-value]
+    return system_named(found.group(1)) if found else None
 
 
 def words(title: str) -> str:

@@ -162,27 +162,8 @@ def grid_of(
     """
     titles = [t for t in table if not columns or t.partition(" [")[0] in columns]
     titles = [t for t in titles if table[t].dtype.kind != "f" or np.isfinite(table[t]).any()]
-    count = len(next(iter(table.values()), ()))
-    kept = np.arange(count)
-    if count > SHOWN:
-        kept = np.unique(np.linspace(0, count - 1, SHOWN).round().astype(int))
-        if (
-            depth := table.get("bit_depth [m]")
-        ) is not None:  # a curve an operation: each with its deepest row
-            deepest = np.flatnonzero(depth >= np.nanmax(depth) - 1e-6)
-            kept = np.unique(np.concatenate([kept, deepest[:SHOWN]]))
-    shown: list[list[str]] = []
-    for title in titles:
-        values = table[title]
-        if title.endswith(MIXED) and COMPARED in table:
-            shown.append(_mixed(values[kept], table[COMPARED][kept], system))
-        elif values.dtype.kind == "f":
-            shown.append(texts(in_units(title, values[kept], system)))
-            if title == TRIP_SPEED and LIMITED_BY in table:  # no limit is passed at the fastest speed tried
-                free = np.isin(table[LIMITED_BY][kept].astype(str), ("none", "-"))
-                shown[-1] = [f"> {q}" if f else q for q, f in zip(shown[-1], free, strict=True)]
-        else:
-            shown.append([lengths_shown(str(value), system) for value in values[kept]])
+    count, kept = len(next(iter(table.values()), ())), _kept_rows(table)
+    shown = [_cells(table, title, kept, system) for title in titles]
     notes = []
     if len(kept) < count:
         notes.append(f"{len(kept)} of {count} rows")
@@ -203,6 +184,34 @@ def grid_of(
         [table[title].dtype.kind == "f" for title in titles],
         "; ".join(notes),
     )
+
+
+def _kept_rows(table: Mapping[str, np.ndarray]) -> np.ndarray:
+    """Numbers of the rows that are shown."""
+    count = len(next(iter(table.values()), ()))
+    if count <= SHOWN:
+        return np.arange(count)
+    kept, depth = np.linspace(0, count - 1, SHOWN).round().astype(int), table.get("bit_depth [m]")
+    if depth is None:
+        return np.unique(kept)
+    deepest = np.flatnonzero(
+        depth >= np.nanmax(depth) - 1e-6
+    )  # a curve an operation: each with its deepest row
+    return np.unique(np.concatenate([kept, deepest[:SHOWN]]))
+
+
+def _cells(table: Mapping[str, np.ndarray], title: str, kept: np.ndarray, system: System) -> list[str]:
+    """Texts of the ``kept`` rows of a column."""
+    values = table[title][kept]
+    if title.endswith(MIXED) and COMPARED in table:
+        return _mixed(values, table[COMPARED][kept], system)
+    if values.dtype.kind != "f":
+        return [lengths_shown(str(value), system) for value in values]
+    cells = list(texts(in_units(title, values, system)))
+    if title == TRIP_SPEED and LIMITED_BY in table:  # no limit is passed at the fastest speed tried
+        free = np.isin(table[LIMITED_BY][kept].astype(str), ("none", "-"))
+        cells = [f"> {q}" if f else q for q, f in zip(cells, free, strict=True)]
+    return cells
 
 
 def _mixed(values: np.ndarray, names: np.ndarray, system: System) -> list[str]:

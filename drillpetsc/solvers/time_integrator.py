@@ -357,8 +357,7 @@ class TimeIntegrator:
 
     def compiled_seconds(self) -> dict[str, float]:
         """Wall time so far of the phases of Newton's method in compiled code [s]; PETSc's log has that of all others."""
-        compiled = self.newton.compiled if self.condensed else None
-        return {} if compiled is None else compiled.seconds
+        return self.newton.iteration.seconds if self.condensed else {}
 
     def linear_iterations(self) -> int:
         """Number of linear iterations so far."""

@@ -11,39 +11,41 @@ from petsc4py import PETSc  # noqa: E402
 
 from drillpetsc.analysis.transient import run  # noqa: E402
 from drillpetsc.case import load_case  # noqa: E402
-from drillpetsc.fem.contact_entries import ContactEntries  # noqa: E402
-from drillpetsc.solvers.newton import CondensedNewton  # noqa: E402
+from drillpetsc.solvers.newton_iteration import NewtonIteration  # noqa: E402
 
 comm = PETSc.COMM_WORLD
-firsts: list[int] = []  # of each renewal: first node of this rank that has changed
 totals = [0, 0, 0]
-_update, _apart = CondensedNewton.update_contacts, ContactEntries.update
+entries, factor = NewtonIteration.compute_entries, NewtonIteration._factor_from
+whole = [False]  # the next factorisation is that of new entries
 
 
-def apart(self, *arguments):
-    firsts.append(_apart(self, *arguments))
-    return firsts[-1]
+def compute_entries(self):
+    whole[0] = True
+    entries(self)
 
 
-def update(self, its):
-    renewed = _update(self, its)
-    if renewed:
-        rows = self.last_rows()
-        partly, whole = np.zeros((2, len(rows)))
-        self.factor.solve_owned(rows, partly)
+def factor_from(self, first):
+    factor(self, first)
+    if not whole[0]:  # of the contacts alone
+        partly, again = np.zeros((2, len(self.rows)))
+        self.factor.solve_owned(self.rows, partly)
         self.factor.factor(self.system.assembly.values)
-        self.take_factor()
-        self.factor.solve_owned(rows, whole)
-        assert np.array_equal(partly, whole), abs(partly - whole).max()
+        self.factor.solve_owned(self.rows, again)
+        assert np.array_equal(partly, again), abs(partly - again).max()
         last = self.contacts.nodes - 1
         totals[0] += 1
-        totals[1] += 0 < firsts[-1] <= last
-        totals[2] += firsts[-1] > last
-    return renewed
+        totals[1] += 0 < first <= last
+        totals[2] += first > last
+    whole[0] = False
 
 
-CondensedNewton.update_contacts, ContactEntries.update = update, apart
-CondensedNewton._compiled = lambda self: None  # its parts on one rank, too
+def in_python(self, *arguments):
+    self.compiled = False
+    begin(self, *arguments)
+
+
+NewtonIteration.compute_entries, NewtonIteration._factor_from = compute_entries, factor_from
+begin, NewtonIteration.begin = NewtonIteration.begin, in_python
 case = load_case(sys.argv[1], ["time.end=0.5 s", "initial.wob=60 kN"])
 run(case, sys.argv[2], progress="silent")
 every = comm.tompi4py().allgather(totals)

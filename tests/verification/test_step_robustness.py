@@ -89,7 +89,7 @@ def test_a_failed_newton_is_never_accepted(fixed, tmp_path, options, monkeypatch
         reason = solve(self, t, shift)
         if shift < 1.0 / 4e-4:  # 1/dt at least, for any order and any step before
             failed.append(shift)
-            self.lag.good = False
+            self.discard_factor()
             return PETSc.SNES.ConvergedReason.DIVERGED_MAX_IT
         return reason
 

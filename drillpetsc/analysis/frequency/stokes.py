@@ -83,7 +83,8 @@ class StokesForces:
         """
         if direction and self.swirl.any():
             both = [self._coefficients(_upper(complex(s - 1j * direction * w))) for w in self.swirl]
-            return tuple(np.array([pair[i][k] for k, pair in enumerate(both)]) for i in (0, 1))  # type: ignore[return-value]
+            first, second = (np.array([pair[i][k] for k, pair in enumerate(both)]) for i in (0, 1))
+            return first, second
         return self._coefficients(s)
 
     def _coefficients(self, s: complex) -> tuple[FloatArray, FloatArray]:

@@ -152,6 +152,24 @@ class CaseBlocks(Block):
         return self.output.units or "metric"
 
     @property
+    def given_well(self) -> Well:
+        """``well`` of a case that has a hole."""
+        assert self.well is not None
+        return self.well
+
+    @property
+    def given_fluid(self) -> Fluid:
+        """``fluid`` of a case with mud."""
+        assert self.fluid is not None
+        return self.fluid
+
+    @property
+    def given_time(self) -> Time:
+        """``time`` of a case that is run."""
+        assert self.time is not None
+        return self.time
+
+    @property
     def item_depths(self) -> tuple[tuple[float, float], ...]:
         """Measured depth of the upper and lower end of each string item [m]."""
         depths, above = [], 0.0

@@ -270,35 +270,50 @@ def find_pipe(
         if abs(row["nominal"] - nominal) <= WEIGHT_TOLERANCE
     ]
     grades = grade_names(catalogue, "drill_pipe")
+
+    def fits(row: Row) -> bool:
+        its, upset = grades.get(_bare(row["grade"])), row["upset"]
+        return (
+            its is not None
+            and its["grade"] == grade["grade"]
+            and not (reference.upset and upset and upset.upper() != reference.upset)
+            and not (connection and not same_connection(catalogue, connection, row["connection"]))
+        )
+
     rows: list[Row] = []
-    for row in of_tube:
-        its = grades.get(_bare(row["grade"]))
-        if its is None or its["grade"] != grade["grade"]:
-            continue
-        if reference.upset and row["upset"] and row["upset"].upper() != reference.upset:
-            continue
-        if connection and not same_connection(catalogue, connection, row["connection"]):
-            continue
+    for row in filter(fits, of_tube):
         if not any(_replaces(earlier, row) for earlier in rows):
             rows.append(row)
-    name = f"{inch_text(size)} {nominal:.2f} {grade['grade']}"
-    if len(rows) > 1 and joint_needed:
-        raise ReferenceProblem(
-            f"one tool joint; {name} has {' and '.join(_joint_text(row) for row in rows)}",
+    if len(rows) != 1 and joint_needed:
+        raise _no_single_joint(rows, of_tube, (size, nominal, grade["grade"]), connection, reference.upset)
+    return PipeChoice(tube, rows[0] if len(rows) == 1 else None, reference, tuple(of_tube))
+
+
+def _no_single_joint(
+    rows: list[Row],
+    of_tube: list[Row],
+    pipe: tuple[float, float, str],
+    connection: str | None,
+    upset: str | None,
+) -> ReferenceProblem:
+    """The error that ``rows``, of those ``of_tube``, are not one tool joint; pipe: size [m], nominal weight, grade."""
+    size, nominal, grade = pipe
+    name = f"{inch_text(size)} {nominal:.2f}"
+    if rows:
+        return ReferenceProblem(
+            f"one tool joint; {name} {grade} has {' and '.join(_joint_text(row) for row in rows)}",
             "say the connection" if len({_bare(r["connection"]) for r in rows}) > 1 else "say the upset",
         )
-    if not rows and joint_needed:
-        asked = f" with {connection}" if connection else ""
-        asked += f" {reference.upset}" if reference.upset else ""
-        others = "; ".join(_joint_text(row) for row in of_tube)
-        raise ReferenceProblem(
-            f"a tool joint that the catalogue has for {inch_text(size)} {nominal:.2f}: "
-            f"there is none for {grade['grade']}{asked}",
-            f"there are {others}; or give tool_joint: {{od: .., id: .., length: ..}}"
-            if others
-            else "give tool_joint: {od: .., id: .., length: ..}",
-        )
-    return PipeChoice(tube, rows[0] if len(rows) == 1 else None, reference, tuple(of_tube))
+    asked = f" with {connection}" if connection else ""
+    asked += f" {upset}" if upset else ""
+    others, own = (
+        "; ".join(_joint_text(row) for row in of_tube),
+        "give tool_joint: {od: .., id: .., length: ..}",
+    )
+    return ReferenceProblem(
+        f"a tool joint that the catalogue has for {name}: there is none for {grade}{asked}",
+        f"there are {others}; or {own}" if others else own,
+    )
 
 
 def find_heavy_pipe(catalogue: Catalogue, text: str, connection: str | None = None) -> Row:

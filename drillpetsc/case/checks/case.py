@@ -67,7 +67,7 @@ def _integrator(case: CaseBlocks) -> None:
     if chosen and kind not in ("alpha2", "genalpha"):
         want = "no ts_type with time.integrator: generalized_alpha"
         raise refuse("petsc", "ts_type", got=kind, want=want)
-    if chosen and case.time.spectral_radius is not None and "ts_alpha_radius" in case.petsc:  # type: ignore[union-attr]
+    if chosen and case.given_time.spectral_radius is not None and "ts_alpha_radius" in case.petsc:
         want = "either time.spectral_radius or petsc.ts_alpha_radius"
         raise refuse("petsc", "ts_alpha_radius", got=case.petsc["ts_alpha_radius"], want=want)
 

@@ -334,7 +334,8 @@ def minimum_curvature_step(
     north = a * math.cos(azimuth) + b * math.cos(next_azimuth)
     east = a * math.sin(azimuth) + b * math.sin(next_azimuth)
     down = math.cos(inclination) + math.cos(next_inclination)
-    return tuple(length / 2 * ratio * part for part in (north, east, down))  # type: ignore[return-value]
+    step = length / 2 * ratio
+    return step * north, step * east, step * down
 
 
 def _positions(

@@ -1,5 +1,5 @@
-// Newton's iteration of a condensed step on one rank in one call (manual: sec-time-newton).  solvers/newton.py has the same operations one by
-// one, for several ranks and for PETSc's own solvers: results agree to the last bit.
+// Newton's iteration of a condensed step in one call, collective (manual: sec-time-newton).  Between ranks go messages to neighbours inside the
+// residual, the factorisation and the solution, which Python has, and five numbers an iteration.
 #include <cmath>
 #include <cstdint>
 #include <cstring>
@@ -25,21 +25,28 @@ DP_RECORD(ContactCall, const int* first; double* before; const signed char* touc
 // Bytes that change where contacts open or close; wall: any that is not zero is a closed contact at the wall.
 DP_RECORD(FlagCall, const void* bytes; int size, wall;)
 
-// How a solve ends, as PETSc counts its reasons.
-DP_RECORD(ReasonCall, int converged, not_a_number, no_pivot, too_many, diverging, unused;)
+// How a solve ends, as PETSc counts its reasons; raised: a part in Python has raised an exception.
+DP_RECORD(ReasonCall, int converged, not_a_number, no_pivot, too_many, diverging, raised;)
+
+// Parts that Python has, null for those that are compiled.  rows(): residual at q.  entries(): of the matrix.  factor(first): from this rank's
+// node `first` on.  solve(): increment of the rows.  They return 0, 1 without a pivot, -1 after an exception.  sum(values, n), largest(values, n):
+// over all ranks, in place; null on one rank.
+DP_RECORD(PartsCall, const void* rows; const void* entries; const void* factor; const void* solve; const void* sum; const void* largest;)
 
 // q, rows, increment, scale (n): unknowns, residual, increment, usual sizes.  forces (force_count): rows that do work along an increment, null
 // for all.  replaced: elements of contacts at each prescribed motion.  power_rows, power_rates (power_count): rows and rates of the remaining
 // power.  contacts, flags, flags_before: see above; the last are those of the factorisation.  lag_shift: shift of the factorisation.
+// switching: contacts of any rank may open or close.  last, first: sizes of the last increment and of the first of this solve; theta: contraction.
+// renewed: iteration that renewed the contacts last.
 // good, factored: there is one, and the chain has it; current: of the present entries.  work_limit: 0 without a limit.  seconds: of phases,
 // added up.
 DP_RECORD(NewtonCall,
     const StepCall* step; const JacobianCall* jacobian; const ChainCall* chain; const ContactCall* contacts; const PrescribedMatrix* replaced;
-    const FlagCall* flags; const ReasonCall* reasons;
+    const FlagCall* flags; const ReasonCall* reasons; const PartsCall* parts;
     double* q; double* rows; double* increment; const double* scale; const int* forces; const int* power_rows; const int* power_rates; signed char* flags_before;
     double lag_shift, shift_change, contraction, tolerance, spacing, rounding, finest, work_limit, overshoot, shortest, eta, last, first, theta, seconds[4];
     int n, nodes, force_count, power_count, contact_count, flag_count, line_search, max_iterations, lag_iterations, contact_iterations;
-    int good, factored, current, contacts_apart, rows_known, unused, iterations, renewed, evaluations, jacobians, contact_updates, factorisations;
+    int good, factored, current, contacts_apart, rows_known, switching, iterations, renewed, evaluations, jacobians, contact_updates, factorisations;
 )
 
 enum Phase { RESIDUAL, JACOBIAN, FACTOR, SOLVE };
@@ -65,6 +72,7 @@ DP_EXPORT_RECORD(chain_call, ChainCall)
 DP_EXPORT_RECORD(contact_call, ContactCall)
 DP_EXPORT_RECORD(flag_call, FlagCall)
 DP_EXPORT_RECORD(reason_call, ReasonCall)
+DP_EXPORT_RECORD(parts_call, PartsCall)
 DP_EXPORT_RECORD(newton_call, NewtonCall)
 
 extern "C" {
@@ -114,10 +122,33 @@ void shorten_step(int n, double fraction, double* step, double* q) {
 
 namespace {
 
-void residual(NewtonCall& c) {
+// Why a solve cannot go on: its rows, or its matrix, failed in Python, or the matrix has no pivot.
+enum Outcome { DONE, NO_PIVOT, RAISED };
+
+Outcome outcome(int code) { return code == 0 ? DONE : code > 0 ? NO_PIVOT : RAISED; }
+
+template <class... Arguments>
+Outcome python(const void* part, Arguments... arguments) {
+    return outcome(reinterpret_cast<int (*)(Arguments...)>(const_cast<void*>(part))(arguments...));
+}
+
+void over_ranks(const void* reduction, double* values, int n) {
+    if (reduction) reinterpret_cast<void (*)(double*, int)>(const_cast<void*>(reduction))(values, n);
+}
+
+// Whether it is true on any rank.
+bool anywhere(const NewtonCall& c, bool here) {
+    double one = here;
+    over_ranks(c.parts->largest, &one, 1);
+    return one > 0.0;
+}
+
+Outcome residual(NewtonCall& c) {
+    if (c.parts->rows) return python(c.parts->rows);
     const Timer timer(c, RESIDUAL);
     c.evaluations++;
     step_rows(c.step, c.q, c.rows);
+    return DONE;
 }
 
 double work(const NewtonCall& c) { return work_along_step(c.forces ? c.force_count : c.n, c.forces, c.rows, c.increment); }
@@ -144,15 +175,26 @@ bool touches_wall(const NewtonCall& c) {
 bool shift_fits(const NewtonCall& c) { return std::fabs(c.step->sigma / c.lag_shift - 1.0) <= c.shift_change; }
 
 bool reusable(const NewtonCall& c) {
-    return c.good && c.factored && shift_fits(c) && c.theta <= c.contraction && c.iterations - c.renewed < c.lag_iterations && !flags_changed(c);
+    if (!(c.good && c.factored && shift_fits(c) && c.theta <= c.contraction && c.iterations - c.renewed < c.lag_iterations)) return false;
+    return !c.switching || !anywhere(c, flags_changed(c));
 }
 
-// Factors from node `from` on; false without a pivot.
-bool factor(NewtonCall& c, int from) {
+// Factors from node `from` on.
+Outcome factor(NewtonCall& c, int from) {
+    if (c.parts->factor) return python(c.parts->factor, from);
+    const Timer timer(c, FACTOR);
     const ChainCall& h = *c.chain;
     c.factorisations++;
-    return chain_factor(from, h.n, 0, h.table, h.store, h.start, h.first_entry, h.pattern, h.tile_begin, h.tiles, h.single_begin, h.singles,
-                        c.jacobian->values, h.inverse, h.pivot, h.tolerance, h.stats, nullptr, nullptr) < 0;
+    return outcome(chain_factor(from, h.n, 0, h.table, h.store, h.start, h.first_entry, h.pattern, h.tile_begin, h.tiles, h.single_begin, h.singles,
+                                c.jacobian->values, h.inverse, h.pivot, h.tolerance, h.stats, nullptr, nullptr) >= 0);
+}
+
+Outcome solve(NewtonCall& c) {
+    if (c.parts->solve) return python(c.parts->solve);
+    const Timer timer(c, SOLVE);
+    const ChainCall& h = *c.chain;
+    chain_solve(h.n, h.table, h.store, h.inverse, h.pivot, h.length, h.index, c.rows, h.vec, h.index, c.increment);
+    return DONE;
 }
 
 // Whether an element has entries, or had some at the factorisation.
@@ -164,23 +206,27 @@ bool has_entries(const ContactCall& contact, int e) {
     return any;
 }
 
-// The entries of contacts are computed anew; first node along the chain that has a changed one, `nodes` where there is none.
-int changed_node(NewtonCall& c) {
-    weigh_entries(c.jacobian);
-    for (int k = 0; k < c.contact_count; ++k) {
-        const ContactCall& contact = c.contacts[k];
-        const MatrixCall& b = c.jacobian->blocks[contact.block];
+}  // namespace
+
+// The entries of `count` blocks of contacts are computed anew, those of the `prescriptions` that replace rows in them with them; first of this
+// rank's `nodes` along the chain that has a changed one, `nodes` where there is none.
+extern "C" int renew_contact_entries(const JacobianCall* jacobian, int count, const ContactCall* contacts, int prescriptions,
+                                     const PrescribedMatrix* replaced, int nodes) {
+    weigh_entries(jacobian);
+    for (int k = 0; k < count; ++k) {
+        const ContactCall& contact = contacts[k];
+        const MatrixCall& b = jacobian->blocks[contact.block];
         const std::size_t each = (std::size_t)b.width * b.width;
         for (int e = 0; e < b.count; ++e)
             if (has_entries(contact, e)) std::memcpy(contact.before + e * each, b.values + e * each, each * sizeof(double));
-        block_entries(c.jacobian, &b);
+        block_entries(jacobian, &b);
     }
     // rows of prescribed motion in other blocks stay with their entries: it has not turned
-    for (int k = 0; k < c.step->prescriptions; ++k) replace_rows(c.jacobian, c.replaced + k);
-    int first = c.nodes;
-    for (int k = 0; k < c.contact_count; ++k) {
-        const ContactCall& contact = c.contacts[k];
-        const MatrixCall& b = c.jacobian->blocks[contact.block];
+    for (int k = 0; k < prescriptions; ++k) replace_rows(jacobian, replaced + k);
+    int first = nodes;
+    for (int k = 0; k < count; ++k) {
+        const ContactCall& contact = contacts[k];
+        const MatrixCall& b = jacobian->blocks[contact.block];
         const std::size_t each = (std::size_t)b.width * b.width;
         for (int e = 0; e < b.count && contact.first[e] < first; ++e)
             if (has_entries(contact, e) && std::memcmp(contact.before + e * each, b.values + e * each, each * sizeof(double))) {
@@ -191,6 +237,8 @@ int changed_node(NewtonCall& c) {
     return first;
 }
 
+namespace {
+
 // Whether a prescribed motion has turned since the last entries.
 bool motion_turned(const NewtonCall& c) {
     for (int k = 0; k < c.step->prescriptions; ++k) {
@@ -200,23 +248,32 @@ bool motion_turned(const NewtonCall& c) {
     return false;
 }
 
-// The contacts alone are renewed in the last factorisation (manual: sec-time-contact-entries); 0 where that is not possible, -1 without a pivot.
-int renew_contacts(NewtonCall& c) {
-    if (!c.contacts_apart || c.iterations >= c.contact_iterations || !(c.good && c.factored && c.current) || !shift_fits(c)) return 0;
-    if (!(c.theta > c.contraction || flags_changed(c)) || !c.contact_count || !touches_wall(c) || motion_turned(c)) return 0;
-    const int first = changed_node(c);
-    if (first < c.nodes && !factor(c, first)) return -1;
+// Whether contacts can be renewed apart and are the likely cause of slow convergence: they have switched, or the contraction is poor.  A good
+// contraction that takes many iterations is that of the other entries, which are old.  A bit alone, without contact at the wall, has another cause.
+bool contacts_suffice(const NewtonCall& c) {
+    if (!c.contacts_apart || c.iterations >= c.contact_iterations || !(c.good && c.factored && c.current) || !shift_fits(c)) return false;
+    double found[3] = {double(flags_changed(c)), double(c.contact_count && touches_wall(c)), double(motion_turned(c))};
+    over_ranks(c.parts->sum, found, 3);
+    return found[1] > 0.0 && found[2] == 0.0 && (c.theta > c.contraction || found[0] > 0.0);
+}
+
+// The contacts alone are renewed in the last factorisation (manual: sec-time-contact-entries).
+Outcome renew_contacts(NewtonCall& c) {
+    int first;
+    {
+        const Timer timer(c, JACOBIAN);
+        first = renew_contact_entries(c.jacobian, c.contact_count, c.contacts, c.step->prescriptions, c.replaced, c.nodes);
+    }
+    const Outcome factored = first < c.nodes || c.parts->factor ? factor(c, first) : DONE;
+    if (factored != DONE) return factored;
     keep_flags(c);
     c.contact_updates++;
     c.renewed = c.iterations;
-    return 1;
+    return DONE;
 }
 
-void jacobian(NewtonCall& c) {
-    const Timer timer(c, JACOBIAN);
-    weigh_entries(c.jacobian);
-    for (int k = 0; k < c.jacobian->count; ++k) block_entries(c.jacobian, c.jacobian->blocks + k);
-    prescribed_entries(c.jacobian, 1.0);
+// Takes the present entries as those of the next factorisation.
+void begin_factorisation(NewtonCall& c) {
     c.jacobians++;
     c.lag_shift = c.step->sigma;
     c.good = c.current = 1;
@@ -224,33 +281,49 @@ void jacobian(NewtonCall& c) {
     c.eta = c.eta > 1.0 ? 1.0 : std::pow(c.eta > 1e-10 ? c.eta : 1e-10, 0.8);
 }
 
-// A factorisation that fits; false without a pivot.
-bool prepare(NewtonCall& c) {
-    if (reusable(c)) return true;
-    const Timer timer(c, FACTOR);
-    const int apart = renew_contacts(c);
-    if (apart > 0) return true;
-    if (apart == 0) {
-        jacobian(c);
-        if (factor(c, 0)) {
-            c.factored = 1;
-            return true;
-        }
+Outcome jacobian(NewtonCall& c) {
+    if (c.parts->entries) {
+        const Outcome computed = python(c.parts->entries);
+        if (computed != DONE) return computed;
+    } else {
+        const Timer timer(c, JACOBIAN);
+        weigh_entries(c.jacobian);
+        for (int k = 0; k < c.jacobian->count; ++k) block_entries(c.jacobian, c.jacobian->blocks + k);
+        prescribed_entries(c.jacobian, 1.0);
     }
-    c.good = c.factored = 0;
-    return false;
+    begin_factorisation(c);
+    return DONE;
+}
+
+// A factorisation that fits.
+Outcome prepare(NewtonCall& c) {
+    if (reusable(c)) return DONE;
+    Outcome reached;
+    if (contacts_suffice(c)) {
+        reached = renew_contacts(c);
+    } else {
+        reached = jacobian(c);
+        if (reached == DONE) reached = factor(c, 0);
+        c.factored = reached == DONE;
+    }
+    if (reached != DONE) c.good = c.factored = 0;
+    return reached;
 }
 
 bool leaves_work(const NewtonCall& c, double size) {
     if (c.work_limit <= 0.0 || size <= c.finest) return false;
-    return std::fabs(residual_power(c.step, c.power_count, c.power_rows, c.rows, c.power_rates)) > c.work_limit;
+    double power = residual_power(c.step, c.power_count, c.power_rows, c.rows, c.power_rates);
+    over_ranks(c.parts->sum, &power, 1);
+    return std::fabs(power) > c.work_limit;
 }
 
 // Reason to end after an increment, 0 to go on (manual: eq-time-increment, eq-time-convergence, eq-time-work).
 int judge(NewtonCall& c) {
     const ReasonCall& r = *c.reasons;
-    if (!finite_sum(c.n, c.rows)) return r.not_a_number;
-    const double size = scaled_size(c.n, c.increment, c.scale, c.spacing, c.q);
+    double found[2] = {double(!finite_sum(c.n, c.rows)), scaled_size(c.n, c.increment, c.scale, c.spacing, c.q)};
+    over_ranks(c.parts->largest, found, 2);
+    const double size = found[1];
+    if (found[0] > 0.0) return r.not_a_number;
     if (c.iterations > 1 && c.last > 0.0) {
         c.theta = size / c.last;
         if (c.theta >= 2.0 && c.iterations > 4 && size > c.first) return r.diverging;
@@ -264,41 +337,62 @@ int judge(NewtonCall& c) {
     return c.iterations >= c.max_iterations ? r.too_many : 0;
 }
 
+int reason_of(const NewtonCall& c, Outcome ended) { return ended == NO_PIVOT ? c.reasons->no_pivot : c.reasons->raised; }
+
+// One secant step back where the increment overshoots (manual: eq-time-line-search); before: this rank's work along it before it was taken.
+Outcome shorten(NewtonCall& c, double before) {
+    double both[2] = {before, work(c)};
+    over_ranks(c.parts->sum, both, 2);
+    if (!(both[0] < 0.0 && both[1] > -c.overshoot * both[0])) return DONE;
+    const double fraction = both[0] / (both[0] - both[1]);
+    shorten_step(c.n, fraction > c.shortest ? fraction : c.shortest, c.increment, c.q);
+    return residual(c);
+}
+
 }  // namespace
 
+extern "C" {
+// The tests of the iteration for another solver: after its increment, its rows and its unknowns in the record; reason to end, 0 to go on.
+int newton_judge(NewtonCall* call, int iteration) {
+    call->iterations = iteration;
+    if (iteration) return judge(*call);
+    call->theta = 0.0;
+    call->renewed = 0;
+    return anywhere(*call, !finite_sum(call->n, call->rows)) ? call->reasons->not_a_number : 0;
+}
+
+// Whether another solver may use its last factorisation in an iteration; where it may not, it computes entries and calls newton_new_entries.
+int newton_reusable(NewtonCall* call, int iteration) {
+    call->iterations = iteration;
+    return reusable(*call);
+}
+
+void newton_new_entries(NewtonCall* call) { begin_factorisation(*call); }
+
 // Iterates from the unknowns in the assembly's x; returns the reason to end.
-extern "C" int newton_solve(NewtonCall* call) {
+int newton_solve(NewtonCall* call) {
     NewtonCall& c = *call;
     const StepCall& s = *c.step;
     c.iterations = c.evaluations = c.jacobians = c.contact_updates = c.factorisations = 0;
+    Outcome ended = DONE;
     if (!c.rows_known) {
         for (int i = 0; i < c.n; ++i) c.q[i] = s.x[s.owned[i]];
-        residual(c);
+        ended = residual(c);
     }
-    if (!finite_sum(c.n, c.rows)) return c.reasons->not_a_number;
-    c.theta = 0.0;
-    c.renewed = 0;
+    if (ended != DONE) return reason_of(c, ended);
+    if (const int reason = newton_judge(call, 0)) return reason;
     for (;;) {
-        if (!prepare(c)) return c.reasons->no_pivot;
-        {
-            const Timer timer(c, SOLVE);
-            const ChainCall& h = *c.chain;
-            chain_solve(h.n, h.table, h.store, h.inverse, h.pivot, h.length, h.index, c.rows, h.vec, h.index, c.increment);
-        }
+        ended = prepare(c);
+        if (ended == DONE) ended = solve(c);
+        if (ended != DONE) return reason_of(c, ended);
         // along the negative step: the solution of the factors is subtracted
         take_step(c.n, c.increment, c.q);
         const double before = c.line_search ? work(c) : 0.0;
-        residual(c);
-        if (c.line_search) {
-            const double after = work(c);
-            if (before < 0.0 && after > -c.overshoot * before) {  // one secant step (manual: eq-time-line-search)
-                const double fraction = before / (before - after);
-                shorten_step(c.n, fraction > c.shortest ? fraction : c.shortest, c.increment, c.q);
-                residual(c);
-            }
-        }
+        ended = residual(c);
+        if (ended == DONE && c.line_search) ended = shorten(c, before);
+        if (ended != DONE) return reason_of(c, ended);
         c.iterations++;
-        const int reason = judge(c);
-        if (reason) return reason;
+        if (const int reason = judge(c)) return reason;
     }
+}
 }

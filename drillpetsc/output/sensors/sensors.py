@@ -116,7 +116,7 @@ class Sensors:
     # ------------------------------------------------------------------ files, on the first rank
     def files(self, folder: Path, continued: bool = True) -> list[tuple[Path, list[Column], float]]:
         """File, columns and rate [Hz] of every sensor in a run folder."""
-        end = float(self.model.case.time.end)  # type: ignore[union-attr]
+        end = float(self.model.case.given_time.end)
         return [
             (sensor_file(folder, s.sensor.name, s.sensor.rate * end, continued), s.columns, s.sensor.rate)
             for s in self.samplers

@@ -430,11 +430,11 @@ class AnnulusFlow(ChannelFlow):
         """Whether the data for powers and volumes at the upper end are in arrays that keep their memory."""
         around = self.moving_hole
         fixed = around is None or not self.resizes
-        return not self.held and (fixed or (around.evaluated and self._top_place is not None))  # type: ignore[union-attr]
+        return not self.held and (fixed or bool(around and around.evaluated and self._top_place is not None))
 
     def _top_motion_of(self, steps) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Place and velocity of the upper node, direction of the hole there, (k, 3) each, on the rank that has it."""
-        block, row = self._top  # type: ignore[misc]
+        block, row = self._upper_element
         place = steps.assembly.index_of(block)[row, :3]
         return steps.unknowns(place), steps.rates(place), steps.parameters(block, "tangent1", row)
 
@@ -500,23 +500,22 @@ class AnnulusFlow(ChannelFlow):
 
     def _upper_area(self) -> float:
         """Area of the annulus at the upper node [m2], on the rank that has it."""
-        area = self.annulus.hole[0] if self._top_place is None else self.moving_hole.area[0]  # type: ignore[union-attr]
+        around = None if self._top_place is None else self.moving_hole
+        area = self.annulus.hole[0] if around is None else around.area[0]
         return float(area - self.annulus.outer[0])
 
     def _upper_speed(self, state) -> float:
         """Speed of the upper node along the hole [m/s], on the rank that has it."""
-        assert self._top is not None
         if self.held_at is not None:
             return 0.0
-        block, row = self._top
+        block, row = self._upper_element
         return float(state.y.take(state.index_of(block)[row, :3]).dot(block.named["tangent1"][row]))
 
     def _upper_head(self, state) -> float:
         """Weight of the mud above the upper node, at the hole's axis [Pa]: density times gravity times depth."""
-        assert self._top is not None
         if self.held_at is not None:
             return self.fluid.density * float(self.fluid.gravity @ self.held_at[0])
-        block, row = self._top
+        block, row = self._upper_element
         place, p = state.x.take(state.index_of(block)[row, :3]), block.named
         along = p["tangent1"][row] + p["tangent2"][row]
         along /= sqrt(along.dot(along))

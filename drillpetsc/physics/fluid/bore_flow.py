@@ -144,7 +144,8 @@ class BoreFlow(ChannelFlow):
         return update
 
     def breaks(self) -> tuple[float, ...]:
-        return (self.flow_rate or self.pump_pressure).breaks()  # type: ignore[union-attr]
+        given = self.flow_rate or self.pump_pressure
+        return given.breaks() if given is not None else ()
 
     def pumped(self, t: float, state) -> float | None:
         """Return the flow rate into the string [m3/s] at ``t`` [s]; None on ranks without its top."""

@@ -232,15 +232,21 @@ class ChannelFlow(Channel):
         total = self.sums_of(steps)
         return total[:, _DISSIPATED], at_end + total[:, _LEFT_OUT]
 
+    @property
+    def _upper_element(self) -> tuple[ElementBlock, int]:
+        """Block and row of the uppermost element, on the rank that has it."""
+        assert self._top is not None
+        return self._top
+
     def _top_result_of(self, steps, column: int) -> FloatArray:
         """(k,) result of the uppermost element after each of k recorded steps, on the rank with this end."""
-        block, row = self._top  # type: ignore[misc]
+        block, row = self._upper_element
         table = steps.results(block, f"{block.kernel}_results", len(RESULT_NAMES)).table
         return np.asarray(steps.numbers(table, row * len(RESULT_NAMES) + column))
 
     def _top_unknown_of(self, steps, slot: int) -> FloatArray:
         """(k,) unknown of the uppermost element, counted from the last."""
-        block, row = self._top  # type: ignore[misc]
+        block, row = self._upper_element
         return np.asarray(steps.unknowns(steps.assembly.index_of(block).item(row, slot)))
 
     def upper_pressure_of(self, steps) -> FloatArray:
@@ -263,7 +269,7 @@ class ChannelFlow(Channel):
         return state.evaluate_once(self._flow_into_top, state)
 
     def _flow_into_top(self, state) -> float:
-        block, row = self._top  # type: ignore[misc]
+        block, row = self._upper_element
         storage = self._block_results(block, state).table.item(row, _STORAGE_UPPER)
         return storage + state.x.item(state.index_of(block).item(row, -1))
 
@@ -292,10 +298,10 @@ class ChannelFlow(Channel):
 
     def _speed_in_top(self, state) -> float:
         """Speed of the flow in the uppermost element [m/s], on the rank with this end."""
-        block, row = self._top  # type: ignore[misc]
+        block, row = self._upper_element
         return float(self._block_results(block, state).table.item(row, SPEED))
 
     def upper_pressure(self, state) -> float:
         """Return the pressure at the channel's upper end [Pa], on the rank with this end."""
-        block, row = self._top  # type: ignore[misc]
+        block, row = self._upper_element
         return float(state.x.item(state.index_of(block).item(row, -3)))

@@ -126,7 +126,8 @@ class SideNozzles(SideOutlets):
     def _cells_beside(self) -> tuple[np.ndarray, np.ndarray]:
         """Local cells that end, and that begin, at a node with nozzles."""
         nodes = np.array([link.node for link in self.links])
-        return tuple(np.flatnonzero(np.isin(self._part.cells + below, nodes)) for below in (1, 0))  # type: ignore[return-value]
+        above, below = (np.flatnonzero(np.isin(self._part.cells + end, nodes)) for end in (1, 0))
+        return above, below
 
     def breaks(self) -> tuple[float, ...]:
         return () if self.annulus is not None else self.ambient.breaks()

@@ -118,11 +118,12 @@ def table_rows(
         for name in names:
             assert reference is not None
             values = found.get(k, {}).get(name)
-            fits = values is not None and len(values) == len(reference.values[name])
-            if fits and not np.isfinite(values).all():  # type: ignore[arg-type]
-                row.update(status="failed", message=f"{name} is not a number")
-                fits = False
-            errors = errors_of(values, reference.values[name]) if fits else dict.fromkeys(NORMS, math.nan)  # type: ignore[arg-type]
+            errors = dict.fromkeys(NORMS, math.nan)
+            if values is not None and len(values) == len(reference.values[name]):
+                if np.isfinite(values).all():
+                    errors = errors_of(values, reference.values[name])
+                else:
+                    row.update(status="failed", message=f"{name} is not a number")
             if errors["rms"] > DIVERGED:
                 row.update(
                     status="failed",

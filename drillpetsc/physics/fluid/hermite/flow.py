@@ -145,7 +145,7 @@ def _taken_up(component: HermiteBore | HermiteAnnulus, wall: FloatArray, pressur
     return component.content * length * 0.5 * (ends[0] + ends[1])
 
 
-class _OneByOne:
+class _OneByOne(ChannelFlow):
     """Results after recorded steps, found one by one: pressures and flows are not unknowns in this form, or differ from the mixed form."""
 
     def _computed(self, steps, what: str) -> FloatArray:
@@ -157,10 +157,10 @@ class _OneByOne:
         return self._computed(steps, "upper_pressure")
 
     def upper_flow_of(self, steps) -> FloatArray | None:
-        return None if self._top is None else self._computed(steps, "upper_flow")  # type: ignore[attr-defined]
+        return None if self._top is None else self._computed(steps, "upper_flow")
 
     def pressure_at_of(self, steps, vertex: int) -> FloatArray:
-        call = self.pressure_at  # type: ignore[attr-defined]
+        call = self.pressure_at
         key = id(self), "pressure_at", vertex
         return np.asarray(steps.computed(lambda sample: call(sample.system, vertex), 1, *key)[:, 0])
 
@@ -168,7 +168,7 @@ class _OneByOne:
         return None
 
     def powers_of(self, steps) -> tuple[Any, Any]:
-        return Component.powers_of(self, steps)  # type: ignore[arg-type]
+        return Component.powers_of(self, steps)
 
 
 class HermiteBore(_OneByOne, BoreFlow):
@@ -251,7 +251,7 @@ class HermiteBore(_OneByOne, BoreFlow):
         return self.upper_flow_of(steps)
 
     def upper_pressure(self, state) -> float:
-        block, row = self._top  # type: ignore[misc]
+        block, row = self._upper_element
         return float(state.x[state.index_of(block)[row, -2]])
 
     def flows(self, system) -> FloatArray:
@@ -325,7 +325,7 @@ class HermiteAnnulus(_OneByOne, AnnulusFlow):
 
     def upper_pressure(self, state) -> float:
         """Return the given pressure at the upper end [Pa], which the unknown at the node meets only in the mean."""
-        block, row = self._top  # type: ignore[misc]
+        block, row = self._upper_element
         pressure = float(block.named["controlled"][row])
         return pressure if self.held else pressure + self._upper_head(state)
 
