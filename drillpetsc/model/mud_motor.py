@@ -13,7 +13,7 @@ from drillpetsc.fem.string_mesh import StringMesh
 from drillpetsc.geometry.frames import Frames
 from drillpetsc.physics.joints import Joints
 from drillpetsc.physics.tools.motor_law import MeasuredCurve, MotorLaw
-from drillpetsc.physics.tools.mud_motor import Bend, MudMotor, Rotor
+from drillpetsc.physics.tools.mud_motor import Bend, MotorDesign, MudMotor, Rotor, Supply
 from drillpetsc.time_function import Constant
 
 
@@ -81,19 +81,8 @@ def build_mud_motor(
     )
     bent = next((q for q in mesh.bent if mesh.item[q.cell] == number and q.cell < cell), None)
     bend = Bend(cell, 0.0) if bent is None or item.bend is None else Bend(bent.node, item.bend.tool_face)
-    wet = case.fluid is not None
-    return MudMotor(
-        mesh,
-        frames,
-        gravity,
-        cell,
-        motor_law(section),
-        rotor,
-        joints,
-        bend,
-        flow=None if wet else section.flow_rate or Constant(0.0),
-        compressibility=1.0 / case.fluid.bulk_modulus if case.fluid is not None else None,
-        outside=case.fluid.outlet_pressure if case.fluid is not None else None,
-        balanced=balanced,
-        label=f"string[{number}] pdm",
-    )
+    supply = Supply(flow=section.flow_rate or Constant(0.0))
+    if case.fluid is not None:
+        supply = Supply(None, 1.0 / case.fluid.bulk_modulus, case.fluid.outlet_pressure)
+    design = MotorDesign(motor_law(section), rotor, bend, f"string[{number}] pdm")
+    return MudMotor(mesh, frames, gravity, joints, cell, design, supply, balanced)

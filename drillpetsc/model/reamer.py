@@ -12,7 +12,7 @@ from drillpetsc.geometry.well import Well
 from drillpetsc.model.hole import hole_depth
 from drillpetsc.physics.interfaces import Bit
 from drillpetsc.physics.rock_bit import RockBit
-from drillpetsc.physics.tools.reamer import Reamer, ReamerLaw
+from drillpetsc.physics.tools.reamer import Reamer, ReamerLaw, ReamerPlace
 
 WIDTH = 0.5  # of the wall's transition from one radius to the next [m] (manual: eq-borehole-transition)
 
@@ -55,25 +55,27 @@ def build_reamers(case: Case, mesh: StringMesh, well: Well | None, bit: Bit | No
     for number, ((_, item, section), body, pilot) in enumerate(zip(found, bodies, pilots, strict=True), 1):
         assert item.od is not None
         face = body.contact_above + body.contact_length
-        law = ReamerLaw(0.5 * item.od, pilot, item.blades, item.specific_energy, item.inclination_ratio)
-        bit.hole.widen(section)
-        out.append(
-            Reamer(
-                body.node,
-                face,
-                law,
-                # of bit and reamers on rock alike, so that the static shares are those of steady cutting
-                case.bottom.stiffness * (law.radius - law.pilot) / bit.shape.radius,
-                float(case.well.sections[section].to),
-                well,
-                bit.hole,
-                float(mesh.node_depth[body.node]) + face + top,
-                case.contact.slip_velocity if case.contact is not None else 0.01,
-                mesh.nodes,
-                case.time is None or case.time.mode == "dynamic",
-                mesh.motor_cell is not None and body.node > mesh.motor_cell,
-                section,
-                number,
-            )
+        radius = 0.5 * item.od
+        law = ReamerLaw(
+            radius,
+            pilot,
+            item.blades,
+            item.specific_energy,
+            item.inclination_ratio,
+            # of bit and reamers on rock alike, so that the static shares are those of steady cutting
+            stiffness=case.bottom.stiffness * (radius - pilot) / bit.shape.radius,
+            slip=case.contact.slip_velocity if case.contact is not None else 0.01,
         )
+        place = ReamerPlace(
+            body.node,
+            mesh.nodes,
+            face,
+            start=float(mesh.node_depth[body.node]) + face + top,
+            shoulder=float(case.well.sections[section].to),
+            section=section,
+            driven=mesh.motor_cell is not None and body.node > mesh.motor_cell,
+            number=number,
+        )
+        bit.hole.widen(section)
+        out.append(Reamer(place, law, well, bit.hole, case.time is None or case.time.mode == "dynamic"))
     return tuple(out)

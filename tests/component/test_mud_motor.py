@@ -13,7 +13,7 @@ from drillpetsc.geometry.frames import transported_frames
 from drillpetsc.physics.beam import AncfBeam
 from drillpetsc.physics.joints import Joints
 from drillpetsc.physics.tools.motor_law import MeasuredCurve, MotorLaw
-from drillpetsc.physics.tools.mud_motor import Bend, MudMotor, Rotor
+from drillpetsc.physics.tools.mud_motor import Bend, MotorDesign, MudMotor, Rotor, Supply
 from drillpetsc.time_function import Constant
 from tests.helpers.component_models import (
     GRAVITY,
@@ -57,18 +57,8 @@ def build(place: str, measured: bool = False, balanced: bool = False, seed: int 
     frames = transported_frames(tangents)
     joints = Joints(mesh, frames)
     rotor = Rotor(5, 0.6, 0.15, 0.2, 0.1)
-    motor = MudMotor(
-        mesh,
-        frames,
-        GRAVITY,
-        2,
-        law(measured),
-        rotor,
-        joints,
-        Bend(2, 0.3),
-        Constant(0.52),
-        balanced=balanced,
-    )
+    design = MotorDesign(law(measured), rotor, Bend(2, 0.3))
+    motor = MudMotor(mesh, frames, GRAVITY, joints, 2, design, Supply(Constant(0.52)), balanced)
     system = DiscreteSystem(mesh, frames, [AncfBeam(mesh, frames, GRAVITY), joints, motor])
     position = np.cumsum(np.vstack([[0, 0, 0], tangents[:-1]]), axis=0)
     noise = 0.1 * rng.standard_normal((5, 3))

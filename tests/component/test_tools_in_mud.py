@@ -7,7 +7,7 @@ import pytest
 
 from drillpetsc.physics.tools.agitator import Agitator, Valve
 from drillpetsc.physics.tools.motor_law import MotorLaw
-from drillpetsc.physics.tools.mud_motor import Bend, MudMotor, Rotor
+from drillpetsc.physics.tools.mud_motor import Bend, MotorDesign, MudMotor, Rotor, Supply
 from tests.component.test_joint_flow import build
 from tests.helpers.component_models import GRAVITY, SHIFT, dense, residual
 
@@ -16,7 +16,11 @@ FLOWS = {"down": 0.3, "up": -0.3, "next to none": 4e-5, "next to none, up": -4e-
 
 def motor(mesh, frames, joints) -> list:
     law, rotor = MotorLaw(1.0, 0.8, 0.3, 2.0, 2.5), Rotor(5, 0.6, 0.15, 0.2, 0.1)
-    return [MudMotor(mesh, frames, GRAVITY, 2, law, rotor, joints, Bend(2, 0.3), compressibility=1 / 60.0)]
+    return [
+        MudMotor(
+            mesh, frames, GRAVITY, joints, 2, MotorDesign(law, rotor, Bend(2, 0.3)), Supply(None, 1 / 60.0)
+        )
+    ]
 
 
 def agitator(mesh, frames, joints) -> list:

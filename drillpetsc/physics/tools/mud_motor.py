@@ -81,15 +81,36 @@ class Bend:
     tool_face: float
 
 
+@dataclass(frozen=True)
+class MotorDesign:
+    """What a motor is: its law, its rotor, the bend of its housing, and the name of the item in messages."""
+
+    law: MotorLaw
+    rotor: Rotor
+    bend: Bend
+    label: str = "pdm"
+
+
+@dataclass(frozen=True)
+class Supply:
+    """The mud of a motor.
+
+    flow: flow rate over time [m3/s] of a model without mud, else None; compressibility: of the mud [1/Pa].
+    outside: pressure around a string without an annulus over time [Pa]; both None without mud.
+    """
+
+    flow: Input | None = None
+    compressibility: float | None = None
+    outside: Input | None = None
+
+
 class MudMotor(Component):
     """The motor at a joint of the string that leaves rotation about the tangent free.
 
     Field: ``motor.torque`` at the node below the joint, torque of the stator on the rotor [N m]; its row is the law.
 
-    cell: of the joint; law, rotor: of the motor; flow: without mud, flow rate over time [m3/s].
-    compressibility: of the mud [1/Pa], None without mud; outside: pressure around a string without an annulus over time [Pa].
-    balanced: leave out the turning force of the orbit; label: name of the item in messages.
-    joints: of the string, which know the force through the motor; bend: of the housing.
+    cell: of the joint; joints: of the string, which know the force through the motor.
+    balanced: leave out the turning force of the orbit.
     """
 
     name = "mud_motor"
@@ -100,24 +121,18 @@ class MudMotor(Component):
         mesh: StringMesh,
         frames: Frames,
         gravity: FloatArray,
-        cell: int,
-        law: MotorLaw,
-        rotor: Rotor,
         joints: Joints,
-        bend: Bend,
-        flow: Input | None = None,
-        compressibility: float | None = None,
-        outside: Input | None = None,
+        cell: int,
+        design: MotorDesign,
+        supply: Supply,
         balanced: bool = False,
-        label: str = "pdm",
     ):
         self.mesh, self.frames, self.gravity = mesh, frames, gravity
-        self.cell, self.law, self.rotor, self.joints = cell, law, rotor, joints
-        self.bend, self.outside = bend, outside
-        self.flow, self.compressibility, self.balanced = flow, compressibility, balanced
+        self.cell, self.law, self.rotor, self.joints = cell, design.law, design.rotor, joints
+        self.bend, self.label, self.balanced = design.bend, design.label, balanced
+        self.flow, self.compressibility, self.outside = supply.flow, supply.compressibility, supply.outside
         self._speed = self._start_speed = self._load = 0.0
-        self.label = label
-        node = bend.node  # its frame before any change of references
+        node = self.bend.node  # its frame before any change of references
         self._start = frames.reference[node].copy(), frames.second_director[node].copy()
 
     # ------------------------------------------------------------------ discretisation

@@ -35,6 +35,7 @@ class ReamerLaw:
     """Cutting of the ring (manual: eq-reamer-law): W = zeta eps (a_r - a_b) d, T = eps (a_r^2 - a_b^2) d/2.
 
     radius, pilot: a_r and a_b [m]; blades: their number; specific_energy: eps [Pa]; inclination_ratio: zeta [-].
+    stiffness: of cutters on the shoulder, without inertia [N/m]; slip: velocity that rounds off the torque [m/s].
     """
 
     radius: float
@@ -42,6 +43,8 @@ class ReamerLaw:
     blades: int
     specific_energy: float
     inclination_ratio: float
+    stiffness: float
+    slip: float
 
     @property
     def cut(self) -> float:
@@ -54,18 +57,33 @@ class ReamerLaw:
         return 0.5 * self.specific_energy * (self.radius**2 - self.pilot**2)
 
 
+@dataclass(frozen=True)
+class ReamerPlace:
+    """Where a reamer is.
+
+    node: that carries the item; nodes: of the string; face: distance of the cutters below the node [m].
+    start: measured depth of the cutters in the unstrained string [m].
+    shoulder: measured depth of the shoulder at the start [m]; section: of the hole at the start that it has reamed.
+    driven: below a downhole motor, which turns it; number: of the reamer in the string, from the top.
+    """
+
+    node: int
+    nodes: int
+    face: float
+    start: float
+    shoulder: float
+    section: int = 0
+    driven: bool = False
+    number: int = 1
+
+
 class Reamer(Component):
     """The cutters of a reamer, and the shoulder on which they stand.
 
     Unknowns: metres reamed hole.reamer [m], and with inertia the profile reamer.chips [m].
 
-    node: that carries the item; face: distance of the cutters below it [m].
-    law: of its cutting; stiffness: of cutters on the shoulder, without inertia [N/m].
-    shoulder: measured depth of the shoulder at the start [m].
-    well, hole: at the start, and the growing hole, whose reamed part follows.
-    start: measured depth of the cutters in the unstrained string [m]; slip: velocity that rounds off the torque [m/s].
-    nodes: of the string; inertia: the string has inertia; driven: a downhole motor turns the reamer.
-    section: of the hole at the start that it has reamed; number: of the reamer in the string, from the top.
+    place, law: of its cutters; well, hole: at the start, and the growing hole, whose reamed part follows.
+    inertia: the string has inertia.
     """
 
     name = "reamer"
@@ -73,41 +91,32 @@ class Reamer(Component):
     update_size = 9
 
     def __init__(
-        self,
-        node: int,
-        face: float,
-        law: ReamerLaw,
-        stiffness: float,
-        shoulder: float,
-        well: Well,
-        hole: GrowingHole,
-        start: float,
-        slip: float,
-        nodes: int,
-        inertia: bool = True,
-        driven: bool = False,
-        section: int = 0,
-        number: int = 1,
+        self, place: ReamerPlace, law: ReamerLaw, well: Well, hole: GrowingHole, inertia: bool = True
     ):
-        self._nodes, self.driven, self._section, self._number = nodes, driven, section, number
-        self.name = numbered("reamer", number)
+        self._nodes, self._section, self._number = place.nodes, place.section, place.number
+        self.name = numbered("reamer", place.number)
         self.depth_field, self._chips_field = f"hole.{self.name}", f"{self.name}.chips"
         self.ring = np.pi * (law.radius**2 - law.pilot**2)
-        self.node, self.face, self.law, self.stiffness, self.shoulder = node, face, law, stiffness, shoulder
-        self.profiled, self._hole = inertia, hole
+        self.node, self.face, self.shoulder, self._driven = (
+            place.node,
+            place.face,
+            place.shoulder,
+            place.driven,
+        )
+        self.law, self.stiffness, self._profiled, self._hole = law, law.stiffness, inertia, hole
         self._derivative = profile_derivative(CHIPS, 2 * np.pi / law.blades)
         self._made: Any = _Law(
             kind=KINDS["drag_bit"],
             blades=law.blades,
             cut=law.cut,
             torque_cut=law.torque_cut,
-            turn_rounding=slip / law.radius,
+            turn_rounding=law.slip / law.radius,
             derivative=pointer(self._derivative),
         )
         self._flags = np.frombuffer(self._made, dtype=np.int32, count=1, offset=_Law.touching.offset)
         self._well = well
         self._reamed = 0.0
-        self._place(start)
+        self._place(place.start)
 
     def weight_and_torque_at(self, depth: float) -> tuple[float, float]:
         """Weight [N] and torque, not negative [N m], at the start if the node rests at the measured depth ``depth`` [m]."""
@@ -136,7 +145,7 @@ class Reamer(Component):
         out: tuple[Field, ...] = (
             Field(self.depth_field, 1, physics="rock", region=self.name, scale=1e-3, second_order=False),
         )
-        if self.profiled:
+        if self._profiled:
             out += (
                 Field(
                     self._chips_field, CHIPS, physics="rock", region=self.name, scale=1e-4, second_order=False
@@ -153,7 +162,7 @@ class Reamer(Component):
         _, vertices = local_vertices(part, np.array([self.node]))
         self._mine = bool(len(vertices))
         slots: tuple[tuple[str, int], ...] = (*VERTEX_SLOTS, (self.depth_field, 0))
-        if self.profiled:
+        if self._profiled:
             slots += ((self._chips_field, 0),)
         self.params = Parameters(
             "reamer",
@@ -168,7 +177,7 @@ class Reamer(Component):
         )
         self._block = ElementBlock(
             self.name,
-            "reamer_profile" if self.profiled else "reamer",
+            "reamer_profile" if self._profiled else "reamer",
             "vertex",
             vertices,
             slots,
@@ -182,7 +191,7 @@ class Reamer(Component):
     def impose_sliding_direction(
         self, axial: float, spin: float, side: float = 1.0, motor: float = 0.0
     ) -> None:
-        self.params["mode"], self.params["spin"] = STATICS, spin + motor if self.driven else spin
+        self.params["mode"], self.params["spin"] = STATICS, spin + motor if self._driven else spin
 
     def impose_drilling(self, axial: float, spin: float, side: float = 1.0) -> None:
         self.params["mode"], self.params["spin"] = QUASI_STATIC, spin
@@ -206,7 +215,7 @@ class Reamer(Component):
         v = state.x[i[3:6]]
         centre = state.x[i[:3]] + self.face * v / np.linalg.norm(v)
         zeta = float((centre - p["point"][0]) @ p["axis"][0] + p["place"][0])
-        if self.profiled:
+        if self._profiled:
             gap = zeta - float(state.x[i[7]])
             weight = self.stiffness * (gap if gap > ONSET else max(gap + ONSET, 0.0) ** 2 / (4 * ONSET))
             chip = weight / (self.law.cut * self.law.blades)
@@ -257,7 +266,7 @@ class Reamer(Component):
         out = np.zeros(RESULTS.width)
         if self._mine:
             _results(
-                int(self.profiled),
+                int(self._profiled),
                 pointer(state.index_of(self._block)),
                 pointer(self.params.array),
                 ctypes.addressof(self._made),
