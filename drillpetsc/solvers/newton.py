@@ -21,6 +21,7 @@ from drillpetsc.solvers.chain_lu import ChainFactor, ChainPC
 from drillpetsc.solvers.newton_iteration import NewtonIteration
 from drillpetsc.solvers.newton_work import ResidualWork
 
+MOST_ITERATIONS = 25  # of a solve, unless -q_snes_max_it says otherwise
 #: options that put one of PETSc's solvers in the place of the iteration
 PETSC_SOLVERS = (
     "snes_type",
@@ -52,7 +53,7 @@ class CondensedNewton:
         tolerance: float = 1e-6,
         work: ResidualWork | None = None,
     ):
-        self.system, self.tolerance = system, tolerance
+        self.system = system
         self.t, self.shift, self.second_shift = 0.0, 0.0, 0.0
         self._turns_with_string = any(component.turns_with_string for component in system.components)
         self.jacobians = self.iterations = self.linear_iterations = self.failures = self.contact_updates = 0
@@ -60,9 +61,22 @@ class CondensedNewton:
         self.factor: ChainFactor | None = None
         options = PETSc.Options(prefix)
         self.direct = not any(options.hasName(name) for name in PETSC_SOLVERS)
-        self.snes = self._make_snes(prefix, options)
-        self.max_iterations = self.snes.getTolerances()[3]
-        self.tolerance = options.getReal("snes_stol", self.tolerance)
+        # Contact and friction make Newton overshoot.  "cp" finds the zero of the work of the rows along the step from
+        # residuals alone; measured on the whirling 2000 m string it takes a third of the iterations and no step fails.
+        # With the balances of mud this work has no sign to search by, and after a jump the search does not progress.
+        forces = all(f.does_work for f in system.layout.fields)
+        self.line_search = options.getString(
+            "snes_linesearch_type", "cp" if system.has_contact and forces else "basic"
+        )
+        self.tolerance = options.getReal("snes_stol", tolerance)
+        if self.direct:
+            self.factor, self.max_iterations = (
+                shared_factor(system),
+                options.getInt("snes_max_it", MOST_ITERATIONS),
+            )
+        else:
+            self.snes = self._make_snes(prefix, options)
+            self.max_iterations = self.snes.getTolerances()[3]
         #: unknowns and residual (owned,), and their addresses: the rows of a step are one compiled call
         self.arrays = self.q.getArray(), self._f.getArray()
         self._arrays_at = pointer(self.arrays[0]), pointer(self.arrays[1])
@@ -71,51 +85,41 @@ class CondensedNewton:
         self.iteration.record.max_iterations = self.max_iterations
 
     def _make_snes(self, prefix: str, options: PETSc.Options) -> PETSc.SNES:
-        """Create the SNES: it reads the options, and solves if they choose one of PETSc's solvers."""
+        """Create the SNES that the options choose."""
         system = self.system
         snes = PETSc.SNES().create(comm=system.comm)
         snes.setOptionsPrefix(prefix)
-        snes.setType("newtonls")
-        snes.setTolerances(rtol=0.0, atol=0.0, stol=0.0, max_it=25)
-        snes.getKSP().setType("preonly")
-        pc = snes.getKSP().getPC()
-        pc.setType("python")
-        chosen = options.hasName("snes_linesearch_type")
-        if not chosen:
-            # Contact and friction make Newton overshoot.  "cp" finds the zero of the work of the rows along
-            # the step from residuals alone; measured on the whirling 2000 m string it takes a third of the
-            # iterations and no step fails.  With the balances of mud this work has no sign to search by, and
-            # after a jump the search does not progress.
-            forces = all(f.does_work for f in system.layout.fields)
-            options.setValue("snes_linesearch_type", "cp" if system.has_contact and forces else "basic")
-        snes.setFromOptions()
-        self.line_search = options.getString("snes_linesearch_type", "basic")
-        if not chosen:  # the next system in this process makes its own choice
-            options.delValue("snes_linesearch_type")
-        if pc.getType() == "python":
-            self.factor = shared_factor(system)
-            pc.setPythonContext(ChainPC(self.factor, system.assembly, stop=False))
-        self.assembled = (
-            pc.getType() != "python" or snes.getKSP().getType() != "preonly" or self.line_search == "bt"
-        )
-        if not self.direct:
-            self._set_callbacks(snes)
-        return snes
-
-    def _set_callbacks(self, snes: PETSc.SNES) -> None:
         self.matrix = petsc_compat.square_matrix(self.q)
         snes.setFunction(self._function, self._f)
         snes.setJacobian(self._jacobian, self.matrix)
         snes.setConvergenceTest(self._converged)
+        snes.setType("newtonls")
+        snes.setTolerances(rtol=0.0, atol=0.0, stol=0.0, max_it=MOST_ITERATIONS)
+        snes.getKSP().setType("preonly")
+        pc = snes.getKSP().getPC()
+        pc.setType("python")
+        given = options.hasName("snes_linesearch_type")
+        if not given:
+            options.setValue("snes_linesearch_type", self.line_search)
+        snes.setFromOptions()
+        if not given:  # the next system in this process makes its own choice
+            options.delValue("snes_linesearch_type")
+        self.assembled = (
+            pc.getType() != "python" or snes.getKSP().getType() != "preonly" or self.line_search == "bt"
+        )
         if self.assembled:
-            lgm = self.system.layout.condensed_dm.getLGMap().getIndices()
-            places = self.system.assembly.places()
+            lgm = system.layout.condensed_dm.getLGMap().getIndices()
+            places = system.assembly.places()
             rows, columns = (np.where(p >= 0, lgm[np.maximum(p, 0)], -1) for p in places)
             petsc_compat.preallocate_coo(self.matrix, rows, columns)
         else:
             self.matrix.setUp()
             self.matrix.assemble()
+        if pc.getType() == "python":
+            self.factor = shared_factor(system)
+            pc.setPythonContext(ChainPC(self.factor, system.assembly, stop=False))
         snes.setUp()
+        return snes
 
     # ------------------------------------------------------------------ residual and matrix
     def _evaluate(self) -> None:

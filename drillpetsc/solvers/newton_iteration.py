@@ -7,6 +7,7 @@ step needs no more than compiled calls do; else, and for messages between ranks,
 from __future__ import annotations
 
 import ctypes
+import weakref
 import zlib
 from collections.abc import Callable
 from typing import Any
@@ -38,7 +39,7 @@ _ContactCall, _FlagCall, _PartsCall = (
     structure("parts_call"),
 )
 _Part, _PartFrom = ctypes.CFUNCTYPE(ctypes.c_int), ctypes.CFUNCTYPE(ctypes.c_int, ctypes.c_int)
-_Reduction = ctypes.CFUNCTYPE(None, ctypes.POINTER(ctypes.c_double), ctypes.c_int)
+_Reduction = ctypes.CFUNCTYPE(ctypes.c_int, ctypes.POINTER(ctypes.c_double), ctypes.c_int)
 
 PHASES = ("Residual", "Jacobian", "ChainFactor", "ChainSolve")
 Reason = PETSc.SNES.ConvergedReason
@@ -85,7 +86,8 @@ class NewtonIteration:
         apart: bool,
         work: ResidualWork | None,
     ):
-        self.system, self.factor, self.q, self.rows, self._residual = system, factor, q, rows, residual
+        self.system, self.factor, self.q, self.rows = system, factor, q, rows
+        self._residual = weakref.WeakMethod(residual)
         self.apart, self.work = apart, work
         self.t, self.weights, self.compiled = 0.0, (1.0, 0.0, 0.0), True
         self.scale, self.increment = system.scale[system.layout.local_of_owned], np.zeros(len(q))
@@ -99,11 +101,11 @@ class NewtonIteration:
         self._calls: StepCalls | None = None
         self._error: BaseException | None = None
         self._events = PETSc.Log.Event("ChainFactor"), PETSc.Log.Event("ChainSolve")
-        self.record = self._make_record()
+        self.record = self._make_record(residual)
         self._at = ctypes.addressof(self.record)
 
     # ------------------------------------------------------------------ the record
-    def _make_record(self) -> Any:
+    def _make_record(self, residual: Callable[[], Any]) -> Any:
         system, layout = self.system, self.system.layout
         forces = np.array([f.does_work for f in layout.fields])[layout.field_of[layout.local_of_owned]]
         self._forces = np.flatnonzero(forces).astype(np.int32)
@@ -121,12 +123,12 @@ class NewtonIteration:
             raised=RAISED,
         )
         self._python = {
-            "rows": _Part(self._guarded(self._residual)),
+            "rows": _Part(self._guarded(residual)),
             "entries": _Part(self._guarded(self.compute_entries)),
             "factor": _PartFrom(self._guarded(self._factor_from)),
             "solve": _Part(self._guarded(self._solve_rows)),
-            "sum": _Reduction(lambda values, n: self._over_ranks(values, n, MPI.SUM)),
-            "largest": _Reduction(lambda values, n: self._over_ranks(values, n, MPI.MAX)),
+            "sum": _Reduction(self._guarded(self._sum)),
+            "largest": _Reduction(self._guarded(self._largest)),
         }
         self._parts = _PartsCall()
         record = _NewtonCall(
@@ -169,23 +171,34 @@ class NewtonIteration:
             setattr(self._parts, name, ctypes.cast(call, ctypes.c_void_p).value if name in names else None)
 
     def _guarded(self, part: Callable[..., Any]) -> Callable[..., int]:
-        """The ``part`` for compiled code, which knows no exceptions: 0, 1 without a pivot, -1 for any other exception."""
+        """The ``part`` for compiled code: 0, 1 without a pivot, -1 for any other exception, which is raised after the solve."""
 
-        def call(*arguments: int) -> int:
+        own, method = (
+            weakref.ref(self),
+            weakref.WeakMethod(part),
+        )  # the system ends with its last user, not with the process
+
+        def call(*arguments: Any) -> int:
             try:
-                part(*arguments)
+                method()(*arguments)  # type: ignore[misc]  # it lives as long as the solve
             except ZeroPivot:
                 return 1
             except BaseException as error:
-                self._error = error
+                own()._error = error  # type: ignore[union-attr]
                 return -1
             return 0
 
         return call
 
-    def _over_ranks(self, values: Any, n: int, operation: MPI.Op) -> None:
+    def _sum(self, values: Any, n: int) -> None:
+        self._over_ranks(MPI.SUM, values, n)
+
+    def _largest(self, values: Any, n: int) -> None:
+        self._over_ranks(MPI.MAX, values, n)
+
+    def _over_ranks(self, operation: MPI.Op, values: Any, n: int) -> None:
         array = np.ctypeslib.as_array(values, (n,))
-        self.system.comm.tompi4py().Allreduce(MPI.IN_PLACE, array, operation)
+        self.system.comm.tompi4py().Allreduce(MPI.IN_PLACE, [array, n, MPI.DOUBLE], operation)
 
     def _bind(self) -> None:
         """Take the records of the assembly's compiled calls, which change with its blocks."""
@@ -298,7 +311,7 @@ class NewtonIteration:
             not compiled or self._signature is not None
         ):  # motion along a path needs the state once, a restart its contacts
             self.q[:] = asm.x[self.system.layout.local_of_owned]
-            self._residual()
+            self._residual()()  # type: ignore[misc]  # its owner solves
             compiled, r.rows_known = self._can_be_compiled(), 1
         if self._signature is not None:
             self._take_flags(self.system.contact_signature() == self._signature)
@@ -316,9 +329,8 @@ class NewtonIteration:
             asm.version += 1
             self.factor.renewed(r.factorisations)
             self.take_factor()
-        if reason == RAISED:
+        if self._error is not None:
             error, self._error = self._error, None
-            assert error is not None
             raise error
         return reason
 

@@ -133,7 +133,7 @@ Outcome python(const void* part, Arguments... arguments) {
 }
 
 void over_ranks(const void* reduction, double* values, int n) {
-    if (reduction) reinterpret_cast<void (*)(double*, int)>(const_cast<void*>(reduction))(values, n);
+    if (reduction) reinterpret_cast<int (*)(double*, int)>(const_cast<void*>(reduction))(values, n);
 }
 
 // Whether it is true on any rank.
