@@ -8,10 +8,9 @@ import re
 import sys
 from typing import Any, get_args, get_origin
 
-from drillpetsc import __version__
+from drillpetsc import __version__, operations
 from drillpetsc.errors import CaseError, DrillError, SolveError
-from drillpetsc.operations import OPERATIONS, RENAMED_OPTIONS
-from drillpetsc.operations.operation import Mark, Operation, Option
+from drillpetsc.operations.operation import RENAMED_OPTIONS, Mark, Operation, Option
 from drillpetsc.parallel import report_error, report_interrupt
 
 EXIT_STATUS = (
@@ -50,7 +49,7 @@ def _main(words: list[str] | None) -> int:
     try:
         _refuse_old(own)
         arguments, unknown = parser().parse_known_args(own)
-        operation = next(q for q in OPERATIONS if q.command() == arguments.command)
+        operation = next(q for q in operations.OPERATIONS if q.command() == arguments.command)
         if unknown:
             raise _unknown_option(unknown[0])
         if petsc_options and not operation.petsc:
@@ -78,7 +77,7 @@ def parser() -> argparse.ArgumentParser:
     )
     whole.add_argument("--version", action="version", version=f"drillpetsc {__version__}")
     sub = whole.add_subparsers(dest="command", required=True, metavar="COMMAND")
-    for operation in OPERATIONS:
+    for operation in operations.OPERATIONS:
         command = sub.add_parser(
             operation.command(),
             help=operation.summary().replace("%", "%%"),

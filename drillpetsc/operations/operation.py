@@ -167,11 +167,12 @@ class Operation:
     @classmethod
     @cache
     def options(cls) -> tuple[Option, ...]:
-        """The fields: those of the class itself, then those that it shares with others."""
+        """The fields: words without dashes, those of the class itself, then those that it shares with others."""
         hints = get_type_hints(cls, include_extras=True)
         fields = {q.name: q for q in dataclasses.fields(cls)}  # type: ignore[arg-type]  # a data class by __init_subclass__
         own = [name for name in inspect.get_annotations(cls) if name in fields]
-        return tuple(_option(fields[name], hints[name]) for name in dict.fromkeys([*own, *fields]))
+        options = [_option(fields[name], hints[name]) for name in dict.fromkeys([*own, *fields])]
+        return tuple(sorted(options, key=lambda option: Mark.ARGUMENT not in option.marks))
 
     def read(self, units: Any) -> Any:
         """The operation with its values checked and converted; raises CaseError.  units: of bare numbers in text."""
