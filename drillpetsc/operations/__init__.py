@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from drillpetsc.operations.cases import Catalogue, Check, Import, Schema
+from drillpetsc.operations.completion import Completion
 from drillpetsc.operations.flow import Hydraulics, Surge
 from drillpetsc.operations.linear import Campbell, Fmu, Linearise, Modes, Response, Stability, TopDrive
 from drillpetsc.operations.loads import Calibrate, Freepoint, Limits, Roadmap, Statics
@@ -18,4 +19,5 @@ OPERATIONS: list[type[Operation]] = [
     *(Statics, Hydraulics, Surge, Roadmap, Limits, Freepoint, Calibrate),
     *(Modes, Campbell, Stability, Response, Linearise, Fmu, TopDrive),
     *(View, Plot, Vibration, Report, Export),
+    Completion,
 ]

@@ -21,13 +21,11 @@ class Check(CaseOperation):
         """Print nothing: the text has the warnings."""
 
     def compute(self, job: Any) -> Any:
-        """The text; collective."""
         from drillpetsc.analysis.check import describe
 
         return describe(job.case)
 
     def printed(self, result: Any) -> Iterable[str]:
-        """The text."""
         return [result]
 
 
@@ -48,13 +46,11 @@ class Catalogue(Operation):
     ] = None
 
     def compute(self, job: Any) -> Any:
-        """The rows as text."""
         from drillpetsc.case.catalogue import catalogue
 
         return catalogue(" ".join(self.text), self.files)
 
     def printed(self, result: Any) -> Iterable[str]:
-        """The rows."""
         return [result]
 
 
@@ -78,7 +74,6 @@ class Import(Operation):
     overwrite: Annotated[bool, "replace an existing --out"] = False
 
     def compute(self, job: Any) -> Any:
-        """Read the files, and write the part unless it is printed; returns the lines to print."""
         from drillpetsc.case.importers.edm import Wanted
         from drillpetsc.case.importers.fragment import fragment
 
@@ -94,7 +89,6 @@ class Import(Operation):
         return [f"{out}: written", *(f"  {remark}" for remark in remarks)]
 
     def printed(self, result: Any) -> Iterable[str]:
-        """The part itself, or the name of its file and remarks."""
         return result
 
 
@@ -109,7 +103,6 @@ class Schema(Operation):
     ] = False
 
     def compute(self, job: Any) -> Any:
-        """Write the file unless it is printed; returns the lines to print."""
         import json
 
         from drillpetsc.case import case_json_schema, write_schema
@@ -125,7 +118,6 @@ class Schema(Operation):
         return []
 
     def printed(self, result: Any) -> Iterable[str]:
-        """The list itself; nothing where it is written."""
         return result
 
 

@@ -19,6 +19,10 @@ Kind = Annotated[
 ]
 WithoutControl = Annotated[bool, "leave out motor, hoist and controllers of the top drive, and hold the top"]
 
+Speeds = Annotated[
+    Numbers, "RANGE", "rotary speeds: FIRST:LAST:STEP as '60:240:10 rpm', '60..240 rpm', or '60,90,120 rpm'"
+]
+
 
 def holds(test: Callable[[Any], bool], want: str) -> Callable[[Any, str, Any], Any]:
     """A check of a value.  want: what is allowed, for the message."""
@@ -34,6 +38,9 @@ def holds(test: Callable[[Any], bool], want: str) -> Callable[[Any, str, Any], A
 def at_least(least: int, what: str) -> Callable[[Any, str, Any], Any]:
     """A check of a count.  what: that which is counted."""
     return holds(lambda value: value >= least, f"a number of {what}, at least {least}")
+
+
+Count = Annotated[int, at_least(1, "modes"), "N", "oscillating modes, the lowest, at each speed or point"]
 
 
 def rotary_speeds(above_zero: bool = False) -> Callable[[Any, str, Any], Any]:

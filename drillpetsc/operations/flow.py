@@ -35,7 +35,6 @@ class Hydraulics(DrawnOperation):
     ] = None
 
     def compute(self, job: Any) -> Any:
-        """Solve for the flow at each rate; collective."""
         from drillpetsc.analysis.hydraulics.hydraulics import run_hydraulics
 
         if self.flow is not None and self.spp is not None:
@@ -96,7 +95,6 @@ class Surge(DrawnOperation):
         return read
 
     def compute(self, job: Any) -> Any:
-        """Solve for the pressures of each trip; collective."""
         from drillpetsc.analysis.hydraulics.surge import run_surge
 
         return run_surge(job, self.trips())

@@ -7,9 +7,11 @@ from typing import Annotated, Any, Literal
 
 from drillpetsc.errors import CaseError
 from drillpetsc.operations.fields import (
+    Count,
     Kind,
     Names,
     Numbers,
+    Speeds,
     WithoutControl,
     at_least,
     holds,
@@ -27,7 +29,7 @@ class Modes(FolderOperation):
     Writes modes.csv and the mode shapes.
     """
 
-    count: Annotated[int, at_least(1, "modes"), "how many oscillating modes, the lowest"] = 20
+    count: Annotated[int, at_least(1, "modes"), "N", "oscillating modes, the lowest"] = 20
     shift: Annotated[float | None, "HZ", "the modes nearest to this frequency instead of the lowest [Hz]"] = (
         None
     )
@@ -39,7 +41,6 @@ class Modes(FolderOperation):
     without_control: WithoutControl = False
 
     def compute(self, job: Any) -> Any:
-        """Find the eigenvalues; collective."""
         from drillpetsc.analysis.modal import run_modes
 
         return run_modes(job, self.count, self.shift, self.kind, self.about, self.without_control)
@@ -51,13 +52,8 @@ class Campbell(DrawnOperation):
     Writes campbell.csv and critical.csv, with a stiffness critical_map.csv, too.
     """
 
-    speeds: Annotated[
-        Numbers,
-        rotary_speeds(),
-        "RANGE",
-        "rotary speeds: FIRST:LAST:STEP as '0:240:10 rpm', or '60,90,120 rpm'",
-    ]
-    count: Annotated[int, at_least(1, "modes"), "N", "oscillating modes at each speed, the lowest"] = 20
+    speeds: Annotated[Speeds, rotary_speeds()]
+    count: Count = 20
     kind: Kind = None
     lines: Annotated[
         Any,
@@ -77,7 +73,6 @@ class Campbell(DrawnOperation):
     without_control: WithoutControl = False
 
     def compute(self, job: Any) -> Any:
-        """Follow the modes over the speeds; collective."""
         from drillpetsc.analysis.frequency.campbell_command import run_campbell
         from drillpetsc.case.excitation import read_lines
 
@@ -100,19 +95,14 @@ class Stability(DrawnOperation):
     The case has a bit on bottom. Writes stability_map.csv and stability_boundary.csv, with runs stability_runs.csv, too.
     """
 
-    speeds: Annotated[
-        Numbers,
-        rotary_speeds(above_zero=True),
-        "RANGE",
-        "rotary speeds: FIRST:LAST:STEP as '60:180:10 rpm', or '60,90,120 rpm'",
-    ]
+    speeds: Annotated[Speeds, rotary_speeds(above_zero=True)]
     wob: Annotated[
         Numbers,
         numbers("N", "50,100,150 kN", "weights", above=0, at_most=1e8),
         "W1,W2",
         "weights on bit, such as '50,100,150 kN'",
     ]
-    count: Annotated[int, at_least(1, "modes"), "N", "oscillating modes at each point, the lowest"] = 20
+    count: Count = 20
     method: Annotated[
         Literal["eigen", "time"], "eigen: growth of the modes; time: a run at each point, too"
     ] = "eigen"
@@ -123,7 +113,6 @@ class Stability(DrawnOperation):
     without_control: WithoutControl = False
 
     def compute(self, job: Any) -> Any:
-        """Find the largest growth at each point; collective."""
         from drillpetsc.analysis.frequency.stability_map import run_stability
 
         duration = self.duration if self.method == "time" else None
@@ -144,12 +133,7 @@ class Response(DrawnOperation):
         "unbalance: unbalances, eccentricities, bends and curvatures of the case; bit: a motion, force or torque of the "
         "lower end; motor: the orbit of a motor's rotor; the name of a string item, or a measured depth ('120 m'): a motion, force or torque there",
     ]
-    speeds: Annotated[
-        Numbers,
-        rotary_speeds(above_zero=True),
-        "RANGE",
-        "rotary speeds: FIRST:LAST:STEP as '20:200:2 rpm', or '60,90,120 rpm'",
-    ]
+    speeds: Annotated[Speeds, rotary_speeds(above_zero=True)]
     amplitude: Annotated[
         str | None,
         "A",
@@ -160,7 +144,6 @@ class Response(DrawnOperation):
     without_control: WithoutControl = False
 
     def compute(self, job: Any) -> Any:
-        """Compute the response at each speed; collective."""
         from drillpetsc.analysis.frequency.response import run_response
         from drillpetsc.case.excitation import read_excitation
 
@@ -193,7 +176,6 @@ class Linearise(FolderOperation):
     ] = None
 
     def compute(self, job: Any) -> Any:
-        """Form the matrices; collective."""
         from drillpetsc.analysis.linearise import run_linearise
 
         if self.order is not None and self.reduce is None:
@@ -228,7 +210,6 @@ class Fmu(CaseOperation):
     name: Annotated[str | None, Mark.PYTHON, "of the model"] = None
 
     def compute(self, job: Any) -> Any:
-        """Write the file."""
         from drillpetsc.analysis.fmu import build_fmu
 
         name = self.name or job.name
@@ -237,7 +218,6 @@ class Fmu(CaseOperation):
         )
 
     def printed(self, result: Any) -> Iterable[str]:
-        """The path."""
         return [f"written: {result}"]
 
 
@@ -248,7 +228,6 @@ class TopDrive(FolderOperation):
     """
 
     def compute(self, job: Any) -> Any:
-        """Compute gains and reflection; collective."""
         from drillpetsc.analysis.top_drive import run_top_drive
 
         return run_top_drive(job)

@@ -30,7 +30,6 @@ class Statics(FolderOperation):
     ] = None
 
     def compute(self, job: Any) -> Any:
-        """Find the equilibrium; collective."""
         from drillpetsc.analysis.statics import run_statics
 
         return run_statics(
@@ -65,7 +64,6 @@ class Roadmap(DrawnOperation):
     ] = None
 
     def compute(self, job: Any) -> Any:
-        """Compute the rows; collective."""
         from drillpetsc.analysis.torque_drag.roadmap import run_roadmap
         from drillpetsc.case.measured_option import measured_option
 
@@ -107,7 +105,6 @@ class Limits(DrawnOperation):
     ] = None
 
     def compute(self, job: Any) -> Any:
-        """Find the equilibrium and what is left of the limits; collective."""
         from drillpetsc.analysis.limits.limits import run_limits
         from drillpetsc.analysis.limits.sn_curve import read_sn
         from drillpetsc.analysis.limits.table import Choices
@@ -134,13 +131,10 @@ class Freepoint(CaseOperation):
         Numbers, "E1,E2", "stretch at the surface under each pull, such as '24 in' or '10,24 in'"
     ]
     pull: Annotated[
-        Numbers,
-        "F1,F2",
-        "pulls beyond the weight of the free string, such as '30 klb' or '12,30 klb'",
+        Numbers, "F1,F2", "pulls beyond the weight of the free string, such as '30 klb' or '12,30 klb'"
     ]
 
     def compute(self, job: Any) -> Any:
-        """Find the free lengths."""
         from drillpetsc.analysis.limits.free_point import free_points
         from drillpetsc.case.free_point_options import read_pairs
 
@@ -162,7 +156,6 @@ class Calibrate(DrawnOperation):
     ] = None
 
     def compute(self, job: Any) -> Any:
-        """Fit the factors; collective."""
         from drillpetsc.analysis.torque_drag.calibrate import run_calibrate
         from drillpetsc.case.measured_option import fit_option, measured_option
 

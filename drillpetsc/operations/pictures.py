@@ -20,7 +20,6 @@ class ResultOperation(Operation):
     """A command on the files of a run folder; its result is the lines that it prints."""
 
     def printed(self, result: Any) -> Iterable[str]:
-        """The names of the files that were written, or what they hold."""
         return map(str, result)
 
 
@@ -32,8 +31,7 @@ class View(ResultOperation):
     time: Annotated[float | None, "simulated time of the picture [s] (default: the last frame)"] = None
     animate: Annotated[bool, "all frames, as an animation"] = False
     lateral_scale: Annotated[
-        float | None,
-        "exaggeration of lateral offsets (default: automatic, and stated in the picture)",
+        float | None, "exaggeration of lateral offsets (default: automatic, and stated in the picture)"
     ] = None
     interval: Annotated[
         tuple[str, str] | None, "FROM TO", "measured depths to look at, in m, or with a unit: '4000 ft'"
@@ -42,7 +40,6 @@ class View(ResultOperation):
     units: Units = None
 
     def compute(self, job: Any) -> Any:
-        """Draw the picture."""
         from drillpetsc.plotting.view import view
 
         say_unfinished(self.folder)
@@ -85,7 +82,6 @@ class Plot(ResultOperation):
     units: Units = None
 
     def compute(self, job: Any) -> Any:
-        """Draw the pictures."""
         from drillpetsc.plotting.plot import plot, save_figures, spectra
 
         say_unfinished(self.folder)
@@ -133,7 +129,6 @@ class Vibration(ResultOperation):
     ] = None
 
     def compute(self, job: Any) -> Any:
-        """Compute the indices and write their table."""
         from drillpetsc.results import open_run
 
         say_unfinished(self.folder)
@@ -167,7 +162,6 @@ class Report(ResultOperation):
     units: Units = None
 
     def compute(self, job: Any) -> Any:
-        """Write the file."""
         from drillpetsc.reporting import report
 
         with reading(*self.paths):
@@ -196,7 +190,6 @@ class Export(ResultOperation):
     units: Units = None
 
     def compute(self, job: Any) -> Any:
-        """Write the files; returns their names and what was left out."""
         from drillpetsc.reporting import export
 
         say_unfinished(self.folder)

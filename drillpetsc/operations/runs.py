@@ -118,15 +118,12 @@ class Sweep(Operation):
     ]
     progress: Annotated[Literal["auto", "silent"], "one line for each member that ends, or none"] = "auto"
     out: Annotated[
-        str | None,
-        "DIR",
-        "folder of the table and of the members' run folders (default: results/<case>-NNN)",
+        str | None, "DIR", "folder of the table and of the members' run folders (default: results/<case>-NNN)"
     ] = None
     restart: Annotated[bool, "keep members that are done, continue those with a checkpoint"] = False
     overwrite: Overwrite = False
 
     def compute(self, job: Any) -> Any:
-        """Run the members; collective."""
         from drillpetsc.studies.sweep.sweep import sweep
         from drillpetsc.studies.sweep.variations import choices_of
 
@@ -140,7 +137,6 @@ class Sweep(Operation):
         )
 
     def printed(self, result: Any) -> Iterable[str]:
-        """How the members ended."""
         from drillpetsc.studies.sweep.sweep import closing_lines
 
         return closing_lines(result)
@@ -157,9 +153,7 @@ class Study(Operation):
     case: CaseFile
     set: Changes = ()
     vary: Annotated[
-        str | None,
-        "WHAT",
-        "time-step | tolerance | order | mesh | formulation | integrator | solver | ranks",
+        str | None, "WHAT", "time-step | tolerance | order | mesh | formulation | integrator | solver | ranks"
     ] = None
     curves: Annotated[
         str | bool | None,
@@ -201,23 +195,7 @@ class Study(Operation):
         from drillpetsc.studies.convergence.study import closing_lines, study
 
         q = self.read(None)
-        result = study(
-            self.case,
-            self.vary,
-            q.curves,
-            values=q.values,
-            outputs=q.outputs,
-            steps=q.steps,
-            tolerances=q.tolerances,
-            repeats=self.repeats,
-            reference=self.reference,
-            out=self.out,
-            restart=self.restart,
-            overwrite=self.overwrite,
-            options=options_of(petsc_options),
-            changes=self.set,
-            limit=self.limit,
-            few=self.few,
-        )
+        given = {option.name: getattr(q, option.name) for option in q.options() if option.name != "set"}
+        result = study(**given, changes=self.set, options=options_of(petsc_options))
         print_once(closing_lines(result))
         return 1 if result.useless else 0
