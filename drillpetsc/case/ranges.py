@@ -49,6 +49,7 @@ def read_numbers(
                 part[k] = f"{part[k]} {unit}".strip()
             else:
                 unit = re.sub(_BARE, "", part[k], count=1)
+    free = Quantity(quantity.unit, kind=quantity.kind)  # of steps: no bounds
     out: list[float] = []
     for part, given in zip(parts, text.split(","), strict=True):
         ends = [_number(word, quantity, at, example, units) for word in part[:2]]
@@ -57,8 +58,8 @@ def read_numbers(
         elif ends[1] <= ends[0]:
             raise CaseError(at=at, got=given.strip(), want="a range from a smaller to a larger number")
         else:
-            step = None if len(part) == 2 else _step(part[2], quantity, at, example, units)
-            out += _values(ends, step, at, given.strip())
+            steps = [_number(word, free, at, example, units) for word in part[2:]]
+            out += _values(ends, steps, at, given.strip())
     return tuple(out)
 
 
@@ -68,21 +69,17 @@ def _ends(part: str) -> list[str]:
     return [word.strip() for word in (match.groups() if match else (part,))]
 
 
-def _step(word: str, quantity: Quantity, at: str, example: str, units: System) -> float:
-    return _number(word, Quantity(quantity.unit, above=0, kind=quantity.kind), at, example, units)
-
-
-def _values(ends: list[float], step: float | None, at: str, text: str) -> list[float]:
-    """The values of a range.  step: None for ten of them."""
+def _values(ends: list[float], steps: list[float], at: str, text: str) -> list[float]:
+    """The values of a range.  steps: its step, empty for ten values."""
     first, last = ends
-    if step is None:
-        values = np.linspace(first, last, RANGE_COUNT)
-    elif step > (last - first) * (1 + 1e-9):
+    if not steps:
+        return [float(f"{value:.12g}") for value in np.linspace(first, last, RANGE_COUNT)]
+    (step,) = steps
+    if not 0 < step <= (last - first) * (1 + 1e-9):
         raise CaseError(at=at, got=text, want="a step above 0, not larger than the range")
-    elif round((last - first) / step) + 1 > MOST_VALUES:
+    if round((last - first) / step) + 1 > MOST_VALUES:
         raise CaseError(at=at, got=text, want=f"at most {MOST_VALUES} values")
-    else:
-        values = first + step * np.arange(int(np.floor((last - first) / step * (1 + 1e-9))) + 1)
+    values = first + step * np.arange(int(np.floor((last - first) / step * (1 + 1e-9))) + 1)
     return [float(f"{value:.12g}") for value in values]
 
 
