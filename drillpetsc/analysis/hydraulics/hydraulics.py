@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import shlex
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -390,9 +389,7 @@ def run_hydraulics(
             case.dump(folder.case)
             _write(folder.path, case, results, curve, case.fluid.rheology)  # type: ignore[union-attr]
             write_summary(folder.summary, summary)
-    lines = _lines(case, results, summary)
-    lines.append(f"  results: {folder.path}   (scripts/drillpetsc plot {shlex.quote(str(folder.path))})")
-    return RunResult(folder.path, summary, lines)
+    return job.result(folder, summary, _lines(case, results, summary))
 
 
 def _curve_row(hydraulics: Hydraulics, rate: float) -> Numbers:

@@ -7,7 +7,6 @@ or leaves, dragged along by the string's wall (manual: sec-mud-string-speed).
 from __future__ import annotations
 
 import re
-import shlex
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -264,9 +263,7 @@ def run_surge(job: Job, plan: Trips) -> RunResult:
                 table = [[row[q.name] for row in fastest] for q in MAX_TRIP_SPEED]
                 write_table(folder.path / TRIP_SPEED_TABLE, [q.column for q in MAX_TRIP_SPEED], table)
             write_summary(folder.summary, summary)
-    lines = _lines(case, rows, summary)
-    lines.append(f"  results: {folder.path}   (scripts/drillpetsc plot {shlex.quote(str(folder.path))})")
-    return RunResult(folder.path, summary, lines)
+    return job.result(folder, summary, _lines(case, rows, summary))
 
 
 def _check(case: Case, plan: Trips) -> None:

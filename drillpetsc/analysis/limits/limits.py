@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import shlex
 from dataclasses import asdict
 from typing import Any
 
@@ -127,9 +126,7 @@ def run_limits(job: Job, operation: str | None = None, choices: Choices | None =
             write_summary(folder.summary, summary)
             answer = summary
         summary = comm.tompi4py().bcast(answer)
-    lines = _lines(given, summary, units)
-    lines.append(f"  results: {folder.path}   (scripts/drillpetsc plot {shlex.quote(str(folder.path))})")
-    return RunResult(folder.path, summary, lines)
+    return job.result(folder, summary, _lines(given, summary, units))
 
 
 def _rotation(case: Case, word: str | None) -> float:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import shlex
 from typing import Any
 
 import numpy as np
@@ -77,9 +76,7 @@ def run_calibrate(
             folder.path / CALIBRATION_TABLE, [q.column for q in MEASURED], [columns[q.name] for q in MEASURED]
         )
         write_summary(folder.summary, summary)
-    lines = _lines(case, work, fit, summary, system)
-    lines.append(f"  results: {folder.path}   (scripts/drillpetsc plot {shlex.quote(str(folder.path))})")
-    return RunResult(folder.path, summary, lines)
+    return job.result(folder, summary, _lines(case, work, fit, summary, system))
 
 
 def _notes(case: Case, work: Calibration, parameters: tuple[str, ...]) -> list[str]:
