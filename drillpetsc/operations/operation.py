@@ -184,9 +184,9 @@ class Operation:
     # ------------------------------------------------------------------ running
     def run(self, petsc_options: list[str]) -> int:
         """Run the command for the command line; returns the exit status."""
-        operation = self.read(None)
         if self.petsc:
             start_job(petsc_options)
+        operation = self.read(None)
         return operation.show(operation.compute(None))
 
     def show(self, result: Any) -> int:
@@ -204,13 +204,13 @@ class CaseOperation(Operation):
     units: Units = None
 
     def run(self, petsc_options: list[str]) -> int:
-        """Read the case and the options, then start PETSc: what is wrong with them is said before anything is computed."""
+        """Read the case, start PETSc, read the options, compute, and print; returns the exit status."""
         from drillpetsc.case import load_case
 
         case = load_case(self.case, self.set)
-        operation = self.read(case.output.units or "SI")
-        if self.petsc:
+        if self.petsc:  # before the options are read: several ranks then say once what is wrong with them
             start_job(petsc_options)
+        operation = self.read(case.output.units or "SI")
         case = in_units(case, self.units)
         self.warn(case)
         return operation.show(operation.compute(operation.job(case, Path(self.case).stem)))
