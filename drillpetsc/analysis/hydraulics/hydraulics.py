@@ -161,8 +161,7 @@ class Hydraulics:
     Raises CaseError where there is no such flow.
     """
 
-    def __init__(self, case: Case, units: System | None = None) -> None:
-        """units: of figures in warnings; None: those of the case, or metric."""
+    def __init__(self, case: Case) -> None:
         need_mud(case, "hydraulics")
         if case.bottom.plugged and not case.side_nozzles or not case.has_bore:
             raise CaseError(
@@ -171,7 +170,7 @@ class Hydraulics:
                 want="a string with a bore that is open at its lower end: the mud must get out",
             )
         self.case = case
-        self.units: System = units or case.shown_units
+        self.units = case.shown_units
         self.flow = FlowModel(case, whole_string(case), "pumping")
         self.flow.solve(0.0)
         still = self.flow.pressure("annulus")
@@ -368,7 +367,7 @@ def run_hydraulics(
     """
     case = job.case
     with options_of(case):
-        hydraulics = Hydraulics(case, case.shown_units)
+        hydraulics = Hydraulics(case)
         at = SPP
         if pump_pressure is None and not flows:
             own = default_flow(case, hydraulics.notes)

@@ -47,7 +47,7 @@ def run_calibrate(
     if not points:
         raise CaseError(at="--measured", want="a file of measured points, or roadmap.measured in the case")
     with options_of(case):
-        work = Calibration(case, points, plan.hookload_excludes_block, system)
+        work = Calibration(case, points, plan.hookload_excludes_block)
     if parameters is None:
         parameters = work.factors
     unknown = [name for name in parameters if name not in (*KINDS, *work.factors, *BOUNDS)]

@@ -79,8 +79,8 @@ def test_what_follows_from_the_class(weight: Any, tmp_path: Path, capsys: pytest
     assert str(inspect.signature(function)).startswith("(case: Any, *, overpull:")
     assert "overpull: pull beyond the weight" in (function.__doc__ or "")
     assert function(load_case(tmp_path / "case.yaml"), overpull=50e3)[0] == pytest.approx(217465, abs=1)
-    with pytest.raises(TypeError, match="weigth"):
-        function(CASE, weigth=1)
+    with pytest.raises(TypeError, match="overpul"):
+        function(CASE, overpul=1)
 
 
 def test_without_the_page_there_is_no_such_command() -> None:
