@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -25,9 +25,6 @@ class Check(CaseOperation):
 
         return describe(job.case)
 
-    def printed(self, result: Any) -> Iterable[str]:
-        return [result]
-
 
 class Catalogue(Operation):
     """Rows of the catalogue of drill pipe, collars and casing, in field and metric units, with their sources."""
@@ -48,10 +45,7 @@ class Catalogue(Operation):
     def compute(self, job: Any) -> Any:
         from drillpetsc.case.catalogue import catalogue
 
-        return catalogue(" ".join(self.text), self.files)
-
-    def printed(self, result: Any) -> Iterable[str]:
-        return [result]
+        return str(catalogue(" ".join(self.text), self.files))
 
 
 class Import(Operation):
@@ -88,9 +82,6 @@ class Import(Operation):
             out.write_text(text, encoding="utf-8")
         return [f"{out}: written", *(f"  {remark}" for remark in remarks)]
 
-    def printed(self, result: Any) -> Iterable[str]:
-        return result
-
 
 class Schema(Operation):
     """Write the JSON schema of case files, for editors, or the list of outputs."""
@@ -116,9 +107,6 @@ class Schema(Operation):
             else:
                 write_schema(self.file)
         return []
-
-    def printed(self, result: Any) -> Iterable[str]:
-        return result
 
 
 @contextmanager

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from typing import Any
 
 from drillpetsc.operations.operation import Mark, Operation
@@ -41,6 +40,3 @@ class Completion(Operation):
             ]
         commands = " ".join(operation.command() for operation in OPERATIONS)
         return SCRIPT.format(commands=commands, choices="\n".join(choices), options="\n".join(options))
-
-    def printed(self, result: Any) -> Iterable[str]:
-        return [result]

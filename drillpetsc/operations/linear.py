@@ -217,7 +217,7 @@ class Fmu(CaseOperation):
             job.case, self.out, self.inputs, self.outputs, self.overwrite, self.interpolate, name
         )
 
-    def printed(self, result: Any) -> Iterable[str]:
+    def printed(self, result: Any) -> Iterable[Any]:
         return [f"written: {result}"]
 
 

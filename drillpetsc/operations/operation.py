@@ -148,9 +148,9 @@ class Operation:
         """Compute the result; collective.  job: None without a case."""
         raise NotImplementedError
 
-    def printed(self, result: Any) -> Iterable[str]:
-        """The lines that the command line prints of a result."""
-        return result.lines
+    def printed(self, result: Any) -> Iterable[Any]:
+        """What the command line prints of a result, line by line: its lines, the text that it is, or what it lists."""
+        return [result] if isinstance(result, str) else getattr(result, "lines", result)
 
     # ------------------------------------------------------------------ what follows from the fields
     @classmethod
@@ -280,7 +280,7 @@ class DrawnOperation(FolderOperation):
                 from drillpetsc.reporting import report
 
                 files.append(report(result.folder, units=self.units))
-        print_once(map(str, files))
+        print_once(files)
         return 0
 
 
@@ -318,7 +318,7 @@ def print_warnings(case: Case) -> None:
                 print(line, file=sys.stderr)
 
 
-def print_once(lines: Iterable[str]) -> None:
+def print_once(lines: Iterable[Any]) -> None:
     """Print lines once for the whole job."""
     for line in lines:
         if world_rank() == 0:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Iterable
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
@@ -16,14 +15,7 @@ Signals = Annotated[tuple[str, ...], "SIGNAL"]
 TIME = in_unit("s", "a time above 0, such as '20 s'")
 
 
-class ResultOperation(Operation):
-    """A command on the files of a run folder; its result is the lines that it prints."""
-
-    def printed(self, result: Any) -> Iterable[str]:
-        return map(str, result)
-
-
-class View(ResultOperation):
+class View(Operation):
     """Picture or animation of the string in its hole."""
 
     folder: RunFolder
@@ -62,7 +54,7 @@ class View(ResultOperation):
         return [file]
 
 
-class Plot(ResultOperation):
+class Plot(Operation):
     """Time histories, probe orbits, forces along depth, as pictures."""
 
     folder: RunFolder
@@ -114,7 +106,7 @@ class Plot(ResultOperation):
         return length
 
 
-class Vibration(ResultOperation):
+class Vibration(Operation):
     """Indices of drilling dynamics of a run: stick-slip, vibration, specific energy, whirl; writes indices.csv."""
 
     folder: RunFolder
@@ -135,7 +127,7 @@ class Vibration(ResultOperation):
         return open_run(self.folder).find_indices(self.window, self.every)  # type: ignore[arg-type]  # read: seconds
 
 
-class Report(ResultOperation):
+class Report(Operation):
     """One HTML file on a case and its run folders: well, string, mud, results, inputs with sources."""
 
     paths: Annotated[
@@ -175,7 +167,7 @@ class Report(ResultOperation):
         return [f"{file}  ({file.stat().st_size / 1e6:.2f} MB)"]
 
 
-class Export(ResultOperation):
+class Export(Operation):
     """Tables of a run folder for other programs: CSV, xlsx or LAS, with units and headers as engineers write them."""
 
     folder: RunFolder

@@ -136,7 +136,7 @@ class Sweep(Operation):
             progress=self.progress,
         )
 
-    def printed(self, result: Any) -> Iterable[str]:
+    def printed(self, result: Any) -> Iterable[Any]:
         from drillpetsc.studies.sweep.sweep import closing_lines
 
         return closing_lines(result)
