@@ -2,13 +2,13 @@
 
 `write(folder)` writes
 - `case/*.md`: one page a block of the case file (`case_reference`)
-- `commands.md`: commands and options, from the argparse parser of `drillpetsc.cli`
+- `commands.md`: commands and options, from the classes of `drillpetsc.operations`
 - `messages.md`: what the program answers to each file of `cases/broken`
 - `supported.md`: which formulation takes which feature, found out by building small cases
 - `notebooks/*.md`: the notebooks in docs/notebooks with the outputs that they hold, and their pictures; nothing is run
 - `outputs/*.md`: the tables of columns, fields and keys that `docs/guide/outputs.md` includes, from the catalogue of outputs
 
-Only names of the public face are used (`Case`, `load_case`, `cli.parser`, `catalogue.records`), so files of the package may move.
+Only a few names are used (`Case`, `load_case`, `cli.parser`, `operations.OPERATIONS`, `catalogue.records`), so files of the package may move.
 A file whose text does not change is left alone, which keeps Sphinx from building it again.
 """
 
@@ -70,50 +70,40 @@ def notebook_pages() -> dict[str, str | bytes]:
 # ----------------------------------------------------------------------------------------------------
 # commands
 def commands_page() -> str:
-    """Commands and options from the parser."""
+    """Commands and options from the classes of the operations; usage lines from the parser that is made of them."""
     from drillpetsc.cli import parser
+    from drillpetsc.operations import OPERATIONS
+    from drillpetsc.operations.operation import Mark
 
     whole = parser()
     actions = next(a for a in whole._actions if isinstance(a, argparse._SubParsersAction))
-    helps = {choice.dest: choice.help or "" for choice in actions._choices_actions}
+    names = [operation.command() for operation in OPERATIONS]
     out = [
         f"{HEAD}(commands-options)=\n# Commands and options\n",
         "`drillpetsc COMMAND --help` shows the same. Options of PETSc have one dash ({doc}`/guide/solver-options`).\n",
+        "Lists of numbers may hold ranges: `400,500 gpm`, `20..200 ft/min` for ten values in equal steps, `0:240:10 rpm` for those from "
+        "0 to 240 in steps of 10. A number without a unit has that of the next number that has one.\n",
         "| command | does |\n| --- | --- |",
     ]
-    out += [f"| [`{name}`](#command-{name}) | {markdown(helps.get(name, ''))} |" for name in actions.choices]
+    out += [
+        f"| [`{name}`](#command-{name}) | {markdown(operation.summary())} |"
+        for name, operation in zip(names, OPERATIONS, strict=True)
+    ]
     out.append("")
-    for name, sub in actions.choices.items():
-        usage = " ".join(sub.format_usage().removeprefix("usage: ").split())
+    for name, operation in zip(names, OPERATIONS, strict=True):
+        usage = " ".join(actions.choices[name].format_usage().removeprefix("usage: ").split())
         out += [
             f"(command-{name})=\n## `{name}`\n",
-            markdown(sentence(sub.description or "")) + "\n",
+            markdown(sentence(operation.summary())) + "\n",
             f"```text\n{usage}\n```\n",
             "| argument | meaning |\n| --- | --- |",
         ]
-        for action in sub._actions:
-            if isinstance(action, argparse._HelpAction):
+        for option in operation.options():
+            if Mark.PYTHON in option.marks:
                 continue
-            label = "`" + ", ".join(action.option_strings or [str(action.metavar or action.dest)]) + "`"
-            if action.option_strings and action.nargs != 0:
-                value = action.metavar or (
-                    " \\| ".join(map(str, action.choices)) if action.choices else action.dest.upper()
-                )
-                value = " ".join(value) if isinstance(value, tuple) else str(value)
-                label += f" {value}"
-            text = markdown(
-                action.help
-                or (
-                    "the case file"
-                    if "CASE" in str(action.metavar)
-                    else "the run folder"
-                    if action.metavar == "RUN"
-                    else "where to write"
-                )
-            )
-            if action.choices and not action.option_strings:
-                text += f" ({', '.join(map(str, action.choices))})"
-            out.append(f"| {label} | {text} |")
+            value = option.metavar or " \\| ".join(map(str, option.choices)) or option.name.upper()
+            takes_value = option.kind is not bool and Mark.ARGUMENT not in option.marks
+            out.append(f"| `{option.flag}`{' ' + value if takes_value else ''} | {markdown(option.text)} |")
         out.append("")
     epilog = whole.epilog or ""
     out.append(f"## Exit status and PETSc options\n\n```text\n{epilog}\n```\n")

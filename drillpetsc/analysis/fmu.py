@@ -28,7 +28,6 @@ from drillpetsc.version import __version__
 INSTALL = "pip install 'drillpetsc[fmu]'"
 SLAVE = "drillpetsc_fmu"  # name of the script in the FMU
 DEFAULT_STEP = 0.01  # communication step that is proposed to the host [s]
-INTERPOLATION = ("held", "linear")
 
 
 def build_fmu(
@@ -58,12 +57,8 @@ def build_fmu(
     except ImportError:
         raise CaseError(at="fmu", want="the package pythonfmu", hint=INSTALL) from None
     path = Path(out)
-    if path.suffix != ".fmu":
-        raise CaseError(at="--out", got=str(path), want="a file name that ends with .fmu")
     if path.exists() and not overwrite:
         raise CaseError(at="--out", got=str(path), want="a new file", hint="--overwrite replaces it")
-    if interpolate not in INTERPOLATION:
-        raise CaseError(at="--interpolate", got=interpolate, want=" or ".join(INTERPOLATION))
     if case.time is not None and is_quasi_static(case):
         raise CaseError(at="time.mode", got="quasi_static", want="dynamic in an FMU")
     if case.initial.from_ not in ("statics", "rest", "straight"):

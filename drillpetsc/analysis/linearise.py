@@ -10,9 +10,9 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from petsc4py import PETSc
 
 from drillpetsc.analysis.case_inputs import describe, inputs_of, with_inputs
+from drillpetsc.analysis.job import Job
 from drillpetsc.analysis.linear_model import (
     USUAL,
     DisturbedInput,
@@ -36,13 +36,11 @@ from drillpetsc.model.top_drive import continuous_control
 from drillpetsc.output import RunFolder, write_summary
 from drillpetsc.output.case_files import write_case
 from drillpetsc.output.files.atomic import replace_file
-from drillpetsc.output.files.run_folder import make_folder
 from drillpetsc.output.recorder import Recorder
 from drillpetsc.solvers.model_reduction import Reduced, not_decaying, reduce
 from drillpetsc.solvers.state_space import StateSpace
 from drillpetsc.unit_systems import shown
 
-METHODS = ("balanced", "modal")
 FREQUENCIES = 500  # at which a reduced model is compared with the whole one
 ROUNDING = 1e-6  # part of an output that follows the rate of an input is rounding below this fraction of the response
 PRINTED = 8  # Hankel values on the screen
@@ -82,37 +80,26 @@ class LinearResult:
 
 
 def run_linearise(
-    case: Case,
+    job: Job,
     inputs: Sequence[str],
     outputs: Sequence[str],
-    out: str | Path | None = None,
     method: str | None = None,
     order: int = 20,
-    overwrite: bool = False,
-    name: str = "case",
-    comm: PETSc.Comm | None = None,
 ) -> LinearResult:
-    """Linearise a case about its steady state; writes linear.npz, linear.mat and summary.json; collective.
+    """Linearise a case about its steady state; collective.
 
-    case: the user's case.
     inputs: names as of ``Session.inputs``; outputs: columns of history.csv.
-    out: run folder, None: a new one named after ``name``.
     method: ``balanced`` or ``modal`` reduction to ``order`` states; None: none.
-    overwrite: replace an existing run folder; comm: communicator, all ranks by default.
 
     Raises CaseError for wrong arguments, SolveError where no equilibrium is found or no state space exists.
     """
+    case, comm = job.case, job.comm
     refuse_quaternion(case, "linearise")
     case = continuous_control(case)
     if case.time is not None and is_quasi_static(case):
         raise CaseError(
             at="time.mode", got="quasi_static", want="dynamic: without inertia there is no linear model"
         )
-    comm = comm or PETSc.COMM_WORLD
-    if method is not None and method not in METHODS:
-        raise CaseError(at="--reduce", got=method, want=" or ".join(METHODS))
-    if order < 1:
-        raise CaseError(at="--order", got=order, want="a number of states, at least 1")
     given = inputs_of(case)
     if case.top.autodriller is not None:  # which acts in a linear model from the start
         given.pop("top.lowering", None)
@@ -124,7 +111,7 @@ def run_linearise(
         live = LiveOutputs(Recorder(model))
         units = {q.name: q.unit for q in live.described()}
         refuse_unknown("--outputs", outputs, list(units))
-        folder = make_folder(comm, name, out, False, overwrite)
+        folder = job.make_folder()
         state = steady_state(model)
         notes = [*state.warnings, *_notes(model, live)]
         linear = linear_model(model, disturbed, outputs)

@@ -20,11 +20,11 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from petsc4py import PETSc
 
 from drillpetsc.analysis.equilibrium import StaticState
 from drillpetsc.analysis.frequency.stokes import at_own_frequencies, frequency_dependent, stokes_numbers
 from drillpetsc.analysis.initial_state import find_equilibrium
+from drillpetsc.analysis.job import Job
 from drillpetsc.analysis.linearised_model import linearise_model, settle
 from drillpetsc.analysis.mean_over_turn import mean_over_turn
 from drillpetsc.analysis.modes import Modes
@@ -46,7 +46,6 @@ from drillpetsc.output.case_files import write_case
 from drillpetsc.output.field_output import FieldOutput
 from drillpetsc.output.files.atomic import replace_file
 from drillpetsc.output.files.fields import _write_vtu
-from drillpetsc.output.files.run_folder import make_folder
 from drillpetsc.output.quantities import MODE_KINDS as KINDS
 from drillpetsc.output.quantities import MODES
 from drillpetsc.output.quantities.modes import STOKES_NUMBER
@@ -346,34 +345,22 @@ def _factor(shapes: dict[str, np.ndarray], m: int, kind: str) -> complex:
 
 # ---------------------------------------------------------------------- command
 def run_modes(
-    case: Case,
-    out: str | Path | None = None,
+    job: Job,
     count: int = 20,
     shift: float | None = None,
     kind: str | None = None,
     about: str = "steady",
-    overwrite: bool = False,
-    name: str = "case",
-    comm: PETSc.Comm | None = None,
     without_control: bool = False,
 ) -> RunResult:
-    """Compute the modes of a case and write modes.csv, modes/mode_NN.vtu, string.pvd and summary.json; collective.
+    """Compute the modes of a case; collective.
 
-    case: the user's case.
-    out: run folder, None: a new one named after ``name``.
-    count, kind: as in ``modes``; shift: frequency [Hz].
-    about: as in ``prepare_state``.
-    overwrite: replace an existing run folder.
-    comm: communicator, all ranks by default.
+    count, kind: as in ``modes``; shift: frequency [Hz]; about: as in ``prepare_state``.
     without_control: leave out motor, hoist and controllers, and hold the top at the prescribed rotation.
 
-    Returns folder, summary and the lines to show.  Raises CaseError for wrong arguments, SolveError where no state
-    or mode is found.
+    Raises CaseError for wrong arguments, SolveError where no state or mode is found.
     """
+    case, comm = job.case, job.comm
     refuse_quaternion(case, "modes")
-    comm = comm or PETSc.COMM_WORLD
-    if count < 1:
-        raise CaseError(at="--count", got=count, want="a number of modes, at least 1")
     if shift is not None and (kind or shift < 0):
         raise CaseError(
             at="--shift", got=shift, want="a frequency in Hz, at least 0, and not together with --kind"
@@ -381,7 +368,7 @@ def run_modes(
     with options_of(case):
         case = continuous_control(mean_over_turn(case))
         model = build_model(without_motor(case) if without_control else case, comm)
-        folder = make_folder(comm, name, out, False, overwrite)
+        folder = job.make_folder()
         state = prepare_state(model, about)
         fields = FieldOutput(model).fields(0.0)
         found = modes(model, count, shift, kind)

@@ -6,9 +6,9 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from petsc4py import PETSc
 
 from drillpetsc.analysis.drive_report import control_lines, control_summary, control_warnings
+from drillpetsc.analysis.job import Job
 from drillpetsc.analysis.run_options import options_of
 from drillpetsc.arrays import FloatArray
 from drillpetsc.case.blocks.ends import HeldBottom
@@ -19,7 +19,7 @@ from drillpetsc.model.mesh import build_mesh
 from drillpetsc.model.top_drive import laws_of, lowest_torsional_frequency, motor_of, pipe_impedance
 from drillpetsc.output import write_summary, write_table
 from drillpetsc.output.case_files import write_case
-from drillpetsc.output.files.run_folder import REFLECTION_TABLE, make_folder
+from drillpetsc.output.files.run_folder import REFLECTION_TABLE
 from drillpetsc.output.quantities.top_drive import REFLECTION
 from drillpetsc.output.result import RunResult
 from drillpetsc.physics.control import Law, Motor, reflection
@@ -28,17 +28,12 @@ FREQUENCIES = np.geomspace(0.01, 10.0, 601)  # of the table [Hz]
 PRINTED = (0.05, 0.1, 0.2, 0.3, 0.5, 1.0)  # [Hz]
 
 
-def run_top_drive(
-    case: Case,
-    out: str | Path | None = None,
-    overwrite: bool = False,
-    name: str = "case",
-    comm: PETSc.Comm | None = None,
-) -> RunResult:
-    """Compute the reflection at the top over the frequency; writes reflection.csv and summary.json.
+def run_top_drive(job: Job) -> RunResult:
+    """Compute the reflection at the top over the frequency; collective.
 
-    Returns folder, summary and the lines to show.  Raises CaseError for a case without a motor or a controller.
+    Raises CaseError for a case without a motor or a controller.
     """
+    case = job.case
     if case.top.motor is None or not case.top.control:
         raise CaseError(
             at="top.control",
@@ -48,7 +43,6 @@ def run_top_drive(
         raise CaseError(
             at="top.control.kind", got="python", want="another: a function in Python has no known reflection"
         )
-    comm = comm or PETSc.COMM_WORLD
     with options_of(case):
         mesh = build_mesh(case, build_well(case), None)
     motor, laws, impedance = motor_of(case), laws_of(case, mesh), pipe_impedance(mesh)
@@ -60,8 +54,8 @@ def run_top_drive(
         summary["top_drive"]["torsional_frequency"] = lowest_torsional_frequency(mesh, held)
     except CaseError:  # parts that turn by themselves
         summary["top_drive"]["torsional_frequency"] = None
-    folder = make_folder(comm, name, out, False, overwrite)
-    if comm.rank == 0:
+    folder = job.make_folder()
+    if job.comm.rank == 0:
         write_case(case, folder)
         numbers = np.repeat(np.arange(1, len(laws) + 1), len(FREQUENCIES))
         rows = [numbers, np.tile(FREQUENCIES, len(laws)), np.concatenate(table)]

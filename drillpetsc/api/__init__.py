@@ -1,4 +1,4 @@
-"""The public Python face: a function for each command of the command line.
+"""The public Python face: a function for each command of the command line, made from the class of the command.
 
     import drillpetsc
     case = drillpetsc.load_case("cases/vertical-2000m.yaml", ["top.rotation=90 rpm"])
@@ -12,9 +12,9 @@ that cannot go on.
 
 from __future__ import annotations
 
-from drillpetsc.api.frequencies import campbell, linearise, modes, mud_motor, response, stability, top_drive
-from drillpetsc.api.operations import calibrate, freepoint, hydraulics, limits, roadmap, statics, surge
-from drillpetsc.api.runs import fmu, open_run, run, study, sweep
+from drillpetsc import operations
+from drillpetsc.api.functions import function_of
+from drillpetsc.api.runs import mud_motor, open_run, run, study, sweep
 from drillpetsc.case import Case, load_case
 from drillpetsc.case.catalogue import catalogue
 from drillpetsc.case.items import (
@@ -37,6 +37,21 @@ from drillpetsc.case.items import (
     Stabilizer,
 )
 from drillpetsc.errors import CaseError, SolveError
+
+statics = function_of(operations.Statics)
+hydraulics = function_of(operations.Hydraulics)
+surge = function_of(operations.Surge)
+roadmap = function_of(operations.Roadmap)
+limits = function_of(operations.Limits)
+freepoint = function_of(operations.Freepoint)
+calibrate = function_of(operations.Calibrate)
+modes = function_of(operations.Modes)
+campbell = function_of(operations.Campbell)
+stability = function_of(operations.Stability)
+response = function_of(operations.Response)
+linearise = function_of(operations.Linearise)
+fmu = function_of(operations.Fmu)
+top_drive = function_of(operations.TopDrive)
 
 __all__ = [
     "Agitator",

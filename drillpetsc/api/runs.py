@@ -1,16 +1,17 @@
-"""Runs in time, sweeps and studies of them; results and co-simulation units."""
+"""Runs in time, sweeps and studies of them, whose arguments in Python are not those of the command; results; the law of a motor."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Any
 
-from drillpetsc.api.loading import loaded
-from drillpetsc.case import Case
+from drillpetsc.case import Case, load_case
+from drillpetsc.errors import CaseError
 from drillpetsc.parallel import initialise_petsc
 
 if TYPE_CHECKING:
+    from drillpetsc.physics.tools.motor_law import MotorLaw
     from drillpetsc.results import Result
     from drillpetsc.studies.convergence.study import StudyResult
     from drillpetsc.studies.sweep.sweep import SweepResult
@@ -95,27 +96,15 @@ def open_run(folder: str | Path) -> Result:
     return read(folder)
 
 
-def fmu(
-    case: Case | str | Path,
-    out: str | Path,
-    *,
-    inputs: Sequence[str] | None = None,
-    outputs: Sequence[str] | None = None,
-    overwrite: bool = False,
-    interpolate: Literal["held", "linear"] = "held",
-    name: str | None = None,
-) -> Path:
-    """Write a case as a co-simulation unit of FMI 2.0, and return its path; needs pythonfmu (one process).
+def mud_motor(case: Case | str | Path) -> MotorLaw:
+    """The law of the downhole motor of a string: speed, differential pressure and leak by torque and flow rate.
 
-    case: a Case, or the path of a case file
-    out: file to write, NAME.fmu
-    inputs, outputs: names as of Session.inputs and Session.outputs; None: all
-    overwrite: True to replace an existing file
-    interpolate: held or linear, as of Session
-    name: of the model
+    case: a Case with an item `pdm`, or the path of a case file
+    Raises CaseError for a string without a motor.
     """
-    case, name = loaded(case, name)
-    initialise_petsc()
-    from drillpetsc.analysis.fmu import build_fmu
+    from drillpetsc.model.mud_motor import motor_item, motor_law
 
-    return build_fmu(case, out, inputs, outputs, overwrite, interpolate, name)
+    found = motor_item(case if isinstance(case, Case) else load_case(case))
+    if found is None:
+        raise CaseError(at="string", want="an item of kind pdm")
+    return motor_law(found[1].pdm)

@@ -6,8 +6,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from drillpetsc.case.blocks.rig import STANDARD_GRAVITY
-from drillpetsc.case.flow_options import read_numbers
 from drillpetsc.case.quantities import Quantity
+from drillpetsc.case.ranges import read_numbers
 from drillpetsc.errors import CaseError
 
 STRETCH = Quantity("m", above=0, at_most=100)

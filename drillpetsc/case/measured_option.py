@@ -7,10 +7,10 @@ from pydantic_core import PydanticCustomError
 
 from drillpetsc.case.blocks.roadmap import MeasuredPoint
 from drillpetsc.case.case import Case
-from drillpetsc.case.flow_options import read_words
 from drillpetsc.case.measured_file import read_measured
 from drillpetsc.case.messages import case_error
 from drillpetsc.case.quantities import BARE_NUMBERS
+from drillpetsc.case.ranges import read_words
 from drillpetsc.errors import CaseError
 
 

@@ -6,11 +6,11 @@ import argparse
 import os
 import re
 import sys
-from typing import Any
+from typing import Any, get_args, get_origin
 
-from drillpetsc import __version__
-from drillpetsc.cli import commands
+from drillpetsc import __version__, operations
 from drillpetsc.errors import CaseError, DrillError, SolveError
+from drillpetsc.operations.operation import RENAMED_OPTIONS, Mark, Operation, Option
 from drillpetsc.parallel import report_error, report_interrupt
 
 EXIT_STATUS = (
@@ -23,8 +23,6 @@ Newton also goes on while what it leaves does more work than -drillpetsc_newton_
 -ts_type alpha2 is generalised-alpha (time.integrator) with -ts_alpha_radius; -snes_type newtonls solves the whole assembled
 system instead, -ts_type arkimex, theta integrate it.
 {EXIT_STATUS}"""
-
-RENAMED_OPTIONS = {"--companion": "--mesh-error"}  # old -> new
 
 _NEGATIVE = re.compile(r"-\.?\d")  # a number below zero, with or without a unit: no option begins so
 _CASE_KEY = re.compile(r"[A-Za-z_]\w*(\[\d+\]|\.\w+)*\s*=")  # KEY=..., which is no value of a PETSc option
@@ -48,14 +46,18 @@ def main(words: list[str] | None = None) -> int:
 def _main(words: list[str] | None) -> int:
     words = sys.argv[1:] if words is None else words
     own, petsc_options = split_words(words)
-    arguments, unknown = parser().parse_known_args(own)
-    command = next(command for command in commands.COMMANDS if command.name == arguments.command)
     try:
+        _refuse_old(own)
+        arguments, unknown = parser().parse_known_args(own)
+        operation = next(q for q in operations.OPERATIONS if q.command() == arguments.command)
         if unknown:
             raise _unknown_option(unknown[0])
-        if petsc_options and not command.takes_petsc_options:
-            raise CaseError(at=petsc_options[0], want=f"no PETSc options with {command.name}")
-        return command.handler(arguments, petsc_options)
+        if petsc_options and not operation.petsc:
+            raise CaseError(at=petsc_options[0], want=f"no PETSc options with {operation.command()}")
+        given = {
+            q.name: getattr(arguments, q.name) for q in operation.options() if hasattr(arguments, q.name)
+        }
+        return operation(**given).run(petsc_options)
     except DrillError as error:
         return report_error(error)
     except KeyboardInterrupt:
@@ -75,17 +77,52 @@ def parser() -> argparse.ArgumentParser:
     )
     whole.add_argument("--version", action="version", version=f"drillpetsc {__version__}")
     sub = whole.add_subparsers(dest="command", required=True, metavar="COMMAND")
-    for command in commands.COMMANDS:
-        command.add_arguments(
-            sub.add_parser(
-                command.name,
-                help=command.help,
-                description=command.help,
-                parents=list(command.parents),
-                **(_PARSER_STYLE if command.takes_petsc_options else _PARSER_STYLE | {"epilog": EXIT_STATUS}),
-            )
+    for operation in operations.OPERATIONS:
+        command = sub.add_parser(
+            operation.command(),
+            help=operation.summary().replace("%", "%%"),
+            description=operation.summary(),
+            **(_PARSER_STYLE if operation.petsc else _PARSER_STYLE | {"epilog": EXIT_STATUS}),
         )
+        add_options(command, operation)
     return whole
+
+
+def add_options(command: argparse.ArgumentParser, operation: type[Operation]) -> None:
+    """Add the options of an operation to its parser."""
+    for option in operation.options():
+        if Mark.PYTHON not in option.marks:
+            _add_option(command, option)
+
+
+def _add_option(command: argparse.ArgumentParser, option: Option) -> None:
+    words: dict[str, Any] = {"help": option.text.replace("%", "%%"), "default": option.default}
+    if option.kind is bool:
+        command.add_argument(option.flag, action="store_true", help=words["help"])
+        return
+    if option.metavar:
+        words["metavar"] = option.metavar
+    if option.choices:
+        words["choices"] = option.choices
+    if option.kind in (int, float):
+        words["type"] = option.kind
+    many = get_origin(option.kind) is tuple
+    if many and Ellipsis not in get_args(option.kind):  # a pair
+        words |= {"nargs": len(get_args(option.kind)), "metavar": tuple(option.metavar.split())}
+    if bool in get_args(option.kind):  # the value may be left out
+        words |= {"nargs": "?", "const": True}
+    if Mark.ARGUMENT in option.marks:
+        nargs = {(True, True): "+", (True, False): "*", (False, False): "?"}.get((many, option.required))
+        words |= {"nargs": nargs} if nargs else {}
+        if option.required:
+            del words["default"]
+        command.add_argument(option.name, **words)
+        return
+    if many and Ellipsis in get_args(option.kind):  # given several times
+        words |= {"action": "append", "default": []}
+    if option.required:
+        words |= {"required": True, "default": None}
+    command.add_argument(option.flag, dest=option.name, **words)
 
 
 _PARSER_STYLE: dict[str, Any] = {
@@ -150,11 +187,15 @@ def _is_number(word: str) -> bool:
     return True
 
 
+def _refuse_old(words: list[str]) -> None:
+    """Raise CaseError for an option of before, which names that of now."""
+    for old in (word.partition("=")[0] for word in words):
+        if old in RENAMED_OPTIONS:
+            new = RENAMED_OPTIONS[old]
+            raise CaseError(at=old, want=new, hint=f"{old} is now called {new}")
+
+
 def _unknown_option(word: str) -> CaseError:
-    old = word.partition("=")[0]
-    if old in RENAMED_OPTIONS:
-        new = RENAMED_OPTIONS[old]
-        return CaseError(at=old, want=new, hint=f"{old} is now called {new}")
     hint = f"to change a key of the case: --set '{word}'" if _CASE_KEY.match(word) else ""
     return CaseError(
         at=word, want="a known --option (see --help), or a PETSc option with one dash", hint=hint

@@ -82,7 +82,7 @@ KINDS = (
         "Surge and swab",
         ("surge.csv", "max_trip_speed.csv"),
         ("surge", "max_trip_speed"),
-        "surge CASE.yaml --speed '60,120 ft/min'",
+        "surge CASE.yaml --speeds '60,120 ft/min'",
         needs_mud=True,
     ),
     Kind(

@@ -11,7 +11,8 @@ from pathlib import Path
 
 import pytest
 
-from drillpetsc.cli import commands, main
+from drillpetsc.cli import main
+from drillpetsc.operations import OPERATIONS
 from tests.helpers.mpi import start_mpi
 
 ROOT = Path(__file__).parents[2]
@@ -95,14 +96,14 @@ COMMANDS = {
     "roadmap --model stiff": "--out OUT",
     "calibrate": "--measured log.csv --fit weight_factor --out OUT",
     "hydraulics": "--out OUT",
-    "surge": "--speed 10m/min --out OUT",
+    "surge": "--speeds 10m/min --out OUT",
     "modes": "--count 2 --out OUT",
     "campbell": "--speeds 60,70rpm --count 2 --without-control --out OUT",
-    "stability": "--rpm 60rpm --wob 1kN --count 2 --out OUT",
+    "stability": "--speeds 60rpm --wob 1kN --count 2 --out OUT",
     "response": "--excite unbalance --speeds 60rpm --without-control --out OUT",
     "linearise": "--inputs top.rotation --outputs bit_speed --out OUT",
     "top-drive": "--out OUT",
-    "fmu": "-o OUT.fmu",
+    "fmu": "--out OUT.fmu",
 }
 
 
@@ -134,7 +135,7 @@ def test_a_misspelt_option_of_the_command_line_is_refused_without_a_run(folder):
 
 
 def test_every_command_with_petsc_options_is_in_the_table():
-    takes = {command.name for command in commands.COMMANDS if command.takes_petsc_options}
+    takes = {operation.command() for operation in OPERATIONS if operation.petsc}
     assert takes == {command.split()[0] for command in COMMANDS} | {"study"}
 
 

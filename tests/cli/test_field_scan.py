@@ -79,7 +79,7 @@ COMMANDS: dict[str, tuple[str, ...]] = {
     "roadmap rotary.yaml --out ro": (),
     "calibrate rotary.yaml --measured log.csv --out ca": (),
     "hydraulics rotary.yaml --out hy": (),
-    "surge rotary.yaml --speed 60,120ft/min --out su": (),
+    "surge rotary.yaml --speeds 60,120ft/min --out su": (),
     "freepoint rotary.yaml --stretch 4,10in --pull 10,20klbf": (),
     "run rotary.yaml --out run --progress log": (),
     "run tools.yaml --out run2 --progress log": (),
@@ -91,7 +91,7 @@ COMMANDS: dict[str, tuple[str, ...]] = {
     "modes rotary.yaml --out mo --count 6": (),
     "plot mo": (),
     "campbell rotary.yaml --out cam --speeds 60,120rpm --count 6 --stiffness 1e6,1e7Pa": (),
-    "stability rotary.yaml --rpm 60,120rpm --wob 4,5 --count 4 --out sta": (),
+    "stability rotary.yaml --speeds 60,120rpm --wob 4,5 --count 4 --out sta": (),
     "response rotary.yaml --excite unbalance --speeds 60:120:20rpm --out re --stress": (),
     "response rotary.yaml --excite 700ft --amplitude 5klbf --speeds 60,80rpm --out res2": (),
     # the units of the matrices that it writes, which are in SI as all files

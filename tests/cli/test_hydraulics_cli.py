@@ -43,7 +43,7 @@ def folder(tmp_path_factory) -> Path:
     done = drillpetsc(
         "surge",
         "small.yaml",
-        "--speed",
+        "--speeds",
         "30,60 ft/min",
         "--pipe",
         "closed,open,pumping",
@@ -56,7 +56,7 @@ def folder(tmp_path_factory) -> Path:
     return path
 
 
-@pytest.mark.parametrize("command", [("hydraulics",), ("surge", "--speed", "60 ft/min")])
+@pytest.mark.parametrize("command", [("hydraulics",), ("surge", "--speeds", "60 ft/min")])
 def test_a_mud_in_another_unit_is_doubted(command, tmp_path: Path):
     """12 is read as 12 kg/m3; the command says so, as `check` does."""
     (tmp_path / "small.yaml").write_text(
@@ -123,7 +123,7 @@ def test_an_existing_folder_needs_overwrite(folder: Path):
     done = drillpetsc("hydraulics", "small.yaml", "--spp", "80 bar", "--out", "over", cwd=folder)
     assert done.returncode == 0, done.stderr
     assert "80 bar" in " ".join(done.stdout.split())
-    done = drillpetsc("surge", "small.yaml", "--speed", "1 m/s", "--out", "over", "--overwrite", cwd=folder)
+    done = drillpetsc("surge", "small.yaml", "--speeds", "1 m/s", "--out", "over", "--overwrite", cwd=folder)
     assert done.returncode == 0, done.stderr
     assert not (folder / "over" / "hydraulics.csv").exists() and (folder / "over" / "surge.csv").exists()
 
@@ -135,12 +135,12 @@ def test_an_existing_folder_needs_overwrite(folder: Path):
         (["hydraulics", "small.yaml", "--flow=-400 gpm"], "above 0"),
         (["hydraulics", "small.yaml", "--flow", "400"], "a bare number is in"),
         (["hydraulics", "small.yaml", "--spp", "1 Pa"], "starts the flow"),
-        (["surge", "small.yaml"], "--speed"),
-        (["surge", "small.yaml", "--speed", "0 ft/min"], "above 0"),
-        (["surge", "small.yaml", "--speed", "30 ft/min", "--pipe", "shut"], "closed, open, pumping"),
-        (["surge", "small.yaml", "--speed", "30 ft/min", "--window", "14,9 ppg"], "frac above pore"),
-        (["surge", "small.yaml", "--speed", "30 ft/min", "--bit-depth", "2000 m"], "the end of the hole"),
-        (["surge", "small.yaml", "--speed", "30 ft/min", "--bit-depth", "0.2 m"], "rigid item"),
+        (["surge", "small.yaml"], "--speeds"),
+        (["surge", "small.yaml", "--speeds", "0 ft/min"], "above 0"),
+        (["surge", "small.yaml", "--speeds", "30 ft/min", "--pipe", "shut"], "closed, open, pumping"),
+        (["surge", "small.yaml", "--speeds", "30 ft/min", "--window", "14,9 ppg"], "frac above pore"),
+        (["surge", "small.yaml", "--speeds", "30 ft/min", "--bit-depth", "2000 m"], "the end of the hole"),
+        (["surge", "small.yaml", "--speeds", "30 ft/min", "--bit-depth", "0.2 m"], "rigid item"),
     ],
 )
 def test_bad_options_are_refused_before_anything_is_written(words, message, folder: Path):

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from drillpetsc import cli, load_case
-from drillpetsc.cli import commands
+from drillpetsc.operations import OPERATIONS
 
 CASE = """
 title: hanging
@@ -65,19 +65,10 @@ def test_several_wells_keep_their_keys(case, capsys):
 
 def test_every_command_that_takes_a_case_takes_changes():
     """All but sweep, whose values do the same."""
-    for command in commands.COMMANDS:
-        parser = commands_parser(command)
-        takes_case = any(action.dest in ("case", "cases") for action in parser._actions)
-        takes_changes = any(action.dest == "set" for action in parser._actions)
-        assert takes_changes == (takes_case and command.name != "sweep"), command.name
-
-
-def commands_parser(command):
-    import argparse
-
-    parser = argparse.ArgumentParser()
-    command.add_arguments(parser)
-    return parser
+    for operation in OPERATIONS:
+        names = {option.name for option in operation.options()}
+        takes_case = bool(names & {"case", "cases"})
+        assert ("set" in names) == (takes_case and operation.command() != "sweep"), operation
 
 
 def test_a_change_without_set_is_answered_with_it(case, capsys):

@@ -15,8 +15,8 @@ CASE = "cases/vertical-2000m.yaml"
     [
         (["run", "c.yaml", "--set", "x=-1"], ["run", "c.yaml", "--set", "x=-1"], []),
         (["run", "c.yaml", "--set", "-x=-1 m"], ["run", "c.yaml", "--set=-x=-1 m"], []),
-        (["surge", "c.yaml", "--speed", "-5m/s"], ["surge", "c.yaml", "--speed=-5m/s"], []),
-        (["surge", "c.yaml", "--speed", "-.5 m/s"], ["surge", "c.yaml", "--speed=-.5 m/s"], []),
+        (["surge", "c.yaml", "--speeds", "-5m/s"], ["surge", "c.yaml", "--speeds=-5m/s"], []),
+        (["surge", "c.yaml", "--speeds", "-.5 m/s"], ["surge", "c.yaml", "--speeds=-.5 m/s"], []),
         (["plot", "run", "--range", "-5", "10"], ["plot", "run", "--range", "-5", "10"], []),
         (
             ["run", "c.yaml", "-ts_dt", "-1e-3", "-ts_monitor"],
@@ -34,7 +34,7 @@ def test_words_that_begin_with_a_dash(words: list[str], own: list[str], petsc: l
 @pytest.mark.parametrize(
     ("words", "first", "given"),
     [
-        (["surge", CASE, "--speed", "-0.5 m/s"], "--speed", "-0.5 m/s"),
+        (["surge", CASE, "--speeds", "-0.5 m/s"], "--speeds", "-0.5 m/s"),
         (["hydraulics", CASE, "--flow", "-30l/s"], "--flow", "-30l/s"),
         (
             ["response", CASE, "--excite", "bit", "--amplitude", "-5kN", "--speeds", "60rpm"],

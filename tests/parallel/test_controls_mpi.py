@@ -63,11 +63,11 @@ CASES = [
     (PYTHON + "petsc: {ts_type: alpha2}\n", ["run"], 3, "history.csv"),
     (DRILLING + LOOP, ["linearise", "--inputs", "top.autodriller.wob", "--outputs", "hook_load"], 3, ""),
     (DRILLING + LOOP, ["campbell", "--speeds", "30,60rpm", "--count", "3"], 3, "campbell.csv"),
-    (SURGE, ["surge", "--speed", "0.3 m/s", "--operation", "trip_in", "--pipe", "closed", "--dynamic"], 2, "surge.csv"),
+    (SURGE, ["surge", "--speeds", "0.3 m/s", "--operation", "trip_in", "--pipe", "closed", "--dynamic"], 2, "surge.csv"),
     (
         # without contact: friction against a string that turns makes its bending grow from rounding
         DRILLING.replace("2 deg, 2 deg", "0 deg, 0 deg") + "contact: none\ntop: {kind: top_drive, rotation: 60 rpm}",
-        ["stability", "--rpm", "60rpm", "--wob", "2 kN", "--count", "2", "--kind", "torsional", "--method", "time", "--duration", "1 s"],
+        ["stability", "--speeds", "60rpm", "--wob", "2 kN", "--count", "2", "--kind", "torsional", "--method", "time", "--duration", "1 s"],
         2,
         "stability_runs.csv",
     ),

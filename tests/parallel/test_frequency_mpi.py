@@ -106,7 +106,7 @@ def test_stokes_modes_and_stability_on_1_and_3_ranks(tmp_path):
         out = [tmp_path / f"{name}-{n}" for name in ("modes", "map")]
         run_mpi(n, SCRIPT, ["modes", str(tmp_path / "span.yaml"), "--count", "2", "--out", str(out[0])])
         words = [
-            "--rpm",
+            "--speeds",
             "110:140:30 rpm",
             "--wob",
             "100 kN",

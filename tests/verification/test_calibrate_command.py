@@ -7,6 +7,7 @@ import json
 import numpy as np
 import pytest
 
+from drillpetsc.analysis.job import Job
 from drillpetsc.analysis.soft_string import torque_drag
 from drillpetsc.analysis.torque_drag.calibrate import run_calibrate
 from drillpetsc.analysis.torque_drag.calibration import Calibration
@@ -125,7 +126,7 @@ def test_block_weight_and_weight_factor_come_back():
 
 def test_weight_error_is_told_and_not_absorbed(tmp_path):
     """Hook loads with an unknown block: it follows from rotating off bottom."""
-    result = run_calibrate(case(), synthetic(block=BLOCK), out=tmp_path / "c")
+    result = run_calibrate(Job(case(), tmp_path / "c"), synthetic(block=BLOCK))
     (warning,) = [w for w in result.summary["warnings"] if "error of the weight" in w]
     assert "below the measured" in warning
 
@@ -139,14 +140,14 @@ def test_weight_error_over_the_reading(tmp_path):
         for p in synthetic(depths=(1900, 2860), block=BLOCK)
     )
     rig = {"block_weight": "100 kN"}
-    result = run_calibrate(case(rig=rig), points, out=tmp_path / "c")
+    result = run_calibrate(Job(case(rig=rig), tmp_path / "c"), points)
     (warning,) = [w for w in result.summary["warnings"] if "error of the weight" in w]
     read = next(p.hook_load for p in points if p.operation == "rotate_off_bottom")
     assert f"{10e3 / read:.1%} above the measured one" in warning
     assert f"{10e3 / (read - BLOCK):.1%} of the string's weight" in warning
     assert f"{read / 1e3:.4g} kN" in warning and "hookload_excludes_block" not in warning
     without = tuple(p.model_copy(update={"hook_load": p.hook_load - BLOCK}) for p in points)
-    result = run_calibrate(case(rig=rig), without, out=tmp_path / "d")
+    result = run_calibrate(Job(case(rig=rig), tmp_path / "d"), without)
     (warning,) = [w for w in result.summary["warnings"] if "error of the weight" in w]
     assert "hookload_excludes_block: true" in warning
 
@@ -164,7 +165,7 @@ def test_wide_intervals_determine_nothing(tmp_path):
     assert "95 % interval" in fit.reasons[name]
     for value, width in zip(fit.value, fit.interval, strict=True):
         assert np.isnan(value) or width <= 0.25
-    result = run_calibrate(case(), points, out=tmp_path / "c")
+    result = run_calibrate(Job(case(), tmp_path / "c"), points)
     (warning,) = [w for w in result.summary["warnings"] if f"{name} is not determined" in w]
     assert "of the case" in warning and result.summary["fit"][name]["value"] is None
 
@@ -203,7 +204,7 @@ def test_torques_without_rotation_are_no_readings(tmp_path):
     own = synthetic()
     filled = tuple(p if p.torque is not None else p.model_copy(update={"torque": 0.0}) for p in own)
     assert [sum(p.torque is not None for p in some) for some in (own, filled)] == [5, 15]
-    found, expected = (run_calibrate(case(), p, out=tmp_path / str(i)) for i, p in enumerate((filled, own)))
+    found, expected = (run_calibrate(Job(case(), tmp_path / str(i)), p) for i, p in enumerate((filled, own)))
     assert found.summary["fit"] == expected.summary["fit"]
     assert found.summary["readings"] == expected.summary["readings"] == 20
     assert any("10 torques without rotation (trip_in, trip_out)" in note for note in found.summary["notes"])
@@ -214,7 +215,7 @@ def test_torques_without_rotation_are_no_readings(tmp_path):
 
 def test_files(tmp_path):
     points = synthetic()
-    result = run_calibrate(case(rig={"block_weight": "100 kN"}), synthetic(block=BLOCK), out=tmp_path / "c")
+    result = run_calibrate(Job(case(rig={"block_weight": "100 kN"}), tmp_path / "c"), synthetic(block=BLOCK))
     table = read_table(tmp_path / "c" / "calibration.csv")
     assert len(table["residual [N or N m]"]) == 20
     assert np.abs(table["residual [N or N m]"]).max() < 100
@@ -231,9 +232,9 @@ def test_files(tmp_path):
 
 def test_refused(tmp_path):
     with pytest.raises(CaseError, match="measured points"):
-        run_calibrate(case(), None, out=tmp_path / "c")
+        run_calibrate(Job(case(), tmp_path / "c"), None)
     with pytest.raises(CaseError, match="end of the hole"):
         run_calibrate(
-            case(), (MeasuredPoint(bit_depth=5000, operation="trip_in", hook_load=1e5),), out=tmp_path / "c"
+            Job(case(), tmp_path / "c"), (MeasuredPoint(bit_depth=5000, operation="trip_in", hook_load=1e5),)
         )
     assert not (tmp_path / "c").exists()

@@ -13,6 +13,7 @@ import drillpetsc
 from drillpetsc import Case
 from drillpetsc.analysis.frequency.campbell_command import named_lines
 from drillpetsc.analysis.frequency.tracking import SpeedModes, pair, track
+from drillpetsc.analysis.job import Job
 from drillpetsc.errors import CaseError
 from drillpetsc.output import read_table
 from tests.helpers import frequency_models as m
@@ -368,7 +369,9 @@ def test_what_was_searched_is_said(tmp_path, monkeypatch):
     from drillpetsc.analysis.frequency import campbell, campbell_command
 
     rates = tuple(m.RPM * np.array([600.0, 900.0]))
-    result = campbell_command.run_campbell(Case(**m.disc()), rates, tmp_path / "out", count=1, lines=(1.0,))
+    result = campbell_command.run_campbell(
+        Job(Case(**m.disc()), tmp_path / "out"), rates, count=1, lines=(1.0,)
+    )
     assert "    none among the modes that were searched" in result.lines
     said = next(line for line in result.lines if "searched:" in line)
     # 1.4 times the way of the line to the next speed, 5 Hz, and a tenth of its frequency across
@@ -379,7 +382,7 @@ def test_what_was_searched_is_said(tmp_path, monkeypatch):
     assert not any("may be missing" in w for w in result.summary["warnings"])
     monkeypatch.setattr(campbell, "BESIDE_A_LINE", 6)
     speeds = tuple(m.RPM * np.array([30.0, 60.0]))
-    narrow = campbell_command.run_campbell(lateral(), speeds, tmp_path / "narrow", count=1, lines=(1.0,))
+    narrow = campbell_command.run_campbell(Job(lateral(), tmp_path / "narrow"), speeds, count=1, lines=(1.0,))
     assert any(
         "too close for the search" in w and "critical speeds may be missing" in w
         for w in narrow.summary["warnings"]

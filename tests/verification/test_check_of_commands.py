@@ -7,6 +7,7 @@ import json
 import pytest
 
 from drillpetsc.analysis.check import describe
+from drillpetsc.analysis.job import Job
 from drillpetsc.analysis.torque_drag.roadmap import run_roadmap
 from drillpetsc.case.case import Case
 
@@ -73,7 +74,7 @@ def test_check_repeats_window_and_roadmap():
 
 
 def run(c, folder):
-    result = run_roadmap(c, folder, overwrite=True)
+    result = run_roadmap(Job(c, folder, overwrite=True))
     return result.lines, json.loads((folder / "summary.json").read_text())["warnings"]
 
 

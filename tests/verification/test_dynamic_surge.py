@@ -12,10 +12,11 @@ from drillpetsc.analysis.hydraulics import dynamic_surge as module
 from drillpetsc.analysis.hydraulics import surge as command
 from drillpetsc.analysis.hydraulics.dynamic_surge import dynamic_surge
 from drillpetsc.analysis.hydraulics.flow_model import string_at
-from drillpetsc.case.flow_options import read_trips
+from drillpetsc.analysis.job import Job
 from drillpetsc.errors import SolveError
 from drillpetsc.output import read_table
 from tests.helpers.mud import DENSITY, LENGTH, MUD, OPEN, RIGID, SOLID, hole
+from tests.helpers.trips import trips_of
 from tests.verification.test_tripping import friction, pipe
 
 SHORT = 100.0  # [m]
@@ -69,10 +70,10 @@ def test_unlucky_speeds(speed, pipe_state):
 
 def test_columns_of_the_command(tmp_path: Path, monkeypatch):
     """Two more columns with --dynamic alone; a run that fails leaves them empty and says why."""
-    case, trips = short_string(), {"speed": "0.3 m/s", "operation": "trip_in", "pipe": "closed"}
-    plain = command.run_surge(case, read_trips(**trips), tmp_path / "plain")
+    case, trips = short_string(), {"speeds": "0.3 m/s", "operation": "trip_in", "pipe": "closed"}
+    plain = command.run_surge(Job(case, tmp_path / "plain"), trips_of(**trips))
     assert not any("dynamic" in name for name in read_table(plain.folder / "surge.csv"))
-    found = command.run_surge(case, read_trips(**trips, dynamic=True), tmp_path / "dynamic")
+    found = command.run_surge(Job(case, tmp_path / "dynamic"), trips_of(**trips, dynamic=True))
     table = read_table(found.folder / "surge.csv")
     assert table["dynamic_surge_pressure [Pa]"][0] > table["surge_pressure [Pa]"][0] > 0
     assert any("while the string starts" in line for line in found.lines)
@@ -81,6 +82,6 @@ def test_columns_of_the_command(tmp_path: Path, monkeypatch):
         raise SolveError("no step can be taken")
 
     monkeypatch.setattr(command, "dynamic_surge", fails)
-    failed = command.run_surge(case, read_trips(**trips, dynamic=True), tmp_path / "failed")
+    failed = command.run_surge(Job(case, tmp_path / "failed"), trips_of(**trips, dynamic=True))
     assert np.isnan(read_table(failed.folder / "surge.csv")["dynamic_surge_pressure [Pa]"]).all()
     assert any("no step can be taken" in line for line in failed.lines)

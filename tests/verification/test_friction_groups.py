@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from drillpetsc import roadmap
+from drillpetsc.analysis.job import Job
 from drillpetsc.analysis.torque_drag.calibrate import run_calibrate
 from drillpetsc.analysis.torque_drag.roadmap import run_roadmap
 from drillpetsc.case.case import Case
@@ -35,7 +36,7 @@ def drag(*factors: float) -> float:
 
 
 def hook_loads(made: Case, folder) -> dict[str, float]:
-    result = run_roadmap(made, folder, overwrite=True)
+    result = run_roadmap(Job(made, folder, overwrite=True))
     table = read_table(result.folder / "roadmap.csv")
     return {
         text: float(load)
@@ -80,7 +81,7 @@ def test_calibration(tmp_path):
         for operation, sign in (("trip_out", 1.0), ("trip_in", -1.0)):
             points.append({"bit_depth": depth, "operation": operation, "hook_load": along + sign * friction})
     made = well(measured=points)
-    result = run_calibrate(made, None, None, tmp_path / "c")
+    result = run_calibrate(Job(made, tmp_path / "c"), None, None)
     fit = {name: entry["value"] for name, entry in result.summary["fit"].items()}
     assert list(fit) == ["cased", "open_hole", "liner"]
     assert [fit[name] for name in ("cased", "liner", "open_hole")] == pytest.approx(mu, abs=1e-3)
@@ -99,7 +100,7 @@ def test_calibration(tmp_path):
 )
 def test_refused(factors, at, tmp_path):
     with pytest.raises(CaseError) as error:
-        run_roadmap(well(friction_factor=factors), tmp_path / "r")
+        run_roadmap(Job(well(friction_factor=factors), tmp_path / "r"))
     assert error.value.at == at
     with pytest.raises(CaseError, match="--fit"):
         fit_option("window", well())

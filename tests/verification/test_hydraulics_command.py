@@ -16,6 +16,7 @@ from drillpetsc.analysis.hydraulics.flow_model import FlowModel, string_at, whol
 from drillpetsc.analysis.hydraulics.hydraulics import Hydraulics, run_hydraulics
 from drillpetsc.analysis.hydraulics.losses import balance
 from drillpetsc.analysis.hydraulics.trade_formulas import FOOT, FOOT_PER_MINUTE, GPM, INCH, PPG, PSI
+from drillpetsc.analysis.job import Job
 from drillpetsc.case import Case, load_case
 from drillpetsc.errors import CaseError, SolveError
 from drillpetsc.output import read_table
@@ -279,7 +280,7 @@ def test_flow_rate_of_a_pump_pressure(tmp_path: Path):
     """The flow rate found for the pressure of a flow rate is that flow rate; the files hold one of each table."""
     c = load_case("cases/vertical-2000m.yaml")
     pressure = Hydraulics(c).at(0.025).summary["pump_pressure"]
-    result = run_hydraulics(c, pump_pressure=pressure, out=tmp_path / "out")
+    result = run_hydraulics(Job(c, tmp_path / "out"), pump_pressure=pressure)
     assert result.summary["flows"][0]["pump_flow"] == pytest.approx(0.025, rel=1e-7)
     written = json.loads((tmp_path / "out" / "summary.json").read_text())
     assert written["flows"][0]["pump_pressure"] == pytest.approx(pressure, rel=1e-7)
@@ -324,7 +325,7 @@ def test_cases_without_a_flow_are_refused(name, tmp_path: Path):
     }
     given = {k: v for k, v in (given | keys).items() if v is not None}
     with pytest.raises(CaseError, match=words):
-        run_hydraulics(Case(**given), out=tmp_path / "out")
+        run_hydraulics(Job(Case(**given), tmp_path / "out"))
     assert not (tmp_path / "out").exists()
 
 
@@ -339,7 +340,7 @@ def test_pump_pressures_out_of_reach_are_refused(pressure, words, tmp_path: Path
         },
     )
     with pytest.raises(CaseError, match=words):
-        run_hydraulics(c, pump_pressure=pressure, out=tmp_path / "out")
+        run_hydraulics(Job(c, tmp_path / "out"), pump_pressure=pressure)
 
 
 def test_strings_at_a_depth():
@@ -392,7 +393,7 @@ def test_warnings_of_the_rig_and_of_a_short_string(tmp_path):
             initial={"wob": 1e4},
             output={"units": "field"},
         )
-        result = run_hydraulics(c, flows, out=tmp_path / "out", overwrite=True)
+        result = run_hydraulics(Job(c, tmp_path / "out", overwrite=True), flows)
         summary = json.loads((tmp_path / "out" / "summary.json").read_text())
         said = [line for line in result.lines if "WARNING" in line]
         return said, [*summary["warnings"], *(w for f in summary["flows"] for w in f["warnings"])]

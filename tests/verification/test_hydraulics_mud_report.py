@@ -12,9 +12,11 @@ from drillpetsc.analysis.hydraulics.hydraulics import Hydraulics, run_hydraulics
 from drillpetsc.analysis.hydraulics.losses import balance
 from drillpetsc.analysis.hydraulics.surge import Tripping, run_surge
 from drillpetsc.analysis.hydraulics.trade_formulas import FOOT, GPM, INCH, PPG, PSI
+from drillpetsc.analysis.job import Job
 from drillpetsc.case import Case
-from drillpetsc.case.flow_options import read_flows, read_trips
+from drillpetsc.operations import Hydraulics as HydraulicsCommand
 from drillpetsc.output import read_table
+from tests.helpers.trips import trips_of
 
 STIFF = {"bulk_modulus": 1e14, "elastic_walls": False}
 
@@ -99,8 +101,8 @@ def test_pressure_of_the_key_is_at_the_string_and_that_of_the_option_at_the_pump
             )
         }
     )
-    by_key = run_hydraulics(key, out=tmp_path / "key").summary["flows"][0]
-    by_option = run_hydraulics(example(**line), pump_pressure=target, out=tmp_path / "option").summary[
+    by_key = run_hydraulics(Job(key, tmp_path / "key")).summary["flows"][0]
+    by_option = run_hydraulics(Job(example(**line), tmp_path / "option"), pump_pressure=target).summary[
         "flows"
     ][0]
     assert by_option["pump_pressure"] == pytest.approx(target, rel=1e-6)
@@ -137,8 +139,8 @@ def test_another_rheology_in_the_annulus_acts_in_tables_and_trips():
 def test_bare_numbers_have_the_units_of_the_case(tmp_path: Path):
     """units: field: --flow 400 is 400 gpm, a window file without units is in ft and ppg; the screen is in field units."""
     (tmp_path / "w.csv").write_text("tvd,pore,frac\n0,9,13\n4000,9.5,14\n")
-    assert read_flows("400", None, "field")[0] == pytest.approx((400 * GPM,))
-    trips = read_trips("60", window="9,12", bit_depth="1000", units="field")
+    assert HydraulicsCommand(case=None, flow="400").read("field").flow == pytest.approx((400 * GPM,))
+    trips = trips_of(speeds="60", window="9,12", bit_depth="1000", units="field")
     assert trips.speeds == pytest.approx((60 * FOOT / 60,)) and trips.bit_depths == pytest.approx(
         (1000 * FOOT,)
     )
@@ -156,11 +158,11 @@ def test_bare_numbers_have_the_units_of_the_case(tmp_path: Path):
     )
     assert case.window is not None and case.window.tvd == pytest.approx((0.0, 4000 * FOOT))
     assert case.window.frac == pytest.approx((13 * PPG, 14 * PPG), rel=1e-6)
-    result = run_hydraulics(case, out=tmp_path / "h")
+    result = run_hydraulics(Job(case, tmp_path / "h"))
     assert result.summary["units"] == "field" and any(
         "400 gpm" in " ".join(line.split()) for line in result.lines
     )
-    result = run_surge(case, trips, out=tmp_path / "s")
+    result = run_surge(Job(case, tmp_path / "s"), trips)
     assert any("ft/min" in line for line in result.lines)
     rows = read_table(tmp_path / "s" / "surge.csv")
     assert rows["bit_depth [m]"] == pytest.approx(1000 * FOOT) and np.isfinite(rows["ecd_bit [kg/m3]"]).all()
@@ -188,7 +190,7 @@ def test_flow_curves_of_the_readings(tmp_path: Path):
 
     Least squares of a model never has a larger misfit than the rules for the same model; the fit in use is marked.
     """
-    result = run_hydraulics(example(), out=tmp_path / "out")
+    result = run_hydraulics(Job(example(), tmp_path / "out"))
     mud = result.summary["rheology"]
     assert mud["plastic_viscosity"] == pytest.approx(0.019) and mud["yield_point"] == pytest.approx(
         15 * 0.478803, rel=1e-5
@@ -220,5 +222,5 @@ def test_flow_curves_of_the_readings(tmp_path: Path):
 
 def test_a_mud_without_readings_has_no_flow_curves(tmp_path: Path):
     mud = {"model": "bingham", "plastic_viscosity": 0.02, "yield_stress": 5.0}
-    result = run_hydraulics(example(rheology=mud), out=tmp_path / "out")
+    result = run_hydraulics(Job(example(rheology=mud), tmp_path / "out"))
     assert result.summary["rheology"] is None and not (tmp_path / "out" / "rheology_fits.csv").exists()

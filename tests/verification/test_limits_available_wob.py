@@ -6,6 +6,7 @@ import math
 
 import pytest
 
+from drillpetsc.analysis.job import Job
 from drillpetsc.analysis.limits.limits import run_limits
 from tests.verification.test_limits_command import FT, case, hole, level_pipe
 
@@ -18,7 +19,7 @@ def available(inclination: float, folder, block: float | None = None, friction: 
     string = [level_pipe(LENGTH, element_length=25.0), BIT]
     rig = {} if block is None else {"rig": {"block_weight": block}}
     given = case(string, hole(LENGTH, inclination, 0.222, friction), **rig)
-    return run_limits(given, "rob", out=folder / "r").summary
+    return run_limits(Job(given, folder / "r"), "rob").summary
 
 
 def test_slacked_off_on_an_incline(tmp_path):
@@ -53,5 +54,5 @@ def test_no_friction_and_no_hole(tmp_path):
     found = available(angle, tmp_path, friction=0.0)["available_wob"]
     for row in found.values():
         assert row["wob"] == pytest.approx(WEIGHT * LENGTH * math.cos(angle), rel=2e-3)
-    bare = run_limits(case([level_pipe(LENGTH, element_length=25.0)]), out=tmp_path / "bare").summary
+    bare = run_limits(Job(case([level_pipe(LENGTH, element_length=25.0)]), tmp_path / "bare")).summary
     assert bare["available_wob"] is None

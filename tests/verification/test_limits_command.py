@@ -11,7 +11,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from drillpetsc import statics
+from drillpetsc import limits, statics
+from drillpetsc.analysis.job import Job
 from drillpetsc.analysis.limits.free_point import free_point, free_points, slope
 from drillpetsc.analysis.limits.limits import run_limits
 from drillpetsc.analysis.limits.table import Choices
@@ -89,7 +90,7 @@ def test_margin_of_overpull_in_a_vertical_well(tmp_path):
     string = [drill_pipe, pipe("light", 900, 58.0), pipe("heavy", 100, 200.0)]
     mud = {**STILL, "density": 9.2 * PPG, "rheology": WATER}
     found = run_limits(
-        case(string, hole(9000 * FT, 0.0, 12.25 * INCH), fluid=mud), "pickup", out=tmp_path / "r"
+        Job(case(string, hole(9000 * FT, 0.0, 12.25 * INCH), fluid=mud), tmp_path / "r"), "pickup"
     ).summary
     margin = found["margin_of_overpull"]
     assert found["hook_load"] / LBF == pytest.approx(223653, rel=2e-3)
@@ -107,7 +108,7 @@ def test_buckling_limits_of_a_level_string(law, helical, tmp_path):
     bit = {"kind": "bit", "length": 0.0, "od": 0.2, "mass": 0.0}
     string = [level_pipe(1000.0, element_length=25.0), bit]
     given = case(string, level, bottom="bit", initial={"wob": 20e3})
-    found = run_limits(given, "sliding", Choices(helical=law), tmp_path / "r")
+    found = run_limits(Job(given, tmp_path / "r"), "sliding", Choices(helical=law))
     table = read_table(found.folder / "limits.csv")
     assert table["sinusoidal_limit [N]"] == pytest.approx(251.84e3, rel=1e-3)
     assert table["helical_limit [N]"] == pytest.approx(helical, rel=1e-3)
@@ -137,7 +138,7 @@ def test_buckling_limits_of_drill_pipe_on_an_incline(tmp_path):
     }
     mud = {**STILL, "density": 12 * PPG, "rheology": WATER}
     given = case([pipe], hole(300.0, math.radians(60), 8.5 * INCH), fluid=mud)
-    found = run_limits(given, "trip_in", out=tmp_path / "r")
+    found = run_limits(Job(given, tmp_path / "r"), "trip_in")
     table = read_table(found.folder / "limits.csv")
     assert table["sinusoidal_limit [N]"] / LBF == pytest.approx(49328, rel=1e-3)
     assert table["helical_limit [N]"] / LBF == pytest.approx(69760, rel=1e-3)
@@ -162,7 +163,7 @@ def test_buckling_of_a_vertical_string_is_that_of_lubinski(tmp_path):
     bit = {"kind": "bit", "length": 0.0, "od": 0.2159, "mass": 0.0}
     weight = 100.5 * LB_PER_FT * G
     given = case([collar, bit], hole(200, 0.0, 0.2159), bottom="bit", initial={"wob": 30e3})
-    found = run_limits(given, "drilling", out=tmp_path / "dry")
+    found = run_limits(Job(given, tmp_path / "dry"), "drilling")
     table = read_table(found.folder / "limits.csv")
     stiffness = E_STEEL * math.pi / 64 * (6.75**4 - 2.8125**4) * INCH**4
     first = 1.94 * (stiffness * weight**2) ** (1 / 3)
@@ -179,7 +180,7 @@ def test_a_string_that_hangs_in_air(tmp_path):
     """Premium drill pipe without a hole: stress w L/A of the worn section at the top, safety factor, ratio of tension."""
     pipe = {"kind": "drill_pipe", "pipe": "5in 19.50 E-75 NC50 premium", "length": 2000.0}
     given = case([pipe])
-    found = run_limits(given, out=tmp_path / "r")
+    found = run_limits(Job(given, tmp_path / "r"))
     table = read_table(found.folder / "limits.csv")
     weight = given.string[0].adjusted_weight * G * 2000
     worn = math.pi / 4 * ((4.276 + 0.8 * 0.724) ** 2 - 4.276**2) * INCH**2
@@ -212,7 +213,7 @@ def test_stresses_of_the_table_are_those_of_its_forces(tmp_path):
         well={"survey": survey, "sections": sections},
         fluid={**mud, "flow_rate": 0.03},
     )
-    found = run_limits(given, "drilling", out=tmp_path / "r")
+    found = run_limits(Job(given, tmp_path / "r"), "drilling")
     t = {name.partition(" [")[0]: values for name, values in read_table(found.folder / "limits.csv").items()}
     k = t["item"] == "drill pipe"
     o, i = 2.5 * INCH, 2.138 * INCH
@@ -246,7 +247,7 @@ def test_overpull_at_the_bit_of_a_straight_incline(tmp_path):
     """Side forces of a straight hole do not depend on the pull: w L (cos + mu sin) at pick-up, the rest is left at the bit."""
     pipe = {"kind": "drill_pipe", "pipe": "5in 19.50 E-75 NC50 premium", "length": 1000.0}
     given = case([pipe], hole(1000, math.radians(60), 0.2159))
-    found = run_limits(given, "pickup", Choices(tension_fraction=0.8), tmp_path / "r").summary
+    found = run_limits(Job(given, tmp_path / "r"), "pickup", Choices(tension_fraction=0.8)).summary
     weight = given.string[0].adjusted_weight * G * 1000
     tension = weight * (math.cos(math.radians(60)) + 0.3 * math.sin(math.radians(60)))
     worn = math.pi / 4 * ((4.276 + 0.8 * 0.724) ** 2 - 4.276**2) * INCH**2
@@ -259,7 +260,7 @@ def test_overpull_at_the_bit_of_a_straight_incline(tmp_path):
 def test_pipe_without_a_grade_has_no_strength(tmp_path):
     """kind: pipe: empty cells and a note, not a guess; buckling limits are there."""
     pipe = {"kind": "pipe", "name": "plain", "length": 500.0, "od": 0.127, "id": 0.1086}
-    found = run_limits(case([pipe], hole(500, 1.0, 0.2159)), "rob", out=tmp_path / "r")
+    found = run_limits(Job(case([pipe], hole(500, 1.0, 0.2159)), tmp_path / "r"), "rob")
     table = read_table(found.folder / "limits.csv")
     for name in ("yield_strength [Pa]", "safety_factor [-]", "tension_limit [N]", "torque_limit [N m]"):
         assert np.isnan(table[name]).all(), name
@@ -279,7 +280,7 @@ def test_rows_where_items_meet_and_around_rigid_items(tmp_path):
         {"kind": "drill_collar", "name": "dc", "od": 0.1715, "id": 0.0714, "length": 60.0},
     ]
     given = case(string, hole(400, 0.9, 0.2159))
-    found = run_limits(given, "trip_out", out=tmp_path / "r")
+    found = run_limits(Job(given, tmp_path / "r"), "trip_out")
     table = read_table(found.folder / "limits.csv")
     names, md = list(table["item [-]"]), table["md [m]"]
     order = [name for k, name in enumerate(names) if k == 0 or names[k - 1] != name]
@@ -314,14 +315,14 @@ def test_wear_of_casing_below_a_string_that_turns(tmp_path):
     open_hole = {"to": 600, "kind": "open_hole", "diameter": 0.222, "friction": 0.1}
     well["sections"] = [open_hole | {"to": 300, "kind": "casing"}, open_hole]
     top = {"kind": "top_drive", "rotation": "100 rpm"}
-    found = run_limits(case([level_pipe(600.0, element_length=10.0)], well, top=top), out=tmp_path / "r")
+    found = run_limits(Job(case([level_pipe(600.0, element_length=10.0)], well, top=top), tmp_path / "r"))
     table = read_table(found.folder / "limits.csv")
     inner = (table["md [m]"] > 100) & (table["md [m]"] < 290)
     expected = 315 * 100 * math.pi / 30 * 0.07
     assert table["casing_wear_rate [W/m]"][inner] == pytest.approx(expected, rel=0.02)
     assert np.isnan(table["casing_wear_rate [W/m]"][table["md [m]"] > 310]).all()
     assert any("Rate of casing wear" in line for line in found.lines)
-    still = run_limits(case([level_pipe(600.0, element_length=10.0)], well), out=tmp_path / "still")
+    still = run_limits(Job(case([level_pipe(600.0, element_length=10.0)], well), tmp_path / "still"))
     assert "casing_wear_rate [W/m]" not in read_table(still.folder / "limits.csv")
 
 
@@ -334,7 +335,9 @@ def test_make_up_torque(tmp_path):
     made_up = 0.6 * 63_406 * 12 * INCH * LBF
     for share, name in ((0.9, "below"), (1.1, "above")):
         torque = share * made_up
-        found = run_limits(case([pipe], loads=[{"at": 100.0, "moment": [0, 0, torque]}]), out=tmp_path / name)
+        found = run_limits(
+            Job(case([pipe], loads=[{"at": 100.0, "moment": [0, 0, torque]}]), tmp_path / name)
+        )
         table = read_table(found.folder / "limits.csv")
         assert table["make_up_torque [N m]"] == pytest.approx(made_up, rel=1e-4)
         assert table["make_up_ratio [-]"] == pytest.approx(share, rel=1e-4)
@@ -345,7 +348,7 @@ def test_make_up_torque(tmp_path):
         "tool_joint": {"connection": "HT55", "od": "7 in", "id": "4 in", "length": "25 in"},
     }
     small = pipe | {"name": "slim pipe", "tool_joint": {"od": "5.2 in"}}  # no metal outside the box
-    found = run_limits(case([own, unknown, small]), out=tmp_path / "own")
+    found = run_limits(Job(case([own, unknown, small]), tmp_path / "own"))
     table = read_table(found.folder / "limits.csv")
     first = table["md [m]"] < 99
     assert table["make_up_torque [N m]"][first] == pytest.approx(30e3 * 12 * INCH * LBF)
@@ -359,14 +362,14 @@ def test_limits_that_are_passed_are_warnings(tmp_path):
     with pytest.raises(CaseError):
         case([pipe | {"pipe": "no such pipe"}])
     pipe = {"kind": "drill_pipe", "pipe": "5in 19.50 E-75 NC50 premium", "length": 4500.0}
-    found = run_limits(case([pipe]), out=tmp_path / "pulled").summary
+    found = run_limits(Job(case([pipe]), tmp_path / "pulled")).summary
     assert any(w.startswith("safety factor") and "MD 0 m" in w for w in found["warnings"])
     assert any(w.startswith("pull at yield over tension") for w in found["warnings"])
     level = hole(300, math.pi / 2, 0.222, friction=0.1)
     bit = {"kind": "bit", "length": 0.0, "od": 0.2, "mass": 0.0}
     tubing = level_pipe(300.0, element_length=2.0)
     found = run_limits(
-        case([tubing, bit], level, bottom="bit", initial={"wob": 270e3}), "drilling", out=tmp_path / "pushed"
+        Job(case([tubing, bit], level, bottom="bit", initial={"wob": 270e3}), tmp_path / "pushed"), "drilling"
     )
     table = read_table(found.folder / "limits.csv")
     assert set(table["buckling_state [-]"]) == {"sinusoidal"}
@@ -385,7 +388,7 @@ def test_limits_that_are_passed_are_warnings(tmp_path):
 def test_operations_that_a_case_cannot_be_in_are_refused(word, keys, want, tmp_path):
     pipe = {"kind": "pipe", "length": 100.0, "od": 0.127, "id": 0.1086}
     with pytest.raises(CaseError) as error:
-        run_limits(case([pipe], hole(100, 0.5, 0.2159), **keys), word, out=tmp_path / "r")
+        run_limits(Job(case([pipe], hole(100, 0.5, 0.2159), **keys), tmp_path / "r"), word)
     assert want in str(error.value) and not (tmp_path / "r").exists()
 
 
@@ -405,7 +408,7 @@ def test_statics_in_an_operation(word, share, tmp_path):
     assert result.summary["motion"] in ("trip_in", "trip_out", "rotate_off_bottom")
     made = case([{**pipe, "length": 999.7}, bit], well, bottom="bit", initial={"wob": "20 kN"})
     found = statics(made, tmp_path / "b", operation=word).summary
-    same = run_limits(made, word, out=tmp_path / "l").summary
+    same = run_limits(Job(made, tmp_path / "l"), word).summary
     assert found["wob"] == 0 and found["hook_load"] == pytest.approx(same["hook_load"], rel=1e-9)
     with pytest.raises(CaseError, match="one of --motion and --operation"):
         statics(made, tmp_path / "t", operation=word, motion="hoist")
@@ -413,15 +416,11 @@ def test_statics_in_an_operation(word, share, tmp_path):
 
 def test_bad_choices_and_cases_without_a_hole_are_refused(tmp_path):
     pipe = {"kind": "pipe", "length": 100.0, "od": 0.127, "id": 0.1086}
-    for choices in (
-        Choices(design_factor=0.5),
-        Choices(tension_fraction=0.0),
-        Choices(tension_fraction=math.nan),
-    ):
-        with pytest.raises(CaseError):
-            run_limits(case([pipe]), None, choices, tmp_path / "r")
+    for choice in ({"design_factor": 0.5}, {"tension_fraction": 0.0}, {"tension_fraction": math.nan}):
+        with pytest.raises(CaseError, match="a number"):
+            limits(case([pipe]), tmp_path / "r", **choice)
     with pytest.raises(CaseError, match="a case with a well"):
-        run_limits(case([pipe]), "trip_in", out=tmp_path / "r")
+        run_limits(Job(case([pipe]), tmp_path / "r"), "trip_in")
 
 
 # ---------------------------------------------------------------------- free point

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from drillpetsc import load_case
+from drillpetsc.analysis.job import Job
 from drillpetsc.analysis.limits.limits import run_limits
 from drillpetsc.analysis.limits.side_force import largest_on_joint
 from drillpetsc.analysis.limits.sn_curve import read_sn
@@ -23,7 +24,9 @@ SMALL = 1e-3  # ratios below this are none
 def headlines(refinement: float, folder: Path) -> dict[str, float]:
     """Figures of the screen of a field case whose build ends within elements, at a refinement of its automatic mesh."""
     given = load_case(CASE, [f"mesh.refinement={refinement}"])
-    found = run_limits(given, "drilling", Choices(sn=read_sn("15.0,4.0")), folder / str(refinement)).summary
+    found = run_limits(
+        Job(given, folder / str(refinement)), "drilling", Choices(sn=read_sn("15.0,4.0"))
+    ).summary
     out = {name: worst["value"] for name, worst in found["weakest"].items() if worst is not None}
     out |= {key: found[key] for key in ("hook_load", "surface_torque", "max_slackoff")}
     out |= {"margin": found["margin_of_overpull"]["margin"], "pull": found["max_overpull_at_bit"]["pull"]}
@@ -53,7 +56,7 @@ def test_wear_under_a_point_force(tmp_path):
         pipe = {"kind": "pipe", "length": 200.0, "od": 0.14, "id": 0.116, "element_length": length}
         top = {"kind": "top_drive", "rotation": "100 rpm"}
         given = Case(string=[pipe], well=well, top=top, loads=[{"at": 100.0, "force": [10e3, 0, 0]}])
-        found = run_limits(given, out=tmp_path / str(length)).summary
+        found = run_limits(Job(given, tmp_path / str(length))).summary
         expected = 10e3 * 100 * math.pi / 30 * 0.07 / (31 * 0.3048)
         assert found["weakest"]["casing_wear_rate"]["value"] == pytest.approx(expected, rel=0.03), length
 

@@ -217,6 +217,8 @@ def test_campbell_and_stability_hold_the_loop(tmp_path):
     keys = {"wob": 20e3, "measure": "bit", "p": 4e-7, "i": 1.5e-7, "filter": 20.0}
     grows = loop_roots(600.0, 4e-7, 1.5e-7, 20.0).real.max()
     assert grows > 0.01
-    stability(Case(**drill(keys, 600.0)), tmp_path / "s", rpm="60,90 rpm", wob="15 kN", count=2, kind="axial")
+    stability(
+        Case(**drill(keys, 600.0)), tmp_path / "s", speeds="60,90 rpm", wob="15 kN", count=2, kind="axial"
+    )
     points = read_table(tmp_path / "s" / "stability_map.csv")
     assert points["largest_growth [1/s]"] == pytest.approx(grows, rel=1e-2)

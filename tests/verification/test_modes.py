@@ -14,6 +14,7 @@ from scipy.optimize import brentq
 from scipy.special import jn_zeros
 
 from drillpetsc import Case
+from drillpetsc.analysis.job import Job
 from drillpetsc.analysis.modal import modes, prepare_state, run_modes
 from drillpetsc.fem.string_mesh import uniform_string
 from drillpetsc.geometry.well import Well
@@ -487,7 +488,7 @@ def test_slepc_where_it_is_installed():
 # ---------------------------------------------------------------------- files
 def test_files_of_a_run(tmp_path: Path):
     """modes.csv, summary.json and the shapes of a cantilever against closed forms."""
-    run_modes(Case(string=[rod()], top="clamped", gravity=0.0), tmp_path / "run", count=4)
+    run_modes(Job(Case(string=[rod()], top="clamped", gravity=0.0), tmp_path / "run"), count=4)
     table = read_table(tmp_path / "run" / "modes.csv")
     expected = np.repeat((np.array(BETA_CANTILEVER[:2]) / L) ** 2 * np.sqrt(EI / MASS) / (2 * np.pi), 2)
     assert table["frequency [Hz]"] == pytest.approx(expected, rel=1e-4)

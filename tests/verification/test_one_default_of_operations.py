@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from drillpetsc.analysis.job import Job
 from drillpetsc.analysis.limits.limits import run_limits
 from drillpetsc.analysis.statics import run_statics
 from drillpetsc.analysis.torque_drag.roadmap import run_roadmap
@@ -51,11 +52,11 @@ def case(roadmap=None, friction=None, rotation="120 rpm", units="field"):
 def test_one_torque_on_bit(tmp_path, roadmap, friction, torque, said):
     """The roadmap's, else that of a given bottom.friction (2/3 mu W R), else 5 kft-lbf, in all three commands."""
     c = case(roadmap, friction)
-    drawn = run_roadmap(c, tmp_path / "r")
+    drawn = run_roadmap(Job(c, tmp_path / "r"))
     table = read_table(tmp_path / "r" / "roadmap.csv")
     drilling = table["surface_torque [N m]"][table["operation [-]"] == "drilling"]
     assert drilling == pytest.approx(np.full(len(drilling), torque), rel=1e-9)
-    limits = run_limits(c, "drilling", out=tmp_path / "l")
+    limits = run_limits(Job(c, tmp_path / "l"), "drilling")
     assert limits.summary["surface_torque"] == pytest.approx(torque, rel=1e-3)
     assert run_statics(c, tmp_path / "s", operation="drilling").summary["bit_torque"] == pytest.approx(
         torque, rel=1e-3
@@ -77,14 +78,14 @@ def test_rotation_and_words(tmp_path):
         (case(rotation="0 rpm"), "drilling, 60 ft/h and 100 rpm"),
     ]
     for i, (c, words) in enumerate(heads):
-        lines = run_limits(c, "drilling", out=tmp_path / str(i)).lines
+        lines = run_limits(Job(c, tmp_path / str(i)), "drilling").lines
         assert lines[0].endswith(words)
         assert any("note: " in line and "rpm" in line for line in lines) == ("90" not in words)
 
 
 def test_default_friction_of_the_bit_is_said(tmp_path):
     """As the case, limits has the torque of bottom.friction, whose default is named beside that of the roadmap."""
-    result = run_limits(case(), out=tmp_path / "a")
+    result = run_limits(Job(case(), tmp_path / "a"))
     assert result.summary["bit_torque"] == pytest.approx(2 / 3 * 0.3 * WOB * OD / 2, rel=1e-3)
     (note,) = [n for n in result.summary["notes"] if "bottom.friction 0.3, the default" in n]
     assert "5000 ft-lbf" in note
@@ -106,10 +107,10 @@ def test_one_flow_rate(tmp_path, word):
     A roadmap without a flow_rate had still mud: its hook load while drilling was that without jets and drag.
     """
     c = case({"bit_depth": ["400 m"]}).replace({"fluid": MUD, "string": with_nozzles()})
-    drawn = run_roadmap(c, tmp_path / "r")
+    drawn = run_roadmap(Job(c, tmp_path / "r"))
     table = read_table(drawn.folder / "roadmap.csv")
     hook = float(table["hook_load [N]"][table["operation [-]"] == word][0])
-    limits, statics = run_limits(c, word, out=tmp_path / "l"), run_statics(c, tmp_path / "s", operation=word)
+    limits, statics = run_limits(Job(c, tmp_path / "l"), word), run_statics(c, tmp_path / "s", operation=word)
     for result in (limits, statics):
         assert result.summary["hook_load"] == pytest.approx(hook, rel=3e-3)
     pumped = "pumps off" if word == "trip_out" else "pump at 500 gpm"
@@ -120,7 +121,7 @@ def test_one_flow_rate(tmp_path, word):
 def test_a_flow_rate_of_the_roadmap_is_that_of_all(tmp_path):
     """roadmap.drilling.flow_rate 0 stops the pumps of `limits`, too: its pressures are those of still mud."""
     c = case({"drilling": {"flow_rate": 0}}).replace({"fluid": MUD, "string": with_nozzles()})
-    result = run_limits(c, "drilling", out=tmp_path / "l")
+    result = run_limits(Job(c, tmp_path / "l"), "drilling")
     assert any("pumps off" in line for line in result.lines[:3])
     table = read_table(result.folder / "limits.csv")
     assert table["internal_pressure [Pa]"][0] == pytest.approx(0.0, abs=1e3)
@@ -130,7 +131,7 @@ def test_a_flow_rate_of_the_roadmap_is_that_of_all(tmp_path):
 def test_margin_of_overpull_with_pumps_on_and_off(tmp_path):
     """Pressure p in the bore at the rig takes p pi d^2/4 from the margin, where no mud stands outside (eq-tubulars-wall-tension)."""
     c = case().replace({"fluid": MUD, "string": with_nozzles()})
-    result = run_limits(c, "drilling", out=tmp_path / "l")
+    result = run_limits(Job(c, tmp_path / "l"), "drilling")
     pressure = read_table(result.folder / "limits.csv")["internal_pressure [Pa]"][0]
     less = (
         result.summary["margin_of_overpull_still"]["margin"] - result.summary["margin_of_overpull"]["margin"]

@@ -8,6 +8,7 @@ import time
 import numpy as np
 import pytest
 
+from drillpetsc.analysis.job import Job
 from drillpetsc.analysis.torque_drag.roadmap import run_roadmap
 from drillpetsc.case.case import Case
 from drillpetsc.errors import CaseError
@@ -34,7 +35,7 @@ def case(md, inclination, friction=0.3, length=None, item=PIPE, above=(), sectio
 
 def rows(c, folder, **options):
     """{(operation, ff_open_hole, bit depth): row} of a roadmap."""
-    result = run_roadmap(c, folder / "out", overwrite=True, **options)
+    result = run_roadmap(Job(c, folder / "out", overwrite=True), **options)
     table = read_table(result.folder / "roadmap.csv")
     names = {title: title.split(" [")[0] for title in table}
     out = {}
@@ -249,7 +250,7 @@ def test_defaults(tmp_path):
         {"kind": "open_hole", "diameter": "215.9 mm", "friction": 0.3},
     ]
     c = case([0, 1000, 1360, 2860], [0, 0, 60, 60], sections=sections)
-    result = run_roadmap(c, tmp_path / "r")
+    result = run_roadmap(Job(c, tmp_path / "r"))
     table = read_table(tmp_path / "r" / "roadmap.csv")
     assert len(set(table["bit_depth [m]"])) == 31 and 1400 in table["bit_depth [m]"]
     assert len(table["bit_depth [m]"]) == 31 * 6 * 3
@@ -265,7 +266,7 @@ def test_time(tmp_path):
     depths = [float(d) for d in np.linspace(500, 5000, 30)]
     c = case([0, 1000, 1600, 2600, 3200, 5000], [0, 0, 30, 30, 88, 88], roadmap={"bit_depth": depths})
     start = time.process_time()
-    run_roadmap(c, tmp_path / "r")
+    run_roadmap(Job(c, tmp_path / "r"))
     assert time.process_time() - start < 10
 
 
@@ -287,7 +288,7 @@ def test_time(tmp_path):
 )
 def test_refused(roadmap, at, want, tmp_path):
     with pytest.raises(CaseError) as error:
-        run_roadmap(case([0, 1000], [60, 60], roadmap=roadmap), tmp_path / "r")
+        run_roadmap(Job(case([0, 1000], [60, 60], roadmap=roadmap), tmp_path / "r"))
     assert at in error.value.at and want in str(error.value)
     assert not (tmp_path / "r").exists()
 
@@ -296,10 +297,10 @@ def test_string_that_cannot_be_lengthened(tmp_path):
     collars = {"kind": "body", "length": 50, "od": "170 mm", "mass": 5000}
     c = case([0, 1000], [0, 0], length=100, above=[collars], roadmap={"bit_depth": [900]})
     with pytest.raises(CaseError, match="topmost item is no pipe"):
-        run_roadmap(c, tmp_path / "r")
+        run_roadmap(Job(c, tmp_path / "r"))
 
 
 def test_no_well(tmp_path):
     c = Case(string=[{**PIPE, "length": 100}], top="clamped")
     with pytest.raises(CaseError, match="a well for roadmap"):
-        run_roadmap(c, tmp_path / "r")
+        run_roadmap(Job(c, tmp_path / "r"))

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from drillpetsc.analysis.commands_report import command_lines
+from drillpetsc.analysis.job import Job
 from drillpetsc.analysis.torque_drag.calibration import Calibration
 from drillpetsc.analysis.torque_drag.roadmap import run_roadmap
 from drillpetsc.case.blocks.roadmap import MeasuredPoint
@@ -57,10 +58,12 @@ def test_the_hole_below_the_bit_changes_no_row(model, tmp_path):
 
 
 def test_hole_grows_is_recorded(tmp_path):
-    result = run_roadmap(build(6, hole_grows=True), tmp_path / "run")
+    result = run_roadmap(Job(build(6, hole_grows=True), tmp_path / "run"))
     assert json.loads((result.folder / "roadmap.json").read_text())["hole_grows"] is True
     assert any("the open hole ends at the bit" in note for note in result.summary["notes"])
-    assert not any("ends at the bit" in n for n in run_roadmap(build(6), tmp_path / "no").summary["notes"])
+    assert not any(
+        "ends at the bit" in n for n in run_roadmap(Job(build(6), tmp_path / "no")).summary["notes"]
+    )
 
 
 def test_hole_grows_is_true_or_false():
@@ -75,7 +78,7 @@ def test_a_lengthened_string_is_told(depths, told, tmp_path):
     """500 m of pipe with the bit at 700 m: the weight is that of 700 m, and a note says so; not where the string is cut."""
     plan = {"bit_depth": depths, "operations": ["rob"]}
     made = case([0, 1000], [0, 0], length=500, roadmap=plan)
-    result = run_roadmap(made, tmp_path / "run")
+    result = run_roadmap(Job(made, tmp_path / "run"))
     notes = [note for note in result.summary["notes"] if "is lengthened" in note]
     assert bool(notes) == bool(told) and len(notes) <= 1
     if told:
@@ -103,7 +106,7 @@ def test_casing_fits_down_to_the_shoe_of_the_wider_hole(model, tmp_path):
         else:
             assert row["status"].startswith("failed: ") and "244.5 mm, does not fit" in row["status"]
             assert np.isnan(row["hook_load"]) and "MD 1000 m" in row["status"]
-    warnings = run_roadmap(made, tmp_path / "run", model=model).summary["warnings"]
+    warnings = run_roadmap(Job(made, tmp_path / "run"), model=model).summary["warnings"]
     assert any("does not fit the open hole of 215.9 mm" in text for text in warnings)
 
 

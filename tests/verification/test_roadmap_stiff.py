@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from drillpetsc import calibrate, load_case, roadmap, statics
+from drillpetsc.analysis.job import Job
 from drillpetsc.analysis.torque_drag.roadmap import run_roadmap
 from drillpetsc.case.case import Case
 from drillpetsc.errors import CaseError
@@ -115,7 +116,7 @@ def test_rows_that_fail_are_marked(tmp_path):
         "sliding": {"wob": "400 kN"},
     }
     made = case([0, 2000], [90, 90], roadmap=plan)
-    result = run_roadmap(made, tmp_path / "r", model="stiff")
+    result = run_roadmap(Job(made, tmp_path / "r"), model="stiff")
     table = read_table(result.folder / "roadmap.csv")
     ok = table["operation [-]"] == "rotate_off_bottom"
     assert (
@@ -131,17 +132,19 @@ def test_rows_that_fail_are_marked(tmp_path):
 def test_refused(tmp_path):
     made = case([0, 1000], [0, 0], roadmap={"bit_depth": [500]})
     with pytest.raises(CaseError, match="soft or stiff"):
-        run_roadmap(made, tmp_path / "r", model="rope")
+        roadmap(made, tmp_path / "r", model="rope")
     with pytest.raises(CaseError, match="ancf"):
         run_roadmap(
-            made.model_copy(
-                update={
-                    "beam": Case(
-                        string=[{**PIPE, "length": 1}], top="clamped", beam={"formulation": "quaternion"}
-                    ).beam
-                }
+            Job(
+                made.model_copy(
+                    update={
+                        "beam": Case(
+                            string=[{**PIPE, "length": 1}], top="clamped", beam={"formulation": "quaternion"}
+                        ).beam
+                    }
+                ),
+                tmp_path / "r",
             ),
-            tmp_path / "r",
             model="stiff",
         )
 
@@ -150,9 +153,9 @@ def test_no_wall_and_a_string_that_floats(tmp_path):
     """Without contact the wall drags nothing: refused.  A pipe that floats has no row, and the reason."""
     plan = {"bit_depth": [200], "operations": ["trip_in"]}
     with pytest.raises(CaseError, match="contact"):
-        run_roadmap(case([0, 300], [0, 30], roadmap=plan, contact="none"), tmp_path / "r", model="stiff")
+        run_roadmap(Job(case([0, 300], [0, 30], roadmap=plan, contact="none"), tmp_path / "r"), model="stiff")
     mud = {"density": 9000, "rheology": {"model": "newtonian", "viscosity": "20 cP"}}
-    result = run_roadmap(case([0, 300], [0, 30], roadmap=plan, fluid=mud), tmp_path / "f", model="stiff")
+    result = run_roadmap(Job(case([0, 300], [0, 30], roadmap=plan, fluid=mud), tmp_path / "f"), model="stiff")
     assert all("float" in s for s in read_table(result.folder / "roadmap.csv")["status [-]"])
 
 
@@ -225,7 +228,7 @@ def test_flow_that_cannot_be(tmp_path):
     """No mud: refused, with the key."""
     made = case([0, 1000], [0, 0], roadmap={"bit_depth": [500], "sliding": {"flow_rate": "600 gpm"}})
     with pytest.raises(CaseError, match="roadmap.sliding.flow_rate"):
-        run_roadmap(made, tmp_path / "r")
+        run_roadmap(Job(made, tmp_path / "r"))
 
 
 def test_calibration_with_flowing_mud(tmp_path):

@@ -7,6 +7,7 @@ import math
 
 import pytest
 
+from drillpetsc.analysis.job import Job
 from drillpetsc.analysis.torque_drag.roadmap import run_roadmap
 from drillpetsc.case.catalogue.sizes import LBF
 from drillpetsc.output import read_table
@@ -20,7 +21,7 @@ DRILL_PIPE = {"kind": "drill_pipe", "pipe": "5in 19.50 E-75 NC50 new"}
 
 def run(folder, item=DRILL_PIPE, above=(), **plan):
     made = case([0, 2000], [60, 60], item=item, above=above, length=2000, roadmap=PLAN | plan)
-    result = run_roadmap(made, folder / "run")
+    result = run_roadmap(Job(made, folder / "run"))
     return result, json.loads((result.folder / "roadmap.json").read_text())["torque_lines"]
 
 
@@ -63,7 +64,7 @@ def test_the_pipe_at_the_rig_changes_with_the_depth(tmp_path):
         length=1500,
         roadmap=PLAN,
     )
-    result = run_roadmap(made, tmp_path / "run")
+    result = run_roadmap(Job(made, tmp_path / "run"))
     lines = json.loads((result.folder / "roadmap.json").read_text())["torque_lines"]
     assert lines["make_up_torque [N m]"] == [30e3, 50e3]
 

@@ -16,6 +16,7 @@ from drillpetsc.analysis.hydraulics.hydraulics import Hydraulics, run_hydraulics
 from drillpetsc.analysis.hydraulics.losses import balance
 from drillpetsc.analysis.hydraulics.nozzles import nozzle_groups
 from drillpetsc.analysis.hydraulics.surge import Tripping
+from drillpetsc.analysis.job import Job
 from drillpetsc.analysis.torque_drag.circulation import circulation
 from drillpetsc.errors import CaseError
 from drillpetsc.model.drilling_model import build_model
@@ -223,7 +224,7 @@ WIDE_HOLE = {
 
 def test_table_of_nozzles(tmp_path: Path):
     """nozzles.csv: a row of reamer and bit each; shares add up; power per area over what each of them cuts."""
-    result = run_hydraulics(case(REAMER_CASE, well=WIDE_HOLE), [0.02, 0.03], out=tmp_path / "out")
+    result = run_hydraulics(Job(case(REAMER_CASE, well=WIDE_HOLE), tmp_path / "out"), [0.02, 0.03])
     table = read_table(tmp_path / "out" / "nozzles.csv")
     assert list(table["item [-]"]) == 2 * ["reamer", "bit"]
     assert table["nozzle_share [-]"].reshape(2, 2).sum(axis=1) == pytest.approx(np.ones(2))

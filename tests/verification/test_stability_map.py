@@ -80,14 +80,16 @@ def test_regenerative_map(tmp_path):
 
     file = tmp_path / "bit.yaml"
     file.write_text(yaml.safe_dump(spring_and_bit()))
-    words = ["stability", str(file), "--rpm", "36:186:6 rpm", "--wob", "20 kN", "--count", "6"]
+    words = ["stability", str(file), "--speeds", "36:186:6 rpm", "--wob", "20 kN", "--count", "6"]
     assert main([*words, "--out", str(tmp_path / "run")]) == 0
     edges = rows(tmp_path / "run", "stability_boundary.csv")
     expected = [39.345, 49.283, 63.757, 104.048, 167.986]
     assert edges["boundary_speed"] == pytest.approx(expected, rel=5e-3)
     assert list(edges["stable_side"]) == ["above", "below", "above", "below", "above"]
     assert (tmp_path / "run" / "plots" / "stability_map.png").exists()
-    found = stability(spring_and_bit(), tmp_path / "points", rpm="102,106,130,171 rpm", wob="20 kN", count=6)
+    found = stability(
+        spring_and_bit(), tmp_path / "points", speeds="102,106,130,171 rpm", wob="20 kN", count=6
+    )
     assert found["largest_growth"] == pytest.approx([-0.1502, 0.1251, 0.7305, -0.0986], rel=1e-2)
     for rpm, growth in zip((102, 106, 130, 171), found["largest_growth"], strict=True):
         delay = 60.0 / (rpm * BLADES)
@@ -109,7 +111,7 @@ def test_below_the_classical_bound(tmp_path):
         found = stability(
             spring_and_bit(share * bound),
             tmp_path,
-            rpm=[rpm * m.RPM * q for q in (0.98, 1.0, 1.02)],
+            speeds=[rpm * m.RPM * q for q in (0.98, 1.0, 1.02)],
             wob=[1e4, 3e4],
             count=6,
         )
@@ -143,7 +145,7 @@ def test_critical_speeds_by_weight(name, rpm, expected, tmp_path):
         "speed": 6.0,
     }
     case = m.on_bottom(control, 10.0, bit_law=law, loads=[])
-    found = stability(case, tmp_path, rpm=rpm, wob="50,100,150 kN", count=3, kind="torsional")
+    found = stability(case, tmp_path, speeds=rpm, wob="50,100,150 kN", count=3, kind="torsional")
     edges = rows(tmp_path, "stability_boundary.csv")
     for weight, critical in expected.items():
         at = edges["weight_on_bit"] == weight * 1e3
@@ -167,8 +169,8 @@ def test_critical_speeds_by_weight(name, rpm, expected, tmp_path):
     ("changes", "options", "words"),
     [
         ({"bottom": "free", "formation": None, "initial": {}}, {}, ("bottom", "a bit on bottom")),
-        ({}, {"rpm": "0:60:30 rpm"}, ("--rpm", "above 0")),
-        ({}, {"rpm": "60:60:30 rpm"}, ("--rpm", "smaller")),
+        ({}, {"speeds": "0:60:30 rpm"}, ("--speeds", "above 0")),
+        ({}, {"speeds": "60:60:30 rpm"}, ("--speeds", "smaller")),
         ({}, {"wob": "0 kN"}, ("--wob", "above 0")),
         ({}, {"wob": "50,20 kN"}, ("--wob", "ascending")),
         ({}, {"wob": "5 m"}, ("--wob", "N")),
@@ -180,7 +182,7 @@ def test_critical_speeds_by_weight(name, rpm, expected, tmp_path):
 def test_bad_input_is_refused(changes, options, words, tmp_path):
     case = Case(**(spring_and_bit() | changes))
     with pytest.raises(CaseError) as error:
-        drillpetsc.stability(case, tmp_path / "run", **({"rpm": "60 rpm", "wob": "20 kN"} | options))
+        drillpetsc.stability(case, tmp_path / "run", **({"speeds": "60 rpm", "wob": "20 kN"} | options))
     assert all(word in str(error.value) for word in words), str(error.value)
 
 
@@ -188,7 +190,7 @@ def test_a_state_that_is_not_steady_is_told(tmp_path):
     """A weight that presses the bit in by less than the onset of its contact: the state is out of balance, and a note says so."""
     case = spring_and_bit()
     case["bottom"] = {"kind": "bit", "stiffness": 1e10, "friction": 0.0}
-    stability(case, tmp_path, rpm="130 rpm", wob="20 kN", count=4)
+    stability(case, tmp_path, speeds="130 rpm", wob="20 kN", count=4)
     warnings = json.loads((tmp_path / "summary.json").read_text())["warnings"]
     assert any("not steady" in w for w in warnings)
 
@@ -204,7 +206,7 @@ def test_runs_in_time_beside_the_eigenvalues(control, speeds, tmp_path):
     law |= {"static_friction": 0.06 / (2 / 3 * 0.108), "dynamic_friction": 0.04 / (2 / 3 * 0.108)}
     case = m.on_bottom(control, 10.0, 20, bit_law=law, loads=[], contact="none")
     result = drillpetsc.stability(
-        Case(**case), tmp_path, rpm=",".join(map(str, speeds)) + " rpm", wob="100 kN", count=3, kind="torsional",
+        Case(**case), tmp_path, speeds=",".join(map(str, speeds)) + " rpm", wob="100 kN", count=3, kind="torsional",
         method="time", duration="45 s", overwrite=True,
     )  # fmt: skip
     runs = rows(tmp_path, "stability_runs.csv")

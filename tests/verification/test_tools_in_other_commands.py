@@ -91,7 +91,7 @@ def test_a_motor_that_is_partly_in_the_hole_keeps_its_joint():
 def test_a_closed_pipe_with_a_tool_that_mud_turns_trips(tool: dict, tmp_path):
     """The pipe displaces what its outside does: the surge is that of a plain pipe of the same size."""
     found = [
-        surge(case(t), tmp_path / f"{i}", speed="20 m/min", pipe="closed")
+        surge(case(t), tmp_path / f"{i}", speeds="20 m/min", pipe="closed")
         for i, t in enumerate((tool, {"kind": "pipe", "length": tool["length"], **BORE}))
     ]
     pressure = [[row["surge_pressure"] for row in q.summary["surge"]] for q in found]

@@ -7,6 +7,7 @@ import pytest
 
 from drillpetsc import Case, statics
 from drillpetsc.analysis import coarse_start, equilibrium
+from drillpetsc.analysis.job import Job
 from drillpetsc.analysis.torque_drag.roadmap import run_roadmap
 from drillpetsc.errors import SolveError
 from drillpetsc.output import read_table
@@ -138,7 +139,7 @@ def test_a_roadmap_has_rows_of_buckled_strings(tmp_path) -> None:
         "drilling": {"wob": 300e3, "tob": 1000.0},
         "sliding": {"wob": 300e3, "tob": 0},
     }
-    result = run_roadmap(case([0, 300], [90, 90], roadmap=plan), tmp_path / "r", model="stiff")
+    result = run_roadmap(Job(case([0, 300], [90, 90], roadmap=plan), tmp_path / "r"), model="stiff")
     table = read_table(result.folder / "roadmap.csv")
     rows = {name: i for i, name in enumerate(table["operation [-]"])}
     push = -table["hook_load [N]"]

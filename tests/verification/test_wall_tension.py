@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 
 from drillpetsc import statics
+from drillpetsc.analysis.job import Job
 from drillpetsc.analysis.limits.limits import run_limits
 from drillpetsc.analysis.torque_drag.roadmap import run_roadmap
 from drillpetsc.case import Case
@@ -53,7 +54,7 @@ def test_limits_and_statics(tmp_path):
     """Within 0.1 % of the string's load; the mean section gave 5 % of it less at half the depth."""
     given = hanging()
     expected_of = by_hand(given, np.zeros(1))[0]
-    found = run_limits(given, "rotate_off_bottom", out=tmp_path / "limits")
+    found = run_limits(Job(given, tmp_path / "limits"), "rotate_off_bottom")
     still = statics(given, tmp_path / "statics").folder
     for table in (read_table(found.folder / "limits.csv"), read_table(still / "statics.csv")):
         off = np.asarray(table["axial_force [N]"]) - by_hand(given, np.asarray(table["md [m]"]))
@@ -65,7 +66,7 @@ def test_limits_and_statics(tmp_path):
 @pytest.mark.parametrize("class_", ["new", "premium"])
 def test_mud_alone_gives_the_free_end_no_stress_but_its_pressure(class_, tmp_path):
     """Pressure from all sides is no von Mises stress, whatever the wear: 0 at the lower end, 53 MPa deep."""
-    found = run_limits(hanging(class_), "rotate_off_bottom", out=tmp_path / "limits")
+    found = run_limits(Job(hanging(class_), tmp_path / "limits"), "rotate_off_bottom")
     table = read_table(found.folder / "limits.csv")
     pressure = DENSITY * G * LENGTH
     assert table["axial_stress [Pa]"][-1] == pytest.approx(-pressure, rel=2e-3)
@@ -77,6 +78,6 @@ def test_overpull_of_a_roadmap(model, tmp_path):
     """0.9 Y A less the tension of the wall at the top of the weaker pipe, under 35 MPa; the mean section had 31 kN more."""
     plan = {"bit_depth": [LENGTH], "operations": ["rob"], "friction_factor": {"open_hole": [0.0]}}
     given = hanging(roadmap=plan)
-    table = read_table(run_roadmap(given, tmp_path / "run", model=model).folder / "roadmap.csv")
+    table = read_table(run_roadmap(Job(given, tmp_path / "run"), model=model).folder / "roadmap.csv")
     wall = by_hand(given, np.array([WEAK]))[0]
     assert table["overpull_margin [N]"][0] == pytest.approx(0.9 * 500e6 * -TUBE - wall, abs=1e-3 * 762e3)

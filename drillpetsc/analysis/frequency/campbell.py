@@ -44,7 +44,6 @@ STRAIGHT = 1e-3  # short over long axis of an orbit below which it is a straight
 PURE = 0.9  # share of the energy in forward orbits above which a mode whirls forward
 DEFAULT_LINES = (1.0, 2.0, 3.0)
 BESIDE_A_LINE = 80  # eigenvalues computed beside a line at most, where twice --count is less
-FREQUENCIES = ("wd", "wn")  # lines meet damped or natural frequencies
 
 
 @dataclass(frozen=True)

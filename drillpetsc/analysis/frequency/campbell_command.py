@@ -6,11 +6,9 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from petsc4py import PETSc
 
 from drillpetsc.analysis.frequency.campbell import (
     DEFAULT_LINES,
-    FREQUENCIES,
     Campbell,
     Critical,
     campbell,
@@ -19,6 +17,7 @@ from drillpetsc.analysis.frequency.critical_map import critical_map, demand_wall
 from drillpetsc.analysis.frequency.response import RPM, rpm_of, write_case_folder
 from drillpetsc.analysis.frequency.tracking import LEAST_MAC, not_searched, searched_beside
 from drillpetsc.analysis.frequency.turning import TurningModel, turning_case
+from drillpetsc.analysis.job import Job
 from drillpetsc.analysis.run_options import options_of
 from drillpetsc.arrays import FloatArray
 from drillpetsc.case.blocks.formation import DragBit
@@ -27,7 +26,7 @@ from drillpetsc.case.blocks.reamer import Reamer
 from drillpetsc.case.case import Case
 from drillpetsc.errors import CaseError
 from drillpetsc.output import write_summary, write_table
-from drillpetsc.output.files.run_folder import CAMPBELL_TABLE, CRITICAL_MAP_TABLE, CRITICAL_TABLE, make_folder
+from drillpetsc.output.files.run_folder import CAMPBELL_TABLE, CRITICAL_MAP_TABLE, CRITICAL_TABLE
 from drillpetsc.output.quantities.frequency import CAMPBELL, CRITICAL, CRITICAL_MAP
 from drillpetsc.output.result import RunResult
 
@@ -36,48 +35,37 @@ MARGIN = 15.0  # margin to the case's speed [%] below which a critical speed is 
 
 
 def run_campbell(
-    case: Case,
+    job: Job,
     speeds: tuple[float, ...],
-    out: str | Path | None = None,
     count: int = 20,
     kind: str | None = None,
     lines: tuple[float | str, ...] | None = None,
-    overwrite: bool = False,
-    name: str = "case",
-    comm: PETSc.Comm | None = None,
     without_control: bool = False,
     frequency: str = "wd",
     stiffness: tuple[float, ...] = (),
 ) -> RunResult:
-    """Compute modes over rotary speeds [rad/s]; write campbell.csv, critical.csv and summary.json; collective.
+    """Compute modes over rotary speeds [rad/s]; collective.
 
-    case: the user's case; count, kind: of modes, as in ``modes``.
+    count, kind: of modes, as in ``modes``.
     lines: excitation lines in cycles per turn, ``blades`` or ``motor``; None: 1, 2, 3 and the blades of a drag bit.
-    frequency: wd, lines meet damped frequencies; wn, natural ones.
-    out: run folder, None: a new one named after ``name``; overwrite: replace an existing one.
-    comm: communicator, all ranks by default.
     without_control: leave out motor and controller, and hold the top at the rotation.
+    frequency: wd, lines meet damped frequencies; wn, natural ones.
     stiffness: of the wall [Pa], for critical_map.csv.
 
-    Returns folder, summary and the lines to show.  Raises CaseError for wrong arguments, SolveError where no state or
-    mode is found.
+    Raises CaseError for wrong arguments, SolveError where no state or mode is found.
     """
+    case, comm = job.case, job.comm
     turning = turning_case(case, "campbell", without_control)
-    comm = comm or PETSc.COMM_WORLD
-    if count < 1:
-        raise CaseError(at="--count", got=count, want="a number of modes, at least 1")
     if len(speeds) < 2:
         raise CaseError(
             at="--speeds", got=f"{rpm_of(speeds[0]):g} rpm", want="two speeds or more; `modes` is for one"
         )
-    if frequency not in FREQUENCIES:
-        raise CaseError(at="--frequency", got=frequency, want=" or ".join(FREQUENCIES))
     lines = named_lines(case, lines) if lines else default_lines(case)
     if stiffness:
         demand_wall(case)
     with options_of(case):
         states = TurningModel(turning, comm)
-        folder = make_folder(comm, name, out, False, overwrite)
+        folder = job.make_folder()
         found = campbell(states, speeds, count, lines, kind, frequency == "wn")
         by_wall = critical_map(case, stiffness, speeds, count, lines, kind, without_control, comm)
     summary = _summary(case, found, speeds, lines, states, kind) | {"frequency": frequency}

@@ -10,7 +10,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from petsc4py import PETSc
 
 from drillpetsc.analysis.frequency.harmonic import (
     Response,
@@ -26,17 +25,18 @@ from drillpetsc.analysis.frequency.harmonic import (
 from drillpetsc.analysis.frequency.response_stress import stresses
 from drillpetsc.analysis.frequency.stokes import StokesForces, present
 from drillpetsc.analysis.frequency.turning import TurningModel, turning_case
+from drillpetsc.analysis.job import Job
 from drillpetsc.analysis.linearised_model import linearise_model
 from drillpetsc.analysis.run_options import options_of
 from drillpetsc.arrays import FloatArray
 from drillpetsc.case.case import Case
-from drillpetsc.case.speed_options import Excitation
+from drillpetsc.case.excitation import Excitation
 from drillpetsc.errors import CaseError, DrillError, SolveError
 from drillpetsc.fem.string_mesh import StringMesh
 from drillpetsc.model.drilling_model import DrillingModel, build_model
 from drillpetsc.output import write_summary, write_table
 from drillpetsc.output.case_files import write_case
-from drillpetsc.output.files.run_folder import RESPONSE_TABLE, make_folder
+from drillpetsc.output.files.run_folder import RESPONSE_TABLE
 from drillpetsc.output.flow_recorder import FlowRecorder
 from drillpetsc.output.quantities.frequency import RESPONSE, RESPONSE_STRESS
 from drillpetsc.output.result import RunResult
@@ -272,29 +272,21 @@ def _shares(found: Response, values, place: Place, local: np.ndarray, twist: com
 
 # ---------------------------------------------------------------------- command
 def run_response(
-    case: Case,
+    job: Job,
     excitation: Excitation,
     speeds: tuple[float, ...],
-    out: str | Path | None = None,
-    overwrite: bool = False,
-    name: str = "case",
-    comm: PETSc.Comm | None = None,
     without_control: bool = False,
     stress: bool = False,
 ) -> RunResult:
-    """Compute the harmonic response at rotary speeds [rad/s], and write response.csv and summary.json; collective.
+    """Compute the harmonic response at rotary speeds [rad/s]; collective.
 
-    case: the user's case; excitation: from ``read_excitation``.
-    out: run folder, None: a new one named after ``name``; overwrite: replace an existing one.
-    comm: communicator, all ranks by default.
     without_control: leave out motor and controller, and hold the top at the rotation.
     stress: add the stresses of the turning pipe to the table.
 
-    Returns folder, summary and the lines to show.  Raises CaseError for wrong arguments, SolveError where no state is
-    found.
+    Raises CaseError for wrong arguments, SolveError where no state is found.
     """
+    case, comm = job.case, job.comm
     turning = turning_case(case, "response", without_control)
-    comm = comm or PETSc.COMM_WORLD
     with options_of(case):
         states = TurningModel(turning, comm, balanced=True)
         model = states.model
@@ -304,7 +296,7 @@ def run_response(
         if excitation.kind == "motor" and not any(m.rotor.unbalance > 0 for m in model.parts(MudMotor)):
             want = "a pdm with rotor_mass, eccentricity and lobes, which the case does not have"
             raise CaseError(at="--excite", got="motor", want=want)
-        folder = make_folder(comm, name, out, False, overwrite)
+        folder = job.make_folder()
         mud = FlowRecorder(model.system, model.fluid) if model.fluid is not None else None
         table: list[list[Any]] = []
         notes: list[str] = []

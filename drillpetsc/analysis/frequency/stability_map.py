@@ -11,8 +11,9 @@ from petsc4py import PETSc
 from scipy.optimize import brentq
 
 from drillpetsc.analysis.frequency.response import RPM, rpm_of, write_case_folder
-from drillpetsc.analysis.frequency.stability_runs import BEHAVIOURS, DURATION, RunPoint, refuse, run_point
+from drillpetsc.analysis.frequency.stability_runs import BEHAVIOURS, RunPoint, refuse, run_point
 from drillpetsc.analysis.frequency.turning import TurningModel, turning_case
+from drillpetsc.analysis.job import Job
 from drillpetsc.analysis.modal import modes, without_motor
 from drillpetsc.analysis.modes import Modes
 from drillpetsc.analysis.run_options import options_of
@@ -25,7 +26,6 @@ from drillpetsc.output.files.run_folder import (
     BOUNDARY_TABLE,
     STABILITY_RUNS_TABLE,
     STABILITY_TABLE,
-    make_folder,
 )
 from drillpetsc.output.quantities.frequency import STABILITY_BOUNDARY, STABILITY_MAP, STABILITY_RUNS
 from drillpetsc.output.result import RunResult
@@ -33,7 +33,6 @@ from drillpetsc.unit_systems import System, display_unit, shown
 
 SPEED_TOLERANCE = 0.05 * RPM  # of a boundary [rad/s]
 MARGINAL = 1e-4  # growth over |s| within which a mode neither grows nor decays: 1100 periods to double; less than damping is known
-METHODS = ("eigen", "time")
 SAYS = {"steady": "is steady", "decays": "calms down", "grows": "swings up", "stick_slip": "sticks and slips"}
 IMBALANCE_SHARE = 1e-2  # unbalanced force over weight on bit beyond which a state counts as not steady
 
@@ -151,57 +150,44 @@ def _finite(value: float) -> float:
 
 # ---------------------------------------------------------------------- command
 def run_stability(
-    case: Case,
+    job: Job,
     speeds: tuple[float, ...],
     weights: tuple[float, ...],
-    out: str | Path | None = None,
     count: int = 20,
     kind: str | None = None,
-    overwrite: bool = False,
-    name: str = "case",
-    comm: PETSc.Comm | None = None,
     without_control: bool = False,
-    method: str = "eigen",
-    duration: float = DURATION,
+    duration: float | None = None,
 ) -> RunResult:
     """Compute the largest growth over rotary speeds [rad/s] and weights on bit [N]; collective.
 
-    Writes stability_map.csv, stability_boundary.csv and summary.json; with runs also stability_runs.csv.
-    case: the user's case, with a bit on bottom; count, kind: of modes, as in ``modes``.
-    out: run folder, None: a new one named after ``name``; overwrite: replace an existing one.
-    comm: communicator, all ranks by default.
+    count, kind: of modes, as in ``modes``.
     without_control: leave out motor and controller, and hold the top at the rotation.
-    method: eigen, or time: a run at each point too, of a ``duration`` [s].
-
-    Returns folder, summary and the lines to show.  Raises CaseError for wrong arguments.
+    duration: of a run at each point [s]; None: no runs.
     """
+    case, comm = job.case, job.comm
     turning = turning_case(case, "stability", without_control)
-    if method not in METHODS:
-        raise CaseError(at="--method", got=method, want=" or ".join(METHODS))
-    if method == "time":
+    if duration is not None:
         refuse(case)
-    comm = comm or PETSc.COMM_WORLD
     if not isinstance(case.bottom, BitBottom):
         raise CaseError(at="bottom", got=case.bottom.kind, want="a bit on bottom, which carries the weight")
     if turning.top.force is not None or turning.top.lowering is None:
         raise CaseError(at="top.force", want="a top with a lowering: its position meets the weight on bit")
-    if count < 1:
-        raise CaseError(at="--count", got=count, want="a number of modes, at least 1")
     points: list[Point] = []
     edges: list[Boundary] = []
     runs: list[RunPoint] = []
     run_case = without_motor(case) if without_control else case
     with options_of(case):
-        folder = make_folder(comm, name, out, False, overwrite)
+        folder = job.make_folder()
         for weight in weights:
             growth = StateGrowth(turning, weight, count, kind, comm)
             points += [growth.at(speed) for speed in speeds]
             edges += boundaries(growth, speeds)
-            for speed in speeds if method == "time" else ():
-                lowering = penetration(growth.states.model, weight, speed)
-                runs.append(run_point(run_case, speed, weight, lowering, duration, comm))
+            if duration is not None:
+                for speed in speeds:
+                    lowering = penetration(growth.states.model, weight, speed)
+                    runs.append(run_point(run_case, speed, weight, lowering, duration, comm))
     summary = _summary(case, points, edges, speeds, weights, kind)
-    if runs:
+    if duration is not None:
         _compare(summary, points, runs, duration, case.shown_units)
     if comm.rank == 0:
         write_case_folder(case, folder.path)

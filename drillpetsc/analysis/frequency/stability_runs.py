@@ -17,7 +17,6 @@ from drillpetsc.vibration.indices import stick_slip_index, stuck_share
 
 START = 0.8  # share of the speed with which a run begins
 RISE = 1.0  # time in which the speed rises to its value [s]
-DURATION = 60.0  # of a run, when none is given [s]
 READINGS = 1500  # of the bit's speed in a run
 STEADY = 0.05  # index below which a bit turns steadily
 STUCK = 0.01  # share of the time at rest from which a bit sticks and slips

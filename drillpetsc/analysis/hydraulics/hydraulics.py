@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-import shlex
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-from petsc4py import PETSc
 from scipy.optimize import brentq
 
 from drillpetsc.analysis.hydraulics import rheology_fits
@@ -33,6 +31,7 @@ from drillpetsc.analysis.hydraulics.open_hole import (
     vertical_depth,
     window_in_measured_depth,
 )
+from drillpetsc.analysis.job import Job
 from drillpetsc.analysis.run_options import options_of
 from drillpetsc.analysis.statics import beyond_rig
 from drillpetsc.arrays import FloatArray
@@ -52,7 +51,6 @@ from drillpetsc.output.files.run_folder import (
     NOZZLE_TABLE,
     PROFILE_TABLE,
     READINGS_TABLE,
-    make_folder,
 )
 from drillpetsc.output.quantities.hydraulics import (
     DIAL_READINGS,
@@ -163,8 +161,7 @@ class Hydraulics:
     Raises CaseError where there is no such flow.
     """
 
-    def __init__(self, case: Case, units: System | None = None) -> None:
-        """units: of figures in warnings; None: those of the case, or metric."""
+    def __init__(self, case: Case) -> None:
         need_mud(case, "hydraulics")
         if case.bottom.plugged and not case.side_nozzles or not case.has_bore:
             raise CaseError(
@@ -173,7 +170,7 @@ class Hydraulics:
                 want="a string with a bore that is open at its lower end: the mud must get out",
             )
         self.case = case
-        self.units: System = units or case.shown_units
+        self.units = case.shown_units
         self.flow = FlowModel(case, whole_string(case), "pumping")
         self.flow.solve(0.0)
         still = self.flow.pressure("annulus")
@@ -360,25 +357,17 @@ def window_table(window: Window | None) -> dict[str, list[float] | None] | None:
 
 # ---------------------------------------------------------------------- command
 def run_hydraulics(
-    case: Case,
-    flows: Sequence[float] | None = None,
-    pump_pressure: float | None = None,
-    out: str | Path | None = None,
-    overwrite: bool = False,
-    name: str = "case",
-    comm: PETSc.Comm | None = None,
-    units: System | None = None,
+    job: Job, flows: Sequence[float] | None = None, pump_pressure: float | None = None
 ) -> RunResult:
-    """Solve for the steady flow at some flow rates, write the tables and summary.json (collective).
+    """Solve for the steady flow at some flow rates (collective).
 
     flows: flow rates [m3/s]; None: that of the case.
     pump_pressure: [Pa], instead of flows: the flow rate that it gives is found.
-    units: of printed and plotted figures; None: those of the case, or metric.
     Every rank computes the same, the first one writes.
     """
-    comm = comm or PETSc.COMM_WORLD
+    case = job.case
     with options_of(case):
-        hydraulics = Hydraulics(case, units)
+        hydraulics = Hydraulics(case)
         at = SPP
         if pump_pressure is None and not flows:
             own = default_flow(case, hydraulics.notes)
@@ -393,15 +382,13 @@ def run_hydraulics(
         results = [hydraulics.at(rate) for rate in flows]
         rates = np.unique(np.append(np.minimum(max(flows) * CURVE, 2 * LARGEST_FLOW), flows))
         curve = [_curve_row(hydraulics, rate) for rate in rates]
-        folder = make_folder(comm, name, out, False, overwrite)
-        summary = _summary(case, hydraulics, results) | {"units": units or case.shown_units}
-        if comm.rank == 0:
+        folder = job.make_folder()
+        summary = _summary(case, hydraulics, results) | {"units": case.shown_units}
+        if job.comm.rank == 0:
             case.dump(folder.case)
             _write(folder.path, case, results, curve, case.fluid.rheology)  # type: ignore[union-attr]
             write_summary(folder.summary, summary)
-    lines = _lines(case, results, summary)
-    lines.append(f"  results: {folder.path}   (scripts/drillpetsc plot {shlex.quote(str(folder.path))})")
-    return RunResult(folder.path, summary, lines)
+    return job.result(folder, summary, _lines(case, results, summary))
 
 
 def _curve_row(hydraulics: Hydraulics, rate: float) -> Numbers:

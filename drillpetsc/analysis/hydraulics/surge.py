@@ -7,13 +7,10 @@ or leaves, dragged along by the string's wall (manual: sec-mud-string-speed).
 from __future__ import annotations
 
 import re
-import shlex
 from dataclasses import dataclass, replace
-from pathlib import Path
 from typing import Any
 
 import numpy as np
-from petsc4py import PETSc
 
 from drillpetsc.analysis.hydraulics.dynamic_surge import ACCELERATION, dynamic_surge
 from drillpetsc.analysis.hydraulics.flow_model import (
@@ -36,18 +33,18 @@ from drillpetsc.analysis.hydraulics.open_hole import (
     open_hole,
     shoe_depth,
 )
+from drillpetsc.analysis.job import Job
 from drillpetsc.analysis.run_options import options_of
+from drillpetsc.case.blocks.window import Window
 from drillpetsc.case.case import Case
-from drillpetsc.case.flow_options import Trips
 from drillpetsc.errors import CaseError, SolveError
 from drillpetsc.model.fluid import build_rheology
 from drillpetsc.output import write_summary, write_table
-from drillpetsc.output.files.run_folder import SURGE_TABLE, TRIP_SPEED_TABLE, make_folder
+from drillpetsc.output.files.run_folder import SURGE_TABLE, TRIP_SPEED_TABLE
 from drillpetsc.output.quantities.hydraulics import DYNAMIC_SURGE, MAX_TRIP_SPEED, SIDE_SURGE, SURGE
 from drillpetsc.output.result import RunResult
 from drillpetsc.output.shown_units import lengths_shown, shown_unit
 from drillpetsc.physics.fluid.rheology import wall_shear
-from drillpetsc.unit_systems import System
 from drillpetsc.units import to_si
 
 OPERATIONS = {"trip_in": 1.0, "trip_out": -1.0}  # operation -> sign of the string's speed, down positive
@@ -186,20 +183,31 @@ class Tripping:
 
 
 # ---------------------------------------------------------------------- command
-def run_surge(
-    case: Case,
-    plan: Trips,
-    out: str | Path | None = None,
-    overwrite: bool = False,
-    name: str = "case",
-    comm: PETSc.Comm | None = None,
-    units: System | None = None,
-) -> RunResult:
-    """Solve for the pressures of tripping, write surge.csv, max_trip_speed.csv and summary.json (collective).
+@dataclass(frozen=True)
+class Trips:
+    """What `surge` computes.
+
+    speeds: [m/s]; operations: trip_in, trip_out; pipes: closed, open, pumping.
+    bit_depths: measured [m], None: the case's own and, with a window, some along the open hole.
+    window: instead of the case's; flow: rate of the pump while pumping [m3/s], None: that of the case.
+    dynamic: a run from rest for each speed, too.
+    """
+
+    speeds: tuple[float, ...]
+    operations: tuple[str, ...] = ("trip_in", "trip_out")
+    pipes: tuple[str, ...] = ("closed", "open")
+    bit_depths: tuple[float, ...] | None = None
+    window: Window | None = None
+    flow: float | None = None
+    dynamic: bool = False
+
+
+def run_surge(job: Job, plan: Trips) -> RunResult:
+    """Solve for the pressures of tripping (collective).
 
     Every rank computes the same, the first one writes.  Raises CaseError for a case without mud, well or annulus.
     """
-    comm = comm or PETSc.COMM_WORLD
+    case = job.case
     _check(case, plan)
     notes: list[str] = []
     window = plan.window or case.window
@@ -233,10 +241,10 @@ def run_surge(
                 fastest += _fastest(case, string, plan, hole, flow)
         if all(row.limited_by == FAILED for row in rows):
             raise SolveError(f"no trip has a steady flow: {rows[0].warnings[0]}")
-        folder = make_folder(comm, name, out, False, overwrite)
+        folder = job.make_folder()
         summary = {
             "title": case.title,
-            "units": units or case.shown_units,
+            "units": case.shown_units,
             "window": window_table(window),
             "window_from": None if window is None else ("--window" if plan.window is not None else "case"),
             "surge": [
@@ -247,7 +255,7 @@ def run_surge(
             "open_pipe_by_area": [{k: _plain(v) for k, v in row.items()} for row in by_area],
             "notes": notes,
         }
-        if comm.rank == 0:
+        if job.comm.rank == 0:
             case.dump(folder.case)
             columns = [[_cell(row.value(q.name)) for row in rows] for q in quantities]
             write_table(folder.path / SURGE_TABLE, [q.column for q in quantities], columns)
@@ -255,9 +263,7 @@ def run_surge(
                 table = [[row[q.name] for row in fastest] for q in MAX_TRIP_SPEED]
                 write_table(folder.path / TRIP_SPEED_TABLE, [q.column for q in MAX_TRIP_SPEED], table)
             write_summary(folder.summary, summary)
-    lines = _lines(case, rows, summary)
-    lines.append(f"  results: {folder.path}   (scripts/drillpetsc plot {shlex.quote(str(folder.path))})")
-    return RunResult(folder.path, summary, lines)
+    return job.result(folder, summary, _lines(case, rows, summary))
 
 
 def _check(case: Case, plan: Trips) -> None:

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -68,18 +69,27 @@ def slope(pairs: Sequence[Pair]) -> Pair | None:
     return Pair(rise, span) if rise > 0 else None
 
 
-def free_points(case: Case, pairs: Sequence[Pair]) -> dict[str, FreePoint | list[FreePoint] | None]:
-    """``pairs``: the result of each pair; ``slope``: that of the line through all of them, None for one pull."""
+class FreePoints(dict[str, Any]):
+    """``pairs``: the result of each pair; ``slope``: that of the line through all of them, None for one pull.
+
+    lines: report for the screen.
+    """
+
+    lines: list[str]
+
+
+def free_points(case: Case, pairs: Sequence[Pair]) -> FreePoints:
+    """Find the free lengths for some pairs, and for the line through them."""
     mesh, line = build_mesh(case), slope(pairs)
-    return {
-        "pairs": [free_point(case, pair, mesh) for pair in pairs],
-        "slope": None if line is None else free_point(case, line, mesh),
-    }
+    found = FreePoints(
+        pairs=[free_point(case, pair, mesh) for pair in pairs],
+        slope=None if line is None else free_point(case, line, mesh),
+    )
+    found.lines = _lines(case, found, case.shown_units)
+    return found
 
 
-def free_point_lines(case: Case, pairs: Sequence[Pair], units: System = "metric") -> list[str]:
-    """What the command prints, in a system of units."""
-    found = free_points(case, pairs)
+def _lines(case: Case, found: FreePoints, units: System) -> list[str]:
     lines = [
         f"{case.title or 'case'}: free point of a stuck string of {shown(case.string_length, 'length', units, 5)}"
     ]
@@ -94,7 +104,6 @@ def free_point_lines(case: Case, pairs: Sequence[Pair], units: System = "metric"
         return f"{shown(row.stretch, 'diameter', units)} under {shown(row.pull, 'force', units)}"
 
     rows, line = found["pairs"], found["slope"]
-    assert isinstance(rows, list)
     lines += [f"  {given(row)}: {text(row)}" for row in rows]
     if isinstance(line, FreePoint):
         lines.append(f"  line through them, {given(line)}: {text(line)}")

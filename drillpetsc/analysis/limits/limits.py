@@ -2,18 +2,16 @@
 
 from __future__ import annotations
 
-import shlex
 from dataclasses import asdict
-from pathlib import Path
 from typing import Any
 
 import numpy as np
-from petsc4py import PETSc
 
 from drillpetsc.analysis.buckling import buckling
 from drillpetsc.analysis.coarse_mesh import state_warnings
 from drillpetsc.analysis.equilibrium import MOTIONS, StaticState
 from drillpetsc.analysis.initial_state import find_equilibrium
+from drillpetsc.analysis.job import Job
 from drillpetsc.analysis.limits.along_string import State, Surroundings, static_state
 from drillpetsc.analysis.limits.contacts import contact_rows, item_forces
 from drillpetsc.analysis.limits.fatigue import AS_S, rule_of
@@ -41,7 +39,7 @@ from drillpetsc.model.drilling_model import DrillingModel, build_model
 from drillpetsc.model.string_forces import held_at_weight
 from drillpetsc.output import write_summary, write_table
 from drillpetsc.output.case_files import write_case
-from drillpetsc.output.files.run_folder import CONTACTS_TABLE, LIMITS_TABLE, make_folder
+from drillpetsc.output.files.run_folder import CONTACTS_TABLE, LIMITS_TABLE
 from drillpetsc.output.quantities.limits import CONTACTS, LIMITS
 from drillpetsc.output.result import RunResult
 from drillpetsc.output.static_table import static_table
@@ -67,37 +65,25 @@ WEAKEST = (
 )
 
 
-def run_limits(
-    case: Case,
-    operation: str | None = None,
-    choices: Choices | None = None,
-    out: str | Path | None = None,
-    overwrite: bool = False,
-    name: str = "case",
-    comm: PETSc.Comm | None = None,
-    units: System | None = None,
-) -> RunResult:
-    """Solve for the equilibrium of a case in an operation; write limits.csv, contacts.csv and summary.json (collective).
+def run_limits(job: Job, operation: str | None = None, choices: Choices | None = None) -> RunResult:
+    """Solve for the equilibrium of a case in an operation (collective).
 
     operation: a word of OPERATIONS or of the trade; None: the case as it is, moving as its top prescribes.
-    units: of printed and plotted figures; None: metric.
     Raises CaseError where the case cannot be in the operation, SolveError without equilibrium.
     """
-    choices, units = choices or Choices(), units or case.shown_units
-    refuse_quaternion(case, "limits")
-    _check(choices)
-    if case.hold_string:
+    given, comm = job.case, job.comm
+    choices, units = choices or Choices(), given.shown_units
+    refuse_quaternion(given, "limits")
+    if given.hold_string:
         raise CaseError(
             at="hold_string", got=True, want="a string that is free to move: a held one has no forces"
         )
     word = read_operation(operation)
-    given = case
-    case = held_at_weight(case if word is None else case_of(case, word))
+    case = held_at_weight(given if word is None else case_of(given, word))
     motion = None if word is None else motion_of(case, word)
-    comm = comm or PETSc.COMM_WORLD
     with options_of(case, given):
         model = build_model(case, comm, motion)
-        folder = make_folder(comm, name, out, False, overwrite)
+        folder = job.make_folder()
         state = find_equilibrium(model, motion, False)
         columns, nodal = static_table(model)
         buckled = buckling(model, columns, nodal) if nodal is not None else None
@@ -140,9 +126,7 @@ def run_limits(
             write_summary(folder.summary, summary)
             answer = summary
         summary = comm.tompi4py().bcast(answer)
-    lines = _lines(given, summary, units)
-    lines.append(f"  results: {folder.path}   (scripts/drillpetsc plot {shlex.quote(str(folder.path))})")
-    return RunResult(folder.path, summary, lines)
+    return job.result(folder, summary, _lines(given, summary, units))
 
 
 def _rotation(case: Case, word: str | None) -> float:
@@ -153,20 +137,6 @@ def _rotation(case: Case, word: str | None) -> float:
     if word is None:
         return 0.0 if case.top.rotation is None else float(case.top.rotation.value(0.0))
     return motion_of(case, word)[1]
-
-
-def _check(choices: Choices) -> None:
-    """Raise CaseError for choices that make no sense."""
-    at_least_one = {"--design-factor": choices.design_factor}
-    for at, value in at_least_one.items():
-        if not 1 <= value <= 10:
-            raise CaseError(at=at, got=value, want="a number from 1 to 10")
-    if not 0 < choices.tension_fraction <= 1:
-        raise CaseError(
-            at="--tension-fraction", got=choices.tension_fraction, want="a number above 0, up to 1"
-        )
-    if choices.helical not in ("chen", "wu"):
-        raise CaseError(at="--helical", got=choices.helical, want="chen or wu")
 
 
 # ---------------------------------------------------------------------- summary

@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-import shlex
-from pathlib import Path
 from typing import Any
 
 import numpy as np
-from petsc4py import PETSc
 
+from drillpetsc.analysis.job import Job
 from drillpetsc.analysis.run_options import options_of
 from drillpetsc.analysis.torque_drag.calibration import (
     AT_BOUND,
@@ -25,7 +23,7 @@ from drillpetsc.case.case import Case
 from drillpetsc.case.plausible_operations import readings
 from drillpetsc.errors import CaseError
 from drillpetsc.output import write_summary, write_table
-from drillpetsc.output.files.run_folder import CALIBRATION_TABLE, make_folder
+from drillpetsc.output.files.run_folder import CALIBRATION_TABLE
 from drillpetsc.output.quantities.torque_drag import MEASURED
 from drillpetsc.output.result import RunResult
 from drillpetsc.output.shown_units import shown_unit
@@ -33,29 +31,23 @@ from drillpetsc.unit_systems import System, shown
 
 
 def run_calibrate(
-    case: Case,
+    job: Job,
     points: tuple[MeasuredPoint, ...] | None,
     parameters: tuple[str, ...] | None = None,
-    out: str | Path | None = None,
-    overwrite: bool = False,
-    name: str = "case",
-    comm: PETSc.Comm | None = None,
-    units: System | None = None,
 ) -> RunResult:
-    """Fit friction factors to measured points, write calibration.csv and summary.json (collective).
+    """Fit friction factors to measured points (collective).
 
     points: measured; None: those of the case.
     parameters: names of groups of sections, block_weight, weight_factor: what is fitted; None: all friction factors.
     Every rank computes the same, the first one writes.
     """
-    comm = comm or PETSc.COMM_WORLD
-    plan = plan_of(case)
+    case = job.case
+    plan, system = plan_of(case), case.shown_units
     points = plan.measured if points is None else points
     if not points:
         raise CaseError(at="--measured", want="a file of measured points, or roadmap.measured in the case")
     with options_of(case):
-        work = Calibration(case, points, plan.hookload_excludes_block, units)
-    system: System = units or case.shown_units
+        work = Calibration(case, points, plan.hookload_excludes_block)
     if parameters is None:
         parameters = work.factors
     unknown = [name for name in parameters if name not in (*KINDS, *work.factors, *BOUNDS)]
@@ -66,8 +58,8 @@ def run_calibrate(
     alone = work.alone(fit)
     warnings = _warnings(work, fit, parameters)
     summary = _summary(case, work, fit, system, warnings, notes)
-    folder = make_folder(comm, name, out, False, overwrite)
-    if comm.rank == 0:
+    folder = job.make_folder()
+    if job.comm.rank == 0:
         case.dump(folder.case)
         d = work.data
         columns: dict[str, Any] = {
@@ -84,9 +76,7 @@ def run_calibrate(
             folder.path / CALIBRATION_TABLE, [q.column for q in MEASURED], [columns[q.name] for q in MEASURED]
         )
         write_summary(folder.summary, summary)
-    lines = _lines(case, work, fit, summary, system)
-    lines.append(f"  results: {folder.path}   (scripts/drillpetsc plot {shlex.quote(str(folder.path))})")
-    return RunResult(folder.path, summary, lines)
+    return job.result(folder, summary, _lines(case, work, fit, summary, system))
 
 
 def _notes(case: Case, work: Calibration, parameters: tuple[str, ...]) -> list[str]:

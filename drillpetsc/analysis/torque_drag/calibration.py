@@ -18,7 +18,7 @@ from drillpetsc.arrays import FloatArray
 from drillpetsc.case.blocks.roadmap import MeasuredPoint
 from drillpetsc.case.case import Case
 from drillpetsc.errors import CaseError, SolveError
-from drillpetsc.unit_systems import System, shown
+from drillpetsc.unit_systems import shown
 
 FACTOR_BOUNDS, FACTOR_STEP = (0.0, 1.0), 1e-4  # of every friction factor
 BOUNDS = {"block_weight": (0.0, 5e6), "weight_factor": (0.5, 1.5)}
@@ -75,7 +75,6 @@ class Calibration:
     """Soft strings of measured points.
 
     case: with a well; points: measured; excludes_block: hook loads were read without the block.
-    units: of figures in sentences; None: those of the case, or metric.
     Raises CaseError for points that the string cannot reach.
     """
 
@@ -84,11 +83,10 @@ class Calibration:
         case: Case,
         points: tuple[MeasuredPoint, ...],
         excludes_block: bool = False,
-        units: System | None = None,
     ) -> None:
         well = need_well(case, "calibrate")
         self.case, self.points = case, points
-        self.units: System = units or case.shown_units
+        self.units = case.shown_units
         gravity_of(case, "calibrate")
         end = float(case.well.survey.md[-1])  # type: ignore[union-attr]
         for i, point in enumerate(points):

@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-import shlex
 import time
 from dataclasses import replace
-from pathlib import Path
 from typing import Any, Literal
 
 import numpy as np
 from petsc4py import PETSc
 
+from drillpetsc.analysis.job import Job
 from drillpetsc.analysis.run_options import options_of
 from drillpetsc.analysis.torque_drag.batch import Columns, Hole, soft_strings
 from drillpetsc.analysis.torque_drag.circulation import Circulation, circulation
@@ -36,7 +35,7 @@ from drillpetsc.case.case import Case
 from drillpetsc.errors import CaseError, SolveError
 from drillpetsc.geometry.well import Well
 from drillpetsc.output import write_summary, write_table
-from drillpetsc.output.files.run_folder import ROADMAP_FILE, ROADMAP_TABLE, make_folder
+from drillpetsc.output.files.run_folder import ROADMAP_FILE, ROADMAP_TABLE
 from drillpetsc.output.quantities.torque_drag import ROADMAP
 from drillpetsc.output.result import RunResult
 from drillpetsc.output.shown_units import lengths_shown, shown_unit
@@ -179,24 +178,17 @@ def lines_of(case: Case, well: Well, strings: list[StringRows]) -> dict[str, lis
 
 # ---------------------------------------------------------------------- command
 def run_roadmap(
-    case: Case,
-    out: str | Path | None = None,
-    overwrite: bool = False,
-    name: str = "case",
-    comm: PETSc.Comm | None = None,
-    units: System | None = None,
+    job: Job,
     measured: tuple[MeasuredPoint, ...] | None = None,
     model: Literal["soft", "stiff"] = "soft",
 ) -> RunResult:
-    """Compute hook load and torque over the bit depth, write roadmap.csv, roadmap.json and summary.json (collective).
+    """Compute hook load and torque over the bit depth (collective).
 
     measured: points to be plotted; None: those of the case.
     model: soft, the soft string, every rank computes the same; stiff, the static equilibrium of the beam, whose rows the
     ranks share out.  The first rank writes.
     """
-    if model not in MODELS:
-        raise CaseError(at="--model", got=model, want=" or ".join(MODELS))
-    comm = comm or PETSc.COMM_WORLD
+    case, comm = job.case, job.comm
     well = need_well(case, "roadmap")
     gravity_of(case, "roadmap")
     plan = plan_of(case)
@@ -221,14 +213,14 @@ def run_roadmap(
         for row in rows:
             row["hook_load_total"] = row["hook_load"] + block
     points = plan.measured if measured is None else measured
-    system: System = units or case.shown_units
+    system: System = case.shown_units
     lines_of_torque = torque_lines(case, strings, rows)
     warnings = _warnings(case, rows, lines_of_torque, system)
     excludes = plan.hookload_excludes_block
     found = beside_curves(rows, points or (), 0.0 if excludes else (block or 0.0))
     end = None if case.well is None else float(case.well.survey.md[-1])
     warnings += measured_warnings(found, points or (), end, block, excludes, system)
-    folder = make_folder(comm, name, out, False, overwrite)
+    folder = job.make_folder()
     summary = {
         "title": case.title,
         "units": system,
@@ -261,8 +253,7 @@ def run_roadmap(
     if stiff:
         lines += _compared(stiff, len(rows))
     lines += [f"  WARNING: {w}" for w in warnings] + [f"  note: {lengths_shown(n, system)}" for n in notes]
-    lines.append(f"  results: {folder.path}   (scripts/drillpetsc plot {shlex.quote(str(folder.path))})")
-    return RunResult(folder.path, summary, lines)
+    return job.result(folder, summary, lines)
 
 
 def _inputs(

@@ -12,6 +12,7 @@ from typing import Any
 import pytest
 
 from drillpetsc import Case, run
+from drillpetsc.analysis.job import Job
 from drillpetsc.analysis.modal import run_modes
 from drillpetsc.analysis.statics import run_statics
 from drillpetsc.output import conditions as where
@@ -171,7 +172,7 @@ def test_every_output_is_described_with_its_condition(name: str, tmp_path: Path)
 
 
 def test_the_table_of_modes_is_described(tmp_path: Path) -> None:
-    run_modes(Case(string=[PIPE], top="clamped"), tmp_path / "modes", count=2)
+    run_modes(Job(Case(string=[PIPE], top="clamped"), tmp_path / "modes"), count=2)
     summary_is_described(tmp_path / "modes", "summary.json of modes", {""})
     titles = list(read_table(tmp_path / "modes" / "modes.csv"))
     assert titles == [entry.quantity.title for entry in listed_by_file()["modes.csv"] if not entry.condition]

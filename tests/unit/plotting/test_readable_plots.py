@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from drillpetsc import Case, run
+from drillpetsc.analysis.job import Job
 from drillpetsc.analysis.modal import run_modes
 from drillpetsc.plotting.hole_path import well_path
 from drillpetsc.plotting.plot import _along_depth, _histories, _orbits, plot
@@ -23,7 +24,7 @@ LONG = "A title that is much too long for a narrow picture of one orbit, as titl
 
 
 def test_modes_are_drawn(tmp_path: Path) -> None:
-    run_modes(Case(string=[PIPE], top="clamped"), tmp_path / "modes", count=3)
+    run_modes(Job(Case(string=[PIPE], top="clamped"), tmp_path / "modes"), count=3)
     assert "modes.png" in [file.name for file in plot(tmp_path / "modes")]
 
 

@@ -1,86 +1,21 @@
-"""Options of the commands of the frequency domain: rotary speeds, excitation, excitation lines, weights on bit."""
+"""Options of the commands of the frequency domain: excitation and excitation lines."""
 
 from __future__ import annotations
 
 import math
-import re
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
-import numpy as np
-
 from drillpetsc.case.blocks.string import Flexible
 from drillpetsc.case.case import Case
-from drillpetsc.case.flow_options import Numbers, read_numbers
 from drillpetsc.case.key_paths import suggestion
 from drillpetsc.case.quantities import Quantity, said
+from drillpetsc.case.ranges import WITH_UNIT
 from drillpetsc.errors import CaseError
 from drillpetsc.unit_systems import System
 from drillpetsc.units import UnitError, to_si
 
-MAX_SPEEDS = 2000
-SPEED = Quantity("rad/s", at_least=0, at_most=1e3, kind="none")
-WEIGHT = Quantity("N", above=0, at_most=1e8)
-STIFFNESS = Quantity("Pa", above=0, at_most=1e15, kind="none")
-DURATION = Quantity("s", at_least=1, at_most=1e5)
-EXAMPLE = "0:240:10 rpm"
-_STEPS = re.compile(r"\s*([^:\s]+)\s*:\s*([^:\s]+)\s*:\s*([^:\s]+?)\s*([a-zA-Z/%]*)\s*")
-_WITH_UNIT = re.compile(r".*\d\.?\s*[a-zA-Z].*")
 
-
-def read_speeds(text: Numbers, at: str, lowest_above_zero: bool = False) -> tuple[float, ...]:
-    """Read rotary speeds [rad/s], ascending, from text such as ``0:240:10 rpm`` (first:last:step) or ``60,90,120 rpm``.
-
-    text: speeds with a unit; from Python also numbers in rad/s.
-    at: name of the option, for messages.
-    lowest_above_zero: a speed of zero is refused.
-    Raises CaseError.
-    """
-    if isinstance(text, str):
-        if not _WITH_UNIT.fullmatch(text):
-            raise CaseError(
-                at=at, got=text, want=f"rotary speeds with a unit, such as {EXAMPLE} or 60,90 rpm"
-            )
-        values = _steps(text, at) if ":" in text else read_numbers(text, SPEED, at, "60,90,120 rpm")
-    else:
-        values = read_numbers(text, SPEED, at, "60,90,120 rpm")
-    if any(b <= a for a, b in zip(values, values[1:], strict=False)):
-        raise CaseError(at=at, got=_shown(text), want="speeds in ascending order, each once")
-    if lowest_above_zero and values[0] == 0:
-        raise CaseError(at=at, got=_shown(text), want="speeds above 0: at rest nothing is excited")
-    return values
-
-
-def _shown(text: Numbers) -> str:
-    return text if isinstance(text, str) else str(text)
-
-
-def _steps(text: str, at: str) -> tuple[float, ...]:
-    """Speeds of first:last:step unit."""
-    found = _STEPS.fullmatch(text)
-    if found is None:
-        raise CaseError(at=at, got=text, want=f"FIRST:LAST:STEP unit, such as {EXAMPLE}")
-    *words, unit = found.groups()
-    try:
-        first, last, step = (to_si(f"{word} {unit}", SPEED.unit) for word in words)
-    except UnitError as error:
-        raise CaseError(at=at, got=text, want=error.want, hint=error.hint) from None
-    if not all(SPEED.inside(v) for v in (first, last)):
-        raise CaseError(at=at, got=text, want=f"speeds {SPEED.allowed()}: the string turns clockwise")
-    if last <= first:
-        raise CaseError(
-            at=at, got=text, want="a range from a smaller to a larger speed", hint="one speed: 60 rpm"
-        )
-    if not 0 < step <= (last - first) * (1 + 1e-9):
-        raise CaseError(at=at, got=text, want="a step above 0, not larger than the range")
-    count = round((last - first) / step)
-    if count + 1 > MAX_SPEEDS:
-        raise CaseError(at=at, got=text, want=f"at most {MAX_SPEEDS} speeds")
-    values = first + step * np.arange(int(np.floor((last - first) / step * (1 + 1e-9))) + 1)
-    return tuple(float(f"{v:.12g}") for v in values)
-
-
-# ---------------------------------------------------------------------- excitation
 @dataclass(frozen=True)
 class Excitation:
     """A harmonic excitation.
@@ -129,7 +64,7 @@ def _place(text: str, case: Case) -> tuple[str, float]:
     if text in found:
         return text, found[text]
     try:
-        depth = to_si(text, "m") if _WITH_UNIT.fullmatch(text) else None
+        depth = to_si(text, "m") if WITH_UNIT.fullmatch(text) else None
     except UnitError:
         depth = None
     if depth is None:
@@ -172,7 +107,7 @@ def read_excitation(
         raise CaseError(at="--amplitude", want=want)
     for what, quantity in AMPLITUDES.items():
         try:
-            value = to_si(str(amplitude), quantity.unit) if _WITH_UNIT.fullmatch(str(amplitude)) else None
+            value = to_si(str(amplitude), quantity.unit) if WITH_UNIT.fullmatch(str(amplitude)) else None
         except UnitError:
             continue
         if value is None:
@@ -184,23 +119,6 @@ def read_excitation(
             raise CaseError(at="--order", got=order, want="cycles per turn, above 0, at most 1000")
         return Excitation("place" if place else "bit", what, value, order, *place)
     raise CaseError(at="--amplitude", got=amplitude, want=want)
-
-
-# ---------------------------------------------------------------------- weights
-def read_weights(text: Numbers, units: System = "SI") -> tuple[float, ...]:
-    """Read weights on bit [N], ascending, such as ``50,100,150 kN``; CaseError."""
-    values = read_numbers(text, WEIGHT, "--wob", "50,100,150 kN", units)
-    if any(b <= a for a, b in zip(values, values[1:], strict=False)):
-        raise CaseError(at="--wob", got=_shown(text), want="weights in ascending order, each once")
-    return values
-
-
-def read_stiffnesses(text: Numbers) -> tuple[float, ...]:
-    """Read stiffnesses of the wall [Pa], ascending, such as ``1e6,1e7,1e8 Pa``; CaseError."""
-    values = read_numbers(text, STIFFNESS, "--stiffness", "1e6,1e7,1e8 Pa")
-    if any(b <= a for a, b in zip(values, values[1:], strict=False)):
-        raise CaseError(at="--stiffness", got=_shown(text), want="stiffnesses in ascending order, each once")
-    return values
 
 
 # ---------------------------------------------------------------------- lines
@@ -229,8 +147,3 @@ def read_lines(text: str | Sequence[float | str], at: str = "--lines") -> tuple[
             )
         out.append(value)
     return (*sorted(set(out)), *sorted(set(names)))
-
-
-def read_duration(text: str | float) -> float:
-    """Read the duration of runs [s] from text such as ``60 s``; raises CaseError."""
-    return read_numbers(text, DURATION, "--duration", "60 s")[0]

@@ -1,4 +1,4 @@
-"""Options of hydraulics and surge, and the pressure window of a case."""
+"""Numbers and ranges of options, the options of hydraulics and surge, and the pressure window of a case."""
 
 from __future__ import annotations
 
@@ -7,10 +7,15 @@ from pathlib import Path
 import pytest
 
 from drillpetsc import Case
-from drillpetsc.case.flow_options import FLOW, PIPES, Trips, read_flows, read_numbers, read_trips
+from drillpetsc.analysis.hydraulics.surge import Trips
+from drillpetsc.case.quantities import Quantity
+from drillpetsc.case.ranges import read_numbers
 from drillpetsc.case.survey_file import FOLDER
 from drillpetsc.errors import CaseError
+from drillpetsc.operations import Hydraulics
+from tests.helpers.trips import trips_of
 
+FLOW = Quantity("m^3/s", above=0, at_most=1)
 GPM = 231 * 0.0254**3 / 60  # [m3/s]
 
 
@@ -28,6 +33,21 @@ GPM = 231 * 0.0254**3 / 60  # [m3/s]
 )
 def test_numbers(text, values):
     assert read_numbers(text, FLOW, "--flow", "400 gpm") == pytest.approx(values, rel=1e-9)
+
+
+def test_a_range_with_a_step():
+    """Both ends, in any unit, beside other numbers; as for rotary speeds."""
+    assert read_numbers("10:40:10 l/s", FLOW, "--flow", "") == pytest.approx((0.01, 0.02, 0.03, 0.04))
+    assert read_numbers("10:35:10,50 l/s", FLOW, "--flow", "") == pytest.approx((0.01, 0.02, 0.03, 0.05))
+    for text, words in (
+        ("10:40:50 l/s", "a step above 0, not larger"),
+        ("10:40:-1 l/s", "above 0"),
+        ("0.1:900:0.1 l/s", "at most 2000 values"),
+        ("40:10:1 l/s", "smaller to a larger"),
+        ("10::1 l/s", "one number, then its unit"),
+    ):
+        with pytest.raises(CaseError, match=words):
+            read_numbers(text, FLOW, "--flow", "")
 
 
 def test_a_range_has_ten_values():
@@ -53,12 +73,19 @@ def test_a_range_has_ten_values():
 )
 def test_flows_that_are_refused(text, words):
     with pytest.raises(CaseError, match=words):
-        read_flows(text, None)
+        Hydraulics(case=None, flow=text).read("SI")
 
 
 def test_trips():
-    assert read_trips("0.5 m/s") == Trips((0.5,))
-    trips = read_trips("30 ft/min", "trip_out", "open,pumping,open", "1000 m", "9,12 ppg", "400 gpm")
+    assert trips_of(speeds="0.5 m/s") == Trips((0.5,))
+    trips = trips_of(
+        speeds="30 ft/min",
+        operation="trip_out",
+        pipe="open,pumping,open",
+        bit_depth="1000 m",
+        window="9,12 ppg",
+        flow="400 gpm",
+    )
     assert trips.operations == ("trip_out",) and trips.pipes == ("open", "pumping")
     assert trips.flow == pytest.approx(400 * GPM) and trips.bit_depths == (1000.0,)
     assert trips.window is not None and trips.window.pore[0] == pytest.approx(9 * 119.8264, rel=1e-6)
@@ -79,14 +106,13 @@ def test_trips():
 )
 def test_trips_that_are_refused(options, words):
     with pytest.raises(CaseError, match=words):
-        read_trips("30 ft/min", **options)
-    assert PIPES == ("closed", "open", "pumping")
+        trips_of(speeds="30 ft/min", **options)
 
 
 def test_flow_and_pressure_exclude_each_other():
     with pytest.raises(CaseError, match="not both"):
-        read_flows("400 gpm", "3000 psi")
-    assert read_flows(None, "10 bar") == (None, 1e6)
+        Hydraulics(case=None, flow="400 gpm", spp="3000 psi").read("SI").compute(None)
+    assert Hydraulics(case=None, spp="10 bar").read("SI").spp == 1e6
 
 
 # ---------------------------------------------------------------------- window

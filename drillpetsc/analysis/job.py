@@ -1,0 +1,48 @@
+"""What the computation of a command works on: a case, and where its results go."""
+
+from __future__ import annotations
+
+import shlex
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+from drillpetsc.case.case import Case
+from drillpetsc.output.files.run_folder import RunFolder, make_folder
+from drillpetsc.output.result import RunResult
+
+
+@dataclass(frozen=True)
+class Job:
+    """A case, and where the results of its computation go.
+
+    case: the user's case.
+    out: run folder, None: a new one named after ``name``; overwrite: replace the results in an existing one.
+    comm: PETSc communicator, None: all ranks.
+    """
+
+    case: Case
+    out: str | Path | None = None
+    overwrite: bool = False
+    name: str = "case"
+    communicator: Any = None
+
+    @property
+    def comm(self) -> Any:
+        """PETSc communicator of the computation."""
+        from petsc4py import PETSc
+
+        return self.communicator or PETSc.COMM_WORLD
+
+    def make_folder(self) -> RunFolder:
+        """Make the run folder; collective.  A computation does so when nothing can be refused any more."""
+        return make_folder(self.comm, self.name, self.out, False, self.overwrite)
+
+    def result(self, folder: RunFolder, summary: dict[str, Any], lines: list[str]) -> RunResult:
+        """The result in a run folder; the last line for the screen says how it is drawn again."""
+        plot = f"scripts/drillpetsc plot {shlex.quote(str(folder.path))}"
+        return RunResult(folder.path, summary, [*lines, f"  results: {folder.path}   ({plot})"])
+
+    def of(self, case: Case) -> Job:
+        """The same job on another case."""
+        return replace(self, case=case)

@@ -1,0 +1,23 @@
+"""Operations: one class a command, from which the command line, the Python functions and pages of the manual are made."""
+
+from __future__ import annotations
+
+from drillpetsc.operations.cases import Catalogue, Check, Import, Schema
+from drillpetsc.operations.completion import Completion
+from drillpetsc.operations.flow import Hydraulics, Surge
+from drillpetsc.operations.linear import Campbell, Fmu, Linearise, Modes, Response, Stability, TopDrive
+from drillpetsc.operations.loads import Calibrate, Freepoint, Limits, Roadmap, Statics
+from drillpetsc.operations.operation import RENAMED_OPTIONS as RENAMED_OPTIONS
+from drillpetsc.operations.operation import Operation
+from drillpetsc.operations.pictures import Export, Plot, Report, Vibration, View
+from drillpetsc.operations.runs import Run, Study, Sweep
+
+#: in the order in which the help lists them
+OPERATIONS: list[type[Operation]] = [
+    *(Run, Sweep, Study),
+    *(Check, Catalogue, Import, Schema),
+    *(Statics, Hydraulics, Surge, Roadmap, Limits, Freepoint, Calibrate),
+    *(Modes, Campbell, Stability, Response, Linearise, Fmu, TopDrive),
+    *(View, Plot, Vibration, Report, Export),
+    Completion,
+]

@@ -1,0 +1,164 @@
+"""Commands on forces and stresses without a run in time: statics, roadmap, limits, freepoint, calibrate."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any, Literal
+
+from drillpetsc.operations.fields import Numbers, holds
+from drillpetsc.operations.operation import CaseOperation, DrawnOperation, FolderOperation, Mark
+
+
+class Statics(FolderOperation):
+    """Static equilibrium: torque and drag, contact forces, buckling state.
+
+    Writes statics.csv and string.pvd.
+    """
+
+    motion: Annotated[
+        Literal["hoist", "lower", "rotate"] | None, "motion that friction opposes (default: the top's)"
+    ] = None
+    operation: Annotated[
+        str | None,
+        "WORD",
+        "instead, trip_in, trip_out, rotate_off_bottom, drilling, sliding, backreaming; or slackoff, pickup, rob: "
+        "whether the bit is on bottom belongs to it",
+    ] = None
+    path: Annotated[
+        Literal["sliding", "slack_off"] | None,
+        "follow the history of a buckled string with friction: the whole string slides or turns (gives the band of states), "
+        "or it is lowered onto a bit that stands",
+    ] = None
+
+    def compute(self, job: Any) -> Any:
+        from drillpetsc.analysis.statics import run_statics
+
+        return run_statics(
+            job.case,
+            job.out,
+            self.motion,
+            job.overwrite,
+            job.name,
+            job.comm,
+            path=self.path,
+            operation=self.operation,
+        )
+
+
+class Roadmap(DrawnOperation):
+    """Torque and drag over the bit depth: hook load and torque for six operations and several friction factors.
+
+    The case's block `roadmap` has operations, depths and friction factors. Writes roadmap.csv and roadmap.json.
+    """
+
+    measured: Annotated[
+        str | None, "FILE", "measured points to plot: CSV, xlsx or LAS (default: the case's)"
+    ] = None
+    model: Annotated[
+        Literal["soft", "stiff"],
+        "soft: soft string; stiff: the beam in static equilibrium, about 0.1 s a row",
+    ] = "soft"
+    block: Annotated[
+        dict[str, Any] | None,
+        Mark.PYTHON,
+        'keys of the case\'s block `roadmap` in the place of those of the case, such as friction_factor={"cased": [0.2, 0.25]}',
+    ] = None
+
+    def compute(self, job: Any) -> Any:
+        from drillpetsc.analysis.torque_drag.roadmap import run_roadmap
+        from drillpetsc.case.measured_option import measured_option
+
+        if self.block:
+            job = job.of(job.case.replace({f"roadmap.{key}": value for key, value in self.block.items()}))
+        points = None if self.measured is None else measured_option(self.measured, job.case)
+        return run_roadmap(job, points, self.model)
+
+
+class Limits(DrawnOperation):
+    """Stresses, safety factors, buckling and fatigue limits along the string, margin of overpull, largest weight on bit.
+
+    Writes limits.csv and contacts.csv.
+    """
+
+    operation: Annotated[
+        str | None,
+        "WORD",
+        "trip_in, trip_out, rotate_off_bottom, drilling, sliding, backreaming; or slackoff, pickup, rob "
+        "(default: the case as it is, moving as its top prescribes)",
+    ] = None
+    helical: Annotated[Literal["chen", "wu"], "law of the helical limit"] = "chen"
+    design_factor: Annotated[
+        float,
+        holds(lambda q: 1 <= q <= 10, "a number from 1 to 10"),
+        "least yield strength over von Mises stress, below which a warning is given",
+    ] = 1.25
+    tension_fraction: Annotated[
+        float,
+        holds(lambda q: 0 < q <= 1, "a number above 0, up to 1"),
+        "share of the pull at yield that tension_limit allows",
+    ] = 0.9
+    corrosive: Annotated[bool, "corrosive mud: 0.6 of the permissible doglegs (API RP 7G)"] = False
+    sn: Annotated[
+        str | None,
+        "A,B|FILE",
+        "S-N curve for Miner's damage per hour: a,b of log10 N = a - b log10(S/MPa), or a CSV file with the columns "
+        "stress [MPa], cycles",
+    ] = None
+
+    def compute(self, job: Any) -> Any:
+        from drillpetsc.analysis.limits.limits import run_limits
+        from drillpetsc.analysis.limits.sn_curve import read_sn
+        from drillpetsc.analysis.limits.table import Choices
+
+        curve = None if self.sn is None else read_sn(self.sn)
+        choices = Choices(
+            helical=self.helical,
+            design_factor=self.design_factor,
+            tension_fraction=self.tension_fraction,
+            corrosive=self.corrosive,
+            sn=curve,
+        )
+        return run_limits(job, self.operation, choices)
+
+
+class Freepoint(CaseOperation):
+    """How much of a stuck string is free, from its stretch under a pull.
+
+    Returns `pairs`, a FreePoint for each pair, and `slope`, that of the line through them (None for one pull).
+    """
+
+    petsc = False
+    stretch: Annotated[
+        Numbers, "E1,E2", "stretch at the surface under each pull, such as '24 in' or '10,24 in'"
+    ]
+    pull: Annotated[
+        Numbers, "F1,F2", "pulls beyond the weight of the free string, such as '30 klb' or '12,30 klb'"
+    ]
+
+    def compute(self, job: Any) -> Any:
+        from drillpetsc.analysis.limits.free_point import free_points
+        from drillpetsc.case.free_point_options import read_pairs
+
+        return free_points(job.case, read_pairs(self.stretch, self.pull))
+
+
+class Calibrate(DrawnOperation):
+    """Friction factors from measured hook loads and torques, with intervals.
+
+    Writes calibration.csv.
+    """
+
+    measured: Annotated[str | None, "FILE", "measured points: CSV, xlsx or LAS (default: the case's)"] = None
+    fit: Annotated[
+        str | None,
+        "A,B",
+        "what is fitted: cased, open_hole, groups of sections by their ff_group, block_weight, weight_factor (default: all "
+        "friction factors)",
+    ] = None
+
+    def compute(self, job: Any) -> Any:
+        from drillpetsc.analysis.torque_drag.calibrate import run_calibrate
+        from drillpetsc.case.measured_option import fit_option, measured_option
+
+        fitted = None if self.fit is None else fit_option(self.fit, job.case)
+        points = None if self.measured is None else measured_option(self.measured, job.case)
+        return run_calibrate(job, points, fitted)

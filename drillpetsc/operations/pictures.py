@@ -1,0 +1,216 @@
+"""Commands that show results: view, plot, vibration, report, export."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+from drillpetsc.errors import CaseError
+from drillpetsc.operations.fields import Names, in_unit, names, reading
+from drillpetsc.operations.operation import Mark, Operation, Units
+
+RunFolder = Annotated[str, Mark.ARGUMENT, "RUN", "the run folder"]
+Signals = Annotated[tuple[str, ...], "SIGNAL"]
+TIME = in_unit("s", "a time above 0, such as '20 s'")
+
+
+class View(Operation):
+    """Picture or animation of the string in its hole."""
+
+    folder: RunFolder
+    field: Annotated[str | None, "field that colours the string (default: the axial force)"] = None
+    time: Annotated[float | None, "simulated time of the picture [s] (default: the last frame)"] = None
+    animate: Annotated[bool, "all frames, as an animation"] = False
+    lateral_scale: Annotated[
+        float | None, "exaggeration of lateral offsets (default: automatic, and stated in the picture)"
+    ] = None
+    interval: Annotated[
+        tuple[str, str] | None, "FROM TO", "measured depths to look at, in m, or with a unit: '4000 ft'"
+    ] = None
+    out: Annotated[str | None, "FILE", "file to be written"] = None
+    units: Units = None
+
+    def compute(self, job: Any) -> Any:
+        from drillpetsc.plotting.view import view
+
+        say_unfinished(self.folder)
+        interval = None
+        if self.interval:
+            start, end = (depth(text) for text in self.interval)
+            interval = start, end
+        with reading(self.folder):
+            file = view(
+                self.folder,
+                self.out,
+                field=self.field,
+                time=self.time,
+                animate=self.animate,
+                lateral_scale=self.lateral_scale,
+                interval=interval,
+                say=print,
+                units=self.units,
+            )
+        return [file]
+
+
+class Plot(Operation):
+    """Time histories, probe orbits, forces along depth, as pictures."""
+
+    folder: RunFolder
+    out: Annotated[str | None, "DIR", "folder of the pictures (default: plots in the run folder)"] = None
+    waterfall: Annotated[
+        Signals,
+        "amplitudes of a signal over time and frequency: SENSOR:COLUMN such as mwd:ax, history:bit_speed, probes:x_600; "
+        "only what is asked for is drawn",
+    ] = ()
+    order: Annotated[bool, "with --waterfall: over the order of rotation instead of the frequency"] = False
+    psd: Annotated[Signals, "power density of a signal over the frequency"] = ()
+    segment: Annotated[
+        str | None,
+        "LENGTH",
+        "length of a segment, such as '2 s'; with --order its revolutions (default: from the length of the run)",
+    ] = None
+    units: Units = None
+
+    def compute(self, job: Any) -> Any:
+        from drillpetsc.plotting.plot import plot, save_figures, spectra
+
+        say_unfinished(self.folder)
+        if self.order and not self.waterfall:
+            raise CaseError(at="--order", want="--waterfall SIGNAL beside it")
+        if self.segment is not None and not (self.waterfall or self.psd):
+            raise CaseError(at="--segment", want="--waterfall SIGNAL or --psd SIGNAL beside it")
+        with reading(self.folder):
+            if not (self.waterfall or self.psd):
+                return plot(self.folder, self.out, self.units)
+            segment = self._segment()
+            drawn = spectra(
+                self.folder, self.waterfall, self.psd, order=self.order, segment=segment, units=self.units
+            )
+            return save_figures(drawn, Path(self.out or Path(self.folder) / "plots"))
+
+    def _segment(self) -> float | None:
+        """Length of a segment [s], or its revolutions."""
+        from drillpetsc.units import to_si
+
+        if self.segment is None:
+            return None
+        try:
+            length = float(self.segment) if self.order else to_si(self.segment, "s")
+        except ValueError:
+            length = 0.0
+        if not 0 < length < 1e9:
+            want = "a number of revolutions above 0" if self.order else "a time above 0, such as '2 s'"
+            raise CaseError(at="--segment", got=self.segment, want=want)
+        return length
+
+
+class Vibration(Operation):
+    """Indices of drilling dynamics of a run: stick-slip, vibration, specific energy, whirl; writes indices.csv."""
+
+    folder: RunFolder
+    window: Annotated[
+        str | None, TIME, "TIME", "length of a window (default: that of the case, else 20 s)"
+    ] = None
+    every: Annotated[
+        str | None,
+        TIME,
+        "TIME",
+        "time from the end of a window to that of the next (default: the case's, else 1 s)",
+    ] = None
+
+    def compute(self, job: Any) -> Any:
+        from drillpetsc.results import open_run
+
+        say_unfinished(self.folder)
+        return open_run(self.folder).find_indices(self.window, self.every)  # type: ignore[arg-type]  # read: seconds
+
+
+class Report(Operation):
+    """One HTML file on a case and its run folders: well, string, mud, results, inputs with sources."""
+
+    paths: Annotated[
+        tuple[str, ...],
+        Mark.ARGUMENT,
+        "RUN|CASE.yaml",
+        "run folders of one case, and its file; or the file alone",
+    ]
+    out: Annotated[
+        str | None,
+        "FILE.html",
+        "file to be written (default: report.html in the first run folder, or CASE-report.html)",
+    ] = None
+    sections: Annotated[
+        Names | None,
+        names,
+        "A,B",
+        "well, string, mud, roadmap, statics, limits, hydraulics, surge, dynamics, modes, inputs, solver (default: all)",
+    ] = None
+    interactive: Annotated[
+        bool,
+        "pictures of lines and bars zoom in a browser, by a script in the file (4.5 MB more; needs the package plotly)",
+    ] = False
+    units: Units = None
+
+    def compute(self, job: Any) -> Any:
+        from drillpetsc.reporting import report
+
+        with reading(*self.paths):
+            file = report(
+                *self.paths,
+                out=self.out,
+                units=self.units,
+                sections=self.sections or (),
+                interactive=self.interactive,
+            )
+        return [f"{file}  ({file.stat().st_size / 1e6:.2f} MB)"]
+
+
+class Export(Operation):
+    """Tables of a run folder for other programs: CSV, xlsx or LAS, with units and headers as engineers write them."""
+
+    folder: RunFolder
+    out: Annotated[str | None, "DIR", "folder of the files (default: export in the run folder)"] = None
+    format: Annotated[Literal["csv", "xlsx", "las", "parquet"], "format of the files"] = "csv"
+    columns: Annotated[
+        Names | None,
+        names,
+        "A,B",
+        "names of columns, such as hook_load,wob; time or depth goes along (default: all)",
+    ] = None
+    units: Units = None
+
+    def compute(self, job: Any) -> Any:
+        from drillpetsc.reporting import export
+
+        say_unfinished(self.folder)
+        if self.columns is not None and not self.columns:
+            raise CaseError(at="--columns", got=",", want="names of columns, such as hook_load,wob")
+        columns = self.columns or ()
+        files, remarks = export(self.folder, self.out, units=self.units, format=self.format, columns=columns)
+        return [*files, *(f"  note: {text}" for text in remarks)]
+
+
+def say_unfinished(run: str) -> None:
+    """Say of the folder of a run that it did not reach its end: what is shown of it stops somewhere."""
+    from drillpetsc.output import RunFolder, read_summary
+
+    folder = RunFolder(Path(run))
+    if not folder.history.is_file():
+        return
+    status = "there is no summary.json"
+    if folder.summary.is_file():
+        status = read_summary(folder.summary).get("status", "done")
+    if status != "done":
+        print(f"drillpetsc: {run}: the run is not complete: {status}", file=sys.stderr)
+
+
+def depth(text: str) -> float:
+    """A depth [m] of --interval."""
+    from drillpetsc.units import to_si
+
+    try:
+        return to_si(text if text.strip()[-1:].isalpha() else f"{text} m", "m")
+    except ValueError:
+        raise CaseError(at="--interval", got=text, want="a depth such as 1200, or '4000 ft'") from None
