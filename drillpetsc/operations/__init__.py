@@ -21,3 +21,4 @@ OPERATIONS: list[type[Operation]] = [
     *(View, Plot, Vibration, Report, Export),
     Completion,
 ]
+Completion.offered = OPERATIONS

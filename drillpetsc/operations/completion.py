@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import Any
+from collections.abc import Sequence
+from typing import Any, ClassVar
 
 from drillpetsc.operations.operation import Mark, Operation
 
@@ -24,11 +25,12 @@ complete -o default -F _drillpetsc drillpetsc scripts/drillpetsc"""
 class Completion(Operation):
     """Print a script that completes commands and options in bash: eval "$(drillpetsc completion)"."""
 
-    def compute(self, job: Any) -> Any:
-        from drillpetsc.operations import OPERATIONS
+    offered: ClassVar[Sequence[type[Operation]]] = ()
+    """All operations; the package that lists them sets it."""
 
+    def compute(self, job: Any) -> Any:
         options, choices = [], []
-        for operation in OPERATIONS:
+        for operation in self.offered:
             shown = [q for q in operation.options() if not {Mark.ARGUMENT, Mark.PYTHON} & set(q.marks)]
             options.append(
                 f'        {operation.command()}) words="{" ".join(q.flag for q in shown)} --help";;'
@@ -38,5 +40,5 @@ class Completion(Operation):
                 for q in shown
                 if q.choices
             ]
-        commands = " ".join(operation.command() for operation in OPERATIONS)
+        commands = " ".join(operation.command() for operation in self.offered)
         return SCRIPT.format(commands=commands, choices="\n".join(choices), options="\n".join(options))
