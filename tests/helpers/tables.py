@@ -16,7 +16,9 @@ import pytest
 FAILURES = (Exception, pytest.fail.Exception, pytest.skip.Exception, BaseExceptionGroup)
 
 
-def rows(names: str | Sequence[str], table: Iterable, ids: Iterable[str] | Callable | None = None) -> Callable:
+def rows(
+    names: str | Sequence[str], table: Iterable, ids: Iterable[str] | Callable | None = None
+) -> Callable:
     """Decorate a test that is called once for each row; the arguments are those of ``pytest.mark.parametrize``.
 
     For rows below about 50 ms.  Every row has its own ``tmp_path``, ``monkeypatch`` and ``capsys``; a row that skips fails.

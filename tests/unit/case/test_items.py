@@ -14,6 +14,7 @@ from drillpetsc.case.block import kinds_of
 from drillpetsc.case.blocks import agitator, motor, string, tools, tubulars
 from drillpetsc.case.items import ITEMS
 from drillpetsc.errors import CaseError
+from tests.helpers.tables import rows
 
 BLOCKS = (
     tubulars.Pipe,
@@ -43,7 +44,7 @@ ITEMS_BY_NAME = {item.__name__: item for item in ITEMS.values()}
 REST: dict[str, Any] = {"units": "field", "well": WELL, "top": "clamped", "bottom": "free"}
 
 
-@pytest.mark.parametrize("block", BLOCKS, ids=lambda block: block.__name__)
+@rows("block", BLOCKS, ids=lambda block: block.__name__)
 def test_items_have_exactly_the_keys_of_their_blocks(block: Any) -> None:
     item = ITEMS[kinds_of(block)[0]]
     fields = {name: field for name, field in block.model_fields.items() if name != "kind"}
@@ -92,7 +93,7 @@ def test_a_varied_item() -> None:
         assert again == pipe and type(again) is dp.DrillPipe
 
 
-@pytest.mark.parametrize(
+@rows(
     ("make", "at", "hint"),
     [
         (lambda: dp.DrillPipe(lenght=9.0, length=1.0), "lenght", "length"),

@@ -12,6 +12,7 @@ import pytest
 
 from drillpetsc import Case, load_case
 from drillpetsc.errors import CaseError, SolveError
+from tests.helpers.tables import rows
 
 ROOT = Path(__file__).parents[3]
 KEYS = {
@@ -70,7 +71,7 @@ def test_files_beside_the_case_are_found_from_elsewhere(
     assert copy.deepcopy(again) == again
 
 
-@pytest.mark.parametrize(
+@rows(
     ("values", "at"),
     [
         ({"fluid.densty": 1.0}, "fluid.densty"),

@@ -9,6 +9,7 @@ import pytest
 
 from drillpetsc.output import progress
 from drillpetsc.output.progress import Progress, duration
+from tests.helpers.tables import rows
 
 
 class Clock:
@@ -104,7 +105,7 @@ def test_a_restart_and_a_run_that_stands_still(clock: Clock) -> None:
     assert log.getvalue().startswith("well 2: 10 / 20 s (0 %)") and "ETA ?" in log.getvalue()
 
 
-@pytest.mark.parametrize(
+@rows(
     ("seconds", "text"),
     [
         (3.2, "3.2 s"),

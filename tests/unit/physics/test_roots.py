@@ -9,6 +9,7 @@ import pytest
 from scipy.optimize import brentq
 
 from drillpetsc.physics.roots import bracketed_root
+from tests.helpers.tables import rows
 
 EPSILON = np.finfo(float).eps
 
@@ -23,8 +24,8 @@ FUNCTIONS = [
 ]
 
 
-@pytest.mark.parametrize(("f", "left", "right"), FUNCTIONS)
-@pytest.mark.parametrize("tolerances", [(2e-12, 4 * EPSILON), (1e-14, 1e-14), (1e-3, 1e-3)])
+@rows(("f", "left", "right"), FUNCTIONS)
+@rows("tolerances", [(2e-12, 4 * EPSILON), (1e-14, 1e-14), (1e-3, 1e-3)])
 def test_the_root_of_scipy_to_the_last_bit(f, left, right, tolerances):
     absolute, relative = tolerances
     expected = brentq(f, left, right, xtol=absolute, rtol=relative)
@@ -34,7 +35,7 @@ def test_the_root_of_scipy_to_the_last_bit(f, left, right, tolerances):
     )
 
 
-@pytest.mark.parametrize("e", np.linspace(0.03, 0.999, 57))
+@rows("e", np.linspace(0.03, 0.999, 57))
 def test_the_root_of_the_impact_law(e):
     """d (1 + e) = ln((1 + d) / (1 - d e)) as in the damping factor of contact."""
 

@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 
 from drillpetsc.solvers.alpha_formula import AlphaFormula, AlphaHistory, radius_of
+from tests.helpers.tables import rows
 
 Rows = Callable[[float, np.ndarray, np.ndarray, np.ndarray], np.ndarray]
 
@@ -55,7 +56,7 @@ def integrated(
 
 
 # ---------------------------------------------------------------------- one oscillator
-@pytest.mark.parametrize(
+@rows(
     ("radius", "product", "energy", "period"),
     [
         (1.0, 0.1, 0.0, 8.327785e-4),
@@ -197,7 +198,7 @@ def test_turning_spring_loses_little_and_never_gains(radius, per_turn, change):
 
 
 # ---------------------------------------------------------------------- parameters
-@pytest.mark.parametrize("radius", [0.0, 0.3, 0.5, 0.8, 1.0])
+@rows("radius", [0.0, 0.3, 0.5, 0.8, 1.0])
 def test_parameters_of_a_radius(radius):
     """Spectral radius at infinite frequency, order 2, one shift for both kinds of unknowns; PETSc's letters."""
     f = AlphaFormula(radius)
@@ -208,7 +209,7 @@ def test_parameters_of_a_radius(radius):
     assert radius_of(1 - f.mean_mass, 1 - f.mean_force, f.gamma, f.beta) == pytest.approx(radius)
 
 
-@pytest.mark.parametrize(
+@rows(
     ("parameters", "message"),
     [
         ((0.5, 0.3), "alpha_f"),

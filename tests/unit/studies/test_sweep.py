@@ -21,6 +21,7 @@ from drillpetsc.studies.sweep.table import (
 )
 from drillpetsc.studies.sweep.variations import choices_from, choices_of, split_values, variations
 from drillpetsc.studies.sweep.worker_groups import LEAST_ELEMENTS, group_sizes
+from tests.helpers.tables import rows
 
 CASE = """
 well:
@@ -40,7 +41,7 @@ def file(tmp_path) -> Path:
     return path
 
 
-@pytest.mark.parametrize(
+@rows(
     "text, parts",
     [
         ("20 l/s,30 l/s", ["20 l/s", "30 l/s"]),
@@ -139,7 +140,7 @@ def test_a_case_without_time_is_refused(file):
 BIG = 100 * LEAST_ELEMENTS
 
 
-@pytest.mark.parametrize(
+@rows(
     "costs, elements, ranks, sizes",
     [
         ([1, 1, 1, 1], [BIG] * 4, 2, [1, 1]),  # two groups, the other members wait

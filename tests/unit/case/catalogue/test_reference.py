@@ -7,11 +7,12 @@ import pytest
 from drillpetsc.case.catalogue import Catalogue, find_heavy_pipe, find_pipe
 from drillpetsc.case.catalogue.reference import ReferenceProblem
 from drillpetsc.case.catalogue.sizes import inch_text, inches
+from tests.helpers.tables import rows
 
 BUILT_IN = Catalogue.built_in()
 
 
-@pytest.mark.parametrize(
+@rows(
     ("text", "value"),
     [
         ("5", 5.0),
@@ -47,7 +48,7 @@ def test_size_text():
     ]
 
 
-@pytest.mark.parametrize(
+@rows(
     ("text", "od", "wear"),
     [
         ("5in 19.50 S-135 NC50 premium", 6.625, "premium"),
@@ -78,7 +79,7 @@ def test_good_references(text, od, wear):
     assert choice.reference.wear == wear
 
 
-@pytest.mark.parametrize(
+@rows(
     ("text", "want", "hint"),
     [
         ("", "5in 19.50", ""),
