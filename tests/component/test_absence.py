@@ -4,7 +4,6 @@ verif-component-contract)."""
 from __future__ import annotations
 
 import numpy as np
-import pytest
 
 from drillpetsc.analysis.placement import place_along_hole
 from drillpetsc.analysis.summary import field_counts
@@ -12,6 +11,7 @@ from drillpetsc.case import Case
 from drillpetsc.model.drilling_model import build_model
 from drillpetsc.output.field_output import FieldOutput
 from drillpetsc.output.recorder import Recorder
+from tests.helpers.tables import each_row
 
 PIPE = {"kind": "pipe", "length": 30, "od": 0.127, "id": 0.1086}
 COLLAR = {"kind": "pipe", "length": 20, "od": 0.1778, "id": 0.0714}
@@ -241,7 +241,7 @@ USUAL = {
 }
 
 
-@pytest.mark.parametrize("name", [*MODELS, *WET])
+@each_row("name", [*MODELS, *WET])
 def test_model_has_the_parts_of_its_physics_only(name):
     keys, per_node, extra, events, columns, arrays = (MODELS | WET)[name]
     model = build_model(Case(**keys))

@@ -13,9 +13,10 @@ from drillpetsc.kernels.parameters import columns
 from drillpetsc.physics.contact import Contact
 from drillpetsc.physics.hoist import FIGURES
 from tests.helpers.component_models import KINDS, SHIFT, build, dense, differences, residual
+from tests.helpers.tables import each_row
 
 
-@pytest.mark.parametrize("kind", KINDS)
+@each_row("kind", KINDS)
 def test_condensed_jacobian_matches_central_differences(kind):
     """S = K + shift C + shift^2 M of every kernel, with prescribed rows, against fourth-order differences."""
     system, t = build(kind), 0.4
@@ -36,7 +37,7 @@ def test_condensed_jacobian_matches_central_differences(kind):
         assert np.abs(np.delete(rows, f.rows, axis=1)).max() < 1e-9 * scale
 
 
-@pytest.mark.parametrize("kind", [k for k in KINDS if k not in ("topdrive", "clamped")])
+@each_row("kind", [k for k in KINDS if k not in ("topdrive", "clamped")])
 def test_rows_times_velocity_is_the_change_of_energy(kind):
     """y.R = d(kinetic + strain + potential)/dt + dissipated - supplied along the motion: the semi-discrete
     energy balance."""
@@ -62,7 +63,7 @@ def test_rows_times_velocity_is_the_change_of_energy(kind):
     )
 
 
-@pytest.mark.parametrize("kind", ["beam", "beam_damped", "bodies_junction", "curvature"])
+@each_row("kind", ["beam", "beam_damped", "bodies_junction", "curvature"])
 def test_free_motion_keeps_momentum_and_angular_momentum(kind):
     """Forces and moments of the free string without gravity sum to zero, with inertia: the residual of a
     rigid virtual motion vanishes for the elastic part. Checked by differences of the residual with and
@@ -96,7 +97,7 @@ def test_physics_imports_no_mpi():
         assert "mpi4py" not in text and "petsc4py" not in text, file.name
 
 
-@pytest.mark.parametrize("kind", [k for k in KINDS if "contact" in k])
+@each_row("kind", [k for k in KINDS if "contact" in k])
 def test_contact_detects_a_state_of_nan(kind):
     """A state of nan is not taken for a string without contact."""
     system = build(kind)
@@ -111,10 +112,8 @@ def test_contact_detects_a_state_of_nan(kind):
     assert seen == 2
 
 
-@pytest.mark.parametrize("kind", [k for k in KINDS if "contact" in k])
-@pytest.mark.parametrize(
-    "what", ["radius of the pipe", "friction of the pipe", "radius of the hole", "stiffness"]
-)
+@each_row("kind", [k for k in KINDS if "contact" in k])
+@each_row("what", ["radius of the pipe", "friction of the pipe", "radius of the hole", "stiffness"])
 def test_contact_returns_nan_for_nan(kind, what):
     """A nan is not taken for "no clearance", "friction not given" or "no contact" by any comparison."""
     system = build(kind)
@@ -143,7 +142,7 @@ def test_contact_returns_nan_for_nan(kind, what):
         assert wrong[touched if what in ("stiffness", "friction of the pipe") else slice(None)].all()
 
 
-@pytest.mark.parametrize(
+@each_row(
     ("kind", "limited"),
     [
         ("motor_pi", 0),
@@ -167,9 +166,7 @@ def test_the_motors_of_the_contract_are_at_their_limits(kind, limited):
         assert 0 < abs(r[RESULTS["command"]] - r[RESULTS["torque"]]) < 2.5e-3 * abs(r[RESULTS["command"]])
 
 
-@pytest.mark.parametrize(
-    ("kind", "speed"), [("hoist_wob_upper", 0.02), ("hoist_wob_lower", 0.0), ("hoist_wob", None)]
-)
+@each_row(("kind", "speed"), [("hoist_wob_upper", 0.02), ("hoist_wob_lower", 0.0), ("hoist_wob", None)])
 def test_the_drums_of_the_contract_are_at_their_limits(kind, speed):
     """The autodrillers above run at the limit that their name says, or between the limits."""
     system = build(kind)

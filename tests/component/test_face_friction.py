@@ -11,6 +11,7 @@ from scipy.special import ellipe, ellipk
 from drillpetsc.kernels import function, pointer
 from drillpetsc.kernels.parameters import Parameters, constant
 from drillpetsc.physics.bit_on_bottom import RESULTS
+from tests.helpers.tables import each_row
 
 RADIUS, FRICTION, WEIGHT, SPIN = 0.108, 0.3, 5e4, 8.0
 #: q, f and h by quadrature over the disc, to four places (mean slip of a uniformly pressed disc and its derivative)
@@ -52,7 +53,7 @@ def face(sideways: float, spin: float = SPIN, slip: float = 1e-9) -> tuple[np.nd
     return rows, results
 
 
-@pytest.mark.parametrize(("q", "f", "h"), TABLE)
+@each_row(("q", "f", "h"), TABLE)
 def test_force_and_torque_of_a_disc(q, f, h):
     """Lateral force mu W f(q) and torque 2/3 mu W a h(q) at q = v/(Omega a), to the places of the table."""
     rows, results = face(q * SPIN * RADIUS)

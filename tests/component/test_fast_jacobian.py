@@ -9,6 +9,7 @@ import pytest
 from drillpetsc.kernels import function, pointer
 from drillpetsc.kernels.parameters import Table, columns
 from tests.helpers.component_models import build
+from tests.helpers.tables import each_row
 
 SIGMA = 7.3
 TRIPLES = {
@@ -55,9 +56,9 @@ def _jacobian(name, count, index, nodes, params, context, weights, spin, x, y, a
     return K
 
 
-@pytest.mark.parametrize("triple", TRIPLES)
-@pytest.mark.parametrize("kernel", ["beam", "beam_damped", "beam_junction", "beam_junction_damped"])
-@pytest.mark.parametrize("count", [4, 7])
+@each_row("triple", TRIPLES)
+@each_row("kernel", ["beam", "beam_damped", "beam_junction", "beam_junction_damped"])
+@each_row("count", [4, 7])
 def test_local_derivatives_give_the_derivative_of_the_rows(kernel, triple, count):
     """Equal to rounding for any combination of positions, rates and accelerations, also in the last lanes of
     a pack."""

@@ -10,6 +10,7 @@ from drillpetsc.physics.fluid.channel_flow import RESULT_NAMES, FluidConstants
 from drillpetsc.physics.fluid.rheology import Rheology
 from tests.helpers.component_models import GRAVITY, SHIFT, dense, differences, lengths, residual
 from tests.helpers.flow_models import KINDS, build, give_shoulders
+from tests.helpers.tables import each_row
 
 
 def stiff_fluid() -> FluidConstants:
@@ -17,7 +18,7 @@ def stiff_fluid() -> FluidConstants:
     return FluidConstants(3.0, 1e7, GRAVITY, law.parameters(), 0.4)
 
 
-@pytest.mark.parametrize("kind", KINDS)
+@each_row("kind", KINDS)
 def test_condensed_jacobian_matches_central_differences(kind):
     """Every block of every flow kernel against fourth-order differences, relative to the largest entry of its
     row."""
@@ -59,7 +60,7 @@ def mean_speeds(system) -> np.ndarray:
     return np.sum(mean * tangents, axis=1) / np.linalg.norm(tangents, axis=1)
 
 
-@pytest.mark.parametrize("kind", [k for k in KINDS if not {"held", "bit", "pump"} & set(k.split("_"))])
+@each_row("kind", [k for k in KINDS if not {"held", "bit", "pump"} & set(k.split("_"))])
 def test_mass_rows_add_up_to_the_change_of_content(kind):
     """Sum of the storage of all elements = d(content)/dt by central differences of the content along the
     motion, with the hole's area at the moving mean point of each element."""

@@ -23,6 +23,7 @@ from drillpetsc.physics.fluid.rheology import Rheology
 from drillpetsc.time_function import Constant, PiecewiseLinear, Ramp
 from tests.helpers.component_models import GRAVITY, SECTION, SHIFT, dense, differences, residual
 from tests.helpers.flow_models import give_shoulders, give_swirl
+from tests.helpers.tables import each_row
 
 KINDS = (
     "pipe",
@@ -132,7 +133,7 @@ def build(kind: str, seed: int = 5) -> DiscreteSystem:
     return system
 
 
-@pytest.mark.parametrize("kind", KINDS)
+@each_row("kind", KINDS)
 def test_condensed_jacobian_matches_central_differences(kind):
     """Every block of every kernel against fourth-order differences, relative to the largest entry of its
     row."""
@@ -154,7 +155,7 @@ def test_condensed_jacobian_matches_central_differences(kind):
     assert np.abs((J - F) @ free / scale).max() < 3e-7
 
 
-@pytest.mark.parametrize(
+@each_row(
     "kind", ["pipe_bit", "pipe_annulus_bit", "pipe_annulus_bit_held", "pipe_annulus_bit_junction_topdrive"]
 )
 def test_content_changes_by_the_flow_through_the_ends(kind):

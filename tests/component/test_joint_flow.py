@@ -24,6 +24,7 @@ from drillpetsc.physics.joints import Joints
 from drillpetsc.time_function import Constant, Ramp
 from tests.helpers.component_models import GRAVITY, SECTION, SHIFT, dense, differences, lengths, residual
 from tests.helpers.flow_models import give_shoulders
+from tests.helpers.tables import each_row
 
 SEAL = 0.045
 KINDS = ("bore", "annulus", "bore annulus", "bore annulus arm", "annulus arm", "bore arm")
@@ -79,7 +80,7 @@ def build(kind: str, seed: int = 4, more: Callable[..., list] | None = None) -> 
     return system
 
 
-@pytest.mark.parametrize("kind", KINDS)
+@each_row("kind", KINDS)
 def test_condensed_jacobian_matches_central_differences(kind):
     """Every row by every unknown against fourth-order differences, relative to the largest entry of the row; rows and
     columns of the joint's multipliers are in newtons."""
@@ -102,7 +103,7 @@ def components_of(system) -> tuple[list, JointSeals]:
     return flows, system.components[-1]
 
 
-@pytest.mark.parametrize("kind", KINDS)
+@each_row("kind", KINDS)
 def test_mass_rows_add_up_to_the_change_of_content(kind):
     """Rows of mass of the cell of the joint and of its seals = d(content)/dt by differences along the motion."""
     system = build(kind)
@@ -127,7 +128,7 @@ def test_mass_rows_add_up_to_the_change_of_content(kind):
     assert abs(rate) > 1e-3
 
 
-@pytest.mark.parametrize("kind", KINDS)
+@each_row("kind", KINDS)
 def test_seals_have_one_stroke_in_force_and_mud(kind):
     """Without weight and compression: force times speeds = -(p_i - p_o) A_s dx/dt; rows of mass +-A_s dx/dt; no resultant."""
     system = build(kind)

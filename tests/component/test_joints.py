@@ -9,6 +9,7 @@ import pytest
 from drillpetsc.physics.joints import KINDS, SCALE
 from tests.helpers.component_models import SHIFT, dense, differences, residual
 from tests.helpers.joint_models import joint_component, random_state, rolling_state
+from tests.helpers.tables import each_row
 
 STATES = {
     **{
@@ -29,7 +30,7 @@ def scaled(system) -> np.ndarray:
     return np.where(np.char.startswith(names, "string."), 1.0, 1.0 / SCALE)
 
 
-@pytest.mark.parametrize("name", STATES)
+@each_row("name", STATES)
 def test_condensed_jacobian_matches_central_differences(name):
     """Fourth-order differences of all rows by all unknowns. The dependence of the velocity stabilization on
     the position (of order mu) is neglected in the Jacobian, so mu is zero here."""
@@ -50,7 +51,7 @@ def test_condensed_jacobian_matches_central_differences(name):
     assert np.abs((J - F) @ free).max() < 3e-7 * size
 
 
-@pytest.mark.parametrize("name", [n for n in STATES if "stabilised" not in n])
+@each_row("name", [n for n in STATES if "stabilised" not in n])
 def test_multipliers_do_the_work_of_their_constraints(name):
     """Rows times velocity = sum of multipliers times rates of their (holonomic) constraint rows, because
     forces are the transposed derivative of the constraints; except for springs, stops and dampers."""

@@ -24,6 +24,7 @@ from tests.helpers.component_models import (
     differences,
     residual,
 )
+from tests.helpers.tables import each_row
 
 #: torque [N m] by the part of the law that it meets; the stall torque is 2
 PLACES = {"driven": -0.7, "corner": 0.011, "running": 1.1, "stalling": 1.993, "stalled": 2.6}
@@ -89,9 +90,9 @@ def the_motor(system: DiscreteSystem) -> MudMotor:
     return next(c for c in system.components if isinstance(c, MudMotor))
 
 
-@pytest.mark.parametrize("measured", [False, True])
-@pytest.mark.parametrize("place", PLACES)
-@pytest.mark.parametrize("held", [False, True])
+@each_row("measured", [False, True])
+@each_row("place", PLACES)
+@each_row("held", [False, True])
 def test_jacobian_matches_differences(place, measured, held):
     """All parts of the law, its corners included, in motion and held by statics (fourth-order differences)."""
     system, t = build(place, measured), 0.4
@@ -107,8 +108,8 @@ def test_jacobian_matches_differences(place, measured, held):
     assert np.abs((J - F) / scale).max() < 3e-7
 
 
-@pytest.mark.parametrize("balanced", [False, True])
-@pytest.mark.parametrize("place", ["driven", "running"])
+@each_row("balanced", [False, True])
+@each_row("place", ["driven", "running"])
 def test_work_of_the_motor_and_of_its_rotor_is_their_energy(place, balanced):
     """y.R = d(energy)/dt - supplied, in the motor's own rows, along a motion whose rotor orbits in space.
 

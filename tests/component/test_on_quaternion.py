@@ -17,6 +17,7 @@ from tests.component.test_quaternion_beam import on_the_manifold
 from tests.helpers import component_models, flow_models
 from tests.helpers.component_models import GRAVITY, SHIFT, dense, differences, residual
 from tests.helpers.joint_models import random_state
+from tests.helpers.tables import each_row
 
 T = 0.4
 STRING = ["bodies", "contact_bodies_bit", "bodies_junction"]
@@ -77,7 +78,7 @@ def pair(kind: str, seed: int = 2) -> tuple[DiscreteSystem, DiscreteSystem]:
     return one, other
 
 
-@pytest.mark.parametrize("kind", KINDS)
+@each_row("kind", KINDS)
 def test_power_is_that_of_the_ancf_element(kind):
     """Sum of row times rate of every element of every component: the adapter expresses the same forces in
     other unknowns."""
@@ -103,7 +104,7 @@ def test_power_is_that_of_the_ancf_element(kind):
     assert compared >= 1
 
 
-@pytest.mark.parametrize("kind", KINDS)
+@each_row("kind", KINDS)
 def test_jacobian_matches_central_differences(kind):
     """K + shift C + shift^2 M of all rows against fourth-order differences, also for |q| != 1. Steps of 4e-6,
     because one flow of the annulus is close to reversal."""

@@ -27,6 +27,7 @@ from tests.helpers.component_models import (
     differences,
     residual,
 )
+from tests.helpers.tables import each_row
 
 KINDS = [
     "beam",
@@ -131,8 +132,8 @@ def on_the_manifold(system: DiscreteSystem) -> None:
     asm.a[at] = a - q * (np.sum(q * a, axis=1, keepdims=True) + np.sum(y * y, axis=1, keepdims=True))
 
 
-@pytest.mark.parametrize("constraint", FORMS)
-@pytest.mark.parametrize("kind", KINDS)
+@each_row("constraint", FORMS)
+@each_row("kind", KINDS)
 def test_condensed_jacobian_matches_central_differences(kind, constraint):
     """K + shift C + shift^2 M of all rows, with constraints, against fourth-order differences, also for |q|
     != 1."""
@@ -150,7 +151,7 @@ def test_condensed_jacobian_matches_central_differences(kind, constraint):
         assert np.abs(J[rows] - F[rows]).max() < 3e-7 * np.abs(J[rows]).max()
 
 
-@pytest.mark.parametrize(
+@each_row(
     "kind",
     [
         "beam",
@@ -226,7 +227,7 @@ def test_a_turning_straight_string_has_no_strain_rate():
     assert system.powers(0.0).dissipated < 1e-20 * SECTION["axial_stiffness"]
 
 
-@pytest.mark.parametrize("kind", ["beam", "beam_damped", "beam_curved"])
+@each_row("kind", ["beam", "beam_damped", "beam_curved"])
 def test_inner_forces_and_moments_sum_to_zero(kind):
     """Rows of the free string at rest without gravity do no work on a rigid virtual motion, dq = (0, turn) q
     / 2."""

@@ -14,6 +14,7 @@ from drillpetsc.physics.fluid.side_nozzles import RESULTS, SideLink, SideNozzles
 from drillpetsc.time_function import Constant
 from tests.helpers import flow_models
 from tests.helpers.component_models import SHIFT, dense, differences, lengths, residual
+from tests.helpers.tables import each_row
 
 KINDS = (
     "pipe_annulus_bit",
@@ -49,7 +50,7 @@ def build(kind: str) -> DiscreteSystem:
     return system
 
 
-@pytest.mark.parametrize("kind", KINDS)
+@each_row("kind", KINDS)
 def test_condensed_jacobian_matches_central_differences(kind):
     """Every row by every unknown against fourth-order differences, relative to the largest entry of the row."""
     system, t = build(kind), 0.4
@@ -61,7 +62,7 @@ def test_condensed_jacobian_matches_central_differences(kind):
     assert np.abs((J - F) / np.abs(J).max(axis=1, keepdims=True)).max() < 3e-7
 
 
-@pytest.mark.parametrize("kind", KINDS)
+@each_row("kind", KINDS)
 def test_rows_of_a_link(kind):
     """q leaves the bore and enters the annulus; rho0 q V acts on the string; the link's row is that of an orifice."""
     system = build(kind)

@@ -10,6 +10,7 @@ from drillpetsc.physics.fluid.bore_flow import BoreFlow
 from drillpetsc.physics.fluid.tool_losses import LossTable, ToolLosses
 from tests.helpers import flow_models
 from tests.helpers.component_models import SHIFT, dense, differences, lengths, residual
+from tests.helpers.tables import each_row
 
 KINDS = (
     "pipe_annulus_bit",
@@ -48,7 +49,7 @@ def build(kind: str) -> DiscreteSystem:
     return system
 
 
-@pytest.mark.parametrize("kind", KINDS)
+@each_row("kind", KINDS)
 def test_condensed_jacobian_matches_central_differences(kind):
     """Every row by every unknown against fourth-order differences, relative to the largest entry of the row."""
     system, t = build(kind), 0.4
@@ -74,7 +75,7 @@ def by_hand(table: np.ndarray, flow: float) -> float:
     return float(np.copysign(c @ (scale * [1, u, u**2, u**3]), flow))
 
 
-@pytest.mark.parametrize("kind", KINDS)
+@each_row("kind", KINDS)
 def test_losses_of_elements_and_the_power_that_they_take(kind):
     """(rho/rho_m) f(rho0 q/rho) times the share of each element, added where two tools are in one; power loss times flow rate."""
     system = build(kind)

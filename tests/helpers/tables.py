@@ -16,7 +16,7 @@ import pytest
 FAILURES = (Exception, pytest.fail.Exception, pytest.skip.Exception, BaseExceptionGroup)
 
 
-def rows(
+def each_row(
     names: str | Sequence[str], table: Iterable, ids: Iterable[str] | Callable | None = None
 ) -> Callable:
     """Decorate a test that is called once for each row; the arguments are those of ``pytest.mark.parametrize``.

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from drillpetsc.solvers.chain_lu import ChainFactor
-from tests.helpers.tables import rows
+from tests.helpers.tables import each_row
 
 
 def element_entries(
@@ -26,9 +26,9 @@ def element_entries(
     return np.concatenate(rows), np.concatenate(columns), node
 
 
-@rows("sizes", [[7] * 6, [11] * 5, [7, 8, 7, 7], [1, 2, 3, 4, 5], [2, 1, 1, 6], [13, 7, 9, 12]])
-@rows("shuffled", [False, True])
-@rows("left_out", [0, 3])
+@each_row("sizes", [[7] * 6, [11] * 5, [7, 8, 7, 7], [1, 2, 3, 4, 5], [2, 1, 1, 6], [13, 7, 9, 12]])
+@each_row("shuffled", [False, True])
+@each_row("left_out", [0, 3])
 def test_assembled_blocks_are_sums_of_the_entries(sizes, shuffled, left_out):
     """Two sets of element matrices; the blocks are those of numpy's sums to the bit, and the solution that of numpy.
 

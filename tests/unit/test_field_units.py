@@ -8,7 +8,7 @@ import sys
 import pytest
 
 from drillpetsc.units import UnitError, bare_number, to_si, weight_to_mass
-from tests.helpers.tables import rows
+from tests.helpers.tables import each_row
 
 INCH, POUND, G0 = 0.0254, 0.45359237, 9.80665
 FOOT, LBF, GALLON, PSI = 12 * INCH, POUND * G0, 231 * INCH**3, POUND * G0 / INCH**2
@@ -86,14 +86,14 @@ SPELLINGS: dict[str, dict[str, float]] = {
 }  # fmt: skip
 
 
-@rows(("unit", "spelling"), [(unit, text) for unit, texts in SPELLINGS.items() for text in texts])
+@each_row(("unit", "spelling"), [(unit, text) for unit, texts in SPELLINGS.items() for text in texts])
 def test_every_spelling(unit: str, spelling: str) -> None:
     factor = SPELLINGS[unit][spelling]
     for blank in (" ",) if spelling[0].isdigit() else ("", " "):
         assert to_si(f"12.5{blank}{spelling}", unit) == pytest.approx(12.5 * factor, rel=1e-12)
 
 
-@rows(
+@each_row(
     ("text", "unit", "expected"),
     [
         ("12 1/4 in", "m", 12.25 * INCH),
@@ -118,7 +118,7 @@ def test_numbers_of_the_field(text: str, unit: str, expected: float) -> None:
     assert to_si(text, unit) == pytest.approx(expected, rel=1e-12)
 
 
-@rows(
+@each_row(
     ("text", "unit", "hint"),
     [
         ("30 ton", "N", "which ton"),

@@ -4,15 +4,15 @@ from __future__ import annotations
 
 import pytest
 
-from tests.helpers.tables import rows
+from tests.helpers.tables import each_row
 
 
 def test_every_row_that_fails_is_named(tmp_path):
     """Rows of two tables, multiplied; what fails does not end the others."""
     seen = []
 
-    @rows("a", [1, 2, 3], ids=["one", "two", "three"])
-    @rows(("b", "c"), [(4, 5), (6, 7)])
+    @each_row("a", [1, 2, 3], ids=["one", "two", "three"])
+    @each_row(("b", "c"), [(4, 5), (6, 7)])
     def product(a, b, c, tmp_path):
         seen.append((a, b, c))
         (tmp_path / "file").mkdir()  # fails if a row gets the folder of another
@@ -30,20 +30,20 @@ def test_every_row_that_fails_is_named(tmp_path):
 
 
 def test_fixtures_of_a_row_are_its_own(monkeypatch, capsys):
-    @rows("value", ["a", "b"])
+    @each_row("value", ["a", "b"])
     def patched(value, monkeypatch, capsys):
-        assert not hasattr(rows, "patch")
-        monkeypatch.setattr(rows, "patch", value, raising=False)
+        assert not hasattr(each_row, "patch")
+        monkeypatch.setattr(each_row, "patch", value, raising=False)
         print(value)
         assert capsys.readouterr().out == f"{value}\n"
         print("left")
 
     patched(monkeypatch=monkeypatch, capsys=capsys)
-    assert not hasattr(rows, "patch")
+    assert not hasattr(each_row, "patch")
 
 
 def test_a_row_that_skips_fails():
-    @rows("a", [1, 2])
+    @each_row("a", [1, 2])
     def skipping(a):
         pytest.skip("not here")
 
@@ -53,4 +53,4 @@ def test_a_row_that_skips_fails():
 
 def test_no_rows_are_an_error():
     with pytest.raises(AssertionError, match="no rows"):
-        rows("a", [])
+        each_row("a", [])

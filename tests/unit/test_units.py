@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from drillpetsc import units
 from drillpetsc.unit_tables import DIMENSIONS
 from drillpetsc.units import UnitError, to_si, wanted
-from tests.helpers.tables import rows
+from tests.helpers.tables import each_row
 
 INCH = 0.0254  # [m] exact
 POUND = 0.45359237  # [kg] exact
@@ -19,7 +19,7 @@ POUND_FORCE = POUND * 9.80665  # [N] exact
 FOOT = 12 * INCH
 
 
-@rows(
+@each_row(
     ("text", "unit", "expected"),
     [
         ("9.625 in", "m", 9.625 * INCH),
@@ -84,7 +84,7 @@ def test_conversion_leaves_no_noise_in_the_last_digit() -> None:
     assert to_si("400 mm2", "m^2") == 0.0004
 
 
-@rows(
+@each_row(
     ("text", "unit", "hint"),
     [
         ("80 rpm", "m", "rotation speed"),
@@ -114,7 +114,7 @@ def test_refused_text(text: str, unit: str, hint: str) -> None:
     assert wanted(unit) in caught.value.want
 
 
-@rows("value", [None, True, [1.0], {"a": 1}, math.nan, math.inf, np.array([1.0, 2.0])])
+@each_row("value", [None, True, [1.0], {"a": 1}, math.nan, math.inf, np.array([1.0, 2.0])])
 def test_refused_values(value: object) -> None:
     with pytest.raises(UnitError):
         to_si(value, "m")
@@ -126,7 +126,7 @@ def test_bare_numbers_are_si() -> None:
     assert to_si(np.int64(3), "") == 3.0
 
 
-@rows("unit", DIMENSIONS)
+@each_row("unit", DIMENSIONS)
 def test_examples_shown_to_the_user_are_accepted(unit: str) -> None:
     for example in DIMENSIONS[unit][1].split(" or "):
         assert to_si(example, unit) > 0
@@ -154,7 +154,7 @@ def test_near_misses_are_a_finite_number_or_a_unit_error(text: str) -> None:
 
 
 # ---------------------------------------------------------------------- the table of factors
-@rows("unit", list(units.FACTORS))
+@each_row("unit", list(units.FACTORS))
 def test_factors_are_those_of_pint(unit: str) -> None:
     for spelling, factor in units.FACTORS[unit].items():
         text = spelling.replace("second_to_the_n", "s^n")
@@ -181,7 +181,7 @@ def test_spelled() -> None:
     assert {unit: units.spelled(unit) for unit in spellings} == spellings
 
 
-@rows(
+@each_row(
     "text",
     [
         "9 m%2",
@@ -203,7 +203,7 @@ def test_a_unit_is_no_sum_to_work_out(text: str) -> None:
         to_si(text, "m/s" if "s" in text.partition("m")[2] else "m")
 
 
-@rows(
+@each_row(
     "text",
     [
         "9 m 9^9^9^9",
@@ -222,7 +222,7 @@ def test_a_power_of_a_power_is_refused_and_not_computed(text: str) -> None:
         to_si(text, "m")
 
 
-@rows(
+@each_row(
     ("text", "unit", "value"),
     [
         ("1 deg / 100 ft", "1/m", 3.14159265358979 / 180 / 30.48),

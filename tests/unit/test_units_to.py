@@ -9,7 +9,7 @@ import pytest
 
 import drillpetsc
 from drillpetsc.units import UnitError, to
-from tests.helpers.tables import rows
+from tests.helpers.tables import each_row
 
 
 class Variable:
@@ -25,7 +25,7 @@ class Variable:
         return Variable(self.values + more, {})
 
 
-@rows(
+@each_row(
     ("value", "unit", "wanted"),
     [
         (4448.2216152605, "klbf", 1.0),
@@ -62,7 +62,7 @@ def test_a_pound_of_a_force_is_a_force() -> None:
         to(1.0, "lb")
 
 
-@rows("unit", ["furlong per fortnight!", "min/ft", ""])
+@each_row("unit", ["furlong per fortnight!", "min/ft", ""])
 def test_other_units_are_refused(unit: str) -> None:
     with pytest.raises(UnitError):
         to(1.0, unit)

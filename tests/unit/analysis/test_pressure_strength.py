@@ -17,7 +17,7 @@ from drillpetsc.analysis.limits.pressure_strength import (
     pressure_ratios,
     yield_under_tension,
 )
-from tests.helpers.tables import rows
+from tests.helpers.tables import each_row
 
 KSI = 1000 * PSI
 
@@ -27,7 +27,7 @@ def tube(size: float, wall: float, left: float) -> tuple[float, float]:
     return size - 2 * (1 - left) * wall, left * wall
 
 
-@rows(
+@each_row(
     ("size", "wall", "left", "ksi", "burst", "collapse"),
     [
         (5.0, 0.362, 1.0, 75, 9503, 9962),
@@ -47,7 +47,7 @@ def test_drill_pipe(size: float, wall: float, left: float, ksi: float, burst: fl
     assert float(collapse_pressure(worn / rest, ksi * KSI)) / PSI == pytest.approx(collapse, abs=1.5)
 
 
-@rows(
+@each_row(
     ("ksi", "constants"),
     [
         (55, (2.991, 0.0541, 1206, 1.989, 0.0360)),

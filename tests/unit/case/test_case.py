@@ -14,7 +14,7 @@ from pydantic import ValidationError
 from drillpetsc.case import Case, load_case
 from drillpetsc.errors import CaseError, SolveError
 from drillpetsc.time_function import Constant, PiecewiseLinear, Ramp
-from tests.helpers.tables import rows
+from tests.helpers.tables import each_row
 
 CASES = Path(__file__).parents[3] / "cases"
 PIPE: dict[str, Any] = {"kind": "pipe", "length": "90 m", "od": "5 in", "id": "4.276 in"}
@@ -102,7 +102,7 @@ def test_hertz_stiffness_has_its_own_unit() -> None:
     assert error_of(well=well(), contact={"law": "hertz"}).at == "contact.stiffness"
 
 
-@rows("end", [0.5, 20.0, 36000.0])
+@each_row("end", [0.5, 20.0, 36000.0])
 def test_output_intervals_follow_from_the_end(end: float) -> None:
     output = simple(time={"end": end}).output
     assert output.history_every == pytest.approx({0.5: 1e-3, 20.0: 0.02, 36000.0: 0.1}[end])
@@ -186,7 +186,7 @@ def test_values_over_time() -> None:
     assert rotation(Ramp(1.0, 2.0)) == Ramp(1.0, 2.0)
 
 
-@rows(
+@each_row(
     ("value", "at"),
     [
         ({"ramp": "2 s"}, "top.rotation"),
@@ -222,7 +222,7 @@ def test_gravity_and_loads() -> None:
     assert (line.from_, line.to, line.force, line.moment) == (10.0, 20.0, (1.0, 0.0, 0.0), (0.0, 0.0, 2.0))
 
 
-@rows(
+@each_row(
     ("load", "at"),
     [
         ({"force": [0, 0, 1]}, "loads[0].at"),
@@ -239,7 +239,7 @@ def test_refused_loads(load: Any, at: str) -> None:
     assert error_of(loads=[load]).at == at
 
 
-@rows(
+@each_row(
     ("keys", "at"),
     [
         ({"top": {"kind": "driven", "rotation": "80 rpm"}}, "top.stiffness"),

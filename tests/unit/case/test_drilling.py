@@ -15,7 +15,7 @@ from drillpetsc.case import Case, load_case
 from drillpetsc.case.blocks.formation import Formation, RockAnisotropy, check_turning, largest_turn_of_bit
 from drillpetsc.case.writer import case_data
 from drillpetsc.errors import CaseError
-from tests.helpers.tables import rows
+from tests.helpers.tables import each_row
 
 PIPE: dict[str, Any] = {"kind": "pipe", "length": "90 m", "od": "5 in", "id": "4.276 in"}
 BIT: dict[str, Any] = {"kind": "bit", "length": 0.5, "od": "8.5 in", "mass": "60 kg"}
@@ -169,8 +169,8 @@ def least_power(sideways: float, beds: RockAnisotropy, walk: float) -> float:
     return float(np.linalg.eigvalsh((power + power.swapaxes(1, 2)) / 2)[:, 0].min())
 
 
-@rows("walk", [0.0, 0.3, -math.pi / 4])
-@rows("sideways", [0.05, 0.2, 0.6, 1.0])
+@each_row("walk", [0.0, 0.3, -math.pi / 4])
+@each_row("sideways", [0.05, 0.2, 0.6, 1.0])
 def test_where_the_bit_would_move_against_the_force(sideways: float, walk: float) -> None:
     """Just inside the limit on the ratio of the rock's indices sym(M_r M_b) is positive definite for every
     direction of the bit, just outside it is not: eigenvalues over a sphere of directions, 3 degrees apart."""
@@ -250,7 +250,7 @@ def test_quasi_static_time(tmp_path: Path) -> None:
         assert error_of(time={"end": 5, "mode": "quasi_static"}, initial={"from": start}).at == "initial.from"
 
 
-@rows(
+@each_row(
     ("keys", "at"),
     [
         ({"drillability": -1e-9}, "drillability"),
@@ -304,7 +304,7 @@ def test_a_value_out_of_range_is_explained() -> None:
     assert "0.9 to 1.1" in error_of(formation={"rock_anisotropy": {"index_dip": 3}}).hint
 
 
-@rows(
+@each_row(
     "keys",
     [
         {},

@@ -10,12 +10,12 @@ from drillpetsc import Case
 from drillpetsc.case.flow_options import FLOW, PIPES, Trips, read_flows, read_numbers, read_trips
 from drillpetsc.case.survey_file import FOLDER
 from drillpetsc.errors import CaseError
-from tests.helpers.tables import rows
+from tests.helpers.tables import each_row
 
 GPM = 231 * 0.0254**3 / 60  # [m3/s]
 
 
-@rows(
+@each_row(
     ("text", "values"),
     [
         ("400,500,600 gpm", (400 * GPM, 500 * GPM, 600 * GPM)),
@@ -37,7 +37,7 @@ def test_a_range_has_ten_values():
     assert read_numbers("20 l/s..0.2 m3/s", FLOW, "--flow", "") == pytest.approx(values)
 
 
-@rows(
+@each_row(
     ("text", "words"),
     [
         ("400", "bare number is in m\\^3/s"),
@@ -65,7 +65,7 @@ def test_trips():
     assert trips.window is not None and trips.window.pore[0] == pytest.approx(9 * 119.8264, rel=1e-6)
 
 
-@rows(
+@each_row(
     ("options", "words"),
     [
         ({"operation": "pull"}, "trip_in, trip_out"),
@@ -119,7 +119,7 @@ def test_a_window_from_a_file(tmp_path: Path):
     assert window.frac == pytest.approx((12 * 119.8264, 14 * 119.8264), rel=1e-6)
 
 
-@rows(
+@each_row(
     ("text", "words"),
     [
         ("", "a header such as"),
@@ -139,7 +139,7 @@ def test_window_files_that_are_refused(text, words, tmp_path: Path):
         Case(**BASE, window=str(tmp_path / "w.csv"))
 
 
-@rows(
+@each_row(
     ("window", "words"),
     [
         ({"pore": 1200, "frac": 1100}, "above pore"),

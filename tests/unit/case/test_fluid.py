@@ -12,7 +12,7 @@ from drillpetsc.case.blocks.fluid import Casson, Fluid, flow_constants
 from drillpetsc.case.quantities import largest
 from drillpetsc.errors import CaseError
 from drillpetsc.time_function import Constant, PiecewiseLinear, Ramp
-from tests.helpers.tables import rows
+from tests.helpers.tables import each_row
 
 PIPE: dict[str, Any] = {"kind": "pipe", "length": "90 m", "od": "5 in", "id": "4.276 in"}
 SOLID: dict[str, Any] = {**PIPE, "id": 0}
@@ -83,7 +83,7 @@ def test_units() -> None:
 PLASTIC = {"yield_stress": "25 lbf/100 ft^2", "plastic_viscosity": "20 mPa s"}
 
 
-@rows(
+@each_row(
     ("rheology", "constants"),
     [
         ({"model": "newtonian", "viscosity": 0}, (0.0, 1.0, 0.0)),
@@ -134,7 +134,7 @@ def test_which_strings_hold_fluid() -> None:
     assert not Case(string=[PIPE], top="clamped").has_bore
 
 
-@rows(
+@each_row(
     ("top", "speed"), [(TURNING, 20.0), ({**TURNING, "rotation": 0}, 1.0), ("pinned", 1.0),
                        ({"kind": "driven", "rotation": "60 rpm", "damping": 1}, 2 * math.pi)],
 )  # fmt: skip
@@ -191,7 +191,7 @@ def test_all_mistakes_are_named_also_beside_a_missing_top() -> None:
     assert {error.at for error in (caught.value, *caught.value.also)} == {"top", "fluid.density"}
 
 
-@rows(
+@each_row(
     ("keys", "at"),
     [
         ({"density": None}, "density"),

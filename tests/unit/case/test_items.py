@@ -14,7 +14,7 @@ from drillpetsc.case.block import kinds_of
 from drillpetsc.case.blocks import agitator, motor, string, tools, tubulars
 from drillpetsc.case.items import ITEMS
 from drillpetsc.errors import CaseError
-from tests.helpers.tables import rows
+from tests.helpers.tables import each_row
 
 BLOCKS = (
     tubulars.Pipe,
@@ -44,7 +44,7 @@ ITEMS_BY_NAME = {item.__name__: item for item in ITEMS.values()}
 REST: dict[str, Any] = {"units": "field", "well": WELL, "top": "clamped", "bottom": "free"}
 
 
-@rows("block", BLOCKS, ids=lambda block: block.__name__)
+@each_row("block", BLOCKS, ids=lambda block: block.__name__)
 def test_items_have_exactly_the_keys_of_their_blocks(block: Any) -> None:
     item = ITEMS[kinds_of(block)[0]]
     fields = {name: field for name, field in block.model_fields.items() if name != "kind"}
@@ -93,7 +93,7 @@ def test_a_varied_item() -> None:
         assert again == pipe and type(again) is dp.DrillPipe
 
 
-@rows(
+@each_row(
     ("make", "at", "hint"),
     [
         (lambda: dp.DrillPipe(lenght=9.0, length=1.0), "lenght", "length"),

@@ -11,7 +11,7 @@ import pytest
 from drillpetsc.case import Case, load_case
 from drillpetsc.errors import CaseError
 from drillpetsc.model.mesh import build_mesh
-from tests.helpers.tables import rows
+from tests.helpers.tables import each_row
 
 PIPE: dict[str, Any] = {"kind": "pipe", "length": 9, "od": 0.127, "id": 0.1, "element_length": 3}
 BODY: dict[str, Any] = {"kind": "body", "length": 0.5, "mass": 30}
@@ -41,7 +41,7 @@ def test_defaults_and_units() -> None:
     assert Case(string=[PIPE], top="clamped").joints == ()
 
 
-@rows("axis", [(0, 1, 0), (0, 0.6, 0.8), (1, 0, 0), (1, 2, -3), (5, 0.1, 0)])
+@each_row("axis", [(0, 1, 0), (0, 0.6, 0.8), (1, 0, 0), (1, 2, -3), (5, 0.1, 0)])
 def test_axes_are_orthonormal_and_right_handed(axis: tuple[float, float, float]) -> None:
     A = np.array(make_case([{"at": 9, "kind": "revolute", "axis": axis}]).joints[0].axes)
     assert A @ A.T == pytest.approx(np.eye(3), abs=1e-15) and np.linalg.det(A) == pytest.approx(1.0)
@@ -53,7 +53,7 @@ def test_pins_of_a_universal_joint_lie_across_the_string() -> None:
     assert A[:2, 0] == pytest.approx(0.0) and A[2] == pytest.approx([1, 0, 0])
 
 
-@rows("kind", ["fixed", "revolute", "universal", "slider"])
+@each_row("kind", ["fixed", "revolute", "universal", "slider"])
 def test_a_case_as_run_is_read_back(kind: str, tmp_path: Path) -> None:
     made = make_case([{"at": 9, "kind": kind}])
     made.dump(tmp_path / "case.yaml")
@@ -106,7 +106,7 @@ REFUSED: list[tuple[list[dict[str, Any]], dict[str, Any], str, str]] = [
 ]
 
 
-@rows("joints, keys, at, want", REFUSED)
+@each_row("joints, keys, at, want", REFUSED)
 def test_refused(joints: list[dict[str, Any]], keys: dict[str, Any], at: str, want: str) -> None:
     with pytest.raises(CaseError) as caught:
         make_case(joints, **keys)

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from drillpetsc import Case
 from drillpetsc.case.plausibility import plausibility
-from tests.helpers.tables import rows
+from tests.helpers.tables import each_row
 
 
-@rows(
+@each_row(
     ("hole", "own", "places"),
     [
         (0.3, None, []),

@@ -12,7 +12,7 @@ import pytest
 
 from drillpetsc import Case, load_case
 from drillpetsc.errors import CaseError, SolveError
-from tests.helpers.tables import rows
+from tests.helpers.tables import each_row
 
 ROOT = Path(__file__).parents[3]
 KEYS = {
@@ -71,7 +71,7 @@ def test_files_beside_the_case_are_found_from_elsewhere(
     assert copy.deepcopy(again) == again
 
 
-@rows(
+@each_row(
     ("values", "at"),
     [
         ({"fluid.densty": 1.0}, "fluid.densty"),

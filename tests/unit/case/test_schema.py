@@ -9,7 +9,7 @@ import pytest
 
 from drillpetsc.case import Case, case_json_schema, read_case_file
 from drillpetsc.errors import CaseError
-from tests.helpers.tables import rows
+from tests.helpers.tables import each_row
 
 CASES = Path(__file__).parents[3] / "cases"
 SCHEMA = case_json_schema()
@@ -71,13 +71,13 @@ def errors(value: Any, schema: dict[str, Any], at: str = "") -> Iterator[str]:
             yield f"{at}: out of range"
 
 
-@rows("path", sorted([*CASES.glob("*.yaml"), *CASES.glob("field/*.yaml")]), ids=lambda path: path.stem)
+@each_row("path", sorted([*CASES.glob("*.yaml"), *CASES.glob("field/*.yaml")]), ids=lambda path: path.stem)
 def test_ready_cases_fit_the_schema(path: Path) -> None:
     data, _ = read_case_file(path)
     assert list(errors(data, SCHEMA)) == []
 
 
-@rows(
+@each_row(
     "name",
     "unknown-key misspelt-key key-of-another-kind missing-key missing-block missing-kind unknown-kind unknown-top "
     "yes-for-a-number no-items contact-off short-vector quaternion half-points fluid-without-rheology "
@@ -123,8 +123,8 @@ RHEOLOGIES: tuple[tuple[dict[str, Any], bool], ...] = (
 )
 
 
-@rows(("rheology", "fits"), RHEOLOGIES, ids=lambda value: str(value)[:40])
-@rows("key", ["rheology", "annulus_rheology"])
+@each_row(("rheology", "fits"), RHEOLOGIES, ids=lambda value: str(value)[:40])
+@each_row("key", ["rheology", "annulus_rheology"])
 def test_the_forms_of_a_mud_report_fit_where_the_reader_takes_them(
     key: str, rheology: dict[str, Any], fits: bool
 ) -> None:

@@ -11,7 +11,7 @@ import pytest
 from drillpetsc.case.importers.stations import Rules, Stations, dogleg, minimum_curvature_step
 from drillpetsc.case.survey_file import read_survey
 from drillpetsc.errors import CaseError
-from tests.helpers.tables import rows
+from tests.helpers.tables import each_row
 
 FOOT = 0.3048
 
@@ -63,7 +63,7 @@ def test_a_quarter_circle() -> None:
 
 
 # ---------------------------------------------------------------------- spellings
-@rows(
+@each_row(
     "text",
     [
         "Measured Depth (ft),Incl.,Azim\n0,0,0\n98.4251968503937,1.5,359\n",
@@ -82,7 +82,7 @@ def test_spellings(text: str, tmp_path: Path) -> None:
     check(read(tmp_path, text), [0, 30], [0, 1.5], [0, 359])
 
 
-@rows("encoding", ["utf-8", "utf-8-sig", "utf-16", "cp1252"])
+@each_row("encoding", ["utf-8", "utf-8-sig", "utf-16", "cp1252"])
 def test_encodings(encoding: str, tmp_path: Path) -> None:
     found = read(tmp_path, "MD (m),Inc (°),Azi (°)\n0,0,0\n30,1.5,359\n", encoding)
     check(found, [0, 30], [0, 1.5], [0, 359])
@@ -216,7 +216,7 @@ ARC = [  # (md, inclination) along a circle of 300 m radius towards the east, cl
 ]  # fmt: skip
 
 
-@rows(("column", "wrong", "warned"), [("", 0.0, False), ("tvd", 2.0, True), ("ew", 1.5, True)])
+@each_row(("column", "wrong", "warned"), [("", 0.0, False), ("tvd", 2.0, True), ("ew", 1.5, True)])
 def test_positions_in_the_file_are_compared(column: str, wrong: float, warned: bool, tmp_path: Path) -> None:
     rows = ["MD (m),Inc,Azi,TVD,+N/-S,+E/-W"]
     for md, inclination in ARC:
@@ -255,7 +255,7 @@ def test_depths_in_feet_told_as_metres_are_found_by_the_tvd(tmp_path: Path) -> N
 
 
 # ---------------------------------------------------------------------- no survey
-@rows(
+@each_row(
     ("text", "line", "got"),
     [
         ("", 1, "an empty file"),

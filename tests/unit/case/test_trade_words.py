@@ -9,7 +9,7 @@ import pytest
 from drillpetsc.case import Case
 from drillpetsc.case.trade_words import KEYS, KINDS
 from drillpetsc.errors import CaseError
-from tests.helpers.tables import rows
+from tests.helpers.tables import each_row
 
 PIPE = {"kind": "pipe", "length": 9.0, "od": 0.127, "id": 0.1}
 BIT = {"kind": "bit", "length": 0.3, "od": 0.2159}
@@ -27,7 +27,7 @@ def hint(**keys: Any) -> str:
     return " | ".join(error.hint for error in (caught.value, *caught.value.also))
 
 
-@rows(
+@each_row(
     ("keys", "wanted"),
     [
         ({"mud": FLUID}, "'fluid'"),

@@ -10,7 +10,7 @@ import pytest
 from drillpetsc.case import Case
 from drillpetsc.case.section import ring, tubular_section
 from drillpetsc.errors import CaseError
-from tests.helpers.tables import rows
+from tests.helpers.tables import each_row
 
 INCH = 0.0254
 LB_PER_FT = 0.45359237 / 0.3048
@@ -117,7 +117,7 @@ def test_by_dimensions() -> None:
     assert item(by_wall, tool_joint=JOINT).id == pytest.approx(4.276 * INCH)
 
 
-@rows(
+@each_row(
     ("given", "keys", "at", "want"),
     [
         (PIPE, {"pipe": "5in 18 S"}, "pipe", "there is no 5 in 18.00"),
@@ -255,7 +255,7 @@ def test_stabilizer() -> None:
     assert plain.touching == (0.0, 2.0)
 
 
-@rows(
+@each_row(
     ("gauge", "od"),
     [("full", 8.5), ("1/8 in under", 8.375), ("1/16 under", 8.4375), ("3 mm under", 8.5 - 3 / 25.4)],
 )
@@ -279,7 +279,7 @@ def test_stabilizer_whose_body_bends() -> None:
     assert error.at == "string[2].kind"
 
 
-@rows(
+@each_row(
     ("keys", "at", "want"),
     [
         ({"od": "8.6 in"}, "od", "1/16 in above the bit"),
@@ -305,7 +305,7 @@ def test_stabilizers_without_a_diameter() -> None:
     assert "without a bit" in refused(PIPE, keys | {"gauge": "full"}).want
 
 
-@rows(
+@each_row(
     ("nozzles", "area"),
     [
         ("3 x 12/32 in", 0.33134),
@@ -325,7 +325,7 @@ def test_nozzles(nozzles: Any, area: float) -> None:
     assert bit.nozzle_area / INCH**2 == pytest.approx(area, rel=3e-5)
 
 
-@rows(
+@each_row(
     "nozzles",
     [
         "",

@@ -28,7 +28,7 @@ from drillpetsc.output.catalogue import (
 from drillpetsc.output.files.tables import split_name
 from drillpetsc.output.summary_keys import STATIC_START, SUMMARY_KEYS, WHIRLS
 from drillpetsc.physics.quantities import BIT
-from tests.helpers.tables import rows
+from tests.helpers.tables import each_row
 
 PIPE = {"kind": "pipe", "length": 29.6, "od": 0.127, "id": 0.1086, "element_length": 5.0}
 BIT_ITEM = {"kind": "bit", "length": 0.5, "od": 0.2, "mass": 60}
@@ -187,7 +187,7 @@ def test_names_and_mnemonics_are_unique() -> None:
         assert named.setdefault(q.name, q) is q, q.name  # one object, whatever file it stands in
 
 
-@rows("quantity", all_quantities(), ids=lambda q: q.name)
+@each_row("quantity", all_quantities(), ids=lambda q: q.name)
 def test_an_output_has_words_for_people(quantity) -> None:
     """A label without underscores, a short mnemonic, one sentence; a signed quantity has a sign."""
     assert quantity.label and "_" not in quantity.label and quantity.label[0].isupper()

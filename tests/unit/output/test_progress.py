@@ -9,7 +9,7 @@ import pytest
 
 from drillpetsc.output import progress
 from drillpetsc.output.progress import Progress, duration
-from tests.helpers.tables import rows
+from tests.helpers.tables import each_row
 
 
 class Clock:
@@ -105,7 +105,7 @@ def test_a_restart_and_a_run_that_stands_still(clock: Clock) -> None:
     assert log.getvalue().startswith("well 2: 10 / 20 s (0 %)") and "ETA ?" in log.getvalue()
 
 
-@rows(
+@each_row(
     ("seconds", "text"),
     [
         (3.2, "3.2 s"),

@@ -15,7 +15,7 @@ from drillpetsc.physics.fluid.rheology import (
     wall_shear,
     wall_shear_and_slope,
 )
-from tests.helpers.tables import rows
+from tests.helpers.tables import each_row
 
 INCH, FOOT, GPM, PPG, PSI = 0.0254, 0.3048, 6.30902e-5, 119.8264, 6894.757  # m, m, m3/s, kg/m3, Pa
 CENTIPOISE, LB_PER_100_SQ_FT = 1e-3, 0.4788026  # Pa s, Pa
@@ -62,7 +62,7 @@ def test_api_dial_readings():
     assert found == pytest.approx([0.7365, 0.2017, 0.5413, 0.6336], rel=2e-4)
 
 
-@rows(
+@each_row(
     ("outer", "inner", "length", "loss"),
     [
         (0.096012, 0.0, 3474.72, 4.5979e6),
@@ -84,7 +84,7 @@ def test_api_pressure_losses(outer, inner, length, loss):
     assert found == pytest.approx(loss, rel=1e-4)
 
 
-@rows(
+@each_row(
     ("fluid", "stress"),
     [
         (Rheology.newtonian(0.02, shear_rate_eps=0.1), [41.0420, 9.0452]),
@@ -138,7 +138,9 @@ def test_published_laminar_bingham_in_pipe():
     assert loss == pytest.approx(0.018034, rel=1e-3)
 
 
-@rows(("hole", "pipe", "length", "psi"), [(8.755, 4.5, 6500, 73), (8.5, 4.5, 3000, 38), (8.5, 6.75, 450, 31)])
+@each_row(
+    ("hole", "pipe", "length", "psi"), [(8.755, 4.5, 6500, 73), (8.5, 4.5, 3000, 38), (8.5, 6.75, 450, 31)]
+)
 def test_published_laminar_bingham_in_annulus(hole, pipe, length, psi):
     """Guo and Liu, Applied Drilling Circulation Systems, example 2.5: 300 gal/min, 10.5 lb/gal, PV 35 cP, YP
     6 lb/100 sq ft in three annuli [in], [ft].  Losses are printed without decimals; the collars' one is early
@@ -154,8 +156,8 @@ def test_published_laminar_bingham_in_annulus(hole, pipe, length, psi):
     assert loss == pytest.approx(psi, abs=0.5)
 
 
-@rows("law", ["blend", "api"])
-@rows("reynolds", [1e4, 3e4, 1e5])
+@each_row("law", ["blend", "api"])
+@each_row("reynolds", [1e4, 3e4, 1e5])
 def test_turbulent_newtonian_against_prandtl_karman(reynolds, law):
     """Smooth pipe, 1/sqrt(f) = 4 log10(Re sqrt(f)) - 0.4 (Prandtl, von Karman): a/Re^b is a Blasius line, 4 %
     from it up to Re 1e5."""
@@ -178,7 +180,7 @@ def test_hagen_poiseuille_and_slot():
         assert wall_shear(fluid, w, 0.1, True, STILL) == pytest.approx(12 * 0.05 * w / 0.1, rel=1e-14)
 
 
-@rows("plug", [0.05, 0.5, 0.9])
+@each_row("plug", [0.05, 0.5, 0.9])
 def test_buckingham_reiner(plug):
     """Bingham in a pipe: 8 mu w/D = tau (1 - 4 p/3 + p^4/3), in a slot 12 mu w/d_h = tau (1 - 3 p/2 + p^3/2),
     p = tau_y/tau."""
@@ -340,7 +342,7 @@ def test_slope_at_rest():
         assert found == pytest.approx(80 * G * (c**n * 3.0 / 0.5 + 0.3 * 0.5 ** (n - 1)), rel=1e-13)
 
 
-@rows(
+@each_row(
     ("model", "law"),
     [
         (m, law)
@@ -418,7 +420,7 @@ def test_apparent_viscosity():
     )
 
 
-@rows(
+@each_row(
     "wrong",
     [
         {"model": "maxwell"},

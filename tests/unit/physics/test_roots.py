@@ -9,7 +9,7 @@ import pytest
 from scipy.optimize import brentq
 
 from drillpetsc.physics.roots import bracketed_root
-from tests.helpers.tables import rows
+from tests.helpers.tables import each_row
 
 EPSILON = np.finfo(float).eps
 
@@ -24,8 +24,8 @@ FUNCTIONS = [
 ]
 
 
-@rows(("f", "left", "right"), FUNCTIONS)
-@rows("tolerances", [(2e-12, 4 * EPSILON), (1e-14, 1e-14), (1e-3, 1e-3)])
+@each_row(("f", "left", "right"), FUNCTIONS)
+@each_row("tolerances", [(2e-12, 4 * EPSILON), (1e-14, 1e-14), (1e-3, 1e-3)])
 def test_the_root_of_scipy_to_the_last_bit(f, left, right, tolerances):
     absolute, relative = tolerances
     expected = brentq(f, left, right, xtol=absolute, rtol=relative)
@@ -35,7 +35,7 @@ def test_the_root_of_scipy_to_the_last_bit(f, left, right, tolerances):
     )
 
 
-@rows("e", np.linspace(0.03, 0.999, 57))
+@each_row("e", np.linspace(0.03, 0.999, 57))
 def test_the_root_of_the_impact_law(e):
     """d (1 + e) = ln((1 + d) / (1 - d e)) as in the damping factor of contact."""
 

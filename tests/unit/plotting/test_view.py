@@ -16,7 +16,7 @@ from drillpetsc.plotting.shape import cut, find_field, half_width, shape_of, smo
 from drillpetsc.plotting.style import color_scale, display_unit
 from drillpetsc.plotting.view import TRACK_WIDTH, TRACKS_HEIGHT, _auto_scale, view
 from tests.helpers.output_samples import AMPLITUDE, HOLE, LENGTH, PIPE, helix_frame, make_pendulum, make_run
-from tests.helpers.tables import rows
+from tests.helpers.tables import each_row
 
 
 def frame(time: float = 0.0, without: tuple[str, ...] = ()) -> Frame:
@@ -148,7 +148,7 @@ def test_without_opengl_a_message_and_another_picture(
         view(run.path, renderer="pyvista")
 
 
-@rows(
+@each_row(
     ("there", "window"),
     [
         (("libEGL.so.1", "libOSMesa.so.8"), "vtkEGLRenderWindow"),
@@ -260,7 +260,7 @@ def test_fields_are_found_with_and_without_units() -> None:
         find_field("axial_forse", names)
 
 
-@rows(
+@each_row(
     ("title", "largest", "size", "unit"),
     [
         ("hook_load [N]", 8e5, 1e3, "kN"),

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from drillpetsc.solvers.alpha_formula import AlphaFormula, AlphaHistory, radius_of
-from tests.helpers.tables import rows
+from tests.helpers.tables import each_row
 
 Rows = Callable[[float, np.ndarray, np.ndarray, np.ndarray], np.ndarray]
 
@@ -25,7 +25,7 @@ def solved(history: AlphaHistory, t: float, h: float, rows: Rows) -> AlphaHistor
 
     def residual(x: np.ndarray) -> np.ndarray:
         y = s * x + v0
-        return rows(t, x, y, s2 * y + v1)
+        return each_row(t, x, y, s2 * y + v1)
 
     for _ in range(8):
         r, J = residual(x), np.zeros((n, n))
@@ -56,7 +56,7 @@ def integrated(
 
 
 # ---------------------------------------------------------------------- one oscillator
-@rows(
+@each_row(
     ("radius", "product", "energy", "period"),
     [
         (1.0, 0.1, 0.0, 8.327785e-4),
@@ -198,7 +198,7 @@ def test_turning_spring_loses_little_and_never_gains(radius, per_turn, change):
 
 
 # ---------------------------------------------------------------------- parameters
-@rows("radius", [0.0, 0.3, 0.5, 0.8, 1.0])
+@each_row("radius", [0.0, 0.3, 0.5, 0.8, 1.0])
 def test_parameters_of_a_radius(radius):
     """Spectral radius at infinite frequency, order 2, one shift for both kinds of unknowns; PETSc's letters."""
     f = AlphaFormula(radius)
@@ -209,7 +209,7 @@ def test_parameters_of_a_radius(radius):
     assert radius_of(1 - f.mean_mass, 1 - f.mean_force, f.gamma, f.beta) == pytest.approx(radius)
 
 
-@rows(
+@each_row(
     ("parameters", "message"),
     [
         ((0.5, 0.3), "alpha_f"),

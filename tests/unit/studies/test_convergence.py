@@ -30,7 +30,7 @@ from drillpetsc.studies.convergence.plan import (
 )
 from drillpetsc.studies.convergence.runs import Job
 from drillpetsc.studies.convergence.study import study
-from tests.helpers.tables import rows
+from tests.helpers.tables import each_row
 
 CASE = """
 title: Shaft
@@ -409,7 +409,7 @@ def test_reference_is_finer_than_the_points(case_file):
     assert finest_tolerance(plan_of("time-step", base, ["0.02", "5 ms"]), base) == pytest.approx(1e-3 / 8)
 
 
-@rows("far, expected", [({"arkimex"}, "bdf3"), ({"arkimex", "bdf3", "bdf2"}, "bdf2"), (set(), "arkimex")])
+@each_row("far, expected", [({"arkimex"}, "bdf3"), ({"arkimex", "bdf3", "bdf2"}, "bdf2"), (set(), "arkimex")])
 def test_a_reference_is_accepted_by_its_estimated_error(far, expected, monkeypatch):
     """A reference far from its control run is rejected; if all are, the one with the smallest error is taken
     (bdf2 here)."""

@@ -21,7 +21,7 @@ from drillpetsc.studies.sweep.table import (
 )
 from drillpetsc.studies.sweep.variations import choices_from, choices_of, split_values, variations
 from drillpetsc.studies.sweep.worker_groups import LEAST_ELEMENTS, group_sizes
-from tests.helpers.tables import rows
+from tests.helpers.tables import each_row
 
 CASE = """
 well:
@@ -41,7 +41,7 @@ def file(tmp_path) -> Path:
     return path
 
 
-@rows(
+@each_row(
     "text, parts",
     [
         ("20 l/s,30 l/s", ["20 l/s", "30 l/s"]),
@@ -140,7 +140,7 @@ def test_a_case_without_time_is_refused(file):
 BIG = 100 * LEAST_ELEMENTS
 
 
-@rows(
+@each_row(
     "costs, elements, ranks, sizes",
     [
         ([1, 1, 1, 1], [BIG] * 4, 2, [1, 1]),  # two groups, the other members wait

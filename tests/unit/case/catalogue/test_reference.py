@@ -7,12 +7,12 @@ import pytest
 from drillpetsc.case.catalogue import Catalogue, find_heavy_pipe, find_pipe
 from drillpetsc.case.catalogue.reference import ReferenceProblem
 from drillpetsc.case.catalogue.sizes import inch_text, inches
-from tests.helpers.tables import rows
+from tests.helpers.tables import each_row
 
 BUILT_IN = Catalogue.built_in()
 
 
-@rows(
+@each_row(
     ("text", "value"),
     [
         ("5", 5.0),
@@ -48,7 +48,7 @@ def test_size_text():
     ]
 
 
-@rows(
+@each_row(
     ("text", "od", "wear"),
     [
         ("5in 19.50 S-135 NC50 premium", 6.625, "premium"),
@@ -79,7 +79,7 @@ def test_good_references(text, od, wear):
     assert choice.reference.wear == wear
 
 
-@rows(
+@each_row(
     ("text", "want", "hint"),
     [
         ("", "5in 19.50", ""),

@@ -16,13 +16,13 @@ from drillpetsc.case.catalogue.formulas import (
     worn_diameter,
 )
 from drillpetsc.case.catalogue.tables import TABLES
-from tests.helpers.tables import rows
+from tests.helpers.tables import each_row
 
 BUILT_IN = Catalogue.built_in()
 
 
 def every_row(table: str):
-    return rows("row", BUILT_IN.rows[table], ids=lambda row: f"{row.file}-{row.line}".replace(".csv", ""))
+    return each_row("row", BUILT_IN.rows[table], ids=lambda row: f"{row.file}-{row.line}".replace(".csv", ""))
 
 
 def area(outer: float, inner: float) -> float:
@@ -49,7 +49,7 @@ def test_drill_pipe(row):
     assert torsional_strength(worn, inner, 75e3) == pytest.approx(row["torsion_e75_premium"], rel=1e-3)
 
 
-@rows(
+@each_row(
     ("size", "nominal", "wall", "pull", "torque"),
     [
         (5.0, 19.5, 1.0, 712_070, 74_100),
@@ -125,7 +125,7 @@ def test_adjusted_weights_mostly_within_a_quarter_percent():
     assert close >= 18
 
 
-@rows(
+@each_row(
     ("name", "outer", "inner", "torque"),
     [
         ("NC26", 3.375, 1.75, 6_875),
@@ -206,7 +206,7 @@ def test_classes():
     }
 
 
-@rows("table", TABLES)
+@each_row("table", TABLES)
 def test_every_row_names_a_source(table):
     assert len(BUILT_IN.rows[table]) >= 3
     for row in BUILT_IN.rows[table]:

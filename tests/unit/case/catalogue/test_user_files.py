@@ -10,7 +10,7 @@ import drillpetsc
 from drillpetsc.case import Case, load_case
 from drillpetsc.case.catalogue import Catalogue, find_pipe
 from drillpetsc.errors import CaseError
-from tests.helpers.tables import rows
+from tests.helpers.tables import each_row
 
 JOINTS = """# rig 7
 size [in],nominal [lb/ft],grade,connection,od [in],id [in],length [in],adjusted [lb/ft],source
@@ -54,7 +54,7 @@ def test_one_file_of_a_user(tmp_path: Path) -> None:
     assert drillpetsc.catalogue("4 3/4", file)[0]["id"] == 4.0
 
 
-@rows(
+@each_row(
     ("name", "text", "line", "at", "want"),
     [
         ("drill_pipe.csv", "", 1, "", "a header such as: size [in]"),
