@@ -19,6 +19,7 @@ from drillpetsc.output import read_table
 from drillpetsc.output.files.atomic import remove_leftovers, replace_file
 from drillpetsc.output.recorder import Recorder
 from drillpetsc.solvers.time_integrator import TimeIntegrator
+from tests.helpers.restarts import files, run_with_copies
 
 # a whirling string in contact, with a bend of the rotation at 40 ms and a jump of the lowering at 60 ms, and
 # mud
@@ -53,30 +54,6 @@ def options():
     yield give
     for name in given:
         database.delValue(name)
-
-
-def files(folder: Path) -> dict[str, bytes]:
-    """All files of a run without wall times."""
-    return {
-        str(p.relative_to(folder)): p.read_bytes()
-        for p in sorted(folder.rglob("*"))
-        if p.is_file() and p.name not in ("summary.json", "checkpoint.h5")
-    }
-
-
-def run_with_copies(case: Path, out: Path, monkeypatch) -> list[Path]:
-    """Run a case, with copies of its folder after each checkpoint."""
-    write, copies = checkpoint.write, []
-
-    def write_and_copy(path: Path, c: checkpoint.Checkpoint) -> None:
-        write(path, c)
-        copies.append(out.with_name(f"{out.name}-at-{len(copies)}"))
-        shutil.copytree(out, copies[-1])
-
-    with monkeypatch.context() as patch:
-        patch.setattr(checkpoint, "write", write_and_copy)
-        run(load_case(case), out, progress="silent")
-    return copies
 
 
 KINDS = {

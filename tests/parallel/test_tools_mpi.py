@@ -9,19 +9,15 @@ import numpy as np
 import pytest
 import yaml
 
-from drillpetsc import load_case
-from drillpetsc.analysis.transient import run
 from drillpetsc.output import read_table
 from tests.helpers.mpi import run_mpi
-from tests.helpers.whole_string import COLLAR, JAR, MOTOR, SHOCK, combined, whole_string
-from tests.parallel.test_restart import files, run_with_copies
+from tests.helpers.restarts import restarted_is_identical
+from tests.helpers.whole_string import COLLAR, JAR, MOTOR, SHOCK, STEERED, combined, whole_string
 from tests.verification.test_agitator import with_mud
 
 SCRIPT = Path(__file__).parent / "run_case.py"
 STEPS = 3  # that are compared
 FIXED = ["-ts_adapt_type", "none", "-ts_dt"]
-STEER = {"kind": "push", "force": 3e3, "pad_offset": 1.0, "steer": {"tool_face": 1.0}}
-STEERED = {"kind": "rss", "length": 4.0, "od": 0.1715, "id": 0.0714, "mass": 560, "rss": STEER}
 
 
 def write(folder: Path, kind: str) -> Path:
@@ -73,11 +69,4 @@ def test_tools_are_the_same_on_1_2_and_3_ranks(kind, tmp_path):
 
 @pytest.mark.parametrize("kind", ["agitator", "whole, two"])
 def test_tools_in_mud_restarted_are_bit_identical(kind, tmp_path, monkeypatch):
-    path = write(tmp_path, kind)
-    copies = run_with_copies(path, tmp_path / "run", monkeypatch)
-    whole = files(tmp_path / "run")
-    assert len(copies) >= 3
-    for copy in copies[:-1:2]:
-        run(load_case(path), copy, restart=True, progress="silent")
-        for name, content in files(copy).items():
-            assert content == whole[name], (copy, name)
+    restarted_is_identical(write(tmp_path, kind), tmp_path, monkeypatch, slice(None, -1, 2))
