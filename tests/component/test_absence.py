@@ -12,15 +12,13 @@ from drillpetsc.model.drilling_model import build_model
 from drillpetsc.output.field_output import FieldOutput
 from drillpetsc.output.recorder import Recorder
 from tests.helpers.tables import each_row
+from tests.helpers.wells import simple_well
 
 PIPE = {"kind": "pipe", "length": 30, "od": 0.127, "id": 0.1086}
 COLLAR = {"kind": "pipe", "length": 20, "od": 0.1778, "id": 0.0714}
 SIDE = {"kind": "stabilizer", "length": 0, "od": 0.2, "mass": 0, "nozzle_area": 1e-4}
 BIT = {"kind": "bit", "length": 0.5, "od": 0.2, "mass": 60}
-WELL = {
-    "survey": {"md": [0, 60], "inclination": [0.1, 0.1], "azimuth": [0, 0]},
-    "sections": [{"to": 60, "kind": "casing", "diameter": 0.2159, "friction": 0.2}],
-}
+WELL = simple_well(60, 0.2159, 0.1, kind="casing", friction=0.2)
 DRIVE = {"kind": "top_drive", "rotation": 1.0}
 DAMPED = {"damping": {"stiffness": 1e-4}}
 

@@ -11,6 +11,7 @@ from drillpetsc.physics.fluid.rheology import Rheology
 from tests.helpers.component_models import GRAVITY, SHIFT, dense, differences, lengths, residual
 from tests.helpers.flow_models import KINDS, build, give_shoulders
 from tests.helpers.tables import each_row
+from tests.helpers.wells import simple_well
 
 
 def stiff_fluid() -> FluidConstants:
@@ -168,10 +169,7 @@ def accelerated_aside(outer: float, hole: float, eccentricity: float):
     from drillpetsc.case import Case
     from drillpetsc.model.drilling_model import build_model
 
-    well = {
-        "survey": {"md": [0, 60], "inclination": [0, 0], "azimuth": [0, 0]},
-        "sections": [{"to": 60, "kind": "casing", "diameter": hole, "friction": 0.2}],
-    }
+    well = simple_well(60, hole, kind="casing", friction=0.2)
     fluid = {
         "density": 1200,
         "rheology": {"model": "newtonian", "viscosity": 0.02},

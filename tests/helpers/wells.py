@@ -6,7 +6,12 @@ from typing import Any
 
 
 def simple_well(
-    depth: Any, diameter: Any, inclination: Any = 0.0, azimuth: Any = 0.0, kind: str = "open_hole", **section: Any
+    depth: Any,
+    diameter: Any,
+    inclination: Any = 0.0,
+    azimuth: Any = 0.0,
+    kind: str = "open_hole",
+    **section: Any,
 ) -> dict[str, Any]:
     """A well with stations at the surface and at its end, and one section: the keys of `well` in a case.
 

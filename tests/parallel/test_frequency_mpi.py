@@ -12,13 +12,11 @@ from drillpetsc.output import read_table
 from tests.helpers import frequency_models as m
 from tests.helpers import top_drive_models as t
 from tests.helpers.mpi import run_mpi
+from tests.helpers.wells import simple_well
 from tests.verification.test_stokes_modes import span
 
 SCRIPT = Path(__file__).with_name("run_command.py")
-WELL = {
-    "survey": {"md": [0, 40], "inclination": [0.5, 0.7], "azimuth": [0, 0]},
-    "sections": [{"to": 40, "kind": "casing", "diameter": 0.2159, "friction": 0.2}],
-}
+WELL = simple_well(40, 0.2159, (0.5, 0.7), kind="casing", friction=0.2)
 MUD = {"density": 1200, "rheology": {"model": "newtonian", "viscosity": 0.02}, "flow_rate": 0.02}
 
 

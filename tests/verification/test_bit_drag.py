@@ -19,6 +19,7 @@ from drillpetsc.solvers.time_integrator import TimeIntegrator
 from tests.helpers.bit_models import DRAG, RADIUS, TURNING, bit_of, drilling, lowered, unknowns
 from tests.helpers.delay_roots import Regenerative, fitted_exponents
 from tests.helpers.motion import beam, fixed, sampled, straight
+from tests.helpers.wells import simple_well
 
 CUT, CONTACT = 0.6 * 60e6 * RADIUS, 60e6 * RADIUS * 1.2e-3  # W = CUT d + CONTACT [N/m], [N]
 RUB = 0.5 * 0.6 * CONTACT * RADIUS  # torque of the wear flats [N m]
@@ -211,10 +212,7 @@ def vibration(
         "inertia": {"axial": 10.0, "transverse": 100.0},
     }
     depth, speed = LENGTH + 0.1, feed(4 * chip, turning)
-    well = {
-        "survey": {"md": [0, depth], "inclination": [0, 0], "azimuth": [0, 0]},
-        "sections": [{"to": depth, "kind": "open_hole", "diameter": 2 * RADIUS, "friction": 0.0}],
-    }
+    well = simple_well(depth, 2 * RADIUS, friction=0.0)
     model = straight(
         string=[pipe, item],
         well=well,

@@ -9,6 +9,7 @@ from scipy.optimize import fsolve
 import drillpetsc
 from drillpetsc import Case
 from drillpetsc.output import read_table
+from tests.helpers.wells import simple_well
 
 GJ, POLAR = 9.4156072e5, 1.1883776e-5 * 7850  # of 127 x 108.6 mm [N m2, kg m]
 SPEED = np.sqrt(GJ / POLAR)
@@ -112,10 +113,7 @@ def test_slow_answer_of_a_motor_without_load_in_mud(length, flow, viscosity, tmp
 
     def case(rate: float) -> Case:
         return Case(
-            well={
-                "survey": {"md": [0, depth], "inclination": [0, 0], "azimuth": [0, 0]},
-                "sections": [{"to": depth, "kind": "open_hole", "diameter": 0.2159, "friction": 0.0}],
-            },
+            well=simple_well(depth, 0.2159, friction=0.0),
             string=[
                 {"kind": "pipe", "length": length - 9, **PIPE, "element_length": 20.0},
                 {

@@ -8,6 +8,7 @@ from drillpetsc import Case, run
 from drillpetsc.errors import CaseError
 from drillpetsc.solvers.newton_work import SHARE, ResidualWork
 from tests.helpers.component_models import KINDS, SHIFT, build
+from tests.helpers.wells import simple_well
 
 
 @pytest.mark.parametrize("kind", KINDS)
@@ -37,10 +38,7 @@ def energy_of_whirl(folder, **petsc) -> dict:
     """Energy balance of 30 m of eccentric drill collar that is pressed down and whirls along the wall, at fixed
     steps of 0.5 ms."""
     case = Case(
-        well={
-            "survey": {"md": [0, 31], "inclination": [0, 0], "azimuth": [0, 0]},
-            "sections": [{"to": 31, "kind": "open_hole", "diameter": 0.2159, "friction": 0.3}],
-        },
+        well=simple_well(31, 0.2159, friction=0.3),
         string=[
             {
                 "kind": "pipe",

@@ -10,6 +10,7 @@ import pytest
 from drillpetsc import Case, run, statics
 from drillpetsc.errors import SolveError
 from drillpetsc.output.operation_watch import OperationWatch
+from tests.helpers.wells import simple_well
 
 PIPE = {"kind": "pipe", "od": 0.127, "id": 0.1086, "element_length": 10.0}
 COLLAR = {"kind": "pipe", "od": 0.1715, "id": 0.0714, "element_length": 5.0}
@@ -17,10 +18,7 @@ OFF = {"progress": "silent"}
 
 
 def hole(inclination: float = 0.0) -> dict[str, Any]:
-    return {
-        "survey": {"md": [0, 100], "inclination": [inclination] * 2, "azimuth": [0, 0]},
-        "sections": [{"to": 100, "kind": "open_hole", "diameter": 0.2159, "friction": 0.2}],
-    }
+    return simple_well(100, 0.2159, inclination, friction=0.2)
 
 
 @pytest.mark.parametrize(("lowered", "beyond"), [(0.25, 0.15), (0.05, 0.0)])

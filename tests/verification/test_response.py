@@ -16,6 +16,7 @@ from drillpetsc.errors import CaseError
 from drillpetsc.model.drilling_model import build_model
 from drillpetsc.output import read_table
 from tests.helpers import frequency_models as m
+from tests.helpers.wells import simple_well
 
 
 def table(case: dict, folder: Path, place: str, **options) -> dict[str, np.ndarray]:
@@ -290,10 +291,7 @@ def test_an_undamped_resonance_is_infinite(tmp_path):
     assert list(table(case, tmp_path, "lower end", **options)["validity"]) == ["linear", "linear"]
 
 
-HOLE = {
-    "survey": {"md": [0, 20], "inclination": [0, 0], "azimuth": [0, 0]},
-    "sections": [{"to": 20, "kind": "casing", "diameter": 0.131, "friction": 0.0}],
-}
+HOLE = simple_well(20, 0.131, kind="casing", friction=0.0)
 
 
 def test_an_amplitude_beyond_the_clearance_is_marked(tmp_path):
@@ -307,10 +305,7 @@ def test_an_amplitude_beyond_the_clearance_is_marked(tmp_path):
 def test_a_bit_that_lifts_off_is_marked(tmp_path):
     """A bit on bottom with 1 kN: a moving bottom of the hole with more force than that is beyond the linear result."""
     string = [m.drill_pipe(99.5, 20, damping=1e-3), {"kind": "bit", "length": 0.5, "od": 0.131, "mass": 20}]
-    well = {
-        "survey": {"md": [0, 100], "inclination": [0, 0], "azimuth": [0, 0]},
-        "sections": [{"to": 100, "kind": "open_hole", "diameter": 0.131, "friction": 0.2}],
-    }
+    well = simple_well(100, 0.131, friction=0.2)
     case = {
         "string": string,
         "well": well,

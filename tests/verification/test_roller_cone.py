@@ -21,6 +21,7 @@ from drillpetsc.model.drilling_model import build_model
 from drillpetsc.output import read_table
 from tests.helpers.bit_models import bit_of, drilling
 from tests.helpers.motion import beam, fixed, sampled
+from tests.helpers.wells import simple_well
 
 YOUNG, DENSITY, RPM = 206e9, 7850.0, np.pi / 30
 PIPE, COLLAR = (0.127, 0.1086), (0.1778, 0.0714)
@@ -69,10 +70,7 @@ def string_on_lobes(
     end = pipe + collar
     case = Case(
         string=items,
-        well={
-            "survey": {"md": [0, end], "inclination": [0, 0], "azimuth": [0, 0]},
-            "sections": [{"to": end, "kind": "open_hole", "diameter": 0.2, "friction": 0.0}],
-        },
+        well=simple_well(end, 0.2, friction=0.0),
         contact=None,
         top={"kind": "top_drive", "rotation": rpm * RPM},
         bottom={"kind": "bit", "stiffness": spring, "friction": 0.0},
@@ -198,10 +196,7 @@ def test_energy_of_a_bit_on_lobes_closes(tmp_path):
             {"kind": "pipe", "length": 39.7, "od": 0.1778, "id": 0.0714, "element_length": 5},
             {"kind": "bit", "length": 0.3, "od": 0.216, "mass": 80},
         ],
-        well={
-            "survey": {"md": [0, 100], "inclination": [0.1, 0.1], "azimuth": [0, 0]},
-            "sections": [{"to": 100, "kind": "open_hole", "diameter": 0.216, "friction": 0.2}],
-        },
+        well=simple_well(100, 0.216, 0.1, friction=0.2),
         material={"damping": {"stiffness": 1e-4, "mass": 0.2}},
         top={"kind": "top_drive", "rotation": 12.0},
         bottom={"kind": "bit", "stiffness": 5e7},

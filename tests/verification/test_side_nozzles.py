@@ -21,6 +21,7 @@ from drillpetsc.errors import CaseError
 from drillpetsc.model.drilling_model import build_model
 from drillpetsc.output import read_table
 from tests.helpers.mud import history, started
+from tests.helpers.wells import simple_well
 
 DENSITY, COEFFICIENT, GRAVITY = 1200.0, 0.95, 9.81
 OUTER, INNER, BODY, HOLE, WIDE = 0.127, 0.1086, 0.0714, 0.2159, 0.311
@@ -42,10 +43,7 @@ def reamer(area: float | None = 2e-4, **keys) -> dict:
 
 def case(string: list[dict], fluid: dict | None = None, **keys) -> Case:
     depth = sum(item["length"] for item in string)
-    well = {
-        "survey": {"md": [0, depth], "inclination": [0, 0], "azimuth": [0, 0]},
-        "sections": [{"to": depth, "kind": "open_hole", "diameter": HOLE}],
-    }
+    well = simple_well(depth, HOLE)
     mud = {"density": DENSITY, "rheology": WATER, "flow_rate": 0.03, **STIFF}
     return Case(
         string=string,
@@ -408,10 +406,7 @@ def moving(folder: Path, tops: dict, annulus: bool = True, area: float | None = 
         BIT | {"nozzle_area": 4e-4, "length": 0.3},
     ]
     end = sum(item["length"] for item in string) + 5
-    hole = {
-        "survey": {"md": [0, end], "inclination": [0, 0], "azimuth": [0, 0]},
-        "sections": [{"to": end, "kind": "open_hole", "diameter": HOLE}],
-    }
+    hole = simple_well(end, HOLE)
     built = case(
         string, fluid, well=hole, top={"kind": "top_drive", "rotation": 0.0, **tops}, contact="none",
         time={"end": 1.2}, petsc={"ts_rtol": 1e-5},

@@ -14,6 +14,7 @@ from drillpetsc.analysis.soft_string_start import soft_string
 from drillpetsc.geometry.well import Well
 from drillpetsc.model.drilling_model import build_model
 from tests.helpers.tables import each_row
+from tests.helpers.wells import simple_well
 
 EA, GJ, RADIUS, WEIGHT = 7.0137489e8, 9.4156072e5, 0.0635, 242.0
 PULL, SLACK, TURN = {"axial_velocity": 0.3}, {"axial_velocity": -0.3}, {"rotation": 2 * np.pi}
@@ -184,10 +185,7 @@ def test_rigid_items_weigh_once(place: int, mud: float, element: float) -> None:
     string = [{**pipe, "length": 100.0}, {**pipe, "length": 79.5}]
     string.insert(place, heavy)
     case = {
-        "well": {
-            "survey": {"md": [0.0, 200.0], "inclination": [inclination] * 2, "azimuth": [0.0, 0.0]},
-            "sections": [{"to": 200.0, "kind": "open_hole", "diameter": 0.2159, "friction": 0.0}],
-        },
+        "well": simple_well(200.0, 0.2159, inclination, friction=0.0),
         "string": [*string, {"kind": "bit", "length": 0.5, "od": 0.2159, "mass": 60.0}],
         "top": {"kind": "top_drive"},
         "bottom": {"kind": "bit"},

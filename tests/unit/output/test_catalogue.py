@@ -29,13 +29,11 @@ from drillpetsc.output.files.tables import split_name
 from drillpetsc.output.summary_keys import STATIC_START, SUMMARY_KEYS, WHIRLS
 from drillpetsc.physics.quantities import BIT
 from tests.helpers.tables import each_row
+from tests.helpers.wells import simple_well
 
 PIPE = {"kind": "pipe", "length": 29.6, "od": 0.127, "id": 0.1086, "element_length": 5.0}
 BIT_ITEM = {"kind": "bit", "length": 0.5, "od": 0.2, "mass": 60}
-WELL = {
-    "survey": {"md": [0, 30], "inclination": [0.3, 0.3], "azimuth": [0, 0]},
-    "sections": [{"to": 30, "kind": "casing", "diameter": 0.2159, "friction": 0.2}],
-}
+WELL = simple_well(30, 0.2159, 0.3, kind="casing", friction=0.2)
 DRIVE = {"kind": "top_drive", "rotation": 1.0}
 SHORT = {"time": {"end": 0.01}, "output": {"history_every": 0.005, "field_every": 0.01}}
 QUASI = {"mode": "quasi_static", "end": 0.01}
