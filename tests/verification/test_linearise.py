@@ -6,7 +6,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-import scipy.signal
 
 import drillpetsc
 from drillpetsc import Case, load_case
@@ -114,6 +113,8 @@ def test_reduced_models(q, order, method, tmp_path):
 
 def test_a_step_of_the_torque_is_that_of_a_session(tmp_path):
     """1 kN m for 2 s: speeds of the nonlinear model and of the linear one within 1 %."""
+    import scipy.signal  # a slow import
+
     case = driven(COLLAR, 40).replace({"petsc.ts_rtol": 1e-6})
     outputs = ["top_speed", "bit_speed"]
     q = drillpetsc.linearise(case, ["top.torque"], outputs, tmp_path / "r", reduce="balanced", order=12)

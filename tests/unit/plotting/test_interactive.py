@@ -3,16 +3,25 @@
 from __future__ import annotations
 
 import sys
+from typing import TYPE_CHECKING, Any
 
 import pytest
-from matplotlib.figure import Figure
 
 from drillpetsc.errors import CaseError
 from drillpetsc.plotting.interactive import plotly_figure
 
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+
+def empty(**how: Any) -> Figure:
+    from matplotlib.figure import Figure  # a slow import
+
+    return Figure(**how)
+
 
 def drawing() -> Figure:
-    figure = Figure(figsize=(8, 4))
+    figure = empty(figsize=(8, 4))
     depth, losses = figure.subplots(1, 2)
     depth.plot([1.0, 2.0], [10.0, 30.0], "r--", label="hook load")
     depth.plot([2.0, 3.0], [20.0, 40.0], "r--", label="hook load")
@@ -48,7 +57,7 @@ def test_curves_bars_and_axes_are_those_of_the_picture() -> None:
 
 def test_surfaces_are_refused() -> None:
     pytest.importorskip("plotly")
-    figure = Figure()
+    figure = empty()
     figure.subplots().fill_between([0, 1], [0, 1])
     with pytest.raises(CaseError, match="surfaces"):
         plotly_figure(figure)
