@@ -16,6 +16,7 @@ from drillpetsc.analysis.frequency.tracking import SpeedModes, pair, track
 from drillpetsc.errors import CaseError
 from drillpetsc.output import read_table
 from tests.helpers import frequency_models as m
+from tests.helpers.tables import each_row
 from tests.helpers.wells import simple_well
 
 
@@ -247,7 +248,7 @@ def test_a_lost_branch_is_not_swapped():
 
 
 # ---------------------------------------------------------------------- unlucky inputs
-@pytest.mark.parametrize(
+@each_row(
     ("changes", "options", "words"),
     [
         ({"top": "free"}, {}, ("top", "turn")),

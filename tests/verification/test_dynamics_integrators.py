@@ -13,12 +13,13 @@ from drillpetsc.physics.beam import AncfBeam
 from drillpetsc.solvers.first_order_system import FirstOrderSystem
 from tests.helpers.component_models import KINDS, SHIFT, build
 from tests.helpers.motion import beam, fixed, integrate, straight
+from tests.helpers.tables import each_row
 
 END = 0.2
 PLAIN = {"snes_type": "newtonls", "ksp_type": "preonly", "pc_type": "lu"}
 
 
-@pytest.mark.parametrize("kind", KINDS)
+@each_row("kind", KINDS)
 def test_first_order_jacobian_matches_central_differences(kind):
     """dF/dx + shift dF/dxdot of the first-order system against fourth-order differences of its residual."""
     system, t = build(kind), 0.4
@@ -130,7 +131,7 @@ def test_options_of_the_condensed_newton(reference, name):
     assert np.abs(end - reference).max() < (5e-3 if "order" in key else 1e-4)
 
 
-@pytest.mark.parametrize("kind", ["rk", "euler", "ssp", "basicsymplectic"])
+@each_row("kind", ["rk", "euler", "ssp", "basicsymplectic"])
 def test_integrators_that_cannot_treat_prescribed_rows_are_refused(kind, tmp_path):
     """Explicit integrators are bad input: the message lists allowed ones, and nothing is
     written."""

@@ -13,6 +13,7 @@ from drillpetsc.output import read_summary
 from drillpetsc.solvers.alpha_formula import AlphaFormula
 from drillpetsc.solvers.generalized_alpha import GeneralizedAlpha
 from tests.helpers.motion import beam, fixed, integrate, straight
+from tests.helpers.tables import each_row
 
 TIGHT = {"ts_type": "alpha2", "q_snes_stol": 1e-10, "drillpetsc_newton_work": 0}
 
@@ -198,7 +199,7 @@ def test_summary_has_the_energy_that_damping_removed(tmp_path):
     assert summary["error_estimate"]["damped_above"] > 0
 
 
-@pytest.mark.parametrize(
+@each_row(
     ("time", "petsc", "message"),
     [
         ({"integrator": "generalized_alpha", "mode": "quasi_static"}, {}, "quasi_static"),

@@ -22,6 +22,7 @@ from drillpetsc.output import read_table
 from drillpetsc.physics.fluid.rheology import from_dial_readings
 from drillpetsc.units import to_si
 from tests.helpers import handbook_hydraulics as handbook
+from tests.helpers.tables import each_row
 
 STIFF = {"bulk_modulus": 1e14, "elastic_walls": False}
 THREE_TWELVES = 3 * 0.25 * np.pi * (12 / 32 * INCH) ** 2
@@ -312,7 +313,7 @@ BAD = {
 }
 
 
-@pytest.mark.parametrize("name", BAD)
+@each_row("name", BAD)
 def test_cases_without_a_flow_are_refused(name, tmp_path: Path):
     fluid, keys, words = BAD[name]
     mud = {**STIFF, "density": 1200, "rheology": WATER, **fluid}

@@ -21,6 +21,7 @@ from drillpetsc.case.free_point_options import Pair, read_pairs
 from drillpetsc.errors import CaseError
 from drillpetsc.output import read_table
 from tests.helpers.rules_of_thumb import PPG
+from tests.helpers.tables import each_row
 from tests.helpers.wells import simple_well
 
 FT, KLB, PSI, G = 0.3048, 1e3 * LBF, KSI / 1e3, 9.80665
@@ -371,7 +372,7 @@ def test_limits_that_are_passed_are_warnings(tmp_path):
     assert any("compression beyond the sinusoidal limit" in w for w in found.summary["warnings"])
 
 
-@pytest.mark.parametrize(
+@each_row(
     "word, keys, want",
     [
         ("tripping", {}, "trip_in"),

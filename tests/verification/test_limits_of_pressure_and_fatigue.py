@@ -12,6 +12,7 @@ import drillpetsc as dp
 from drillpetsc.analysis.limits.pressure_strength import burst_pressure
 from drillpetsc.analysis.limits.sn_curve import read_sn
 from drillpetsc.errors import CaseError
+from tests.helpers.tables import each_row
 
 MPA, RPM = 1e6, math.pi / 30
 
@@ -85,7 +86,7 @@ def test_a_curve_of_points(tmp_path: Path) -> None:
     assert line == pytest.approx([1e7, 10.0 ** (15 - 4 * math.log10(2000)), 1.6e16], rel=1e-6)
 
 
-@pytest.mark.parametrize(
+@each_row(
     "text",
     [
         "",

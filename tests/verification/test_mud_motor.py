@@ -15,6 +15,7 @@ from drillpetsc.analysis.modal import prepare_state
 from drillpetsc.errors import CaseError
 from drillpetsc.model.drilling_model import build_model
 from drillpetsc.output import read_table
+from tests.helpers.tables import each_row
 from tests.helpers.wells import simple_well
 
 GJ = 9.4156072e5  # of 127 x 108.6 mm, E 206 GPa, nu 0.3 [N m2]
@@ -271,7 +272,7 @@ def test_no_flow_leaves_the_motor_standing(tmp_path):
     assert any("does not turn" in w for w in summary["statics"]["warnings"])
 
 
-@pytest.mark.parametrize(
+@each_row(
     ("change", "text"),
     [
         ({"pdm": {**LAW}}, "a flow_rate of the motor, or a fluid"),
@@ -352,7 +353,7 @@ time: {{end: 0.02}}
     assert mud_motor(again).speed(1e3, 0.03) == pytest.approx(law.speed(1e3, 0.03), rel=1e-12)
 
 
-@pytest.mark.parametrize(
+@each_row(
     ("text", "want"),
     [
         ("flow [gpm], torque [N m], rpm\n300, 0, 90\n", "a header such as"),

@@ -16,6 +16,7 @@ from drillpetsc.errors import CaseError
 from drillpetsc.model.drilling_model import build_model
 from drillpetsc.output import read_table
 from tests.helpers import frequency_models as m
+from tests.helpers.tables import each_row
 from tests.helpers.wells import simple_well
 
 
@@ -255,7 +256,7 @@ def test_an_excitation_along_the_string(excite, what, stiffness, wave_speed, mot
     assert f"at {name}, 2 per turn" in summary["excitation"]
 
 
-@pytest.mark.parametrize(
+@each_row(
     ("excite", "amplitude", "at", "said"),
     [
         ("unbalanc", "1 kN", "--excite", "unbalance"),
@@ -318,7 +319,7 @@ def test_a_bit_that_lifts_off_is_marked(tmp_path):
         assert list(found["validity"]) == [word]
 
 
-@pytest.mark.parametrize(
+@each_row(
     ("changes", "options", "words"),
     [
         ({"top": "free"}, {}, ("top", "turn")),

@@ -12,6 +12,7 @@ from drillpetsc.analysis.torque_drag.roadmap import run_roadmap
 from drillpetsc.case.case import Case
 from drillpetsc.errors import CaseError
 from drillpetsc.output import read_table
+from tests.helpers.tables import each_row
 
 # 127 x 108.6 mm pipe whose density gives 242 N/m
 PIPE = {"kind": "pipe", "od": "127 mm", "id": "108.6 mm", "material": {"density": "7245.416608 kg/m3"}}
@@ -269,7 +270,7 @@ def test_time(tmp_path):
     assert time.process_time() - start < 10
 
 
-@pytest.mark.parametrize(
+@each_row(
     ("roadmap", "at", "want"),
     [
         ({"operations": ["fishing"]}, "roadmap.operations[0]", "one of trip_in"),

@@ -21,6 +21,7 @@ from drillpetsc.model.drilling_model import build_model
 from drillpetsc.output import read_table
 from tests.helpers.bit_models import bit_of, drilling
 from tests.helpers.motion import beam, fixed, sampled
+from tests.helpers.tables import each_row
 from tests.helpers.wells import simple_well
 
 YOUNG, DENSITY, RPM = 206e9, 7850.0, np.pi / 30
@@ -216,7 +217,7 @@ def test_energy_of_a_bit_on_lobes_closes(tmp_path):
     assert np.abs(history["energy_error [J]"]).max() < 0.01 * work
 
 
-@pytest.mark.parametrize(
+@each_row(
     ("law", "words"),
     [
         ({"kind": "roller_cone"}, ("amplitude",)),

@@ -21,6 +21,7 @@ from drillpetsc.errors import CaseError
 from drillpetsc.model.drilling_model import build_model
 from drillpetsc.output import read_table
 from tests.helpers.mud import history, started
+from tests.helpers.tables import each_row
 from tests.helpers.wells import simple_well
 
 DENSITY, COEFFICIENT, GRAVITY = 1200.0, 0.95, 9.81
@@ -275,7 +276,7 @@ def test_yield_stress_mud_at_rest_and_small_flow():
     assert side.flow == pytest.approx(1e-4, rel=0.02) and 0 <= bit.flow < 2e-6
 
 
-@pytest.mark.parametrize(
+@each_row(
     ("string", "keys", "at", "want"),
     [
         ([pipe(500), reamer(0.0), pipe(100), BIT], {}, "string[1].nozzle_area", "above 0"),

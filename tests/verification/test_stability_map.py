@@ -17,6 +17,7 @@ from drillpetsc.output import read_table
 from tests.helpers import top_drive_models as m
 from tests.helpers.delay_roots import Regenerative
 from tests.helpers.motion import beam
+from tests.helpers.tables import each_row
 from tests.helpers.wells import simple_well
 from tests.verification.test_top_drive_modes import characteristic, impedance, root
 
@@ -161,7 +162,7 @@ def test_critical_speeds_by_weight(name, rpm, expected, tmp_path):
         )
 
 
-@pytest.mark.parametrize(
+@each_row(
     ("changes", "options", "words"),
     [
         ({"bottom": "free", "formation": None, "initial": {}}, {}, ("bottom", "a bit on bottom")),

@@ -18,6 +18,7 @@ from drillpetsc.output import read_table
 from drillpetsc.output.bending import curvatures, end_forces
 from drillpetsc.physics.tools.steering import OVERLAP, WINDOW, mean_share
 from tests.helpers.motion import sampled
+from tests.helpers.tables import each_row
 from tests.helpers.wells import simple_well
 
 LENGTH, OD, ID = 9.0, 0.1715, 0.0714
@@ -241,7 +242,7 @@ def test_energy_of_steering_closes(tmp_path):
         assert "steering_tool_face [rad]" in history
 
 
-@pytest.mark.parametrize(
+@each_row(
     ("item", "words"),
     [
         ({"rss": {"kind": "push", "force": 1e3, "pad_offset": 9.5}}, ("pad_offset", "9")),

@@ -23,6 +23,7 @@ from drillpetsc.case.flow_options import PIPES, Trips, read_trips
 from drillpetsc.errors import CaseError, SolveError
 from drillpetsc.output import read_table
 from tests.helpers import handbook_hydraulics as handbook
+from tests.helpers.tables import each_row
 
 GRAVITY = 9.80665
 STIFF = {"bulk_modulus": 1e14, "elastic_walls": False}
@@ -223,7 +224,7 @@ BAD = {
 }
 
 
-@pytest.mark.parametrize("name", BAD)
+@each_row("name", BAD)
 def test_cases_without_surge_are_refused(name, tmp_path: Path):
     keys, plan, words = BAD[name]
     base = vertical(

@@ -15,6 +15,7 @@ from drillpetsc.case.plausibility import plausibility as said
 from drillpetsc.errors import CaseError
 from drillpetsc.output import read_table
 from drillpetsc.units import to_si
+from tests.helpers.tables import each_row
 from tests.helpers.wells import simple_well
 
 LOSS = {"value": "350 psi", "at": "600 gpm", "density": "10 ppg"}
@@ -105,7 +106,7 @@ def test_a_loss_coefficient_is_of_the_velocity_in_the_bore(rigid: bool, tmp_path
     assert flow["tool_loss"] == pytest.approx(7.3 * to_si("12 ppg", "kg/m^3") * velocity**2 / 2, rel=1e-6)
 
 
-@pytest.mark.parametrize(
+@each_row(
     ("tool", "fluid", "at"),
     [
         ({"coefficient": 3, "value": "350 psi"}, {}, "string[1].pressure_loss.value"),
