@@ -38,35 +38,12 @@ from tests.helpers.tables import each_row
 
 ANISOTROPIC = np.array([[1.0, 0.05, 0.02], [0.05, 0.9, -0.03], [0.02, -0.03, 1.1]])
 KINDS = [
-    "rop",
-    "rop_layers",
-    "rop_bitaxis",
-    "rop_loose",
-    "drag",
-    "drag_backwards",
-    "drag_body",
-    "weakening",
-    "weakening_byweight",
-    "cone",
-    "cone_loose",
-    "cone_weakening",
-    "cone_statics",
-    "rop_poststep",
-    "drag_statics",
-    "drag_body_statics",
-    "rop_statics",
-    "rop_quasi",
-    "drag_quasi",
-    "drag_body_quasi",
-    "rop_guided",
-    "rop_loose_guided",
-    "rop_guided_statics",
-    "rop_cutting",
-    "drag_cutting",
-    "cone_cutting",
-    "rop_cutting_statics",
-    "rop_cutting_quasi",
-]
+    "rop", "rop_layers", "rop_bitaxis", "rop_loose", "drag", "drag_backwards", "drag_body", "weakening",
+    "weakening_byweight", "cone", "cone_loose", "cone_weakening", "cone_statics", "rop_poststep",
+    "drag_statics", "drag_body_statics", "rop_statics", "rop_quasi", "drag_quasi", "drag_body_quasi",
+    "rop_guided", "rop_loose_guided", "rop_guided_statics", "rop_cutting", "drag_cutting", "cone_cutting",
+    "rop_cutting_statics", "rop_cutting_quasi",
+]  # fmt: skip
 
 
 def bit(kind: str, hole: GrowingHole) -> RockBit:

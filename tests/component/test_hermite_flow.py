@@ -26,21 +26,10 @@ from tests.helpers.flow_models import give_shoulders, give_swirl
 from tests.helpers.tables import each_row
 
 KINDS = (
-    "pipe",
-    "pipe_junction",
-    "pipe_closed",
-    "annulus_bit",
-    "annulus_bit_junction",
-    "pipe_annulus_bit",
-    "pipe_annulus_bit_junction_topdrive",
-    "pipe_bit",
-    "pipe_held",
-    "pipe_annulus_bit_held",
-    "pipe_bit_held",
-    "annulus_bit_held",
-    "annulus_bit_swirl",
-    "annulus_bit_junction_swirl",
-)
+    "pipe", "pipe_junction", "pipe_closed", "annulus_bit", "annulus_bit_junction", "pipe_annulus_bit",
+    "pipe_annulus_bit_junction_topdrive", "pipe_bit", "pipe_held", "pipe_annulus_bit_held", "pipe_bit_held",
+    "annulus_bit_held", "annulus_bit_swirl", "annulus_bit_junction_swirl",
+)  # fmt: skip
 
 
 def build(kind: str, seed: int = 5) -> DiscreteSystem:

@@ -103,16 +103,9 @@ def test_defaults_do_no_harm() -> None:
 
 
 PAIRS = (
-    "energies",
-    "powers",
-    "totals",
-    "upper_pressure",
-    "upper_flow",
-    "pressure_at",
-    "pumped",
-    "outflow",
+    "energies", "powers", "totals", "upper_pressure", "upper_flow", "pressure_at", "pumped", "outflow",
     "content_above",
-)
+)  # fmt: skip
 
 
 @each_row("kind", all_components(), ids=lambda kind: f"{kind.__module__[19:]}.{kind.__name__}")

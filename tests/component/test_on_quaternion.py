@@ -22,13 +22,9 @@ from tests.helpers.tables import each_row
 T = 0.4
 STRING = ["bodies", "contact_bodies_bit", "bodies_junction"]
 MUD = [
-    "pipe_annulus_bit",
-    "pipe_bit",
-    "annulus_bit",
-    "pipe_annulus_bit_drilled",
-    "annulus_bit_drilled",
+    "pipe_annulus_bit", "pipe_bit", "annulus_bit", "pipe_annulus_bit_drilled", "annulus_bit_drilled",
     "pipe_annulus_bit_junction",
-]
+]  # fmt: skip
 BIT = ["rop", "drag", "weakening_byweight"]
 HERMITE = ["pipe_annulus_bit", "pipe_bit_junction", "annulus_bit_junction"]
 JOINT = ["revolute", "slider"]

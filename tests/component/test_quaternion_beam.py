@@ -30,21 +30,9 @@ from tests.helpers.component_models import (
 from tests.helpers.tables import each_row
 
 KINDS = [
-    "beam",
-    "beam_damped",
-    "beam_curved",
-    "beam_damped_curved",
-    "junction",
-    "junction_damped_curved",
-    "loads",
-    "topdrive",
-    "weighted",
-    "pinned",
-    "clamped",
-    "contact",
-    "contact_hertz",
-    "contact_junction",
-]
+    "beam", "beam_damped", "beam_curved", "beam_damped_curved", "junction", "junction_damped_curved", "loads",
+    "topdrive", "weighted", "pinned", "clamped", "contact", "contact_hertz", "contact_junction",
+]  # fmt: skip
 FORMS = ["index3", "index2", "stabilized"]
 
 
@@ -154,17 +142,10 @@ def test_condensed_jacobian_matches_central_differences(kind, constraint):
 @each_row(
     "kind",
     [
-        "beam",
-        "beam_damped",
-        "beam_curved",
-        "beam_damped_curved",
-        "junction_damped_curved",
-        "loads",
-        "contact",
-        "contact_hertz",
-        "contact_junction",
+        "beam", "beam_damped", "beam_curved", "beam_damped_curved", "junction_damped_curved", "loads",
+        "contact", "contact_hertz", "contact_junction",
     ],
-)
+)  # fmt: skip
 def test_rows_times_velocity_is_the_change_of_energy(kind):
     """y.R = d(kinetic + strain + potential)/dt + dissipated - supplied along a motion that keeps |q| = 1: the
     forces are the gradient of the energies."""

@@ -42,14 +42,10 @@ def test_response_on_1_2_and_3_ranks(tmp_path):
     }
     file.write_text(yaml.safe_dump(case | {"initial": {"wob": 2e4}}))
     names = (
-        "lateral_amplitude [m]",
-        "axial_amplitude [m]",
-        "axial_force_amplitude [N]",
-        "bending_moment_amplitude [N m]",
-        "stress_amplitude [Pa]",
-        "shear_stress_amplitude [Pa]",
+        "lateral_amplitude [m]", "axial_amplitude [m]", "axial_force_amplitude [N]",
+        "bending_moment_amplitude [N m]", "stress_amplitude [Pa]", "shear_stress_amplitude [Pa]",
         "mean_stress [Pa]",
-    )
+    )  # fmt: skip
     for excite in (["unbalance"], ["bit", "--amplitude", "1 mm"]):
         results = []
         for n in (1, 2, 3) if excite == ["unbalance"] else (1, 3):

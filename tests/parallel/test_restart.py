@@ -269,16 +269,8 @@ def test_the_summary_of_every_run_has_the_balances(saved):
     summary = json.loads((saved / "summary.json").read_text())
     history = read_table(saved / "history.csv")
     assert set(summary["energy"]) >= {
-        "kinetic",
-        "strain",
-        "potential",
-        "dissipated",
-        "supplied",
-        "error",
-        "error_share",
-        "gained",
-        "flag",
-    }
+        "kinetic", "strain", "potential", "dissipated", "supplied", "error", "error_share", "gained", "flag",
+    }  # fmt: skip
     assert (
         summary["energy"]["error"] == history["energy_error [J]"][-1]
         or summary["time"] > history["time [s]"][-1]

@@ -89,21 +89,10 @@ def test_a_curve_of_points(tmp_path: Path) -> None:
 @each_row(
     "text",
     [
-        "",
-        "15",
-        "15,-4",
-        "0,4",
-        "nan,4",
-        "15,4,2",
-        "nowhere.csv",
-        "1e9,3",
-        "empty.csv",
-        "rising.csv",
-        "one.csv",
-        "bad.csv",
-        "head.csv",
+        "", "15", "15,-4", "0,4", "nan,4", "15,4,2", "nowhere.csv", "1e9,3", "empty.csv", "rising.csv",
+        "one.csv", "bad.csv", "head.csv",
     ],
-)
+)  # fmt: skip
 def test_wrong_curves_are_refused(text: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     (tmp_path / "empty.csv").write_text("# nothing\n")

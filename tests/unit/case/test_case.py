@@ -333,18 +333,9 @@ def test_nonsense_is_a_case_or_a_case_error(key: str, value: Any) -> None:
 @given(st.sampled_from(["pipe", "beam", "stabilizer", "body", "bit"]), st.data())
 def test_nonsense_in_an_item_is_a_case_or_a_case_error(kind: str, data: st.DataObject) -> None:
     keys = [
-        "length",
-        "od",
-        "id",
-        "mass",
-        "material",
-        "inertia",
-        "bend",
-        "center_of_gravity",
-        "initial",
-        "friction",
-        "name",
-    ]
+        "length", "od", "id", "mass", "material", "inertia", "bend", "center_of_gravity", "initial",
+        "friction", "name",
+    ]  # fmt: skip
     item = {"kind": kind, **data.draw(st.dictionaries(st.sampled_from(keys), anything, max_size=3))}
     try:
         assert isinstance(simple(string=[PIPE, item]), Case)

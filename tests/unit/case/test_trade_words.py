@@ -64,17 +64,9 @@ def test_the_hint_says_what_to_write(keys: dict[str, Any], wanted: str) -> None:
 def test_no_word_is_a_key_or_a_kind_itself() -> None:
     """Words that become valid one day must leave this table."""
     kinds = {
-        "pipe",
-        "beam",
-        "drill_pipe",
-        "hwdp",
-        "drill_collar",
-        "casing",
-        "coiled_tubing",
-        "stabilizer",
-        "body",
+        "pipe", "beam", "drill_pipe", "hwdp", "drill_collar", "casing", "coiled_tubing", "stabilizer", "body",
         "bit",
-    }
+    }  # fmt: skip
     assert not kinds & KINDS.keys()
     assert all(meant.partition(",")[0] in kinds for meant in KINDS.values())
     assert all(word not in keys for word, keys in KEYS.items())

@@ -92,16 +92,8 @@ def test_importing_brings_no_drawing_package_and_no_mpi(name: str) -> None:
     )
     assert name in loaded
     assert not loaded & {
-        "pyvista",
-        "vtk",
-        "vtkmodules",
-        "matplotlib",
-        "meshio",
-        "PIL",
-        "mpi4py",
-        "petsc4py",
-        "rich",
-    }
+        "pyvista", "vtk", "vtkmodules", "matplotlib", "meshio", "PIL", "mpi4py", "petsc4py", "rich",
+    }  # fmt: skip
 
 
 @each_row("text", ["{", "", "[1]", "\x00\x01"])

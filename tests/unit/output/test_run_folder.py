@@ -94,16 +94,9 @@ def test_names_of_the_contract(tmp_path: Path) -> None:
         run.case,
     )
     assert [file.name for file in files] == [
-        "history.csv",
-        "probes.csv",
-        "trajectory.csv",
-        "statics.csv",
-        "string.pvd",
-        "well.vtu",
-        "summary.json",
-        "checkpoint.h5",
-        "case.yaml",
-    ]
+        "history.csv", "probes.csv", "trajectory.csv", "statics.csv", "string.pvd", "well.vtu",
+        "summary.json", "checkpoint.h5", "case.yaml",
+    ]  # fmt: skip
 
 
 def test_a_case_name_that_would_leave_the_results_folder_is_refused(tmp_path: Path) -> None:

@@ -249,17 +249,8 @@ def test_directions_are_those_of_the_geometry() -> None:
 
 def test_scales_are_round() -> None:
     assert [round_scale(x) for x in (0.3, 1.0, 1.9, 2.0, 4.9, 5.0, 9.9, 10.0, 499.0, 500.0)] == [
-        1,
-        1,
-        1,
-        2,
-        2,
-        5,
-        5,
-        10,
-        200,
-        500,
-    ]
+        1, 1, 1, 2, 2, 5, 5, 10, 200, 500,
+    ]  # fmt: skip
 
 
 def test_units_of_keys() -> None:
