@@ -145,13 +145,9 @@ def test_contact_returns_nan_for_nan(kind, what):
 @each_row(
     ("kind", "limited"),
     [
-        ("motor_pi", 0),
-        ("motor_upper", 1),
-        ("motor_lower", 1),
-        ("motor_power", 1),
-        ("motor_rounded", 0),
+        ("motor_pi", 0), ("motor_upper", 1), ("motor_lower", 1), ("motor_power", 1), ("motor_rounded", 0),
     ],
-)
+)  # fmt: skip
 def test_the_motors_of_the_contract_are_at_their_limits(kind, limited):
     """The states above lie where their name says: inside the limits, at one, or within its rounding."""
     from tests.helpers.component_models import RESULTS

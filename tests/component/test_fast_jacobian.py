@@ -91,17 +91,9 @@ def test_local_derivatives_of_the_contact(kind, triple):
         block = next(b for b in asm.bound_blocks if b.block.kernel == kernel)
         spin = np.random.default_rng(seed).standard_normal(asm.spin_gradient.shape)
         arguments = (
-            block.count,
-            block.index,
-            block.spins,
-            block.block.params,
-            block.block.context,
-            weights,
-            spin,
-            asm.x,
-            asm.y,
-            asm.a,
-        )
+            block.count, block.index, block.spins, block.block.params, block.block.context, weights, spin,
+            asm.x, asm.y, asm.a,
+        )  # fmt: skip
         fast, wide = (_jacobian(name, *arguments) for name in (kernel, kernel + "_dual"))
         scale = np.abs(wide).max(axis=(1, 2))
         assert (np.abs(fast - wide).max(axis=(1, 2)) <= 1e-13 * scale).all()

@@ -17,12 +17,8 @@ from tests.helpers.component_models import SHIFT, dense, differences, lengths, r
 from tests.helpers.tables import each_row
 
 KINDS = (
-    "pipe_annulus_bit",
-    "pipe_bit",
-    "pipe_annulus_bit_held",
-    "pipe_bit_held",
-    "pipe_annulus_bit_junction",
-)
+    "pipe_annulus_bit", "pipe_bit", "pipe_annulus_bit_held", "pipe_bit_held", "pipe_annulus_bit_junction",
+)  # fmt: skip
 LINKS = (SideLink(1, 0.02, ((1, 0.02),)), SideLink(3, 0.03, ((2, 0.01), (3, 0.02))))
 COEFFICIENT = 0.9
 SPEED, DENSITY = RESULT_NAMES.index("speed"), RESULT_NAMES.index("density")

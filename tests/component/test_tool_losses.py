@@ -13,12 +13,8 @@ from tests.helpers.component_models import SHIFT, dense, differences, lengths, r
 from tests.helpers.tables import each_row
 
 KINDS = (
-    "pipe_annulus_bit",
-    "pipe_bit",
-    "pipe_annulus_bit_held",
-    "pipe_bit_held",
-    "pipe_annulus_bit_junction",
-)
+    "pipe_annulus_bit", "pipe_bit", "pipe_annulus_bit_held", "pipe_bit_held", "pipe_annulus_bit_junction",
+)  # fmt: skip
 SQUARE, LOSS, SLOPE = np.array([0.0, 1e-4, 9e-4]), np.array([0.0, 2.0, 5.0]), np.array([1e4, 6e3, 3e3])
 CUBIC = np.column_stack([SQUARE, LOSS, SLOPE])
 LINE = np.array([[0.0, 0.0, 500.0], [4e-4, 0.2, 500.0]])

@@ -101,17 +101,10 @@ def hoist_line(kind: str, position: np.ndarray, tangent: np.ndarray) -> HoistLin
     )
     numbers = np.array(
         [
-            float(top.anchor[0]) - 0.3,
-            0.8,
-            {"upper": -60.0, "lower": 60.0}.get(kind.split("_")[-1], 3.0),
-            0.2,
-            0.1,
-            1.0,
-            np.nan,
-            0.0,
-            0.0,
+            float(top.anchor[0]) - 0.3, 0.8, {"upper": -60.0, "lower": 60.0}.get(kind.split("_")[-1], 3.0),
+            0.2, 0.1, 1.0, np.nan, 0.0, 0.0,
         ]
-    )
+    )  # fmt: skip
     hoist.set_state({"numbers": numbers, "last": np.arange(9.0), "samples": np.ones((2, 9))})
     return hoist
 

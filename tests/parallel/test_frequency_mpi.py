@@ -54,17 +54,10 @@ def test_response_on_1_2_and_3_ranks(tmp_path):
                 n,
                 SCRIPT,
                 [
-                    "response",
-                    str(file),
-                    "--excite",
-                    *excite,
-                    "--speeds",
-                    "60,120 rpm",
-                    "--stress",
-                    "--out",
+                    "response", str(file), "--excite", *excite, "--speeds", "60,120 rpm", "--stress", "--out",
                     str(folder),
                 ],
-            )
+            )  # fmt: skip
             results.append(columns(folder, "response.csv", names))
         for other in results[1:]:
             for one, values in zip(results[0], other, strict=True):
@@ -100,17 +93,9 @@ def test_stokes_modes_and_stability_on_1_and_3_ranks(tmp_path):
         out = [tmp_path / f"{name}-{n}" for name in ("modes", "map")]
         run_mpi(n, SCRIPT, ["modes", str(tmp_path / "span.yaml"), "--count", "2", "--out", str(out[0])])
         words = [
-            "--rpm",
-            "110:140:30 rpm",
-            "--wob",
-            "100 kN",
-            "--count",
-            "1",
-            "--kind",
-            "torsional",
-            "--out",
+            "--rpm", "110:140:30 rpm", "--wob", "100 kN", "--count", "1", "--kind", "torsional", "--out",
             str(out[1]),
-        ]
+        ]  # fmt: skip
         run_mpi(n, SCRIPT, ["stability", str(tmp_path / "stick.yaml"), *words])
         found = columns(out[0], "modes.csv", ("frequency [Hz]", "damping_ratio [-]", "stokes_number [-]"))
         found += columns(out[1], "stability_boundary.csv", ("boundary_speed [rpm]",))
@@ -127,17 +112,9 @@ def test_critical_map_on_1_2_and_3_ranks(tmp_path):
     file = tmp_path / "shaft.yaml"
     file.write_text(yaml.safe_dump(shaft()))
     words = [
-        "campbell",
-        str(file),
-        "--speeds",
-        "10:150:35 rpm",
-        "--count",
-        "4",
-        "--kind",
-        "lateral",
-        "--lines",
+        "campbell", str(file), "--speeds", "10:150:35 rpm", "--count", "4", "--kind", "lateral", "--lines",
         "1",
-    ]
+    ]  # fmt: skip
     walls = np.array([1e6, 1e9])
     results = []
     for n in (1, 2, 3):

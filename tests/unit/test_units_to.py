@@ -28,19 +28,12 @@ class Variable:
 @each_row(
     ("value", "unit", "wanted"),
     [
-        (4448.2216152605, "klbf", 1.0),
-        (0.2159, "in", 8.5),
-        (119.826427, "ppg", 1.0),
-        (6894.757, "psi", 1.0),
-        (6.309020e-05, "gpm", 1.0),
-        (1.355817948, "ft-lbf", 1.0),
-        (14.59390, "lbf/ft", 1.0),
-        (math.pi, "deg", 180.0),
-        (math.pi, "rpm", 30.0),
-        (310.9277778, "degF", 100.0),
+        (4448.2216152605, "klbf", 1.0), (0.2159, "in", 8.5), (119.826427, "ppg", 1.0), (6894.757, "psi", 1.0),
+        (6.309020e-05, "gpm", 1.0), (1.355817948, "ft-lbf", 1.0), (14.59390, "lbf/ft", 1.0),
+        (math.pi, "deg", 180.0), (math.pi, "rpm", 30.0), (310.9277778, "degF", 100.0),
         (1000.0, "N/m", 1000.0),
     ],
-)
+)  # fmt: skip
 def test_numbers_in_si(value: float, unit: str, wanted: float) -> None:
     assert to(value, unit) == pytest.approx(wanted, rel=2e-6)
 

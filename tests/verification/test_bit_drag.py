@@ -125,12 +125,9 @@ def lifted(h: float = 1.0) -> tuple[DrillingModel, np.ndarray]:
     def sample(system):
         f = bit.element_results(system.assembly)
         return [
-            f[0],
-            f[2],
-            system.field("string.position")[-1, 2] - 1.0,
-            *unknowns(model, "hole.drilled"),
+            f[0], f[2], system.field("string.position")[-1, 2] - 1.0, *unknowns(model, "hole.drilled"),
             *unknowns(model, "bit.chips"),
-        ]
+        ]  # fmt: skip
 
     return model, sampled(model.system, 2.2, sample, model.breaks, ts_rtol=1e-4)
 
@@ -145,13 +142,8 @@ def test_lift_off_keeps_the_uncut_rock():
     """
     _, rows = lifted()
     t, weight, rate, face, drilled, profile = (
-        rows[:, 0],
-        rows[:, 1],
-        rows[:, 2],
-        rows[:, 3],
-        rows[:, 4],
-        rows[:, 5:],
-    )
+        rows[:, 0], rows[:, 1], rows[:, 2], rows[:, 3], rows[:, 4], rows[:, 5:],
+    )  # fmt: skip
     off = (t > 0.53) & (t < 1.15)
     assert off.sum() > 20
     assert np.diff(drilled).min() >= -1e-15 and weight.min() >= 0.0 and rate.min() >= 0.0

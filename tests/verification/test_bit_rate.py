@@ -59,11 +59,8 @@ def test_hos_relation(seed):
     """
     rng = np.random.default_rng(seed)
     sideways, index, dip, azimuth = (
-        rng.uniform(0.05, 1),
-        rng.uniform(0.8, 1.2),
-        rng.uniform(0, np.pi / 2),
-        rng.uniform(-np.pi, np.pi),
-    )
+        rng.uniform(0.05, 1), rng.uniform(0.8, 1.2), rng.uniform(0, np.pi / 2), rng.uniform(-np.pi, np.pi),
+    )  # fmt: skip
     axis = rng.standard_normal(3)
     axis /= np.linalg.norm(axis)
     force = 1e5 * axis + 2e4 * rng.standard_normal(3)

@@ -55,17 +55,9 @@ def test_body_between_two_points_of_the_wall(tmp_path):
     file = tmp_path / "shaft.yaml"
     file.write_text(yaml.safe_dump(shaft()))
     words = [
-        "campbell",
-        str(file),
-        "--speeds",
-        "10:150:20 rpm",
-        "--count",
-        "4",
-        "--kind",
-        "lateral",
-        "--lines",
+        "campbell", str(file), "--speeds", "10:150:20 rpm", "--count", "4", "--kind", "lateral", "--lines",
         "1",
-    ]
+    ]  # fmt: skip
     walls = np.array([3e5, 1e6, 4e6, 1e9])
     options = ["--stiffness", "3e5,1e6,4e6,1e9 Pa", "--out", str(tmp_path / "run")]
     assert main([*words, *options]) == 0

@@ -85,18 +85,14 @@ NEWER_ARKIMEX = pytest.mark.xfail(
 @pytest.mark.parametrize(
     ("options", "limit"),
     [
-        ({}, 3e-5),
-        (PLAIN, 3e-5),
-        ({"ts_type": "theta"}, 3e-5),
-        ({"ts_type": "cn"}, 3e-5),
-        ({"ts_type": "alpha"}, 3e-5),
-        ({"ts_type": "rosw"}, 1e-5),
+        ({}, 3e-5), (PLAIN, 3e-5), ({"ts_type": "theta"}, 3e-5), ({"ts_type": "cn"}, 3e-5),
+        ({"ts_type": "alpha"}, 3e-5), ({"ts_type": "rosw"}, 1e-5),
         pytest.param({"ts_type": "arkimex"}, 1e-5, marks=NEWER_ARKIMEX),
         pytest.param({"ts_type": "arkimex", "ts_arkimex_type": "2e"}, 3e-5, marks=NEWER_ARKIMEX),
         ({"ts_type": "beuler"}, 5e-3),
     ],
     ids=lambda o: "-".join(map(str, o.values())) or "default" if isinstance(o, dict) else "",
-)
+)  # fmt: skip
 def test_integrators_and_solvers_give_the_same_motion(reference, options, limit):
     """All integrators give the same motion with steps of 0.5 ms, the first-order one less accurately, and the
     prescribed angle: 10 rad/s times half the ramp (manual: verif-integrators)."""

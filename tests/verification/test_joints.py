@@ -485,13 +485,10 @@ def whirling(joints=()) -> np.ndarray:
     integrate(m, 0.15, fixed(1e-3, **EXACT))
     return np.array(
         [
-            start,
-            -m.reaction("top.axial_reaction"),
-            m.reaction("top.torque_reaction"),
-            m.field("string.spin", "y")[-1, 0],
-            *m.field("string.position")[-1],
+            start, -m.reaction("top.axial_reaction"), m.reaction("top.torque_reaction"),
+            m.field("string.spin", "y")[-1, 0], *m.field("string.position")[-1],
         ]
-    )
+    )  # fmt: skip
 
 
 @pytest.fixture(scope="module")

@@ -56,13 +56,10 @@ def figures(length: float, torque: float, s):
 @pytest.mark.parametrize(
     ("length", "torque", "rotation"),
     [
-        (900.0, 8e3, 0.0),
-        (1500.0, 5.2e3, 10.0),
-        (600.0, 12.5e3, -4.0),
-        (900.0, 0.0, 0.0),
+        (900.0, 8e3, 0.0), (1500.0, 5.2e3, 10.0), (600.0, 12.5e3, -4.0), (900.0, 0.0, 0.0),
         (1200.0, -700.0, 6.0),
     ],
-)
+)  # fmt: skip
 def test_speed_of_the_bit_by_that_of_the_top(length, torque, rotation, tmp_path):
     """Within 0.3 % at 0.02 to 1 Hz; without load the motor holds its speed, a constraint of rates."""
     frequency = np.array([0.02, 0.1, 0.33, 0.7, 1.0])

@@ -259,14 +259,11 @@ def test_an_excitation_along_the_string(excite, what, stiffness, wave_speed, mot
 @each_row(
     ("excite", "amplitude", "at", "said"),
     [
-        ("unbalanc", "1 kN", "--excite", "unbalance"),
-        ("toll", "1 kN", "--excite", "tool"),
-        ("1200 m", "1 kN", "--excite", "0 to 1000 m"),
-        ("-3 m", "1 kN", "--excite", "0 to 1000 m"),
-        ("tool", None, "--amplitude", "5 kN"),
-        ("tool", "1 kg", "--amplitude", "5 kN"),
+        ("unbalanc", "1 kN", "--excite", "unbalance"), ("toll", "1 kN", "--excite", "tool"),
+        ("1200 m", "1 kN", "--excite", "0 to 1000 m"), ("-3 m", "1 kN", "--excite", "0 to 1000 m"),
+        ("tool", None, "--amplitude", "5 kN"), ("tool", "1 kg", "--amplitude", "5 kN"),
     ],
-)
+)  # fmt: skip
 def test_wrong_places_are_refused(excite, amplitude, at, said, tmp_path):
     case = Case(**m.two_part_string() | {"string": THREE})
     with pytest.raises(CaseError) as caught:

@@ -136,13 +136,8 @@ def test_two_reamers_by_hand():
     """Two branches above the bit: two nested roots."""
     viscosity, pump, areas = 0.6, 0.035, (1.5e-4, 1e-4, 3e-4)
     string = [
-        pipe(400),
-        reamer(areas[0]),
-        pipe(500),
-        reamer(areas[1]),
-        pipe(300),
-        BIT | {"nozzle_area": areas[2]},
-    ]
+        pipe(400), reamer(areas[0]), pipe(500), reamer(areas[1]), pipe(300), BIT | {"nozzle_area": areas[2]},
+    ]  # fmt: skip
     mud = {"rheology": {"model": "newtonian", "viscosity": viscosity, "law": "exact"}, "flow_rate": pump}
     flow = FlowModel(case(string, mud), whole_string(case(string)), "pumping")
     flow.solve(pump)
@@ -401,11 +396,8 @@ def moving(folder: Path, tops: dict, annulus: bool = True, area: float | None = 
     }
     body = {"length": 1.0, "body_od": 0.17, "blade_length": 0.5, "mass": 150.0}
     string = [
-        pipe(200, 40.0),
-        reamer(area, **body),
-        pipe(100, 20.0),
-        BIT | {"nozzle_area": 4e-4, "length": 0.3},
-    ]
+        pipe(200, 40.0), reamer(area, **body), pipe(100, 20.0), BIT | {"nozzle_area": 4e-4, "length": 0.3},
+    ]  # fmt: skip
     end = sum(item["length"] for item in string) + 5
     hole = simple_well(end, HOLE)
     built = case(

@@ -50,11 +50,8 @@ def test_defaults() -> None:
     """Defaults of the case format (manual: sec-bit-rate)."""
     made = rock()
     assert (made.drillability, made.bit_anisotropy, made.rotary_exponent, made.weight_exponent) == (
-        2.8e-8,
-        0.2,
-        1.0,
-        1.0,
-    )
+        2.8e-8, 0.2, 1.0, 1.0,
+    )  # fmt: skip
     assert (made.threshold, made.reference_speed, made.reference_weight) == (0.0, 4 * math.pi, 1e5)
     beds = made.rock_anisotropy
     assert (beds.dip, beds.dip_azimuth, beds.index_dip, beds.index_strike) == (0.0, 0.0, 1.0, 1.0)
@@ -110,19 +107,13 @@ def test_a_layer_takes_the_rest_from_the_formation() -> None:
     assert (first.from_, first.to, first.drillability) == (100.0, 150.0, 0.0)
     assert first.rock_anisotropy == made.rock_anisotropy
     assert (first.bit_anisotropy, first.rotary_exponent, first.weight_exponent, first.threshold) == (
-        0.3,
-        0.8,
-        1.5,
-        2e3,
-    )
+        0.3, 0.8, 1.5, 2e3,
+    )  # fmt: skip
     assert (second.from_, second.to, second.drillability, second.threshold) == (150.0, None, 5e-8, 0.0)
     mixed = second.rock_anisotropy
     assert (mixed.dip, mixed.dip_azimuth, mixed.index_dip, mixed.index_strike) == (
-        0.0,
-        pytest.approx(math.pi / 2),
-        0.95,
-        1.1,
-    )
+        0.0, pytest.approx(math.pi / 2), 0.95, 1.1,
+    )  # fmt: skip
 
 
 def test_which_rock_lies_where() -> None:

@@ -54,11 +54,8 @@ def test_defaults() -> None:
     assert (made.bulk_modulus, made.flow_line, made.bit_volume) == (2e9, 0.0, pytest.approx(7e-3))
     assert (made.discharge_coefficient, made.clinging) == (0.95, 0.45)
     assert (made.annulus, made.elastic_walls, made.check_valve, made.rotation_drag) == (
-        True,
-        True,
-        False,
-        False,
-    )
+        True, True, False, False,
+    )  # fmt: skip
     assert (made.formulation, made.dynamics, made.cuttings) == ("mixed", "full", "removed")
     assert (made.added_mass, made.lateral_damping, made.lateral_damping_speed) == ("confined", "stokes", 1.0)
     assert (made.rheology.law, made.rheology.shear_rate) == ("blend", 1.0)
@@ -194,30 +191,23 @@ def test_all_mistakes_are_named_also_beside_a_missing_top() -> None:
 @each_row(
     ("keys", "at"),
     [
-        ({"density": None}, "density"),
-        ({"bulk_modulus": "-1 GPa"}, "bulk_modulus"),
-        ({"rheology": "newtonian"}, "rheology"),
-        ({"rheology": {"viscosity": 1}}, "rheology.model"),
+        ({"density": None}, "density"), ({"bulk_modulus": "-1 GPa"}, "bulk_modulus"),
+        ({"rheology": "newtonian"}, "rheology"), ({"rheology": {"viscosity": 1}}, "rheology.model"),
         ({"rheology": {"model": "newtonian", "viscosity": "-1 cP"}}, "rheology.viscosity"),
         ({"rheology": {"model": "newtonian", "viscosity": 1, "index": 1}}, "rheology.index"),
         ({"rheology": {"model": "newtonian", "viscosity": 1, "shear_rate": 0}}, "rheology.shear_rate"),
         ({"rheology": {"model": "power_law", "consistency": 1, "index": 0}}, "rheology.index"),
         ({"rheology": {"model": "power_law", "consistency": 0, "index": 1}}, "rheology.consistency"),
         ({"rheology": {"model": "bingham", "plastic_viscosity": 1}}, "rheology.yield_stress"),
-        ({"added_mass": "2 kg"}, "added_mass"),
-        ({"added_mass": True}, "added_mass"),
+        ({"added_mass": "2 kg"}, "added_mass"), ({"added_mass": True}, "added_mass"),
         ({"lateral_damping": "-1 N s/m^2"}, "lateral_damping"),
-        ({"lateral_damping_speed": 0}, "lateral_damping_speed"),
-        ({"clinging": 1.1}, "clinging"),
-        ({"discharge_coefficient": 0}, "discharge_coefficient"),
-        ({"bit_volume": "-1 l"}, "bit_volume"),
-        ({"annulus": "yes"}, "annulus"),
-        ({"check_valve": 1}, "check_valve"),
-        ({"cuttings": "returned"}, "cuttings"),
-        ({"dynamics": "steady"}, "dynamics"),
+        ({"lateral_damping_speed": 0}, "lateral_damping_speed"), ({"clinging": 1.1}, "clinging"),
+        ({"discharge_coefficient": 0}, "discharge_coefficient"), ({"bit_volume": "-1 l"}, "bit_volume"),
+        ({"annulus": "yes"}, "annulus"), ({"check_valve": 1}, "check_valve"),
+        ({"cuttings": "returned"}, "cuttings"), ({"dynamics": "steady"}, "dynamics"),
         ({"flow_line": 100}, "flow_line"),
     ],
-)
+)  # fmt: skip
 def test_refused(keys: dict[str, Any], at: str) -> None:
     error = error_of(well=WELL, fluid={**WATER, **keys})
     assert error.at == f"fluid.{at}"

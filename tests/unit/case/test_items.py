@@ -17,25 +17,11 @@ from drillpetsc.errors import CaseError
 from tests.helpers.tables import each_row
 
 BLOCKS = (
-    tubulars.Pipe,
-    tubulars.Beam,
-    tubulars.DrillPipe,
-    tubulars.HeavyPipe,
-    tubulars.DrillCollar,
-    tubulars.Casing,
-    tubulars.CoiledTubing,
-    tools.ShockSub,
-    tools.BumperSub,
-    motor.PositiveDisplacementMotor,
-    tools.Jar,
-    agitator.AgitatorTool,
-    string.Stabilizer,
-    string.Body,
-    string.Bit,
-    tubulars.RotarySteerable,
-    tubulars.PositiveDisplacementMotor,
-    tubulars.Reamer,
-)
+    tubulars.Pipe, tubulars.Beam, tubulars.DrillPipe, tubulars.HeavyPipe, tubulars.DrillCollar,
+    tubulars.Casing, tubulars.CoiledTubing, tools.ShockSub, tools.BumperSub, motor.PositiveDisplacementMotor,
+    tools.Jar, agitator.AgitatorTool, string.Stabilizer, string.Body, string.Bit, tubulars.RotarySteerable,
+    tubulars.PositiveDisplacementMotor, tubulars.Reamer,
+)  # fmt: skip
 WELL = {
     "survey": {"md": [0, 9000], "inclination": [0, 0], "azimuth": [0, 0]},
     "sections": [{"to": "9000 ft", "kind": "open_hole", "diameter": 8.5, "friction": 0.3}],

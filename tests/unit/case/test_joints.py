@@ -28,11 +28,8 @@ def test_defaults_and_units() -> None:
         [{"at": "900 cm", "kind": "revolute"}, {"at": 10, "kind": "slider", "stroke": ["-10 cm", "1.5 m"]}]
     ).joints
     assert (one.at, one.axis, one.constraint, one.stroke) == (
-        pytest.approx(9.0),
-        (0.0, 1.0, 0.0),
-        "position",
-        None,
-    )
+        pytest.approx(9.0), (0.0, 1.0, 0.0), "position", None,
+    )  # fmt: skip
     assert two.stroke == (pytest.approx(-0.1), 1.5) and (two.spring, two.damping, two.stop_stiffness) == (
         0.0,
         0.0,

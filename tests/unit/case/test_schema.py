@@ -109,18 +109,12 @@ MUD = {"density": 1260, "flow_rate": "550 gpm"}
 RHEOLOGIES: tuple[tuple[dict[str, Any], bool], ...] = (
     ({"dial": {"600": 64, "300": 41}}, True),
     ({"dial": {"600": 64, "300": 41, "100": 22}, "model": "herschel_bulkley", "fit": "least_squares"}, True),
-    ({"pv": "23 cP", "yp": "18 lbf/100ft2"}, True),
-    ({"pv": 0.023, "yp": 9.0, "law": "exact"}, True),
-    ({"n": 0.65, "k": "1.2 lbf s^n/100ft2"}, True),
-    ({"ty": 3.0, "n": 0.65, "k": 0.5}, True),
-    ({"model": "newtonian", "viscosity": 0.001}, True),
-    ({"pv": "23 cP"}, False),
-    ({"n": 0.65}, False),
-    ({"pv": "23 cP", "yp": 9, "k": 1.0}, False),
-    ({"dial": {"600": 64, "300": 41}, "model": "honey"}, False),
-    ({"model": "newtonian"}, False),
-    ({}, False),
-)
+    ({"pv": "23 cP", "yp": "18 lbf/100ft2"}, True), ({"pv": 0.023, "yp": 9.0, "law": "exact"}, True),
+    ({"n": 0.65, "k": "1.2 lbf s^n/100ft2"}, True), ({"ty": 3.0, "n": 0.65, "k": 0.5}, True),
+    ({"model": "newtonian", "viscosity": 0.001}, True), ({"pv": "23 cP"}, False), ({"n": 0.65}, False),
+    ({"pv": "23 cP", "yp": 9, "k": 1.0}, False), ({"dial": {"600": 64, "300": 41}, "model": "honey"}, False),
+    ({"model": "newtonian"}, False), ({}, False),
+)  # fmt: skip
 
 
 @each_row(("rheology", "fits"), RHEOLOGIES, ids=lambda value: str(value)[:40])

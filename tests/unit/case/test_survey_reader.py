@@ -142,13 +142,8 @@ def test_ties(tmp_path: Path) -> None:
 
 def test_all_bad_lines_at_once(tmp_path: Path) -> None:
     rows = [
-        "0,0,0",
-        *(f"{30 * k},1,N23E" for k in range(1, 4)),
-        "200,abc,0",
-        "230,181,0",
-        "260,1,400",
-        "-5,0,0",
-    ]
+        "0,0,0", *(f"{30 * k},1,N23E" for k in range(1, 4)), "200,abc,0", "230,181,0", "260,1,400", "-5,0,0",
+    ]  # fmt: skip
     with pytest.raises(CaseError) as caught:
         read(tmp_path, "md [m],inc,azi\n" + "\n".join(rows))
     errors = [caught.value, *caught.value.also]

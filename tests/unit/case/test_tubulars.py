@@ -308,17 +308,11 @@ def test_stabilizers_without_a_diameter() -> None:
 @each_row(
     ("nozzles", "area"),
     [
-        ("3 x 12/32 in", 0.33134),
-        ("3x12", 0.33134),
-        ([12, 12, 12], 0.33134),
-        ("2 x 12 + 1 x 12", 0.33134),
-        (["2 x 12", 12], 0.33134),
-        ("2 x 12/32 in + 12/32", 0.33134),
-        ([10, 8, 8], 0.17487),
-        ("3 x 9.525 mm", 0.33134),
-        ([0.009525] * 3, 0.33134),
+        ("3 x 12/32 in", 0.33134), ("3x12", 0.33134), ([12, 12, 12], 0.33134), ("2 x 12 + 1 x 12", 0.33134),
+        (["2 x 12", 12], 0.33134), ("2 x 12/32 in + 12/32", 0.33134), ([10, 8, 8], 0.17487),
+        ("3 x 9.525 mm", 0.33134), ([0.009525] * 3, 0.33134),
     ],
-)
+)  # fmt: skip
 def test_nozzles(nozzles: Any, area: float) -> None:
     """3 x 12/32 in: 0.33134 in2, 10/8/8: 0.17487 in2 (sum of pi d^2/4)."""
     bit = case(PIPE, BIT | {"nozzles": nozzles}).string[-1]
@@ -328,24 +322,10 @@ def test_nozzles(nozzles: Any, area: float) -> None:
 @each_row(
     "nozzles",
     [
-        "",
-        "3 x",
-        "3 x 5",
-        "3 x 50",
-        "0 x 12",
-        "99 x 12",
-        "3 x 12 ft",
-        "3 x 12.5",
-        "x",
-        [],
-        [True],
-        [5],
-        [-12],
-        {},
-        12,
-        "3 x 3 in",
+        "", "3 x", "3 x 5", "3 x 50", "0 x 12", "99 x 12", "3 x 12 ft", "3 x 12.5", "x", [], [True], [5],
+        [-12], {}, 12, "3 x 3 in",
     ],
-)
+)  # fmt: skip
 def test_refused_nozzles(nozzles: Any) -> None:
     assert refused(PIPE, BIT | {"nozzles": nozzles}).at.startswith("string[1].nozzles")
 
@@ -402,15 +382,12 @@ def test_bypass_area() -> None:
 # ---------------------------------------------------------------------- written out
 def test_written_case_reads_back() -> None:
     string = (
-        PIPE,
-        {"kind": "hwdp", "length": 90.0, "pipe": "5in 49.3 NC50"},
-        COLLAR | {"od": "6.75 in", "nonmagnetic": True, "spiral": True},
-        STABILIZER | {"stiff": False},
+        PIPE, {"kind": "hwdp", "length": 90.0, "pipe": "5in 49.3 NC50"},
+        COLLAR | {"od": "6.75 in", "nonmagnetic": True, "spiral": True}, STABILIZER | {"stiff": False},
         {"kind": "casing", "length": 9.0, "od": "7 in", "nominal_weight": "29 lb/ft"},
         {"kind": "coiled_tubing", "length": 9.0, "od": "2 in", "wall": "0.156 in", "grade": "CT80"},
-        STABILIZER,
-        BIT | {"nozzles": "3x12"},
-    )
+        STABILIZER, BIT | {"nozzles": "3x12"},
+    )  # fmt: skip
     from ruamel.yaml import YAML
 
     one = case(*string)

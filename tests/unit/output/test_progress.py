@@ -108,14 +108,10 @@ def test_a_restart_and_a_run_that_stands_still(clock: Clock) -> None:
 @each_row(
     ("seconds", "text"),
     [
-        (3.2, "3.2 s"),
-        (59.0, "59 s"),
-        (75.0, "1 min 15 s"),
-        (4020.0, "1 h 07 min"),
-        (float("inf"), "?"),
+        (3.2, "3.2 s"), (59.0, "59 s"), (75.0, "1 min 15 s"), (4020.0, "1 h 07 min"), (float("inf"), "?"),
         (float("nan"), "?"),
     ],
-)
+)  # fmt: skip
 def test_durations(seconds: float, text: str) -> None:
     assert duration(seconds) == text
 

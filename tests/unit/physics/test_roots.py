@@ -14,14 +14,10 @@ from tests.helpers.tables import each_row
 EPSILON = np.finfo(float).eps
 
 FUNCTIONS = [
-    (lambda x: x**3 - 2 * x - 5, 2.0, 3.0),
-    (lambda x: math.cos(x) - x, 0.0, 1.0),
-    (lambda x: math.exp(x) - 1e3, -10.0, 30.0),
-    (lambda x: math.atan(50 * (x - 0.3)), -1.0, 7.0),
-    (lambda x: x**3 + x, -1.0, 1.7),
-    (lambda x: x - 0.25, 0.25, 1.0),
-    (lambda x: (x > 0.1) - 0.5, 0.0, 1.0),
-]
+    (lambda x: x**3 - 2 * x - 5, 2.0, 3.0), (lambda x: math.cos(x) - x, 0.0, 1.0),
+    (lambda x: math.exp(x) - 1e3, -10.0, 30.0), (lambda x: math.atan(50 * (x - 0.3)), -1.0, 7.0),
+    (lambda x: x**3 + x, -1.0, 1.7), (lambda x: x - 0.25, 0.25, 1.0), (lambda x: (x > 0.1) - 0.5, 0.0, 1.0),
+]  # fmt: skip
 
 
 @each_row(("f", "left", "right"), FUNCTIONS)

@@ -41,11 +41,8 @@ def test_curves_bars_and_axes_are_those_of_the_picture() -> None:
     first, second, shoe, upright, bar = shown.data
     assert shoe.line.dash == "solid" and "px" in first.line.dash
     assert (list(first.x), list(first.y), first.name, first.line.dash != "solid") == (
-        [1, 2],
-        [10, 30],
-        "hook load",
-        True,
-    )
+        [1, 2], [10, 30], "hook load", True,
+    )  # fmt: skip
     assert first.showlegend and not second.showlegend and first.line.color == "#ff0000"
     assert list(shoe.x) == [1, 3] and list(shoe.y) == [25, 25] and list(upright.y) == [50, 0]
     assert (list(bar.x), list(bar.y), list(bar.base), list(bar.width)) == ([550], [100], [30], [20])

@@ -239,15 +239,11 @@ def test_options_from_the_command_line():
 @pytest.mark.parametrize(
     ("vary", "values", "names"),
     [
-        ("time-step", ["2 m"], "--values"),
-        ("tolerance", ["-1"], "--values"),
-        ("ranks", ["1.5"], "--values"),
-        ("order", ["9"], "--values"),
-        ("integrator", ["rk4"], "--values"),
-        ("wind", [], "--vary"),
+        ("time-step", ["2 m"], "--values"), ("tolerance", ["-1"], "--values"), ("ranks", ["1.5"], "--values"),
+        ("order", ["9"], "--values"), ("integrator", ["rk4"], "--values"), ("wind", [], "--vary"),
         ("tolerance", ["1e-3", "1e-3"], "--values"),
     ],
-)
+)  # fmt: skip
 def test_invalid_requests_are_refused_before_anything_is_written(case_file, tmp_path, vary, values, names):
     with pytest.raises(CaseError) as caught:
         study(

@@ -52,14 +52,11 @@ def test_drill_pipe(row):
 @each_row(
     ("size", "nominal", "wall", "pull", "torque"),
     [
-        (5.0, 19.5, 1.0, 712_070, 74_100),
-        (5.0, 19.5, 0.8, 560_764, 58_114),
-        (5.5, 21.9, 1.0, 786_809, 91_278),
-        (5.5, 21.9, 0.8, 620_604, 71_754),
-        (4.0, 14.0, 1.0, 513_600, 41_900),
-        (4.0, 14.0, 0.8, 403_500, 32_800),
+        (5.0, 19.5, 1.0, 712_070, 74_100), (5.0, 19.5, 0.8, 560_764, 58_114),
+        (5.5, 21.9, 1.0, 786_809, 91_278), (5.5, 21.9, 0.8, 620_604, 71_754),
+        (4.0, 14.0, 1.0, 513_600, 41_900), (4.0, 14.0, 0.8, 403_500, 32_800),
     ],
-)
+)  # fmt: skip
 def test_s135_strength(size, nominal, wall, pull, torque):
     """S-135 pipe, new and premium: Workstrings International, drill pipe sheets (the 4 in rows are rounded to 100)."""
     row = next(r for r in BUILT_IN.rows["drill_pipe"] if (r["size"], r["nominal"]) == (size, nominal))
@@ -128,14 +125,10 @@ def test_adjusted_weights_mostly_within_a_quarter_percent():
 @each_row(
     ("name", "outer", "inner", "torque"),
     [
-        ("NC26", 3.375, 1.75, 6_875),
-        ("NC46", 6.0, 3.25, 33_625),
-        ("NC50", 6.375, 3.75, 37_676),
-        ("NC50", 6.625, 2.75, 63_406),
-        ("6 5/8 FH", 8.0, 5.0, 73_661),
-        ("5 1/2 FH", 7.5, 3.0, 52_302 / 0.6),
+        ("NC26", 3.375, 1.75, 6_875), ("NC46", 6.0, 3.25, 33_625), ("NC50", 6.375, 3.75, 37_676),
+        ("NC50", 6.625, 2.75, 63_406), ("6 5/8 FH", 8.0, 5.0, 73_661), ("5 1/2 FH", 7.5, 3.0, 52_302 / 0.6),
     ],
-)
+)  # fmt: skip
 def test_torque_of_tool_joints(name, outer, inner, torque):
     """API RP 7G: table 8, torsional yield of tool joints (as recalled), and the make-up torque of 5 1/2 in 21.90 S-135 pipe with
     5 1/2 FH tool joints, 52,302 ft-lbf (errata of May 2000 to table 10), which is 60 % of it."""
