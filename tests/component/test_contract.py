@@ -12,7 +12,7 @@ from drillpetsc.fem.bound_parts import ROW_SCALE
 from drillpetsc.kernels.parameters import columns
 from drillpetsc.physics.contact import Contact
 from drillpetsc.physics.hoist import FIGURES
-from tests.helpers.component_models import KINDS, SHIFT, build, dense, differences, residual
+from tests.helpers.component_models import KINDS, SHIFT, both_jacobians, build, meet_conditions
 from tests.helpers.tables import each_row
 
 
@@ -20,15 +20,9 @@ from tests.helpers.tables import each_row
 def test_condensed_jacobian_matches_central_differences(kind):
     """S = K + shift C + shift^2 M of every kernel, with prescribed rows, against fourth-order differences."""
     system, t = build(kind), 0.4
-    asm, n = system.assembly, system.layout.size
-    free = np.eye(n)  # prescribed components are fixed by their rows, for any columns
-    for f in asm.row_replacements:
-        asm.x[f.rows] += f.D.T @ (f.condition.value(t) - f.D @ asm.x[f.rows])
-        free[np.ix_(f.rows, f.rows)] = f.complement
-    x0, h = asm.x[:-1].copy(), 1e-4
-    residual(system, x0, t)
-    asm.jacobian(t, (1.0, SHIFT, SHIFT**2), condensed=True)
-    J, F = dense(system), differences(system, x0, t, h)
+    asm = system.assembly
+    free = meet_conditions(system, t)  # prescribed components are fixed by their rows, for any columns
+    J, F = both_jacobians(system, t, 1e-4)
     scale = np.abs(J[np.abs(J) < 1e5]).max()
     assert np.abs((J - F) @ free).max() < 3e-7 * scale
     for f in asm.row_replacements:

@@ -8,7 +8,7 @@ import pytest
 
 from drillpetsc.physics.fluid.channel_flow import RESULT_NAMES, FluidConstants
 from drillpetsc.physics.fluid.rheology import Rheology
-from tests.helpers.component_models import GRAVITY, SHIFT, dense, differences, lengths, residual
+from tests.helpers.component_models import GRAVITY, SHIFT, both_jacobians, lengths, meet_conditions
 from tests.helpers.flow_models import KINDS, build, give_shoulders
 from tests.helpers.tables import each_row
 from tests.helpers.wells import simple_well
@@ -25,15 +25,8 @@ def test_condensed_jacobian_matches_central_differences(kind):
     row."""
     system, t = build(kind), 0.4
     give_shoulders(system)
-    asm, n = system.assembly, system.layout.size
-    free = np.eye(n)
-    for f in asm.row_replacements:
-        asm.x[f.rows] += f.D.T @ (f.condition.value(t) - f.D @ asm.x[f.rows])
-        free[np.ix_(f.rows, f.rows)] = f.complement
-    x0, h = asm.x[:-1].copy(), 1e-4
-    residual(system, x0, t)
-    asm.jacobian(t, (1.0, SHIFT, SHIFT**2), condensed=True)
-    J, F = dense(system), differences(system, x0, t, lengths(system, h))
+    free = meet_conditions(system, t)
+    J, F = both_jacobians(system, t, lengths(system, 1e-4))
     scale = np.abs(J).max(axis=1, keepdims=True)
     scale[scale == 0] = 1.0  # rows of another component's unknowns
     assert np.abs((J - F) @ free / scale).max() < 3e-7

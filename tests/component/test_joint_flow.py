@@ -22,7 +22,7 @@ from drillpetsc.physics.fluid.joint_seals import SEAL_RESULTS, JointSeals
 from drillpetsc.physics.fluid.rheology import Rheology
 from drillpetsc.physics.joints import Joints
 from drillpetsc.time_function import Constant, Ramp
-from tests.helpers.component_models import GRAVITY, SECTION, SHIFT, dense, differences, lengths, residual
+from tests.helpers.component_models import GRAVITY, SECTION, SHIFT, both_jacobians, lengths
 from tests.helpers.flow_models import give_shoulders
 from tests.helpers.tables import each_row
 
@@ -86,13 +86,9 @@ def test_condensed_jacobian_matches_central_differences(kind):
     columns of the joint's multipliers are in newtons."""
     system, t = build(kind), 0.4
     give_shoulders(system)
-    asm = system.assembly
     names = np.array([f.name for f in system.layout.fields])[system.layout.field_of]
     unit = np.where(np.char.startswith(names, "joint."), 1e-6, 1.0)
-    x0, h = asm.x[:-1].copy(), 1e-4
-    residual(system, x0, t)
-    asm.jacobian(t, (1.0, SHIFT, SHIFT**2), condensed=True)
-    J, F = dense(system), differences(system, x0, t, lengths(system, h))
+    J, F = both_jacobians(system, t, lengths(system, 1e-4))
     J, F = (unit[:, None] * A * unit for A in (J, F))
     assert np.abs((J - F) / np.abs(J).max(axis=1, keepdims=True)).max() < 3e-7
 

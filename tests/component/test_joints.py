@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from drillpetsc.physics.joints import KINDS, SCALE
-from tests.helpers.component_models import SHIFT, dense, differences, residual
+from tests.helpers.component_models import SHIFT, both_jacobians, meet_conditions
 from tests.helpers.joint_models import joint_component, random_state, rolling_state
 from tests.helpers.tables import each_row
 
@@ -37,15 +37,9 @@ def test_condensed_jacobian_matches_central_differences(name):
     system, t = STATES[name](), 0.0
     if "joint.correction" in system.layout.dofs:
         system.set_field("joint.correction", np.zeros((5, 6)))
-    asm, n, unit = system.assembly, system.layout.size, scaled(system)
-    free = np.eye(n)  # a fixed node is given by its rows, for any columns
-    for f in asm.row_replacements:
-        asm.x[f.rows] += f.D.T @ (f.condition.value(t) - f.D @ asm.x[f.rows])
-        free[np.ix_(f.rows, f.rows)] = f.complement
-    x0, h = asm.x[:-1].copy(), 1e-4
-    residual(system, x0, t)
-    asm.jacobian(t, (1.0, SHIFT, SHIFT**2), condensed=True)
-    J, F = dense(system), differences(system, x0, t, h)
+    unit = scaled(system)
+    free = meet_conditions(system, t)  # a fixed node is given by its rows, for any columns
+    J, F = both_jacobians(system, t, 1e-4)
     J, F = (unit[:, None] * A * unit for A in (J, F))
     size = np.abs(J[np.abs(J) < 1e5]).max()  # rows that fix a node are larger
     assert np.abs((J - F) @ free).max() < 3e-7 * size

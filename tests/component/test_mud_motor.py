@@ -15,15 +15,7 @@ from drillpetsc.physics.joints import Joints
 from drillpetsc.physics.tools.motor_law import MeasuredCurve, MotorLaw
 from drillpetsc.physics.tools.mud_motor import Bend, MudMotor, Rotor
 from drillpetsc.time_function import Constant
-from tests.helpers.component_models import (
-    GRAVITY,
-    SECTION,
-    SHIFT,
-    curved_tangents,
-    dense,
-    differences,
-    residual,
-)
+from tests.helpers.component_models import GRAVITY, SECTION, SHIFT, both_jacobians, curved_tangents
 from tests.helpers.tables import each_row
 
 #: torque [N m] by the part of the law that it meets; the stall torque is 2
@@ -96,13 +88,9 @@ def the_motor(system: DiscreteSystem) -> MudMotor:
 def test_jacobian_matches_differences(place, measured, held):
     """All parts of the law, its corners included, in motion and held by statics (fourth-order differences)."""
     system, t = build(place, measured), 0.4
-    asm = system.assembly
     if held:
         the_motor(system).params["held"] = 3.0
-    x0, h = asm.x[:-1].copy(), 1e-5
-    residual(system, x0, t)
-    asm.jacobian(t, (1.0, SHIFT, SHIFT**2), condensed=True)
-    J, F = dense(system), differences(system, x0, t, h)
+    J, F = both_jacobians(system, t, 1e-5)
     # each row against its own largest entry: the rows of joint and law have another scale than forces
     scale = np.abs(J).max(axis=1, keepdims=True) + 1.0
     assert np.abs((J - F) / scale).max() < 3e-7

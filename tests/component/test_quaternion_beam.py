@@ -18,15 +18,7 @@ from drillpetsc.physics.quaternion.beam import QuaternionBeam, quaternions, spun
 from drillpetsc.physics.quaternion.contact import QuaternionContact
 from drillpetsc.physics.quaternion.ends import ConstrainedEnd, QuaternionLoads
 from drillpetsc.time_function import Constant, Ramp
-from tests.helpers.component_models import (
-    GRAVITY,
-    SECTION,
-    SHIFT,
-    curved_tangents,
-    dense,
-    differences,
-    residual,
-)
+from tests.helpers.component_models import GRAVITY, SECTION, SHIFT, both_jacobians, curved_tangents
 from tests.helpers.tables import each_row
 
 KINDS = [
@@ -126,13 +118,9 @@ def test_condensed_jacobian_matches_central_differences(kind, constraint):
     """K + shift C + shift^2 M of all rows, with constraints, against fourth-order differences, also for |q|
     != 1."""
     system, t = build(kind, constraint=constraint), 0.4
-    n = system.layout.size
     at = system.layout.dofs["string.quaternion"]
     system.assembly.x[at] *= np.linspace(0.9, 1.1, 5)[:, None]
-    x0, h = system.assembly.x[:n].copy(), 1e-4
-    residual(system, x0, t)
-    system.assembly.jacobian(t, (1.0, SHIFT, SHIFT**2), condensed=True)
-    J, F = dense(system), differences(system, x0, t, h)
+    J, F = both_jacobians(system, t, 1e-4)
     names = np.array([f.name for f in system.layout.fields])[system.layout.field_of]
     constrained = np.isin(names, [f.name for f in system.layout.fields if not f.differential])
     for rows in (constrained, ~constrained):

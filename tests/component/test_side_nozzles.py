@@ -13,7 +13,7 @@ from drillpetsc.physics.fluid.channel_flow import RESULT_NAMES
 from drillpetsc.physics.fluid.side_nozzles import RESULTS, SideLink, SideNozzles
 from drillpetsc.time_function import Constant
 from tests.helpers import flow_models
-from tests.helpers.component_models import SHIFT, dense, differences, lengths, residual
+from tests.helpers.component_models import SHIFT, both_jacobians, lengths
 from tests.helpers.tables import each_row
 
 KINDS = (
@@ -50,11 +50,7 @@ def build(kind: str) -> DiscreteSystem:
 def test_condensed_jacobian_matches_central_differences(kind):
     """Every row by every unknown against fourth-order differences, relative to the largest entry of the row."""
     system, t = build(kind), 0.4
-    asm = system.assembly
-    x0, h = asm.x[:-1].copy(), 1e-4
-    residual(system, x0, t)
-    asm.jacobian(t, (1.0, SHIFT, SHIFT**2), condensed=True)
-    J, F = dense(system), differences(system, x0, t, lengths(system, h))
+    J, F = both_jacobians(system, t, lengths(system, 1e-4))
     assert np.abs((J - F) / np.abs(J).max(axis=1, keepdims=True)).max() < 3e-7
 
 

@@ -256,3 +256,20 @@ def differences(system: DiscreteSystem, x0: np.ndarray, t: float, h: float | np.
         r = [residual(system, x0 + k * e, t) for k in (-2, -1, 1, 2)]
         F[:, j] = (r[0] - 8 * r[1] + 8 * r[2] - r[3]) / (12 * step)
     return F
+
+
+def both_jacobians(system: DiscreteSystem, t: float, h: float | np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """(n, n) condensed Jacobian of the assembly at its unknowns, and that of `differences` with steps ``h``."""
+    x0 = system.assembly.x[: system.layout.size].copy()
+    residual(system, x0, t)
+    system.assembly.jacobian(t, (1.0, SHIFT, SHIFT**2), condensed=True)
+    return dense(system), differences(system, x0, t, h)
+
+
+def meet_conditions(system: DiscreteSystem, t: float) -> np.ndarray:
+    """Set what rows prescribe to its values at ``t``; (n, n): the projection on what they leave free."""
+    asm, free = system.assembly, np.eye(system.layout.size)
+    for f in asm.row_replacements:
+        asm.x[f.rows] += f.D.T @ (f.condition.value(t) - f.D @ asm.x[f.rows])
+        free[np.ix_(f.rows, f.rows)] = f.complement
+    return free
