@@ -36,12 +36,7 @@ def top(control, speed, **motor) -> dict:
 def twisting(control, speed: float = 10.0, elements: int = 40, **more) -> dict:
     """The case without a bit.  Bending and stretching are stiff, so that only twist is slow."""
     pipe = beam(LENGTH, elements, 1e12, 1e15, GJ, 27.0, DENSITY * POLAR, od=0.127)
-    body = {
-        "kind": "body",
-        "length": 0.1,
-        "mass": 10.0,
-        "inertia": {"axial": BODY, "transverse": 10.0},
-    }
+    body = {"kind": "body", "length": 0.1, "mass": 10.0, "inertia": {"axial": BODY, "transverse": 10.0}}
     held = {"kind": "top_drive", "rotation": speed}
     return {
         "string": [pipe, body],

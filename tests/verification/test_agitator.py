@@ -117,11 +117,7 @@ def with_mud(flow: object = "30 l/s", rtol: float = 1e-5, **changes: Any) -> dic
     return values | {
         "string": [{"kind": "pipe", "length": 98.0, **PIPE, "element_length": 2.0}, tool],
         "well": simple_well(110, 0.2159, kind="casing", friction=0.0),
-        "fluid": {
-            "density": 1200,
-            "rheology": {"model": "newtonian", "viscosity": 0.02},
-            "flow_rate": flow,
-        },
+        "fluid": {"density": 1200, "rheology": {"model": "newtonian", "viscosity": 0.02}, "flow_rate": flow},
         "contact": "none",
         "bottom": "free",
         "time": {"end": 0.4},

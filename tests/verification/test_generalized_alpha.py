@@ -108,10 +108,7 @@ def test_tumbling_rod_keeps_its_energy():
     system = tumbling()
     before, energies = sum(system.energies(0.0)), []
     integrate(
-        system,
-        10.0,
-        fixed(0.01, ts_type="alpha2"),
-        lambda t, dt: energies.append(sum(system.energies(t))),
+        system, 10.0, fixed(0.01, ts_type="alpha2"), lambda t, dt: energies.append(sum(system.energies(t)))
     )
     change = np.array(energies) / before - 1
     assert change.max() < 1e-6

@@ -38,13 +38,7 @@ def case(seal: float, arm: float = 0.0, **keys) -> Case:
             {**pipe, "length": 40, "od": 0.1778, "id": 0.0714},
         ],
         "joints": [
-            {
-                "kind": "slider",
-                "at": 180,
-                "spring": 5.25e6,
-                "damping": 2e4,
-                "seal_area": f"{seal} m^2",
-            }
+            {"kind": "slider", "at": 180, "spring": 5.25e6, "damping": 2e4, "seal_area": f"{seal} m^2"}
         ],
         "contact": "none",
         "top": "clamped",

@@ -139,11 +139,7 @@ def test_a_motor_near_its_stall():
 @pytest.mark.parametrize("inclination", [np.radians(60.0), np.pi / 2])
 def test_statics_of_a_string_that_nothing_holds(tmp_path, inclination, mud):
     """Cut pipe in its hole: friction has no motion to act against, so there is no state; a path from a held string is none."""
-    fluid = {
-        "density": 1200.0,
-        "rheology": {"model": "newtonian", "viscosity": 0.01},
-        "flow_rate": 0.0,
-    }
+    fluid = {"density": 1200.0, "rheology": {"model": "newtonian", "viscosity": 0.01}, "flow_rate": 0.0}
     case = Case(
         well=hole(inclination),
         string=[PIPE | {"length": 60.0}],

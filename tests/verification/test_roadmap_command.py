@@ -107,11 +107,7 @@ def test_hoisting_with_rotation(tmp_path):
 
 def test_vertical_well(tmp_path):
     """No wall force: every operation and factor has the buoyed weight, here 242 N/m less mud of 1200 kg/m3."""
-    roadmap = {
-        "friction_factor": {"open_hole": [0.1, 0.5]},
-        "drilling": {"wob": 0},
-        "sliding": {"wob": 0},
-    }
+    roadmap = {"friction_factor": {"open_hole": [0.1, 0.5]}, "drilling": {"wob": 0}, "sliding": {"wob": 0}}
     mud = {"density": 1200, "rheology": {"model": "newtonian", "viscosity": "20 cP"}}
     found = rows(case([0, 2000], [0, 0], roadmap=roadmap, fluid=mud), tmp_path)
     metal = np.pi / 4 * (0.127**2 - 0.1086**2)

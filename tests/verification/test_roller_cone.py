@@ -141,10 +141,7 @@ def bouncing(mass: float, omega: float, waves, spring: float, end: float):
 
 @pytest.mark.parametrize(
     ("mass", "omega", "waves", "end"),
-    [
-        (1000.0, 15.0, [(3, 0.01, np.pi / 2)], 0.23),
-        (640.0, 8.0, [(5, 4e-3, 1.1), (2, 0.03, 1.5)], 0.4),
-    ],
+    [(1000.0, 15.0, [(3, 0.01, np.pi / 2)], 0.23), (640.0, 8.0, [(5, 4e-3, 1.1), (2, 0.03, 1.5)], 0.4)],
 )
 def test_a_mass_flies_off_the_lobes_and_lands(mass, omega, waves, end):
     """Where the surface falls faster than gravity the bit leaves it, and falls freely until it lands.

@@ -11,12 +11,7 @@ from scipy.optimize import brentq
 from drillpetsc.analysis.hydraulics import trade_formulas as trade
 from drillpetsc.analysis.hydraulics.flow_model import FlowModel, string_at, whole_string
 from drillpetsc.analysis.hydraulics.open_hole import open_hole
-from drillpetsc.analysis.hydraulics.surge import (
-    FASTEST,
-    TOLERANCE,
-    Tripping,
-    run_surge,
-)
+from drillpetsc.analysis.hydraulics.surge import FASTEST, TOLERANCE, Tripping, run_surge
 from drillpetsc.analysis.hydraulics.trade_formulas import FOOT, FOOT_PER_MINUTE, INCH, PPG, PSI
 from drillpetsc.case import Case, load_case
 from drillpetsc.case.flow_options import PIPES, Trips, read_trips

@@ -161,10 +161,7 @@ def two_reamers(sizes, energy, ratio, rpm, lowering, wob, mode="dynamic", **more
         {**pipe, "length": pipe["length"] - 6.0}, {**reamer, "od": upper}, between, reamer, pilot, cutter,
     ]  # fmt: skip
     rows = case["well"]["sections"]
-    case["well"]["sections"] = [
-        {**rows[0], "to": LENGTH - PILOT_LENGTH - 6.0, "diameter": upper},
-        *rows,
-    ]
+    case["well"]["sections"] = [{**rows[0], "to": LENGTH - PILOT_LENGTH - 6.0, "diameter": upper}, *rows]
     return case
 
 

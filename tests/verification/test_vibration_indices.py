@@ -158,7 +158,7 @@ def test_synchronous_whirl_of_an_unbalanced_collar(tmp_path):
     """Forced whirl of an eccentric collar between two bearings: once a turn, off the wall; the probe at the end does not whirl."""
     case = Case(
         string=[
-            {**PIPE, "od": 0.1778, "id": 0.0714, "length": 20.0, "element_length": 2.5, "eccentricity": 0.01},
+            {**PIPE, "od": 0.1778, "id": 0.0714, "length": 20.0, "element_length": 2.5, "eccentricity": 0.01}
         ],
         material={"damping": {"mass": 5.0}},
         well=simple_well(21, 0.2159),

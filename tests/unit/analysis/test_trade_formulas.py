@@ -76,13 +76,7 @@ def test_power_law_losses_by_api():
         (10786, 8.835, 4.5, 178.6),
     ):
         found = handbook.api_annulus_loss(
-            flow,
-            hole * INCH,
-            pipe * INCH,
-            length * FOOT,
-            density,
-            mud.annulus_consistency,
-            mud.annulus_index,
+            flow, hole * INCH, pipe * INCH, length * FOOT, density, mud.annulus_consistency, mud.annulus_index
         )
         assert found / PSI == pytest.approx(loss, rel=5e-3)
 

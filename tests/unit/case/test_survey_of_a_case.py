@@ -135,13 +135,7 @@ FLAT = {"md": [0, 1000], "inclination": [0, 0], "azimuth": [0, 0]}
         ({"fluid": MUD | {"pump_pressure": 3000}}, "bar or psi"),
         (WHOLE | {"initial": {"wob": 6e5}}, "more than bits carry"),
         (WHOLE, ""),
-        (
-            WHOLE
-            | {
-                "well": {"survey": FLAT | {"md": [0, 1100]}, "sections": [HOLE]},
-            },
-            "stands on the bottom",
-        ),
+        (WHOLE | {"well": {"survey": FLAT | {"md": [0, 1100]}, "sections": [HOLE]}}, "stands on the bottom"),
         ({"well": {"survey": FLAT | {"md": [0, 1100]}, "sections": [HOLE]}}, ""),
     ],
 )

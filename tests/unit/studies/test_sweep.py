@@ -10,15 +10,7 @@ import pytest
 from drillpetsc.errors import CaseError
 from drillpetsc.output import read_table
 from drillpetsc.studies.sweep.plan import plan_sweep, plan_wells
-from drillpetsc.studies.sweep.table import (
-    Action,
-    Member,
-    Outcome,
-    claim,
-    outcomes,
-    store_outcome,
-    write,
-)
+from drillpetsc.studies.sweep.table import Action, Member, Outcome, claim, outcomes, store_outcome, write
 from drillpetsc.studies.sweep.variations import choices_from, choices_of, split_values, variations
 from drillpetsc.studies.sweep.worker_groups import LEAST_ELEMENTS, group_sizes
 from tests.helpers.tables import each_row
