@@ -20,6 +20,7 @@ from drillpetsc.output.files.atomic import remove_leftovers, replace_file
 from drillpetsc.output.recorder import Recorder
 from drillpetsc.solvers.time_integrator import TimeIntegrator
 from tests.helpers.restarts import files, run_with_copies
+from tests.helpers.tables import each_row
 
 # a whirling string in contact, with a bend of the rotation at 40 ms and a jump of the lowering at 60 ms, and
 # mud
@@ -116,7 +117,7 @@ def test_checkpoints_change_no_number(tmp_path):
         assert results[0][name] == results[1][name], name
 
 
-@pytest.mark.parametrize("interval", [0.1, 0.01, 1e-3, 1 / 3])
+@each_row("interval", [0.1, 0.01, 1e-3, 1 / 3])
 def test_the_next_output_is_the_same_for_a_run_that_starts_there(interval):
     """Successive output times equal those computed for a single time, also where steps end beside multiples
     by rounding."""
@@ -168,7 +169,7 @@ DAMAGE = {
 }
 
 
-@pytest.mark.parametrize("damage", DAMAGE)
+@each_row("damage", DAMAGE)
 def test_a_damaged_checkpoint_is_refused_with_a_message(damage, saved, tmp_path):
     change, words = DAMAGE[damage]
     file = tmp_path / "checkpoint.h5"

@@ -43,7 +43,7 @@ FLUIDS = {
     "api power_law": Rheology.power_law(0.4, 0.7, "api"),
 }
 every_fluid = pytest.mark.parametrize("fluid", FLUIDS.values(), ids=FLUIDS.keys())
-pipe_and_annulus = pytest.mark.parametrize("annulus", [False, True], ids=["pipe", "annulus"])
+pipe_and_annulus = each_row("annulus", [False, True], ids=["pipe", "annulus"])
 
 
 def speed(gpm, outer, inner=0.0):
@@ -207,8 +207,8 @@ PROFILES = {
 }
 
 
-@pytest.mark.parametrize(("fluid", "rate"), PROFILES.values(), ids=PROFILES.keys())
-@pytest.mark.parametrize("plug", [0.02, 0.5, 0.95])
+@each_row(("fluid", "rate"), PROFILES.values(), ids=PROFILES.keys())
+@each_row("plug", [0.02, 0.5, 0.95])
 @pipe_and_annulus
 def test_exact_against_the_integrated_profile(fluid, rate, plug, annulus):
     """Shear stress tau y/y_w at y from the axis (or mid-plane); u(y) = integral of the shear rate; mean of u
@@ -255,7 +255,7 @@ def api_speed(reynolds, n, K, d, annulus, density):
     return (reynolds * k * K / (density * d**n)) ** (1 / (2 - n))
 
 
-@pytest.mark.parametrize("n", [0.4, 0.7, 1.0])
+@each_row("n", [0.4, 0.7, 1.0])
 @pipe_and_annulus
 def test_regimes(n, annulus):
     """16/Re or 24/Re below 3470-1370n, a/Re^b above 4270-1370n, linear between them; the kinks are rounded
@@ -271,7 +271,7 @@ def test_regimes(n, annulus):
     assert stress / (0.5 * density * w**2) == pytest.approx(want, rel=1e-12)
 
 
-@pytest.mark.parametrize("kink", [3470 - 1370 * 0.7, 4270 - 1370 * 0.7])
+@each_row("kink", [3470 - 1370 * 0.7, 4270 - 1370 * 0.7])
 @pipe_and_annulus
 def test_api_rounding_is_smooth(kink, annulus):
     """Across both ends of a rounding the slope does not jump, and the rounded friction factor stays within 1
