@@ -51,9 +51,9 @@ class Row:
     checkpoints: int = 3
     shows: Callable[[list[Path], Columns], object] = lambda folders, history: None
 
-    def written(self, folder: Path) -> Path:
+    def written(self, folder: Path, name: str = "case") -> Path:
         """The case in a file."""
-        path = folder / "case.yaml"
+        path = folder / f"{name}.yaml"
         path.write_text(self.case if isinstance(self.case, str) else yaml.safe_dump(self.case))
         return path
 
