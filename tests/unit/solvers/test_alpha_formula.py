@@ -25,7 +25,7 @@ def solved(history: AlphaHistory, t: float, h: float, rows: Rows) -> AlphaHistor
 
     def residual(x: np.ndarray) -> np.ndarray:
         y = s * x + v0
-        return each_row(t, x, y, s2 * y + v1)
+        return rows(t, x, y, s2 * y + v1)
 
     for _ in range(8):
         r, J = residual(x), np.zeros((n, n))
