@@ -16,10 +16,13 @@ import pytest
 import yaml
 
 from drillpetsc.output import read_table
+from tests.helpers import whole_string as whole
 from tests.helpers.collar_in_mud import CASE as COLLAR_IN_MUD
-from tests.helpers.ranks import FIXED, same_histories
+from tests.helpers.ranks import FIXED, OTHERWISE, same_histories
+from tests.parallel.test_restart import CASE as WHIRL
 from tests.verification import test_ends as ends
 from tests.verification import test_sampled_law as sampled
+from tests.verification.test_agitator import with_mud
 from tests.verification.test_reamer import reaming
 from tests.verification.test_reamer_in_mud import in_mud
 
@@ -542,4 +545,76 @@ ROWS |= {
     "tool losses": Row(PUMPED.replace("STRING", LOSSES), steps("5e-3"), least=1e-9, shows=pressure_falls),
     "swirl with its lag": swirling(),
     "swirl at once": swirling(swirl=0.4, swirl_lag=False),
+}
+
+# ---------------------------------------------------------------------- whole strings
+CASES = Path(__file__).parents[2] / "cases"
+CURVE = """
+well:
+  survey: {md: [0 m, 700 m], inclination: [0 deg, 70 deg], azimuth: [20 deg, 60 deg]}
+  sections: [{to: 700 m, kind: open_hole, diameter: 215.9 mm, friction: 0.2}]
+string:
+  - {kind: pipe, length: 299.5 m, od: 127 mm, id: 108.6 mm, element_length: 20 m}
+  - {kind: bit, length: 0.5 m, od: 215.9 mm, mass: 60 kg}
+top: {kind: top_drive, lowering: 0.5 m/s, rotation: 20 rpm}
+bottom: free
+initial: {from: statics}
+time: {end: 0.2 s}
+"""
+
+
+def before_the_impact(folders: list[Path], history: Columns) -> None:
+    """After the jump at 60 ms the string strikes the wall, which multiplies rounding a thousandfold."""
+    same_histories(folders, share=5e-8, until=0.06)
+
+
+def equal_work(folders: list[Path], history: Columns) -> None:
+    equal_steps(folders)
+    first, *others = (summary["newton_iterations"] for summary in summaries(folders))
+    assert others == pytest.approx([first] * len(others), rel=0.02)
+    assert (folders[-1] / "checkpoint.h5").stat().st_size > 0
+
+
+#: small differences of large forces and of large pressures: within 1e-7 of those
+SMALL = {"bearing_load": "_force [N]", "motor_differential_pressure": "_pressure [Pa]"}
+
+
+def tools_agree(folders: list[Path], history: Columns, share: float = 1e-7) -> None:
+    """Torque and angles of joints that carry none are rounding themselves."""
+    equal_steps(folders)
+    others = [read_table(folder / "history.csv") for folder in folders[1:]]
+    for name, values in history.items():
+        if name.startswith(OTHERWISE):
+            continue
+        unit = SMALL.get(name.split()[0])
+        alike = [values] if unit is None else [q for n, q in history.items() if n.endswith(unit)]
+        size = max(np.abs(q).max() for q in alike)
+        for other in others:
+            assert np.abs(other[name] - values).max() <= share * size + 1e-10, name
+
+
+def tools(case: dict, every: float = 4e-3, **row: Any) -> Row:
+    """Three intervals of output, with a checkpoint after each; `tools_agree` has the tolerances."""
+    output = {"history_every": every, "checkpoint_every": every}
+    return Row(
+        case | {"time": {"end": 3 * every}, "output": output},
+        share=1.0,
+        least=np.inf,
+        shows=tools_agree,
+        **row,
+    )
+
+
+ROWS |= {
+    # contact, mud, a bend and a jump of the top's motion
+    "generalised alpha": Row(WHIRL, (*steps("1e-3"), "-ts_type", "alpha2"), 2e-6, shows=before_the_impact),
+    "a second with contact": Row(
+        (CASES / "lying-string.yaml").read_text(), steps("2e-3"), 5e-8, shows=equal_work
+    ),
+    "top that goes down a curve": Row(CURVE, steps("2e-3"), 5e-8),
+    "agitator": tools(with_mud(), ranks=steps("1e-3"), restarts=slice(None, -1, 2)),
+    "jar, shock sub, motor, steering": tools(
+        whole.combined(whole.JAR, whole.COLLAR, whole.SHOCK, whole.MOTOR, whole.STEERED), ranks=steps("1e-3")
+    ),
+    "two of some tools": tools(whole.whole_string(two=True), every=2e-4, restarts=slice(None, -1, 2)),
 }
