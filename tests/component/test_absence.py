@@ -4,7 +4,6 @@ verif-component-contract)."""
 from __future__ import annotations
 
 import numpy as np
-import pytest
 
 from drillpetsc.analysis.placement import place_along_hole
 from drillpetsc.analysis.summary import field_counts
@@ -12,15 +11,14 @@ from drillpetsc.case import Case
 from drillpetsc.model.drilling_model import build_model
 from drillpetsc.output.field_output import FieldOutput
 from drillpetsc.output.recorder import Recorder
+from tests.helpers.tables import each_row
+from tests.helpers.wells import simple_well
 
 PIPE = {"kind": "pipe", "length": 30, "od": 0.127, "id": 0.1086}
 COLLAR = {"kind": "pipe", "length": 20, "od": 0.1778, "id": 0.0714}
 SIDE = {"kind": "stabilizer", "length": 0, "od": 0.2, "mass": 0, "nozzle_area": 1e-4}
 BIT = {"kind": "bit", "length": 0.5, "od": 0.2, "mass": 60}
-WELL = {
-    "survey": {"md": [0, 60], "inclination": [0.1, 0.1], "azimuth": [0, 0]},
-    "sections": [{"to": 60, "kind": "casing", "diameter": 0.2159, "friction": 0.2}],
-}
+WELL = simple_well(60, 0.2159, 0.1, kind="casing", friction=0.2)
 DRIVE = {"kind": "top_drive", "rotation": 1.0}
 DAMPED = {"damping": {"stiffness": 1e-4}}
 
@@ -34,78 +32,41 @@ MODELS = {
     "free pipe": ({"string": [PIPE], "top": "free"}, 7, 0, {"beam"}, BASE, set()),
     "hung pipe": ({"string": [PIPE], "top": DRIVE}, 7, 0, {"beam"}, BASE | HELD, set()),
     "damped": (
-        {"string": [PIPE], "top": DRIVE, "material": DAMPED},
-        7,
-        0,
-        {"beam_damped"},
-        BASE | HELD,
-        set(),
+        {"string": [PIPE], "top": DRIVE, "material": DAMPED}, 7, 0, {"beam_damped"}, BASE | HELD, set(),
     ),
     "section change": (
-        {"string": [PIPE, COLLAR], "top": DRIVE},
-        7,
-        1,
-        {"beam", "beam_junction"},
-        BASE | HELD,
-        set(),
+        {"string": [PIPE, COLLAR], "top": DRIVE}, 7, 1, {"beam", "beam_junction"}, BASE | HELD, set(),
     ),
     "unbalanced": (
-        {"string": [{**PIPE, "eccentricity": 0.002}], "top": DRIVE},
-        7,
-        0,
-        {"beam", "eccentric"},
-        BASE | HELD,
+        {"string": [{**PIPE, "eccentricity": 0.002}], "top": DRIVE}, 7, 0, {"beam", "eccentric"}, BASE | HELD,
         set(),
     ),
     "bent": (
-        {"string": [{**PIPE, "curvature": 1e-4}], "top": DRIVE},
-        7,
-        0,
-        {"beam", "curvature"},
-        BASE | HELD,
+        {"string": [{**PIPE, "curvature": 1e-4}], "top": DRIVE}, 7, 0, {"beam", "curvature"}, BASE | HELD,
         set(),
     ),
     "loaded": (
-        {"string": [PIPE], "top": DRIVE, "loads": [{"at": 30, "force": [1, 0, 0]}]},
-        7,
-        0,
-        {"beam", "loads"},
-        BASE | HELD,
-        set(),
+        {"string": [PIPE], "top": DRIVE, "loads": [{"at": 30, "force": [1, 0, 0]}]}, 7, 0, {"beam", "loads"},
+        BASE | HELD, set(),
     ),
     "driven": (
-        {"string": [PIPE], "top": {"kind": "driven", "stiffness": 1e3}},
-        7,
-        0,
-        {"beam", "drive"},
-        BASE | HELD,
+        {"string": [PIPE], "top": {"kind": "driven", "stiffness": 1e3}}, 7, 0, {"beam", "drive"}, BASE | HELD,
         set(),
     ),
     "in a hole": (
-        {"string": [PIPE], "top": DRIVE, "well": WELL},
-        7,
-        0,
-        {"beam", "contact", "contact_below"},
-        BASE | HELD,
-        {"contact_force [N/m]", "hole_radius [m]"},
+        {"string": [PIPE], "top": DRIVE, "well": WELL}, 7, 0, {"beam", "contact", "contact_below"},
+        BASE | HELD, {"contact_force [N/m]", "hole_radius [m]"},
     ),
     "hole without contact": (
-        {"string": [PIPE], "top": DRIVE, "well": WELL, "contact": "none"},
-        7,
-        0,
-        {"beam"},
-        BASE | HELD,
+        {"string": [PIPE], "top": DRIVE, "well": WELL, "contact": "none"}, 7, 0, {"beam"}, BASE | HELD,
         {"hole_radius [m]"},
     ),
     "bit on bottom": (
-        {"string": [PIPE, BIT], "top": DRIVE, "well": WELL, "bottom": "bit"},
-        7,
-        0,
-        {"beam", "bodies", "contact", "contact_bodies", "bit_bottom"},
-        BASE | HELD | BOTTOM,
+        {"string": [PIPE, BIT], "top": DRIVE, "well": WELL, "bottom": "bit"}, 7, 0,
+        {"beam", "bodies", "contact", "contact_bodies", "bit_bottom"}, BASE | HELD | BOTTOM,
         {"contact_force [N/m]", "hole_radius [m]"},
     ),
-}
+}  # fmt: skip
 MUD = {"density": 1200, "rheology": {"model": "newtonian", "viscosity": 0.02}}
 HOLE = {"contact_force [N/m]", "hole_radius [m]"}
 INSIDE, AROUND = (
@@ -117,29 +78,16 @@ PUMPED = {"pump_pressure", "bit_pressure", "outlet_flow", "pump_flow", "bit_flow
 # the link at the bit
 WET = {
     "pipe with flow": (
-        {"string": [PIPE], "top": DRIVE, "fluid": MUD},
-        9,
-        0,
-        {"beam", "bore_flow", "pump", "bit_flow"},
-        BASE | HELD | PUMPED,
-        INSIDE,
+        {"string": [PIPE], "top": DRIVE, "fluid": MUD}, 9, 0, {"beam", "bore_flow", "pump", "bit_flow"},
+        BASE | HELD | PUMPED, INSIDE,
     ),
     "coupled": (
         {"string": [PIPE, BIT], "top": DRIVE, "well": WELL, "bottom": "bit", "fluid": MUD},
         11,
         -1,
         {
-            "beam",
-            "bodies",
-            "contact",
-            "contact_bodies",
-            "bit_bottom",
-            "bore_flow",
-            "pump",
-            "annulus_flow",
-            "annulus_top",
-            "bit_flow",
-            "mud_items",
+            "beam", "bodies", "contact", "contact_bodies", "bit_bottom", "bore_flow", "pump", "annulus_flow",
+            "annulus_top", "bit_flow", "mud_items",
         },
         BASE | HELD | BOTTOM | PUMPED,
         HOLE | INSIDE | AROUND,
@@ -149,37 +97,21 @@ WET = {
         11,
         0,
         {
-            "beam",
-            "beam_junction",
-            "contact",
-            "contact_junction_above",
-            "contact_below",
-            "bore_flow",
-            "bore_flow_junction",
-            "pump",
-            "annulus_flow",
-            "annulus_flow_junction",
-            "annulus_top",
-            "bit_flow",
+            "beam", "beam_junction", "contact", "contact_junction_above", "contact_below", "bore_flow",
+            "bore_flow_junction", "pump", "annulus_flow", "annulus_flow_junction", "annulus_top", "bit_flow",
         },
         BASE | HELD | PUMPED,
         HOLE | INSIDE | AROUND,
     ),
     "mud in the bore only": (
-        {"string": [PIPE], "top": DRIVE, "well": WELL, "fluid": {**MUD, "annulus": False}},
-        9,
-        0,
-        {"beam", "contact", "contact_below", "bore_flow", "pump", "bit_flow"},
-        BASE | HELD | PUMPED,
+        {"string": [PIPE], "top": DRIVE, "well": WELL, "fluid": {**MUD, "annulus": False}}, 9, 0,
+        {"beam", "contact", "contact_below", "bore_flow", "pump", "bit_flow"}, BASE | HELD | PUMPED,
         HOLE | INSIDE,
     ),
     "nozzles above the bit": (
-        {"string": [PIPE, SIDE, COLLAR], "hold_string": True, "well": WELL, "fluid": MUD},
-        4,
-        0,
+        {"string": [PIPE, SIDE, COLLAR], "hold_string": True, "well": WELL, "fluid": MUD}, 4, 0,
         {"bore_flow", "pump", "annulus_flow", "bit_flow", "side_nozzles"},
-        (BASE - {"bit_speed", "bit_depth"}) | PUMPED | {"side_flow"},
-        {"hole_radius [m]"} | INSIDE | AROUND,
+        (BASE - {"bit_speed", "bit_depth"}) | PUMPED | {"side_flow"}, {"hole_radius [m]"} | INSIDE | AROUND,
     ),
     "plugged and empty": (
         {
@@ -196,52 +128,29 @@ WET = {
         HOLE | AROUND,
     ),
     "held": (
-        {"string": [PIPE], "hold_string": True, "well": WELL, "fluid": MUD},
-        4,
-        -1,
-        {"bore_flow", "pump", "annulus_flow", "bit_flow"},
-        (BASE - {"bit_speed", "bit_depth"}) | PUMPED,
+        {"string": [PIPE], "hold_string": True, "well": WELL, "fluid": MUD}, 4, -1,
+        {"bore_flow", "pump", "annulus_flow", "bit_flow"}, (BASE - {"bit_speed", "bit_depth"}) | PUMPED,
         {"hole_radius [m]"} | INSIDE | AROUND,
     ),
     "with a choke": (
-        {"string": [PIPE], "hold_string": True, "well": WELL, "fluid": {**MUD, "choke": {"area": 3e-4}}},
-        4,
-        -1,
-        {"bore_flow", "pump", "annulus_flow", "choke", "bit_flow"},
-        (BASE - {"bit_speed", "bit_depth"}) | PUMPED,
-        {"hole_radius [m]"} | INSIDE | AROUND,
+        {"string": [PIPE], "hold_string": True, "well": WELL, "fluid": {**MUD, "choke": {"area": 3e-4}}}, 4,
+        -1, {"bore_flow", "pump", "annulus_flow", "choke", "bit_flow"},
+        (BASE - {"bit_speed", "bit_depth"}) | PUMPED, {"hole_radius [m]"} | INSIDE | AROUND,
     ),
     "held, bore only": (
-        {"string": [PIPE], "hold_string": True, "fluid": MUD},
-        2,
-        0,
-        {"bore_flow", "pump", "bit_flow"},
-        (BASE - {"bit_speed", "bit_depth"}) | PUMPED,
-        INSIDE,
+        {"string": [PIPE], "hold_string": True, "fluid": MUD}, 2, 0, {"bore_flow", "pump", "bit_flow"},
+        (BASE - {"bit_speed", "bit_depth"}) | PUMPED, INSIDE,
     ),
-}
+}  # fmt: skip
 USUAL = {
-    "md [m]",
-    "displacement [m]",
-    "velocity [m/s]",
-    "spin [rad/s]",
-    "spin_angle [rad]",
-    "offset_x [m]",
-    "offset_y [m]",
-    "axial_force [N]",
-    "torque [N m]",
-    "bending_moment [N m]",
-    "bending_moment_x [N m]",
-    "bending_moment_y [N m]",
-    "shear_force [N]",
-    "shear_force_x [N]",
-    "shear_force_y [N]",
-    "outer_radius [m]",
+    "md [m]", "displacement [m]", "velocity [m/s]", "spin [rad/s]", "spin_angle [rad]", "offset_x [m]",
+    "offset_y [m]", "axial_force [N]", "torque [N m]", "bending_moment [N m]", "bending_moment_x [N m]",
+    "bending_moment_y [N m]", "shear_force [N]", "shear_force_x [N]", "shear_force_y [N]", "outer_radius [m]",
     "stress [Pa]",
-}
+}  # fmt: skip
 
 
-@pytest.mark.parametrize("name", [*MODELS, *WET])
+@each_row("name", [*MODELS, *WET])
 def test_model_has_the_parts_of_its_physics_only(name):
     keys, per_node, extra, events, columns, arrays = (MODELS | WET)[name]
     model = build_model(Case(**keys))

@@ -14,15 +14,7 @@ from drillpetsc.physics.beam import AncfBeam
 from drillpetsc.physics.joints import Joints
 from drillpetsc.physics.tools.agitator import Agitator, Valve
 from drillpetsc.time_function import Constant
-from tests.helpers.component_models import (
-    GRAVITY,
-    SHIFT,
-    curved_tangents,
-    dense,
-    differences,
-    mesh_for,
-    residual,
-)
+from tests.helpers.component_models import GRAVITY, SHIFT, both_jacobians, curved_tangents, mesh_for
 
 
 def build(square: bool, seed: int = 5) -> DiscreteSystem:
@@ -50,11 +42,7 @@ def build(square: bool, seed: int = 5) -> DiscreteSystem:
 @pytest.mark.parametrize("square", [False, True])
 def test_jacobian_matches_differences(square):
     system, t = build(square), 0.4
-    asm = system.assembly
-    x0, h = asm.x[:-1].copy(), 1e-4
-    residual(system, x0, t)
-    asm.jacobian(t, (1.0, SHIFT, SHIFT**2), condensed=True)
-    J, F = dense(system), differences(system, x0, t, h)
+    J, F = both_jacobians(system, t, 1e-4)
     assert np.abs((J - F) / (np.abs(J).max(axis=1, keepdims=True) + 1.0)).max() < 1e-6
 
 

@@ -34,38 +34,16 @@ from tests.helpers.component_models import (
     differences,
     residual,
 )
+from tests.helpers.tables import each_row
 
 ANISOTROPIC = np.array([[1.0, 0.05, 0.02], [0.05, 0.9, -0.03], [0.02, -0.03, 1.1]])
 KINDS = [
-    "rop",
-    "rop_layers",
-    "rop_bitaxis",
-    "rop_loose",
-    "drag",
-    "drag_backwards",
-    "drag_body",
-    "weakening",
-    "weakening_byweight",
-    "cone",
-    "cone_loose",
-    "cone_weakening",
-    "cone_statics",
-    "rop_poststep",
-    "drag_statics",
-    "drag_body_statics",
-    "rop_statics",
-    "rop_quasi",
-    "drag_quasi",
-    "drag_body_quasi",
-    "rop_guided",
-    "rop_loose_guided",
-    "rop_guided_statics",
-    "rop_cutting",
-    "drag_cutting",
-    "cone_cutting",
-    "rop_cutting_statics",
-    "rop_cutting_quasi",
-]
+    "rop", "rop_layers", "rop_bitaxis", "rop_loose", "drag", "drag_backwards", "drag_body", "weakening",
+    "weakening_byweight", "cone", "cone_loose", "cone_weakening", "cone_statics", "rop_poststep",
+    "drag_statics", "drag_body_statics", "rop_statics", "rop_quasi", "drag_quasi", "drag_body_quasi",
+    "rop_guided", "rop_loose_guided", "rop_guided_statics", "rop_cutting", "drag_cutting", "cone_cutting",
+    "rop_cutting_statics", "rop_cutting_quasi",
+]  # fmt: skip
 
 
 def bit(kind: str, hole: GrowingHole) -> RockBit:
@@ -142,7 +120,7 @@ def build(kind: str, seed: int = 7) -> tuple[DiscreteSystem, RockBit]:
     return system, component
 
 
-@pytest.mark.parametrize("kind", KINDS)
+@each_row("kind", KINDS)
 def test_jacobian_matches_central_differences(kind):
     system, component = build(kind)
     asm, n = system.assembly, system.layout.size
@@ -161,9 +139,7 @@ def test_jacobian_matches_central_differences(kind):
     )
 
 
-@pytest.mark.parametrize(
-    "kind", [k for k in KINDS if "statics" not in k and "quasi" not in k and "poststep" not in k]
-)
+@each_row("kind", [k for k in KINDS if "statics" not in k and "quasi" not in k and "poststep" not in k])
 def test_power_of_the_bit_is_stored_or_goes_into_the_rock(kind):
     """Rows of the string times its velocity = change of the energy of the springs along the motion +
     dissipation reported by the component."""
@@ -190,7 +166,7 @@ def test_power_of_the_bit_is_stored_or_goes_into_the_rock(kind):
     assert heat > 0
 
 
-@pytest.mark.parametrize("weight", [1.0, 20e3, 16066.040225503912, 64133.17558576836])
+@each_row("weight", [1.0, 20e3, 16066.040225503912, 64133.17558576836])
 def test_first_chip_of_a_sharp_bit(weight):
     """Without a wear flat all of the weight cuts: d = W/(zeta eps a) for any weight, W = 0 cuts nothing
     (manual: eq-bit-drag with l_w = 0).  With the last two weights cut (W/cut) is below W by rounding."""
@@ -199,8 +175,8 @@ def test_first_chip_of_a_sharp_bit(weight):
     assert chip_for(0.0, cut, 0.0, 1e-6) == 0.0
 
 
-@pytest.mark.parametrize("contact", ["none", {"slip_velocity": 0.5}])
-@pytest.mark.parametrize("dynamic", [0.0, 5e3])
+@each_row("contact", ["none", {"slip_velocity": 0.5}])
+@each_row("dynamic", [0.0, 5e3])
 def test_the_weakening_torque_reaches_its_static_value(contact, dynamic):
     """The largest torque over all speeds is the static one, to 1e-12, with and without a contact block; at
     twice the weakening's speed it is T_d + (T_s - T_d) exp(-4), shifted by at most a hundredth of that speed

@@ -10,6 +10,7 @@ from drillpetsc.analysis.session import Session
 from drillpetsc.fem.contact_entries import ContactEntries
 from drillpetsc.solvers.newton import CondensedNewton, shared_factor
 from tests.helpers.component_models import KINDS, SHIFT, build
+from tests.helpers.tables import each_row
 
 WEIGHTS = (1.0, SHIFT, SHIFT**2)
 TURNING = """
@@ -29,7 +30,7 @@ def with_contact():
     return [kind for kind in KINDS if build(kind).has_contact]
 
 
-@pytest.mark.parametrize("kind", with_contact())
+@each_row("kind", with_contact())
 def test_only_contacts_change_and_from_the_node_that_is_told(kind):
     """At another state the contacts have the entries of a whole Jacobian there, to the last bit, and all others stay."""
     system = build(kind)
@@ -55,7 +56,7 @@ def test_only_contacts_change_and_from_the_node_that_is_told(kind):
         assert first <= system.layout.vertex_of[rows[changed]].min()
 
 
-@pytest.mark.parametrize("kind", with_contact())
+@each_row("kind", with_contact())
 def test_factors_of_the_tail_are_those_of_the_whole(kind):
     """Elimination from the first changed node on gives the factors of all of it, to the last bit."""
     system = build(kind)

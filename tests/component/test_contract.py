@@ -12,22 +12,17 @@ from drillpetsc.fem.bound_parts import ROW_SCALE
 from drillpetsc.kernels.parameters import columns
 from drillpetsc.physics.contact import Contact
 from drillpetsc.physics.hoist import FIGURES
-from tests.helpers.component_models import KINDS, SHIFT, build, dense, differences, residual
+from tests.helpers.component_models import KINDS, SHIFT, both_jacobians, build, meet_conditions
+from tests.helpers.tables import each_row
 
 
-@pytest.mark.parametrize("kind", KINDS)
+@each_row("kind", KINDS)
 def test_condensed_jacobian_matches_central_differences(kind):
     """S = K + shift C + shift^2 M of every kernel, with prescribed rows, against fourth-order differences."""
     system, t = build(kind), 0.4
-    asm, n = system.assembly, system.layout.size
-    free = np.eye(n)  # prescribed components are fixed by their rows, for any columns
-    for f in asm.row_replacements:
-        asm.x[f.rows] += f.D.T @ (f.condition.value(t) - f.D @ asm.x[f.rows])
-        free[np.ix_(f.rows, f.rows)] = f.complement
-    x0, h = asm.x[:-1].copy(), 1e-4
-    residual(system, x0, t)
-    asm.jacobian(t, (1.0, SHIFT, SHIFT**2), condensed=True)
-    J, F = dense(system), differences(system, x0, t, h)
+    asm = system.assembly
+    free = meet_conditions(system, t)  # prescribed components are fixed by their rows, for any columns
+    J, F = both_jacobians(system, t, 1e-4)
     scale = np.abs(J[np.abs(J) < 1e5]).max()
     assert np.abs((J - F) @ free).max() < 3e-7 * scale
     for f in asm.row_replacements:
@@ -36,7 +31,7 @@ def test_condensed_jacobian_matches_central_differences(kind):
         assert np.abs(np.delete(rows, f.rows, axis=1)).max() < 1e-9 * scale
 
 
-@pytest.mark.parametrize("kind", [k for k in KINDS if k not in ("topdrive", "clamped")])
+@each_row("kind", [k for k in KINDS if k not in ("topdrive", "clamped")])
 def test_rows_times_velocity_is_the_change_of_energy(kind):
     """y.R = d(kinetic + strain + potential)/dt + dissipated - supplied along the motion: the semi-discrete
     energy balance."""
@@ -62,7 +57,7 @@ def test_rows_times_velocity_is_the_change_of_energy(kind):
     )
 
 
-@pytest.mark.parametrize("kind", ["beam", "beam_damped", "bodies_junction", "curvature"])
+@each_row("kind", ["beam", "beam_damped", "bodies_junction", "curvature"])
 def test_free_motion_keeps_momentum_and_angular_momentum(kind):
     """Forces and moments of the free string without gravity sum to zero, with inertia: the residual of a
     rigid virtual motion vanishes for the elastic part. Checked by differences of the residual with and
@@ -96,7 +91,7 @@ def test_physics_imports_no_mpi():
         assert "mpi4py" not in text and "petsc4py" not in text, file.name
 
 
-@pytest.mark.parametrize("kind", [k for k in KINDS if "contact" in k])
+@each_row("kind", [k for k in KINDS if "contact" in k])
 def test_contact_detects_a_state_of_nan(kind):
     """A state of nan is not taken for a string without contact."""
     system = build(kind)
@@ -111,10 +106,8 @@ def test_contact_detects_a_state_of_nan(kind):
     assert seen == 2
 
 
-@pytest.mark.parametrize("kind", [k for k in KINDS if "contact" in k])
-@pytest.mark.parametrize(
-    "what", ["radius of the pipe", "friction of the pipe", "radius of the hole", "stiffness"]
-)
+@each_row("kind", [k for k in KINDS if "contact" in k])
+@each_row("what", ["radius of the pipe", "friction of the pipe", "radius of the hole", "stiffness"])
 def test_contact_returns_nan_for_nan(kind, what):
     """A nan is not taken for "no clearance", "friction not given" or "no contact" by any comparison."""
     system = build(kind)
@@ -143,16 +136,12 @@ def test_contact_returns_nan_for_nan(kind, what):
         assert wrong[touched if what in ("stiffness", "friction of the pipe") else slice(None)].all()
 
 
-@pytest.mark.parametrize(
+@each_row(
     ("kind", "limited"),
     [
-        ("motor_pi", 0),
-        ("motor_upper", 1),
-        ("motor_lower", 1),
-        ("motor_power", 1),
-        ("motor_rounded", 0),
+        ("motor_pi", 0), ("motor_upper", 1), ("motor_lower", 1), ("motor_power", 1), ("motor_rounded", 0),
     ],
-)
+)  # fmt: skip
 def test_the_motors_of_the_contract_are_at_their_limits(kind, limited):
     """The states above lie where their name says: inside the limits, at one, or within its rounding."""
     from tests.helpers.component_models import RESULTS
@@ -167,9 +156,7 @@ def test_the_motors_of_the_contract_are_at_their_limits(kind, limited):
         assert 0 < abs(r[RESULTS["command"]] - r[RESULTS["torque"]]) < 2.5e-3 * abs(r[RESULTS["command"]])
 
 
-@pytest.mark.parametrize(
-    ("kind", "speed"), [("hoist_wob_upper", 0.02), ("hoist_wob_lower", 0.0), ("hoist_wob", None)]
-)
+@each_row(("kind", "speed"), [("hoist_wob_upper", 0.02), ("hoist_wob_lower", 0.0), ("hoist_wob", None)])
 def test_the_drums_of_the_contract_are_at_their_limits(kind, speed):
     """The autodrillers above run at the limit that their name says, or between the limits."""
     system = build(kind)

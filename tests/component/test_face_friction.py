@@ -11,19 +11,15 @@ from scipy.special import ellipe, ellipk
 from drillpetsc.kernels import function, pointer
 from drillpetsc.kernels.parameters import Parameters, constant
 from drillpetsc.physics.bit_on_bottom import RESULTS
+from tests.helpers.tables import each_row
 
 RADIUS, FRICTION, WEIGHT, SPIN = 0.108, 0.3, 5e4, 8.0
 #: q, f and h by quadrature over the disc, to four places (mean slip of a uniformly pressed disc and its derivative)
 TABLE = [
-    (0.1, 0.0999, 0.9925),
-    (0.3, 0.2966, 0.9337),
-    (0.5, 0.4838, 0.8216),
-    (0.7, 0.6540, 0.6690),
-    (1.0, 8 / (3 * np.pi), 4 / (3 * np.pi)),
-    (1.5, 0.9408, 0.2607),
-    (2.0, 0.9677, 0.1917),
+    (0.1, 0.0999, 0.9925), (0.3, 0.2966, 0.9337), (0.5, 0.4838, 0.8216), (0.7, 0.6540, 0.6690),
+    (1.0, 8 / (3 * np.pi), 4 / (3 * np.pi)), (1.5, 0.9408, 0.2607), (2.0, 0.9677, 0.1917),
     (4.0, 0.9921, 0.0942),
-]
+]  # fmt: skip
 
 
 def face(sideways: float, spin: float = SPIN, slip: float = 1e-9) -> tuple[np.ndarray, np.ndarray]:
@@ -52,7 +48,7 @@ def face(sideways: float, spin: float = SPIN, slip: float = 1e-9) -> tuple[np.nd
     return rows, results
 
 
-@pytest.mark.parametrize(("q", "f", "h"), TABLE)
+@each_row(("q", "f", "h"), TABLE)
 def test_force_and_torque_of_a_disc(q, f, h):
     """Lateral force mu W f(q) and torque 2/3 mu W a h(q) at q = v/(Omega a), to the places of the table."""
     rows, results = face(q * SPIN * RADIUS)

@@ -13,6 +13,7 @@ from drillpetsc.physics.fluid.rheology import Rheology
 from tests.component.test_fast_jacobian import SIGMA, TRIPLES, _jacobian
 from tests.helpers.component_models import GRAVITY
 from tests.helpers.flow_models import build
+from tests.helpers.tables import each_row
 
 LAWS = {
     "water": Rheology(
@@ -81,8 +82,8 @@ def test_closed_form_gives_the_derivative_of_the_rows(kernel, triple, count):
             assert (np.abs(fast - wide) <= 1e-13 * np.abs(wide).max(axis=2, keepdims=True)).all()
 
 
-@pytest.mark.parametrize("law", LAWS)
-@pytest.mark.parametrize("alpha", [0.0, 1.0])
+@each_row("law", LAWS)
+@each_row("alpha", [0.0, 1.0])
 def test_friction_of_packed_elements(law, alpha):
     """Stress, slope and derivative by the density equal those of a single element, from no flow to far beyond
     turbulence."""

@@ -9,6 +9,7 @@ import pytest
 from drillpetsc.kernels import function, pointer
 from drillpetsc.kernels.parameters import Table, columns
 from tests.helpers.component_models import build
+from tests.helpers.tables import each_row
 
 SIGMA = 7.3
 TRIPLES = {
@@ -55,9 +56,9 @@ def _jacobian(name, count, index, nodes, params, context, weights, spin, x, y, a
     return K
 
 
-@pytest.mark.parametrize("triple", TRIPLES)
-@pytest.mark.parametrize("kernel", ["beam", "beam_damped", "beam_junction", "beam_junction_damped"])
-@pytest.mark.parametrize("count", [4, 7])
+@each_row("triple", TRIPLES)
+@each_row("kernel", ["beam", "beam_damped", "beam_junction", "beam_junction_damped"])
+@each_row("count", [4, 7])
 def test_local_derivatives_give_the_derivative_of_the_rows(kernel, triple, count):
     """Equal to rounding for any combination of positions, rates and accelerations, also in the last lanes of
     a pack."""
@@ -90,17 +91,9 @@ def test_local_derivatives_of_the_contact(kind, triple):
         block = next(b for b in asm.bound_blocks if b.block.kernel == kernel)
         spin = np.random.default_rng(seed).standard_normal(asm.spin_gradient.shape)
         arguments = (
-            block.count,
-            block.index,
-            block.spins,
-            block.block.params,
-            block.block.context,
-            weights,
-            spin,
-            asm.x,
-            asm.y,
-            asm.a,
-        )
+            block.count, block.index, block.spins, block.block.params, block.block.context, weights, spin,
+            asm.x, asm.y, asm.a,
+        )  # fmt: skip
         fast, wide = (_jacobian(name, *arguments) for name in (kernel, kernel + "_dual"))
         scale = np.abs(wide).max(axis=(1, 2))
         assert (np.abs(fast - wide).max(axis=(1, 2)) <= 1e-13 * scale).all()

@@ -8,8 +8,10 @@ import pytest
 
 from drillpetsc.physics.fluid.channel_flow import RESULT_NAMES, FluidConstants
 from drillpetsc.physics.fluid.rheology import Rheology
-from tests.helpers.component_models import GRAVITY, SHIFT, dense, differences, lengths, residual
+from tests.helpers.component_models import GRAVITY, SHIFT, both_jacobians, lengths, meet_conditions
 from tests.helpers.flow_models import KINDS, build, give_shoulders
+from tests.helpers.tables import each_row
+from tests.helpers.wells import simple_well
 
 
 def stiff_fluid() -> FluidConstants:
@@ -17,21 +19,14 @@ def stiff_fluid() -> FluidConstants:
     return FluidConstants(3.0, 1e7, GRAVITY, law.parameters(), 0.4)
 
 
-@pytest.mark.parametrize("kind", KINDS)
+@each_row("kind", KINDS)
 def test_condensed_jacobian_matches_central_differences(kind):
     """Every block of every flow kernel against fourth-order differences, relative to the largest entry of its
     row."""
     system, t = build(kind), 0.4
     give_shoulders(system)
-    asm, n = system.assembly, system.layout.size
-    free = np.eye(n)
-    for f in asm.row_replacements:
-        asm.x[f.rows] += f.D.T @ (f.condition.value(t) - f.D @ asm.x[f.rows])
-        free[np.ix_(f.rows, f.rows)] = f.complement
-    x0, h = asm.x[:-1].copy(), 1e-4
-    residual(system, x0, t)
-    asm.jacobian(t, (1.0, SHIFT, SHIFT**2), condensed=True)
-    J, F = dense(system), differences(system, x0, t, lengths(system, h))
+    free = meet_conditions(system, t)
+    J, F = both_jacobians(system, t, lengths(system, 1e-4))
     scale = np.abs(J).max(axis=1, keepdims=True)
     scale[scale == 0] = 1.0  # rows of another component's unknowns
     assert np.abs((J - F) @ free / scale).max() < 3e-7
@@ -59,7 +54,7 @@ def mean_speeds(system) -> np.ndarray:
     return np.sum(mean * tangents, axis=1) / np.linalg.norm(tangents, axis=1)
 
 
-@pytest.mark.parametrize("kind", [k for k in KINDS if not {"held", "bit", "pump"} & set(k.split("_"))])
+@each_row("kind", [k for k in KINDS if not {"held", "bit", "pump"} & set(k.split("_"))])
 def test_mass_rows_add_up_to_the_change_of_content(kind):
     """Sum of the storage of all elements = d(content)/dt by central differences of the content along the
     motion, with the hole's area at the moving mean point of each element."""
@@ -167,10 +162,7 @@ def accelerated_aside(outer: float, hole: float, eccentricity: float):
     from drillpetsc.case import Case
     from drillpetsc.model.drilling_model import build_model
 
-    well = {
-        "survey": {"md": [0, 60], "inclination": [0, 0], "azimuth": [0, 0]},
-        "sections": [{"to": 60, "kind": "casing", "diameter": hole, "friction": 0.2}],
-    }
+    well = simple_well(60, hole, kind="casing", friction=0.2)
     fluid = {
         "density": 1200,
         "rheology": {"model": "newtonian", "viscosity": 0.02},

@@ -13,12 +13,13 @@ from drillpetsc.physics.fluid.channel_flow import RESULT_NAMES, FluidConstants
 from drillpetsc.physics.fluid.rheology import Rheology
 from tests.helpers.component_models import GRAVITY, SHIFT
 from tests.helpers.flow_models import build
+from tests.helpers.tables import each_row
 
 WALL = 0.02  # d(ln A)/dp [1/Pa], and pressures of about 1 Pa: a give of 2 %
 DENSITY, BULK, AREA_HOLE, SLOW = 3.0, 60.0, 0.3, 1e-4
 
 
-@pytest.mark.parametrize("kind", ["pipe", "pipe_junction", "annulus"])
+@each_row("kind", ["pipe", "pipe_junction", "annulus"])
 def test_slow_motion_of_a_give_in_the_walls_balances(kind):
     """V.F + (q + A V) R_q + (h - rho0 g.c) R_p over all rows = d(energy)/dt + dissipated - left out + ends, with the
     flow work h = K (1 - exp(-p/K)) and the position c of the mud.

@@ -21,25 +21,15 @@ from drillpetsc.physics.fluid.channels import Annulus, Bore
 from drillpetsc.physics.fluid.hermite.flow import WINDOW, HermiteAnnulus, HermiteBit, HermiteBore, Reference
 from drillpetsc.physics.fluid.rheology import Rheology
 from drillpetsc.time_function import Constant, PiecewiseLinear, Ramp
-from tests.helpers.component_models import GRAVITY, SECTION, SHIFT, dense, differences, residual
+from tests.helpers.component_models import GRAVITY, SECTION, both_jacobians, meet_conditions, residual
 from tests.helpers.flow_models import give_shoulders, give_swirl
+from tests.helpers.tables import each_row
 
 KINDS = (
-    "pipe",
-    "pipe_junction",
-    "pipe_closed",
-    "annulus_bit",
-    "annulus_bit_junction",
-    "pipe_annulus_bit",
-    "pipe_annulus_bit_junction_topdrive",
-    "pipe_bit",
-    "pipe_held",
-    "pipe_annulus_bit_held",
-    "pipe_bit_held",
-    "annulus_bit_held",
-    "annulus_bit_swirl",
-    "annulus_bit_junction_swirl",
-)
+    "pipe", "pipe_junction", "pipe_closed", "annulus_bit", "annulus_bit_junction", "pipe_annulus_bit",
+    "pipe_annulus_bit_junction_topdrive", "pipe_bit", "pipe_held", "pipe_annulus_bit_held", "pipe_bit_held",
+    "annulus_bit_held", "annulus_bit_swirl", "annulus_bit_junction_swirl",
+)  # fmt: skip
 
 
 def build(kind: str, seed: int = 5) -> DiscreteSystem:
@@ -132,29 +122,22 @@ def build(kind: str, seed: int = 5) -> DiscreteSystem:
     return system
 
 
-@pytest.mark.parametrize("kind", KINDS)
+@each_row("kind", KINDS)
 def test_condensed_jacobian_matches_central_differences(kind):
     """Every block of every kernel against fourth-order differences, relative to the largest entry of its
     row."""
     system, t = build(kind), 0.4
     give_shoulders(system)
-    asm, n = system.assembly, system.layout.size
-    free = np.eye(n)
-    for f in asm.row_replacements:
-        asm.x[f.rows] += f.D.T @ (f.condition.value(t) - f.D @ asm.x[f.rows])
-        free[np.ix_(f.rows, f.rows)] = f.complement
-    x0 = asm.x[:-1].copy()
-    residual(system, x0, t)
-    asm.jacobian(t, (1.0, SHIFT, SHIFT**2), condensed=True)
+    free = meet_conditions(system, t)
     names = [system.layout.fields[k].name for k in system.layout.field_of]
     h = np.array([1e-5 if name.endswith("volume") else 1e-4 for name in names])
-    J, F = dense(system), differences(system, x0, t, h)
+    J, F = both_jacobians(system, t, h)
     scale = np.abs(J).max(axis=1, keepdims=True)
     assert np.isfinite(J).all()
     assert np.abs((J - F) @ free / scale).max() < 3e-7
 
 
-@pytest.mark.parametrize(
+@each_row(
     "kind", ["pipe_bit", "pipe_annulus_bit", "pipe_annulus_bit_held", "pipe_annulus_bit_junction_topdrive"]
 )
 def test_content_changes_by_the_flow_through_the_ends(kind):

@@ -7,11 +7,11 @@ import inspect
 import pkgutil
 
 import numpy as np
-import pytest
 
 import drillpetsc.physics
 from drillpetsc.fem.component import Component
 from drillpetsc.physics import flow_interfaces, interfaces
+from tests.helpers.tables import each_row
 
 INTERFACES = (interfaces.__name__, flow_interfaces.__name__)
 
@@ -36,7 +36,7 @@ def declared(kind: type[Component]) -> set[str]:
     return {name for base in above for name in (*vars(base), *getattr(base, "__annotations__", {}))}
 
 
-@pytest.mark.parametrize("kind", all_components(), ids=lambda kind: f"{kind.__module__[19:]}.{kind.__name__}")
+@each_row("kind", all_components(), ids=lambda kind: f"{kind.__module__[19:]}.{kind.__name__}")
 def test_public_methods_are_declared_or_documented(kind: type[Component]) -> None:
     """A method that no interface declares is one that only its own class has: its docstring is the one description of it."""
     for base in kind.__mro__:
@@ -48,7 +48,7 @@ def test_public_methods_are_declared_or_documented(kind: type[Component]) -> Non
                 assert inspect.getdoc(getattr(base, name)), f"{base.__name__}.{name}"
 
 
-@pytest.mark.parametrize("kind", all_components(), ids=lambda kind: f"{kind.__module__[19:]}.{kind.__name__}")
+@each_row("kind", all_components(), ids=lambda kind: f"{kind.__module__[19:]}.{kind.__name__}")
 def test_hooks_keep_the_arguments_of_the_declaration(kind: type[Component]) -> None:
     """Who calls a hook by the interface reaches every component with the same arguments."""
     for name, value in vars(kind).items():
@@ -101,19 +101,12 @@ def test_defaults_do_no_harm() -> None:
 
 
 PAIRS = (
-    "energies",
-    "powers",
-    "totals",
-    "upper_pressure",
-    "upper_flow",
-    "pressure_at",
-    "pumped",
-    "outflow",
+    "energies", "powers", "totals", "upper_pressure", "upper_flow", "pressure_at", "pumped", "outflow",
     "content_above",
-)
+)  # fmt: skip
 
 
-@pytest.mark.parametrize("kind", all_components(), ids=lambda kind: f"{kind.__module__[19:]}.{kind.__name__}")
+@each_row("kind", all_components(), ids=lambda kind: f"{kind.__module__[19:]}.{kind.__name__}")
 def test_recorded_steps_are_those_of_the_same_class(kind: type[Component]) -> None:
     """A class that computes something of a state its own way does so for recorded steps, too: the other form would be that of the
     class above it, and wrong without a word."""

@@ -22,8 +22,9 @@ from drillpetsc.physics.fluid.joint_seals import SEAL_RESULTS, JointSeals
 from drillpetsc.physics.fluid.rheology import Rheology
 from drillpetsc.physics.joints import Joints
 from drillpetsc.time_function import Constant, Ramp
-from tests.helpers.component_models import GRAVITY, SECTION, SHIFT, dense, differences, lengths, residual
+from tests.helpers.component_models import GRAVITY, SECTION, SHIFT, both_jacobians, lengths
 from tests.helpers.flow_models import give_shoulders
+from tests.helpers.tables import each_row
 
 SEAL = 0.045
 KINDS = ("bore", "annulus", "bore annulus", "bore annulus arm", "annulus arm", "bore arm")
@@ -79,19 +80,15 @@ def build(kind: str, seed: int = 4, more: Callable[..., list] | None = None) -> 
     return system
 
 
-@pytest.mark.parametrize("kind", KINDS)
+@each_row("kind", KINDS)
 def test_condensed_jacobian_matches_central_differences(kind):
     """Every row by every unknown against fourth-order differences, relative to the largest entry of the row; rows and
     columns of the joint's multipliers are in newtons."""
     system, t = build(kind), 0.4
     give_shoulders(system)
-    asm = system.assembly
     names = np.array([f.name for f in system.layout.fields])[system.layout.field_of]
     unit = np.where(np.char.startswith(names, "joint."), 1e-6, 1.0)
-    x0, h = asm.x[:-1].copy(), 1e-4
-    residual(system, x0, t)
-    asm.jacobian(t, (1.0, SHIFT, SHIFT**2), condensed=True)
-    J, F = dense(system), differences(system, x0, t, lengths(system, h))
+    J, F = both_jacobians(system, t, lengths(system, 1e-4))
     J, F = (unit[:, None] * A * unit for A in (J, F))
     assert np.abs((J - F) / np.abs(J).max(axis=1, keepdims=True)).max() < 3e-7
 
@@ -102,7 +99,7 @@ def components_of(system) -> tuple[list, JointSeals]:
     return flows, system.components[-1]
 
 
-@pytest.mark.parametrize("kind", KINDS)
+@each_row("kind", KINDS)
 def test_mass_rows_add_up_to_the_change_of_content(kind):
     """Rows of mass of the cell of the joint and of its seals = d(content)/dt by differences along the motion."""
     system = build(kind)
@@ -127,7 +124,7 @@ def test_mass_rows_add_up_to_the_change_of_content(kind):
     assert abs(rate) > 1e-3
 
 
-@pytest.mark.parametrize("kind", KINDS)
+@each_row("kind", KINDS)
 def test_seals_have_one_stroke_in_force_and_mud(kind):
     """Without weight and compression: force times speeds = -(p_i - p_o) A_s dx/dt; rows of mass +-A_s dx/dt; no resultant."""
     system = build(kind)

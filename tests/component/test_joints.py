@@ -7,8 +7,9 @@ import numpy as np
 import pytest
 
 from drillpetsc.physics.joints import KINDS, SCALE
-from tests.helpers.component_models import SHIFT, dense, differences, residual
+from tests.helpers.component_models import SHIFT, both_jacobians, meet_conditions
 from tests.helpers.joint_models import joint_component, random_state, rolling_state
+from tests.helpers.tables import each_row
 
 STATES = {
     **{
@@ -29,28 +30,22 @@ def scaled(system) -> np.ndarray:
     return np.where(np.char.startswith(names, "string."), 1.0, 1.0 / SCALE)
 
 
-@pytest.mark.parametrize("name", STATES)
+@each_row("name", STATES)
 def test_condensed_jacobian_matches_central_differences(name):
     """Fourth-order differences of all rows by all unknowns. The dependence of the velocity stabilization on
     the position (of order mu) is neglected in the Jacobian, so mu is zero here."""
     system, t = STATES[name](), 0.0
     if "joint.correction" in system.layout.dofs:
         system.set_field("joint.correction", np.zeros((5, 6)))
-    asm, n, unit = system.assembly, system.layout.size, scaled(system)
-    free = np.eye(n)  # a fixed node is given by its rows, for any columns
-    for f in asm.row_replacements:
-        asm.x[f.rows] += f.D.T @ (f.condition.value(t) - f.D @ asm.x[f.rows])
-        free[np.ix_(f.rows, f.rows)] = f.complement
-    x0, h = asm.x[:-1].copy(), 1e-4
-    residual(system, x0, t)
-    asm.jacobian(t, (1.0, SHIFT, SHIFT**2), condensed=True)
-    J, F = dense(system), differences(system, x0, t, h)
+    unit = scaled(system)
+    free = meet_conditions(system, t)  # a fixed node is given by its rows, for any columns
+    J, F = both_jacobians(system, t, 1e-4)
     J, F = (unit[:, None] * A * unit for A in (J, F))
     size = np.abs(J[np.abs(J) < 1e5]).max()  # rows that fix a node are larger
     assert np.abs((J - F) @ free).max() < 3e-7 * size
 
 
-@pytest.mark.parametrize("name", [n for n in STATES if "stabilised" not in n])
+@each_row("name", [n for n in STATES if "stabilised" not in n])
 def test_multipliers_do_the_work_of_their_constraints(name):
     """Rows times velocity = sum of multipliers times rates of their (holonomic) constraint rows, because
     forces are the transposed derivative of the constraints; except for springs, stops and dampers."""

@@ -3,16 +3,16 @@
 from __future__ import annotations
 
 import numpy as np
-import pytest
 
 from drillpetsc.solvers import block_tridiagonal
 from drillpetsc.solvers.newton import chain_factor, shared_factor
 from tests.helpers.component_models import KINDS, SHIFT, build, dense
+from tests.helpers.tables import each_row
 
 WEIGHTS = (1.0, SHIFT, SHIFT**2)
 
 
-@pytest.mark.parametrize("kind", KINDS)
+@each_row("kind", KINDS)
 def test_rows_and_columns_of_fixed_unknowns_are_those_of_the_unit_matrix(kind):
     """In the sum of all entries the diagonal is the number of entries there: at least one, and whole."""
     system = build(kind)
@@ -35,7 +35,7 @@ def test_rows_and_columns_of_fixed_unknowns_are_those_of_the_unit_matrix(kind):
     assert np.array_equal(dense(system), free)
 
 
-@pytest.mark.parametrize("kind", KINDS)
+@each_row("kind", KINDS)
 def test_patterns_of_entries_do_not_depend_on_the_room_for_them(kind, monkeypatch):
     """Too little room is enlarged, and the factors stay the same to the bit."""
     system = build(kind)
@@ -69,7 +69,7 @@ def test_solves_that_share_the_solver_know_whose_factors_it_has():
     assert one.factorisations == 1
 
 
-@pytest.mark.parametrize("kind", KINDS)
+@each_row("kind", KINDS)
 def test_results_of_all_blocks_at_once_are_those_one_by_one(kind):
     """What one state was asked for is computed in one call at the next; another order or less does not change a bit."""
     system = build(kind)

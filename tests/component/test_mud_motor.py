@@ -15,15 +15,8 @@ from drillpetsc.physics.joints import Joints
 from drillpetsc.physics.tools.motor_law import MeasuredCurve, MotorLaw
 from drillpetsc.physics.tools.mud_motor import Bend, MotorDesign, MudMotor, Rotor, Supply
 from drillpetsc.time_function import Constant
-from tests.helpers.component_models import (
-    GRAVITY,
-    SECTION,
-    SHIFT,
-    curved_tangents,
-    dense,
-    differences,
-    residual,
-)
+from tests.helpers.component_models import GRAVITY, SECTION, SHIFT, both_jacobians, curved_tangents
+from tests.helpers.tables import each_row
 
 #: torque [N m] by the part of the law that it meets; the stall torque is 2
 PLACES = {"driven": -0.7, "corner": 0.011, "running": 1.1, "stalling": 1.993, "stalled": 2.6}
@@ -79,26 +72,22 @@ def the_motor(system: DiscreteSystem) -> MudMotor:
     return next(c for c in system.components if isinstance(c, MudMotor))
 
 
-@pytest.mark.parametrize("measured", [False, True])
-@pytest.mark.parametrize("place", PLACES)
-@pytest.mark.parametrize("held", [False, True])
+@each_row("measured", [False, True])
+@each_row("place", PLACES)
+@each_row("held", [False, True])
 def test_jacobian_matches_differences(place, measured, held):
     """All parts of the law, its corners included, in motion and held by statics (fourth-order differences)."""
     system, t = build(place, measured), 0.4
-    asm = system.assembly
     if held:
         the_motor(system).params["held"] = 3.0
-    x0, h = asm.x[:-1].copy(), 1e-5
-    residual(system, x0, t)
-    asm.jacobian(t, (1.0, SHIFT, SHIFT**2), condensed=True)
-    J, F = dense(system), differences(system, x0, t, h)
+    J, F = both_jacobians(system, t, 1e-5)
     # each row against its own largest entry: the rows of joint and law have another scale than forces
     scale = np.abs(J).max(axis=1, keepdims=True) + 1.0
     assert np.abs((J - F) / scale).max() < 3e-7
 
 
-@pytest.mark.parametrize("balanced", [False, True])
-@pytest.mark.parametrize("place", ["driven", "running"])
+@each_row("balanced", [False, True])
+@each_row("place", ["driven", "running"])
 def test_work_of_the_motor_and_of_its_rotor_is_their_energy(place, balanced):
     """y.R = d(energy)/dt - supplied, in the motor's own rows, along a motion whose rotor orbits in space.
 

@@ -15,19 +15,16 @@ from drillpetsc.physics.quaternion.beam import QuaternionBeam
 from tests.component import test_bit, test_hermite_flow
 from tests.component.test_quaternion_beam import on_the_manifold
 from tests.helpers import component_models, flow_models
-from tests.helpers.component_models import GRAVITY, SHIFT, dense, differences, residual
+from tests.helpers.component_models import GRAVITY, SHIFT, both_jacobians
 from tests.helpers.joint_models import random_state
+from tests.helpers.tables import each_row
 
 T = 0.4
 STRING = ["bodies", "contact_bodies_bit", "bodies_junction"]
 MUD = [
-    "pipe_annulus_bit",
-    "pipe_bit",
-    "annulus_bit",
-    "pipe_annulus_bit_drilled",
-    "annulus_bit_drilled",
+    "pipe_annulus_bit", "pipe_bit", "annulus_bit", "pipe_annulus_bit_drilled", "annulus_bit_drilled",
     "pipe_annulus_bit_junction",
-]
+]  # fmt: skip
 BIT = ["rop", "drag", "weakening_byweight"]
 HERMITE = ["pipe_annulus_bit", "pipe_bit_junction", "annulus_bit_junction"]
 JOINT = ["revolute", "slider"]
@@ -77,7 +74,7 @@ def pair(kind: str, seed: int = 2) -> tuple[DiscreteSystem, DiscreteSystem]:
     return one, other
 
 
-@pytest.mark.parametrize("kind", KINDS)
+@each_row("kind", KINDS)
 def test_power_is_that_of_the_ancf_element(kind):
     """Sum of row times rate of every element of every component: the adapter expresses the same forces in
     other unknowns."""
@@ -103,18 +100,15 @@ def test_power_is_that_of_the_ancf_element(kind):
     assert compared >= 1
 
 
-@pytest.mark.parametrize("kind", KINDS)
+@each_row("kind", KINDS)
 def test_jacobian_matches_central_differences(kind):
     """K + shift C + shift^2 M of all rows against fourth-order differences, also for |q| != 1. Steps of 4e-6,
     because one flow of the annulus is close to reversal."""
     _, system = pair(kind)
-    n, h = system.layout.size, 4e-6
+    h = 4e-6
     at = system.layout.dofs["string.quaternion"]
     system.assembly.x[at] *= np.linspace(0.97, 1.03, 5)[:, None]
-    x0 = system.assembly.x[:n].copy()
-    residual(system, x0, T)
-    system.assembly.jacobian(T, (1.0, SHIFT, SHIFT**2), condensed=True)
-    J, F = dense(system), differences(system, x0, T, h)
+    J, F = both_jacobians(system, T, h)
     names = np.array([f.name for f in system.layout.fields])[system.layout.field_of]
     length = names == "string.multiplier"
     for rows in (length, ~length):

@@ -7,6 +7,7 @@ import pytest
 
 from drillpetsc.solvers.overdamped import Drag, OverdampedMotion
 from tests.helpers.component_models import build, curved_tangents, dense
+from tests.helpers.tables import each_row
 
 DT = 0.4
 
@@ -24,8 +25,8 @@ def motion(kind: str, speed: float, slip: float = 0.5, turning: float = 0.0) -> 
     return OverdampedMotion(system, drag, np.full(5, 0.05), lambda x, p, factor: x + factor * p)
 
 
-@pytest.mark.parametrize(("speed", "turning"), [(0.0, 0.0), (0.7, 0.0), (-2.0, 0.0), (0.0, 2.0), (0.4, -3.0)])
-@pytest.mark.parametrize("kind", ["contact", "contact_hertz_stribeck", "contact_junction_bodies_bit"])
+@each_row(("speed", "turning"), [(0.0, 0.0), (0.7, 0.0), (-2.0, 0.0), (0.0, 2.0), (0.4, -3.0)])
+@each_row("kind", ["contact", "contact_hertz_stribeck", "contact_junction_bodies_bit"])
 def test_the_jacobian_matches_central_differences(kind: str, speed: float, turning: float) -> None:
     """Of drag, contact, friction past a moving hole or of a turning string, and stiffness, against fourth-order
     differences."""

@@ -18,32 +18,13 @@ from drillpetsc.physics.quaternion.beam import QuaternionBeam, quaternions, spun
 from drillpetsc.physics.quaternion.contact import QuaternionContact
 from drillpetsc.physics.quaternion.ends import ConstrainedEnd, QuaternionLoads
 from drillpetsc.time_function import Constant, Ramp
-from tests.helpers.component_models import (
-    GRAVITY,
-    SECTION,
-    SHIFT,
-    curved_tangents,
-    dense,
-    differences,
-    residual,
-)
+from tests.helpers.component_models import GRAVITY, SECTION, SHIFT, both_jacobians, curved_tangents
+from tests.helpers.tables import each_row
 
 KINDS = [
-    "beam",
-    "beam_damped",
-    "beam_curved",
-    "beam_damped_curved",
-    "junction",
-    "junction_damped_curved",
-    "loads",
-    "topdrive",
-    "weighted",
-    "pinned",
-    "clamped",
-    "contact",
-    "contact_hertz",
-    "contact_junction",
-]
+    "beam", "beam_damped", "beam_curved", "beam_damped_curved", "junction", "junction_damped_curved", "loads",
+    "topdrive", "weighted", "pinned", "clamped", "contact", "contact_hertz", "contact_junction",
+]  # fmt: skip
 FORMS = ["index3", "index2", "stabilized"]
 
 
@@ -131,39 +112,28 @@ def on_the_manifold(system: DiscreteSystem) -> None:
     asm.a[at] = a - q * (np.sum(q * a, axis=1, keepdims=True) + np.sum(y * y, axis=1, keepdims=True))
 
 
-@pytest.mark.parametrize("constraint", FORMS)
-@pytest.mark.parametrize("kind", KINDS)
+@each_row("constraint", FORMS)
+@each_row("kind", KINDS)
 def test_condensed_jacobian_matches_central_differences(kind, constraint):
     """K + shift C + shift^2 M of all rows, with constraints, against fourth-order differences, also for |q|
     != 1."""
     system, t = build(kind, constraint=constraint), 0.4
-    n = system.layout.size
     at = system.layout.dofs["string.quaternion"]
     system.assembly.x[at] *= np.linspace(0.9, 1.1, 5)[:, None]
-    x0, h = system.assembly.x[:n].copy(), 1e-4
-    residual(system, x0, t)
-    system.assembly.jacobian(t, (1.0, SHIFT, SHIFT**2), condensed=True)
-    J, F = dense(system), differences(system, x0, t, h)
+    J, F = both_jacobians(system, t, 1e-4)
     names = np.array([f.name for f in system.layout.fields])[system.layout.field_of]
     constrained = np.isin(names, [f.name for f in system.layout.fields if not f.differential])
     for rows in (constrained, ~constrained):
         assert np.abs(J[rows] - F[rows]).max() < 3e-7 * np.abs(J[rows]).max()
 
 
-@pytest.mark.parametrize(
+@each_row(
     "kind",
     [
-        "beam",
-        "beam_damped",
-        "beam_curved",
-        "beam_damped_curved",
-        "junction_damped_curved",
-        "loads",
-        "contact",
-        "contact_hertz",
-        "contact_junction",
+        "beam", "beam_damped", "beam_curved", "beam_damped_curved", "junction_damped_curved", "loads",
+        "contact", "contact_hertz", "contact_junction",
     ],
-)
+)  # fmt: skip
 def test_rows_times_velocity_is_the_change_of_energy(kind):
     """y.R = d(kinetic + strain + potential)/dt + dissipated - supplied along a motion that keeps |q| = 1: the
     forces are the gradient of the energies."""
@@ -226,7 +196,7 @@ def test_a_turning_straight_string_has_no_strain_rate():
     assert system.powers(0.0).dissipated < 1e-20 * SECTION["axial_stiffness"]
 
 
-@pytest.mark.parametrize("kind", ["beam", "beam_damped", "beam_curved"])
+@each_row("kind", ["beam", "beam_damped", "beam_curved"])
 def test_inner_forces_and_moments_sum_to_zero(kind):
     """Rows of the free string at rest without gravity do no work on a rigid virtual motion, dq = (0, turn) q
     / 2."""

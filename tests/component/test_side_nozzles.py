@@ -13,15 +13,12 @@ from drillpetsc.physics.fluid.channel_flow import RESULT_NAMES
 from drillpetsc.physics.fluid.side_nozzles import RESULTS, SideLink, SideNozzles
 from drillpetsc.time_function import Constant
 from tests.helpers import flow_models
-from tests.helpers.component_models import SHIFT, dense, differences, lengths, residual
+from tests.helpers.component_models import SHIFT, both_jacobians, lengths
+from tests.helpers.tables import each_row
 
 KINDS = (
-    "pipe_annulus_bit",
-    "pipe_bit",
-    "pipe_annulus_bit_held",
-    "pipe_bit_held",
-    "pipe_annulus_bit_junction",
-)
+    "pipe_annulus_bit", "pipe_bit", "pipe_annulus_bit_held", "pipe_bit_held", "pipe_annulus_bit_junction",
+)  # fmt: skip
 LINKS = (SideLink(1, 0.02, ((1, 0.02),)), SideLink(3, 0.03, ((2, 0.01), (3, 0.02))))
 COEFFICIENT = 0.9
 SPEED, DENSITY = RESULT_NAMES.index("speed"), RESULT_NAMES.index("density")
@@ -49,19 +46,15 @@ def build(kind: str) -> DiscreteSystem:
     return system
 
 
-@pytest.mark.parametrize("kind", KINDS)
+@each_row("kind", KINDS)
 def test_condensed_jacobian_matches_central_differences(kind):
     """Every row by every unknown against fourth-order differences, relative to the largest entry of the row."""
     system, t = build(kind), 0.4
-    asm = system.assembly
-    x0, h = asm.x[:-1].copy(), 1e-4
-    residual(system, x0, t)
-    asm.jacobian(t, (1.0, SHIFT, SHIFT**2), condensed=True)
-    J, F = dense(system), differences(system, x0, t, lengths(system, h))
+    J, F = both_jacobians(system, t, lengths(system, 1e-4))
     assert np.abs((J - F) / np.abs(J).max(axis=1, keepdims=True)).max() < 3e-7
 
 
-@pytest.mark.parametrize("kind", KINDS)
+@each_row("kind", KINDS)
 def test_rows_of_a_link(kind):
     """q leaves the bore and enters the annulus; rho0 q V acts on the string; the link's row is that of an orifice."""
     system = build(kind)

@@ -5,13 +5,13 @@ from __future__ import annotations
 from pathlib import Path
 
 import numpy as np
-import pytest
 
 from drillpetsc.case import load_case
 from drillpetsc.fem.discrete_system import DiscreteSystem
 from drillpetsc.kernels import pointer
 from drillpetsc.model.drilling_model import build_model
 from tests.helpers.component_models import KINDS, SHIFT, build
+from tests.helpers.tables import each_row
 
 CASES = Path(__file__).parents[2] / "cases"
 
@@ -29,8 +29,8 @@ def system_of(kind: str) -> DiscreteSystem:
     return model.system
 
 
-@pytest.mark.parametrize("dead", [False, True])
-@pytest.mark.parametrize("kind", [*KINDS, "pinned"])
+@each_row("dead", [False, True])
+@each_row("kind", [*KINDS, "pinned"])
 def test_one_call_gives_state_and_rows_of_its_parts(kind, dead):
     """Unknowns, rates, accelerations, rows and reactions; refused where corrected rates take part."""
     one, parts = system_of(kind), system_of(kind)

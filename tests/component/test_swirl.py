@@ -16,6 +16,7 @@ from drillpetsc.physics.fluid.swirl import Swirl, steady_share
 from tests.helpers.component_models import SHIFT
 from tests.helpers.component_models import build as build_component
 from tests.helpers.flow_models import build
+from tests.helpers.tables import each_row
 
 SHARE = 0.37
 STRING = ("string.position", "string.tangent", "string.spin")
@@ -90,7 +91,7 @@ def test_string_that_whirls_with_the_mud_feels_no_force(damping):
     assert np.abs(rows[1]).max() < 1e-12 * np.abs(rows[0]).max() + 1e-15
 
 
-@pytest.mark.parametrize("lagging, flow", [(False, 0.0), (True, 0.0), (False, 0.02), (True, -0.02)])
+@each_row("lagging, flow", [(False, 0.0), (True, 0.0), (False, 0.02), (True, -0.02)])
 def test_swirl_takes_and_gives_no_energy(lagging, flow):
     """Power of rows and couple = rate of the energies + dissipated - exchanged with the stored swirl and with the flow along the hole,
     for any motion across the hole with a spin and a flow that vary (manual: eq-mud-swirl-energy, eq-mud-energy-across)."""

@@ -9,15 +9,12 @@ from drillpetsc.fem.discrete_system import DiscreteSystem
 from drillpetsc.physics.fluid.bore_flow import BoreFlow
 from drillpetsc.physics.fluid.tool_losses import LossTable, ToolLosses
 from tests.helpers import flow_models
-from tests.helpers.component_models import SHIFT, dense, differences, lengths, residual
+from tests.helpers.component_models import SHIFT, both_jacobians, lengths
+from tests.helpers.tables import each_row
 
 KINDS = (
-    "pipe_annulus_bit",
-    "pipe_bit",
-    "pipe_annulus_bit_held",
-    "pipe_bit_held",
-    "pipe_annulus_bit_junction",
-)
+    "pipe_annulus_bit", "pipe_bit", "pipe_annulus_bit_held", "pipe_bit_held", "pipe_annulus_bit_junction",
+)  # fmt: skip
 SQUARE, LOSS, SLOPE = np.array([0.0, 1e-4, 9e-4]), np.array([0.0, 2.0, 5.0]), np.array([1e4, 6e3, 3e3])
 CUBIC = np.column_stack([SQUARE, LOSS, SLOPE])
 LINE = np.array([[0.0, 0.0, 500.0], [4e-4, 0.2, 500.0]])
@@ -48,15 +45,11 @@ def build(kind: str) -> DiscreteSystem:
     return system
 
 
-@pytest.mark.parametrize("kind", KINDS)
+@each_row("kind", KINDS)
 def test_condensed_jacobian_matches_central_differences(kind):
     """Every row by every unknown against fourth-order differences, relative to the largest entry of the row."""
     system, t = build(kind), 0.4
-    asm = system.assembly
-    x0, h = asm.x[:-1].copy(), 1e-4
-    residual(system, x0, t)
-    asm.jacobian(t, (1.0, SHIFT, SHIFT**2), condensed=True)
-    J, F = dense(system), differences(system, x0, t, lengths(system, h))
+    J, F = both_jacobians(system, t, lengths(system, 1e-4))
     assert np.abs((J - F) / np.abs(J).max(axis=1, keepdims=True)).max() < 3e-7
 
 
@@ -74,7 +67,7 @@ def by_hand(table: np.ndarray, flow: float) -> float:
     return float(np.copysign(c @ (scale * [1, u, u**2, u**3]), flow))
 
 
-@pytest.mark.parametrize("kind", KINDS)
+@each_row("kind", KINDS)
 def test_losses_of_elements_and_the_power_that_they_take(kind):
     """(rho/rho_m) f(rho0 q/rho) times the share of each element, added where two tools are in one; power loss times flow rate."""
     system = build(kind)

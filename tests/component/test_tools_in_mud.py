@@ -10,6 +10,7 @@ from drillpetsc.physics.tools.motor_law import MotorLaw
 from drillpetsc.physics.tools.mud_motor import Bend, MotorDesign, MudMotor, Rotor, Supply
 from tests.component.test_joint_flow import build
 from tests.helpers.component_models import GRAVITY, SHIFT, dense, residual
+from tests.helpers.tables import each_row
 
 FLOWS = {"down": 0.3, "up": -0.3, "next to none": 4e-5, "next to none, up": -4e-5}
 
@@ -37,8 +38,8 @@ def tool_in_mud(tool, flow: float):
     return system
 
 
-@pytest.mark.parametrize("flow", FLOWS)
-@pytest.mark.parametrize("tool", [motor, agitator])
+@each_row("flow", FLOWS)
+@each_row("tool", [motor, agitator])
 def test_jacobian_matches_differences(tool, flow):
     """Rows of the tool's block by all of its unknowns; fourth-order differences of a step well below that of the law."""
     system, t = tool_in_mud(tool, FLOWS[flow]), 0.4
@@ -60,8 +61,8 @@ def test_jacobian_matches_differences(tool, flow):
         assert np.abs((J[place, j] - by_j[place]) / scale).max() < tolerance
 
 
-@pytest.mark.parametrize("flow", ["down", "up"])
-@pytest.mark.parametrize("tool", [motor, agitator])
+@each_row("flow", ["down", "up"])
+@each_row("tool", [motor, agitator])
 def test_what_the_mud_loses_drives_the_string_or_is_heat(tool, flow):
     """Row of momentum times flow = dissipated + power on the string."""
     system = tool_in_mud(tool, FLOWS[flow])

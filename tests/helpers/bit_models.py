@@ -9,6 +9,7 @@ import numpy as np
 from drillpetsc.model.drilling_model import DrillingModel
 from drillpetsc.physics.rock_bit import RockBit
 from tests.helpers.motion import beam, straight
+from tests.helpers.wells import simple_well
 
 RADIUS = 0.108  # of the bit and the hole [m]
 TURNING = 4 * np.pi  # 120 rpm [rad/s]
@@ -59,12 +60,7 @@ def drilling(
         od=2 * RADIUS,
         damping={"stiffness": damping},
     )
-    well = {
-        "survey": {"md": [0, length], "inclination": [inclination] * 2, "azimuth": [azimuth] * 2},
-        "sections": [
-            {"to": length, "kind": "open_hole", "diameter": 2 * (RADIUS + clearance), "friction": 0.0}
-        ],
-    }
+    well = simple_well(length, 2 * (RADIUS + clearance), inclination, azimuth=azimuth, friction=0.0)
     case = {
         "string": [item],
         "well": well,

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from tests.helpers.wells import simple_well
+
 #: fixed steps of BDF, with Newton near rounding
 EXACT = ["-ts_type", "bdf", "-ts_adapt_type", "none", "-ts_dt", "5e-3", "-q_snes_stol", "1e-12"]
 PIPE = {"kind": "pipe", "od": 0.1715, "id": 0.0714, "element_length": 3.0, "eccentricity": 0.005}
@@ -12,10 +14,7 @@ CASE = {
         PIPE | {"length": 9.0, "eccentricity_angle": 1.0},
         {"kind": "bit", "length": 0.3, "od": 0.205, "mass": 60.0, "nozzle_area": 4e-4},
     ],
-    "well": {
-        "survey": {"md": [0, 30], "inclination": [0.0, 0.0], "azimuth": [0, 0]},
-        "sections": [{"to": 30, "kind": "open_hole", "diameter": 0.2159}],
-    },
+    "well": simple_well(30, 0.2159),
     "top": {"kind": "top_drive", "rotation": {"ramp": 0.1, "value": 12.0}},
     "fluid": {"density": 1200, "rheology": {"model": "newtonian", "viscosity": 0.05}, "flow_rate": 0.02},
     "time": {"end": 0.2},

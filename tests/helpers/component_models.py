@@ -101,17 +101,10 @@ def hoist_line(kind: str, position: np.ndarray, tangent: np.ndarray) -> HoistLin
     )
     numbers = np.array(
         [
-            float(top.anchor[0]) - 0.3,
-            0.8,
-            {"upper": -60.0, "lower": 60.0}.get(kind.split("_")[-1], 3.0),
-            0.2,
-            0.1,
-            1.0,
-            np.nan,
-            0.0,
-            0.0,
+            float(top.anchor[0]) - 0.3, 0.8, {"upper": -60.0, "lower": 60.0}.get(kind.split("_")[-1], 3.0),
+            0.2, 0.1, 1.0, np.nan, 0.0, 0.0,
         ]
-    )
+    )  # fmt: skip
     hoist.set_state({"numbers": numbers, "last": np.arange(9.0), "samples": np.ones((2, 9))})
     return hoist
 
@@ -217,49 +210,15 @@ def build(kind: str, seed: int = 3) -> DiscreteSystem:
 
 
 KINDS = [
-    "beam",
-    "beam_damped",
-    "beam_junction",
-    "beam_damped_junction",
-    "bodies",
-    "bodies_junction",
-    "curvature",
-    "curvature_junction",
-    "loads",
-    "drive",
-    "motor_pi",
-    "motor_given",
-    "motor_held",
-    "motor_soft_lag",
-    "motor_soft_delay",
-    "motor_ztorque",
-    "motor_ztorque_direct",
-    "motor_ztorque_direct_delay",
-    "motor_ztorque_lag_delay",
-    "motor_ztorque_estimated",
-    "motor_upper",
-    "motor_rounded",
-    "motor_lower",
-    "motor_power",
-    "motor_rate",
-    "hoist_line",
-    "hoist_heave_damped",
-    "hoist_wob",
-    "hoist_wob_rop_torque_filter_damped",
-    "hoist_wob_sample",
-    "hoist_wob_upper",
-    "hoist_wob_lower",
-    "pads",
-    "pads_turning",
-    "tilt",
-    "topdrive",
-    "clamped",
-    "contact",
-    "contact_hertz_stribeck",
-    "mud_items",
-    "contact_junction_bodies_bit",
-    "contact_junction_bodies_guided",
-]
+    "beam", "beam_damped", "beam_junction", "beam_damped_junction", "bodies", "bodies_junction", "curvature",
+    "curvature_junction", "loads", "drive", "motor_pi", "motor_given", "motor_held", "motor_soft_lag",
+    "motor_soft_delay", "motor_ztorque", "motor_ztorque_direct", "motor_ztorque_direct_delay",
+    "motor_ztorque_lag_delay", "motor_ztorque_estimated", "motor_upper", "motor_rounded", "motor_lower",
+    "motor_power", "motor_rate", "hoist_line", "hoist_heave_damped", "hoist_wob",
+    "hoist_wob_rop_torque_filter_damped", "hoist_wob_sample", "hoist_wob_upper", "hoist_wob_lower", "pads",
+    "pads_turning", "tilt", "topdrive", "clamped", "contact", "contact_hertz_stribeck", "mud_items",
+    "contact_junction_bodies_bit", "contact_junction_bodies_guided",
+]  # fmt: skip
 
 
 def dense(system: DiscreteSystem) -> np.ndarray:
@@ -297,3 +256,20 @@ def differences(system: DiscreteSystem, x0: np.ndarray, t: float, h: float | np.
         r = [residual(system, x0 + k * e, t) for k in (-2, -1, 1, 2)]
         F[:, j] = (r[0] - 8 * r[1] + 8 * r[2] - r[3]) / (12 * step)
     return F
+
+
+def both_jacobians(system: DiscreteSystem, t: float, h: float | np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """(n, n) condensed Jacobian of the assembly at its unknowns, and that of `differences` with steps ``h``."""
+    x0 = system.assembly.x[: system.layout.size].copy()
+    residual(system, x0, t)
+    system.assembly.jacobian(t, (1.0, SHIFT, SHIFT**2), condensed=True)
+    return dense(system), differences(system, x0, t, h)
+
+
+def meet_conditions(system: DiscreteSystem, t: float) -> np.ndarray:
+    """Set what rows prescribe to its values at ``t``; (n, n): the projection on what they leave free."""
+    asm, free = system.assembly, np.eye(system.layout.size)
+    for f in asm.row_replacements:
+        asm.x[f.rows] += f.D.T @ (f.condition.value(t) - f.D @ asm.x[f.rows])
+        free[np.ix_(f.rows, f.rows)] = f.complement
+    return free

@@ -23,27 +23,12 @@ from drillpetsc.time_function import Constant, Ramp
 from tests.helpers.component_models import GRAVITY, SECTION
 
 KINDS = (
-    "pipe",
-    "pipe_junction",
-    "annulus",
-    "annulus_junction",
-    "pipe_annulus_bit",
-    "pipe_annulus_bit_junction_topdrive",
-    "pipe_bit",
-    "annulus_bit",
-    "pipe_pump",
-    "pipe_annulus_bit_held",
-    "pipe_bit_held",
-    "annulus_bit_held",
-    "annulus_widening",
-    "annulus_junction_widening",
-    "annulus_swirl",
-    "annulus_junction_swirl",
-    "annulus_aside",
-    "annulus_junction_swirl_aside",
-    "pipe_annulus_bit_drilled",
+    "pipe", "pipe_junction", "annulus", "annulus_junction", "pipe_annulus_bit",
+    "pipe_annulus_bit_junction_topdrive", "pipe_bit", "annulus_bit", "pipe_pump", "pipe_annulus_bit_held",
+    "pipe_bit_held", "annulus_bit_held", "annulus_widening", "annulus_junction_widening", "annulus_swirl",
+    "annulus_junction_swirl", "annulus_aside", "annulus_junction_swirl_aside", "pipe_annulus_bit_drilled",
     "annulus_bit_drilled",
-)
+)  # fmt: skip
 
 
 class Drilled(Component):

@@ -21,13 +21,7 @@ LINE_STIFFNESS = 100 * 5.0e7 / 275  # [N/m] of HOIST
 
 def pipe(length: float, elements: int) -> dict:
     """Drill pipe."""
-    return {
-        "kind": "pipe",
-        "length": length,
-        "od": 0.127,
-        "id": 0.1086,
-        "element_length": length / elements,
-    }
+    return {"kind": "pipe", "length": length, "od": 0.127, "id": 0.1086, "element_length": length / elements}
 
 
 def drilling(top: dict, length: float = 2000.0, wob: float = 0.0, lying: bool = False, **more) -> dict:

@@ -47,15 +47,9 @@ def make_run(folder: Path, frames: int = 4, well: bool = True) -> RunFolder:
         fields.write(float(k), points, data)
     time = np.linspace(0.0, frames - 1.0, 101)
     history = [
-        ("time", "s"),
-        ("hook_load", "N"),
-        ("wob", "N"),
-        ("surface_torque", "N m"),
-        ("bit_torque", "N m"),
-        ("bit_speed", "rad/s"),
-        ("energy_error", "J"),
-        ("newton", "-"),
-    ]
+        ("time", "s"), ("hook_load", "N"), ("wob", "N"), ("surface_torque", "N m"), ("bit_torque", "N m"),
+        ("bit_speed", "rad/s"), ("energy_error", "J"), ("newton", "-"),
+    ]  # fmt: skip
     with Table(run.history, history) as table:
         for t in time:
             table.add([t, 8e5 + 1e3 * np.sin(t), 5e4, 9e3, 4e3, 8.0 + np.sin(t), 1e-3 * t, 2])
@@ -73,15 +67,11 @@ def make_run(folder: Path, frames: int = 4, well: bool = True) -> RunFolder:
         write_table(
             run.trajectory,
             [
-                ("md", "m"),
-                ("inclination", "deg"),
-                ("azimuth", "deg"),
-                ("north", "m"),
-                ("east", "m"),
+                ("md", "m"), ("inclination", "deg"), ("azimuth", "deg"), ("north", "m"), ("east", "m"),
                 ("tvd", "m"),
             ],
             [md, zero, zero, zero, zero, md],
-        )
+        )  # fmt: skip
         write_well(run.well, md, np.column_stack((zero, zero, md)), np.full(21, HOLE), np.full(21, 0.3))
     write_summary(run.summary, {"title": "A helix in a hole"})
     return run

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
 
 import numpy as np
@@ -20,6 +21,24 @@ def runs_on_ranks(case: Path, folder: Path, options: list[str], timeout: float =
     folders = [folder / f"ranks{n}" for n in (1, 2, 3)]
     for n, out in enumerate(folders, 1):
         run_mpi(n, SCRIPT, [str(case), str(out), *options], timeout=timeout)
+    return folders
+
+
+def all_on_ranks(
+    jobs: dict[str, tuple[Path, tuple[str, ...]]], folder: Path, timeout: float = 400
+) -> dict[str, list[Path]]:
+    """Run folders of many cases on 1, 2 and 3 ranks, by name; the start of a job costs as much as a short run.
+
+    jobs: file of the case, and PETSc's options of its runs.
+    """
+    folders: dict[str, list[Path]] = {name: [] for name in jobs}
+    for n in (1, 2, 3):
+        rows = []
+        for k, (name, (case, options)) in enumerate(jobs.items()):
+            folders[name].append(folder / f"case{k}-ranks{n}")
+            rows.append([str(case), str(folders[name][-1]), options])
+        (folder / "jobs.json").write_text(json.dumps(rows))
+        run_mpi(n, SCRIPT.with_name("run_cases.py"), [str(folder / "jobs.json")], timeout=timeout)
     return folders
 
 

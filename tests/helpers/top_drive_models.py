@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from tests.helpers.motion import beam
+from tests.helpers.wells import simple_well
 
 LENGTH, BODY, INERTIA = 2000.0, 300.0, 2900.0  # [m], [kg m2], [kg m2] of the drive
 YOUNG, DENSITY = 206e9, 7850.0
@@ -35,12 +36,7 @@ def top(control, speed, **motor) -> dict:
 def twisting(control, speed: float = 10.0, elements: int = 40, **more) -> dict:
     """The case without a bit.  Bending and stretching are stiff, so that only twist is slow."""
     pipe = beam(LENGTH, elements, 1e12, 1e15, GJ, 27.0, DENSITY * POLAR, od=0.127)
-    body = {
-        "kind": "body",
-        "length": 0.1,
-        "mass": 10.0,
-        "inertia": {"axial": BODY, "transverse": 10.0},
-    }
+    body = {"kind": "body", "length": 0.1, "mass": 10.0, "inertia": {"axial": BODY, "transverse": 10.0}}
     held = {"kind": "top_drive", "rotation": speed}
     return {
         "string": [pipe, body],
@@ -57,10 +53,7 @@ def on_bottom(control, speed, elements: int = 40, bit_law=None, **more) -> dict:
     case["string"][1] |= {"kind": "bit", "od": 0.216}
     depth = LENGTH + 0.1
     return case | {
-        "well": {
-            "survey": {"md": [0, depth], "inclination": [0, 0], "azimuth": [0, 0]},
-            "sections": [{"to": depth, "kind": "open_hole", "diameter": 0.216, "friction": 0.0}],
-        },
+        "well": simple_well(depth, 0.216, friction=0.0),
         # the bit's law is shifted by its rounding, here by 0.014 rad/s (manual: eq-bit-torque-weakening)
         "contact": {"slip_velocity": 1e-3},
         "bottom": {"kind": "bit", "stiffness": 1e8, "friction": 0.0},

@@ -103,16 +103,9 @@ def whole_string(two: bool = False, end: float = 0.02, **fluid: Any) -> dict:
     jars = [dict(JAR), short, {**JAR, "jar": {**JAR["jar"], "threshold": 150e3}}] if two else [dict(JAR)]
     reamers = [{**REAMER, "od": 0.3112}, short, dict(REAMER)] if two else [dict(REAMER)]
     tools = [
-        *second,
-        dict(AGITATOR),
-        {**PIPE, "length": 100.0},
-        *jars,
-        dict(COLLAR),
-        *reamers,
-        dict(SHOCK),
-        dict(MOTOR),
-        dict(STEERED),
-    ]
+        *second, dict(AGITATOR), {**PIPE, "length": 100.0}, *jars, dict(COLLAR), *reamers, dict(SHOCK),
+        dict(MOTOR), dict(STEERED),
+    ]  # fmt: skip
     string = [dict(PIPE), *tools, dict(BIT)]
     string[0]["length"] = DEPTH - sum(q["length"] for q in string[1:])
     depth, sections = 0.0, []

@@ -61,15 +61,9 @@ recorder.start(0.0)
 integrate(model.system, 0.04, fixed(2e-3, q_snes_stol=1e-11), breaks=model.breaks)
 figures = recorder.sample(0.04)
 names = [
-    "hook_load",
-    "surface_torque",
-    "wob",
-    "bit_torque",
-    "pump_pressure",
-    "bit_pressure",
-    "hole_depth",
+    "hook_load", "surface_torque", "wob", "bit_torque", "pump_pressure", "bit_pressure", "hole_depth",
     "bit_speed",
-]
+]  # fmt: skip
 row = recorder.history_row(0.04, 0.0, 0.0)
 if model.system.comm.rank == 0:
     place = [name for name, _ in recorder.columns]

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from drillpetsc.output import read_table
-from tests.helpers.mpi import run_mpi
 from tests.helpers.mud import hole, loop
+from tests.helpers.ranks import all_on_ranks
 
 PUMP = {"flow_rate": {"time": [0.0, 0.02, 0.05, 9.0], "value": [0.03, 0.03, 0.01, 0.01]}, "flow_line": 2.0}
 LOWERED = {
@@ -18,7 +18,7 @@ LOWERED = {
     "rotation": 10.0,
     "lowering": {"time": [0.0, 0.1, 0.2], "value": [0.3, 0.3, 0.0]},
 }
-EXACT = ["-ts_adapt_type", "none", "-ts_dt", "2e-3", "-q_snes_stol", "1e-12"]
+EXACT = ("-ts_adapt_type", "none", "-ts_dt", "2e-3", "-q_snes_stol", "1e-12")
 SMALL = {
     "surface_torque [N m]": 1e-2,
     "bit_torque [N m]": 1e-2,
@@ -52,18 +52,14 @@ CASES: dict[str, dict] = {
 
 
 @pytest.fixture(scope="module")
-def runs(tmp_path_factory) -> list[Path]:
-    """Run folders on 1, 2 and 3 ranks, each with one folder per case."""
-    cases, folders = tmp_path_factory.mktemp("cases"), []
+def runs(tmp_path_factory) -> dict[str, list[Path]]:
+    """Run folders on 1, 2 and 3 ranks of each case."""
+    folder, jobs = tmp_path_factory.mktemp("flow"), {}
     for kind, keys in CASES.items():
         case = {"time": {"end": 0.3}, "output": {"history_every": 0.01, "field_every": 0.1}, **keys}
-        loop(case.pop("fluid"), 30, 150.0, **case).case.dump(cases / f"{kind}.yaml")
-    for n in (1, 2, 3):
-        folders.append(tmp_path_factory.mktemp(f"ranks{n}"))
-        run_mpi(
-            n, Path(__file__).with_name("run_flow.py"), [str(cases), str(folders[-1]), *EXACT], timeout=200
-        )
-    return folders
+        jobs[kind] = (folder / f"{kind}.yaml", EXACT)
+        loop(case.pop("fluid"), 30, 150.0, **case).case.dump(jobs[kind][0])
+    return all_on_ranks(jobs, folder)
 
 
 @pytest.mark.parallel
@@ -76,8 +72,8 @@ def test_flow_is_the_same_on_1_2_and_3_ranks(kind, runs):
     a hundred may need one iteration more or less.  One rank renews contacts apart (manual: sec-time-contact-entries), with 2 % more
     iterations at this tolerance; two and three ranks take the same path.
     """
-    tables = [read_table(folder / kind / "history.csv") for folder in runs]
-    summaries = [json.loads((folder / kind / "summary.json").read_text()) for folder in runs]
+    tables = [read_table(folder / "history.csv") for folder in runs[kind]]
+    summaries = [json.loads((folder / "summary.json").read_text()) for folder in runs[kind]]
     assert [t["ranks"] for t in summaries] == [1, 2, 3]
     flow = tables[0]["outlet_flow [m3/s]"]
     assert np.ptp(flow) > 0.1 * np.abs(flow).max()  # the case is not at rest

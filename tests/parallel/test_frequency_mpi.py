@@ -12,13 +12,11 @@ from drillpetsc.output import read_table
 from tests.helpers import frequency_models as m
 from tests.helpers import top_drive_models as t
 from tests.helpers.mpi import run_mpi
+from tests.helpers.wells import simple_well
 from tests.verification.test_stokes_modes import span
 
 SCRIPT = Path(__file__).with_name("run_command.py")
-WELL = {
-    "survey": {"md": [0, 40], "inclination": [0.5, 0.7], "azimuth": [0, 0]},
-    "sections": [{"to": 40, "kind": "casing", "diameter": 0.2159, "friction": 0.2}],
-}
+WELL = simple_well(40, 0.2159, (0.5, 0.7), kind="casing", friction=0.2)
 MUD = {"density": 1200, "rheology": {"model": "newtonian", "viscosity": 0.02}, "flow_rate": 0.02}
 
 
@@ -44,14 +42,10 @@ def test_response_on_1_2_and_3_ranks(tmp_path):
     }
     file.write_text(yaml.safe_dump(case | {"initial": {"wob": 2e4}}))
     names = (
-        "lateral_amplitude [m]",
-        "axial_amplitude [m]",
-        "axial_force_amplitude [N]",
-        "bending_moment_amplitude [N m]",
-        "stress_amplitude [Pa]",
-        "shear_stress_amplitude [Pa]",
+        "lateral_amplitude [m]", "axial_amplitude [m]", "axial_force_amplitude [N]",
+        "bending_moment_amplitude [N m]", "stress_amplitude [Pa]", "shear_stress_amplitude [Pa]",
         "mean_stress [Pa]",
-    )
+    )  # fmt: skip
     for excite in (["unbalance"], ["bit", "--amplitude", "1 mm"]):
         results = []
         for n in (1, 2, 3) if excite == ["unbalance"] else (1, 3):
@@ -60,17 +54,10 @@ def test_response_on_1_2_and_3_ranks(tmp_path):
                 n,
                 SCRIPT,
                 [
-                    "response",
-                    str(file),
-                    "--excite",
-                    *excite,
-                    "--speeds",
-                    "60,120 rpm",
-                    "--stress",
-                    "--out",
+                    "response", str(file), "--excite", *excite, "--speeds", "60,120 rpm", "--stress", "--out",
                     str(folder),
                 ],
-            )
+            )  # fmt: skip
             results.append(columns(folder, "response.csv", names))
         for other in results[1:]:
             for one, values in zip(results[0], other, strict=True):
@@ -106,17 +93,9 @@ def test_stokes_modes_and_stability_on_1_and_3_ranks(tmp_path):
         out = [tmp_path / f"{name}-{n}" for name in ("modes", "map")]
         run_mpi(n, SCRIPT, ["modes", str(tmp_path / "span.yaml"), "--count", "2", "--out", str(out[0])])
         words = [
-            "--speeds",
-            "110:140:30 rpm",
-            "--wob",
-            "100 kN",
-            "--count",
-            "1",
-            "--kind",
-            "torsional",
-            "--out",
+            "--speeds", "110:140:30 rpm", "--wob", "100 kN", "--count", "1", "--kind", "torsional", "--out",
             str(out[1]),
-        ]
+        ]  # fmt: skip
         run_mpi(n, SCRIPT, ["stability", str(tmp_path / "stick.yaml"), *words])
         found = columns(out[0], "modes.csv", ("frequency [Hz]", "damping_ratio [-]", "stokes_number [-]"))
         found += columns(out[1], "stability_boundary.csv", ("boundary_speed [rpm]",))
@@ -133,17 +112,9 @@ def test_critical_map_on_1_2_and_3_ranks(tmp_path):
     file = tmp_path / "shaft.yaml"
     file.write_text(yaml.safe_dump(shaft()))
     words = [
-        "campbell",
-        str(file),
-        "--speeds",
-        "10:150:35 rpm",
-        "--count",
-        "4",
-        "--kind",
-        "lateral",
-        "--lines",
+        "campbell", str(file), "--speeds", "10:150:35 rpm", "--count", "4", "--kind", "lateral", "--lines",
         "1",
-    ]
+    ]  # fmt: skip
     walls = np.array([1e6, 1e9])
     results = []
     for n in (1, 2, 3):

@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 from tests.helpers.mpi import have_mpi, run_mpi
+from tests.helpers.tables import each_row
 
 pytestmark = [pytest.mark.parallel, pytest.mark.skipif(not have_mpi(), reason="no mpirun")]
 RANKS = (1, 2, 3)
@@ -24,8 +25,8 @@ def report(ranks: int) -> dict:
     return json.loads(run_mpi(ranks, Path(__file__).with_name("linear_mpi.py")).splitlines()[-1])
 
 
-@pytest.mark.parametrize("ranks", RANKS)
-@pytest.mark.parametrize("case", CASES)
+@each_row("ranks", RANKS)
+@each_row("case", CASES)
 def test_solution_is_the_dense_one(ranks, case):
     assert report(ranks)[case] < 1e-12
 
@@ -34,14 +35,14 @@ def test_empty_rank_between_others():
     assert report(3)["empty_between"] < 1e-12
 
 
-@pytest.mark.parametrize("ranks", RANKS[1:])
-@pytest.mark.parametrize("x", ["x", "x_refined"])
+@each_row("ranks", RANKS[1:])
+@each_row("x", ["x", "x_refined"])
 def test_number_of_ranks_does_not_matter(ranks, x):
     serial, parallel = np.array(report(1)[x]), np.array(report(ranks)[x])
     assert np.abs(parallel - serial).max() < 1e-12 * np.abs(serial).max()
 
 
-@pytest.mark.parametrize("ranks", RANKS)
+@each_row("ranks", RANKS)
 def test_inertia(ranks):
     """Expected: signs of the eigenvalues of the dense matrix; the third matrix has unknowns scaled by 1e-3 to
     1e3."""
@@ -49,14 +50,14 @@ def test_inertia(ranks):
         assert counted == expected
 
 
-@pytest.mark.parametrize("ranks", RANKS)
+@each_row("ranks", RANKS)
 def test_missing_stiffness_is_named_on_every_rank(ranks):
     """Nodes inside the pieces and on the joints (6 on two ranks, 4 and 8 on three)."""
     for dead, node in report(ranks)["dead"]:
         assert node == [dead] * ranks
 
 
-@pytest.mark.parametrize("ranks", RANKS[1:])
+@each_row("ranks", RANKS[1:])
 def test_inconsistent_pieces_are_refused_on_every_rank(ranks):
     for texts in report(ranks)["refused"]:
         assert "needs exactly one owner" in texts[0]
@@ -79,7 +80,7 @@ def test_price_of_a_piece_between_two_joints():
     assert 2.4 < inner / first < 38 / 14
 
 
-@pytest.mark.parametrize("ranks", RANKS)
+@each_row("ranks", RANKS)
 def test_as_petsc_preconditioner(ranks):
     """KSP preonly: the residual with PETSc's own matrix vanishes, and the factor is computed again only for
     new values."""

@@ -30,13 +30,8 @@ def test_a_lying_string_in_contact(ranks, tmp_path):
     one = drillpetsc.linearise(tmp_path / "case.yaml", ["top.rotation"], OUTPUTS, tmp_path / "one")
     assert any("11 contacts" in line or "10 contacts" in line for line in one.lines)
     words = [
-        "linearise",
-        str(tmp_path / "case.yaml"),
-        "--inputs",
-        "top.rotation",
-        "--outputs",
-        ",".join(OUTPUTS),
-    ]
+        "linearise", str(tmp_path / "case.yaml"), "--inputs", "top.rotation", "--outputs", ",".join(OUTPUTS),
+    ]  # fmt: skip
     run_mpi(ranks, Path(__file__).parent / "run_command.py", [*words, "--out", str(tmp_path / "many")])
     a, b = (np.load(tmp_path / name / "linear.npz")["response"] for name in ("one", "many"))
     assert np.all(np.abs(a - b).max(axis=(0, 2)) < 1e-5 * np.abs(a).max(axis=(0, 2)))

@@ -19,6 +19,8 @@ from drillpetsc.output import read_table
 from drillpetsc.output.files.atomic import remove_leftovers, replace_file
 from drillpetsc.output.recorder import Recorder
 from drillpetsc.solvers.time_integrator import TimeIntegrator
+from tests.helpers.restarts import files, run_with_copies
+from tests.helpers.tables import each_row
 
 # a whirling string in contact, with a bend of the rotation at 40 ms and a jump of the lowering at 60 ms, and
 # mud
@@ -53,30 +55,6 @@ def options():
     yield give
     for name in given:
         database.delValue(name)
-
-
-def files(folder: Path) -> dict[str, bytes]:
-    """All files of a run without wall times."""
-    return {
-        str(p.relative_to(folder)): p.read_bytes()
-        for p in sorted(folder.rglob("*"))
-        if p.is_file() and p.name not in ("summary.json", "checkpoint.h5")
-    }
-
-
-def run_with_copies(case: Path, out: Path, monkeypatch) -> list[Path]:
-    """Run a case, with copies of its folder after each checkpoint."""
-    write, copies = checkpoint.write, []
-
-    def write_and_copy(path: Path, c: checkpoint.Checkpoint) -> None:
-        write(path, c)
-        copies.append(out.with_name(f"{out.name}-at-{len(copies)}"))
-        shutil.copytree(out, copies[-1])
-
-    with monkeypatch.context() as patch:
-        patch.setattr(checkpoint, "write", write_and_copy)
-        run(load_case(case), out, progress="silent")
-    return copies
 
 
 KINDS = {
@@ -139,7 +117,7 @@ def test_checkpoints_change_no_number(tmp_path):
         assert results[0][name] == results[1][name], name
 
 
-@pytest.mark.parametrize("interval", [0.1, 0.01, 1e-3, 1 / 3])
+@each_row("interval", [0.1, 0.01, 1e-3, 1 / 3])
 def test_the_next_output_is_the_same_for_a_run_that_starts_there(interval):
     """Successive output times equal those computed for a single time, also where steps end beside multiples
     by rounding."""
@@ -191,7 +169,7 @@ DAMAGE = {
 }
 
 
-@pytest.mark.parametrize("damage", DAMAGE)
+@each_row("damage", DAMAGE)
 def test_a_damaged_checkpoint_is_refused_with_a_message(damage, saved, tmp_path):
     change, words = DAMAGE[damage]
     file = tmp_path / "checkpoint.h5"
@@ -292,16 +270,8 @@ def test_the_summary_of_every_run_has_the_balances(saved):
     summary = json.loads((saved / "summary.json").read_text())
     history = read_table(saved / "history.csv")
     assert set(summary["energy"]) >= {
-        "kinetic",
-        "strain",
-        "potential",
-        "dissipated",
-        "supplied",
-        "error",
-        "error_share",
-        "gained",
-        "flag",
-    }
+        "kinetic", "strain", "potential", "dissipated", "supplied", "error", "error_share", "gained", "flag",
+    }  # fmt: skip
     assert (
         summary["energy"]["error"] == history["energy_error [J]"][-1]
         or summary["time"] > history["time [s]"][-1]

@@ -14,7 +14,8 @@ import pytest
 
 from drillpetsc.output import read_table
 from tests.helpers.mpi import ROOT, run_mpi, start_mpi
-from tests.parallel.test_restart import CASE, files
+from tests.helpers.restarts import files
+from tests.parallel.test_restart import CASE
 
 RUN = ROOT / "tests" / "parallel" / "run_case.py"
 LONG = CASE.replace("time: {end: 0.1 s}", "time: {end: 0.3 s}").replace(

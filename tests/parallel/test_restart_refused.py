@@ -16,7 +16,7 @@ from drillpetsc.analysis.transient import run
 from drillpetsc.case import load_case
 from drillpetsc.errors import CaseError
 from drillpetsc.output import read_table
-from tests.parallel.test_restart import files
+from tests.helpers.restarts import files
 
 CASE = """
 string: [{kind: pipe, length: 30 m, od: 127 mm, id: 108.6 mm, element_length: 10 m}]

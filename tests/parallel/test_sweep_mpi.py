@@ -107,9 +107,6 @@ def test_a_rank_that_is_lost_in_a_group_blocks_no_other_group(small):
         )
     table = read_table(small / "out" / "sweep.csv")
     assert table["status"].tolist() == ["failed", "done", "done", "done"] and table["ranks"].tolist() == [
-        2,
-        1,
-        1,
-        1,
-    ]
+        2, 1, 1, 1,
+    ]  # fmt: skip
     assert "on rank 1 alone: RuntimeError: gone" in table["message"][0]

@@ -1,83 +1,37 @@
-"""Tools together in mud, and the agitator, on 1, 2 and 3 ranks; the agitator restarted."""
+"""The whole string with its tools in mud on 1, 2 and 3 ranks."""
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 
-import numpy as np
 import pytest
 import yaml
 
-from drillpetsc import load_case
-from drillpetsc.analysis.transient import run
 from drillpetsc.output import read_table
 from tests.helpers.mpi import run_mpi
-from tests.helpers.whole_string import COLLAR, JAR, MOTOR, SHOCK, combined, whole_string
-from tests.parallel.test_restart import files, run_with_copies
-from tests.verification.test_agitator import with_mud
+from tests.helpers.ranks import runs_on_ranks
+from tests.helpers.whole_string import whole_string
+from tests.parallel.matrix import tools_agree
 
 SCRIPT = Path(__file__).parent / "run_case.py"
-STEPS = 3  # that are compared
-FIXED = ["-ts_adapt_type", "none", "-ts_dt"]
-STEER = {"kind": "push", "force": 3e3, "pad_offset": 1.0, "steer": {"tool_face": 1.0}}
-STEERED = {"kind": "rss", "length": 4.0, "od": 0.1715, "id": 0.0714, "mass": 560, "rss": STEER}
-
-
-def write(folder: Path, kind: str) -> Path:
-    if kind.startswith("whole"):
-        case = whole_string(two="two" in kind)
-    else:
-        case = with_mud() if kind == "agitator" else combined(JAR, COLLAR, SHOCK, MOTOR, STEERED)
-    # the whole string: a few steps, before one is repeated
-    every = 2e-4 if kind.startswith("whole") else 4e-3
-    case["time"], case["output"] = {"end": STEPS * every}, {"history_every": every, "checkpoint_every": every}
-    path = folder / "case.yaml"
-    path.write_text(yaml.safe_dump(case))
-    return path
 
 
 @pytest.mark.parallel
-@pytest.mark.parametrize("kind", ["agitator", "jar, shock sub, motor, steering", "whole", "whole, two"])
-def test_tools_are_the_same_on_1_2_and_3_ranks(kind, tmp_path):
-    """Histories are equal to rounding; torque and angles of joints that carry none are rounding themselves.
+@pytest.mark.parametrize("two", [False, True])
+def test_a_whole_string_is_the_same_on_1_2_and_3_ranks(two, tmp_path):
+    """A few steps, before one is repeated: histories are equal to rounding; torque and angles of joints that carry none are rounding.
 
-    The whole string goes on from the state of another run: its buckles have more than one place, and which of them a search of 170
+    The string goes on from the state of another run: its buckles have more than one place, and which of them a search of 170
     factorisations ends at is rounding.  Stops of 1e9 N/m let Newton's method shrink a step by 1e-10; whether it reaches 1e-12 is, too.
     """
-    whole = kind.startswith("whole")
-    path, runs = write(tmp_path, kind), []
-    options = ["2e-4", "-q_snes_stol", "1e-10"] if whole else ["1e-3", "-q_snes_stol", "1e-12"]
-    if whole:
-        run_mpi(1, SCRIPT, [str(path), str(tmp_path / "start"), *FIXED, *options], timeout=200)
-        case = yaml.safe_load(path.read_text()) | {"initial": {"from": str(tmp_path / "start")}}
-        path.write_text(yaml.safe_dump(case))
-    for n in (1, 2, 3):
-        out = tmp_path / f"ranks{n}"
-        run_mpi(n, SCRIPT, [str(path), str(out), *FIXED, *options], timeout=200)
-        runs.append((read_table(out / "history.csv"), json.loads((out / "summary.json").read_text())))
-    history, summary = runs[0]
-    largest = {
-        unit: max(np.abs(q).max() for n, q in history.items() if n.endswith(unit))
-        for unit in ("_force [N]", "_pressure [Pa]")
+    path, start = tmp_path / "case.yaml", tmp_path / "start"
+    case = whole_string(two) | {
+        "time": {"end": 6e-4},
+        "output": {"history_every": 2e-4, "checkpoint_every": 2e-4},
     }
-    small = {"bearing_load": largest["_force [N]"], "motor_differential_pressure": largest["_pressure [Pa]"]}
-    for other, its_summary in runs[1:]:
-        assert its_summary["steps"] == summary["steps"]
-        for name, values in history.items():
-            if not name.startswith(("energy_error", "newton", "step")):
-                # small differences of large forces and of large pressures
-                size = small.get(name.split()[0], np.abs(values).max())
-                assert np.abs(other[name] - values).max() <= (1e-6 if whole else 1e-7) * size + 1e-10, name
-
-
-@pytest.mark.parametrize("kind", ["agitator", "whole, two"])
-def test_tools_in_mud_restarted_are_bit_identical(kind, tmp_path, monkeypatch):
-    path = write(tmp_path, kind)
-    copies = run_with_copies(path, tmp_path / "run", monkeypatch)
-    whole = files(tmp_path / "run")
-    assert len(copies) >= 3
-    for copy in copies[:-1:2]:
-        run(load_case(path), copy, restart=True, progress="silent")
-        for name, content in files(copy).items():
-            assert content == whole[name], (copy, name)
+    path.write_text(yaml.safe_dump(case))
+    options = ["-ts_adapt_type", "none", "-ts_dt", "2e-4", "-q_snes_stol", "1e-10"]
+    run_mpi(1, SCRIPT, [str(path), str(start), *options], timeout=200)
+    path.write_text(yaml.safe_dump(case | {"initial": {"from": str(start)}}))
+    folders = runs_on_ranks(path, tmp_path, options)
+    tools_agree(folders, read_table(folders[0] / "history.csv"), 1e-6)

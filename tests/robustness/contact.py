@@ -81,11 +81,8 @@ def unbalance(runs: Runs) -> list[Row]:
         run = runs[name]
         item, contact = run.case.string[1], run.case.contact
         omega, e, m, k = (
-            run.case.top.rotation.value(2.0),
-            item.eccentricity,
-            pipe_mass(item),
-            contact.stiffness,
-        )
+            run.case.top.rotation.value(2.0), item.eccentricity, pipe_mass(item), contact.stiffness,
+        )  # fmt: skip
         clearance = 0.5 * (run.case.well.sections[0].diameter - item.od)
         depth = e * omega * np.sqrt(m / k) + m * (clearance + e) * omega**2 / k
         p = run.probes

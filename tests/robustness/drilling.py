@@ -122,10 +122,7 @@ def reverse(runs: Runs) -> list[Row]:
             1e-12,
         ),
         at_most(
-            "X18",
-            "no rotation: energy error [J]",
-            float(np.abs(still.history["energy_error"]).max()),
-            1e-6,
+            "X18", "no rotation: energy error [J]", float(np.abs(still.history["energy_error"]).max()), 1e-6
         ),
         *(
             at_most("X18", f"{q.name}: Newton iterations of a step", float(q.history["newton"].max()), 14)

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import numpy as np
-import pytest
 
 from drillpetsc.solvers.chain_lu import ChainFactor
+from tests.helpers.tables import each_row
 
 
 def element_entries(
@@ -26,11 +26,9 @@ def element_entries(
     return np.concatenate(rows), np.concatenate(columns), node
 
 
-@pytest.mark.parametrize(
-    "sizes", [[7] * 6, [11] * 5, [7, 8, 7, 7], [1, 2, 3, 4, 5], [2, 1, 1, 6], [13, 7, 9, 12]]
-)
-@pytest.mark.parametrize("shuffled", [False, True])
-@pytest.mark.parametrize("left_out", [0, 3])
+@each_row("sizes", [[7] * 6, [11] * 5, [7, 8, 7, 7], [1, 2, 3, 4, 5], [2, 1, 1, 6], [13, 7, 9, 12]])
+@each_row("shuffled", [False, True])
+@each_row("left_out", [0, 3])
 def test_assembled_blocks_are_sums_of_the_entries(sizes, shuffled, left_out):
     """Two sets of element matrices; the blocks are those of numpy's sums to the bit, and the solution that of numpy.
 

@@ -8,6 +8,7 @@ import sys
 import pytest
 
 from drillpetsc.units import UnitError, bare_number, to_si, weight_to_mass
+from tests.helpers.tables import each_row
 
 INCH, POUND, G0 = 0.0254, 0.45359237, 9.80665
 FOOT, LBF, GALLON, PSI = 12 * INCH, POUND * G0, 231 * INCH**3, POUND * G0 / INCH**2
@@ -85,41 +86,29 @@ SPELLINGS: dict[str, dict[str, float]] = {
 }  # fmt: skip
 
 
-@pytest.mark.parametrize(
-    ("unit", "spelling"), [(unit, text) for unit, texts in SPELLINGS.items() for text in texts]
-)
+@each_row(("unit", "spelling"), [(unit, text) for unit, texts in SPELLINGS.items() for text in texts])
 def test_every_spelling(unit: str, spelling: str) -> None:
     factor = SPELLINGS[unit][spelling]
     for blank in (" ",) if spelling[0].isdigit() else ("", " "):
         assert to_si(f"12.5{blank}{spelling}", unit) == pytest.approx(12.5 * factor, rel=1e-12)
 
 
-@pytest.mark.parametrize(
+@each_row(
     ("text", "unit", "expected"),
     [
-        ("12 1/4 in", "m", 12.25 * INCH),
-        ('12 1/4"', "m", 12.25 * INCH),
-        ("12-1/4 in", "m", 12.25 * INCH),
-        ('12-1/4"', "m", 12.25 * INCH),
-        ("9 5/8 in", "m", 9.625 * INCH),
-        ("9 5/8in", "m", 9.625 * INCH),
-        ("1/32 in", "m", INCH / 32),
-        ("30'", "m", 30 * FOOT),
-        ("2 min/m", "m/s", 1 / 120),
-        ("2 min/ft", "m/s", FOOT / 120),
-        ("150 degF", "K", (150 - 32) / 1.8 + 273.15),
-        ("150 F", "K", (150 - 32) / 1.8 + 273.15),
-        ("80 degC", "K", 353.15),
-        ("80 C", "K", 353.15),
-        ("0.03 deg/ft", "1/m", 0.03 * DEGREE / FOOT),
-        ("5 ft-lbf/rad", "N m/rad", 5 * FOOT * LBF),
+        ("12 1/4 in", "m", 12.25 * INCH), ('12 1/4"', "m", 12.25 * INCH), ("12-1/4 in", "m", 12.25 * INCH),
+        ('12-1/4"', "m", 12.25 * INCH), ("9 5/8 in", "m", 9.625 * INCH), ("9 5/8in", "m", 9.625 * INCH),
+        ("1/32 in", "m", INCH / 32), ("30'", "m", 30 * FOOT), ("2 min/m", "m/s", 1 / 120),
+        ("2 min/ft", "m/s", FOOT / 120), ("150 degF", "K", (150 - 32) / 1.8 + 273.15),
+        ("150 F", "K", (150 - 32) / 1.8 + 273.15), ("80 degC", "K", 353.15), ("80 C", "K", 353.15),
+        ("0.03 deg/ft", "1/m", 0.03 * DEGREE / FOOT), ("5 ft-lbf/rad", "N m/rad", 5 * FOOT * LBF),
     ],
-)
+)  # fmt: skip
 def test_numbers_of_the_field(text: str, unit: str, expected: float) -> None:
     assert to_si(text, unit) == pytest.approx(expected, rel=1e-12)
 
 
-@pytest.mark.parametrize(
+@each_row(
     ("text", "unit", "hint"),
     [
         ("30 ton", "N", "which ton"),

@@ -8,6 +8,7 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from drillpetsc.time_function import Constant, PiecewiseLinear, Ramp, TimeFunction
+from tests.helpers.tables import each_row
 
 moment = st.floats(-50, 50)
 number = st.floats(-100, 100)
@@ -134,7 +135,7 @@ def test_integral_of_a_table_that_starts_late() -> None:
     assert table.integral(12.0) == 14.0
 
 
-@pytest.mark.parametrize(
+@each_row(
     ("times", "values"),
     [((), ()), ((0.0, 1.0), (1.0,)), ((1.0, 0.0), (1.0, 2.0)), ((1.0, 1.0, 1.0), (1.0, 2.0, 3.0))],
 )

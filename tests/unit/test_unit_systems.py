@@ -7,12 +7,13 @@ import pytest
 
 from drillpetsc.unit_systems import KINDS, SYSTEMS, display, kind_of, shown, unit_of_bare_number
 from drillpetsc.units import to_si
+from tests.helpers.tables import each_row
 
 INCH, POUND, G0 = 0.0254, 0.45359237, 9.80665
 FOOT, LBF, GALLON = 12 * INCH, POUND * G0, 231 * INCH**3
 
 
-@pytest.mark.parametrize(
+@each_row(
     ("kind", "field", "metric"),
     [  # size of the unit in SI, and its text
         ("length", (FOOT, "ft"), (1.0, "m")),
@@ -66,7 +67,7 @@ def test_arrays() -> None:
     assert unit == "ft" and numbers == pytest.approx([0.0, 1.0])
 
 
-@pytest.mark.parametrize("kind", KINDS)
+@each_row("kind", KINDS)
 def test_every_text_is_read_back(kind: str) -> None:
     """What is printed can be typed: text and number together are the value."""
     if kind == "pressure_gradient":

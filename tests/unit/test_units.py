@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 from drillpetsc import units
 from drillpetsc.unit_tables import DIMENSIONS
 from drillpetsc.units import UnitError, to_si, wanted
+from tests.helpers.tables import each_row
 
 INCH = 0.0254  # [m] exact
 POUND = 0.45359237  # [kg] exact
@@ -18,7 +19,7 @@ POUND_FORCE = POUND * 9.80665  # [N] exact
 FOOT = 12 * INCH
 
 
-@pytest.mark.parametrize(
+@each_row(
     ("text", "unit", "expected"),
     [
         ("9.625 in", "m", 9.625 * INCH),
@@ -83,29 +84,18 @@ def test_conversion_leaves_no_noise_in_the_last_digit() -> None:
     assert to_si("400 mm2", "m^2") == 0.0004
 
 
-@pytest.mark.parametrize(
+@each_row(
     ("text", "unit", "hint"),
     [
-        ("80 rpm", "m", "rotation speed"),
-        ("5 Hz", "rad/s", "rpm or rad/s"),
-        ("5 1/s", "rad/s", "rpm or rad/s"),
-        ("80 rpm", "1/s", "rotation speed"),
-        ("10 kN", "N m", "force"),
-        ("12 ppgg", "kg/m^3", "did you mean 'ppg'?"),
-        ("9,5 in", "m", "point"),
-        ("9 5 in", "m", "one number"),
-        ("9 5/0 in", "m", ""),
-        ("5 m + 3 m", "m", "one number"),
-        ("5 __import__('os')", "m", "one number"),
-        ("m", "m", "a number comes first"),
-        ("", "m", "a number comes first"),
-        ("nan m", "m", "a number comes first"),
-        ("1e400 m", "m", ""),
-        ("5 m/", "m", "cannot be read"),
-        ("5 (m", "m", "cannot be read"),
-        ("0.3 m", "", "length"),
+        ("80 rpm", "m", "rotation speed"), ("5 Hz", "rad/s", "rpm or rad/s"),
+        ("5 1/s", "rad/s", "rpm or rad/s"), ("80 rpm", "1/s", "rotation speed"), ("10 kN", "N m", "force"),
+        ("12 ppgg", "kg/m^3", "did you mean 'ppg'?"), ("9,5 in", "m", "point"), ("9 5 in", "m", "one number"),
+        ("9 5/0 in", "m", ""), ("5 m + 3 m", "m", "one number"), ("5 __import__('os')", "m", "one number"),
+        ("m", "m", "a number comes first"), ("", "m", "a number comes first"),
+        ("nan m", "m", "a number comes first"), ("1e400 m", "m", ""), ("5 m/", "m", "cannot be read"),
+        ("5 (m", "m", "cannot be read"), ("0.3 m", "", "length"),
     ],
-)
+)  # fmt: skip
 def test_refused_text(text: str, unit: str, hint: str) -> None:
     with pytest.raises(UnitError) as caught:
         to_si(text, unit)
@@ -113,7 +103,7 @@ def test_refused_text(text: str, unit: str, hint: str) -> None:
     assert wanted(unit) in caught.value.want
 
 
-@pytest.mark.parametrize("value", [None, True, [1.0], {"a": 1}, math.nan, math.inf, np.array([1.0, 2.0])])
+@each_row("value", [None, True, [1.0], {"a": 1}, math.nan, math.inf, np.array([1.0, 2.0])])
 def test_refused_values(value: object) -> None:
     with pytest.raises(UnitError):
         to_si(value, "m")
@@ -125,7 +115,7 @@ def test_bare_numbers_are_si() -> None:
     assert to_si(np.int64(3), "") == 3.0
 
 
-@pytest.mark.parametrize("unit", DIMENSIONS)
+@each_row("unit", DIMENSIONS)
 def test_examples_shown_to_the_user_are_accepted(unit: str) -> None:
     for example in DIMENSIONS[unit][1].split(" or "):
         assert to_si(example, unit) > 0
@@ -153,7 +143,7 @@ def test_near_misses_are_a_finite_number_or_a_unit_error(text: str) -> None:
 
 
 # ---------------------------------------------------------------------- the table of factors
-@pytest.mark.parametrize("unit", list(units.FACTORS))
+@each_row("unit", list(units.FACTORS))
 def test_factors_are_those_of_pint(unit: str) -> None:
     for spelling, factor in units.FACTORS[unit].items():
         text = spelling.replace("second_to_the_n", "s^n")
@@ -180,48 +170,33 @@ def test_spelled() -> None:
     assert {unit: units.spelled(unit) for unit in spellings} == spellings
 
 
-@pytest.mark.parametrize(
+@each_row(
     "text",
     [
-        "9 m%2",
-        "9 m%",
-        "9 %m",
-        "9 percent m",
-        "9 m*2",
-        "9 m * 2",
-        "9 m 2",
-        "9 m/2",
-        "9 m / 2.5",
-        "9 m//s",
+        "9 m%2", "9 m%", "9 %m", "9 percent m", "9 m*2", "9 m * 2", "9 m 2", "9 m/2", "9 m / 2.5", "9 m//s",
         "9 m/s/2",
     ],
-)
+)  # fmt: skip
 def test_a_unit_is_no_sum_to_work_out(text: str) -> None:
     """A factor, a share or a divisor behind the unit is a slip of the pen, or two cells in one; it must not change the number."""
     with pytest.raises(UnitError):
         to_si(text, "m/s" if "s" in text.partition("m")[2] else "m")
 
 
-@pytest.mark.parametrize(
+@each_row(
     "text",
     [
-        "9 m 9^9^9^9",
-        "9 m3^7²8",
-        "11 m8²^55²*m0",
-        "1 m^2^9^9^9",
-        "9 m²²²²²²²²²",
-        "1 g5²²^8",
-        "9 m³**99**99",
+        "9 m 9^9^9^9", "9 m3^7²8", "11 m8²^55²*m0", "1 m^2^9^9^9", "9 m²²²²²²²²²", "1 g5²²^8", "9 m³**99**99",
         "9 (m)²^99^99",
     ],
-)
+)  # fmt: skip
 def test_a_power_of_a_power_is_refused_and_not_computed(text: str) -> None:
     """The units package would compute 3^7^28 as a whole number, for hours."""
     with pytest.raises(UnitError):
         to_si(text, "m")
 
 
-@pytest.mark.parametrize(
+@each_row(
     ("text", "unit", "value"),
     [
         ("1 deg / 100 ft", "1/m", 3.14159265358979 / 180 / 30.48),

@@ -9,6 +9,7 @@ import pytest
 
 import drillpetsc
 from drillpetsc.units import UnitError, to
+from tests.helpers.tables import each_row
 
 
 class Variable:
@@ -24,22 +25,15 @@ class Variable:
         return Variable(self.values + more, {})
 
 
-@pytest.mark.parametrize(
+@each_row(
     ("value", "unit", "wanted"),
     [
-        (4448.2216152605, "klbf", 1.0),
-        (0.2159, "in", 8.5),
-        (119.826427, "ppg", 1.0),
-        (6894.757, "psi", 1.0),
-        (6.309020e-05, "gpm", 1.0),
-        (1.355817948, "ft-lbf", 1.0),
-        (14.59390, "lbf/ft", 1.0),
-        (math.pi, "deg", 180.0),
-        (math.pi, "rpm", 30.0),
-        (310.9277778, "degF", 100.0),
+        (4448.2216152605, "klbf", 1.0), (0.2159, "in", 8.5), (119.826427, "ppg", 1.0), (6894.757, "psi", 1.0),
+        (6.309020e-05, "gpm", 1.0), (1.355817948, "ft-lbf", 1.0), (14.59390, "lbf/ft", 1.0),
+        (math.pi, "deg", 180.0), (math.pi, "rpm", 30.0), (310.9277778, "degF", 100.0),
         (1000.0, "N/m", 1000.0),
     ],
-)
+)  # fmt: skip
 def test_numbers_in_si(value: float, unit: str, wanted: float) -> None:
     assert to(value, unit) == pytest.approx(wanted, rel=2e-6)
 
@@ -61,7 +55,7 @@ def test_a_pound_of_a_force_is_a_force() -> None:
         to(1.0, "lb")
 
 
-@pytest.mark.parametrize("unit", ["furlong per fortnight!", "min/ft", ""])
+@each_row("unit", ["furlong per fortnight!", "min/ft", ""])
 def test_other_units_are_refused(unit: str) -> None:
     with pytest.raises(UnitError):
         to(1.0, unit)

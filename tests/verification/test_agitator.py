@@ -13,6 +13,7 @@ from drillpetsc import Case, run
 from drillpetsc.case.plausibility import plausibility
 from drillpetsc.errors import CaseError
 from drillpetsc.output import read_table
+from tests.helpers.wells import simple_well
 
 SECTION = {
     "rev_per_volume": "0.5 rev/l",
@@ -115,15 +116,8 @@ def with_mud(flow: object = "30 l/s", rtol: float = 1e-5, **changes: Any) -> dic
     tool["mass"] = 100.0
     return values | {
         "string": [{"kind": "pipe", "length": 98.0, **PIPE, "element_length": 2.0}, tool],
-        "well": {
-            "survey": {"md": [0, 110], "inclination": [0, 0], "azimuth": [0, 0]},
-            "sections": [{"to": 110, "kind": "casing", "diameter": 0.2159, "friction": 0.0}],
-        },
-        "fluid": {
-            "density": 1200,
-            "rheology": {"model": "newtonian", "viscosity": 0.02},
-            "flow_rate": flow,
-        },
+        "well": simple_well(110, 0.2159, kind="casing", friction=0.0),
+        "fluid": {"density": 1200, "rheology": {"model": "newtonian", "viscosity": 0.02}, "flow_rate": flow},
         "contact": "none",
         "bottom": "free",
         "time": {"end": 0.4},

@@ -16,6 +16,7 @@ import pytest
 
 import drillpetsc as dp
 from drillpetsc.analysis.torque_drag.circulation import circulation
+from tests.helpers.wells import simple_well
 
 HOLE, PIPE, THICK, BORE, LENGTH = 0.2159, 0.127, 0.2, 0.0889, 9.0
 STEEL = 7850.0
@@ -32,10 +33,7 @@ def case(
         tool["element_length"] = 3.0
     pipe = {"kind": "pipe", "od": PIPE, "id": BORE}
     values: dict[str, Any] = {
-        "well": {
-            "survey": {"md": [0, 300], "inclination": [f"{inclination} deg"] * 2, "azimuth": [0, 0]},
-            "sections": [{"to": 300, "kind": "open_hole", "diameter": HOLE, "friction": 0.2}],
-        },
+        "well": simple_well(300, HOLE, f"{inclination} deg", friction=0.2),
         "string": [
             pipe | {"length": 120.0, "element_length": 10.0},
             tool,

@@ -19,6 +19,7 @@ from drillpetsc.solvers.time_integrator import TimeIntegrator
 from tests.helpers.bit_models import DRAG, RADIUS, TURNING, bit_of, drilling, lowered, unknowns
 from tests.helpers.delay_roots import Regenerative, fitted_exponents
 from tests.helpers.motion import beam, fixed, sampled, straight
+from tests.helpers.wells import simple_well
 
 CUT, CONTACT = 0.6 * 60e6 * RADIUS, 60e6 * RADIUS * 1.2e-3  # W = CUT d + CONTACT [N/m], [N]
 RUB = 0.5 * 0.6 * CONTACT * RADIUS  # torque of the wear flats [N m]
@@ -124,12 +125,9 @@ def lifted(h: float = 1.0) -> tuple[DrillingModel, np.ndarray]:
     def sample(system):
         f = bit.element_results(system.assembly)
         return [
-            f[0],
-            f[2],
-            system.field("string.position")[-1, 2] - 1.0,
-            *unknowns(model, "hole.drilled"),
+            f[0], f[2], system.field("string.position")[-1, 2] - 1.0, *unknowns(model, "hole.drilled"),
             *unknowns(model, "bit.chips"),
-        ]
+        ]  # fmt: skip
 
     return model, sampled(model.system, 2.2, sample, model.breaks, ts_rtol=1e-4)
 
@@ -144,13 +142,8 @@ def test_lift_off_keeps_the_uncut_rock():
     """
     _, rows = lifted()
     t, weight, rate, face, drilled, profile = (
-        rows[:, 0],
-        rows[:, 1],
-        rows[:, 2],
-        rows[:, 3],
-        rows[:, 4],
-        rows[:, 5:],
-    )
+        rows[:, 0], rows[:, 1], rows[:, 2], rows[:, 3], rows[:, 4], rows[:, 5:],
+    )  # fmt: skip
     off = (t > 0.53) & (t < 1.15)
     assert off.sum() > 20
     assert np.diff(drilled).min() >= -1e-15 and weight.min() >= 0.0 and rate.min() >= 0.0
@@ -211,10 +204,7 @@ def vibration(
         "inertia": {"axial": 10.0, "transverse": 100.0},
     }
     depth, speed = LENGTH + 0.1, feed(4 * chip, turning)
-    well = {
-        "survey": {"md": [0, depth], "inclination": [0, 0], "azimuth": [0, 0]},
-        "sections": [{"to": depth, "kind": "open_hole", "diameter": 2 * RADIUS, "friction": 0.0}],
-    }
+    well = simple_well(depth, 2 * RADIUS, friction=0.0)
     model = straight(
         string=[pipe, item],
         well=well,

@@ -25,6 +25,7 @@ from drillpetsc.time_function import Constant
 from tests.helpers.bit_models import DRAG, RADIUS, bit_of, drilling, lowered, unknowns
 from tests.helpers.motion import beam, fixed, integrate
 from tests.helpers.moving import straight_model
+from tests.helpers.wells import simple_well
 
 MASS, DAMPING, SPRING, BOTTOM, DRILLABILITY = 5e3, 2e4, 2e5, 2e8, 1e-7
 LENGTH, RAMP, DOWN = 10.0, 1e-5, np.array([0.0, 0.0, 1.0])
@@ -132,10 +133,7 @@ def vertical_case(freeze: float, rows: float, frames: float) -> Case:
     """Half a metre of new hole in 5 s, vertical, in unsteady motion."""
     lowering = {"time": [0.0, 1.0, 2.0, 5.0], "value": [0.05, 0.15, 0.1, 0.1]}
     pipe = beam(20.0, 2, 6e8, 1e6, 9e5, 30.0, 0.1, od=0.127)
-    well = {
-        "survey": {"md": [0, 20.2], "inclination": [0, 0], "azimuth": [0, 0]},
-        "sections": [{"to": 20.2, "kind": "open_hole", "diameter": 2 * RADIUS, "friction": 0.25}],
-    }
+    well = simple_well(20.2, 2 * RADIUS, friction=0.25)
     formation = {"drillability": 2e-6, "rotary_exponent": 0.0, "node_spacing": freeze}
     return Case(
         string=[pipe, {"kind": "bit", "length": 0.2, "od": 2 * RADIUS, "mass": 60.0}],

@@ -18,6 +18,7 @@ from drillpetsc.output import read_table
 from drillpetsc.solvers.petsc_options import applied
 from tests.helpers.bit_models import RADIUS, TURNING, bit_of, unknowns
 from tests.helpers.motion import beam
+from tests.helpers.wells import simple_well
 
 CASES = Path(__file__).parents[2] / "cases"
 DRILLABILITY, WEIGHT, LENGTH = 1e-5, 1e4, 100.0  # m/(s N), N, m: 0.1 m/s
@@ -46,10 +47,7 @@ def drilled(
     )  # too thin to touch the wall
     bit = {"kind": "bit", "length": FACE, "od": 2 * RADIUS, "mass": 1.0}
     depth = LENGTH + FACE
-    well = {
-        "survey": {"md": [0, depth], "inclination": [inclination] * 2, "azimuth": [azimuth] * 2},
-        "sections": [{"to": depth, "kind": "open_hole", "diameter": 2 * RADIUS, "friction": 0.0}],
-    }
+    well = simple_well(depth, 2 * RADIUS, inclination, azimuth=azimuth, friction=0.0)
     along, side = direction(inclination, azimuth), direction(inclination + np.pi / 2, azimuth)
     loads = [
         {"at": LENGTH, "force": (WEIGHT * along).tolist()},

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from tests.helpers.bit_models import DRAG, RADIUS, TURNING, rock_bit
+from tests.helpers.tables import each_row
 
 DOWN = np.array([0.0, 0.0, 1.0])
 D, WEIGHT = 2.8e-8, 1e5  # defaults of the case format: m/(s N), N
@@ -47,7 +48,7 @@ def test_no_drift_under_an_axial_load():
         assert bit.rate_under(8e4 * axis, axis, TURNING) == pytest.approx(D * 8e4 * axis, rel=1e-5, abs=1e-12)
 
 
-@pytest.mark.parametrize("seed", range(12))
+@each_row("seed", range(12))
 def test_hos_relation(seed):
     """Ho's law (1987, US patent 4804051): r_N e_r = I_b I_r e_f + I_r (1 - I_b)(e_a.e_f) e_a + (1 - I_r) r_N
     (e_r.e_d) e_d.
@@ -58,11 +59,8 @@ def test_hos_relation(seed):
     """
     rng = np.random.default_rng(seed)
     sideways, index, dip, azimuth = (
-        rng.uniform(0.05, 1),
-        rng.uniform(0.8, 1.2),
-        rng.uniform(0, np.pi / 2),
-        rng.uniform(-np.pi, np.pi),
-    )
+        rng.uniform(0.05, 1), rng.uniform(0.8, 1.2), rng.uniform(0, np.pi / 2), rng.uniform(-np.pi, np.pi),
+    )  # fmt: skip
     axis = rng.standard_normal(3)
     axis /= np.linalg.norm(axis)
     force = 1e5 * axis + 2e4 * rng.standard_normal(3)

@@ -11,6 +11,7 @@ from drillpetsc import run
 from drillpetsc.output import read_table
 from tests.helpers.bit_models import RADIUS
 from tests.helpers.motion import beam, sampled, straight
+from tests.helpers.wells import simple_well
 
 INERTIA, STIFFNESS, TURNING, STATIC, DYNAMIC = 374.0, 473.0, 50 * 2 * np.pi / 60, 10e3, 5e3
 
@@ -26,10 +27,7 @@ def case() -> dict:
         "mass": 100.0,
         "inertia": {"axial": INERTIA, "transverse": 10.0},
     }
-    well = {
-        "survey": {"md": [0, 1.1], "inclination": [0, 0], "azimuth": [0, 0]},
-        "sections": [{"to": 1.1, "kind": "open_hole", "diameter": 2 * RADIUS, "friction": 0.0}],
-    }
+    well = simple_well(1.1, 2 * RADIUS, friction=0.0)
     law = {"kind": "velocity_weakening", "static": STATIC, "dynamic": DYNAMIC, "speed": 0.02}
     return {
         "string": [pipe, bit],

@@ -100,10 +100,7 @@ def rolling_start(orbit: float, overgauge: float) -> np.ndarray:
 
 @pytest.mark.parametrize(
     ("stiffness", "step", "torque", "side", "whirl", "orbit"),
-    [
-        (2e8, 2e-4, 1839.3, 60.73e3, -36.11, 3.943e-3),
-        (2e9, 8e-5, 1839.2, 60.78e3, -36.14, 3.940e-3),
-    ],
+    [(2e8, 2e-4, 1839.3, 60.73e3, -36.11, 3.943e-3), (2e9, 8e-5, 1839.2, 60.78e3, -36.14, 3.940e-3)],
 )
 def test_whirl_of_a_bit_that_cuts_does_not_depend_on_the_wall(stiffness, step, torque, side, whirl, orbit):
     """Steady backward whirl: the side force is the strength of the rock, the orbit R = m (Omega a)^2/(N_y + k_s R), the torque

@@ -9,6 +9,7 @@ import pytest
 
 from drillpetsc import Case, run
 from drillpetsc.output import read_table
+from tests.helpers.wells import simple_well
 
 DENSITY, MODULUS, AREA = 1200.0, 2.2e9, np.pi / 4 * 0.1086**2
 SPEED = np.sqrt(MODULUS / DENSITY)  # of sound between rigid walls [m/s]
@@ -18,10 +19,7 @@ FLOW = 0.008  # [m3/s]
 def stopped(folder, outlet: float, units: str = "metric", **keywords):
     """A frictionless pump stop after 50 ms in a held level pipe of 600 m, from the pressure ``outlet`` [Pa]."""
     case = Case(
-        well={
-            "survey": {"md": [0, 700], "inclination": [1.5707963, 1.5707963], "azimuth": [0, 0]},
-            "sections": [{"to": 700, "kind": "casing", "diameter": 0.2159, "friction": 0}],
-        },
+        well=simple_well(700, 0.2159, 1.5707963, kind="casing", friction=0),
         string=[{"kind": "pipe", "length": 600, "od": 0.127, "id": 0.1086, "element_length": 10}],
         hold_string=True,
         fluid={

@@ -17,6 +17,8 @@ from drillpetsc.analysis.job import Job
 from drillpetsc.errors import CaseError
 from drillpetsc.output import read_table
 from tests.helpers import frequency_models as m
+from tests.helpers.tables import each_row
+from tests.helpers.wells import simple_well
 
 
 def tables(case: dict, folder: Path, **options) -> tuple[dict[str, np.ndarray], dict[str, np.ndarray]]:
@@ -206,10 +208,7 @@ def test_line_of_the_blades(tmp_path):
     case = axial_pipe(1000.0, 1e-4)
     case["string"].append({"kind": "bit", "length": 0.3, "od": 0.2, "mass": 1.0})
     case |= {"contact": None, "bottom": {"kind": "bit"}}
-    case["well"] = {
-        "survey": {"md": [0, 1000.3], "inclination": [0, 0], "azimuth": [0, 0]},
-        "sections": [{"to": 1000.3, "kind": "open_hole", "diameter": 0.216, "friction": 0.2}],
-    }
+    case["well"] = simple_well(1000.3, 0.216, friction=0.2)
     case["formation"] = {"bit_law": {"kind": "drag_bit", "blades": 5}}
     drilling = Case(**case)
     assert named_lines(drilling, (1.0, "blades")) == (1.0, 5.0)
@@ -250,7 +249,7 @@ def test_a_lost_branch_is_not_swapped():
 
 
 # ---------------------------------------------------------------------- unlucky inputs
-@pytest.mark.parametrize(
+@each_row(
     ("changes", "options", "words"),
     [
         ({"top": "free"}, {}, ("top", "turn")),
@@ -277,10 +276,7 @@ def test_bad_input_is_refused(changes, options, words, tmp_path):
 
 def test_rest_without_friction_is_told(tmp_path):
     """A string that hangs against the wall of an inclined hole: at 0 rpm another state, which is said; no crash, no loss."""
-    well = {
-        "survey": {"md": [0, 60], "inclination": [0.6, 0.6], "azimuth": [0, 0]},
-        "sections": [{"to": 60, "kind": "casing", "diameter": 0.2159, "friction": 0.25}],
-    }
+    well = simple_well(60, 0.2159, 0.6, kind="casing", friction=0.25)
     case = {
         "string": [m.drill_pipe(50.0, 10, 1e-3)],
         "well": well,
@@ -338,8 +334,7 @@ def test_critical_speeds_above_the_lowest_modes(tmp_path):
 def lateral(depth: float = 600.0) -> Case:
     """A string that hangs in mud, whose lateral modes lie some hundredths of a hertz apart."""
     return Case(
-        well={"survey": {"md": [0, depth], "inclination": [0, 0], "azimuth": [0, 0]},
-              "sections": [{"kind": "open_hole", "to": depth, "diameter": 0.2159, "friction": 0.2}]},
+        well=simple_well(depth, 0.2159, friction=0.2),
         string=[{"kind": "pipe", "length": depth - 10.0, "od": 0.127, "id": 0.1086, "element_length": 10.0}],
         top={"kind": "top_drive", "hinged": True, "rotation": 60 * m.RPM},
         bottom="free",

@@ -12,15 +12,13 @@ from drillpetsc.analysis.unresolved_modes import unresolved_growth
 from drillpetsc.model.drilling_model import build_model
 from drillpetsc.solvers.linearization import linearise
 from drillpetsc.solvers.quadratic_eigenproblem import lowest_eigenvalues
+from tests.helpers.wells import simple_well
 
 
 def case(formulation: str, deep: float, flow: float = 0.0, bottom=None, **keys) -> Case:
     """A pipe of 100 m with elements of 10 m in mud, its end near a hole's end at ``deep`` [m]."""
     return Case(
-        well={
-            "survey": {"md": [0.0, deep], "inclination": [0.0, 0.0], "azimuth": [0.0, 0.0]},
-            "sections": [{"to": deep, "kind": "open_hole", "diameter": 0.2159, "friction": 0.0}],
-        },
+        well=simple_well(deep, 0.2159, friction=0.0),
         string=[{"kind": "pipe", "length": 100.0, "od": 0.127, "id": 0.1086, "element_length": 10.0}],
         top="clamped",
         bottom=bottom or "free",

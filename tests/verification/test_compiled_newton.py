@@ -15,10 +15,7 @@ CASES = Path(__file__).parents[2] / "cases"
 #: case, changes of it, time to reach [s], counters of the solves that must not be zero
 RUNS = {
     "whirl": (
-        "vertical-2000m-dry",
-        ["petsc.ts_adapt_type=none", "petsc.ts_dt=0.005"],
-        0.4,
-        "contact_updates",
+        "vertical-2000m-dry", ["petsc.ts_adapt_type=none", "petsc.ts_dt=0.005"], 0.4, "contact_updates",
     ),
     "impacts": ("benchmark/hanging-string-contact", ["top.rotation=80 rpm"], 0.3, "jacobians"),
     "mud": ("benchmark/coupled-2000m", [], 0.15, "jacobians"),
@@ -30,7 +27,7 @@ RUNS = {
         0.3,
         "failures",
     ),
-}
+}  # fmt: skip
 COUNTERS = ("iterations", "jacobians", "linear_iterations", "failures", "contact_updates")
 
 

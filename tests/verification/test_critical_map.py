@@ -13,6 +13,7 @@ from drillpetsc import Case
 from drillpetsc.errors import CaseError
 from drillpetsc.output import read_table
 from tests.helpers import frequency_models as m
+from tests.helpers.wells import simple_well
 
 HOLE, SPAN, MASS = 0.2159, 9.0, 700.0
 LIGHT = {"young": m.YOUNG, "poisson": 0.3, "density": 1.0, "damping": {"stiffness": 2e-3}}
@@ -33,10 +34,7 @@ def shaft() -> dict:
     body = {"kind": "body", "mass": MASS, "inertia": {"axial": 1.0, "transverse": 1e-3}, "unbalance": 0.1}
     return {
         "string": [end, point, half, body, half, point, end],
-        "well": {
-            "survey": {"md": [0, 20], "inclination": [0, 0], "azimuth": [0, 0]},
-            "sections": [{"to": 20, "kind": "open_hole", "diameter": HOLE, "friction": 0.3}],
-        },
+        "well": simple_well(20, HOLE, friction=0.3),
         "top": {"kind": "top_drive", "force": 0.0, "guided": False, "hinged": True},
         "bottom": "free",
         "gravity": 0.0,
@@ -57,17 +55,9 @@ def test_body_between_two_points_of_the_wall(tmp_path):
     file = tmp_path / "shaft.yaml"
     file.write_text(yaml.safe_dump(shaft()))
     words = [
-        "campbell",
-        str(file),
-        "--speeds",
-        "10:150:20 rpm",
-        "--count",
-        "4",
-        "--kind",
-        "lateral",
-        "--lines",
+        "campbell", str(file), "--speeds", "10:150:20 rpm", "--count", "4", "--kind", "lateral", "--lines",
         "1",
-    ]
+    ]  # fmt: skip
     walls = np.array([3e5, 1e6, 4e6, 1e9])
     options = ["--stiffness", "3e5,1e6,4e6,1e9 Pa", "--out", str(tmp_path / "run")]
     assert main([*words, *options]) == 0

@@ -18,8 +18,7 @@ CASES = Path(__file__).parents[2] / "cases"
 
 @pytest.mark.parametrize("kind", ["bdf", "alpha2"])
 @pytest.mark.parametrize(
-    ("name", "title"),
-    [("hanging-string", "bit_speed [rad/s]"), ("water-hammer", "pump_pressure [Pa]")],
+    ("name", "title"), [("hanging-string", "bit_speed [rad/s]"), ("water-hammer", "pump_pressure [Pa]")]
 )
 def test_error_is_within_one_percent(name, title, kind, tmp_path):
     """Rms error over the rows, as a share of the range, against waves by characteristics (Joukowsky)."""

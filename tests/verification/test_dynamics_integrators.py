@@ -13,12 +13,13 @@ from drillpetsc.physics.beam import AncfBeam
 from drillpetsc.solvers.first_order_system import FirstOrderSystem
 from tests.helpers.component_models import KINDS, SHIFT, build
 from tests.helpers.motion import beam, fixed, integrate, straight
+from tests.helpers.tables import each_row
 
 END = 0.2
 PLAIN = {"snes_type": "newtonls", "ksp_type": "preonly", "pc_type": "lu"}
 
 
-@pytest.mark.parametrize("kind", KINDS)
+@each_row("kind", KINDS)
 def test_first_order_jacobian_matches_central_differences(kind):
     """dF/dx + shift dF/dxdot of the first-order system against fourth-order differences of its residual."""
     system, t = build(kind), 0.4
@@ -84,18 +85,14 @@ NEWER_ARKIMEX = pytest.mark.xfail(
 @pytest.mark.parametrize(
     ("options", "limit"),
     [
-        ({}, 3e-5),
-        (PLAIN, 3e-5),
-        ({"ts_type": "theta"}, 3e-5),
-        ({"ts_type": "cn"}, 3e-5),
-        ({"ts_type": "alpha"}, 3e-5),
-        ({"ts_type": "rosw"}, 1e-5),
+        ({}, 3e-5), (PLAIN, 3e-5), ({"ts_type": "theta"}, 3e-5), ({"ts_type": "cn"}, 3e-5),
+        ({"ts_type": "alpha"}, 3e-5), ({"ts_type": "rosw"}, 1e-5),
         pytest.param({"ts_type": "arkimex"}, 1e-5, marks=NEWER_ARKIMEX),
         pytest.param({"ts_type": "arkimex", "ts_arkimex_type": "2e"}, 3e-5, marks=NEWER_ARKIMEX),
         ({"ts_type": "beuler"}, 5e-3),
     ],
     ids=lambda o: "-".join(map(str, o.values())) or "default" if isinstance(o, dict) else "",
-)
+)  # fmt: skip
 def test_integrators_and_solvers_give_the_same_motion(reference, options, limit):
     """All integrators give the same motion with steps of 0.5 ms, the first-order one less accurately, and the
     prescribed angle: 10 rad/s times half the ramp (manual: verif-integrators)."""
@@ -130,7 +127,7 @@ def test_options_of_the_condensed_newton(reference, name):
     assert np.abs(end - reference).max() < (5e-3 if "order" in key else 1e-4)
 
 
-@pytest.mark.parametrize("kind", ["rk", "euler", "ssp", "basicsymplectic"])
+@each_row("kind", ["rk", "euler", "ssp", "basicsymplectic"])
 def test_integrators_that_cannot_treat_prescribed_rows_are_refused(kind, tmp_path):
     """Explicit integrators are bad input: the message lists allowed ones, and nothing is
     written."""

@@ -7,6 +7,7 @@ from pathlib import Path
 import pytest
 
 from drillpetsc import Case, load_case, run
+from tests.helpers.wells import simple_well
 
 CASES = Path(__file__).parents[2] / "cases" / "verification"
 #: case -> time [s] in which what it is about has begun: waves, impacts, slip, a pump that is turned down, a kick of the top
@@ -75,10 +76,7 @@ def test_a_string_at_rest_gains_nothing(tmp_path, inclination):
     The alarm told of 6e-7 J "without input, 1.7 % of the energy exchanged" in a level hole.
     """
     case = Case(
-        well={
-            "survey": {"md": [0, 60], "inclination": [inclination] * 2, "azimuth": [0.7, 0.7]},
-            "sections": [{"to": 60, "kind": "open_hole", "diameter": 0.2159, "friction": 0.3}],
-        },
+        well=simple_well(60, 0.2159, inclination, azimuth=0.7, friction=0.3),
         string=[
             {"kind": "pipe", "length": 15, "od": 0.127, "id": 0.1086},
             {"kind": "stabilizer", "length": 0, "od": 0.205, "mass": 90},

@@ -13,6 +13,7 @@ from drillpetsc.case.case import Case
 from drillpetsc.case.measured_option import fit_option
 from drillpetsc.errors import CaseError
 from drillpetsc.output import read_table
+from tests.helpers.tables import each_row
 from tests.verification.test_roadmap_command import PIPE, case
 
 LENGTHS = (400.0, 500.0, 600.0)  # of casing, liner and open hole [m]
@@ -89,7 +90,7 @@ def test_calibration(tmp_path):
     assert fit_option("liner,block_weight", made) == ("liner", "block_weight")
 
 
-@pytest.mark.parametrize(
+@each_row(
     ("factors", "at"),
     [
         ({"groups": {"window": [0.2]}}, "roadmap.friction_factor.groups.window"),

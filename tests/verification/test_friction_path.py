@@ -253,11 +253,7 @@ def test_a_wet_string_in_a_curved_hole_is_pushed(path, bit, mesh, tmp_path) -> N
         ],
         top={"kind": "top_drive", "lowering": 0.1},
         bottom={"kind": "bit"},
-        fluid={
-            "density": 1300.0,
-            "rheology": {"model": "newtonian", "viscosity": 0.02},
-            "flow_rate": 0.02,
-        },
+        fluid={"density": 1300.0, "rheology": {"model": "newtonian", "viscosity": 0.02}, "flow_rate": 0.02},
         gravity=9.81,
         initial={"from": "statics", "wob": wob},
         **({"formation": {"drillability": 3e-8}} if bit == "cuts" else {}),

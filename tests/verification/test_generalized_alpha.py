@@ -13,6 +13,7 @@ from drillpetsc.output import read_summary
 from drillpetsc.solvers.alpha_formula import AlphaFormula
 from drillpetsc.solvers.generalized_alpha import GeneralizedAlpha
 from tests.helpers.motion import beam, fixed, integrate, straight
+from tests.helpers.tables import each_row
 
 TIGHT = {"ts_type": "alpha2", "q_snes_stol": 1e-10, "drillpetsc_newton_work": 0}
 
@@ -107,10 +108,7 @@ def test_tumbling_rod_keeps_its_energy():
     system = tumbling()
     before, energies = sum(system.energies(0.0)), []
     integrate(
-        system,
-        10.0,
-        fixed(0.01, ts_type="alpha2"),
-        lambda t, dt: energies.append(sum(system.energies(t))),
+        system, 10.0, fixed(0.01, ts_type="alpha2"), lambda t, dt: energies.append(sum(system.energies(t)))
     )
     change = np.array(energies) / before - 1
     assert change.max() < 1e-6
@@ -198,7 +196,7 @@ def test_summary_has_the_energy_that_damping_removed(tmp_path):
     assert summary["error_estimate"]["damped_above"] > 0
 
 
-@pytest.mark.parametrize(
+@each_row(
     ("time", "petsc", "message"),
     [
         ({"integrator": "generalized_alpha", "mode": "quasi_static"}, {}, "quasi_static"),

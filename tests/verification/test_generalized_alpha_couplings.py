@@ -15,6 +15,7 @@ from drillpetsc.errors import CaseError
 from drillpetsc.model.drilling_model import build_model
 from tests.helpers.joint_models import body, chain_of_bodies, place
 from tests.helpers.motion import beam, fixed, integrate, straight
+from tests.helpers.wells import simple_well
 from tests.verification.test_bit_growth import exact_depth, spring_bit
 from tests.verification.test_joints import (
     EXACT,
@@ -212,10 +213,7 @@ def test_controller_states_follow_as_with_fine_steps_of_bdf():
 def test_fixed_steps_across_impacts_are_refused(tmp_path):
     """Above a radius of 0.5 they make energy; the message has the longest step."""
     case = Case(
-        well={
-            "survey": {"md": [0.0, 30.0], "inclination": [0.0, 0.0], "azimuth": [0.0, 0.0]},
-            "sections": [{"to": 30.0, "kind": "open_hole", "diameter": 0.2159, "friction": 0.3}],
-        },
+        well=simple_well(30.0, 0.2159, friction=0.3),
         top="clamped",
         string=[{"kind": "pipe", "length": 20.0, "od": 0.1778, "id": 0.0714, "element_length": 4.0}],
         time={"end": 0.1, "integrator": "generalized_alpha"},

@@ -25,15 +25,13 @@ from drillpetsc.physics.fluid.rheology import Rheology
 from drillpetsc.solvers import petsc_options as options
 from drillpetsc.solvers.time_integrator import TimeIntegrator
 from drillpetsc.time_function import Constant
+from tests.helpers.wells import simple_well
 from tests.verification.test_closed_bottom_modes import case as closed_bottom
 
 BOTH = ("mixed", "hermite")
 MUD = {"model": "herschel_bulkley", "yield_stress": 3, "consistency": 0.3, "index": 0.75}
 WATER = {"model": "newtonian", "viscosity": 0}
-HOLE = {
-    "survey": {"md": [0, 2000], "inclination": [0, 0], "azimuth": [0, 0]},
-    "sections": [{"to": 2000, "kind": "casing", "diameter": 0.2159, "friction": 0.2}],
-}
+HOLE = simple_well(2000, 0.2159, kind="casing", friction=0.2)
 
 
 def pipe(length: float, element: float, bore: float = 0.1086, outer: float = 0.127) -> dict:
@@ -291,10 +289,7 @@ def test_volumes_stay_bounded_over_hours_of_pumping():
 def test_steady_states_of_other_models(kind, held):
     """Pressures at both ends and hook load as with formulation mixed."""
     nozzles = {"kind": "bit", "length": 0.5, "od": 0.2159, "mass": 60, "nozzle_area": 380e-6}
-    well = {
-        "survey": {"md": [0, 320], "inclination": [0.2, 0.4], "azimuth": [0, 0]},
-        "sections": [{"to": 320, "kind": "casing", "diameter": 0.2159, "friction": 0.2}],
-    }
+    well = simple_well(320, 0.2159, (0.2, 0.4), kind="casing", friction=0.2)
     mud = {"density": 1200, "rheology": MUD, "flow_rate": 0.02}
     more: dict = {"bottom": "bit", "string": [pipe(200, 20), pipe(100, 20, 0.0714, 0.1778), nozzles]}
     if kind == "reverse":

@@ -23,6 +23,7 @@ from drillpetsc.output import read_table
 from drillpetsc.physics.fluid.rheology import from_dial_readings
 from drillpetsc.units import to_si
 from tests.helpers import handbook_hydraulics as handbook
+from tests.helpers.tables import each_row
 
 STIFF = {"bulk_modulus": 1e14, "elastic_walls": False}
 THREE_TWELVES = 3 * 0.25 * np.pi * (12 / 32 * INCH) ** 2
@@ -166,10 +167,7 @@ def test_poiseuille_and_its_numbers():
     assert row.regime == "laminar" and row.volume == pytest.approx(np.pi / 4 * d**2 * length)
 
 
-CLOSING = {
-    "vertical": "cases/vertical-2000m.yaml",
-    "directional": "cases/directional.yaml",
-}
+CLOSING = {"vertical": "cases/vertical-2000m.yaml", "directional": "cases/directional.yaml"}
 
 
 @pytest.mark.parametrize("name", CLOSING)
@@ -296,11 +294,7 @@ def test_flow_rate_of_a_pump_pressure(tmp_path: Path):
 
 def test_free_fall_below_a_vacuum_is_told():
     """A light annulus beside a heavy bore cannot be; but a long open string with little flow and a low outlet can."""
-    c = case(
-        [pipe(4000, 5, 4.276)],
-        None,
-        {"density": 1500, "rheology": WATER, "outlet_pressure": 0.0},
-    )
+    c = case([pipe(4000, 5, 4.276)], None, {"density": 1500, "rheology": WATER, "outlet_pressure": 0.0})
     result = Hydraulics(c).at(1e-3)
     assert any("vacuum" in w for w in result.warnings)
 
@@ -313,7 +307,7 @@ BAD = {
 }
 
 
-@pytest.mark.parametrize("name", BAD)
+@each_row("name", BAD)
 def test_cases_without_a_flow_are_refused(name, tmp_path: Path):
     fluid, keys, words = BAD[name]
     mud = {**STIFF, "density": 1200, "rheology": WATER, **fluid}
@@ -334,10 +328,7 @@ def test_pump_pressures_out_of_reach_are_refused(pressure, words, tmp_path: Path
     c = case(
         [pipe(1000, 5, 4.276)],
         well(("open_hole", 1000, 8.5)),
-        {
-            "density": 1200,
-            "rheology": {"model": "bingham", "yield_stress": 10.0, "plastic_viscosity": 0.02},
-        },
+        {"density": 1200, "rheology": {"model": "bingham", "yield_stress": 10.0, "plastic_viscosity": 0.02}},
     )
     with pytest.raises(CaseError, match=words):
         run_hydraulics(Job(c, tmp_path / "out"), pump_pressure=pressure)

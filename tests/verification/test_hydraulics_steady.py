@@ -34,6 +34,7 @@ from tests.helpers.mud import (
     started,
     string,
 )
+from tests.helpers.wells import simple_well
 
 HEAD = DENSITY * GRAVITY * LENGTH
 TABLE = {
@@ -267,10 +268,7 @@ def test_a_string_that_reaches_below_the_end_of_its_hole_has_a_steady_flow():
     """The mud under the bit opens by a logistic function of the gap, whose exponential overflowed 0.3 m below
     the bottom; the message was that the flow is not determined."""
     case = Case(
-        well={
-            "survey": {"md": [0.0, 2000.0], "inclination": [0.0, 0.0], "azimuth": [0.0, 0.0]},
-            "sections": [{"to": 2000.0, "kind": "open_hole", "diameter": 0.3, "friction": 0.1}],
-        },
+        well=simple_well(2000.0, 0.3, friction=0.1),
         string=[
             {"kind": "pipe", "length": 1999.6, "od": 0.127, "id": 0.1086, "element_length": 50.0},
             {"kind": "bit", "length": 0.4, "od": 0.25, "mass": 60.0},

@@ -12,6 +12,7 @@ from drillpetsc import Case, Jar, run
 from drillpetsc.errors import CaseError
 from drillpetsc.output import read_table
 from drillpetsc.physics.joints import Joints
+from tests.helpers.tables import each_row
 
 PIPE, COLLAR = {"od": 0.127, "id": 0.1086}, {"od": 0.1778, "id": 0.0714}
 WAVE = np.sqrt(206e9 / 7850)
@@ -225,7 +226,7 @@ def test_mechanical_jar_fires_at_its_trigger_and_cocks_again(
     assert shot == pytest.approx(0.1, abs=4e-3)
 
 
-@pytest.mark.parametrize(
+@each_row(
     ("keys", "words"),
     [
         ({"threshold": None}, "a hydraulic jar needs it"),

@@ -27,6 +27,7 @@ from drillpetsc.time_function import Constant
 from tests.helpers.joint_models import body, chain_of_bodies, joint_component, place
 from tests.helpers.motion import beam, fixed, integrate, straight
 from tests.helpers.rolling import Rolling
+from tests.helpers.wells import simple_well
 
 G = 9.81
 EXACT = {"q_snes_stol": 1e-12}
@@ -466,10 +467,7 @@ def whirling(joints=()) -> np.ndarray:
     pipe that rotate on the wall of a hole; first the static hook load."""
     pipe = {"kind": "pipe", "length": 6.0, "od": 0.127, "id": 0.1, "element_length": 3.0}
     ball = {"kind": "stabilizer", "length": 0.4, "od": 0.19, "mass": 40.0, "unbalance": 0.05}
-    well = {
-        "survey": {"md": [0, 20], "inclination": [0.5, 0.5], "azimuth": [0, 0]},
-        "sections": [{"to": 20, "kind": "casing", "diameter": 0.2, "friction": 0.2}],
-    }
+    well = simple_well(20, 0.2, 0.5, kind="casing", friction=0.2)
     model = build_model(
         Case(
             string=[{**pipe, "eccentricity": 0.002}, ball, pipe],
@@ -487,13 +485,10 @@ def whirling(joints=()) -> np.ndarray:
     integrate(m, 0.15, fixed(1e-3, **EXACT))
     return np.array(
         [
-            start,
-            -m.reaction("top.axial_reaction"),
-            m.reaction("top.torque_reaction"),
-            m.field("string.spin", "y")[-1, 0],
-            *m.field("string.position")[-1],
+            start, -m.reaction("top.axial_reaction"), m.reaction("top.torque_reaction"),
+            m.field("string.spin", "y")[-1, 0], *m.field("string.position")[-1],
         ]
-    )
+    )  # fmt: skip
 
 
 @pytest.fixture(scope="module")

@@ -14,12 +14,10 @@ from drillpetsc.model.drilling_model import build_model
 from drillpetsc.output import read_table
 from drillpetsc.physics.joints import RESULT_NAMES
 from tests.helpers.joint_models import joint_component
+from tests.helpers.wells import simple_well
 
 BORE_AREA = np.pi / 4 * 0.0714**2
-WELL = {
-    "survey": {"md": [0, 500], "inclination": [0, 0], "azimuth": [0, 0]},
-    "sections": [{"to": 500, "kind": "casing", "diameter": 0.2159, "friction": 0.0}],
-}
+WELL = simple_well(500, 0.2159, kind="casing", friction=0.0)
 MUD: dict[str, Any] = {
     "density": 1200,
     "rheology": {"model": "newtonian", "viscosity": 0.02},
@@ -40,13 +38,7 @@ def case(seal: float, arm: float = 0.0, **keys) -> Case:
             {**pipe, "length": 40, "od": 0.1778, "id": 0.0714},
         ],
         "joints": [
-            {
-                "kind": "slider",
-                "at": 180,
-                "spring": 5.25e6,
-                "damping": 2e4,
-                "seal_area": f"{seal} m^2",
-            }
+            {"kind": "slider", "at": 180, "spring": 5.25e6, "damping": 2e4, "seal_area": f"{seal} m^2"}
         ],
         "contact": "none",
         "top": "clamped",

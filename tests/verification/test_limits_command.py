@@ -22,6 +22,8 @@ from drillpetsc.case.free_point_options import Pair, read_pairs
 from drillpetsc.errors import CaseError
 from drillpetsc.output import read_table
 from tests.helpers.rules_of_thumb import PPG
+from tests.helpers.tables import each_row
+from tests.helpers.wells import simple_well
 
 FT, KLB, PSI, G = 0.3048, 1e3 * LBF, KSI / 1e3, 9.80665
 STEEL = 65.5 * PPG  # the density behind the trade's buoyancy factors
@@ -31,10 +33,7 @@ AREA = math.pi / 4 * (5**2 - 4.276**2)  # of 5 in 19.50 new [in2]
 
 def hole(length: float, inclination: float, diameter: float, friction: float = 0.3) -> dict[str, Any]:
     """A straight open hole; inclination in rad, friction [-], SI."""
-    return {
-        "survey": {"md": [0, length], "inclination": [inclination] * 2, "azimuth": [0, 0]},
-        "sections": [{"to": length, "kind": "open_hole", "diameter": diameter, "friction": friction}],
-    }
+    return simple_well(length, diameter, inclination, friction=friction)
 
 
 def case(string: list[dict[str, Any]], well: dict[str, Any] | None = None, **keys: Any) -> Case:
@@ -376,7 +375,7 @@ def test_limits_that_are_passed_are_warnings(tmp_path):
     assert any("compression beyond the sinusoidal limit" in w for w in found.summary["warnings"])
 
 
-@pytest.mark.parametrize(
+@each_row(
     "word, keys, want",
     [
         ("tripping", {}, "trip_in"),

@@ -12,6 +12,7 @@ import drillpetsc as dp
 from drillpetsc.analysis.limits.pressure_strength import burst_pressure
 from drillpetsc.analysis.limits.sn_curve import read_sn
 from drillpetsc.errors import CaseError
+from tests.helpers.tables import each_row
 
 MPA, RPM = 1e6, math.pi / 30
 
@@ -85,24 +86,13 @@ def test_a_curve_of_points(tmp_path: Path) -> None:
     assert line == pytest.approx([1e7, 10.0 ** (15 - 4 * math.log10(2000)), 1.6e16], rel=1e-6)
 
 
-@pytest.mark.parametrize(
+@each_row(
     "text",
     [
-        "",
-        "15",
-        "15,-4",
-        "0,4",
-        "nan,4",
-        "15,4,2",
-        "nowhere.csv",
-        "1e9,3",
-        "empty.csv",
-        "rising.csv",
-        "one.csv",
-        "bad.csv",
-        "head.csv",
+        "", "15", "15,-4", "0,4", "nan,4", "15,4,2", "nowhere.csv", "1e9,3", "empty.csv", "rising.csv",
+        "one.csv", "bad.csv", "head.csv",
     ],
-)
+)  # fmt: skip
 def test_wrong_curves_are_refused(text: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     (tmp_path / "empty.csv").write_text("# nothing\n")

@@ -11,6 +11,7 @@ from drillpetsc import Case, Session, campbell, linearise, modes, stability
 from drillpetsc.errors import CaseError
 from drillpetsc.output import read_table
 from tests.helpers.hoist_models import DRILLABILITY, EA, HOIST, LINE_STIFFNESS, MATERIAL, drilling, pipe
+from tests.helpers.wells import simple_well
 
 BIT_STIFFNESS = 1e8  # [N/m]
 FRICTION = 0.3  # of the bit
@@ -141,10 +142,7 @@ def test_a_step_of_differential_pressure_is_that_of_a_session(tmp_path):
     size = {"od": 0.1715, "id": 0.1}
     goal = {"differential_pressure": 0.0, "pressure_p": 5e-9, "pressure_i": 1.2e-9}
     case = Case(
-        well={
-            "survey": {"md": [0, 200], "inclination": [0.02, 0.02], "azimuth": [0.5, 0.5]},
-            "sections": [{"to": 200, "kind": "open_hole", "diameter": 0.2159, "friction": 0.0}],
-        },
+        well=simple_well(200, 0.2159, 0.02, azimuth=0.5, friction=0.0),
         string=[
             {"kind": "pipe", "length": 150, "element_length": 15, "od": 0.127, "id": 0.1086},
             {"kind": "pipe", "length": 41.4, "element_length": 6.9, "od": 0.1715, "id": 0.0714},

@@ -9,6 +9,7 @@ from scipy.optimize import fsolve
 import drillpetsc
 from drillpetsc import Case
 from drillpetsc.output import read_table
+from tests.helpers.wells import simple_well
 
 GJ, POLAR = 9.4156072e5, 1.1883776e-5 * 7850  # of 127 x 108.6 mm [N m2, kg m]
 SPEED = np.sqrt(GJ / POLAR)
@@ -55,13 +56,10 @@ def figures(length: float, torque: float, s):
 @pytest.mark.parametrize(
     ("length", "torque", "rotation"),
     [
-        (900.0, 8e3, 0.0),
-        (1500.0, 5.2e3, 10.0),
-        (600.0, 12.5e3, -4.0),
-        (900.0, 0.0, 0.0),
+        (900.0, 8e3, 0.0), (1500.0, 5.2e3, 10.0), (600.0, 12.5e3, -4.0), (900.0, 0.0, 0.0),
         (1200.0, -700.0, 6.0),
     ],
-)
+)  # fmt: skip
 def test_speed_of_the_bit_by_that_of_the_top(length, torque, rotation, tmp_path):
     """Within 0.3 % at 0.02 to 1 Hz; without load the motor holds its speed, a constraint of rates."""
     frequency = np.array([0.02, 0.1, 0.33, 0.7, 1.0])
@@ -112,10 +110,7 @@ def test_slow_answer_of_a_motor_without_load_in_mud(length, flow, viscosity, tmp
 
     def case(rate: float) -> Case:
         return Case(
-            well={
-                "survey": {"md": [0, depth], "inclination": [0, 0], "azimuth": [0, 0]},
-                "sections": [{"to": depth, "kind": "open_hole", "diameter": 0.2159, "friction": 0.0}],
-            },
+            well=simple_well(depth, 0.2159, friction=0.0),
             string=[
                 {"kind": "pipe", "length": length - 9, **PIPE, "element_length": 20.0},
                 {

@@ -6,13 +6,13 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-import scipy.signal
 
 import drillpetsc
 from drillpetsc import Case, load_case
 from drillpetsc.errors import CaseError, SolveError
 from drillpetsc.model.drilling_model import build_model
 from tests.helpers import top_drive_models as m
+from tests.helpers.wells import simple_well
 
 CASES = Path(__file__).parents[2] / "cases"
 FREQUENCY = np.array([0.1, 0.5, 1.0, 2.0])
@@ -113,6 +113,8 @@ def test_reduced_models(q, order, method, tmp_path):
 
 def test_a_step_of_the_torque_is_that_of_a_session(tmp_path):
     """1 kN m for 2 s: speeds of the nonlinear model and of the linear one within 1 %."""
+    import scipy.signal  # a slow import
+
     case = driven(COLLAR, 40).replace({"petsc.ts_rtol": 1e-6})
     outputs = ["top_speed", "bit_speed"]
     q = drillpetsc.linearise(case, ["top.torque"], outputs, tmp_path / "r", reduce="balanced", order=12)
@@ -149,10 +151,7 @@ def test_an_unstable_state_is_named_and_kept(tmp_path):
 
 
 MUD = {
-    "well": {
-        "survey": {"md": [0, 420], "inclination": [0, 0], "azimuth": [0, 0]},
-        "sections": [{"to": 420, "kind": "casing", "diameter": 0.216, "friction": 0.2}],
-    },
+    "well": simple_well(420, 0.216, kind="casing", friction=0.2),
     "string": [{"kind": "pipe", "length": 400.0, "od": 0.127, "id": 0.1086, "element_length": 40.0}],
     "top": {"kind": "top_drive", "rotation": 5.0},
     "fluid": {"density": 1200, "rheology": {"model": "newtonian", "viscosity": 0.02}, "flow_rate": 0.01},
@@ -248,10 +247,7 @@ def test_files_and_wrong_input(tmp_path):
 def test_the_root_that_decays_least_in_an_inclined_hole_is_one_of_the_modes(tmp_path):
     """Sliding friction, tension and damping of very different sizes: no small entry of the matrices is lost."""
     case = Case(
-        well={
-            "survey": {"md": [0, 450], "inclination": [0, 0.6], "azimuth": [0, 0]},
-            "sections": [{"to": 450, "kind": "open_hole", "diameter": 0.216, "friction": 0.3}],
-        },
+        well=simple_well(450, 0.216, (0, 0.6), friction=0.3),
         string=[{"kind": "pipe", "length": 400.0, "od": 0.127, "id": 0.1086, "element_length": 20.0}],
         material={"damping": {"stiffness": 1e-3, "mass": 0.05}},
         top={"kind": "top_drive", "rotation": 6.0, "lowering": 0.01},

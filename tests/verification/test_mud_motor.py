@@ -15,16 +15,15 @@ from drillpetsc.analysis.modal import prepare_state
 from drillpetsc.errors import CaseError
 from drillpetsc.model.drilling_model import build_model
 from drillpetsc.output import read_table
+from tests.helpers.tables import each_row
+from tests.helpers.wells import simple_well
 
 GJ = 9.4156072e5  # of 127 x 108.6 mm, E 206 GPa, nu 0.3 [N m2]
 PIPE = {"od": 0.127, "id": 0.1086}
 LAW = {"rev_per_volume": "0.29 rev/gal", "no_load_pressure": "0.6 MPa", "stall_torque": "14 kN m"}
 SECTION = {**LAW, "flow_rate": "30 l/s"}
 CASES = Path(__file__).parents[2] / "cases"
-WELL = {
-    "survey": {"md": [0, 60], "inclination": [0.7, 0.7], "azimuth": [0, 0]},
-    "sections": [{"to": 60, "kind": "open_hole", "diameter": 0.2159, "friction": 0.2}],
-}
+WELL = simple_well(60, 0.2159, 0.7, friction=0.2)
 BIT = {"kind": "bit", "length": 0.3, "od": 0.2159, "mass": 60}
 
 
@@ -273,7 +272,7 @@ def test_no_flow_leaves_the_motor_standing(tmp_path):
     assert any("does not turn" in w for w in summary["statics"]["warnings"])
 
 
-@pytest.mark.parametrize(
+@each_row(
     ("change", "text"),
     [
         ({"pdm": {**LAW}}, "a flow_rate of the motor, or a fluid"),
@@ -354,7 +353,7 @@ time: {{end: 0.02}}
     assert mud_motor(again).speed(1e3, 0.03) == pytest.approx(law.speed(1e3, 0.03), rel=1e-12)
 
 
-@pytest.mark.parametrize(
+@each_row(
     ("text", "want"),
     [
         ("flow [gpm], torque [N m], rpm\n300, 0, 90\n", "a header such as"),
@@ -384,10 +383,7 @@ def wet(torque: float, kind: str = "pdm", flow: Any = 0.028, **more: Any) -> dic
         else {k: v for k, v in motor().items() if k != "pdm"} | {"kind": "pipe"}
     )
     case = hung(200.0, torque) | {
-        "well": {
-            "survey": {"md": [0, 210], "inclination": [0, 0], "azimuth": [0, 0]},
-            "sections": [{"to": 210, "kind": "casing", "diameter": 0.2159, "friction": 0.0}],
-        },
+        "well": simple_well(210, 0.2159, kind="casing", friction=0.0),
         "fluid": {
             "density": 1200,
             "rheology": {"model": "newtonian", "viscosity": 0.02},

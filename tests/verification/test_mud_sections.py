@@ -17,6 +17,7 @@ from drillpetsc.analysis.initial_state import find_equilibrium
 from drillpetsc.errors import CaseError
 from drillpetsc.model.drilling_model import build_model
 from drillpetsc.physics.fluid.channel_flow import RESULT_NAMES
+from tests.helpers.tables import each_row
 
 HOLE, LENGTH, BORE, OUTER = 0.2159, 9.0, 0.05, 0.19  # bore and outer diameter that the mud meets [m]
 VOLUME = np.pi / 4 * BORE**2 * LENGTH
@@ -163,7 +164,7 @@ def test_mass_and_energy_of_a_run(kind: str, tmp_path: Path) -> None:
     assert abs(summary["mass"]["error"]) < 1e-6
 
 
-@pytest.mark.parametrize(
+@each_row(
     ("kind", "keys", "more", "at"),
     [
         ("pipe", {"bore_volume": -1.0}, {}, "string[1].bore_volume"),

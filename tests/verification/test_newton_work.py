@@ -8,9 +8,11 @@ from drillpetsc import Case, run
 from drillpetsc.errors import CaseError
 from drillpetsc.solvers.newton_work import SHARE, ResidualWork
 from tests.helpers.component_models import KINDS, SHIFT, build
+from tests.helpers.tables import each_row
+from tests.helpers.wells import simple_well
 
 
-@pytest.mark.parametrize("kind", KINDS)
+@each_row("kind", KINDS)
 def test_power_of_a_residual_is_what_the_energy_balance_lacks(kind):
     """In any state, R.y = dE/dt + dissipated - supplied power.  The rate of the stored energy is a central
     difference along the motion; prescribed rows take no part."""
@@ -37,10 +39,7 @@ def energy_of_whirl(folder, **petsc) -> dict:
     """Energy balance of 30 m of eccentric drill collar that is pressed down and whirls along the wall, at fixed
     steps of 0.5 ms."""
     case = Case(
-        well={
-            "survey": {"md": [0, 31], "inclination": [0, 0], "azimuth": [0, 0]},
-            "sections": [{"to": 31, "kind": "open_hole", "diameter": 0.2159, "friction": 0.3}],
-        },
+        well=simple_well(31, 0.2159, friction=0.3),
         string=[
             {
                 "kind": "pipe",
@@ -75,7 +74,7 @@ def test_newton_leaves_less_than_a_thousandth_of_the_exchanged_energy(apart, tmp
     assert apart or abs(without["error"] - exact["error"]) > 1.5 * SHARE * exchanged
 
 
-@pytest.mark.parametrize("value", ["-1", "2", "some"])
+@each_row("value", ["-1", "2", "some"])
 def test_share_out_of_range_is_refused(tmp_path, value):
     """Values that are no share are refused before anything is written."""
     case = Case(

@@ -11,6 +11,7 @@ from drillpetsc.model.drilling_model import build_model
 from drillpetsc.output import read_table
 from drillpetsc.output.bending import across_hole, end_forces
 from tests.helpers.motion import fixed, sampled, straight
+from tests.helpers.wells import simple_well
 
 OD, ID, LENGTH, YOUNG, DENSITY = 0.127, 0.1086, 12.0, 206e9, 7850.0
 AREA, INERTIA = np.pi / 4 * (OD**2 - ID**2), np.pi / 64 * (OD**4 - ID**4)
@@ -129,10 +130,7 @@ def test_mud_is_a_distributed_load(law):
         string=[*pipe(2.0, 3.0), body, *pipe(4.0)],
         top="clamped",
         bottom="clamped",
-        well={
-            "survey": {"md": [0.0, 20.0], "inclination": [0.5 * np.pi] * 2, "azimuth": [0.0] * 2},
-            "sections": [{"to": 20.0, "kind": "open_hole", "diameter": 0.16, "friction": 0.0}],
-        },
+        well=simple_well(20.0, 0.16, 0.5 * np.pi, friction=0.0),
         gravity=9.81,
         fluid={
             "density": rho,

@@ -10,6 +10,7 @@ import pytest
 from drillpetsc import Case, run, statics
 from drillpetsc.errors import SolveError
 from drillpetsc.output.operation_watch import OperationWatch
+from tests.helpers.wells import simple_well
 
 PIPE = {"kind": "pipe", "od": 0.127, "id": 0.1086, "element_length": 10.0}
 COLLAR = {"kind": "pipe", "od": 0.1715, "id": 0.0714, "element_length": 5.0}
@@ -17,10 +18,7 @@ OFF = {"progress": "silent"}
 
 
 def hole(inclination: float = 0.0) -> dict[str, Any]:
-    return {
-        "survey": {"md": [0, 100], "inclination": [inclination] * 2, "azimuth": [0, 0]},
-        "sections": [{"to": 100, "kind": "open_hole", "diameter": 0.2159, "friction": 0.2}],
-    }
+    return simple_well(100, 0.2159, inclination, friction=0.2)
 
 
 @pytest.mark.parametrize(("lowered", "beyond"), [(0.25, 0.15), (0.05, 0.0)])
@@ -141,11 +139,7 @@ def test_a_motor_near_its_stall():
 @pytest.mark.parametrize("inclination", [np.radians(60.0), np.pi / 2])
 def test_statics_of_a_string_that_nothing_holds(tmp_path, inclination, mud):
     """Cut pipe in its hole: friction has no motion to act against, so there is no state; a path from a held string is none."""
-    fluid = {
-        "density": 1200.0,
-        "rheology": {"model": "newtonian", "viscosity": 0.01},
-        "flow_rate": 0.0,
-    }
+    fluid = {"density": 1200.0, "rheology": {"model": "newtonian", "viscosity": 0.01}, "flow_rate": 0.0}
     case = Case(
         well=hole(inclination),
         string=[PIPE | {"length": 60.0}],

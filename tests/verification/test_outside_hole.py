@@ -10,6 +10,7 @@ import pytest
 
 import drillpetsc as dp
 from drillpetsc.errors import SolveError
+from tests.helpers.wells import simple_well
 
 LENGTH = 30.0
 MUD = {"pv": "20 cP", "yp": "10 lbf/100ft2"}
@@ -18,10 +19,7 @@ MUD = {"pv": "20 cP", "yp": "10 lbf/100ft2"}
 def case(inclination: float, **keys: Any) -> dp.Case:
     """A hanging pipe in a hole of 215.9 mm."""
     values = {
-        "well": {
-            "survey": {"md": [0, 300], "inclination": [f"{inclination} deg"] * 2, "azimuth": [0, 0]},
-            "sections": [{"to": 300, "kind": "open_hole", "diameter": 0.2159}],
-        },
+        "well": simple_well(300, 0.2159, f"{inclination} deg"),
         "string": [{"kind": "pipe", "length": LENGTH, "od": 0.127, "id": 0.1086, "element_length": 3.0}],
         "top": {"kind": "top_drive"},
         "bottom": "free",

@@ -7,6 +7,7 @@ import pytest
 
 import drillpetsc
 from drillpetsc.case.case import Case
+from tests.helpers.wells import simple_well
 
 LENGTH, OD, ID, HOLE, DENSITY = 240.0, 0.127, 0.1, 0.2159, 1350.0
 
@@ -15,10 +16,7 @@ def string(dynamics, flow, lowering=0.0, end=6.0, nozzles=4e-4, **fluid):
     """A string that hangs with mud, above the bottom."""
     depth = LENGTH + 20.3
     return {
-        "well": {
-            "survey": {"md": [0.0, depth], "inclination": [0.0, 0.0], "azimuth": [0.0, 0.0]},
-            "sections": [{"to": depth, "kind": "open_hole", "diameter": HOLE, "friction": 0.2}],
-        },
+        "well": simple_well(depth, HOLE, friction=0.2),
         "string": [
             {"kind": "pipe", "length": LENGTH, "od": OD, "id": ID, "element_length": 30.0},
             {"kind": "bit", "length": 0.3, "od": 0.2, "mass": 30.0, "nozzle_area": nozzles},

@@ -10,14 +10,12 @@ from drillpetsc.analysis.initial_state import find_equilibrium
 from drillpetsc.model.drilling_model import build_model
 from drillpetsc.output import read_table
 from tests.helpers.motion import fixed
+from tests.helpers.wells import simple_well
 
 LENGTH, FRICTION = 60.0, 0.25
 PIPE = {"kind": "pipe", "length": LENGTH, "od": 0.1715, "id": 0.0714, "element_length": 6.0}
 WEIGHT = 7850 * np.pi / 4 * (0.1715**2 - 0.0714**2) * 9.81  # per length, of steel [N/m]
-WELL = {
-    "survey": {"md": [0, 100], "inclination": [np.pi / 2] * 2, "azimuth": [0.35, 0.35]},
-    "sections": [{"to": 100, "kind": "open_hole", "diameter": 0.2159, "friction": FRICTION}],
-}
+WELL = simple_well(100, 0.2159, np.pi / 2, azimuth=0.35, friction=FRICTION)
 
 
 def lying(formulation: str, **more) -> Case:

@@ -15,6 +15,7 @@ import pytest
 from drillpetsc import Case, run
 from drillpetsc.case import case_from_data, read_case_file
 from drillpetsc.output import read_table
+from tests.helpers.wells import simple_well
 
 CASES = Path(__file__).parents[2] / "cases" / "verification"
 
@@ -144,10 +145,7 @@ def test_lowered_in_mud_it_starts_in_equilibrium(tmp_path):
     """Lowered at 1 m/s through circulating mud: the initial hook load is that of the ANCF element, with the
     drag of the mud."""
     pipe = {"kind": "pipe", "length": 600, "od": 0.127, "id": 0.1086, "element_length": 20}
-    well = {
-        "survey": {"md": [0, 700], "inclination": [0, 0], "azimuth": [0, 0]},
-        "sections": [{"to": 700, "kind": "casing", "diameter": 0.2159, "friction": 0.2}],
-    }
+    well = simple_well(700, 0.2159, kind="casing", friction=0.2)
     mud = {"density": 1200, "rheology": {"model": "newtonian", "viscosity": 0.1}, "flow_rate": 0.02}
     loads = []
     for element in ("ancf", "quaternion"):

@@ -157,11 +157,7 @@ def test_reactions_of_the_first_row(tmp_path, element):
     """A string that starts free of stress hangs by half of its first element: EA eps = 0, so the top carries what the
     element's inertia does not: m g L/2 along the hole."""
     case = scene(
-        element,
-        initial={"from": "rest"},
-        bottom="free",
-        time={"end": 0.002},
-        output={"history_every": 0.001},
+        element, initial={"from": "rest"}, bottom="free", time={"end": 0.002}, output={"history_every": 0.001}
     )
     table = read_table(run(case, tmp_path / element, progress="silent").folder / "history.csv")
     weight = 7850 * np.pi / 4 * (0.127**2 - 0.1086**2) * 9.80665 * 2.5

@@ -13,6 +13,7 @@ from drillpetsc.analysis.initial_state import find_equilibrium
 from drillpetsc.analysis.quaternion_statics import solve_at_rest
 from drillpetsc.model.drilling_model import build_model
 from tests.helpers.motion import beam, straight
+from tests.helpers.wells import simple_well
 
 QUATERNION = {"formulation": "quaternion"}
 RISING = {"time": [0, 1], "value": [0, 1]}
@@ -161,10 +162,7 @@ def test_a_piece_between_two_universal_joints_may_float(inclination):
     """Its block of the chain is singular without B^T B: 18 instead of 3 Newton steps from the ANCF state in a vertical hole."""
     found = []
     for formulation in ("ancf", "quaternion"):
-        well = {
-            "survey": {"md": [0.0, 60.0], "inclination": [inclination] * 2, "azimuth": [0.0, 0.0]},
-            "sections": [{"to": 60.0, "kind": "open_hole", "diameter": 0.2159, "friction": 0.2}],
-        }
+        well = simple_well(60.0, 0.2159, inclination, friction=0.2)
         pipe = {"kind": "pipe", "length": 59.6, "od": 0.127, "id": 0.1086, "element_length": 2.0}
         model = build_model(
             Case(

@@ -12,6 +12,7 @@ from drillpetsc.model.drilling_model import build_model
 from drillpetsc.output import read_table
 from tests.helpers.component_models import SHIFT, residual
 from tests.helpers.motion import beam
+from tests.helpers.tables import each_row
 
 LENGTH, PILOT_LENGTH = 60.0, 6.3
 
@@ -180,7 +181,7 @@ def test_the_hole_has_both_diameters():
     assert other.well.section_to == pytest.approx(hole.well.section_to)
 
 
-@pytest.mark.parametrize(
+@each_row(
     ("change", "words"),
     [
         ({"od": 0.2159}, ("od", "more than")),
@@ -215,7 +216,7 @@ def statics_hole(sections: list[tuple[float, float]], **reamer) -> dict:
     return case
 
 
-@pytest.mark.parametrize(
+@each_row(
     ("sections", "reamer", "words"),
     [
         ([(53.7, 0.2667), (60, 0.2159)], {}, ()),

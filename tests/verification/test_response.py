@@ -16,6 +16,8 @@ from drillpetsc.errors import CaseError
 from drillpetsc.model.drilling_model import build_model
 from drillpetsc.output import read_table
 from tests.helpers import frequency_models as m
+from tests.helpers.tables import each_row
+from tests.helpers.wells import simple_well
 
 
 def table(case: dict, folder: Path, place: str, **options) -> dict[str, np.ndarray]:
@@ -254,17 +256,14 @@ def test_an_excitation_along_the_string(excite, what, stiffness, wave_speed, mot
     assert f"at {name}, 2 per turn" in summary["excitation"]
 
 
-@pytest.mark.parametrize(
+@each_row(
     ("excite", "amplitude", "at", "said"),
     [
-        ("unbalanc", "1 kN", "--excite", "unbalance"),
-        ("toll", "1 kN", "--excite", "tool"),
-        ("1200 m", "1 kN", "--excite", "0 to 1000 m"),
-        ("-3 m", "1 kN", "--excite", "0 to 1000 m"),
-        ("tool", None, "--amplitude", "5 kN"),
-        ("tool", "1 kg", "--amplitude", "5 kN"),
+        ("unbalanc", "1 kN", "--excite", "unbalance"), ("toll", "1 kN", "--excite", "tool"),
+        ("1200 m", "1 kN", "--excite", "0 to 1000 m"), ("-3 m", "1 kN", "--excite", "0 to 1000 m"),
+        ("tool", None, "--amplitude", "5 kN"), ("tool", "1 kg", "--amplitude", "5 kN"),
     ],
-)
+)  # fmt: skip
 def test_wrong_places_are_refused(excite, amplitude, at, said, tmp_path):
     case = Case(**m.two_part_string() | {"string": THREE})
     with pytest.raises(CaseError) as caught:
@@ -290,10 +289,7 @@ def test_an_undamped_resonance_is_infinite(tmp_path):
     assert list(table(case, tmp_path, "lower end", **options)["validity"]) == ["linear", "linear"]
 
 
-HOLE = {
-    "survey": {"md": [0, 20], "inclination": [0, 0], "azimuth": [0, 0]},
-    "sections": [{"to": 20, "kind": "casing", "diameter": 0.131, "friction": 0.0}],
-}
+HOLE = simple_well(20, 0.131, kind="casing", friction=0.0)
 
 
 def test_an_amplitude_beyond_the_clearance_is_marked(tmp_path):
@@ -307,10 +303,7 @@ def test_an_amplitude_beyond_the_clearance_is_marked(tmp_path):
 def test_a_bit_that_lifts_off_is_marked(tmp_path):
     """A bit on bottom with 1 kN: a moving bottom of the hole with more force than that is beyond the linear result."""
     string = [m.drill_pipe(99.5, 20, damping=1e-3), {"kind": "bit", "length": 0.5, "od": 0.131, "mass": 20}]
-    well = {
-        "survey": {"md": [0, 100], "inclination": [0, 0], "azimuth": [0, 0]},
-        "sections": [{"to": 100, "kind": "open_hole", "diameter": 0.131, "friction": 0.2}],
-    }
+    well = simple_well(100, 0.131, friction=0.2)
     case = {
         "string": string,
         "well": well,
@@ -323,7 +316,7 @@ def test_a_bit_that_lifts_off_is_marked(tmp_path):
         assert list(found["validity"]) == [word]
 
 
-@pytest.mark.parametrize(
+@each_row(
     ("changes", "options", "words"),
     [
         ({"top": "free"}, {}, ("top", "turn")),

@@ -10,6 +10,7 @@ from drillpetsc.analysis.initial_state import find_equilibrium
 from drillpetsc.analysis.modal import modes, prepare_state
 from drillpetsc.model.drilling_model import build_model
 from drillpetsc.output import read_table
+from tests.helpers.wells import simple_well
 
 G = 9.81
 OD, ID, LENGTH, RIGID, MASS = 0.127, 0.1086, 100.0, 3.0, 300.0
@@ -62,10 +63,7 @@ def test_the_rigid_item_is_a_lever(tmp_path):
 def test_weight_in_an_inclined_hole(tmp_path):
     """Without friction: hook load (M + rho A L) g cos I; the pipe alone below the rigid item."""
     inclination = np.radians(40.0)
-    well = {
-        "survey": {"md": [0.0, 150.0], "inclination": [inclination] * 2, "azimuth": [0.0, 0.0]},
-        "sections": [{"to": 150.0, "kind": "open_hole", "diameter": 0.2159, "friction": 0.0}],
-    }
+    well = simple_well(150.0, 0.2159, inclination, friction=0.0)
     stabilizer = {**BODY, "kind": "stabilizer", "od": 0.21}
     weight = (MASS + DENSITY * AREA * LENGTH) * G
     for first in (BODY, stabilizer):
@@ -78,10 +76,7 @@ def test_weight_in_an_inclined_hole(tmp_path):
 def test_buoyed_weight_with_mud(tmp_path):
     """Mud in bore and annulus, at rest: hook load less the weight of the mud that all metal displaces (Archimedes);
     an open lower end."""
-    well = {
-        "survey": {"md": [0.0, 150.0], "inclination": [0.0, 0.0], "azimuth": [0.0, 0.0]},
-        "sections": [{"to": 150.0, "kind": "open_hole", "diameter": 0.2159, "friction": 0.0}],
-    }
+    well = simple_well(150.0, 0.2159, friction=0.0)
     density = 1200.0
     mud = {"density": density, "rheology": {"model": "newtonian", "viscosity": 0.02}, "flow_rate": 0.0,
            "bulk_modulus": 1e13}  # fmt: skip

@@ -13,6 +13,7 @@ from drillpetsc.analysis.torque_drag.roadmap import run_roadmap
 from drillpetsc.case.case import Case
 from drillpetsc.errors import CaseError
 from drillpetsc.output import read_table
+from tests.helpers.tables import each_row
 
 # 127 x 108.6 mm pipe whose density gives 242 N/m
 PIPE = {"kind": "pipe", "od": "127 mm", "id": "108.6 mm", "material": {"density": "7245.416608 kg/m3"}}
@@ -107,11 +108,7 @@ def test_hoisting_with_rotation(tmp_path):
 
 def test_vertical_well(tmp_path):
     """No wall force: every operation and factor has the buoyed weight, here 242 N/m less mud of 1200 kg/m3."""
-    roadmap = {
-        "friction_factor": {"open_hole": [0.1, 0.5]},
-        "drilling": {"wob": 0},
-        "sliding": {"wob": 0},
-    }
+    roadmap = {"friction_factor": {"open_hole": [0.1, 0.5]}, "drilling": {"wob": 0}, "sliding": {"wob": 0}}
     mud = {"density": 1200, "rheology": {"model": "newtonian", "viscosity": "20 cP"}}
     found = rows(case([0, 2000], [0, 0], roadmap=roadmap, fluid=mud), tmp_path)
     metal = np.pi / 4 * (0.127**2 - 0.1086**2)
@@ -270,7 +267,7 @@ def test_time(tmp_path):
     assert time.process_time() - start < 10
 
 
-@pytest.mark.parametrize(
+@each_row(
     ("roadmap", "at", "want"),
     [
         ({"operations": ["fishing"]}, "roadmap.operations[0]", "one of trip_in"),

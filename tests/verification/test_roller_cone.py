@@ -21,6 +21,8 @@ from drillpetsc.model.drilling_model import build_model
 from drillpetsc.output import read_table
 from tests.helpers.bit_models import bit_of, drilling
 from tests.helpers.motion import beam, fixed, sampled
+from tests.helpers.tables import each_row
+from tests.helpers.wells import simple_well
 
 YOUNG, DENSITY, RPM = 206e9, 7850.0, np.pi / 30
 PIPE, COLLAR = (0.127, 0.1086), (0.1778, 0.0714)
@@ -69,10 +71,7 @@ def string_on_lobes(
     end = pipe + collar
     case = Case(
         string=items,
-        well={
-            "survey": {"md": [0, end], "inclination": [0, 0], "azimuth": [0, 0]},
-            "sections": [{"to": end, "kind": "open_hole", "diameter": 0.2, "friction": 0.0}],
-        },
+        well=simple_well(end, 0.2, friction=0.0),
         contact=None,
         top={"kind": "top_drive", "rotation": rpm * RPM},
         bottom={"kind": "bit", "stiffness": spring, "friction": 0.0},
@@ -142,10 +141,7 @@ def bouncing(mass: float, omega: float, waves, spring: float, end: float):
 
 @pytest.mark.parametrize(
     ("mass", "omega", "waves", "end"),
-    [
-        (1000.0, 15.0, [(3, 0.01, np.pi / 2)], 0.23),
-        (640.0, 8.0, [(5, 4e-3, 1.1), (2, 0.03, 1.5)], 0.4),
-    ],
+    [(1000.0, 15.0, [(3, 0.01, np.pi / 2)], 0.23), (640.0, 8.0, [(5, 4e-3, 1.1), (2, 0.03, 1.5)], 0.4)],
 )
 def test_a_mass_flies_off_the_lobes_and_lands(mass, omega, waves, end):
     """Where the surface falls faster than gravity the bit leaves it, and falls freely until it lands.
@@ -198,10 +194,7 @@ def test_energy_of_a_bit_on_lobes_closes(tmp_path):
             {"kind": "pipe", "length": 39.7, "od": 0.1778, "id": 0.0714, "element_length": 5},
             {"kind": "bit", "length": 0.3, "od": 0.216, "mass": 80},
         ],
-        well={
-            "survey": {"md": [0, 100], "inclination": [0.1, 0.1], "azimuth": [0, 0]},
-            "sections": [{"to": 100, "kind": "open_hole", "diameter": 0.216, "friction": 0.2}],
-        },
+        well=simple_well(100, 0.216, 0.1, friction=0.2),
         material={"damping": {"stiffness": 1e-4, "mass": 0.2}},
         top={"kind": "top_drive", "rotation": 12.0},
         bottom={"kind": "bit", "stiffness": 5e7},
@@ -221,7 +214,7 @@ def test_energy_of_a_bit_on_lobes_closes(tmp_path):
     assert np.abs(history["energy_error [J]"]).max() < 0.01 * work
 
 
-@pytest.mark.parametrize(
+@each_row(
     ("law", "words"),
     [
         ({"kind": "roller_cone"}, ("amplitude",)),

@@ -12,7 +12,7 @@ from drillpetsc.analysis import transient
 from drillpetsc.errors import CaseError
 from drillpetsc.output import read_table
 from tests.helpers import top_drive_models as m
-from tests.parallel.test_restart import files, run_with_copies
+from tests.helpers.restarts import files, run_with_copies
 
 PIPE = {"kind": "pipe", "length": 10.0, "od": 0.127, "id": 0.1086, "element_length": 5.0}
 PI = {"kind": "pi", "p": 8e3, "i": 12e3}

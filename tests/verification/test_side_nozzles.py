@@ -22,6 +22,8 @@ from drillpetsc.errors import CaseError
 from drillpetsc.model.drilling_model import build_model
 from drillpetsc.output import read_table
 from tests.helpers.mud import history, started
+from tests.helpers.tables import each_row
+from tests.helpers.wells import simple_well
 
 DENSITY, COEFFICIENT, GRAVITY = 1200.0, 0.95, 9.81
 OUTER, INNER, BODY, HOLE, WIDE = 0.127, 0.1086, 0.0714, 0.2159, 0.311
@@ -43,10 +45,7 @@ def reamer(area: float | None = 2e-4, **keys) -> dict:
 
 def case(string: list[dict], fluid: dict | None = None, **keys) -> Case:
     depth = sum(item["length"] for item in string)
-    well = {
-        "survey": {"md": [0, depth], "inclination": [0, 0], "azimuth": [0, 0]},
-        "sections": [{"to": depth, "kind": "open_hole", "diameter": HOLE}],
-    }
+    well = simple_well(depth, HOLE)
     mud = {"density": DENSITY, "rheology": WATER, "flow_rate": 0.03, **STIFF}
     return Case(
         string=string,
@@ -138,13 +137,8 @@ def test_two_reamers_by_hand():
     """Two branches above the bit: two nested roots."""
     viscosity, pump, areas = 0.6, 0.035, (1.5e-4, 1e-4, 3e-4)
     string = [
-        pipe(400),
-        reamer(areas[0]),
-        pipe(500),
-        reamer(areas[1]),
-        pipe(300),
-        BIT | {"nozzle_area": areas[2]},
-    ]
+        pipe(400), reamer(areas[0]), pipe(500), reamer(areas[1]), pipe(300), BIT | {"nozzle_area": areas[2]},
+    ]  # fmt: skip
     mud = {"rheology": {"model": "newtonian", "viscosity": viscosity, "law": "exact"}, "flow_rate": pump}
     flow = FlowModel(case(string, mud), whole_string(case(string)), "pumping")
     flow.solve(pump)
@@ -278,7 +272,7 @@ def test_yield_stress_mud_at_rest_and_small_flow():
     assert side.flow == pytest.approx(1e-4, rel=0.02) and 0 <= bit.flow < 2e-6
 
 
-@pytest.mark.parametrize(
+@each_row(
     ("string", "keys", "at", "want"),
     [
         ([pipe(500), reamer(0.0), pipe(100), BIT], {}, "string[1].nozzle_area", "above 0"),
@@ -403,16 +397,10 @@ def moving(folder: Path, tops: dict, annulus: bool = True, area: float | None = 
     }
     body = {"length": 1.0, "body_od": 0.17, "blade_length": 0.5, "mass": 150.0}
     string = [
-        pipe(200, 40.0),
-        reamer(area, **body),
-        pipe(100, 20.0),
-        BIT | {"nozzle_area": 4e-4, "length": 0.3},
-    ]
+        pipe(200, 40.0), reamer(area, **body), pipe(100, 20.0), BIT | {"nozzle_area": 4e-4, "length": 0.3},
+    ]  # fmt: skip
     end = sum(item["length"] for item in string) + 5
-    hole = {
-        "survey": {"md": [0, end], "inclination": [0, 0], "azimuth": [0, 0]},
-        "sections": [{"to": end, "kind": "open_hole", "diameter": HOLE}],
-    }
+    hole = simple_well(end, HOLE)
     built = case(
         string, fluid, well=hole, top={"kind": "top_drive", "rotation": 0.0, **tops}, contact="none",
         time={"end": 1.2}, petsc={"ts_rtol": 1e-5},

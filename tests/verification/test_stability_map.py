@@ -17,6 +17,8 @@ from drillpetsc.output import read_table
 from tests.helpers import top_drive_models as m
 from tests.helpers.delay_roots import Regenerative
 from tests.helpers.motion import beam
+from tests.helpers.tables import each_row
+from tests.helpers.wells import simple_well
 from tests.verification.test_top_drive_modes import characteristic, impedance, root
 
 STIFFNESS, MASS, DAMPING, BLADES = 3e7, 2e4, 6e4, 4
@@ -49,10 +51,7 @@ def spring_and_bit(cutting: float = 4e6, weight: float = 20e3) -> dict:
     depth = length + 0.1
     return {
         "string": [pipe, item],
-        "well": {
-            "survey": {"md": [0, depth], "inclination": [0, 0], "azimuth": [0, 0]},
-            "sections": [{"to": depth, "kind": "open_hole", "diameter": 2 * RADIUS, "friction": 0.0}],
-        },
+        "well": simple_well(depth, 2 * RADIUS, friction=0.0),
         "contact": "none",
         "top": {"kind": "top_drive", "rotation": 12.0},
         "gravity": 0.0,
@@ -165,7 +164,7 @@ def test_critical_speeds_by_weight(name, rpm, expected, tmp_path):
         )
 
 
-@pytest.mark.parametrize(
+@each_row(
     ("changes", "options", "words"),
     [
         ({"bottom": "free", "formation": None, "initial": {}}, {}, ("bottom", "a bit on bottom")),

@@ -18,6 +18,8 @@ from drillpetsc.output import read_table
 from drillpetsc.output.bending import curvatures, end_forces
 from drillpetsc.physics.tools.steering import OVERLAP, WINDOW, mean_share
 from tests.helpers.motion import sampled
+from tests.helpers.tables import each_row
+from tests.helpers.wells import simple_well
 
 LENGTH, OD, ID = 9.0, 0.1715, 0.0714
 BENDING = 206e9 * np.pi / 64 * (OD**4 - ID**4)
@@ -178,10 +180,7 @@ def drilled(rss: dict, out, azimuth: float = 1.0, **more) -> tuple[float, float]
         string = [string[0] | {"length": 34}, string[1], string[2] | {"length": 5.2}, string[5]]
     case = Case(
         string=string,
-        well={
-            "survey": {"md": [0, start], "inclination": [0.7, 0.7], "azimuth": [azimuth, azimuth]},
-            "sections": [{"to": start, "kind": "open_hole", "diameter": 0.2159, "friction": 0.1}],
-        },
+        well=simple_well(start, 0.2159, 0.7, azimuth=azimuth, friction=0.1),
         contact={"stiffness": 1e7},
         top={"kind": "top_drive", "rotation": 12.0, "lowering": 5e-3},
         bottom="bit",
@@ -243,7 +242,7 @@ def test_energy_of_steering_closes(tmp_path):
         assert "steering_tool_face [rad]" in history
 
 
-@pytest.mark.parametrize(
+@each_row(
     ("item", "words"),
     [
         ({"rss": {"kind": "push", "force": 1e3, "pad_offset": 9.5}}, ("pad_offset", "9")),

@@ -17,11 +17,9 @@ from drillpetsc.fem.component import Powers
 from drillpetsc.output import read_table
 from drillpetsc.physics.beam import AncfBeam
 from drillpetsc.solvers.newton import CondensedNewton
+from tests.helpers.wells import simple_well
 
-WELL = {
-    "survey": {"md": [0, 60], "inclination": ["60 deg", "60 deg"], "azimuth": [0, 0]},
-    "sections": [{"to": 60, "kind": "casing", "diameter": "215.9 mm", "friction": 0.2}],
-}
+WELL = simple_well(60, "215.9 mm", "60 deg", kind="casing", friction=0.2)
 LYING = {
     "well": WELL,
     "string": [{"kind": "pipe", "length": "50 m", "od": "127 mm", "id": "108.6 mm"}],

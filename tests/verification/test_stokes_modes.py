@@ -14,6 +14,7 @@ from drillpetsc import Case
 from drillpetsc.output import read_table
 from drillpetsc.physics.fluid.added_mass import stokes_coefficients, stokes_force
 from tests.helpers import frequency_models as m
+from tests.helpers.wells import simple_well
 
 HOLE, MUD, L = 0.2159, 1200.0, 20.0
 #: viscosity [Pa s]: frequency [Hz] and damping ratio, as computed for this check (C22) before the code was written
@@ -28,10 +29,7 @@ def span(viscosity: float, elements: int = 16, **fluid) -> dict:
         "bottom": {"kind": "pinned"},
         "gravity": 0.0,
         "contact": "none",
-        "well": {
-            "survey": {"md": [0, L], "inclination": [0, 0], "azimuth": [0, 0]},
-            "sections": [{"to": L, "kind": "casing", "diameter": HOLE, "friction": 0.0}],
-        },
+        "well": simple_well(L, HOLE, kind="casing", friction=0.0),
         "fluid": {
             "density": MUD,
             "rheology": {"model": "newtonian", "viscosity": viscosity},

@@ -24,6 +24,7 @@ from drillpetsc.case import Case, load_case
 from drillpetsc.errors import CaseError, SolveError
 from drillpetsc.output import read_table
 from tests.helpers import handbook_hydraulics as handbook
+from tests.helpers.tables import each_row
 from tests.helpers.trips import trips_of
 
 GRAVITY = 9.80665
@@ -225,7 +226,7 @@ BAD = {
 }
 
 
-@pytest.mark.parametrize("name", BAD)
+@each_row("name", BAD)
 def test_cases_without_surge_are_refused(name, tmp_path: Path):
     keys, plan, words = BAD[name]
     base = vertical(

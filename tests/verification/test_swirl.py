@@ -13,6 +13,7 @@ from drillpetsc.model.drilling_model import build_model
 from drillpetsc.output import read_table
 from drillpetsc.physics.fluid.added_mass import stokes_force
 from tests.helpers.collar_in_mud import CASE, EXACT
+from tests.helpers.wells import simple_well
 
 # a collar between two pins, without axial force: mass with the mud in its bore and added mass [kg/m], damping [N s/m2], stiffness
 # E I (pi/L)^4 [N/m2] (Fritz, J. Basic Eng. 92 (1970) 923: a rotor in a fluid that turns with a share of its speed)
@@ -26,10 +27,7 @@ SHARE = OD**2 / (OD**2 + HOLE**2)
 def collar(rpm: float, **fluid) -> Case:
     displaced = MUD * np.pi / 4 * OD**2
     return Case(
-        well={
-            "survey": {"md": [0, LENGTH], "inclination": [0, 0], "azimuth": [0, 0]},
-            "sections": [{"to": LENGTH, "kind": "open_hole", "diameter": HOLE, "friction": 0.25}],
-        },
+        well=simple_well(LENGTH, HOLE, friction=0.25),
         string=[{"kind": "pipe", "length": LENGTH, "od": OD, "id": ID, "element_length": 1.0}],
         material={"young": 206e9, "density": 7850.0},
         top={"kind": "top_drive", "rotation": f"{rpm} rpm", "hinged": True},

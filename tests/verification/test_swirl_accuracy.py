@@ -33,13 +33,10 @@ def test_whirl_without_a_tangential_force_is_that_of_the_swirl(ratio):
 @pytest.mark.parametrize(
     ("diameter", "viscosity", "whirl", "across", "radial"),
     [
-        (0.1778, 0.153, 0.0, 0.01, -0.08),
-        (0.1778, 0.153, 1.0, 0.05, 1.30),
-        (0.1778, 0.05, 0.0, 0.08, 0.02),
-        (0.127, 0.189, 0.0, 0.05, -0.12),
-        (0.127, 0.189, 1.0, 0.22, 1.32),
+        (0.1778, 0.153, 0.0, 0.01, -0.08), (0.1778, 0.153, 1.0, 0.05, 1.30), (0.1778, 0.05, 0.0, 0.08, 0.02),
+        (0.127, 0.189, 0.0, 0.05, -0.12), (0.127, 0.189, 1.0, 0.22, 1.32),
     ],
-)
+)  # fmt: skip
 def test_force_against_viscous_flow(diameter, viscosity, whirl, across, radial):
     """Collars and drill pipe at 80 rpm in mud of 1200 kg/m3: at rest off the axis, and whirling with the spin.
 

@@ -43,18 +43,13 @@ def stabilized(survey=None) -> Case:
 MOTIONS = {
     "synchronous": (TOUCHING, SPIN, SPIN, "at the wall", "sliding", "forward whirl"),
     "pure rolling": (
-        TOUCHING,
-        -SPIN * 0.5 * GAUGE / TOUCHING,
-        SPIN,
-        "at the wall",
-        "rolling",
-        "backward whirl",
+        TOUCHING, -SPIN * 0.5 * GAUGE / TOUCHING, SPIN, "at the wall", "rolling", "backward whirl",
     ),
     "turning in place": (TOUCHING, 0.0, SPIN, "at the wall", "sliding", "no whirl"),
     "at rest": (TOUCHING, 0.0, 0.0, "at the wall", "sticking", "no whirl"),
     "counter-clockwise": (TOUCHING, -SPIN, -SPIN, "at the wall", "sliding", "forward whirl"),
     "in mid-hole": (0.3 * TOUCHING, -2 * SPIN, SPIN, "off the wall", None, "backward whirl"),
-}
+}  # fmt: skip
 
 
 @pytest.mark.parametrize("inclination", [0.0, 1.0])

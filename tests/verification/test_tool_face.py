@@ -9,6 +9,7 @@ import pytest
 from drillpetsc import Case, run
 from drillpetsc.analysis.initial_state import find_equilibrium
 from drillpetsc.model.drilling_model import build_model
+from tests.helpers.tables import each_row
 
 PIPE = {"kind": "pipe", "od": 0.1, "id": 0.06, "element_length": 2.0}
 DEG = np.pi / 180
@@ -47,8 +48,8 @@ def kinked(inclination: float, azimuth: float, tool_face: float, angle: float) -
     return np.cos(angle) * along(i, a) + np.sin(angle) * towards
 
 
-@pytest.mark.parametrize("tool_face", [0.0, 90.0, 180.0, 270.0, 35.0])
-@pytest.mark.parametrize("item", ["pipe", "body"])
+@each_row("tool_face", [0.0, 90.0, 180.0, 270.0, 35.0])
+@each_row("item", ["pipe", "body"])
 def test_a_bent_item_points_to_its_tool_face(item, tool_face):
     """A kink of 2 degrees in a string inclined 60 degrees to azimuth 40: 0 raises the inclination, 90 turns
     the azimuth to the right.  Free of load the kink is exact up to the second order in its angle per
@@ -76,9 +77,7 @@ def test_the_tool_face_is_magnetic_in_a_steep_hole(tool_face):
     )
 
 
-@pytest.mark.parametrize(
-    ("angle", "kind"), [(0.0, "ancf"), (90.0, "ancf"), (0.0, "quaternion"), (90.0, "quaternion")]
-)
+@each_row(("angle", "kind"), [(0.0, "ancf"), (90.0, "ancf"), (0.0, "quaternion"), (90.0, "quaternion")])
 def test_residual_curvature_has_the_same_tool_face(angle, kind):
     """An item of stress-free curvature 0.01 1/m and 6 m length turns by 0.06 towards `curvature_angle`."""
     item = {**PIPE, "length": 6.0, "element_length": 0.5, "curvature": 0.01, "curvature_angle": angle * DEG}

@@ -15,6 +15,8 @@ from drillpetsc.case.plausibility import plausibility as said
 from drillpetsc.errors import CaseError
 from drillpetsc.output import read_table
 from drillpetsc.units import to_si
+from tests.helpers.tables import each_row
+from tests.helpers.wells import simple_well
 
 LOSS = {"value": "350 psi", "at": "600 gpm", "density": "10 ppg"}
 MOTOR = {"kind": "pipe", "name": "motor", "length": 9.0, "od": 0.1715, "id": 0.07}
@@ -104,7 +106,7 @@ def test_a_loss_coefficient_is_of_the_velocity_in_the_bore(rigid: bool, tmp_path
     assert flow["tool_loss"] == pytest.approx(7.3 * to_si("12 ppg", "kg/m^3") * velocity**2 / 2, rel=1e-6)
 
 
-@pytest.mark.parametrize(
+@each_row(
     ("tool", "fluid", "at"),
     [
         ({"coefficient": 3, "value": "350 psi"}, {}, "string[1].pressure_loss.value"),
@@ -237,10 +239,7 @@ def test_the_loss_by_a_curve_in_statics_of_a_moving_string(tmp_path: Path) -> No
 def moving(tool: dict | None, formulation: str = "ancf") -> dict:
     """A turning string, whose pump goes to another flow rate."""
     return {
-        "well": {
-            "survey": {"md": [0, 110], "inclination": [0, 0.1], "azimuth": [0, 0]},
-            "sections": [{"to": 110, "kind": "open_hole", "diameter": 0.2159}],
-        },
+        "well": simple_well(110, 0.2159, (0, 0.1)),
         "string": [
             {"kind": "pipe", "length": 60.0, "od": 0.127, "id": 0.1086, "element_length": 15.0},
             MOTOR | ({} if tool is None else {"pressure_loss": tool}),

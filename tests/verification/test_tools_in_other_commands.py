@@ -113,16 +113,11 @@ def test_check_names_every_tool_and_its_unknowns():
     text = describe(
         case(
             string=[
-                string[0],
-                AGITATOR,
-                stabilizer,
-                rss,
-                MOTOR,
-                {"kind": "pipe", "length": 30, **BORE},
+                string[0], AGITATOR, stabilizer, rss, MOTOR, {"kind": "pipe", "length": 30, **BORE},
                 string[-1],
             ]
         )
-    )
+    )  # fmt: skip
     contains = next(line for line in text.splitlines() if line.startswith("  contains:"))
     for word in ("downhole motor", "agitator", "rotary steerable tool", "nozzles above the bit"):
         assert word in contains

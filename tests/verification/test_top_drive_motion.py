@@ -9,6 +9,7 @@ from scipy.integrate import trapezoid
 from drillpetsc import Case, run
 from drillpetsc.output import read_table
 from tests.helpers import top_drive_models as m
+from tests.helpers.wells import simple_well
 
 PIPE = {"kind": "pipe", "length": 10.0, "od": 0.127, "id": 0.1086, "element_length": 5.0}
 TOTAL = m.INERTIA + m.DENSITY * m.POLAR * 10.0  # of drive and pipe [kg m2]
@@ -92,10 +93,7 @@ def test_a_turning_string_starts_without_a_transient(tmp_path):
     """A lying string that turns at constant speed, from statics: the integrator carries the static torque, so speed and torque
     stay within 0.1 % of their values at time 0; controllers that change leave them there, Z-torque the torque within 0.5 %."""
     case = {
-        "well": {
-            "survey": {"md": [0, 210], "inclination": [np.pi / 2] * 2, "azimuth": [0, 0]},
-            "sections": [{"to": 210, "kind": "casing", "diameter": 0.2159, "friction": 0.25}],
-        },
+        "well": simple_well(210, 0.2159, np.pi / 2, kind="casing", friction=0.25),
         "string": [{**PIPE, "length": 200.0, "element_length": 10.0}],
         "top": m.top(["stiff", {**m.SOFT, "from": 0.2}, {"kind": "z_torque", "from": 0.4}], 10.0),
         "time": {"end": 0.6},

@@ -158,18 +158,10 @@ def two_reamers(sizes, energy, ratio, rpm, lowering, wob, mode="dynamic", **more
     pipe, reamer, pilot, cutter = case["string"]
     between = {**pilot, "length": 5.0}
     case["string"] = [
-        {**pipe, "length": pipe["length"] - 6.0},
-        {**reamer, "od": upper},
-        between,
-        reamer,
-        pilot,
-        cutter,
-    ]
+        {**pipe, "length": pipe["length"] - 6.0}, {**reamer, "od": upper}, between, reamer, pilot, cutter,
+    ]  # fmt: skip
     rows = case["well"]["sections"]
-    case["well"]["sections"] = [
-        {**rows[0], "to": LENGTH - PILOT_LENGTH - 6.0, "diameter": upper},
-        *rows,
-    ]
+    case["well"]["sections"] = [{**rows[0], "to": LENGTH - PILOT_LENGTH - 6.0, "diameter": upper}, *rows]
     return case
 
 

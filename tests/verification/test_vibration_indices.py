@@ -12,6 +12,7 @@ from drillpetsc import Case, vibration
 from drillpetsc.cli import main
 from drillpetsc.errors import CaseError
 from drillpetsc.output import read_table
+from tests.helpers.wells import simple_well
 
 AREA = np.pi / 4 * 0.2159**2
 PIPE = {"kind": "pipe", "name": "dp", "od": 0.127, "id": 0.1086, "length": 20.0, "element_length": 5.0}
@@ -64,10 +65,7 @@ def drilling(**law) -> Case:
             {"kind": "pipe", "length": 29.5, "od": 0.1715, "id": 0.0714, "element_length": 5.0},
             {"kind": "bit", "length": 0.5, "od": 0.2159, "mass": 60.0},
         ],
-        well={
-            "survey": {"md": [0, 30], "inclination": [0, 0], "azimuth": [0, 0]},
-            "sections": [{"to": 30, "kind": "open_hole", "diameter": 0.2159, "friction": 0.0}],
-        },
+        well=simple_well(30, 0.2159, friction=0.0),
         contact="none",
         bottom="bit",
         formation={"drillability": 2.8e-8, "bit_law": {"kind": "drag_bit", **law}},
@@ -160,13 +158,10 @@ def test_synchronous_whirl_of_an_unbalanced_collar(tmp_path):
     """Forced whirl of an eccentric collar between two bearings: once a turn, off the wall; the probe at the end does not whirl."""
     case = Case(
         string=[
-            {**PIPE, "od": 0.1778, "id": 0.0714, "length": 20.0, "element_length": 2.5, "eccentricity": 0.01},
+            {**PIPE, "od": 0.1778, "id": 0.0714, "length": 20.0, "element_length": 2.5, "eccentricity": 0.01}
         ],
         material={"damping": {"mass": 5.0}},
-        well={
-            "survey": {"md": [0, 21], "inclination": [0, 0], "azimuth": [0, 0]},
-            "sections": [{"to": 21, "kind": "open_hole", "diameter": 0.2159}],
-        },
+        well=simple_well(21, 0.2159),
         top={"kind": "top_drive", "rotation": 6.0},
         bottom="pinned",
         gravity=0.0,

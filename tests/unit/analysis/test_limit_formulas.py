@@ -15,6 +15,7 @@ import pytest
 from drillpetsc.analysis.limits import buckling_loads, fatigue, strength
 from drillpetsc.case.catalogue.sizes import FT_LBF, INCH, KSI, LB_PER_FT, LBF
 from tests.helpers import rules_of_thumb as trade
+from tests.helpers.tables import each_row
 
 FT, KLB, PSI, PPG = 0.3048, 1e3 * LBF, KSI / 1e3, trade.PPG
 YOUNG = 30e6 * PSI
@@ -188,7 +189,7 @@ def test_buckling_of_a_vertical_string():
 
 
 # ---------------------------------------------------------------------- fatigue
-@pytest.mark.parametrize(
+@each_row(
     "outer, inner, rule, klb, dogleg",
     [(4.5, 3.826, "E", 100, 4.837), (5.0, 4.276, "S", 200, 3.477), (5.0, 4.276, "S", 100, 5.746)],
 )

@@ -17,6 +17,7 @@ from drillpetsc.analysis.limits.pressure_strength import (
     pressure_ratios,
     yield_under_tension,
 )
+from tests.helpers.tables import each_row
 
 KSI = 1000 * PSI
 
@@ -26,19 +27,15 @@ def tube(size: float, wall: float, left: float) -> tuple[float, float]:
     return size - 2 * (1 - left) * wall, left * wall
 
 
-@pytest.mark.parametrize(
+@each_row(
     ("size", "wall", "left", "ksi", "burst", "collapse"),
     [
-        (5.0, 0.362, 1.0, 75, 9503, 9962),
-        (5.0, 0.362, 0.8, 75, 8688, 7041),
-        (5.0, 0.362, 0.7, 75, 7602, 5514),
-        (5.0, 0.362, 1.0, 135, 17105, 15672),
-        (5.0, 0.362, 0.8, 135, 15638, 10029),
-        (4.5, 0.337, 1.0, 75, 9829, 10392),
-        (4.5, 0.337, 0.8, 75, 8987, 7525),
-        (3.5, 0.368, 1.0, 75, 13800, 14113),
+        (5.0, 0.362, 1.0, 75, 9503, 9962), (5.0, 0.362, 0.8, 75, 8688, 7041),
+        (5.0, 0.362, 0.7, 75, 7602, 5514), (5.0, 0.362, 1.0, 135, 17105, 15672),
+        (5.0, 0.362, 0.8, 135, 15638, 10029), (4.5, 0.337, 1.0, 75, 9829, 10392),
+        (4.5, 0.337, 0.8, 75, 8987, 7525), (3.5, 0.368, 1.0, 75, 13800, 14113),
     ],
-)
+)  # fmt: skip
 def test_drill_pipe(size: float, wall: float, left: float, ksi: float, burst: float, collapse: float) -> None:
     worn, rest = tube(size, wall, left)
     found = float(burst_pressure(size, rest, ksi * KSI, left < 1)) / PSI
@@ -46,7 +43,7 @@ def test_drill_pipe(size: float, wall: float, left: float, ksi: float, burst: fl
     assert float(collapse_pressure(worn / rest, ksi * KSI)) / PSI == pytest.approx(collapse, abs=1.5)
 
 
-@pytest.mark.parametrize(
+@each_row(
     ("ksi", "constants"),
     [
         (55, (2.991, 0.0541, 1206, 1.989, 0.0360)),

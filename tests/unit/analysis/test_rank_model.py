@@ -7,12 +7,13 @@ import pytest
 
 from drillpetsc.analysis.rank_model import GAIN, RANKS, UNEVEN, StepCounts, lines_of
 from drillpetsc.solvers.block_tridiagonal import Piece
+from tests.helpers.tables import each_row
 
 WET, DRY = (1016.0, 11), (216.0, 7)  # entries for each element, unknowns of a node
 
 
-@pytest.mark.parametrize("block", [7, 11])
-@pytest.mark.parametrize("interfaces, ranks", [(0, 1), (2, 2), (3, 3)])
+@each_row("block", [7, 11])
+@each_row("interfaces, ranks", [(0, 1), (2, 2), (3, 3)])
 def test_operations_are_those_of_the_solver(block, interfaces, ranks):
     """Per node of a long piece without, with one and with two interfaces, to 1 %; leading term 14/3 b^3 and 38/3 b^3."""
     n = 2000
@@ -23,8 +24,8 @@ def test_operations_are_those_of_the_solver(block, interfaces, ranks):
     assert counted[0] == pytest.approx(leading, rel=0.25)
 
 
-@pytest.mark.parametrize("entries, block", [WET, DRY])
-@pytest.mark.parametrize("elements", [1, 16, 225, 2400, 20000, 10**7])
+@each_row("entries, block", [WET, DRY])
+@each_row("elements", [1, 16, 225, 2400, 20000, 10**7])
 def test_speed_up_is_below_the_number_of_ranks(elements, entries, block):
     counts = StepCounts(elements, entries, block)
     assert counts.speed_up(1) == 1.0 and counts.communication(1) == 0.0
@@ -32,7 +33,7 @@ def test_speed_up_is_below_the_number_of_ranks(elements, entries, block):
         assert 0.0 < counts.speed_up(ranks) < ranks
 
 
-@pytest.mark.parametrize(
+@each_row(
     "elements, string, one, two",
     [(225, DRY, 0.554, 1.045), (600, WET, 6.94, 4.99), (2400, WET, 28.8, 18.35), (4800, WET, 52.4, 32.7)],
 )
@@ -48,8 +49,8 @@ def test_long_strings_reach_the_limit_of_the_work():
     assert 0.6 * 64 < counts.speed_up(64) < 64 / UNEVEN
 
 
-@pytest.mark.parametrize("entries, block", [WET, DRY])
-@pytest.mark.parametrize("ranks", [2, 4, 64])
+@each_row("entries, block", [WET, DRY])
+@each_row("ranks", [2, 4, 64])
 def test_least_elements(ranks, entries, block):
     """With one element less on each rank they gain less than GAIN over half as many."""
     least = StepCounts(1, entries, block).least_elements(ranks)
@@ -68,8 +69,8 @@ def test_lines():
     assert len(shown) >= 3 and shown == sorted(shown) and 1.5 < shown[0] < 2.0, line
 
 
-@pytest.mark.parametrize("entries, block", [WET, DRY])
-@pytest.mark.parametrize("elements", [600, 1199, 2400, 4800, 20000])
+@each_row("entries, block", [WET, DRY])
+@each_row("elements", [600, 1199, 2400, 4800, 20000])
 def test_the_line_agrees_with_itself(elements, entries, block):
     """Ranks that are said to pay have at least the elements that are said to be needed."""
     (line,) = lines_of(StepCounts(elements, entries, block))

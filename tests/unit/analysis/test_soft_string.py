@@ -13,6 +13,8 @@ from drillpetsc.analysis.soft_string import slip_direction, torque_drag
 from drillpetsc.analysis.soft_string_start import soft_string
 from drillpetsc.geometry.well import Well
 from drillpetsc.model.drilling_model import build_model
+from tests.helpers.tables import each_row
+from tests.helpers.wells import simple_well
 
 EA, GJ, RADIUS, WEIGHT = 7.0137489e8, 9.4156072e5, 0.0635, 242.0
 PULL, SLACK, TURN = {"axial_velocity": 0.3}, {"axial_velocity": -0.3}, {"rotation": 2 * np.pi}
@@ -39,9 +41,7 @@ def test_capstan():
     )  # N = T/R, ends too
 
 
-@pytest.mark.parametrize(
-    ("motion", "load"), [(PULL, 183.873e3), (SLACK, 58.127e3), (TURN, 121.0e3), ({}, 121.0e3)]
-)
+@each_row(("motion", "load"), [(PULL, 183.873e3), (SLACK, 58.127e3), (TURN, 121.0e3), ({}, 121.0e3)])
 def test_incline(motion, load):
     """w L (cos I + a mu sin I) at I = 60 deg; rotating torque mu w sin I R L = 3992.5 N m (manual:
     verif-incline)."""
@@ -65,8 +65,8 @@ def test_pull_and_rotate():
     assert result.surface_torque == pytest.approx(3191.0, rel=2e-5)
 
 
-@pytest.mark.parametrize(("motion", "load"), [(PULL, 458.659e3), (SLACK, 303.912e3), (TURN, 372.048e3)])
-@pytest.mark.parametrize("n", [1, 36])
+@each_row(("motion", "load"), [(PULL, 458.659e3), (SLACK, 303.912e3), (TURN, 372.048e3)])
+@each_row("n", [1, 36])
 def test_build(motion, load, n):
     """Build 0 to 60 deg at 5 deg/30 m, 300 kN below (closed form); torque when rotating 4864.3 N m (manual:
     verif-build-curve)."""
@@ -76,7 +76,7 @@ def test_build(motion, load, n):
         assert result.surface_torque == pytest.approx(4864.3, rel=5e-5)
 
 
-@pytest.mark.parametrize(("motion", "load"), [(PULL, 648.808e3), (SLACK, 394.217e3), (TURN, 495.548e3)])
+@each_row(("motion", "load"), [(PULL, 648.808e3), (SLACK, 394.217e3), (TURN, 495.548e3)])
 def test_j_well(motion, load):
     """1000 m vertical, build to 60 deg, 1500 m tangent, no weight on bit; rotating torque 7884.9 N m (manual:
     verif-j-well)."""
@@ -171,9 +171,9 @@ def test_boundaries_must_increase():
         torque_drag(hole([0, 10], [0, 0], 0.3), [0, 5, 5], WEIGHT, RADIUS, EA, GJ)
 
 
-@pytest.mark.parametrize("element", [0.5, 5.0])
-@pytest.mark.parametrize("mud", [0.0, 1500.0])
-@pytest.mark.parametrize("place", [0, 1, 2], ids=["first", "middle", "last"])
+@each_row("element", [0.5, 5.0])
+@each_row("mud", [0.0, 1500.0])
+@each_row("place", [0, 1, 2], ids=["first", "middle", "last"])
 def test_rigid_items_weigh_once(place: int, mud: float, element: float) -> None:
     """In a straight frictionless hole the hook load is the buoyed weight along it, less that on the bit.
 
@@ -185,10 +185,7 @@ def test_rigid_items_weigh_once(place: int, mud: float, element: float) -> None:
     string = [{**pipe, "length": 100.0}, {**pipe, "length": 79.5}]
     string.insert(place, heavy)
     case = {
-        "well": {
-            "survey": {"md": [0.0, 200.0], "inclination": [inclination] * 2, "azimuth": [0.0, 0.0]},
-            "sections": [{"to": 200.0, "kind": "open_hole", "diameter": 0.2159, "friction": 0.0}],
-        },
+        "well": simple_well(200.0, 0.2159, inclination, friction=0.0),
         "string": [*string, {"kind": "bit", "length": 0.5, "od": 0.2159, "mass": 60.0}],
         "top": {"kind": "top_drive"},
         "bottom": {"kind": "bit"},

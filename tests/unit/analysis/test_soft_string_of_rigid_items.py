@@ -9,15 +9,14 @@ from drillpetsc import Case
 from drillpetsc.analysis.soft_string_start import soft_string
 from drillpetsc.analysis.torque_drag.string_rows import rows_at
 from drillpetsc.model.drilling_model import build_model
+from tests.helpers.tables import each_row
 
 G = 9.80665
 OD, ID, STEEL, MUD = 0.127, 0.1086, 7850.0, 1300.0
 
 
-@pytest.mark.parametrize(
-    "fluid", [None, {"density": MUD, "rheology": {"model": "newtonian", "viscosity": 0.02}}]
-)
-@pytest.mark.parametrize("lean", [0.0, 0.7])
+@each_row("fluid", [None, {"density": MUD, "rheology": {"model": "newtonian", "viscosity": 0.02}}])
+@each_row("lean", [0.0, 0.7])
 def test_hook_load_of_pipes_with_rigid_items(fluid, lean):
     """Sum of buoyed weights times the cosine of the inclination: metal less mud in its place, for pipes and rigid items.
 

@@ -24,6 +24,7 @@ from drillpetsc.case.reader import load_case
 from drillpetsc.model.drilling_model import build_model
 from drillpetsc.physics.contact import ContactLaw
 from drillpetsc.solvers.linearization import linearise
+from tests.helpers.wells import simple_well
 
 ONE = {
     "string": [
@@ -153,10 +154,7 @@ def test_period_of_mud_bounds_that_of_the_mesh(tmp_path):
 def test_warnings_of_fixed_steps_and_the_words_of_check(tmp_path):
     """A fixed step of 0.29 t_c is fine, one of 0.31 t_c is not; nothing to say without a wall, or with steps
     by tolerance."""
-    well = {
-        "survey": {"md": [0, 100], "inclination": [0.5, 0.5], "azimuth": [0, 0]},
-        "sections": [{"to": 100, "kind": "casing", "diameter": 0.2159, "friction": 0.2}],
-    }
+    well = simple_well(100, 0.2159, 0.5, kind="casing", friction=0.2)
     case = {
         "well": well,
         "string": [{"kind": "pipe", "length": 50.0, "od": 0.127, "id": 0.1086}],

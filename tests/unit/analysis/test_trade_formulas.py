@@ -21,6 +21,7 @@ from drillpetsc.analysis.hydraulics.trade_formulas import (
 from drillpetsc.physics.fluid.rheology import from_dial_readings
 from drillpetsc.units import to_si
 from tests.helpers import handbook_hydraulics as handbook
+from tests.helpers.tables import each_row
 
 HP, LBF = 745.69987, to_si("1 lbf", "N")
 THREE_TWELVES = 3 * 0.25 * 3.141592653589793 * (12 / 32 * INCH) ** 2
@@ -75,13 +76,7 @@ def test_power_law_losses_by_api():
         (10786, 8.835, 4.5, 178.6),
     ):
         found = handbook.api_annulus_loss(
-            flow,
-            hole * INCH,
-            pipe * INCH,
-            length * FOOT,
-            density,
-            mud.annulus_consistency,
-            mud.annulus_index,
+            flow, hole * INCH, pipe * INCH, length * FOOT, density, mud.annulus_consistency, mud.annulus_index
         )
         assert found / PSI == pytest.approx(loss, rel=5e-3)
 
@@ -93,7 +88,7 @@ def test_annular_velocity():
         assert found / FOOT_PER_MINUTE == pytest.approx(speed, rel=1e-3)
 
 
-@pytest.mark.parametrize(
+@each_row(
     ("r600", "r300", "viscosity", "stress", "index"),
     [(60, 40, 20, 20, 0.585), (40, 25, 15, 10, 0.678), (53, 34, 19, 15, 0.640), (140, 80, 60, 20, 0.807)],
 )
@@ -112,7 +107,7 @@ def test_herschel_bulkley_by_api():
     assert consistency / LBF_PER_100FT2 == pytest.approx(0.8481, rel=1e-3)
 
 
-@pytest.mark.parametrize("readings", [(45, 65, 9, 8), (65, 45, 9, 4), (10, 8, 1, 8)])
+@each_row("readings", [(45, 65, 9, 8), (65, 45, 9, 4), (10, 8, 1, 8)])
 def test_readings_that_do_not_rise_are_refused(readings):
     with pytest.raises(ValueError, match="rising"):
         handbook.herschel_bulkley(*readings)

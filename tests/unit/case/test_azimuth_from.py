@@ -14,6 +14,7 @@ from drillpetsc.case.plausibility import notes
 from drillpetsc.case.writer import case_data
 from drillpetsc.errors import CaseError
 from drillpetsc.model.hole import build_well
+from tests.helpers.tables import each_row
 from tests.unit.case.test_survey_of_a_case import case
 
 LISTS = {
@@ -28,7 +29,7 @@ def degrees(made: Case) -> list[float]:
     return [math.degrees(a) for a in made.well.survey.azimuth]  # type: ignore[union-attr]
 
 
-@pytest.mark.parametrize(
+@each_row(
     ("keys", "expected", "north"),
     [
         ({"north": "magnetic", **BOTH}, [1, 353, 13], "grid"),
@@ -85,7 +86,7 @@ def test_a_file_and_its_tie_in(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) 
     assert any("turned by 3 deg" in note for note in notes(made))
 
 
-@pytest.mark.parametrize(
+@each_row(
     ("keys", "at", "text"),
     [
         ({}, "well.survey.north", "true or magnetic"),

@@ -6,6 +6,7 @@ import pytest
 
 from drillpetsc.case import load_case
 from drillpetsc.errors import CaseError
+from tests.helpers.tables import each_row
 
 BROKEN = sorted((Path(__file__).parents[3] / "cases" / "broken").glob("*.yaml"))
 
@@ -19,7 +20,7 @@ def test_there_are_enough_of_them() -> None:
     assert len(BROKEN) >= 20
 
 
-@pytest.mark.parametrize("path", BROKEN, ids=lambda path: path.stem)
+@each_row("path", BROKEN, ids=lambda path: path.stem)
 def test_message(path: Path) -> None:
     fragments = expected(path)
     assert fragments, f"{path.name} does not say what to expect"
@@ -40,7 +41,7 @@ def test_a_missing_file_is_named() -> None:
     assert "did you mean" in caught.value.hint and "thick-bore.yaml" in caught.value.hint
 
 
-@pytest.mark.parametrize(
+@each_row(
     ("content", "fragment"),
     [
         (b"\xff\xfe\x00string", "UTF-8"),

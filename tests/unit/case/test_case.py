@@ -14,6 +14,7 @@ from pydantic import ValidationError
 from drillpetsc.case import Case, load_case
 from drillpetsc.errors import CaseError, SolveError
 from drillpetsc.time_function import Constant, PiecewiseLinear, Ramp
+from tests.helpers.tables import each_row
 
 CASES = Path(__file__).parents[3] / "cases"
 PIPE: dict[str, Any] = {"kind": "pipe", "length": "90 m", "od": "5 in", "id": "4.276 in"}
@@ -76,11 +77,8 @@ def test_contact_comes_with_the_well_unless_none() -> None:
     contact = simple(well=well()).contact
     assert contact is not None
     assert (contact.law, contact.stiffness, contact.restitution, contact.restitution_speed) == (
-        "linear",
-        1e8,
-        0.5,
-        1.0,
-    )
+        "linear", 1e8, 0.5, 1.0,
+    )  # fmt: skip
     assert (contact.slip_velocity, contact.points_per_element, contact.stribeck) == (0.01, 2, None)
     assert simple(well=well(), contact="none").contact is None
     assert simple(contact="none").contact is None
@@ -101,7 +99,7 @@ def test_hertz_stiffness_has_its_own_unit() -> None:
     assert error_of(well=well(), contact={"law": "hertz"}).at == "contact.stiffness"
 
 
-@pytest.mark.parametrize("end", [0.5, 20.0, 36000.0])
+@each_row("end", [0.5, 20.0, 36000.0])
 def test_output_intervals_follow_from_the_end(end: float) -> None:
     output = simple(time={"end": end}).output
     assert output.history_every == pytest.approx({0.5: 1e-3, 20.0: 0.02, 36000.0: 0.1}[end])
@@ -160,11 +158,8 @@ def test_mass_and_inertia_of_a_rigid_item_are_those_of_a_tube() -> None:
         string=[PIPE, {"kind": "body", "mass": "1 t", "center_of_gravity": [0.1, "2 mm", 0]}]
     ).string[1]
     assert (weight.mass, weight.length, weight.inertia.axial, weight.inertia.transverse) == (
-        1000.0,
-        0.0,
-        0.0,
-        0.0,
-    )
+        1000.0, 0.0, 0.0, 0.0,
+    )  # fmt: skip
     assert weight.center_of_gravity == (0.1, 0.002, 0.0)
     assert error_of(string=[PIPE, {"kind": "body"}]).at == "string[1].mass"
 
@@ -185,20 +180,17 @@ def test_values_over_time() -> None:
     assert rotation(Ramp(1.0, 2.0)) == Ramp(1.0, 2.0)
 
 
-@pytest.mark.parametrize(
+@each_row(
     ("value", "at"),
     [
-        ({"ramp": "2 s"}, "top.rotation"),
-        ({"ramp": "2 s", "time": [0], "value": 1}, "top.rotation"),
+        ({"ramp": "2 s"}, "top.rotation"), ({"ramp": "2 s", "time": [0], "value": 1}, "top.rotation"),
         ({"ramp": "0 s", "value": 1}, "top.rotation.ramp"),
         ({"ramp": "1 s", "values": 1}, "top.rotation.values"),
-        ({"time": [], "value": []}, "top.rotation.time"),
-        ({"time": 1, "value": [1]}, "top.rotation.time"),
+        ({"time": [], "value": []}, "top.rotation.time"), ({"time": 1, "value": [1]}, "top.rotation.time"),
         ({"time": [0, 1], "value": [1, "2 m"]}, "top.rotation.value[1]"),
-        ({"time": [0, 0, 0], "value": [1, 2, 3]}, "top.rotation.time"),
-        ([1, 2], "top.rotation"),
+        ({"time": [0, 0, 0], "value": [1, 2, 3]}, "top.rotation.time"), ([1, 2], "top.rotation"),
     ],
-)
+)  # fmt: skip
 def test_refused_values_over_time(value: Any, at: str) -> None:
     assert error_of(top={"kind": "top_drive", "rotation": value}).at == at
 
@@ -212,43 +204,33 @@ def test_gravity_and_loads() -> None:
     ]
     point, line = simple(loads=loads).loads
     assert (point.at, point.force, point.moment, point.frame) == (
-        90.0,
-        (0.0, 0.0, -1000.0),
-        (0.0, 0.0, 0.0),
-        "global",
-    )
+        90.0, (0.0, 0.0, -1000.0), (0.0, 0.0, 0.0), "global",
+    )  # fmt: skip
     assert point.value_over == Ramp(1.0, 1.0)
     assert (line.from_, line.to, line.force, line.moment) == (10.0, 20.0, (1.0, 0.0, 0.0), (0.0, 0.0, 2.0))
 
 
-@pytest.mark.parametrize(
+@each_row(
     ("load", "at"),
     [
-        ({"force": [0, 0, 1]}, "loads[0].at"),
-        ({"at": 1, "to": 2, "force": [0, 0, 1]}, "loads[0].at"),
+        ({"force": [0, 0, 1]}, "loads[0].at"), ({"at": 1, "to": 2, "force": [0, 0, 1]}, "loads[0].at"),
         ({"from": 2, "to": 1, "force": [0, 0, 1]}, "loads[0].to"),
         ({"from": 2, "force": [0, 0, 1]}, "loads[0].to"),
-        ({"from": 2, "to": 3, "force": [0, 0, "1 N"]}, "loads[0].force[2]"),
-        ({"at": 2}, "loads[0].force"),
-        ({"at": 2, "force": 5}, "loads[0].force"),
-        ("1 kN", "loads[0]"),
+        ({"from": 2, "to": 3, "force": [0, 0, "1 N"]}, "loads[0].force[2]"), ({"at": 2}, "loads[0].force"),
+        ({"at": 2, "force": 5}, "loads[0].force"), ("1 kN", "loads[0]"),
     ],
-)
+)  # fmt: skip
 def test_refused_loads(load: Any, at: str) -> None:
     assert error_of(loads=[load]).at == at
 
 
-@pytest.mark.parametrize(
+@each_row(
     ("keys", "at"),
     [
-        ({"top": {"kind": "driven", "rotation": "80 rpm"}}, "top.stiffness"),
-        ({"top": "top_drive"}, "top"),
-        ({"top": 3}, "top"),
-        ({"top": {"kind": "free", "rotation": 1}}, "top.rotation"),
-        ({"bottom": "bit"}, "bottom"),
-        ({"bottom": {"kind": "free", "plugged": "yes"}}, "bottom.plugged"),
-        ({"bottom": {"kind": "bit", "stiffness": -1}}, "bottom.stiffness"),
-        ({"contact": {}}, "contact"),
+        ({"top": {"kind": "driven", "rotation": "80 rpm"}}, "top.stiffness"), ({"top": "top_drive"}, "top"),
+        ({"top": 3}, "top"), ({"top": {"kind": "free", "rotation": 1}}, "top.rotation"),
+        ({"bottom": "bit"}, "bottom"), ({"bottom": {"kind": "free", "plugged": "yes"}}, "bottom.plugged"),
+        ({"bottom": {"kind": "bit", "stiffness": -1}}, "bottom.stiffness"), ({"contact": {}}, "contact"),
         ({"well": well(), "contact": {"restitution": 0}}, "contact.restitution"),
         ({"well": well(), "contact": {"stribeck": {"static": 0.2, "speed": 0.1}}}, "contact.stribeck.static"),
         ({"well": well(roughness=0.001)}, "well.sections[0].roughness"),
@@ -257,20 +239,16 @@ def test_refused_loads(load: Any, at: str) -> None:
         ({"string": [{**PIPE, "eccentricity": 0.1}]}, "string[0].eccentricity"),
         ({"string": [{**PIPE, "joints": []}]}, "string[0].joints"),
         ({"string": [{**PIPE, "bend": {"tool_face": 0}}]}, "string[0].bend.angle"),
-        ({"string": PIPE}, "string"),
-        ({"string": [PIPE, 5]}, "string[1]"),
-        ({"time": {"end": 1, "mode": "static"}}, "time.mode"),
-        ({"time": "20 s"}, "time"),
+        ({"string": PIPE}, "string"), ({"string": [PIPE, 5]}, "string[1]"),
+        ({"time": {"end": 1, "mode": "static"}}, "time.mode"), ({"time": "20 s"}, "time"),
         ({"output": {"probes": [1, 1.0]}}, "output.probes[1]"),
-        ({"petsc": {"ts_type": [1]}}, "petsc.ts_type"),
-        ({"petsc": [1]}, "petsc"),
-        ({"hold_string": 1}, "hold_string"),
-        ({"top": None}, "top"),
+        ({"petsc": {"ts_type": [1]}}, "petsc.ts_type"), ({"petsc": [1]}, "petsc"),
+        ({"hold_string": 1}, "hold_string"), ({"top": None}, "top"),
         ({"initial": {"from": "rest", "wob": 1}}, "initial.wob"),
         ({"material": {"young": 206}}, "material.young"),
         ({"material": {"poisson": 0.6}}, "material.poisson"),
     ],
-)
+)  # fmt: skip
 def test_refused(keys: dict[str, Any], at: str) -> None:
     error = error_of(**keys)
     assert error.at == at
@@ -332,18 +310,9 @@ def test_nonsense_is_a_case_or_a_case_error(key: str, value: Any) -> None:
 @given(st.sampled_from(["pipe", "beam", "stabilizer", "body", "bit"]), st.data())
 def test_nonsense_in_an_item_is_a_case_or_a_case_error(kind: str, data: st.DataObject) -> None:
     keys = [
-        "length",
-        "od",
-        "id",
-        "mass",
-        "material",
-        "inertia",
-        "bend",
-        "center_of_gravity",
-        "initial",
-        "friction",
-        "name",
-    ]
+        "length", "od", "id", "mass", "material", "inertia", "bend", "center_of_gravity", "initial",
+        "friction", "name",
+    ]  # fmt: skip
     item = {"kind": kind, **data.draw(st.dictionaries(st.sampled_from(keys), anything, max_size=3))}
     try:
         assert isinstance(simple(string=[PIPE, item]), Case)

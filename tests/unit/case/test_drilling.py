@@ -15,6 +15,7 @@ from drillpetsc.case import Case, load_case
 from drillpetsc.case.blocks.formation import Formation, RockAnisotropy, check_turning, largest_turn_of_bit
 from drillpetsc.case.writer import case_data
 from drillpetsc.errors import CaseError
+from tests.helpers.tables import each_row
 
 PIPE: dict[str, Any] = {"kind": "pipe", "length": "90 m", "od": "5 in", "id": "4.276 in"}
 BIT: dict[str, Any] = {"kind": "bit", "length": 0.5, "od": "8.5 in", "mass": "60 kg"}
@@ -49,11 +50,8 @@ def test_defaults() -> None:
     """Defaults of the case format (manual: sec-bit-rate)."""
     made = rock()
     assert (made.drillability, made.bit_anisotropy, made.rotary_exponent, made.weight_exponent) == (
-        2.8e-8,
-        0.2,
-        1.0,
-        1.0,
-    )
+        2.8e-8, 0.2, 1.0, 1.0,
+    )  # fmt: skip
     assert (made.threshold, made.reference_speed, made.reference_weight) == (0.0, 4 * math.pi, 1e5)
     beds = made.rock_anisotropy
     assert (beds.dip, beds.dip_azimuth, beds.index_dip, beds.index_strike) == (0.0, 0.0, 1.0, 1.0)
@@ -109,19 +107,13 @@ def test_a_layer_takes_the_rest_from_the_formation() -> None:
     assert (first.from_, first.to, first.drillability) == (100.0, 150.0, 0.0)
     assert first.rock_anisotropy == made.rock_anisotropy
     assert (first.bit_anisotropy, first.rotary_exponent, first.weight_exponent, first.threshold) == (
-        0.3,
-        0.8,
-        1.5,
-        2e3,
-    )
+        0.3, 0.8, 1.5, 2e3,
+    )  # fmt: skip
     assert (second.from_, second.to, second.drillability, second.threshold) == (150.0, None, 5e-8, 0.0)
     mixed = second.rock_anisotropy
     assert (mixed.dip, mixed.dip_azimuth, mixed.index_dip, mixed.index_strike) == (
-        0.0,
-        pytest.approx(math.pi / 2),
-        0.95,
-        1.1,
-    )
+        0.0, pytest.approx(math.pi / 2), 0.95, 1.1,
+    )  # fmt: skip
 
 
 def test_which_rock_lies_where() -> None:
@@ -168,8 +160,8 @@ def least_power(sideways: float, beds: RockAnisotropy, walk: float) -> float:
     return float(np.linalg.eigvalsh((power + power.swapaxes(1, 2)) / 2)[:, 0].min())
 
 
-@pytest.mark.parametrize("walk", [0.0, 0.3, -math.pi / 4])
-@pytest.mark.parametrize("sideways", [0.05, 0.2, 0.6, 1.0])
+@each_row("walk", [0.0, 0.3, -math.pi / 4])
+@each_row("sideways", [0.05, 0.2, 0.6, 1.0])
 def test_where_the_bit_would_move_against_the_force(sideways: float, walk: float) -> None:
     """Just inside the limit on the ratio of the rock's indices sym(M_r M_b) is positive definite for every
     direction of the bit, just outside it is not: eigenvalues over a sphere of directions, 3 degrees apart."""
@@ -249,7 +241,7 @@ def test_quasi_static_time(tmp_path: Path) -> None:
         assert error_of(time={"end": 5, "mode": "quasi_static"}, initial={"from": start}).at == "initial.from"
 
 
-@pytest.mark.parametrize(
+@each_row(
     ("keys", "at"),
     [
         ({"drillability": -1e-9}, "drillability"),
@@ -303,7 +295,7 @@ def test_a_value_out_of_range_is_explained() -> None:
     assert "0.9 to 1.1" in error_of(formation={"rock_anisotropy": {"index_dip": 3}}).hint
 
 
-@pytest.mark.parametrize(
+@each_row(
     "keys",
     [
         {},

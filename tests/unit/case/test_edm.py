@@ -15,6 +15,7 @@ from drillpetsc.case.importers.stations import Rules
 from drillpetsc.case.survey_file import read_survey
 from drillpetsc.cli import main
 from drillpetsc.errors import CaseError
+from tests.helpers.tables import each_row
 
 FOOT, INCH, LB_PER_FT = 0.3048, 0.0254, 0.45359237 / 0.3048
 
@@ -241,7 +242,7 @@ def test_options_need_an_export(tmp_path: Path) -> None:
         fragment([tmp_path / "s.csv"], tmp_path, Wanted(assembly="x"))
 
 
-@pytest.mark.parametrize(
+@each_row(
     ("text", "want"),
     [
         (export(BORES, SURVEY, HOLE.replace('"CAS"', '"XYZ"')), "CAS, OPEN"),

@@ -10,6 +10,7 @@ from drillpetsc.case import Case, load_case, override
 from drillpetsc.case.writer import case_data
 from drillpetsc.errors import CaseError
 from drillpetsc.time_function import Constant
+from tests.helpers.tables import each_row
 
 CASES = Path(__file__).parents[3] / "cases"
 PIPE: dict[str, Any] = {"kind": "pipe", "length": "90 m", "od": "5 in", "id": "4.276 in"}
@@ -82,7 +83,7 @@ VALID_CASES: list[dict[str, Any]] = [
 ]
 
 
-@pytest.mark.parametrize("keys", VALID_CASES)
+@each_row("keys", VALID_CASES)
 def test_a_written_case_reads_back_the_same(keys: dict[str, Any], tmp_path: Path) -> None:
     case = simple(**keys)
     case.dump(tmp_path / "case.yaml")
@@ -97,7 +98,7 @@ def test_yaml_anchors_and_merges(tmp_path: Path) -> None:
     assert [item.od for item in case.string] == pytest.approx([0.127, 0.127, 0.1524])
 
 
-@pytest.mark.parametrize(
+@each_row(
     "text",
     [
         "md,inclination,azimuth\n0,0,0\n30,1.5,359\n",
@@ -119,7 +120,7 @@ def test_survey_files(text: str, tmp_path: Path) -> None:
     assert case.well.survey.azimuth == pytest.approx((0.0, math.radians(359)))
 
 
-@pytest.mark.parametrize(
+@each_row(
     ("text", "line", "want"),
     [
         ("", 1, "a header"),

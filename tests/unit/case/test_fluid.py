@@ -12,6 +12,7 @@ from drillpetsc.case.blocks.fluid import Casson, Fluid, flow_constants
 from drillpetsc.case.quantities import largest
 from drillpetsc.errors import CaseError
 from drillpetsc.time_function import Constant, PiecewiseLinear, Ramp
+from tests.helpers.tables import each_row
 
 PIPE: dict[str, Any] = {"kind": "pipe", "length": "90 m", "od": "5 in", "id": "4.276 in"}
 SOLID: dict[str, Any] = {**PIPE, "id": 0}
@@ -53,11 +54,8 @@ def test_defaults() -> None:
     assert (made.bulk_modulus, made.flow_line, made.bit_volume) == (2e9, 0.0, pytest.approx(7e-3))
     assert (made.discharge_coefficient, made.clinging) == (0.95, 0.45)
     assert (made.annulus, made.elastic_walls, made.check_valve, made.rotation_drag) == (
-        True,
-        True,
-        False,
-        False,
-    )
+        True, True, False, False,
+    )  # fmt: skip
     assert (made.formulation, made.dynamics, made.cuttings) == ("mixed", "full", "removed")
     assert (made.added_mass, made.lateral_damping, made.lateral_damping_speed) == ("confined", "stokes", 1.0)
     assert (made.rheology.law, made.rheology.shear_rate) == ("blend", 1.0)
@@ -82,7 +80,7 @@ def test_units() -> None:
 PLASTIC = {"yield_stress": "25 lbf/100 ft^2", "plastic_viscosity": "20 mPa s"}
 
 
-@pytest.mark.parametrize(
+@each_row(
     ("rheology", "constants"),
     [
         ({"model": "newtonian", "viscosity": 0}, (0.0, 1.0, 0.0)),
@@ -133,7 +131,7 @@ def test_which_strings_hold_fluid() -> None:
     assert not Case(string=[PIPE], top="clamped").has_bore
 
 
-@pytest.mark.parametrize(
+@each_row(
     ("top", "speed"), [(TURNING, 20.0), ({**TURNING, "rotation": 0}, 1.0), ("pinned", 1.0),
                        ({"kind": "driven", "rotation": "60 rpm", "damping": 1}, 2 * math.pi)],
 )  # fmt: skip
@@ -190,33 +188,26 @@ def test_all_mistakes_are_named_also_beside_a_missing_top() -> None:
     assert {error.at for error in (caught.value, *caught.value.also)} == {"top", "fluid.density"}
 
 
-@pytest.mark.parametrize(
+@each_row(
     ("keys", "at"),
     [
-        ({"density": None}, "density"),
-        ({"bulk_modulus": "-1 GPa"}, "bulk_modulus"),
-        ({"rheology": "newtonian"}, "rheology"),
-        ({"rheology": {"viscosity": 1}}, "rheology.model"),
+        ({"density": None}, "density"), ({"bulk_modulus": "-1 GPa"}, "bulk_modulus"),
+        ({"rheology": "newtonian"}, "rheology"), ({"rheology": {"viscosity": 1}}, "rheology.model"),
         ({"rheology": {"model": "newtonian", "viscosity": "-1 cP"}}, "rheology.viscosity"),
         ({"rheology": {"model": "newtonian", "viscosity": 1, "index": 1}}, "rheology.index"),
         ({"rheology": {"model": "newtonian", "viscosity": 1, "shear_rate": 0}}, "rheology.shear_rate"),
         ({"rheology": {"model": "power_law", "consistency": 1, "index": 0}}, "rheology.index"),
         ({"rheology": {"model": "power_law", "consistency": 0, "index": 1}}, "rheology.consistency"),
         ({"rheology": {"model": "bingham", "plastic_viscosity": 1}}, "rheology.yield_stress"),
-        ({"added_mass": "2 kg"}, "added_mass"),
-        ({"added_mass": True}, "added_mass"),
+        ({"added_mass": "2 kg"}, "added_mass"), ({"added_mass": True}, "added_mass"),
         ({"lateral_damping": "-1 N s/m^2"}, "lateral_damping"),
-        ({"lateral_damping_speed": 0}, "lateral_damping_speed"),
-        ({"clinging": 1.1}, "clinging"),
-        ({"discharge_coefficient": 0}, "discharge_coefficient"),
-        ({"bit_volume": "-1 l"}, "bit_volume"),
-        ({"annulus": "yes"}, "annulus"),
-        ({"check_valve": 1}, "check_valve"),
-        ({"cuttings": "returned"}, "cuttings"),
-        ({"dynamics": "steady"}, "dynamics"),
+        ({"lateral_damping_speed": 0}, "lateral_damping_speed"), ({"clinging": 1.1}, "clinging"),
+        ({"discharge_coefficient": 0}, "discharge_coefficient"), ({"bit_volume": "-1 l"}, "bit_volume"),
+        ({"annulus": "yes"}, "annulus"), ({"check_valve": 1}, "check_valve"),
+        ({"cuttings": "returned"}, "cuttings"), ({"dynamics": "steady"}, "dynamics"),
         ({"flow_line": 100}, "flow_line"),
     ],
-)
+)  # fmt: skip
 def test_refused(keys: dict[str, Any], at: str) -> None:
     error = error_of(well=WELL, fluid={**WATER, **keys})
     assert error.at == f"fluid.{at}"

@@ -83,7 +83,7 @@ def test_mutated_data_is_a_case_that_holds_it_or_refused(folder: Path, r: Any) -
 
 
 @settings(quick, max_examples=100)
-@given(choices, st.sampled_from(fuzz.seeds()))
+@given(choices, st.deferred(lambda: st.sampled_from(fuzz.seeds())))
 def test_a_mutated_text_is_a_case_or_refused(folder: Path, r: Any, seed: fuzz.Seed) -> None:
     file = folder / "text.yaml"
     raw = mutate_text(r, seed.text)

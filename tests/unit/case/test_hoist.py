@@ -8,6 +8,7 @@ import pytest
 
 from drillpetsc.case import Case, load_case
 from drillpetsc.errors import CaseError
+from tests.helpers.tables import each_row
 
 PIPE = {"kind": "pipe", "length": "90 m", "od": "5 in", "id": "4.276 in"}
 LINE = {"axial_stiffness": 5e7}
@@ -34,7 +35,7 @@ def made(hoist: Any = HOIST, autodriller: Any = None, top: dict[str, Any] | None
     return Case(**{"string": [PIPE], "top": {"kind": "top_drive", **given}, **BIT, **keys})
 
 
-@pytest.mark.parametrize(
+@each_row(
     ("keys", "place", "words"),
     [
         ({"hoist": {}}, "top.hoist.block_mass", ""),
@@ -116,7 +117,7 @@ def test_refused(keys: dict[str, Any], place: str, words: str) -> None:
     assert place in text and words in text
 
 
-@pytest.mark.parametrize(
+@each_row(
     "keys",
     [
         {},

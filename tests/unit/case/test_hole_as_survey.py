@@ -15,13 +15,14 @@ from drillpetsc.case.blocks.well import Well as Hole
 from drillpetsc.errors import CaseError
 from drillpetsc.geometry.trajectory import angles, refine_stations
 from drillpetsc.geometry.well import Well, minimum_curvature
+from tests.helpers.tables import each_row
 
 SURVEY = {"md": [0, 120.5], "inclination": [0, 0], "azimuth": [0, 0]}
 CASED: dict[str, Any] = {"to": 50, "kind": "casing", "diameter": 0.25}
 OPEN: dict[str, Any] = {"kind": "open_hole", "diameter": 0.2159}
 
 
-@pytest.mark.parametrize("last", [OPEN, {**OPEN, "to": "end"}, {**OPEN, "to": 120.5}])
+@each_row("last", [OPEN, {**OPEN, "to": "end"}, {**OPEN, "to": 120.5}])
 def test_the_last_section_ends_with_the_survey(last: dict[str, Any]) -> None:
     hole = Hole(survey=SURVEY, sections=[CASED, last])
     assert [section.to for section in hole.sections] == [50, 120.5]
@@ -48,8 +49,8 @@ def test_sections_still_have_to_meet_the_survey() -> None:
 VALID = "well: {survey: NAME, sections: [{kind: open_hole, diameter: 1 ft}]}\nstring: [{kind: pipe, length: 9 m, od: 5 in}]\ntop: clamped\n"
 
 
-@pytest.mark.parametrize("name", ["run", "run/trajectory.csv"])
-@pytest.mark.parametrize("place", ["case", "shell"])
+@each_row("name", ["run", "run/trajectory.csv"])
+@each_row("place", ["case", "shell"])
 def test_a_run_folder_is_a_survey(
     name: str, place: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -100,7 +101,7 @@ def ledge(height: float, length: float = 0.5) -> Well:
     return well
 
 
-@pytest.mark.parametrize(("height", "pieces"), [(4e-3, 7), (0.8e-3, 3), (0.9e-4, 1)])
+@each_row(("height", "pieces"), [(4e-3, 7), (0.8e-3, 3), (0.9e-4, 1)])
 def test_stations_on_a_ledge(height: float, pieces: int) -> None:
     """x = d (3 u^2 - 2 u^3): both ends upright, so a survey of them misses all of d; k pieces miss d/k^2, for
     the trapezoidal rule gives 1 - 1/k^2 for the integral of 6 u (1 - u).  k follows from 1e-4 m."""

@@ -14,27 +14,14 @@ from drillpetsc.case.block import kinds_of
 from drillpetsc.case.blocks import agitator, motor, string, tools, tubulars
 from drillpetsc.case.items import ITEMS
 from drillpetsc.errors import CaseError
+from tests.helpers.tables import each_row
 
 BLOCKS = (
-    tubulars.Pipe,
-    tubulars.Beam,
-    tubulars.DrillPipe,
-    tubulars.HeavyPipe,
-    tubulars.DrillCollar,
-    tubulars.Casing,
-    tubulars.CoiledTubing,
-    tools.ShockSub,
-    tools.BumperSub,
-    motor.PositiveDisplacementMotor,
-    tools.Jar,
-    agitator.AgitatorTool,
-    string.Stabilizer,
-    string.Body,
-    string.Bit,
-    tubulars.RotarySteerable,
-    tubulars.PositiveDisplacementMotor,
-    tubulars.Reamer,
-)
+    tubulars.Pipe, tubulars.Beam, tubulars.DrillPipe, tubulars.HeavyPipe, tubulars.DrillCollar,
+    tubulars.Casing, tubulars.CoiledTubing, tools.ShockSub, tools.BumperSub, motor.PositiveDisplacementMotor,
+    tools.Jar, agitator.AgitatorTool, string.Stabilizer, string.Body, string.Bit, tubulars.RotarySteerable,
+    tubulars.PositiveDisplacementMotor, tubulars.Reamer,
+)  # fmt: skip
 WELL = {
     "survey": {"md": [0, 9000], "inclination": [0, 0], "azimuth": [0, 0]},
     "sections": [{"to": "9000 ft", "kind": "open_hole", "diameter": 8.5, "friction": 0.3}],
@@ -43,7 +30,7 @@ ITEMS_BY_NAME = {item.__name__: item for item in ITEMS.values()}
 REST: dict[str, Any] = {"units": "field", "well": WELL, "top": "clamped", "bottom": "free"}
 
 
-@pytest.mark.parametrize("block", BLOCKS, ids=lambda block: block.__name__)
+@each_row("block", BLOCKS, ids=lambda block: block.__name__)
 def test_items_have_exactly_the_keys_of_their_blocks(block: Any) -> None:
     item = ITEMS[kinds_of(block)[0]]
     fields = {name: field for name, field in block.model_fields.items() if name != "kind"}
@@ -92,7 +79,7 @@ def test_a_varied_item() -> None:
         assert again == pipe and type(again) is dp.DrillPipe
 
 
-@pytest.mark.parametrize(
+@each_row(
     ("make", "at", "hint"),
     [
         (lambda: dp.DrillPipe(lenght=9.0, length=1.0), "lenght", "length"),

@@ -11,6 +11,7 @@ import pytest
 from drillpetsc.case import Case, load_case
 from drillpetsc.errors import CaseError
 from drillpetsc.model.mesh import build_mesh
+from tests.helpers.tables import each_row
 
 PIPE: dict[str, Any] = {"kind": "pipe", "length": 9, "od": 0.127, "id": 0.1, "element_length": 3}
 BODY: dict[str, Any] = {"kind": "body", "length": 0.5, "mass": 30}
@@ -27,11 +28,8 @@ def test_defaults_and_units() -> None:
         [{"at": "900 cm", "kind": "revolute"}, {"at": 10, "kind": "slider", "stroke": ["-10 cm", "1.5 m"]}]
     ).joints
     assert (one.at, one.axis, one.constraint, one.stroke) == (
-        pytest.approx(9.0),
-        (0.0, 1.0, 0.0),
-        "position",
-        None,
-    )
+        pytest.approx(9.0), (0.0, 1.0, 0.0), "position", None,
+    )  # fmt: skip
     assert two.stroke == (pytest.approx(-0.1), 1.5) and (two.spring, two.damping, two.stop_stiffness) == (
         0.0,
         0.0,
@@ -40,7 +38,7 @@ def test_defaults_and_units() -> None:
     assert Case(string=[PIPE], top="clamped").joints == ()
 
 
-@pytest.mark.parametrize("axis", [(0, 1, 0), (0, 0.6, 0.8), (1, 0, 0), (1, 2, -3), (5, 0.1, 0)])
+@each_row("axis", [(0, 1, 0), (0, 0.6, 0.8), (1, 0, 0), (1, 2, -3), (5, 0.1, 0)])
 def test_axes_are_orthonormal_and_right_handed(axis: tuple[float, float, float]) -> None:
     A = np.array(make_case([{"at": 9, "kind": "revolute", "axis": axis}]).joints[0].axes)
     assert A @ A.T == pytest.approx(np.eye(3), abs=1e-15) and np.linalg.det(A) == pytest.approx(1.0)
@@ -52,7 +50,7 @@ def test_pins_of_a_universal_joint_lie_across_the_string() -> None:
     assert A[:2, 0] == pytest.approx(0.0) and A[2] == pytest.approx([1, 0, 0])
 
 
-@pytest.mark.parametrize("kind", ["fixed", "revolute", "universal", "slider"])
+@each_row("kind", ["fixed", "revolute", "universal", "slider"])
 def test_a_case_as_run_is_read_back(kind: str, tmp_path: Path) -> None:
     made = make_case([{"at": 9, "kind": kind}])
     made.dump(tmp_path / "case.yaml")
@@ -105,7 +103,7 @@ REFUSED: list[tuple[list[dict[str, Any]], dict[str, Any], str, str]] = [
 ]
 
 
-@pytest.mark.parametrize("joints, keys, at, want", REFUSED)
+@each_row("joints, keys, at, want", REFUSED)
 def test_refused(joints: list[dict[str, Any]], keys: dict[str, Any], at: str, want: str) -> None:
     with pytest.raises(CaseError) as caught:
         make_case(joints, **keys)

@@ -7,6 +7,7 @@ import pytest
 from drillpetsc.case.case import Case
 from drillpetsc.case.measured_option import measured_option
 from drillpetsc.errors import CaseError
+from tests.helpers.tables import each_row
 
 STRING = [{"kind": "pipe", "length": "100 m", "od": "127 mm", "id": "108 mm"}]
 
@@ -36,9 +37,7 @@ def test_unit_line_and_semicolons(tmp_path):
     assert found[0].torque == pytest.approx(12.5e3) and found[0].wob == pytest.approx(8 * 9806.65)
 
 
-@pytest.mark.parametrize(
-    ("units", "hook"), [("SI", 240.0), ("metric", 240e3), ("field", 240 * 4448.2216152605)]
-)
+@each_row(("units", "hook"), [("SI", 240.0), ("metric", 240e3), ("field", 240 * 4448.2216152605)])
 def test_units_of_the_case(tmp_path, units, hook):
     found = points(tmp_path, "depth,op,hook load\n1000,PU,240\n", units)
     assert found[0].hook_load == pytest.approx(hook)
@@ -58,7 +57,7 @@ def test_in_a_case(tmp_path, monkeypatch):
     assert load_case(tmp_path / "again.yaml").roadmap == case.roadmap
 
 
-@pytest.mark.parametrize(
+@each_row(
     ("text", "at", "line", "want"),
     [
         ("", "bit_depth", 1, "a header with bit depth"),

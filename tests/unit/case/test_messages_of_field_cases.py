@@ -10,6 +10,7 @@ from drillpetsc import Case
 from drillpetsc.case.measured_file import operation_word
 from drillpetsc.errors import CaseError
 from tests.helpers.si_words import si_units
+from tests.helpers.tables import each_row
 
 BASE = {
     "units": "field",
@@ -45,7 +46,7 @@ def changed(path, value):
     return keys
 
 
-@pytest.mark.parametrize(
+@each_row(
     ("path", "value", "at", "words"),
     [
         (("rig", "block_weight"), 60000, "rig.block_weight", ["22480.9 klbf", "'60000 lbf' meant?"]),

@@ -12,6 +12,7 @@ from drillpetsc.case.blocks.fluid import Bingham, HerschelBulkley, PowerLaw, Sur
 from drillpetsc.case.mud_report import DEGREE, RPM, misfit
 from drillpetsc.case.writer import case_data
 from drillpetsc.errors import CaseError
+from tests.helpers.tables import each_row
 
 FOOT, INCH, PSI, GPM = 0.3048, 0.0254, 0.45359237 * 9.80665 / 0.0254**2, 231 * 0.0254**3 / 60
 PER_100_FT2 = 0.45359237 * 9.80665 / (100 * FOOT**2)  # [Pa] lbf/100 ft2
@@ -27,7 +28,7 @@ def rheology(value: Any) -> Any:
     return case(value).fluid.rheology  # type: ignore[union-attr]
 
 
-@pytest.mark.parametrize(
+@each_row(
     ("r600", "r300", "pv", "yp", "n"),
     [  # cP, lbf/100 ft2: drillingformulas.com; Lapeyrouse, Formulas and Calculations
         (60, 40, 20, 20, 0.585),
@@ -56,7 +57,7 @@ def test_api_rules_with_yield_stress() -> None:
     assert found.consistency == pytest.approx(0.8481 * PER_100_FT2, rel=1e-3)
 
 
-@pytest.mark.parametrize(
+@each_row(
     ("model", "stress", "constants"),
     [
         ("herschel_bulkley", lambda g: 4.0 + 0.6 * g**0.55, (4.0, 0.6, 0.55)),
@@ -133,7 +134,7 @@ def test_numbers_of_a_fit_are_not_converted_by_the_units_of_the_case() -> None:
     assert case(dial, **keys).fluid.rheology == rheology(dial)  # type: ignore[union-attr]
 
 
-@pytest.mark.parametrize(
+@each_row(
     ("value", "at", "text"),
     [
         ({"pv": 0.02}, "pv", "together"),

@@ -8,6 +8,7 @@ import pytest
 
 from drillpetsc import Case, load_case
 from drillpetsc.case.plausibility import plausibility
+from tests.helpers.tables import each_row
 
 EAGLE = Path(__file__).parents[3] / "cases" / "field" / "eagle.yaml"
 
@@ -62,7 +63,7 @@ def test_usual_cases_are_not_doubted():
 UPWARDS = [USUAL["string"][i] for i in (0, 2, 1, 3)]
 
 
-@pytest.mark.parametrize(
+@each_row(
     ("changes", "words"),
     [
         (
@@ -140,7 +141,7 @@ MOTOR = {
 }
 
 
-@pytest.mark.parametrize(
+@each_row(
     ("changes", "doubted"),
     [
         ({"formation": {}}, True),

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import pytest
-
 from drillpetsc import Case
 from drillpetsc.case.plausibility import plausibility
+from tests.helpers.tables import each_row
 
 
-@pytest.mark.parametrize(
+@each_row(
     ("hole", "own", "places"),
     [
         (0.3, None, []),

@@ -13,24 +13,21 @@ from drillpetsc.case.ranges import read_numbers
 from drillpetsc.case.survey_file import FOLDER
 from drillpetsc.errors import CaseError
 from drillpetsc.operations import Hydraulics
+from tests.helpers.tables import each_row
 from tests.helpers.trips import trips_of
 
 FLOW = Quantity("m^3/s", above=0, at_most=1)
 GPM = 231 * 0.0254**3 / 60  # [m3/s]
 
 
-@pytest.mark.parametrize(
+@each_row(
     ("text", "values"),
     [
-        ("400,500,600 gpm", (400 * GPM, 500 * GPM, 600 * GPM)),
-        ("30 l/s, 500 gpm", (0.03, 500 * GPM)),
-        ("20, 30 l/s, 400 gpm", (0.02, 0.03, 400 * GPM)),
-        ("0.02", (0.02,)),
-        (0.02, (0.02,)),
-        ([0.02, "30 l/s"], (0.02, 0.03)),
-        ("1e-2", (0.01,)),
+        ("400,500,600 gpm", (400 * GPM, 500 * GPM, 600 * GPM)), ("30 l/s, 500 gpm", (0.03, 500 * GPM)),
+        ("20, 30 l/s, 400 gpm", (0.02, 0.03, 400 * GPM)), ("0.02", (0.02,)), (0.02, (0.02,)),
+        ([0.02, "30 l/s"], (0.02, 0.03)), ("1e-2", (0.01,)),
     ],
-)
+)  # fmt: skip
 def test_numbers(text, values):
     assert read_numbers(text, FLOW, "--flow", "400 gpm") == pytest.approx(values, rel=1e-9)
 
@@ -56,21 +53,15 @@ def test_a_range_has_ten_values():
     assert read_numbers("20 l/s..0.2 m3/s", FLOW, "--flow", "") == pytest.approx(values)
 
 
-@pytest.mark.parametrize(
+@each_row(
     ("text", "words"),
     [
-        ("400", "bare number is in m\\^3/s"),
-        ("0 gpm", "above 0"),
-        ("-3 gpm", "above 0"),
-        ("", "numbers with commas"),
-        ("400,,500 gpm", "numbers with commas"),
-        ("much", "number comes first"),
-        ("3 psi", "pressure"),
-        ("60..20 l/s", "smaller to a larger"),
-        ("nan l/s", "flow rate"),
+        ("400", "bare number is in m\\^3/s"), ("0 gpm", "above 0"), ("-3 gpm", "above 0"),
+        ("", "numbers with commas"), ("400,,500 gpm", "numbers with commas"), ("much", "number comes first"),
+        ("3 psi", "pressure"), ("60..20 l/s", "smaller to a larger"), ("nan l/s", "flow rate"),
         ("1e999 l/s", "finite"),
     ],
-)
+)  # fmt: skip
 def test_flows_that_are_refused(text, words):
     with pytest.raises(CaseError, match=words):
         Hydraulics(case=None, flow=text).read("SI")
@@ -91,19 +82,15 @@ def test_trips():
     assert trips.window is not None and trips.window.pore[0] == pytest.approx(9 * 119.8264, rel=1e-6)
 
 
-@pytest.mark.parametrize(
+@each_row(
     ("options", "words"),
     [
-        ({"operation": "pull"}, "trip_in, trip_out"),
-        ({"pipe": "opn"}, "did you mean 'open'"),
-        ({"window": "12,9 ppg"}, "frac above pore"),
-        ({"window": "12 ppg"}, "two densities"),
-        ({"window": "9,12,13 ppg"}, "two densities"),
-        ({"flow": "400 gpm"}, "--pipe pumping"),
-        ({"pipe": "pumping", "flow": "400,500 gpm"}, "one number"),
-        ({"bit_depth": "-4 m"}, "above 0"),
+        ({"operation": "pull"}, "trip_in, trip_out"), ({"pipe": "opn"}, "did you mean 'open'"),
+        ({"window": "12,9 ppg"}, "frac above pore"), ({"window": "12 ppg"}, "two densities"),
+        ({"window": "9,12,13 ppg"}, "two densities"), ({"flow": "400 gpm"}, "--pipe pumping"),
+        ({"pipe": "pumping", "flow": "400,500 gpm"}, "one number"), ({"bit_depth": "-4 m"}, "above 0"),
     ],
-)
+)  # fmt: skip
 def test_trips_that_are_refused(options, words):
     with pytest.raises(CaseError, match=words):
         trips_of(speeds="30 ft/min", **options)
@@ -144,27 +131,23 @@ def test_a_window_from_a_file(tmp_path: Path):
     assert window.frac == pytest.approx((12 * 119.8264, 14 * 119.8264), rel=1e-6)
 
 
-@pytest.mark.parametrize(
+@each_row(
     ("text", "words"),
     [
-        ("", "a header such as"),
-        ("tvd, pore\n0,1\n", "frac"),
-        ("tvd,pore,frac,pore\n0,1,2,3\n", "once"),
-        ("tvd [psi],pore,frac\n0,1,2\n", "length"),
-        ("tvd,pore,frac [kg/m3]\n0,1000,x\n", "a number in kg"),
-        ("tvd,pore,frac\n0,1000\n", "empty cell"),
-        ("tvd,pore,frac\n0,1000,1200\n", "two depths"),
+        ("", "a header such as"), ("tvd, pore\n0,1\n", "frac"), ("tvd,pore,frac,pore\n0,1,2,3\n", "once"),
+        ("tvd [psi],pore,frac\n0,1,2\n", "length"), ("tvd,pore,frac [kg/m3]\n0,1000,x\n", "a number in kg"),
+        ("tvd,pore,frac\n0,1000\n", "empty cell"), ("tvd,pore,frac\n0,1000,1200\n", "two depths"),
         ("tvd,pore,frac\n0,1000,1200\n0,1000,1200\n", "rising depths"),
         ("tvd,pore,frac\n0,1000,1200\n9,1000,900\n", "above pore"),
     ],
-)
+)  # fmt: skip
 def test_window_files_that_are_refused(text, words, tmp_path: Path):
     (tmp_path / "w.csv").write_text(text)
     with pytest.raises(CaseError, match=words):
         Case(**BASE, window=str(tmp_path / "w.csv"))
 
 
-@pytest.mark.parametrize(
+@each_row(
     ("window", "words"),
     [
         ({"pore": 1200, "frac": 1100}, "above pore"),

@@ -12,6 +12,7 @@ import pytest
 
 from drillpetsc import Case, load_case
 from drillpetsc.errors import CaseError, SolveError
+from tests.helpers.tables import each_row
 
 ROOT = Path(__file__).parents[3]
 KEYS = {
@@ -70,17 +71,14 @@ def test_files_beside_the_case_are_found_from_elsewhere(
     assert copy.deepcopy(again) == again
 
 
-@pytest.mark.parametrize(
+@each_row(
     ("values", "at"),
     [
-        ({"fluid.densty": 1.0}, "fluid.densty"),
-        ({"string[7].length": 1.0}, "string[7].length"),
-        ({"fluid.density": "10 m"}, "fluid.density"),
-        ({"fluid.density": ""}, "fluid.density"),
-        ({"string": "off"}, "string"),
-        ("fluid.density=1", "replace"),
+        ({"fluid.densty": 1.0}, "fluid.densty"), ({"string[7].length": 1.0}, "string[7].length"),
+        ({"fluid.density": "10 m"}, "fluid.density"), ({"fluid.density": ""}, "fluid.density"),
+        ({"string": "off"}, "string"), ("fluid.density=1", "replace"),
     ],
-)
+)  # fmt: skip
 def test_wrong_values_are_refused_with_their_key(values: object, at: str) -> None:
     with pytest.raises(CaseError) as error:
         Case(**KEYS).replace(values)

@@ -9,6 +9,7 @@ import pytest
 
 from drillpetsc.case import Case, case_json_schema, read_case_file
 from drillpetsc.errors import CaseError
+from tests.helpers.tables import each_row
 
 CASES = Path(__file__).parents[3] / "cases"
 SCHEMA = case_json_schema()
@@ -70,15 +71,13 @@ def errors(value: Any, schema: dict[str, Any], at: str = "") -> Iterator[str]:
             yield f"{at}: out of range"
 
 
-@pytest.mark.parametrize(
-    "path", sorted([*CASES.glob("*.yaml"), *CASES.glob("field/*.yaml")]), ids=lambda path: path.stem
-)
+@each_row("path", sorted([*CASES.glob("*.yaml"), *CASES.glob("field/*.yaml")]), ids=lambda path: path.stem)
 def test_ready_cases_fit_the_schema(path: Path) -> None:
     data, _ = read_case_file(path)
     assert list(errors(data, SCHEMA)) == []
 
 
-@pytest.mark.parametrize(
+@each_row(
     "name",
     "unknown-key misspelt-key key-of-another-kind missing-key missing-block missing-kind unknown-kind unknown-top "
     "yes-for-a-number no-items contact-off short-vector quaternion half-points fluid-without-rheology "
@@ -110,22 +109,16 @@ MUD = {"density": 1260, "flow_rate": "550 gpm"}
 RHEOLOGIES: tuple[tuple[dict[str, Any], bool], ...] = (
     ({"dial": {"600": 64, "300": 41}}, True),
     ({"dial": {"600": 64, "300": 41, "100": 22}, "model": "herschel_bulkley", "fit": "least_squares"}, True),
-    ({"pv": "23 cP", "yp": "18 lbf/100ft2"}, True),
-    ({"pv": 0.023, "yp": 9.0, "law": "exact"}, True),
-    ({"n": 0.65, "k": "1.2 lbf s^n/100ft2"}, True),
-    ({"ty": 3.0, "n": 0.65, "k": 0.5}, True),
-    ({"model": "newtonian", "viscosity": 0.001}, True),
-    ({"pv": "23 cP"}, False),
-    ({"n": 0.65}, False),
-    ({"pv": "23 cP", "yp": 9, "k": 1.0}, False),
-    ({"dial": {"600": 64, "300": 41}, "model": "honey"}, False),
-    ({"model": "newtonian"}, False),
-    ({}, False),
-)
+    ({"pv": "23 cP", "yp": "18 lbf/100ft2"}, True), ({"pv": 0.023, "yp": 9.0, "law": "exact"}, True),
+    ({"n": 0.65, "k": "1.2 lbf s^n/100ft2"}, True), ({"ty": 3.0, "n": 0.65, "k": 0.5}, True),
+    ({"model": "newtonian", "viscosity": 0.001}, True), ({"pv": "23 cP"}, False), ({"n": 0.65}, False),
+    ({"pv": "23 cP", "yp": 9, "k": 1.0}, False), ({"dial": {"600": 64, "300": 41}, "model": "honey"}, False),
+    ({"model": "newtonian"}, False), ({}, False),
+)  # fmt: skip
 
 
-@pytest.mark.parametrize(("rheology", "fits"), RHEOLOGIES, ids=lambda value: str(value)[:40])
-@pytest.mark.parametrize("key", ["rheology", "annulus_rheology"])
+@each_row(("rheology", "fits"), RHEOLOGIES, ids=lambda value: str(value)[:40])
+@each_row("key", ["rheology", "annulus_rheology"])
 def test_the_forms_of_a_mud_report_fit_where_the_reader_takes_them(
     key: str, rheology: dict[str, Any], fits: bool
 ) -> None:

@@ -12,6 +12,7 @@ from drillpetsc.case import Case, load_case
 from drillpetsc.case.plausibility import notes, plausibility
 from drillpetsc.case.writer import case_data
 from drillpetsc.errors import CaseError
+from tests.helpers.tables import each_row
 
 FOOT = 0.3048
 HOLE: dict[str, Any] = {"kind": "open_hole", "diameter": "8 1/2 in"}
@@ -56,7 +57,7 @@ def test_depths_of_a_file_are_not_converted_twice(file: str) -> None:
     assert field.well.survey.convergence == pytest.approx(math.radians(1.5))  # type: ignore[union-attr]
 
 
-@pytest.mark.parametrize(
+@each_row(
     ("angle", "want"),
     [
         ("710 deg", "at least 0 deg, at most 180 deg"),
@@ -105,7 +106,7 @@ WHOLE = {
 FLAT = {"md": [0, 1000], "inclination": [0, 0], "azimuth": [0, 0]}
 
 
-@pytest.mark.parametrize(
+@each_row(
     ("keys", "warning"),
     [
         ({}, ""),
@@ -134,13 +135,7 @@ FLAT = {"md": [0, 1000], "inclination": [0, 0], "azimuth": [0, 0]}
         ({"fluid": MUD | {"pump_pressure": 3000}}, "bar or psi"),
         (WHOLE | {"initial": {"wob": 6e5}}, "more than bits carry"),
         (WHOLE, ""),
-        (
-            WHOLE
-            | {
-                "well": {"survey": FLAT | {"md": [0, 1100]}, "sections": [HOLE]},
-            },
-            "stands on the bottom",
-        ),
+        (WHOLE | {"well": {"survey": FLAT | {"md": [0, 1100]}, "sections": [HOLE]}}, "stands on the bottom"),
         ({"well": {"survey": FLAT | {"md": [0, 1100]}, "sections": [HOLE]}}, ""),
     ],
 )

@@ -11,6 +11,7 @@ import pytest
 from drillpetsc.case.importers.stations import Rules, Stations, dogleg, minimum_curvature_step
 from drillpetsc.case.survey_file import read_survey
 from drillpetsc.errors import CaseError
+from tests.helpers.tables import each_row
 
 FOOT = 0.3048
 
@@ -62,7 +63,7 @@ def test_a_quarter_circle() -> None:
 
 
 # ---------------------------------------------------------------------- spellings
-@pytest.mark.parametrize(
+@each_row(
     "text",
     [
         "Measured Depth (ft),Incl.,Azim\n0,0,0\n98.4251968503937,1.5,359\n",
@@ -81,7 +82,7 @@ def test_spellings(text: str, tmp_path: Path) -> None:
     check(read(tmp_path, text), [0, 30], [0, 1.5], [0, 359])
 
 
-@pytest.mark.parametrize("encoding", ["utf-8", "utf-8-sig", "utf-16", "cp1252"])
+@each_row("encoding", ["utf-8", "utf-8-sig", "utf-16", "cp1252"])
 def test_encodings(encoding: str, tmp_path: Path) -> None:
     found = read(tmp_path, "MD (m),Inc (°),Azi (°)\n0,0,0\n30,1.5,359\n", encoding)
     check(found, [0, 30], [0, 1.5], [0, 359])
@@ -141,13 +142,8 @@ def test_ties(tmp_path: Path) -> None:
 
 def test_all_bad_lines_at_once(tmp_path: Path) -> None:
     rows = [
-        "0,0,0",
-        *(f"{30 * k},1,N23E" for k in range(1, 4)),
-        "200,abc,0",
-        "230,181,0",
-        "260,1,400",
-        "-5,0,0",
-    ]
+        "0,0,0", *(f"{30 * k},1,N23E" for k in range(1, 4)), "200,abc,0", "230,181,0", "260,1,400", "-5,0,0",
+    ]  # fmt: skip
     with pytest.raises(CaseError) as caught:
         read(tmp_path, "md [m],inc,azi\n" + "\n".join(rows))
     errors = [caught.value, *caught.value.also]
@@ -215,9 +211,7 @@ ARC = [  # (md, inclination) along a circle of 300 m radius towards the east, cl
 ]  # fmt: skip
 
 
-@pytest.mark.parametrize(
-    ("column", "wrong", "warned"), [("", 0.0, False), ("tvd", 2.0, True), ("ew", 1.5, True)]
-)
+@each_row(("column", "wrong", "warned"), [("", 0.0, False), ("tvd", 2.0, True), ("ew", 1.5, True)])
 def test_positions_in_the_file_are_compared(column: str, wrong: float, warned: bool, tmp_path: Path) -> None:
     rows = ["MD (m),Inc,Azi,TVD,+N/-S,+E/-W"]
     for md, inclination in ARC:
@@ -256,7 +250,7 @@ def test_depths_in_feet_told_as_metres_are_found_by_the_tvd(tmp_path: Path) -> N
 
 
 # ---------------------------------------------------------------------- no survey
-@pytest.mark.parametrize(
+@each_row(
     ("text", "line", "got"),
     [
         ("", 1, "an empty file"),

@@ -9,6 +9,7 @@ import pytest
 from drillpetsc.case import Case
 from drillpetsc.case.trade_words import KEYS, KINDS
 from drillpetsc.errors import CaseError
+from tests.helpers.tables import each_row
 
 PIPE = {"kind": "pipe", "length": 9.0, "od": 0.127, "id": 0.1}
 BIT = {"kind": "bit", "length": 0.3, "od": 0.2159}
@@ -26,7 +27,7 @@ def hint(**keys: Any) -> str:
     return " | ".join(error.hint for error in (caught.value, *caught.value.also))
 
 
-@pytest.mark.parametrize(
+@each_row(
     ("keys", "wanted"),
     [
         ({"mud": FLUID}, "'fluid'"),
@@ -63,17 +64,9 @@ def test_the_hint_says_what_to_write(keys: dict[str, Any], wanted: str) -> None:
 def test_no_word_is_a_key_or_a_kind_itself() -> None:
     """Words that become valid one day must leave this table."""
     kinds = {
-        "pipe",
-        "beam",
-        "drill_pipe",
-        "hwdp",
-        "drill_collar",
-        "casing",
-        "coiled_tubing",
-        "stabilizer",
-        "body",
+        "pipe", "beam", "drill_pipe", "hwdp", "drill_collar", "casing", "coiled_tubing", "stabilizer", "body",
         "bit",
-    }
+    }  # fmt: skip
     assert not kinds & KINDS.keys()
     assert all(meant.partition(",")[0] in kinds for meant in KINDS.values())
     assert all(word not in keys for word, keys in KEYS.items())

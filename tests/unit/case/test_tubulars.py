@@ -10,6 +10,7 @@ import pytest
 from drillpetsc.case import Case
 from drillpetsc.case.section import ring, tubular_section
 from drillpetsc.errors import CaseError
+from tests.helpers.tables import each_row
 
 INCH = 0.0254
 LB_PER_FT = 0.45359237 / 0.3048
@@ -116,7 +117,7 @@ def test_by_dimensions() -> None:
     assert item(by_wall, tool_joint=JOINT).id == pytest.approx(4.276 * INCH)
 
 
-@pytest.mark.parametrize(
+@each_row(
     ("given", "keys", "at", "want"),
     [
         (PIPE, {"pipe": "5in 18 S"}, "pipe", "there is no 5 in 18.00"),
@@ -254,7 +255,7 @@ def test_stabilizer() -> None:
     assert plain.touching == (0.0, 2.0)
 
 
-@pytest.mark.parametrize(
+@each_row(
     ("gauge", "od"),
     [("full", 8.5), ("1/8 in under", 8.375), ("1/16 under", 8.4375), ("3 mm under", 8.5 - 3 / 25.4)],
 )
@@ -278,7 +279,7 @@ def test_stabilizer_whose_body_bends() -> None:
     assert error.at == "string[2].kind"
 
 
-@pytest.mark.parametrize(
+@each_row(
     ("keys", "at", "want"),
     [
         ({"od": "8.6 in"}, "od", "1/16 in above the bit"),
@@ -304,47 +305,27 @@ def test_stabilizers_without_a_diameter() -> None:
     assert "without a bit" in refused(PIPE, keys | {"gauge": "full"}).want
 
 
-@pytest.mark.parametrize(
+@each_row(
     ("nozzles", "area"),
     [
-        ("3 x 12/32 in", 0.33134),
-        ("3x12", 0.33134),
-        ([12, 12, 12], 0.33134),
-        ("2 x 12 + 1 x 12", 0.33134),
-        (["2 x 12", 12], 0.33134),
-        ("2 x 12/32 in + 12/32", 0.33134),
-        ([10, 8, 8], 0.17487),
-        ("3 x 9.525 mm", 0.33134),
-        ([0.009525] * 3, 0.33134),
+        ("3 x 12/32 in", 0.33134), ("3x12", 0.33134), ([12, 12, 12], 0.33134), ("2 x 12 + 1 x 12", 0.33134),
+        (["2 x 12", 12], 0.33134), ("2 x 12/32 in + 12/32", 0.33134), ([10, 8, 8], 0.17487),
+        ("3 x 9.525 mm", 0.33134), ([0.009525] * 3, 0.33134),
     ],
-)
+)  # fmt: skip
 def test_nozzles(nozzles: Any, area: float) -> None:
     """3 x 12/32 in: 0.33134 in2, 10/8/8: 0.17487 in2 (sum of pi d^2/4)."""
     bit = case(PIPE, BIT | {"nozzles": nozzles}).string[-1]
     assert bit.nozzle_area / INCH**2 == pytest.approx(area, rel=3e-5)
 
 
-@pytest.mark.parametrize(
+@each_row(
     "nozzles",
     [
-        "",
-        "3 x",
-        "3 x 5",
-        "3 x 50",
-        "0 x 12",
-        "99 x 12",
-        "3 x 12 ft",
-        "3 x 12.5",
-        "x",
-        [],
-        [True],
-        [5],
-        [-12],
-        {},
-        12,
-        "3 x 3 in",
+        "", "3 x", "3 x 5", "3 x 50", "0 x 12", "99 x 12", "3 x 12 ft", "3 x 12.5", "x", [], [True], [5],
+        [-12], {}, 12, "3 x 3 in",
     ],
-)
+)  # fmt: skip
 def test_refused_nozzles(nozzles: Any) -> None:
     assert refused(PIPE, BIT | {"nozzles": nozzles}).at.startswith("string[1].nozzles")
 
@@ -401,15 +382,12 @@ def test_bypass_area() -> None:
 # ---------------------------------------------------------------------- written out
 def test_written_case_reads_back() -> None:
     string = (
-        PIPE,
-        {"kind": "hwdp", "length": 90.0, "pipe": "5in 49.3 NC50"},
-        COLLAR | {"od": "6.75 in", "nonmagnetic": True, "spiral": True},
-        STABILIZER | {"stiff": False},
+        PIPE, {"kind": "hwdp", "length": 90.0, "pipe": "5in 49.3 NC50"},
+        COLLAR | {"od": "6.75 in", "nonmagnetic": True, "spiral": True}, STABILIZER | {"stiff": False},
         {"kind": "casing", "length": 9.0, "od": "7 in", "nominal_weight": "29 lb/ft"},
         {"kind": "coiled_tubing", "length": 9.0, "od": "2 in", "wall": "0.156 in", "grade": "CT80"},
-        STABILIZER,
-        BIT | {"nozzles": "3x12"},
-    )
+        STABILIZER, BIT | {"nozzles": "3x12"},
+    )  # fmt: skip
     from ruamel.yaml import YAML
 
     one = case(*string)

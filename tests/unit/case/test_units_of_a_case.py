@@ -10,6 +10,7 @@ import pytest
 from drillpetsc.case import Case, load_case
 from drillpetsc.case.writer import case_data
 from drillpetsc.errors import CaseError
+from tests.helpers.tables import each_row
 
 FOOT, INCH, POUND, G0 = 0.3048, 0.0254, 0.45359237, 9.80665
 LBF, GALLON, PSI = POUND * G0, 231 * INCH**3, POUND * G0 / INCH**2
@@ -127,7 +128,7 @@ def test_text_with_a_unit_wins() -> None:
         Case(**data)  # 0.127 in of pipe in a hole of 0.2 in
 
 
-@pytest.mark.parametrize(
+@each_row(
     ("where", "value", "example"),
     [
         ("material", {"young": 30e6}, "Pa"),

@@ -14,6 +14,7 @@ from drillpetsc import Case, run
 from drillpetsc.analysis.statics import run_statics
 from drillpetsc.output import catalogue, read_frame, read_series, read_table
 from drillpetsc.output.files.tables import split_name
+from tests.helpers.wells import simple_well
 
 DOCS = Path(__file__).parents[3] / "docs"
 sys.path.insert(0, str(DOCS))
@@ -27,10 +28,7 @@ DRY: dict[str, Any] = {
     "joints": [{"at": 15.0, "kind": "universal"}],
     "top": {"kind": "top_drive", "rotation": 1.0},
     "bottom": "bit",
-    "well": {
-        "survey": {"md": [0, 30], "inclination": [0.3, 0.3], "azimuth": [0, 0]},
-        "sections": [{"to": 30, "kind": "casing", "diameter": 0.2159, "friction": 0.2}],
-    },
+    "well": simple_well(30, 0.2159, 0.3, kind="casing", friction=0.2),
     "time": {"end": 0.01},
     "output": {"history_every": 0.005, "field_every": 0.01, "probes": [10.0]},
 }

@@ -10,11 +10,12 @@ from scipy.special import roots_jacobi
 
 from drillpetsc.fem.quadrature import _TABULATED, exposed_ends, rule
 from drillpetsc.fem.string_mesh import RigidItem, uniform_string
+from tests.helpers.tables import each_row
 
 
-@pytest.mark.parametrize("points", [1, 2, 3, 8])
-@pytest.mark.parametrize("upper", [False, True])
-@pytest.mark.parametrize("lower", [False, True])
+@each_row("points", [1, 2, 3, 8])
+@each_row("upper", [False, True])
+@each_row("lower", [False, True])
 def test_rules_integrate_polynomials(points, upper, lower):
     """Integral of s^k over 0..1 is 1/(k + 1) up to k = 2 points - 1; with an end it is a place."""
     s, w = rule(points, upper, lower).T
@@ -25,7 +26,7 @@ def test_rules_integrate_polynomials(points, upper, lower):
     assert (np.diff(s) > 0).all() and (w > 0).all()
 
 
-@pytest.mark.parametrize("key", list(_TABULATED))
+@each_row("key", list(_TABULATED))
 def test_tabulated_rules_are_those_of_scipy(key):
     for own, published in zip(_TABULATED[key], roots_jacobi(*key), strict=True):
         assert np.array(own) == pytest.approx(published, rel=1e-15, abs=1e-16)

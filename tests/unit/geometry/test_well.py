@@ -5,6 +5,7 @@ import pytest
 
 from drillpetsc.geometry.well import Well
 from drillpetsc.kernels import function, pointer
+from tests.helpers.tables import each_row
 
 DEG = np.pi / 180
 FIELD = {
@@ -152,7 +153,7 @@ def test_azimuth_crossing_north_is_the_turned_well():
     )
 
 
-@pytest.mark.parametrize(
+@each_row(
     ("md", "inclination", "sections", "message"),
     [
         ([0, 100, 100], [0, 0, 0], {}, "must increase"),
@@ -270,7 +271,7 @@ def test_derivatives_against_the_formulas():
     assert gap(well, x)[1] == pytest.approx(expected, abs=2e-6)
 
 
-@pytest.mark.parametrize("distance", [0.0, 1e-9, 0.04, 3.0, 20.0])
+@each_row("distance", [0.0, 1e-9, 0.04, 3.0, 20.0])
 def test_points_at_a_known_distance(distance):
     """A point set off normally at md comes back with that md, centre and offset; near the axis and far from
     it."""

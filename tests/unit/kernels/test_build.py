@@ -11,6 +11,7 @@ import pytest
 
 import drillpetsc.kernels as kernels
 from drillpetsc.kernels import KernelsUnavailable, build
+from tests.helpers.tables import each_row
 
 HAS_ROOT = os.getuid() == 0
 
@@ -58,8 +59,8 @@ def test_library_of_the_user_is_trusted(tmp_path):
     build.check_trusted(library(tmp_path))
 
 
-@pytest.mark.parametrize("mode", [0o775, 0o757, 0o777])
-@pytest.mark.parametrize("which", ["library", "folder"])
+@each_row("mode", [0o775, 0o757, 0o777])
+@each_row("which", ["library", "folder"])
 def test_what_others_can_write_is_refused(which, mode, monkeypatch, tmp_path):
     path = library(tmp_path)
     (path if which == "library" else tmp_path).chmod(mode)

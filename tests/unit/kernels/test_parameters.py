@@ -66,12 +66,8 @@ def test_records_have_the_layout_of_the_struct():
     """structure() itself compares the size with C++'s."""
     fluid = structure("fluid")
     assert [name for name, _ in fluid._fields_] == [
-        "density",
-        "compressibility",
-        "gravity",
-        "clinging",
-        "rheology",
-    ]
+        "density", "compressibility", "gravity", "clinging", "rheology",
+    ]  # fmt: skip
     made = fluid(density=1.0, gravity=(0.0, 0.0, 9.8))
     assert tuple(made.gravity) == (0.0, 0.0, 9.8) and made.clinging == 0.0
     with pytest.raises(AttributeError):

@@ -29,13 +29,12 @@ from drillpetsc.output.catalogue import (
 from drillpetsc.output.files.tables import split_name
 from drillpetsc.output.summary_keys import STATIC_START, SUMMARY_KEYS, WHIRLS
 from drillpetsc.physics.quantities import BIT
+from tests.helpers.tables import each_row
+from tests.helpers.wells import simple_well
 
 PIPE = {"kind": "pipe", "length": 29.6, "od": 0.127, "id": 0.1086, "element_length": 5.0}
 BIT_ITEM = {"kind": "bit", "length": 0.5, "od": 0.2, "mass": 60}
-WELL = {
-    "survey": {"md": [0, 30], "inclination": [0.3, 0.3], "azimuth": [0, 0]},
-    "sections": [{"to": 30, "kind": "casing", "diameter": 0.2159, "friction": 0.2}],
-}
+WELL = simple_well(30, 0.2159, 0.3, kind="casing", friction=0.2)
 DRIVE = {"kind": "top_drive", "rotation": 1.0}
 SHORT = {"time": {"end": 0.01}, "output": {"history_every": 0.005, "field_every": 0.01}}
 QUASI = {"mode": "quasi_static", "end": 0.01}
@@ -86,30 +85,16 @@ CONDITIONS: dict[str, set[str]] = {
     "dry with bit": {*_STRING, *_IN_WELL, where.TUBES, where.BIT, where.BLOCK, WHIRLS},
     "mud": {*_STRING, *_IN_WELL, *_MUD, where.TUBES, where.MUD_AND_STRING, WHIRLS},
     "quasi-steady mud": {
-        *_STRING,
-        *_IN_WELL,
-        *_MUD,
-        where.TUBES,
-        where.MUD_AND_STRING,
-        where.FOLLOWS,
-        WHIRLS,
+        *_STRING, *_IN_WELL, *_MUD, where.TUBES, where.MUD_AND_STRING, where.FOLLOWS, WHIRLS,
     },
     "joints": {*_STRING, where.TUBES, where.TOP, where.JOINTS},
     "drilling with mud": {
-        *_STRING,
-        *_IN_WELL,
-        *_MUD,
-        where.TUBES,
-        where.MUD_AND_STRING,
-        where.BIT,
-        where.DRILLS,
-        where.CUTS_SIDE,
-        where.CUTTINGS,
-        WHIRLS,
+        *_STRING, *_IN_WELL, *_MUD, where.TUBES, where.MUD_AND_STRING, where.BIT, where.DRILLS,
+        where.CUTS_SIDE, where.CUTTINGS, WHIRLS,
     },
     "held": {"", *_MUD, where.WELL, where.INERTIA, STATIC_START},
     "free top, quasi-static": {"", where.STRING, where.TUBES, STATIC_START},
-}
+}  # fmt: skip
 
 
 def described(title: str, file: str) -> None:
@@ -187,7 +172,7 @@ def test_names_and_mnemonics_are_unique() -> None:
         assert named.setdefault(q.name, q) is q, q.name  # one object, whatever file it stands in
 
 
-@pytest.mark.parametrize("quantity", all_quantities(), ids=lambda q: q.name)
+@each_row("quantity", all_quantities(), ids=lambda q: q.name)
 def test_an_output_has_words_for_people(quantity) -> None:
     """A label without underscores, a short mnemonic, one sentence; a signed quantity has a sign."""
     assert quantity.label and "_" not in quantity.label and quantity.label[0].isupper()

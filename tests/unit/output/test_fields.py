@@ -6,19 +6,27 @@ import subprocess
 import sys
 import xml.etree.ElementTree as ElementTree
 from pathlib import Path
+from typing import Any
 
-import meshio
 import numpy as np
 import pytest
-import pyvista
 
 from drillpetsc.output import FieldWriter, read_frame, read_series, write_well
 from drillpetsc.output.files.fields import cross_section_axes
 from tests.helpers.output_samples import HOLE, helix_frame, make_run
 
 
+@pytest.fixture(scope="module")
+def pyvista() -> Any:
+    import pyvista  # takes longer to import than all of these tests
+
+    return pyvista
+
+
 @pytest.mark.parametrize("compress", [False, True])
-def test_a_frame_reads_back_exactly(tmp_path: Path, compress: bool) -> None:
+def test_a_frame_reads_back_exactly(tmp_path: Path, compress: bool, pyvista: Any) -> None:
+    import meshio  # a slow import
+
     points, data = helix_frame(0.3)
     cell = {"contact_force [N/m]": np.linspace(0, 1, len(points) - 1)}
     path = FieldWriter(tmp_path, compress=compress).write(0.3, points, data, cell)
@@ -34,14 +42,14 @@ def test_a_frame_reads_back_exactly(tmp_path: Path, compress: bool) -> None:
     assert np.array_equal(by_us.cell_data["contact_force [N/m]"], cell["contact_force [N/m]"])
 
 
-def test_the_string_is_a_chain_of_lines_in_order(tmp_path: Path) -> None:
+def test_the_string_is_a_chain_of_lines_in_order(tmp_path: Path, pyvista: Any) -> None:
     points, data = helix_frame(0.0, count=7)
     mesh = pyvista.read(FieldWriter(tmp_path).write(0.0, points, data))
     assert mesh.n_cells == 6 and set(mesh.celltypes) == {pyvista.CellType.LINE}
     assert mesh.cells.reshape(6, 3).tolist() == [[2, k, k + 1] for k in range(6)]
 
 
-def test_one_element_is_enough_and_less_is_refused(tmp_path: Path) -> None:
+def test_one_element_is_enough_and_less_is_refused(tmp_path: Path, pyvista: Any) -> None:
     fields = FieldWriter(tmp_path)
     assert pyvista.read(fields.write(0.0, np.array([[0, 0, 0], [0, 0, 9.0]]), {})).n_cells == 1
     with pytest.raises(ValueError, match="n >= 2"):
@@ -51,13 +59,13 @@ def test_one_element_is_enough_and_less_is_refused(tmp_path: Path) -> None:
     assert [time for time, _ in read_series(tmp_path)] == [0.0]
 
 
-def test_absent_physics_leaves_no_array(tmp_path: Path) -> None:
+def test_absent_physics_leaves_no_array(tmp_path: Path, pyvista: Any) -> None:
     run = make_run(tmp_path / "run", frames=1, well=False)
     names = pyvista.read(run.string_frames / "000000.vtu").array_names
     assert not [name for name in names if "contact" in name or "hole" in name or "offset" in name]
 
 
-def test_the_series_is_whole_after_every_frame(tmp_path: Path) -> None:
+def test_the_series_is_whole_after_every_frame(tmp_path: Path, pyvista: Any) -> None:
     fields = FieldWriter(tmp_path)
     ElementTree.parse(tmp_path / "string.pvd")  # a run that was killed before its first frame
     for k in range(5):
@@ -101,7 +109,7 @@ for k in range(10**9):
 """
 
 
-def test_a_killed_run_leaves_only_whole_frames(tmp_path: Path) -> None:
+def test_a_killed_run_leaves_only_whole_frames(tmp_path: Path, pyvista: Any) -> None:
     writer = subprocess.Popen(
         [sys.executable, "-c", _WRITES_FOREVER, str(tmp_path)], stdout=subprocess.PIPE, text=True
     )
@@ -141,7 +149,7 @@ def quarter_bend(count: int) -> tuple[np.ndarray, np.ndarray]:
     return 300 * angle, 300 * np.column_stack((1 - np.cos(angle), 0 * angle, np.sin(angle)))
 
 
-def test_the_wall_is_a_closed_tube_around_the_axis(tmp_path: Path) -> None:
+def test_the_wall_is_a_closed_tube_around_the_axis(tmp_path: Path, pyvista: Any) -> None:
     """Every point lies a radius from its station, square to the axis (the arc's exact tangents, which the
     means of chords at inner stations of an evenly divided arc are by symmetry); area: the polygon's girth
     times arc length."""
@@ -161,7 +169,7 @@ def test_the_wall_is_a_closed_tube_around_the_axis(tmp_path: Path) -> None:
     assert set(mesh.array_names) == {"md [m]", "radius [m]", "friction [-]"}
 
 
-def test_the_wall_does_not_twist_in_a_plane_bend(tmp_path: Path) -> None:
+def test_the_wall_does_not_twist_in_a_plane_bend(tmp_path: Path, pyvista: Any) -> None:
     """A frame that turns as little as possible keeps the plane's normal fixed: here east stays east."""
     md, center = quarter_bend(40)
     mesh = pyvista.read(write_well(tmp_path / "well.vtu", md, center, np.full(40, 0.1), sides=4))
@@ -169,7 +177,7 @@ def test_the_wall_does_not_twist_in_a_plane_bend(tmp_path: Path) -> None:
     assert np.abs(east - east[0]).max() < 1e-12
 
 
-def test_a_step_of_the_radius_is_a_station_given_twice(tmp_path: Path) -> None:
+def test_a_step_of_the_radius_is_a_station_given_twice(tmp_path: Path, pyvista: Any) -> None:
     md = np.array([0.0, 800.0, 800.0, 2000.0])
     center = np.column_stack((0 * md, 0 * md, md))
     mesh = pyvista.read(write_well(tmp_path / "well.vtu", md, center, np.array([0.12, 0.12, 0.1, 0.1])))

@@ -10,6 +10,7 @@ import pytest
 
 from drillpetsc.geometry.well import Well
 from drillpetsc.output.in_hole import measured_depth, offsets
+from tests.helpers.tables import each_row
 
 
 def straight(inclination: float, azimuth: float) -> Any:
@@ -19,8 +20,8 @@ def straight(inclination: float, azimuth: float) -> Any:
     return SimpleNamespace(well=well)
 
 
-@pytest.mark.parametrize("azimuth", [0.0, 0.7, 3.0])
-@pytest.mark.parametrize("inclination", [0.05, 1.0, np.pi / 2])
+@each_row("azimuth", [0.0, 0.7, 3.0])
+@each_row("inclination", [0.05, 1.0, np.pi / 2])
 def test_offsets_in_an_inclined_hole(inclination, azimuth):
     """t = (sin I cos A, sin I sin A, cos I): the high side is (cos I cos A, cos I sin A, -sin I), the right (-sin A,
     cos A, 0) (manual: eq-conv-high-side)."""

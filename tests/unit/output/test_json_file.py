@@ -14,6 +14,7 @@ import pytest
 from drillpetsc.errors import CaseError
 from drillpetsc.output import read_summary, write_summary
 from drillpetsc.output.files import json_file as module
+from tests.helpers.tables import each_row
 
 
 @dataclass(frozen=True)
@@ -91,19 +92,11 @@ def test_importing_brings_no_drawing_package_and_no_mpi(name: str) -> None:
     )
     assert name in loaded
     assert not loaded & {
-        "pyvista",
-        "vtk",
-        "vtkmodules",
-        "matplotlib",
-        "meshio",
-        "PIL",
-        "mpi4py",
-        "petsc4py",
-        "rich",
-    }
+        "pyvista", "vtk", "vtkmodules", "matplotlib", "meshio", "PIL", "mpi4py", "petsc4py", "rich",
+    }  # fmt: skip
 
 
-@pytest.mark.parametrize("text", ["{", "", "[1]", "\x00\x01"])
+@each_row("text", ["{", "", "[1]", "\x00\x01"])
 def test_a_damaged_summary_is_named(tmp_path: Path, text: str) -> None:
     (tmp_path / "summary.json").write_text(text)
     with pytest.raises(CaseError) as caught:

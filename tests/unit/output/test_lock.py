@@ -16,6 +16,7 @@ import pytest
 
 from drillpetsc.output import RunFolder, RunFolderBusy
 from drillpetsc.output.files import lock
+from tests.helpers.tables import each_row
 
 fork = multiprocessing.get_context("fork")
 
@@ -90,9 +91,7 @@ def test_nobody_here_knows_whether_a_process_elsewhere_is_alive(tmp_path: Path) 
     assert (tmp_path / lock.NAME).is_file()  # not ours to remove
 
 
-@pytest.mark.parametrize(
-    "text", ["", "{", "[]", '{"pid": 1}', '{"host": "x", "pid": "y", "since": ""}', "\x00" * 9]
-)
+@each_row("text", ["", "{", "[]", '{"pid": 1}', '{"host": "x", "pid": "y", "since": ""}', "\x00" * 9])
 def test_a_lock_cut_short_is_nobodys(tmp_path: Path, text: str) -> None:
     (tmp_path / lock.NAME).write_text(text)
     lock.take(tmp_path)

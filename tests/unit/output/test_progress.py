@@ -9,6 +9,7 @@ import pytest
 
 from drillpetsc.output import progress
 from drillpetsc.output.progress import Progress, duration
+from tests.helpers.tables import each_row
 
 
 class Clock:
@@ -104,17 +105,13 @@ def test_a_restart_and_a_run_that_stands_still(clock: Clock) -> None:
     assert log.getvalue().startswith("well 2: 10 / 20 s (0 %)") and "ETA ?" in log.getvalue()
 
 
-@pytest.mark.parametrize(
+@each_row(
     ("seconds", "text"),
     [
-        (3.2, "3.2 s"),
-        (59.0, "59 s"),
-        (75.0, "1 min 15 s"),
-        (4020.0, "1 h 07 min"),
-        (float("inf"), "?"),
+        (3.2, "3.2 s"), (59.0, "59 s"), (75.0, "1 min 15 s"), (4020.0, "1 h 07 min"), (float("inf"), "?"),
         (float("nan"), "?"),
     ],
-)
+)  # fmt: skip
 def test_durations(seconds: float, text: str) -> None:
     assert duration(seconds) == text
 

@@ -16,6 +16,7 @@ from drillpetsc.output.energy_balance import EnergyBalance
 from drillpetsc.output.mass_balance import MassBalance
 from drillpetsc.output.recorder import Recorder
 from drillpetsc.output.table_rows import SampleLayout
+from tests.helpers.wells import simple_well
 
 PIPE = {"kind": "pipe", "length": 30, "od": 0.127, "id": 0.1086, "element_length": 5.0}
 JOINTS = [{"at": 10.0, "kind": "universal"}, {"at": 20.0, "kind": "universal"}]
@@ -69,10 +70,7 @@ def test_columns_of_probes_are_ordered_by_depth() -> None:
 
 
 def test_a_quasi_static_run_evaluates_no_energies() -> None:
-    well = {
-        "survey": {"md": [0, 40], "inclination": [0.3, 0.3], "azimuth": [0, 0]},
-        "sections": [{"to": 40, "kind": "casing", "diameter": 0.2159, "friction": 0.2}],
-    }
+    well = simple_well(40, 0.2159, 0.3, kind="casing", friction=0.2)
     recorder = hanging(well=well, time={"end": 1.0, "mode": "quasi_static"})
     assert recorder.energy is None
     recorder.system.local_powers = recorder.system.energies = None  # type: ignore[method-assign,assignment]

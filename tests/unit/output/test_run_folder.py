@@ -83,27 +83,13 @@ def test_restart_keeps_everything_and_needs_a_folder(tmp_path: Path) -> None:
 def test_names_of_the_contract(tmp_path: Path) -> None:
     run = RunFolder(tmp_path)
     files = (
-        run.history,
-        run.probes,
-        run.trajectory,
-        run.statics,
-        run.string_series,
-        run.well,
-        run.summary,
-        run.checkpoint,
-        run.case,
-    )
+        run.history, run.probes, run.trajectory, run.statics, run.string_series, run.well, run.summary,
+        run.checkpoint, run.case,
+    )  # fmt: skip
     assert [file.name for file in files] == [
-        "history.csv",
-        "probes.csv",
-        "trajectory.csv",
-        "statics.csv",
-        "string.pvd",
-        "well.vtu",
-        "summary.json",
-        "checkpoint.h5",
-        "case.yaml",
-    ]
+        "history.csv", "probes.csv", "trajectory.csv", "statics.csv", "string.pvd", "well.vtu",
+        "summary.json", "checkpoint.h5", "case.yaml",
+    ]  # fmt: skip
 
 
 def test_a_case_name_that_would_leave_the_results_folder_is_refused(tmp_path: Path) -> None:

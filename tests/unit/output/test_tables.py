@@ -15,6 +15,7 @@ from hypothesis import strategies as st
 
 from drillpetsc.output import Table, read_table, write_table
 from drillpetsc.output.files.tables import rows_as_text
+from tests.helpers.tables import each_row
 
 COLUMNS = [("time", "s"), ("hook_load", "N"), ("newton", "-")]
 
@@ -126,7 +127,7 @@ def test_restart_drops_later_rows_and_goes_on(tmp_path: Path) -> None:
     assert back["hook_load [N]"].tolist() == [1.0] * 7 + [7.0]
 
 
-@pytest.mark.parametrize("tail", ["0.3,1", "0.3,1.0,", "0.3,1,2"])
+@each_row("tail", ["0.3,1", "0.3,1.0,", "0.3,1,2"])
 def test_an_incomplete_last_row_is_not_read_and_dropped_at_restart(tmp_path: Path, tail: str) -> None:
     path = tmp_path / "history.csv"
     path.write_text("time [s],hook_load [N],newton [-]\n0.1,1,2\n0.2,1,2\n" + tail)

@@ -11,6 +11,7 @@ from drillpetsc.physics.fluid.added_mass import (
     steady_resistance,
     stokes_coefficients,
 )
+from tests.helpers.tables import each_row
 
 
 def test_confined():
@@ -19,7 +20,7 @@ def test_confined():
     assert chi_confined(0.127, [0.127 * 1.7, 0.254, 1e6]) == pytest.approx([2.058201, 5 / 3, 1.0], rel=1e-6)
 
 
-@pytest.mark.parametrize(
+@each_row(
     ("ratio", "chi"),
     [
         (1.7, [2.058, 2.099, 2.241, 2.595, 3.132]),
@@ -33,7 +34,7 @@ def test_eccentric_table(ratio, chi):
     assert found == pytest.approx(chi, abs=6e-4)
 
 
-@pytest.mark.parametrize("e", [0.0, 0.3, 0.6, 0.95])
+@each_row("e", [0.0, 0.3, 0.6, 0.95])
 def test_eccentric_thin_gap(e):
     """Gap c(1 - e cos t) much thinner than the radius a: the fluid's speed is U a sin(t)/gap, its kinetic
     energy rho U^2 a^3/(2 c) int sin^2/(1 - e cos) dt, so chi = (a/c) 2/(1 + sqrt(1 - e^2)), up to terms of
@@ -51,14 +52,14 @@ def test_eccentric_is_continuous_at_the_centre():
     assert chi_eccentric(0.127, 0.2159, 0.0) == chi_confined(0.127, 0.2159)
 
 
-@pytest.mark.parametrize(("outer", "hole", "e"), [(0.2, 0.1, 0.0), (0.1, 0.2, 1.0), (0.1, 0.2, -0.1)])
+@each_row(("outer", "hole", "e"), [(0.2, 0.1, 0.0), (0.1, 0.2, 1.0), (0.1, 0.2, -0.1)])
 def test_eccentric_refuses(outer, hole, e):
     """A string that does not fit, or touches."""
     with pytest.raises(ValueError, match="chi_eccentric"):
         chi_eccentric(outer, hole, e)
 
 
-@pytest.mark.parametrize(
+@each_row(
     ("ratio", "S", "mass", "damping"),
     [
         (1.25, 100, 5.739, 11.07),
@@ -74,7 +75,7 @@ def test_stokes(ratio, S, mass, damping):
     assert found_damping == pytest.approx(damping, rel=4e-4)
 
 
-@pytest.mark.parametrize("ratio", [1.2, 1.7, 2.5])
+@each_row("ratio", [1.2, 1.7, 2.5])
 def test_stokes_thin_boundary_layers(ratio):
     """S -> infinity: C_m -> chi and C_d -> (2 sqrt(2)/sqrt(S)) (1 + k^3)/(1 - k^2)^2, k = 1/ratio; nothing
     overflows."""
@@ -92,7 +93,7 @@ def test_stokes_unbounded():
     assert damping == pytest.approx(4 / np.sqrt(2e4) + 2e-4, rel=2e-3)
 
 
-@pytest.mark.parametrize("ratio", [1.02, 1.25, 2.0, 5.0])
+@each_row("ratio", [1.02, 1.25, 2.0, 5.0])
 def test_stokes_slow_motion(ratio):
     """S -> 0: force 4 pi mu V/(ln R - (R^2-1)/(R^2+1)) per length; the exact solution runs into it without a
     step."""
@@ -123,7 +124,7 @@ def test_lateral_damping():
     assert lateral_damping(0.2, 0.25, 1000.0, 0.0, 10.0) == 0.0
 
 
-@pytest.mark.parametrize(("S", "ratio"), [(0.0, 2.0), (1.0, 1.0), (-1.0, 2.0)])
+@each_row(("S", "ratio"), [(0.0, 2.0), (1.0, 1.0), (-1.0, 2.0)])
 def test_stokes_refuses(S, ratio):
     """No gap, or no motion."""
     with pytest.raises(ValueError, match="stokes_coefficients"):

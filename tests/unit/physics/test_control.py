@@ -11,6 +11,7 @@ from drillpetsc import Case, top_drive
 from drillpetsc.output import read_table
 from drillpetsc.physics.control import Law, Motor, reflection
 from tests.helpers import top_drive_models as m
+from tests.helpers.tables import each_row
 
 FREQUENCIES = np.array([0.05, 0.1, 0.2, 0.3, 0.5, 1.0])
 STIFF = Law("stiff", p=50 * m.ZETA, i=5 * m.INERTIA)
@@ -28,7 +29,7 @@ TABLE = [
 ]
 
 
-@pytest.mark.parametrize(("law", "expected"), TABLE)
+@each_row(("law", "expected"), TABLE)
 def test_reflection(law, expected):
     assert m.ZETA == pytest.approx(296.3714, rel=1e-6)
     r = np.abs(reflection(law, Motor(m.INERTIA), m.ZETA, FREQUENCIES))

@@ -9,6 +9,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from drillpetsc.physics.contact import damping_factor
+from tests.helpers.tables import each_row
 
 
 @pytest.mark.parametrize(
@@ -38,7 +39,7 @@ def test_an_impact_returns_its_restitution(restitution: float) -> None:
     assert -end.y[1, -1] == pytest.approx(restitution, rel=1e-4)
 
 
-@pytest.mark.parametrize("restitution", [0.02, 0.6, 0.99999])
+@each_row("restitution", [0.02, 0.6, 0.99999])
 def test_a_slower_impact_is_damped_by_as_much_more(restitution: float) -> None:
     assert damping_factor(restitution, 0.1) == pytest.approx(10 * damping_factor(restitution, 1.0), rel=1e-12)
 

@@ -10,6 +10,7 @@ from drillpetsc.geometry.well import Well
 from drillpetsc.physics.end_conditions import FixedEnd, TopDrive
 from drillpetsc.physics.hole_path import HolePath, is_curved
 from drillpetsc.time_function import Constant
+from tests.helpers.tables import each_row
 
 
 def helix_well() -> Well:
@@ -25,7 +26,7 @@ def moved(path: HolePath, depth: float, step: float = 1e-3) -> list:
     return [path.at(depth + k * step) for k in (-1, 0, 1)]
 
 
-@pytest.mark.parametrize("depth", [-5.0, 33.0, 77.0, 215.3, 340.0, 480.0])
+@each_row("depth", [-5.0, 33.0, 77.0, 215.3, 340.0, 480.0])
 def test_the_normals_do_not_rotate_about_the_tangent(depth: float) -> None:
     """n_i' = -(kappa . n_i) t (Bishop, American Mathematical Monthly 82(3), 1975)."""
     path = HolePath(helix_well())

@@ -9,13 +9,14 @@ import pytest
 
 from drillpetsc.physics.tools.motor_law import MeasuredCurve, MotorLaw, monotone_slopes
 from drillpetsc.physics.tools.mud_motor import Rotor
+from tests.helpers.tables import each_row
 
 GALLON, PSI, FOOT_POUND = 3.785411784e-3, 6894.757293168361, 1.3558179483314004
 RPM = pi / 30
 MOTOR = MotorLaw(0.29 / GALLON, 0.85, 0.6e6, 14e3, 4.0)
 
 
-@pytest.mark.parametrize(
+@each_row(
     "torque, rpm, megapascal",
     [(0.0, 137.898, 0.6), (4e3, 136.979, 2.8652), (8e3, 123.195, 5.1304), (12e3, 63.464, 7.3956)],
 )
@@ -62,7 +63,7 @@ def test_the_other_form_of_the_law():
     assert motor.speed(8e3, 0.03) == pytest.approx(9.5138, rel=1e-4)
 
 
-@pytest.mark.parametrize("seed", range(4))
+@each_row("seed", range(4))
 def test_other_motors_follow_the_formulae(seed):
     """The formulae at random numbers, 1e-4 as C12."""
     rng = np.random.default_rng(seed)
@@ -104,7 +105,7 @@ def _measured() -> MotorLaw:
     )
 
 
-@pytest.mark.parametrize("motor", [MOTOR, MotorLaw(60.0, 0.9, 0.2e6, 5e3, 1.0, 0.002), _measured()])
+@each_row("motor", [MOTOR, MotorLaw(60.0, 0.9, 0.2e6, 5e3, 1.0, 0.002), _measured()])
 def test_mud_that_flows_up_turns_the_rotor_backwards(motor):
     """All of the law changes its sign with flow rate and torque."""
     torque, flow = np.meshgrid(np.linspace(-6e3, 16e3, 23), [1e-5, 1e-3, 0.01, 0.03])
@@ -114,7 +115,7 @@ def test_mud_that_flows_up_turns_the_rotor_backwards(motor):
     assert motor.point(0.0, -0.03).speed == pytest.approx(-motor.point(0.0, 0.03).speed)
 
 
-@pytest.mark.parametrize("motor", [MOTOR, MotorLaw(60.0, 0.9, 0.2e6, 5e3, 1.0, 0.002), _measured()])
+@each_row("motor", [MOTOR, MotorLaw(60.0, 0.9, 0.2e6, 5e3, 1.0, 0.002), _measured()])
 def test_the_rotor_has_no_more_power_than_the_mud_loses(motor):
     """dp Q >= T w at all flow rates, against the flow and next to none, too; nothing jumps where the flow turns."""
     stall = motor.stall_torque(0.03)

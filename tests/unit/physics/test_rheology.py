@@ -15,6 +15,7 @@ from drillpetsc.physics.fluid.rheology import (
     wall_shear,
     wall_shear_and_slope,
 )
+from tests.helpers.tables import each_row
 
 INCH, FOOT, GPM, PPG, PSI = 0.0254, 0.3048, 6.30902e-5, 119.8264, 6894.757  # m, m, m3/s, kg/m3, Pa
 CENTIPOISE, LB_PER_100_SQ_FT = 1e-3, 0.4788026  # Pa s, Pa
@@ -42,7 +43,7 @@ FLUIDS = {
     "api power_law": Rheology.power_law(0.4, 0.7, "api"),
 }
 every_fluid = pytest.mark.parametrize("fluid", FLUIDS.values(), ids=FLUIDS.keys())
-pipe_and_annulus = pytest.mark.parametrize("annulus", [False, True], ids=["pipe", "annulus"])
+pipe_and_annulus = each_row("annulus", [False, True], ids=["pipe", "annulus"])
 
 
 def speed(gpm, outer, inner=0.0):
@@ -61,7 +62,7 @@ def test_api_dial_readings():
     assert found == pytest.approx([0.7365, 0.2017, 0.5413, 0.6336], rel=2e-4)
 
 
-@pytest.mark.parametrize(
+@each_row(
     ("outer", "inner", "length", "loss"),
     [
         (0.096012, 0.0, 3474.72, 4.5979e6),
@@ -83,7 +84,7 @@ def test_api_pressure_losses(outer, inner, length, loss):
     assert found == pytest.approx(loss, rel=1e-4)
 
 
-@pytest.mark.parametrize(
+@each_row(
     ("fluid", "stress"),
     [
         (Rheology.newtonian(0.02, shear_rate_eps=0.1), [41.0420, 9.0452]),
@@ -137,7 +138,7 @@ def test_published_laminar_bingham_in_pipe():
     assert loss == pytest.approx(0.018034, rel=1e-3)
 
 
-@pytest.mark.parametrize(
+@each_row(
     ("hole", "pipe", "length", "psi"), [(8.755, 4.5, 6500, 73), (8.5, 4.5, 3000, 38), (8.5, 6.75, 450, 31)]
 )
 def test_published_laminar_bingham_in_annulus(hole, pipe, length, psi):
@@ -155,8 +156,8 @@ def test_published_laminar_bingham_in_annulus(hole, pipe, length, psi):
     assert loss == pytest.approx(psi, abs=0.5)
 
 
-@pytest.mark.parametrize("law", ["blend", "api"])
-@pytest.mark.parametrize("reynolds", [1e4, 3e4, 1e5])
+@each_row("law", ["blend", "api"])
+@each_row("reynolds", [1e4, 3e4, 1e5])
 def test_turbulent_newtonian_against_prandtl_karman(reynolds, law):
     """Smooth pipe, 1/sqrt(f) = 4 log10(Re sqrt(f)) - 0.4 (Prandtl, von Karman): a/Re^b is a Blasius line, 4 %
     from it up to Re 1e5."""
@@ -179,7 +180,7 @@ def test_hagen_poiseuille_and_slot():
         assert wall_shear(fluid, w, 0.1, True, STILL) == pytest.approx(12 * 0.05 * w / 0.1, rel=1e-14)
 
 
-@pytest.mark.parametrize("plug", [0.05, 0.5, 0.9])
+@each_row("plug", [0.05, 0.5, 0.9])
 def test_buckingham_reiner(plug):
     """Bingham in a pipe: 8 mu w/D = tau (1 - 4 p/3 + p^4/3), in a slot 12 mu w/d_h = tau (1 - 3 p/2 + p^3/2),
     p = tau_y/tau."""
@@ -206,8 +207,8 @@ PROFILES = {
 }
 
 
-@pytest.mark.parametrize(("fluid", "rate"), PROFILES.values(), ids=PROFILES.keys())
-@pytest.mark.parametrize("plug", [0.02, 0.5, 0.95])
+@each_row(("fluid", "rate"), PROFILES.values(), ids=PROFILES.keys())
+@each_row("plug", [0.02, 0.5, 0.95])
 @pipe_and_annulus
 def test_exact_against_the_integrated_profile(fluid, rate, plug, annulus):
     """Shear stress tau y/y_w at y from the axis (or mid-plane); u(y) = integral of the shear rate; mean of u
@@ -254,7 +255,7 @@ def api_speed(reynolds, n, K, d, annulus, density):
     return (reynolds * k * K / (density * d**n)) ** (1 / (2 - n))
 
 
-@pytest.mark.parametrize("n", [0.4, 0.7, 1.0])
+@each_row("n", [0.4, 0.7, 1.0])
 @pipe_and_annulus
 def test_regimes(n, annulus):
     """16/Re or 24/Re below 3470-1370n, a/Re^b above 4270-1370n, linear between them; the kinks are rounded
@@ -270,7 +271,7 @@ def test_regimes(n, annulus):
     assert stress / (0.5 * density * w**2) == pytest.approx(want, rel=1e-12)
 
 
-@pytest.mark.parametrize("kink", [3470 - 1370 * 0.7, 4270 - 1370 * 0.7])
+@each_row("kink", [3470 - 1370 * 0.7, 4270 - 1370 * 0.7])
 @pipe_and_annulus
 def test_api_rounding_is_smooth(kink, annulus):
     """Across both ends of a rounding the slope does not jump, and the rounded friction factor stays within 1
@@ -341,7 +342,7 @@ def test_slope_at_rest():
         assert found == pytest.approx(80 * G * (c**n * 3.0 / 0.5 + 0.3 * 0.5 ** (n - 1)), rel=1e-13)
 
 
-@pytest.mark.parametrize(
+@each_row(
     ("model", "law"),
     [
         (m, law)
@@ -419,7 +420,7 @@ def test_apparent_viscosity():
     )
 
 
-@pytest.mark.parametrize(
+@each_row(
     "wrong",
     [
         {"model": "maxwell"},

@@ -8,6 +8,7 @@ import pytest
 from drillpetsc import Case
 from drillpetsc.model.drilling_model import build_model
 from drillpetsc.physics.wall_stiffness import line_stiffness, ring_stiffness
+from tests.helpers.tables import each_row
 
 STEEL, HOLE = 206e9, 0.2159
 #: section, load [N/m], secant stiffness [Pa] in rock of 5, 20 and 60 GPa and in casing, to two digits
@@ -20,7 +21,7 @@ TABLE = [
 ROCK = 0.25
 
 
-@pytest.mark.parametrize(("name", "outer", "inner", "load", "expected"), TABLE)
+@each_row(("name", "outer", "inner", "load", "expected"), TABLE)
 def test_secant_stiffness_at_a_load(name, outer, inner, load, expected):
     """Line contact in series with the ring of a tube: Johnson, Contact Mechanics, section 5.6, and Roark's thin ring; figures of
     an evaluation by hand, to 5 % (two digits)."""
@@ -51,7 +52,7 @@ def string_in(kind: str, young: float | None = None) -> Case:
     )
 
 
-@pytest.mark.parametrize(
+@each_row(
     ("kind", "young", "column"),
     [("open_hole", None, 1), ("open_hole", 5e9, 0), ("open_hole", 60e9, 2), ("casing", None, 3)],
 )

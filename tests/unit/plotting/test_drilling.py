@@ -34,14 +34,9 @@ from drillpetsc.studies.sweep.table import Plan
 
 START = 100.0  # depth of the old hole, straight from the surface [m]
 COLUMNS = [
-    ("md", "m"),
-    ("inclination", "deg"),
-    ("azimuth", "deg"),
-    ("north", "m"),
-    ("east", "m"),
-    ("tvd", "m"),
+    ("md", "m"), ("inclination", "deg"), ("azimuth", "deg"), ("north", "m"), ("east", "m"), ("tvd", "m"),
     ("dogleg_severity", "deg/30m"),
-]
+]  # fmt: skip
 
 
 def write_hole(
@@ -83,12 +78,9 @@ def make_sweep(
 def density_sweep(folder: Path, inclination: float = 40.0) -> Path:
     """Sweep of flow rate 10 l/s and 20 l/s times density 1000 and 1200, and a member without fluid."""
     rows = [
-        "on,10 l/s,1000,0.01",
-        "on,10 l/s,1200,0.01",
-        "on,20 l/s,1000,0.02",
-        "on,20 l/s,1200,0.02",
+        "on,10 l/s,1000,0.01", "on,10 l/s,1200,0.01", "on,20 l/s,1000,0.02", "on,20 l/s,1200,0.02",
         "off,-,-,nan",
-    ]
+    ]  # fmt: skip
     holes = [(inclination, 30.0, 0.5 + 0.1 * k, 0.02 * k, 20.0) for k in range(5)]
     return make_sweep(folder, "fluid,fluid.flow_rate,fluid.density|fluid.flow_rate (SI)", rows, holes)
 
@@ -173,12 +165,8 @@ def test_colour_shows_the_first_key_the_marker_the_second_and_the_dry_member_is_
 ) -> None:
     lines = inclinations(drilled_paths(density_sweep(tmp_path / "out")), "t").axes[0].lines
     assert [line.get_label() for line in lines] == [
-        "10 l/s, 1000 kg/m3",
-        "10 l/s, 1200 kg/m3",
-        "20 l/s, 1000 kg/m3",
-        "20 l/s, 1200 kg/m3",
-        "no fluid",
-    ]
+        "10 l/s, 1000 kg/m3", "10 l/s, 1200 kg/m3", "20 l/s, 1000 kg/m3", "20 l/s, 1200 kg/m3", "no fluid",
+    ]  # fmt: skip
     colors, markers = [line.get_color() for line in lines], [line.get_marker() for line in lines]
     assert colors[0] == colors[1] != colors[2] == colors[3] and colors[4] == "black"
     assert markers[0] == markers[2] != markers[1] == markers[3]
@@ -249,17 +237,8 @@ def test_directions_are_those_of_the_geometry() -> None:
 
 def test_scales_are_round() -> None:
     assert [round_scale(x) for x in (0.3, 1.0, 1.9, 2.0, 4.9, 5.0, 9.9, 10.0, 499.0, 500.0)] == [
-        1,
-        1,
-        1,
-        2,
-        2,
-        5,
-        5,
-        10,
-        200,
-        500,
-    ]
+        1, 1, 1, 2, 2, 5, 5, 10, 200, 500,
+    ]  # fmt: skip
 
 
 def test_units_of_keys() -> None:

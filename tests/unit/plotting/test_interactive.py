@@ -3,16 +3,25 @@
 from __future__ import annotations
 
 import sys
+from typing import TYPE_CHECKING, Any
 
 import pytest
-from matplotlib.figure import Figure
 
 from drillpetsc.errors import CaseError
 from drillpetsc.plotting.interactive import plotly_figure
 
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+
+def empty(**how: Any) -> Figure:
+    from matplotlib.figure import Figure  # a slow import
+
+    return Figure(**how)
+
 
 def drawing() -> Figure:
-    figure = Figure(figsize=(8, 4))
+    figure = empty(figsize=(8, 4))
     depth, losses = figure.subplots(1, 2)
     depth.plot([1.0, 2.0], [10.0, 30.0], "r--", label="hook load")
     depth.plot([2.0, 3.0], [20.0, 40.0], "r--", label="hook load")
@@ -32,11 +41,8 @@ def test_curves_bars_and_axes_are_those_of_the_picture() -> None:
     first, second, shoe, upright, bar = shown.data
     assert shoe.line.dash == "solid" and "px" in first.line.dash
     assert (list(first.x), list(first.y), first.name, first.line.dash != "solid") == (
-        [1, 2],
-        [10, 30],
-        "hook load",
-        True,
-    )
+        [1, 2], [10, 30], "hook load", True,
+    )  # fmt: skip
     assert first.showlegend and not second.showlegend and first.line.color == "#ff0000"
     assert list(shoe.x) == [1, 3] and list(shoe.y) == [25, 25] and list(upright.y) == [50, 0]
     assert (list(bar.x), list(bar.y), list(bar.base), list(bar.width)) == ([550], [100], [30], [20])
@@ -48,7 +54,7 @@ def test_curves_bars_and_axes_are_those_of_the_picture() -> None:
 
 def test_surfaces_are_refused() -> None:
     pytest.importorskip("plotly")
-    figure = Figure()
+    figure = empty()
     figure.subplots().fill_between([0, 1], [0, 1])
     with pytest.raises(CaseError, match="surfaces"):
         plotly_figure(figure)

@@ -17,13 +17,8 @@ def test_a_full_run_gives_every_picture(tmp_path: Path) -> None:
     run = make_run(tmp_path / "run")
     files = plot(run.path)
     assert [file.name for file in files] == [
-        "history.png",
-        "numerics.png",
-        "orbits.png",
-        "probes.png",
-        "along_depth.png",
-        "trajectory.png",
-    ]
+        "history.png", "numerics.png", "orbits.png", "probes.png", "along_depth.png", "trajectory.png",
+    ]  # fmt: skip
     for file in files:
         assert file.parent == run.plots
         assert len(np.unique(np.asarray(Image.open(file).convert("L")))) > 20
@@ -47,17 +42,9 @@ def test_a_run_killed_at_once_or_in_a_row_can_be_plotted(tmp_path: Path) -> None
 
 def test_compared_columns_share_panels() -> None:
     titles = [
-        "time [s]",
-        "hook_load [N]",
-        "surface_torque [N m]",
-        "wob [N]",
-        "bit_torque [N m]",
-        "new_force [N]",
-        "other_force [N]",
-        "step [s]",
-        "newton [-]",
-        "energy_error [J]",
-    ]
+        "time [s]", "hook_load [N]", "surface_torque [N m]", "wob [N]", "bit_torque [N m]", "new_force [N]",
+        "other_force [N]", "step [s]", "newton [-]", "energy_error [J]",
+    ]  # fmt: skip
     operation, numerics = grouped(titles)
     assert operation == [
         ["hook_load [N]"],
@@ -105,11 +92,6 @@ def test_orbits_without_a_well_have_no_circle(tmp_path: Path) -> None:
 
 def test_probe_names_come_from_the_headers() -> None:
     titles = [
-        "time [s]",
-        "x_600 [m]",
-        "y_600 [m]",
-        "spin_600 [rad/s]",
-        "spin_1199.5 [rad/s]",
-        "contact_600 [N]",
-    ]
+        "time [s]", "x_600 [m]", "y_600 [m]", "spin_600 [rad/s]", "spin_1199.5 [rad/s]", "contact_600 [N]",
+    ]  # fmt: skip
     assert probe_names({title: np.zeros(1) for title in titles}) == ["600", "1199.5"]

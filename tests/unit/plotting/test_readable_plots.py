@@ -14,12 +14,10 @@ from drillpetsc.plotting.hole_path import well_path
 from drillpetsc.plotting.plot import _along_depth, _histories, _orbits, plot
 from drillpetsc.plotting.style import is_noise
 from drillpetsc.plotting.view import view
+from tests.helpers.wells import simple_well
 
 PIPE = {"kind": "pipe", "length": 30.0, "od": 0.127, "id": 0.1086, "element_length": 5.0}
-WELL = {
-    "survey": {"md": [0, 40], "inclination": [0.0, 0.0], "azimuth": [0, 0]},
-    "sections": [{"to": 40, "kind": "casing", "diameter": 0.2159}],
-}
+WELL = simple_well(40, 0.2159, kind="casing")
 LONG = "A title that is much too long for a narrow picture of one orbit, as titles of cases often are"
 
 

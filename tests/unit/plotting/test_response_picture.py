@@ -10,16 +10,10 @@ from drillpetsc.output.files.run_folder import RESPONSE_TABLE
 from drillpetsc.plotting.frequency import draw_response
 
 COLUMNS = [
-    ("rotary_speed", "rpm"),
-    ("place", "-"),
-    ("lateral_amplitude", "m"),
-    ("axial_amplitude", "m"),
-    ("twist_amplitude", "rad"),
-    ("axial_force_amplitude", "N"),
-    ("torque_amplitude", "N m"),
-    ("bending_moment_amplitude", "N m"),
-    ("validity", "-"),
-]
+    ("rotary_speed", "rpm"), ("place", "-"), ("lateral_amplitude", "m"), ("axial_amplitude", "m"),
+    ("twist_amplitude", "rad"), ("axial_force_amplitude", "N"), ("torque_amplitude", "N m"),
+    ("bending_moment_amplitude", "N m"), ("validity", "-"),
+]  # fmt: skip
 
 
 @pytest.fixture
@@ -29,16 +23,9 @@ def panels(tmp_path):
     size = np.array([1.0, 2.0, 3.0] * 2)
     moves = np.repeat([0.0, 1.0], 3)
     values = [
-        speed,
-        ["top"] * 3 + ["bit"] * 3,
-        0 * size,
-        1e-3 * size * moves,
-        0 * size,
-        1e4 * size,
-        0 * size,
-        0 * size,
-        ["linear", "lifts", "linear"] * 2,
-    ]
+        speed, ["top"] * 3 + ["bit"] * 3, 0 * size, 1e-3 * size * moves, 0 * size, 1e4 * size, 0 * size,
+        0 * size, ["linear", "lifts", "linear"] * 2,
+    ]  # fmt: skip
     write_table(tmp_path / RESPONSE_TABLE, COLUMNS, values)
     drawing = draw_response(tmp_path, "case")
     return {axes.get_ylabel(): axes for axes in drawing.axes}

@@ -16,6 +16,7 @@ from drillpetsc.plotting.shape import cut, find_field, half_width, shape_of, smo
 from drillpetsc.plotting.style import color_scale, display_unit
 from drillpetsc.plotting.view import TRACK_WIDTH, TRACKS_HEIGHT, _auto_scale, view
 from tests.helpers.output_samples import AMPLITUDE, HOLE, LENGTH, PIPE, helix_frame, make_pendulum, make_run
+from tests.helpers.tables import each_row
 
 
 def frame(time: float = 0.0, without: tuple[str, ...] = ()) -> Frame:
@@ -147,7 +148,7 @@ def test_without_opengl_a_message_and_another_picture(
         view(run.path, renderer="pyvista")
 
 
-@pytest.mark.parametrize(
+@each_row(
     ("there", "window"),
     [
         (("libEGL.so.1", "libOSMesa.so.8"), "vtkEGLRenderWindow"),
@@ -259,23 +260,17 @@ def test_fields_are_found_with_and_without_units() -> None:
         find_field("axial_forse", names)
 
 
-@pytest.mark.parametrize(
+@each_row(
     ("title", "largest", "size", "unit"),
     [
-        ("hook_load [N]", 8e5, 1e3, "kN"),
-        ("contact_force [N/m]", 300.0, 1.0, "N/m"),
-        ("torque [N m]", 9e3, 1e3, "kN m"),
-        ("bit_speed [rad/s]", 8.0, np.pi / 30, "rpm"),
-        ("x_600 [m]", 0.04, 1e-3, "mm"),
-        ("md [m]", 0.5, 1.0, "m"),
-        ("rop [m/s]", 4e-3, 1 / 3600, "m/h"),
-        ("pump_pressure [Pa]", 2e7, 1e6, "MPa"),
-        ("outlet_flow [m3/s]", 0.03, 1e-3 / 60, "l/min"),
-        ("newton [-]", 3.0, 1.0, ""),
-        ("odd [furlong]", 3.0, 1.0, "furlong"),
+        ("hook_load [N]", 8e5, 1e3, "kN"), ("contact_force [N/m]", 300.0, 1.0, "N/m"),
+        ("torque [N m]", 9e3, 1e3, "kN m"), ("bit_speed [rad/s]", 8.0, np.pi / 30, "rpm"),
+        ("x_600 [m]", 0.04, 1e-3, "mm"), ("md [m]", 0.5, 1.0, "m"), ("rop [m/s]", 4e-3, 1 / 3600, "m/h"),
+        ("pump_pressure [Pa]", 2e7, 1e6, "MPa"), ("outlet_flow [m3/s]", 0.03, 1e-3 / 60, "l/min"),
+        ("newton [-]", 3.0, 1.0, ""), ("odd [furlong]", 3.0, 1.0, "furlong"),
         ("torque [N m]", 0.0, 1.0, "N m"),
     ],
-)
+)  # fmt: skip
 def test_displayed_units(title: str, largest: float, size: float, unit: str) -> None:
     """Factors by definition: 1 rpm = 2 pi / 60 rad/s, 1 m/h = 1/3600 m/s, 1 l/min = 1e-3/60 m3/s."""
     given_size, given_unit = display_unit(title, np.array([0.0, -largest, np.nan]))

@@ -14,12 +14,8 @@ from drillpetsc.output import write_summary, write_table
 from drillpetsc.results import open_run
 
 COLUMNS = [
-    ("bit_depth", "m"),
-    ("operation", "-"),
-    ("ff_cased", "-"),
-    ("ff_open_hole", "-"),
-    ("hook_load", "N"),
-]
+    ("bit_depth", "m"), ("operation", "-"), ("ff_cased", "-"), ("ff_open_hole", "-"), ("hook_load", "N"),
+]  # fmt: skip
 COLUMNS += [("status", "-")]
 #: depth, operation, factors (no open hole), hook load, status; one row is missing, the depths are not in order
 ROWS = [

@@ -106,16 +106,13 @@ def test_a_change_of_a_dataset_does_not_reach_the_result(folder: Path) -> None:
 @pytest.mark.parametrize(
     ("table", "units", "heading", "wanted"),
     [
-        (None, "field", "hook_load [klbf]", 1.0),
-        (None, "metric", "hook_load [kN]", POUND_FORCE),
+        (None, "field", "hook_load [klbf]", 1.0), (None, "metric", "hook_load [kN]", POUND_FORCE),
         (None, "metric_t", "hook_load [t]", POUND_FORCE / 9.80665),
-        (None, None, "hook_load [N]", 1e3 * POUND_FORCE),
-        ("surge", "field", "surge_pressure [psi]", 1.0),
-        ("surge", "field", "ecd_bit [ppg]", 10.0),
-        ("surge", "field", "trip_speed [ft/min]", 1.0),
+        (None, None, "hook_load [N]", 1e3 * POUND_FORCE), ("surge", "field", "surge_pressure [psi]", 1.0),
+        ("surge", "field", "ecd_bit [ppg]", 10.0), ("surge", "field", "trip_speed [ft/min]", 1.0),
         ("surge", "metric", "ecd_bit [sg]", 1.198264),
     ],
-)
+)  # fmt: skip
 def test_frames_of_pandas_in_systems_of_units(
     folder: Path, table: str | None, units: str | None, heading: str, wanted: float
 ) -> None:

@@ -43,11 +43,8 @@ def rows(file: Path) -> list[list[str]]:
 def test_csv_has_words_and_units_of_people(folder: Path) -> None:
     files, remarks = export(folder, units="field")
     assert not remarks and {file.name for file in files} == {
-        "history.csv",
-        "probes.csv",
-        "limits.csv",
-        "surge.csv",
-    }
+        "history.csv", "probes.csv", "limits.csv", "surge.csv",
+    }  # fmt: skip
     heads, *body = rows(folder / "export" / "history.csv")
     assert heads[1].startswith("Hook load") and heads[1].endswith("[klbf]") and heads[2].endswith("[rpm]")
     assert [float(row[1]) for row in body[:2]] == pytest.approx([1.0, 2.0]) and body[2][1] == ""

@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 
 from drillpetsc.solvers.alpha_formula import AlphaFormula, AlphaHistory, radius_of
+from tests.helpers.tables import each_row
 
 Rows = Callable[[float, np.ndarray, np.ndarray, np.ndarray], np.ndarray]
 
@@ -55,21 +56,16 @@ def integrated(
 
 
 # ---------------------------------------------------------------------- one oscillator
-@pytest.mark.parametrize(
+@each_row(
     ("radius", "product", "energy", "period"),
     [
-        (1.0, 0.1, 0.0, 8.327785e-4),
-        (1.0, 0.5, 0.0, 2.0497038e-2),
-        (0.9, 0.1, -9.144405e-7, 8.431570e-4),
-        (0.9, 0.5, -1.0971943e-4, 2.0751195e-2),
-        (0.8, 0.1, -8.600957e-6, 8.790238e-4),
-        (0.8, 0.5, -1.0236987e-3, 2.1623932e-2),
-        (0.5, 0.1, -2.3142990e-4, 1.2480912e-3),
-        (0.5, 0.5, -2.5282875e-2, 3.0147662e-2),
-        (0.0, 0.1, -6.0511639e-3, 4.5007512e-3),
+        (1.0, 0.1, 0.0, 8.327785e-4), (1.0, 0.5, 0.0, 2.0497038e-2), (0.9, 0.1, -9.144405e-7, 8.431570e-4),
+        (0.9, 0.5, -1.0971943e-4, 2.0751195e-2), (0.8, 0.1, -8.600957e-6, 8.790238e-4),
+        (0.8, 0.5, -1.0236987e-3, 2.1623932e-2), (0.5, 0.1, -2.3142990e-4, 1.2480912e-3),
+        (0.5, 0.5, -2.5282875e-2, 3.0147662e-2), (0.0, 0.1, -6.0511639e-3, 4.5007512e-3),
         (0.0, 0.5, -3.5170782e-1, 8.5786604e-2),
     ],
-)
+)  # fmt: skip
 def test_oscillator_loses_energy_and_time_as_computed(radius, product, energy, period):
     """Energy change of a period and error of the period of x'' + x = 0 at angular frequency times step.
 
@@ -181,23 +177,17 @@ def turning_energy(radius: float, per_turn: int, turns: int = 10) -> float:
 @pytest.mark.parametrize(
     ("radius", "per_turn", "change"),
     [
-        (0.9, 50, -3.6e-5),
-        (0.8, 50, -3.38e-4),
-        (0.5, 50, -8.91e-3),
-        (0.9, 100, -4.5e-6),
-        (0.8, 100, -4.26e-5),
-        (0.5, 100, -1.15e-3),
-        (0.8, 200, -5.3e-6),
-        (0.5, 200, -1.44e-4),
+        (0.9, 50, -3.6e-5), (0.8, 50, -3.38e-4), (0.5, 50, -8.91e-3), (0.9, 100, -4.5e-6),
+        (0.8, 100, -4.26e-5), (0.5, 100, -1.15e-3), (0.8, 200, -5.3e-6), (0.5, 200, -1.44e-4),
     ],
-)
+)  # fmt: skip
 def test_turning_spring_loses_little_and_never_gains(radius, per_turn, change):
     """Forces at the end of the step: none of the false strain that the chord of a turning mass would give."""
     assert turning_energy(radius, per_turn) == pytest.approx(change, rel=0.05)
 
 
 # ---------------------------------------------------------------------- parameters
-@pytest.mark.parametrize("radius", [0.0, 0.3, 0.5, 0.8, 1.0])
+@each_row("radius", [0.0, 0.3, 0.5, 0.8, 1.0])
 def test_parameters_of_a_radius(radius):
     """Spectral radius at infinite frequency, order 2, one shift for both kinds of unknowns; PETSc's letters."""
     f = AlphaFormula(radius)
@@ -208,7 +198,7 @@ def test_parameters_of_a_radius(radius):
     assert radius_of(1 - f.mean_mass, 1 - f.mean_force, f.gamma, f.beta) == pytest.approx(radius)
 
 
-@pytest.mark.parametrize(
+@each_row(
     ("parameters", "message"),
     [
         ((0.5, 0.3), "alpha_f"),

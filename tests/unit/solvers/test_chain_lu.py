@@ -11,6 +11,7 @@ from drillpetsc import petsc_compat
 from drillpetsc.kernels.parameters import columns
 from drillpetsc.solvers.block_tridiagonal import Piece
 from drillpetsc.solvers.chain_lu import ChainFactor, ZeroPivot
+from tests.helpers.tables import each_row
 
 SHAPES = {
     "one node": [7],
@@ -76,8 +77,8 @@ def solution(f, b):
     return x
 
 
-@pytest.mark.parametrize("refine", [0, 1])
-@pytest.mark.parametrize("shape", SHAPES)
+@each_row("refine", [0, 1])
+@each_row("shape", SHAPES)
 def test_well_conditioned(shape, refine):
     """Diagonally dominant by blocks: the error stays at rounding level."""
     rng = np.random.default_rng(len(shape))
@@ -107,7 +108,7 @@ def test_ill_scaled(shape):
     assert np.abs(x * columns - scaled).max() < 1e-11 * np.abs(scaled).max()
 
 
-@pytest.mark.parametrize("size", [7, 8, 12])
+@each_row("size", [7, 8, 12])
 def test_pivoting_inside_the_block(size):
     """Diagonal blocks with zeros on the diagonal: a cyclic shift of the rows of a dominant block."""
     rng = np.random.default_rng(size)
@@ -154,7 +155,7 @@ def test_refinement_recovers_digits():
     assert errors[1] < 1e-13
 
 
-@pytest.mark.parametrize("shape", SHAPES)
+@each_row("shape", SHAPES)
 def test_inertia(shape):
     rng = np.random.default_rng(5)
     A, node = dense_chain(SHAPES[shape], rng)
@@ -183,8 +184,8 @@ def test_inertia_of_a_stretched_chain_of_springs():
         assert factored(A, node).negative_pivots(A[rows, columns]) == below
 
 
-@pytest.mark.parametrize("size", [3, 7, 8, 12])
-@pytest.mark.parametrize("dead", [0, 4, 9])
+@each_row("size", [3, 7, 8, 12])
+@each_row("dead", [0, 4, 9])
 def test_zero_pivot_names_the_node(size, dead):
     """An unknown without any stiffness, row and column zero."""
     A, node = dense_chain([size] * 10, np.random.default_rng(6))
@@ -308,7 +309,7 @@ def test_preconditioner_without_pivot(petsc, stop):
     assert np.abs(A @ x.getArray() - b.getArray()).max() < 1e-12
 
 
-@pytest.mark.parametrize("shape", SHAPES)
+@each_row("shape", SHAPES)
 def test_elimination_from_a_node_on(shape):
     """With other entries from a node on, the elimination from there gives all factors, to the last bit."""
     sizes, rng = SHAPES[shape], np.random.default_rng(11)

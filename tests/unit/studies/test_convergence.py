@@ -30,6 +30,7 @@ from drillpetsc.studies.convergence.plan import (
 )
 from drillpetsc.studies.convergence.runs import Job
 from drillpetsc.studies.convergence.study import study
+from tests.helpers.tables import each_row
 
 CASE = """
 title: Shaft
@@ -238,15 +239,11 @@ def test_options_from_the_command_line():
 @pytest.mark.parametrize(
     ("vary", "values", "names"),
     [
-        ("time-step", ["2 m"], "--values"),
-        ("tolerance", ["-1"], "--values"),
-        ("ranks", ["1.5"], "--values"),
-        ("order", ["9"], "--values"),
-        ("integrator", ["rk4"], "--values"),
-        ("wind", [], "--vary"),
+        ("time-step", ["2 m"], "--values"), ("tolerance", ["-1"], "--values"), ("ranks", ["1.5"], "--values"),
+        ("order", ["9"], "--values"), ("integrator", ["rk4"], "--values"), ("wind", [], "--vary"),
         ("tolerance", ["1e-3", "1e-3"], "--values"),
     ],
-)
+)  # fmt: skip
 def test_invalid_requests_are_refused_before_anything_is_written(case_file, tmp_path, vary, values, names):
     with pytest.raises(CaseError) as caught:
         study(
@@ -408,9 +405,7 @@ def test_reference_is_finer_than_the_points(case_file):
     assert finest_tolerance(plan_of("time-step", base, ["0.02", "5 ms"]), base) == pytest.approx(1e-3 / 8)
 
 
-@pytest.mark.parametrize(
-    "far, expected", [({"arkimex"}, "bdf3"), ({"arkimex", "bdf3", "bdf2"}, "bdf2"), (set(), "arkimex")]
-)
+@each_row("far, expected", [({"arkimex"}, "bdf3"), ({"arkimex", "bdf3", "bdf2"}, "bdf2"), (set(), "arkimex")])
 def test_a_reference_is_accepted_by_its_estimated_error(far, expected, monkeypatch):
     """A reference far from its control run is rejected; if all are, the one with the smallest error is taken
     (bdf2 here)."""

@@ -6,9 +6,10 @@ import numpy as np
 import pytest
 
 from drillpetsc.solvers.local_error import local_error
+from tests.helpers.tables import each_row
 
 
-@pytest.mark.parametrize(("order", "share"), [(1, 1 / 2), (2, 2 / 9), (3, 3 / 22)])
+@each_row(("order", "share"), [(1, 1 / 2), (2, 2 / 9), (3, 3 / 22)])
 def test_equal_steps(order, share):
     """x = t^(k+1): local error share h^(k+1) x^(k+1)(t), share 1/((k + 1) sum of 1/j, j = 1..k) (Hairer,
     Norsett, Wanner I, III.2)."""

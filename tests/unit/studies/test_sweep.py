@@ -10,17 +10,10 @@ import pytest
 from drillpetsc.errors import CaseError
 from drillpetsc.output import read_table
 from drillpetsc.studies.sweep.plan import plan_sweep, plan_wells
-from drillpetsc.studies.sweep.table import (
-    Action,
-    Member,
-    Outcome,
-    claim,
-    outcomes,
-    store_outcome,
-    write,
-)
+from drillpetsc.studies.sweep.table import Action, Member, Outcome, claim, outcomes, store_outcome, write
 from drillpetsc.studies.sweep.variations import choices_from, choices_of, split_values, variations
 from drillpetsc.studies.sweep.worker_groups import LEAST_ELEMENTS, group_sizes
+from tests.helpers.tables import each_row
 
 CASE = """
 well:
@@ -40,7 +33,7 @@ def file(tmp_path) -> Path:
     return path
 
 
-@pytest.mark.parametrize(
+@each_row(
     "text, parts",
     [
         ("20 l/s,30 l/s", ["20 l/s", "30 l/s"]),
@@ -102,17 +95,13 @@ def test_python_values_are_those_of_the_words(file):
         (["fluid.flow_rate=20 l/s,20 kg"], "fluid.flow_rate", "20 kg"),
         (["fluid.densty=1000"], "fluid.densty", "1000"),
         (["string[0].od=5 in,20 in"], "string[0].od", "20 in"),
-        (["string[4].od=5 in"], "string[4].od", "5 in"),
-        (["fluid.density={a"], "fluid.density", "{a"),
-        (["fluid.density=1,"], "fluid.density", "1,"),
-        (["fluid.density=1,1"], "fluid.density", "1"),
+        (["string[4].od=5 in"], "string[4].od", "5 in"), (["fluid.density={a"], "fluid.density", "{a"),
+        (["fluid.density=1,"], "fluid.density", "1,"), (["fluid.density=1,1"], "fluid.density", "1"),
         (["fluid.density=1", "fluid.density=2"], "fluid.density", "2"),
-        (["formation=on,off"], "formation", "on"),
-        (["string[0]=off"], "string[0]", "off"),
-        (["top=on,off"], "top", "on"),
-        (["fluid.density"], "", "fluid.density"),
+        (["formation=on,off"], "formation", "on"), (["string[0]=off"], "string[0]", "off"),
+        (["top=on,off"], "top", "on"), (["fluid.density"], "", "fluid.density"),
     ],
-)
+)  # fmt: skip
 def test_errors_name_key_and_value(file, words, at, got):
     with pytest.raises(CaseError) as caught:
         variations(file, choices_of(words))
@@ -139,7 +128,7 @@ def test_a_case_without_time_is_refused(file):
 BIG = 100 * LEAST_ELEMENTS
 
 
-@pytest.mark.parametrize(
+@each_row(
     "costs, elements, ranks, sizes",
     [
         ([1, 1, 1, 1], [BIG] * 4, 2, [1, 1]),  # two groups, the other members wait
@@ -213,12 +202,9 @@ def test_a_restart_keeps_done_members_and_continues_those_with_a_checkpoint(file
         "", "small", _members(file, ["fluid.density=900,1000,1100,1200,1300"]), out, True, False
     )
     assert [(p.folder.name, p.action) for p in again.folders] == [
-        ("member-006", Action.NEW),
-        ("member-001", Action.KEEP),
-        ("member-002", Action.CONTINUE),
-        ("member-003", Action.AGAIN),
-        ("member-005", Action.NEW),
-    ]
+        ("member-006", Action.NEW), ("member-001", Action.KEEP), ("member-002", Action.CONTINUE),
+        ("member-003", Action.AGAIN), ("member-005", Action.NEW),
+    ]  # fmt: skip
 
 
 def test_an_existing_folder_is_refused_and_one_without_a_sweep_not_continued(file, tmp_path):
@@ -275,11 +261,8 @@ def test_the_table_has_the_state_of_each_member(file, tmp_path):
     assert read_table(tmp_path / "out" / "sweep.csv")["message"].tolist() == ["", 'broke, "so"', ""]
     summary = json.loads((tmp_path / "out" / "summary.json").read_text())
     assert (summary["status"], summary["done"], summary["failed"], summary["title"]) == (
-        "failed",
-        2,
-        1,
-        "title",
-    )
+        "failed", 2, 1, "title",
+    )  # fmt: skip
     assert [m["computed_by"] for m in summary["members"]] == [[2, 3], [0], [1]] and set(outcomes(plan)) == {
         1,
         2,

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from drillpetsc.vibration import butterworth
+from tests.helpers.tables import each_row
 
 
 @pytest.mark.parametrize(("order", "cutoff", "tone", "gain"), [(2, 200, 300, 0.40614), (4, 100, 60, 0.99171)])
@@ -19,7 +20,7 @@ def test_gain_of_a_tone(order, cutoff, tone, gain):
     assert np.abs(late).max() == pytest.approx(gain, rel=1e-2)
 
 
-@pytest.mark.parametrize("order", range(1, 11))
+@each_row("order", range(1, 11))
 def test_gain_of_every_order(order):
     """At 0, at the cutoff and at ten times the cutoff; the weights sum up to 1."""
     f = butterworth(order, 50.0)

@@ -7,6 +7,7 @@ import pytest
 
 from drillpetsc import vibration
 from drillpetsc.units import to_si
+from tests.helpers.tables import each_row
 
 
 def test_mechanical_specific_energy():
@@ -29,7 +30,7 @@ def test_without_rotary_drilling_the_energy_is_the_pressure_under_the_bit():
     )
 
 
-@pytest.mark.parametrize("rop", [0.0, -1e-3, np.nan])
+@each_row("rop", [0.0, -1e-3, np.nan])
 def test_no_energy_without_progress(rop):
     """A rate of penetration of 0 would divide by zero."""
     assert np.isnan(vibration.mechanical_specific_energy(1e5, 3e3, 10.0, rop, 0.2))
@@ -53,7 +54,7 @@ def test_stick_slip_index():
     assert vibration.stuck_share(phase, speed) == pytest.approx(1 - share, abs=5e-3)
 
 
-@pytest.mark.parametrize("speed", [np.zeros(9), np.array([1.0, -1.0]), np.zeros(0), np.full(5, 0.05)])
+@each_row("speed", [np.zeros(9), np.array([1.0, -1.0]), np.zeros(0), np.full(5, 0.05)])
 def test_no_stick_slip_index_of_a_string_that_does_not_turn(speed):
     """The mean speed is below 1 rpm."""
     assert np.isnan(vibration.stick_slip_index(speed))
@@ -97,7 +98,7 @@ def orbit(ratio: float, size: float, rate: float = 200.0, spin: float = 12.0):
     return t, size * np.cos(ratio * spin * t), size * np.sin(ratio * spin * t), np.full(len(t), spin)
 
 
-@pytest.mark.parametrize(
+@each_row(
     ("ratio", "size", "name"),
     [
         (1.0, CLEARANCE, "forward synchronous"),
@@ -110,7 +111,7 @@ def orbit(ratio: float, size: float, rate: float = 200.0, spin: float = 12.0):
         (0.0, CLEARANCE, "none"),
     ],
 )
-@pytest.mark.parametrize("way", [1, -1])
+@each_row("way", [1, -1])
 def test_classes_of_circular_whirl(ratio, size, name, way):
     """Class and ratio of a circle; turned backward, both rotations change their sign and nothing else."""
     t, x, y, spin = orbit(ratio, size, spin=12.0 * way)

@@ -7,47 +7,30 @@ import pytest
 from drillpetsc.case.catalogue import Catalogue, find_heavy_pipe, find_pipe
 from drillpetsc.case.catalogue.reference import ReferenceProblem
 from drillpetsc.case.catalogue.sizes import inch_text, inches
+from tests.helpers.tables import each_row
 
 BUILT_IN = Catalogue.built_in()
 
 
-@pytest.mark.parametrize(
+@each_row(
     ("text", "value"),
     [
-        ("5", 5.0),
-        ("5in", 5.0),
-        ('5"', 5.0),
-        ("5 1/2", 5.5),
-        ("5-1/2", 5.5),
-        ("5-1/2 in", 5.5),
-        ('2 3/8"', 2.375),
-        ("127 mm", 5.0),
-        ("6.75", 6.75),
-        ("1/2 inch", 0.5),
-        (".5", 0.5),
-        ("x", None),
-        ("5 x", None),
-        ("5 1/0", None),
-        ("5 m", None),
-        ("", None),
-        ("-5", None),
+        ("5", 5.0), ("5in", 5.0), ('5"', 5.0), ("5 1/2", 5.5), ("5-1/2", 5.5), ("5-1/2 in", 5.5),
+        ('2 3/8"', 2.375), ("127 mm", 5.0), ("6.75", 6.75), ("1/2 inch", 0.5), (".5", 0.5), ("x", None),
+        ("5 x", None), ("5 1/0", None), ("5 m", None), ("", None), ("-5", None),
     ],
-)
+)  # fmt: skip
 def test_sizes(text, value):
     assert inches(text) == (None if value is None else pytest.approx(value, rel=1e-12))
 
 
 def test_size_text():
     assert [inch_text(v) for v in (5, 5.5, 0.4375, 4.276, 2.8125)] == [
-        "5 in",
-        "5 1/2 in",
-        "7/16 in",
-        "4.276 in",
-        "2 13/16 in",
-    ]
+        "5 in", "5 1/2 in", "7/16 in", "4.276 in", "2 13/16 in",
+    ]  # fmt: skip
 
 
-@pytest.mark.parametrize(
+@each_row(
     ("text", "od", "wear"),
     [
         ("5in 19.50 S-135 NC50 premium", 6.625, "premium"),
@@ -78,29 +61,24 @@ def test_good_references(text, od, wear):
     assert choice.reference.wear == wear
 
 
-@pytest.mark.parametrize(
+@each_row(
     ("text", "want", "hint"),
     [
-        ("", "5in 19.50", ""),
-        ("premium", "SIZE WEIGHT", ""),
+        ("", "5in 19.50", ""), ("premium", "SIZE WEIGHT", ""),
         ("5in", "a nominal weight", "16.25, 19.50, 25.60"),
         ("5in S-135", "a nominal weight", "16.25, 19.50, 25.60"),
         ("4.8in 19.50", "there is no 4.8 in", "5 in 16.25; 5 in 19.50; 5 in 25.60"),
         ("5in 18", "there is no 5 in 18.00", "weights of 5 in: 16.25, 19.50, 25.60 lb/ft"),
         ("5in 19.50", "NC50 6 3/8 in x 3 3/4 in and", "say the connection"),
-        ("4 1/2 16.60 IEU", "4 1/2 FH", "say the connection"),
-        ("5in 19.50 NC5O", "'NC5O'", "NC50"),
-        ("5in 19.50 S-153", "'S-153'", "S135"),
-        ("5in 19.50 premiun", "'premiun'", "premium"),
+        ("4 1/2 16.60 IEU", "4 1/2 FH", "say the connection"), ("5in 19.50 NC5O", "'NC5O'", "NC50"),
+        ("5in 19.50 S-153", "'S-153'", "S135"), ("5in 19.50 premiun", "'premiun'", "premium"),
         ("5in 19.50 class 3", "class", "premium"),
         ("5in 19.50 NC50 5 1/2 FH", "NC50 and 5 1/2 FH do not agree", ""),
-        ("5in 19.50 E S", "E-75 and S-135 do not agree", ""),
-        ("5in 19.50 new premium", "one class", ""),
-        ("4 14.00 S-135", "none for S-135", "tool_joint"),
-        ("5in 19.50 S NC38", "with NC38", "S IEU NC50"),
+        ("5in 19.50 E S", "E-75 and S-135 do not agree", ""), ("5in 19.50 new premium", "one class", ""),
+        ("4 14.00 S-135", "none for S-135", "tool_joint"), ("5in 19.50 S NC38", "with NC38", "S IEU NC50"),
         ("5in 16.25", "none for E-75", "give tool_joint"),
     ],
-)
+)  # fmt: skip
 def test_bad_references(text, want, hint):
     with pytest.raises(ReferenceProblem) as caught:
         find_pipe(BUILT_IN, text)

@@ -16,21 +16,20 @@ from drillpetsc.case.catalogue.formulas import (
     worn_diameter,
 )
 from drillpetsc.case.catalogue.tables import TABLES
+from tests.helpers.tables import each_row
 
 BUILT_IN = Catalogue.built_in()
 
 
-def rows(table: str):
-    return pytest.mark.parametrize(
-        "row", BUILT_IN.rows[table], ids=lambda row: f"{row.file}-{row.line}".replace(".csv", "")
-    )
+def every_row(table: str):
+    return each_row("row", BUILT_IN.rows[table], ids=lambda row: f"{row.file}-{row.line}".replace(".csv", ""))
 
 
 def area(outer: float, inner: float) -> float:
     return math.pi / 4 * (outer**2 - inner**2)
 
 
-@rows("drill_pipe")
+@every_row("drill_pipe")
 def test_drill_pipe(row):
     """Plain-end weight 3.3996 A (API RP 7G), tensile Y A, torsion 0.096167 J Y/D; worn on the outside to 80 and 70 % of the wall.
 
@@ -50,17 +49,14 @@ def test_drill_pipe(row):
     assert torsional_strength(worn, inner, 75e3) == pytest.approx(row["torsion_e75_premium"], rel=1e-3)
 
 
-@pytest.mark.parametrize(
+@each_row(
     ("size", "nominal", "wall", "pull", "torque"),
     [
-        (5.0, 19.5, 1.0, 712_070, 74_100),
-        (5.0, 19.5, 0.8, 560_764, 58_114),
-        (5.5, 21.9, 1.0, 786_809, 91_278),
-        (5.5, 21.9, 0.8, 620_604, 71_754),
-        (4.0, 14.0, 1.0, 513_600, 41_900),
-        (4.0, 14.0, 0.8, 403_500, 32_800),
+        (5.0, 19.5, 1.0, 712_070, 74_100), (5.0, 19.5, 0.8, 560_764, 58_114),
+        (5.5, 21.9, 1.0, 786_809, 91_278), (5.5, 21.9, 0.8, 620_604, 71_754),
+        (4.0, 14.0, 1.0, 513_600, 41_900), (4.0, 14.0, 0.8, 403_500, 32_800),
     ],
-)
+)  # fmt: skip
 def test_s135_strength(size, nominal, wall, pull, torque):
     """S-135 pipe, new and premium: Workstrings International, drill pipe sheets (the 4 in rows are rounded to 100)."""
     row = next(r for r in BUILT_IN.rows["drill_pipe"] if (r["size"], r["nominal"]) == (size, nominal))
@@ -89,7 +85,7 @@ def test_design_factor():
     assert tensile_strength(outer, 4.276, 105e3) / 1.1 == pytest.approx(396_500, rel=1e-4)
 
 
-@rows("tool_joint")
+@every_row("tool_joint")
 def test_adjusted_weight(row):
     """Formula of API RP 7G, section 4.4, against the weights of its tables 8 and 9.
 
@@ -126,17 +122,13 @@ def test_adjusted_weights_mostly_within_a_quarter_percent():
     assert close >= 18
 
 
-@pytest.mark.parametrize(
+@each_row(
     ("name", "outer", "inner", "torque"),
     [
-        ("NC26", 3.375, 1.75, 6_875),
-        ("NC46", 6.0, 3.25, 33_625),
-        ("NC50", 6.375, 3.75, 37_676),
-        ("NC50", 6.625, 2.75, 63_406),
-        ("6 5/8 FH", 8.0, 5.0, 73_661),
-        ("5 1/2 FH", 7.5, 3.0, 52_302 / 0.6),
+        ("NC26", 3.375, 1.75, 6_875), ("NC46", 6.0, 3.25, 33_625), ("NC50", 6.375, 3.75, 37_676),
+        ("NC50", 6.625, 2.75, 63_406), ("6 5/8 FH", 8.0, 5.0, 73_661), ("5 1/2 FH", 7.5, 3.0, 52_302 / 0.6),
     ],
-)
+)  # fmt: skip
 def test_torque_of_tool_joints(name, outer, inner, torque):
     """API RP 7G: table 8, torsional yield of tool joints (as recalled), and the make-up torque of 5 1/2 in 21.90 S-135 pipe with
     5 1/2 FH tool joints, 52,302 ft-lbf (errata of May 2000 to table 10), which is 60 % of it."""
@@ -146,7 +138,7 @@ def test_torque_of_tool_joints(name, outer, inner, torque):
     assert found == pytest.approx(torque, rel=2e-4)
 
 
-@rows("connection")
+@every_row("connection")
 def test_connection(row):
     """The number of a connection is its pitch diameter in tenths of an inch (API Spec 7-2), cut off; the pin ends inside the box."""
     if row["connection"].startswith("NC"):
@@ -158,7 +150,7 @@ def test_connection(row):
     assert row["thread_height"] == pytest.approx(height, rel=5e-3)
 
 
-@rows("hwdp")
+@every_row("hwdp")
 def test_heavy_pipe(row):
     """Weight of tube, tool joints and centre upset of a joint of 30.5 ft, 3.3996 lb/ft per square inch of section: 1.2 %."""
     joint = 30.5 * 12
@@ -172,12 +164,12 @@ def test_heavy_pipe(row):
     assert row["weight"] == pytest.approx(3.3996 * metal / joint, rel=0.012)
 
 
-@rows("drill_collar")
+@every_row("drill_collar")
 def test_drill_collar(row):
     assert row["weight"] == pytest.approx(3.3996 * area(row["od"], row["id"]), abs=0.06)
 
 
-@rows("casing")
+@every_row("casing")
 def test_casing(row):
     """id = od - 2 wall. Drift (API Spec 5CT): id less 1/8 in up to 8 5/8, 5/32 in up to 13 3/8, 3/16 in above.
 
@@ -190,7 +182,7 @@ def test_casing(row):
     assert 0.99 < row["nominal"] / plain < 1.045
 
 
-@rows("grade")
+@every_row("grade")
 def test_grade(row):
     """The number in the name of a grade is its yield strength in ksi."""
     assert row["grade"].split("-")[1] == f"{row['yield']:g}"
@@ -207,7 +199,7 @@ def test_classes():
     }
 
 
-@pytest.mark.parametrize("table", TABLES)
+@each_row("table", TABLES)
 def test_every_row_names_a_source(table):
     assert len(BUILT_IN.rows[table]) >= 3
     for row in BUILT_IN.rows[table]:

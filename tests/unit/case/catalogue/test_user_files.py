@@ -10,6 +10,7 @@ import drillpetsc
 from drillpetsc.case import Case, load_case
 from drillpetsc.case.catalogue import Catalogue, find_pipe
 from drillpetsc.errors import CaseError
+from tests.helpers.tables import each_row
 
 JOINTS = """# rig 7
 size [in],nominal [lb/ft],grade,connection,od [in],id [in],length [in],adjusted [lb/ft],source
@@ -53,7 +54,7 @@ def test_one_file_of_a_user(tmp_path: Path) -> None:
     assert drillpetsc.catalogue("4 3/4", file)[0]["id"] == 4.0
 
 
-@pytest.mark.parametrize(
+@each_row(
     ("name", "text", "line", "at", "want"),
     [
         ("drill_pipe.csv", "", 1, "", "a header such as: size [in]"),
@@ -68,11 +69,8 @@ def test_one_file_of_a_user(tmp_path: Path) -> None:
         ("drill_pipe.csv", "size [in],nominal [lb/ft],id [in]\n5,19.5\n", 2, "", "3 cells"),
         ("drill_pipe.csv", "size [in],nominal [lb/ft],id [in]\n5,,4\n", 2, "nominal", "a value"),
         (
-            "drill_pipe.csv",
-            "size [in],nominal [lb/ft],id [in],plain_end [lb/ft]\n5,19.5,4.276,19\n",
-            2,
-            "plain_end",
-            "17.93",
+            "drill_pipe.csv", "size [in],nominal [lb/ft],id [in],plain_end [lb/ft]\n5,19.5,4.276,19\n", 2,
+            "plain_end", "17.93",
         ),
         (
             "tool_joint.csv",
@@ -91,7 +89,7 @@ def test_one_file_of_a_user(tmp_path: Path) -> None:
         ),
         ("pipes.csv", "size [in]\n5\n", None, "catalogue", "drill_pipe.csv"),
     ],
-)
+)  # fmt: skip
 def test_bad_files(tmp_path: Path, name: str, text: str, line: int | None, at: str, want: str) -> None:
     (tmp_path / name).write_text(text)
     with pytest.raises(CaseError) as caught:
@@ -123,11 +121,8 @@ def test_search_from_python() -> None:
     assert {row["connection"] for row in drillpetsc.catalogue("NC38")} == {"NC38"}
     assert {row["connection"] for row in drillpetsc.catalogue("3 1/2 IF")} == {"NC38"}
     assert [row.table for row in drillpetsc.catalogue("5in 19.50 S-135 NC50 premium")] == [
-        "drill_pipe",
-        "tool_joint",
-        "grade",
-        "class",
-    ]
+        "drill_pipe", "tool_joint", "grade", "class",
+    ]  # fmt: skip
     text = str(drillpetsc.catalogue("5in 19.50"))
     assert "395,595 lbf" in text and "1760 kN" in text and "drill_pipe.csv line 19" in text
     assert "<td>19.50 lb/ft</td>" in drillpetsc.catalogue("5in")._repr_html_()
