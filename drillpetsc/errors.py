@@ -40,7 +40,7 @@ def plain(text: str, longest: int) -> str:
     )
 
 
-RESTART_HINT = "what was written up to now can be read; free disk space, then continue with --restart"
+RESTART_HINT = "the output written so far can be read; free disk space, then continue with --restart"
 
 
 def cannot_write(error: OSError, what: str) -> str:

@@ -160,7 +160,7 @@ def report_error(error: DrillError) -> int:
 
 def report_interrupt() -> int:
     """Print that the user has interrupted the job and return the exit status."""
-    print("drillpetsc: interrupted; what was written up to now is kept", file=sys.stderr)
+    print("drillpetsc: interrupted; the output written so far is kept", file=sys.stderr)
     if not _all_ranks_have_ended():
         _control.Abort(1)
     return 1

@@ -160,7 +160,7 @@ WITH_ZERO: dict[str, dict[str, tuple[float, float]]] = {
 INVERSE: dict[str, dict[str, float]] = {"m/s": {"min/m": 60.0, "min/ft": 60 / FOOT, "s/m": 1.0, "h/m": 3600.0}}
 
 _WHICH_TON = "which ton? t (tonne), tonf_us (2000 lbf) or tonf_uk (2240 lbf)"
-_GAUGE = "gauge pressures here: psi or bar above the air's"
+_GAUGE = "gauge pressures here: psi or bar above atmospheric"
 _DECIMAL = "decimal degrees, such as 23.5 deg"
 # SI unit of a key -> spelling -> why it is refused
 REFUSED: dict[str, dict[str, str]] = {

@@ -367,7 +367,7 @@ def _unit_hint(unit_text: str) -> str:
 
 def _dimension_hint(quantity: Any, angle: int, unit: str, unit_text: str) -> str:
     if unit == "rad/s" and angle == 0 and quantity.check("1/[time]"):
-        return "say what turns: rpm or rad/s, not Hz or 1/s"
+        return "for a rotation use rpm or rad/s, not Hz or 1/s"
     for other, (name, _) in DIMENSIONS.items():
         if other and other != unit:
             target, target_angle = _parse(other)

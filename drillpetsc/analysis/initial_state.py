@@ -49,8 +49,8 @@ def find_equilibrium(
         return director_equilibrium(model, motion, lateral_friction, path)
     except SolveError as error:
         if nothing_holds(model):
-            error.what = f"nothing holds the string along the hole: it falls, or friction alone holds it ({error.what})"
-            error.hint = "initial: {from: rest} with time: {..} lets it fall; a top of another kind, or a bottom, holds it"
+            error.what = f"the string is not held along the hole: it falls, or only friction holds it ({error.what})"
+            error.hint = "initial: {from: rest} with time: {..} lets it fall; another kind of top, or a bottom, holds it"
         raise
 
 

@@ -156,7 +156,7 @@ def _refuse_long_fixed_steps(model: DrillingModel) -> None:
             at="petsc.ts_dt",
             got=f"{step:g} s",
             want=f"at most {longest:.3g} s, the shortest impact, with generalised-alpha at a spectral radius above {STEADY_RADIUS:g}",
-            hint="longer fixed steps make energy there; let -ts_rtol control the steps, or take spectral_radius: 0.5",
+            hint="longer fixed steps generate energy there; let -ts_rtol control the steps, or take spectral_radius: 0.5",
         )
 
 
@@ -180,6 +180,6 @@ def _step_limits(model: DrillingModel) -> dict[str, Any]:
             at="petsc.ts_dt",
             got=f"{fixed:g} s",
             want=f"at most {longest:.3g} s, half the shortest impact",
-            hint="contact.energy_strict asks for it",
+            hint="contact.energy_strict requires it",
         )
     return {"ts_adapt_dt_max": longest}

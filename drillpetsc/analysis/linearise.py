@@ -77,7 +77,7 @@ class LinearResult:
             raise ImportError("to_control needs python-control: pip install control") from None
         q = self.reduced.system if reduced and self.reduced is not None else self.system
         if q.F.any():
-            raise ValueError("an output follows the rate of an input (F): python-control has no such model")
+            raise ValueError("an output depends on the rate of an input (F), which python-control does not support")
         return control.ss(q.A, q.B, q.C, q.D, inputs=list(self.inputs), outputs=list(self.outputs))
 
 
@@ -174,35 +174,35 @@ def _notes(model: DrillingModel, live: LiveOutputs) -> list[str]:
     for key, value in inputs_of(model.case).items():
         if value.breaks():
             notes.append(
-                f"{key} varies over time: the state is that of its value at time 0, {value.value(0.0):g}"
+                f"{key} varies over time: the state uses its value at time 0, {value.value(0.0):g}"
             )
     if any(getattr(q, "kind", "") == "python" for q in getattr(model.case.top, "control", ())):
-        notes.append("the controller in Python is left out: its torque stays what it is")
+        notes.append("the controller in Python is left out: its torque stays constant")
     mpi = model.system.comm.tompi4py()
     left = unbalanced_force(model)
     if left > REPORTED_IMBALANCE:
         notes.append(
-            f"unbalanced forces up to {shown(left, 'force', model.case.output.units or 'metric', 3)} are left: the state is not exactly steady"
+            f"unbalanced forces up to {shown(left, 'force', model.case.output.units or 'metric', 3)} remain: the state is not exactly steady"
         )
     if model.contact is not None:
         cells, items = model.contact.element_results(model.system.assembly)
         closed = mpi.allreduce(int((cells[:, 0] > 0).sum() + (items[:, 0] > 0).sum()))
         moves = prescribed_motion(model) != (0.0, 0.0)
         friction = (
-            "friction has its slope at the present sliding speed" if moves else "without friction at rest"
+            "friction is linearised at the present sliding speed" if moves else "without friction at rest"
         )
-        what = f"{closed} contacts with the wall are closed and stay springs, open ones stay open"
+        what = f"{closed} contacts with the wall are closed and act as springs; open contacts stay open"
         notes.append(
-            f"{what}; {friction}" if closed else "no contact with the wall is closed, and none will close"
+            f"{what}; {friction}" if closed else "all contacts with the wall are open and stay open"
         )
     columns = [q.name for q in live.described()]
     if model.bit is not None and "wob" in columns:
         live.changed()
         on_bottom = live.read(live.find(["wob"]), 0.0)[0] > 0
         notes.append(
-            "the bit stays on the bottom, its law has its slope at the present speed"
+            "the bit stays on the bottom, and its law is linearised at the present speed"
             if on_bottom
-            else "the bit is off the bottom and stays there: neither rock nor bit law acts"
+            else "the bit is off the bottom and stays there, without rock or bit law"
         )
     if prescribed_motion(model)[1] and model.case.string and model.contact is not None:
         notes.append("a bent or eccentric string that rotates is linearised at one angle of rotation")
@@ -231,7 +231,7 @@ def _reduced(
         else:
             growing.append({"kind": kind, "growth": root.real, "frequency": root.imag / (2 * np.pi)})
     if rigid:
-        notes.append(f"rigid motions, which nothing holds: {', '.join(sorted(set(rigid)))}")
+        notes.append(f"unrestrained rigid-body motions: {', '.join(sorted(set(rigid)))}")
     rising = [
         g for g in growing if g["growth"] > 1e-6 * abs(complex(g["growth"], 2 * np.pi * g["frequency"]))
     ]
@@ -242,7 +242,7 @@ def _reduced(
             f"{worst['frequency']:.4g} Hz) by {worst['growth']:.4g} 1/s"
         )
     if len(growing) > len(rising):
-        notes.append(f"motions that neither decay nor grow, without damping: {len(growing) - len(rising)}")
+        notes.append(f"undamped motions of constant amplitude: {len(growing) - len(rising)}")
     for i in linear.constant:
         notes.append(f"{outputs[i]} does not depend on the inputs: its rows of C and D are zero")
     frequency = _frequencies(s, zero)
@@ -268,7 +268,7 @@ def _reduced(
         result = reduce(system, method, order, zero, sizes)
         if system.order <= order:
             notes.append(
-                f"--order {order}: the whole model has {system.order} states, and nothing is left out"
+                f"--order {order}: the whole model has {system.order} states, and all are kept"
             )
         data["reduced"] = result.system.response(frequency)
         found["reduction"] = {

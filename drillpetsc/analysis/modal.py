@@ -393,7 +393,7 @@ def run_modes(
         if not without_control and any(
             getattr(q, "kind", "") == "python" for q in getattr(case.top, "control", ())
         ):
-            left_out = "the controller in Python is left out: its torque stays what it is"
+            left_out = "the controller in Python is left out: its torque stays constant"
             state = replace(state, warnings=[*state.warnings, left_out])
         summary = {
             "title": case.title,
@@ -435,7 +435,7 @@ def mode_summary(found: Modes, state: StaticState, units: System) -> dict[str, A
 def _reference_warning(found: Modes) -> list[str]:
     if not found.kept:
         return []
-    return [f"{found.kept} modes have the mud's force at the reference frequency: their own was not found"]
+    return [f"{found.kept} modes use the mud's force at the reference frequency, because their own frequency was not found"]
 
 
 def _write(model: DrillingModel, folder: RunFolder, found: Modes, summary: dict[str, Any], fields) -> None:
@@ -525,7 +525,7 @@ def _lines(case: Case, folder: RunFolder, found: Modes, summary: dict[str, Any])
     )
     if found.imbalance > REPORTED_IMBALANCE:
         lines.append(
-            f"  note: unbalanced forces up to {shown(found.imbalance, 'force', case.output.units or 'metric', 3)} are left: the state is not exactly steady"
+            f"  note: unbalanced forces up to {shown(found.imbalance, 'force', case.output.units or 'metric', 3)} remain: the state is not exactly steady"
         )
     lines += [f"  {line}" for line in summary["time_scales"]]
     if found.stokes_number is not None:

@@ -275,7 +275,7 @@ class Session:
         if state.inputs.keys() != self._live.keys():
             raise ValueError(
                 f"set_state: the state has the inputs {', '.join(state.inputs) or 'none'}; "
-                f"those of this session are {', '.join(self._live) or 'none'}"
+                f"this session has {', '.join(self._live) or 'none'}"
             )
         c = state.checkpoint
         checkpoint.restore(self._model, c, at="set_state")

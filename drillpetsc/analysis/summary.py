@@ -181,7 +181,7 @@ def closing_lines(
     system = units or "metric"
     if result.get("nothing_left"):
         return [
-            f"{result['title'] or 'case'}: nothing was left to do, the run has reached its end at {result['time']:.6g} s",
+            f"{result['title'] or 'case'}: the run had already reached its end at {result['time']:.6g} s",
             f"  results: {folder}",
         ]
     e = result.get("energy", {})
@@ -232,7 +232,7 @@ def _time_lines(result: dict[str, Any], checked: bool, system: System) -> list[s
     frequency, share = estimate.get("damped_above"), energy.get("damped_share", 0.0)
     if frequency is not None and share > DAMPING_MATTERS:
         lines.append(
-            f"  numerical damping removed {shown(energy['damped'], 'energy', system, 3)}, {100 * share:.2g} % of the energy exchanged: at the steps taken, "
-            f"vibrations above {frequency:.2g} Hz lose more than 1 % of their amplitude in a period"
+            f"  numerical damping removed {shown(energy['damped'], 'energy', system, 3)}, {100 * share:.2g} % of the energy exchanged: at these steps "
+            f"vibrations above {frequency:.2g} Hz lose more than 1 % of their amplitude per period"
         )
     return lines

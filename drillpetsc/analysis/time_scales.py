@@ -174,5 +174,5 @@ def step_warnings(model: DrillingModel, fixed_step: float | None) -> list[str]:
         return []
     return [
         f"fixed steps of {format_time(fixed_step)} do not resolve impacts of {format_time(impact)}: rebounds and their energy are not reliable "
-        f"(take steps below {format_time(RESOLVED_FRACTION * impact)}, or let -ts_rtol control the step)"
+        f"(take steps below {format_time(RESOLVED_FRACTION * impact)}, or let -ts_rtol control the steps)"
     ]

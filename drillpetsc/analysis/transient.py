@@ -213,7 +213,7 @@ class TransientRun:
             self.notes["warnings"] += provenance.version_warnings(self.saved.provenance)
         if self.notes.get("accepted_changes"):
             self.notes["warnings"].append(
-                "changes accepted at a restart act at once: what they add or take stands in the energy balance as gained or "
+                "changes accepted at a restart act at once: the energy balance counts what they add or remove as gained or "
                 "lost by the time integration"
             )
         self.monitors = Monitors(self.model, top_depth(self.model))
@@ -493,7 +493,7 @@ class TransientRun:
         try:
             found = indices(self.folder.path, self.case, window, every)
         except CaseError as error:
-            warnings = [f"indices: there are none: {' '.join(str(error).split())}"]
+            warnings = [f"indices: none: {' '.join(str(error).split())}"]
         else:
             found.write(self.folder.path)
             result["vibration"], warnings = found.summary, found.warnings

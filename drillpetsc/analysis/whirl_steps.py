@@ -229,8 +229,8 @@ class WhirlSteps:
         rate, part = max(lost, key=lambda pair: pair[0])
         units = self.model.case.shown_units
         return [
-            f"torque, weight on bit and side forces are not determined by the steps of this run: {part.name} at MD "
+            f"torque, weight on bit and side forces are unreliable with the steps of this run: {part.name} at MD "
             f"{shown(part.depth, 'length', units, 5)} would roll along the wall at {rate / (2 * pi):.2g} Hz ({60 * turned / (2 * pi):.3g} "
-            f"rpm, radial clearance {shown(part.clearance, 'diameter', units, 3)}), and these steps take more than {100 * LOST:g} % of the "
-            f"energy of that whirl in a period; time.integrator: auto, or -ts_adapt_dt_max {self.product / rate:.2g}, keeps it"
+            f"rpm, radial clearance {shown(part.clearance, 'diameter', units, 3)}). These steps remove more than {100 * LOST:g} % of the energy "
+            f"of that whirl in each period; time.integrator: auto, or -ts_adapt_dt_max {self.product / rate:.2g}, keeps it"
         ]

@@ -116,7 +116,7 @@ class StepRecord:
         span = self._spans.get(key)
         if span is None:
             if self._table is not None:
-                raise LookupError("a number that was not asked for before the first step")
+                raise LookupError("a number that was not requested before the first step")
             if array.dtype != np.float64:
                 raise TypeError(f"a record holds doubles, not {array.dtype}")
             flat = np.asarray(places, dtype=int).ravel().tolist()
@@ -158,7 +158,7 @@ class StepRecord:
         span = self._spans.get(key)
         if span is None:
             if self._table is not None:
-                raise LookupError("a function that was not asked for before the first step")
+                raise LookupError("a function that was not requested before the first step")
             span = self._spans[key] = slice(self._own, self._own + size)
             self._own += size
             self._functions.append((call, span, self._always))

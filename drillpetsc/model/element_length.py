@@ -81,8 +81,8 @@ class ElementLengths:
         worst = min(self.ranges, key=lambda r: r.shortest)
         size, _, unit = display_unit("length", units)
         return [
-            f"the automatic mesh is limited to {MOST_ELEMENTS} elements, which are {self.coarsened:.3g} times longer than asked "
-            f"for; the shortest are asked for from MD {worst.upper / size:.0f} to {worst.lower / size:.0f} {unit} ({worst.reason})"
+            f"the automatic mesh is limited to {MOST_ELEMENTS} elements, which are {self.coarsened:.3g} times longer than "
+            f"needed; the shortest are needed from MD {worst.upper / size:.0f} to {worst.lower / size:.0f} {unit} ({worst.reason})"
         ]
 
 
@@ -243,7 +243,7 @@ class _Asked:
         square = (
             2 * f.mass * omega**2 / (np.sqrt(tension**2 + 4 * self.bending * f.mass * omega**2) + tension)
         )
-        name = "highest frequency asked for" if asked is not None else "bending waves at the rotation speed"
+        name = "highest frequency requested" if asked is not None else "bending waves at the rotation speed"
         self._pieces(VIBRATION_STEP / np.sqrt(square), lambda k: name)
         if asked is not None:
             speed = [

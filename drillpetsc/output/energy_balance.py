@@ -257,4 +257,4 @@ class EnergyGainMonitor:
         """Warning for the user."""
         b = self.balance
         assert b is not None
-        return f"the time integration gained {shown(b.gained, 'energy', b.system.units, 3)} without input, {100 * b.gained / b.exchanged:.2g} % of the energy exchanged"
+        return f"the time integration generated {shown(b.gained, 'energy', b.system.units, 3)} without input, {100 * b.gained / b.exchanged:.2g} % of the energy exchanged"

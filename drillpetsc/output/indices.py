@@ -208,13 +208,13 @@ def _whirl(run: RunFolder, case: Case, ends: FloatArray) -> tuple[dict[tuple[str
     told = []
     if still:
         told.append(
-            f"indices: whirl at {', '.join(still)} is not known: the string turns less than three times"
+            f"indices: whirl at {', '.join(still)} is not known: the string makes fewer than three turns"
         )
     if unresolved:
         every = float(np.median(np.diff(probes["time"])))
         told.append(
             f"indices: whirl at {', '.join(unresolved)} is not resolved in more than {100 * MANY:g} % of the windows: output.history_every "
-            f"of {every:g} s has too few rows for a string that rolls on the wall, or the string turns forth and back"
+            f"of {every:g} s has too few rows for a string that rolls on the wall, or the string turns back and forth"
         )
     return found, told
 

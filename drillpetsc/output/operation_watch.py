@@ -104,13 +104,13 @@ class OperationWatch:
             if name == "push":
                 out.append(
                     f"the top pushes the string into the hole {since}, with up to {shown(spell.largest, 'force', units, 4)} at "
-                    f"{spell.at:.6g} s: a hook can only pull, and lets the block rest on the string instead"
+                    f"{spell.at:.6g} s: a hook can only pull; the block would rest on the string"
                 )
             elif name == "stall":
                 out.append(
                     f"the torque of the motor is above {100 * NEAR_STALL:g} % of its stall torque "
-                    f"{shown(self._stall, 'torque', units, 4)} {since}, first at {spell.first:.6g} s: it hardly turns, and most of "
-                    "the mud leaks through it"
+                    f"{shown(self._stall, 'torque', units, 4)} {since}, first at {spell.first:.6g} s: the motor hardly turns, and "
+                    "most of the mud leaks through it"
                 )
             else:
                 item, closed = self._stops[name]

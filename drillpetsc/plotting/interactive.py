@@ -106,7 +106,7 @@ def _refuse_others(axes: Axes) -> None:
     others: list[Any] = [part for part in (*axes.collections, *axes.images) if part.get_visible()]
     others += [part for part in axes.patches if part.get_visible() and id(part) not in bars]
     if others:
-        want = "matplotlib: this picture has surfaces, which are drawn by it alone"
+        want = "matplotlib, the only one that draws the surfaces of this picture"
         raise CaseError(at="backend", got="plotly", want=want)
 
 

@@ -71,7 +71,7 @@ def why_no_rendering() -> str:
     """
     window = offscreen_window()
     if window == "":
-        return "there is no screen, and neither libEGL nor libOSMesa to draw without one"
+        return "there is no screen, and libEGL and libOSMesa, which draw without one, are missing"
     try:
         chosen = {} if window is None else {"VTK_DEFAULT_OPENGL_WINDOW": window}
         asked = subprocess.run(

@@ -75,7 +75,7 @@ def _title(name: str) -> str:
 
 def _note(content: Mapping[str, Any]) -> str:
     reference = content["reference"]
-    return f"Reference: {reference['what']}. Dashed: its own error, where it is known. Crosses: points that failed."
+    return f"Reference: {reference['what']}. Dashed: error of the reference, if known. Crosses: points that failed."
 
 
 def _panel(
@@ -109,7 +109,7 @@ def _panel(
         if _positive(own):
             axes.axhline(own, color="0.45", linewidth=0.9, linestyle=(0, (5, 3)))
     else:
-        axes.text(0.5, 0.5, "no point has an error", transform=axes.transAxes, ha="center", color="0.4")
+        axes.text(0.5, 0.5, "the errors of all points are unknown", transform=axes.transAxes, ha="center", color="0.4")
     _crosses(axes, failed, abscissa if drawn else "")
 
 

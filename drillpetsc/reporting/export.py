@@ -273,7 +273,7 @@ def _las(table: Table, system: System, title: str, remarks: list[str], name: str
         "~Well",
         f"STRT.{unit} {index[0]:.{DIGITS}g} : first",
         f"STOP.{unit} {index[-1]:.{DIGITS}g} : last",
-        f"STEP.{unit} {step:.{DIGITS}g} : step, 0 where it varies",
+        f"STEP.{unit} {step:.{DIGITS}g} : step, 0 if it varies",
         f"NULL.   {NULL} : no value",
         f"WELL.   {_one_line(title)} : title",
         "~Curve",

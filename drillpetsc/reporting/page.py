@@ -172,7 +172,7 @@ def grid_of(
     content = csv_bytes or csv_of(table)
     small = len(content) <= MOST_CSV
     if not small:
-        notes.append(f"the whole table is in {source}" if source else "too large to go along as CSV")
+        notes.append(f"the whole table is in {source}" if source else "too large to include as CSV")
     return Grid(
         [label_of(title, system) if title.endswith(MIXED) else heading_of(title, system) for title in titles],
         list(zip(*shown, strict=True)),

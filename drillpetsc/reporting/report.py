@@ -237,7 +237,7 @@ def _warnings(source: Source) -> list[tuple[str, list[str]]]:
             if keys:
                 texts.append(
                     f"this run is of another case than {source.file.name}: {', '.join(keys)} differ. Well, string and mud "
-                    f"of this report are those of {source.file.name}"
+                    f"of this report come from {source.file.name}"
                 )
         elif not run.folder.case.is_file():
             texts.append("no case.yaml in this folder: whether it is of this case was not checked")

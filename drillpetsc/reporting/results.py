@@ -444,7 +444,7 @@ def solver_section(runs: Sequence[Run]) -> Section:
                 Grid(heads, rows, run.name, source, folded=True, numeric=(False, True, False, False))
             )
     if not section.grids:
-        section.missing = "no run has reported its computation" if runs else "nothing was computed"
+        section.missing = "none of the runs reports its computation" if runs else "nothing was computed"
     return section
 
 

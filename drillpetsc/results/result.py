@@ -391,7 +391,7 @@ class Result(RunResult):
                 raise CaseError(
                     file=self.folder,
                     got="results of another computation",
-                    want="the results that this object stands for",
+                    want="the results of this object",
                     hint="drillpetsc.open_run reads what the folder holds now",
                 )
 

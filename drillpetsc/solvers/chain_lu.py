@@ -47,7 +47,7 @@ class ZeroPivot(SolveError):
     def __init__(self, node: int, unknown: int) -> None:
         super().__init__(
             f"the matrix of the string is singular to working precision at node {node}, its unknown {unknown}",
-            hint="part of the string is free to move without resistance, or an equation is missing there",
+            hint="a part of the string moves without resistance, or an equation is missing there",
         )
         self.node = node
         self.unknown = unknown
@@ -222,7 +222,7 @@ class ChainFactor:
             raise ValueError(f"rows {rows.shape} and columns {columns.shape} must be flat and of one length")
         largest = max(rows.max(initial=-1), columns.max(initial=-1))
         if largest >= self.size:
-            raise ValueError(f"an entry names local unknown {largest}, there are {self.size}")
+            raise ValueError(f"an entry refers to local unknown {largest}, there are {self.size}")
         self._entries = len(rows)
         self.piece.set_matrix_entries(rows, columns, node_of_dof, self._component)
 

@@ -72,7 +72,7 @@ class ConsistentStart:
         finally:
             asm.freeze(None)
         if not np.isfinite(self._largest(total)):
-            raise SolveError("no accelerations fulfil the equations of motion", time=t)
+            raise SolveError("the equations of motion have no solution for the accelerations", time=t)
 
     def rows(self, t: float) -> FloatArray:
         """Compute the rows (owned,) of the equations at the assembly's x, y, a and ``t`` [s], zero along prescribed motion; collective."""
@@ -206,7 +206,7 @@ class ConsistentStart:
             if len(found) == 2:
                 break
         else:
-            raise SolveError("no accelerations fulfil the equations of motion and the constraints", time=t)
+            raise SolveError("the equations of motion and the constraints have no solution for the accelerations", time=t)
         value = 2 * found[0] - found[1]
         asm.x[:n] = np.where(self.second | self.first, x0, value)
         asm.y[:n] = np.where(self.first, value, y0)
@@ -218,7 +218,7 @@ class ConsistentStart:
         x0, y0 = asm.x[:n].copy(), asm.y[:n].copy()
         shift = 1 / IMPULSE_STEP
         if not self._short_step(t + IMPULSE_STEP, np.zeros(n), (x0, y0), (shift, shift)):
-            raise SolveError("no impulse fulfils the constraints where a prescribed velocity jumps", time=t)
+            raise SolveError("the constraints cannot be fulfilled when a prescribed velocity jumps", time=t)
         y = asm.y[:n].copy()
         asm.x[:n] = np.where(self.first, asm.x[:n], x0)
         asm.y[:n] = np.where(self.second, y, y0)

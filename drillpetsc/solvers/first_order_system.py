@@ -37,8 +37,8 @@ def refuse_integrator(kind: str, multipliers: bool = False) -> None:
             at="petsc.ts_type",
             got=kind,
             want=" | ".join(HIGH_INDEX),
-            hint="joints and the quaternion element have constraints (index 3 or 2), for which the stages of other "
-            "integrators lose their order or fail",
+            hint="joints and the quaternion element have constraints (index 3 or 2), for which other integrators "
+            "lose their order or fail",
         )
     if kind not in IMPLICIT:
         raise OptionError(

@@ -462,7 +462,7 @@ def _refuse(options: PETSc.Options) -> None:
         raise OptionError(
             at="petsc.snes_type",
             got=options.getString("snes_type"),
-            want="no snes_type with generalised-alpha, which uses the condensed Newton method",
+            want="no snes_type: generalised-alpha uses the condensed Newton method",
             hint="-q_snes_type selects its solver",
         )
 
@@ -477,7 +477,7 @@ def _formula(options: PETSc.Options) -> AlphaFormula:
         if options.hasName("ts_alpha_radius"):
             raise ValueError("-ts_alpha_radius and the single parameters exclude each other")
         if "alpha_m" not in given or "alpha_f" not in given:
-            raise ValueError("alpha_m and alpha_f are needed both")
+            raise ValueError("alpha_m and alpha_f are both needed")
         return AlphaFormula(radius_of(**given))
     except ValueError as error:
         raise OptionError(

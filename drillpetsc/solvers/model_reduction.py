@@ -141,7 +141,7 @@ def _split(T: FloatArray, Z: FloatArray, B: FloatArray, C: FloatArray, select: n
         T, Z, *_, info = lapack.dtrsen(select.astype(np.int32), T, Z, job=b"N")
         if info:
             raise SolveError(
-                "roots that decay and roots that do not are too near to each other to be separated"
+                "decaying and non-decaying roots are too close to be separated"
             )
         X, factor, _ = lapack.dtrsyl(T[:k, :k], T[k:, k:], -T[:k, k:], isgn=-1)
         X = X / factor
@@ -182,7 +182,7 @@ def reduce(system: StateSpace, method: str, order: int, zero: float, input_size:
     k = rigid.count + parts.count
     if k > order:
         raise SolveError(
-            f"{k} states belong to motions that do not decay, and all of them are kept: order {order} is too small",
+            f"{k} states belong to non-decaying motions, which are all kept: order {order} is too small",
             hint="give a larger --order, or the string some damping (material.damping)",
         )
     A2, B2, C2 = parts.second

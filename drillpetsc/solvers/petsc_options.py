@@ -105,7 +105,7 @@ SET_ELSEWHERE = {
 }
 #: integrators that PETSc has and that are refused, with the reason
 REFUSED_INTEGRATORS = {
-    "rosw": "its stages do not fulfil the equations of motion, so that hook load and surface torque would be wrong; take arkimex",
+    "rosw": "its stages do not fulfil the equations of motion, so hook load and surface torque would be wrong; use arkimex",
 }
 
 

@@ -286,7 +286,7 @@ def _constraints(K, C, S, F, L, rd, ra, scale, rate, forcing) -> _Free:
         of_stores, of_motions = _split(by_store, SMALL * size)
         refused = [h2, of_motions.T @ h0, of_motions.T @ h1]
         if any(np.abs(o).max(initial=0.0) > SMALL * size for o in refused):
-            raise SolveError("a constraint of a motion that an input changes has no state-space form here")
+            raise SolveError("the state-space form does not support constraints on motions that an input changes")
         motions = _null_space(of_motions.T @ by_motion, scale[S])
         if of_stores.shape[1]:
             G = of_stores.T @ by_store
@@ -301,7 +301,7 @@ def _constraints(K, C, S, F, L, rd, ra, scale, rate, forcing) -> _Free:
     units = np.abs(motions.T) @ scale[S]
     G = turning @ C[np.ix_(ra, S)] @ motions * units
     if len(G) and np.linalg.matrix_rank(G) < len(G):
-        raise SolveError("a constraint of rates repeats another: no state-space form here")
+        raise SolveError("the state-space form does not support redundant constraints of rates")
     inverse = -units[:, None] * np.linalg.pinv(G)
     of_place, of_store = K[np.ix_(ra, S)] @ motions, K[np.ix_(ra, F)]
     r0, r1, r2, r3 = (inverse @ turning @ q for q in (of_place, of_store, forcing[0][ra], forcing[1][ra]))
@@ -355,7 +355,7 @@ def _solved(E, units, *right: FloatArray) -> list[FloatArray]:
     rcond, _ = scipy.linalg.lapack.dgecon(lu, anorm)
     if not rcond > 1e-15:
         raise SolveError(
-            "an unknown of the linearised system has neither inertia nor storage: no state-space form"
+            "an unknown of the linearised system has no inertia and no storage: there is no state-space form"
         )
     return [columns[:, None] * scipy.linalg.lu_solve((lu, pivots), R / rows[:, None]) for R in right]
 

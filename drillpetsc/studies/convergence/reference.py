@@ -114,7 +114,7 @@ def find_reference(
                 at="--reference",
                 got="exact",
                 want="a case with a closed form",
-                hint="auto takes a fine run instead",
+                hint="auto uses a fine run instead",
             )
     if choice not in ("auto", *CANDIDATES):
         return _of_folder(Path(choice))
@@ -187,7 +187,7 @@ def _integrated(runs: StudyRuns, points: Sequence[Point], candidates: Sequence[s
             refused.append(name)
             continue
         used = (
-            " (an integrator of the curves, too)"
+            " (also an integrator of the curves)"
             if any(_integrator(p, runs.base) == name for p in points)
             else ""
         )

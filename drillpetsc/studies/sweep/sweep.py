@@ -421,7 +421,7 @@ class _Job:
         A rank that waits in a computation for one that has left it cannot be released. All other groups
         finish first.
         """
-        text = message or "a rank of this member did not return from it"
+        text = message or "a rank of this member did not return"
         self._report(self._outcome(group, member, [f"on rank {self.mpi.rank} alone: {text}"], wall), member)
         self._ended_file(group.number).touch()
         wait_for_files([self._ended_file(number) for number in range(len(self.sizes))])
