@@ -49,7 +49,9 @@ def find_equilibrium(
         return director_equilibrium(model, motion, lateral_friction, path)
     except SolveError as error:
         if nothing_holds(model):
-            error.what = f"the string is not held along the hole: it falls, or only friction holds it ({error.what})"
+            error.what = (
+                f"the string is not held along the hole: it falls, or only friction holds it ({error.what})"
+            )
             error.hint = "initial: {from: rest} with time: {..} lets it fall; another kind of top, or a bottom, holds it"
         raise
 

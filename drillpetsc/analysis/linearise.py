@@ -77,7 +77,9 @@ class LinearResult:
             raise ImportError("to_control needs python-control: pip install control") from None
         q = self.reduced.system if reduced and self.reduced is not None else self.system
         if q.F.any():
-            raise ValueError("an output depends on the rate of an input (F), which python-control does not support")
+            raise ValueError(
+                "an output depends on the rate of an input (F), which python-control does not support"
+            )
         return control.ss(q.A, q.B, q.C, q.D, inputs=list(self.inputs), outputs=list(self.outputs))
 
 
@@ -173,9 +175,7 @@ def _notes(model: DrillingModel, live: LiveOutputs) -> list[str]:
     notes = []
     for key, value in inputs_of(model.case).items():
         if value.breaks():
-            notes.append(
-                f"{key} varies over time: the state uses its value at time 0, {value.value(0.0):g}"
-            )
+            notes.append(f"{key} varies over time: the state uses its value at time 0, {value.value(0.0):g}")
     if any(getattr(q, "kind", "") == "python" for q in getattr(model.case.top, "control", ())):
         notes.append("the controller in Python is left out: its torque stays constant")
     mpi = model.system.comm.tompi4py()
@@ -192,9 +192,7 @@ def _notes(model: DrillingModel, live: LiveOutputs) -> list[str]:
             "friction is linearised at the present sliding speed" if moves else "without friction at rest"
         )
         what = f"{closed} contacts with the wall are closed and act as springs; open contacts stay open"
-        notes.append(
-            f"{what}; {friction}" if closed else "all contacts with the wall are open and stay open"
-        )
+        notes.append(f"{what}; {friction}" if closed else "all contacts with the wall are open and stay open")
     columns = [q.name for q in live.described()]
     if model.bit is not None and "wob" in columns:
         live.changed()
@@ -267,9 +265,7 @@ def _reduced(
         sizes = np.array([USUAL[key] for key in inputs])
         result = reduce(system, method, order, zero, sizes)
         if system.order <= order:
-            notes.append(
-                f"--order {order}: the whole model has {system.order} states, and all are kept"
-            )
+            notes.append(f"--order {order}: the whole model has {system.order} states, and all are kept")
         data["reduced"] = result.system.response(frequency)
         found["reduction"] = {
             "method": method,

@@ -435,7 +435,9 @@ def mode_summary(found: Modes, state: StaticState, units: System) -> dict[str, A
 def _reference_warning(found: Modes) -> list[str]:
     if not found.kept:
         return []
-    return [f"{found.kept} modes use the mud's force at the reference frequency, because their own frequency was not found"]
+    return [
+        f"{found.kept} modes use the mud's force at the reference frequency, because their own frequency was not found"
+    ]
 
 
 def _write(model: DrillingModel, folder: RunFolder, found: Modes, summary: dict[str, Any], fields) -> None:

@@ -71,7 +71,7 @@ def _hole(case: CaseBlocks) -> list[str]:
         if section.diameter > WIDEST_HOLE:
             inches = f"; {section.diameter:g} in?" if units == "SI" and section.diameter < 50 else ""
             value = said(section.diameter, "diameter", units)
-            out.append(_doubt(f"well.sections[{i}].diameter", value, f"no hole is that wide{inches}"))
+            out.append(_doubt(f"well.sections[{i}].diameter", value, f"holes are not that wide{inches}"))
         if section.friction > ROUGHEST:
             out.append(
                 _doubt(f"well.sections[{i}].friction", f"{section.friction:g}", _rough(section.friction))

@@ -330,8 +330,8 @@ def _refuse_closed_annulus(case: Case, mesh: StringMesh, sizes: Annulus) -> None
         at=f"string[{number}]",
         got=f"{names}: metal and bore of {shown(sizes.outer_above[k], 'flow_area', units)}",
         want=f"less than the hole around it, {shown(sizes.hole_around[k], 'flow_area', units)}: the mud must get past",
-        hint="body_od and blade_length, or mass, say how much metal it has; a hole that narrows beside the item counts as the mean over its "
-        "length: end the wide section lower",
+        hint="body_od and blade_length, or mass, set the volume of its metal. If the hole narrows beside the item, its mean diameter counts: "
+        "end the wide section lower",
     )
 
 

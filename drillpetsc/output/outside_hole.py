@@ -10,7 +10,9 @@ import numpy as np
 from drillpetsc.model.drilling_model import DrillingModel
 from drillpetsc.unit_systems import System, shown
 
-HINT = "with contact: none the string is not confined to its hole: contact: {}, or a fluid without the annulus"
+HINT = (
+    "with contact: none the string is not confined to its hole: contact: {}, or a fluid without the annulus"
+)
 
 
 @dataclass(frozen=True)

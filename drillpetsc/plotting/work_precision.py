@@ -109,7 +109,14 @@ def _panel(
         if _positive(own):
             axes.axhline(own, color="0.45", linewidth=0.9, linestyle=(0, (5, 3)))
     else:
-        axes.text(0.5, 0.5, "the errors of all points are unknown", transform=axes.transAxes, ha="center", color="0.4")
+        axes.text(
+            0.5,
+            0.5,
+            "the errors of all points are unknown",
+            transform=axes.transAxes,
+            ha="center",
+            color="0.4",
+        )
     _crosses(axes, failed, abscissa if drawn else "")
 
 

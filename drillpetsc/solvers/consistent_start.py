@@ -206,7 +206,9 @@ class ConsistentStart:
             if len(found) == 2:
                 break
         else:
-            raise SolveError("the equations of motion and the constraints have no solution for the accelerations", time=t)
+            raise SolveError(
+                "the equations of motion and the constraints have no solution for the accelerations", time=t
+            )
         value = 2 * found[0] - found[1]
         asm.x[:n] = np.where(self.second | self.first, x0, value)
         asm.y[:n] = np.where(self.first, value, y0)

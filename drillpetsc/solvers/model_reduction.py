@@ -140,9 +140,7 @@ def _split(T: FloatArray, Z: FloatArray, B: FloatArray, C: FloatArray, select: n
     if 0 < k < n:
         T, Z, *_, info = lapack.dtrsen(select.astype(np.int32), T, Z, job=b"N")
         if info:
-            raise SolveError(
-                "decaying and non-decaying roots are too close to be separated"
-            )
+            raise SolveError("decaying and non-decaying roots are too close to be separated")
         X, factor, _ = lapack.dtrsyl(T[:k, :k], T[k:, k:], -T[:k, k:], isgn=-1)
         X = X / factor
         T = scipy.linalg.block_diag(T[:k, :k], T[k:, k:])

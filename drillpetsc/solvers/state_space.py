@@ -286,7 +286,9 @@ def _constraints(K, C, S, F, L, rd, ra, scale, rate, forcing) -> _Free:
         of_stores, of_motions = _split(by_store, SMALL * size)
         refused = [h2, of_motions.T @ h0, of_motions.T @ h1]
         if any(np.abs(o).max(initial=0.0) > SMALL * size for o in refused):
-            raise SolveError("the state-space form does not support constraints on motions that an input changes")
+            raise SolveError(
+                "the state-space form does not support constraints on motions that an input changes"
+            )
         motions = _null_space(of_motions.T @ by_motion, scale[S])
         if of_stores.shape[1]:
             G = of_stores.T @ by_store

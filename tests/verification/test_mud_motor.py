@@ -261,7 +261,10 @@ def test_start_above_the_stall_torque_is_answered_in_words(tmp_path):
     case = on_bottom(wob=80e3, pdm={**SECTION, "stall_torque": 2e3})
     found = statics(Case(**case), tmp_path / "s")
     text = next(w for w in found.summary["warnings"] if "pdm" in w)
-    assert "1800 l/min gives 137.9 rpm" in text and "is above stall_torque 2 kN m: the motor stands" in text
+    assert (
+        "1800 l/min gives 137.9 rpm" in text
+        and "is above stall_torque 2 kN m: the motor does not turn" in text
+    )
     got, _ = history(case, tmp_path / "run")
     assert got["motor_stalled"][0] == 1
     assert abs(got["motor_speed"][0]) < 1e-2

@@ -80,7 +80,7 @@ class CaseBlocks(Block):
     hold_string: bool = Field(
         default=False,
         strict=True,
-        description="the string stands still and has no unknowns: hydraulics alone; top may be left out, "
+        description="the string does not move and has no unknowns (hydraulics only); top may be left out, "
         "and there is no contact",
     )
     top: Top = Field(

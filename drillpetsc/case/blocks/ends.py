@@ -26,8 +26,8 @@ _ZERO = Constant(0.0)
 _ROTATION = "rotation speed over time, positive clockwise seen from above"
 _LOWERING = "speed of the top over time, positive downward"
 _PLUGGED = (
-    "true: no fluid leaves the string at its lower end, and unless a pump_pressure holds fluid in it, "
-    "it is empty; false: the end is open (used by a fluid)"
+    "true: the lower end is closed, and the string is empty unless a pump_pressure holds fluid in it; "
+    "false: the end is open (used by a fluid)"
 )
 
 

@@ -108,8 +108,8 @@ class PressureLoss(Block):
         LossCurve | None, BeforeValidator(_curve_or_file, json_schema_input_type=str | LossCurve)
     ] = Field(
         default=None,
-        description="losses at several flow rates, {flow_rate: [..], loss: [..]}, or the name of a CSV file with the columns flow and loss, "
-        "each with its unit in brackets; instead of a value",
+        description="losses at several flow rates instead of a value: {flow_rate: [..], loss: [..]}, or a CSV file with the columns flow and "
+        "loss, each with its unit in brackets",
     )
 
     @model_validator(mode="after")

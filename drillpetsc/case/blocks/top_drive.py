@@ -39,7 +39,7 @@ class TopMotor(Block):
     time_constant: Annotated[float, Quantity("s", at_least=0)] = Field(
         default=0.0,
         description="time constant with which the torque follows the controller; 0: at once "
-        "(5 ms where there is a torque_rate)",
+        "(5 ms with a torque_rate)",
     )
 
     @model_validator(mode="after")

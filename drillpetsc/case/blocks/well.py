@@ -40,9 +40,7 @@ class SurveyFile(Block):
         description="CSV and other text tables, xlsx (`well.xlsx#Sheet2`), LAS, WITSML trajectory; or a run folder"
     )
     tie_in: TieIn | None = Field(default=None, description="station above the first one of the file")
-    allow_dogleg: bool = Field(
-        default=False, strict=True, description="true: bends above 30 deg/30 m are no typing errors"
-    )
+    allow_dogleg: bool = Field(default=False, strict=True, description="true: accept bends above 30 deg/30 m")
     north: Literal["grid", "true", "magnetic"] | None = Field(
         default=None, description="what azimuths are measured from; for reports, without azimuth_from"
     )
@@ -259,8 +257,7 @@ class Well(Block):
     survey: Annotated[Survey, WrapValidator(_survey, json_schema_input_type=str | SurveyFile | Survey)] = (
         Field(
             description="stations md, inclination, azimuth; or the name of a file with these columns; or {file, tie_in, allow_dogleg, north, convergence, "
-            "declination, azimuth_from} for such a file; or a run folder, for the hole that "
-            "the run drilled"
+            "declination, azimuth_from} for such a file; or the folder of a run that drilled this hole"
         )
     )
     sections: tuple[Section, ...] = Field(

@@ -311,7 +311,7 @@ def _no_single_joint(
         "give tool_joint: {od: .., id: .., length: ..}",
     )
     return ReferenceProblem(
-        f"a tool joint that the catalogue has for {name}: there is none for {grade}{asked}",
+        f"a tool joint in the catalogue for {name}: there is none for {grade}{asked}",
         f"there are {others}; or {own}" if others else own,
     )
 

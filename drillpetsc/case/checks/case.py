@@ -79,7 +79,7 @@ def _well_or_none(case: CaseBlocks) -> None:
                 "contact", want="no contact without a well", hint="give a well, or leave contact out"
             )
         if case.bottom.kind == "bit":
-            hint = "a bit stands on the hole's end; give a well"
+            hint = "a bit is on the end of the hole; give a well"
             raise refuse("bottom", got="bit", want="free, pinned, clamped or force without a well", hint=hint)
         return
     for key in ("inclination", "azimuth"):

@@ -20,7 +20,7 @@ def check_hoist(case: CaseBlocks) -> None:
     if case.bottom.kind != "bit":
         for key, given in (("mode", "wob" in drill.mode), ("mode", "rop" in drill.mode)):
             if given:
-                want = "no wob or rop unless bottom is a bit, which stands on the hole's end"
+                want = "no wob or rop unless bottom is a bit on the end of the hole"
                 raise refuse(
                     "top", "autodriller", key, got=", ".join(drill.mode), want=want, hint="bottom: bit"
                 )

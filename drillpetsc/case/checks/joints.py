@@ -48,11 +48,11 @@ def check_joints(case: CaseBlocks) -> None:
                     i,
                     "at",
                     got=joint.at,
-                    want=f"another depth than that of joints[{k}]: one joint at a place",
+                    want=f"a depth other than at joints[{k}]: one joint at a place",
                 )
         for depth, number in in_motors.items():
             if abs(depth - joint.at) <= TOLERANCE:
-                want = f"another depth than that of the joint in string[{number}]: one joint at a place"
+                want = f"a depth other than at the joint in string[{number}]: one joint at a place"
                 raise refuse("joints", i, "at", got=joint.at, want=want)
         seen[joint.at] = i
         for k, (item, (above, below)) in enumerate(zip(case.string, case.item_depths, strict=True)):

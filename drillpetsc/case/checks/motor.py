@@ -39,7 +39,7 @@ def check_motor(case: CaseBlocks) -> None:
         )
     if case.fluid is None:
         if item.pdm.flow_rate is None:
-            hint = "without fluid the case does not know how much mud the motor gets"
+            hint = "without fluid the flow through the motor is unknown"
             raise refuse(*at, "pdm", "flow_rate", want="a flow_rate of the motor, or a fluid", hint=hint)
         return
     if item.pdm.flow_rate is not None:

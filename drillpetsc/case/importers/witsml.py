@@ -137,7 +137,7 @@ def _string(tubular: Element, file: Path, out: Imported) -> None:
         pairs = sorted(zip(ordered, range(len(components)), strict=True))
         components = [components[i] for _, i in pairs]
     else:
-        out.remarks.append("components without sequence: taken from the bit up, as they stand in the file")
+        out.remarks.append("components without sequence: taken from the bit up, in the order of the file")
     bits = [i for i, component in enumerate(components) if _is_bit(component)]
     if bits and bits != [0]:
         component = components[bits[-1]]

@@ -240,7 +240,7 @@ class MudMotor(Component):
         if torque >= stall:
             return [
                 f"{gives}, torque of the start {shown(torque, 'torque', units)} is above stall_torque {shown(stall, 'torque', units)}: "
-                "the motor stands"
+                "the motor does not turn"
             ]
         if torque < 0:
             return [
