@@ -52,7 +52,7 @@ class Modes:
 
     @property
     def margin(self) -> float:
-        """Largest growth [1/s]; negative where every computed mode decays."""
+        """Largest growth [1/s]; negative if all computed modes decay."""
         return float(self.growth.max(initial=-np.inf))
 
     @property

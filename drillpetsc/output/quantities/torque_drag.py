@@ -57,7 +57,7 @@ ROADMAP: tuple[Quantity, ...] = (
         "m",
         "Neutral point",
         "NEUT",
-        "Measured depth of the first place from the top without effective tension; empty where the top is in compression.",
+        "Measured depth of the first place from the top without effective tension; empty if the top is in compression.",
     ),
     _row(
         "buckling_state",
@@ -71,7 +71,7 @@ ROADMAP: tuple[Quantity, ...] = (
         "N",
         "Largest side force per joint",
         "SFJX",
-        "Largest wall force over a length of a joint of the item, 31 ft where it names none.",
+        "Largest wall force over the length of a joint of the item (default 31 ft).",
         "not negative",
     ),
     _row(
@@ -118,6 +118,6 @@ MEASURED: tuple[Quantity, ...] = (
         "-",
         "Friction factor of the point alone",
         "FFPT",
-        "Open-hole factor at which this point alone is met, with the cased factor as fitted; empty where there is none from 0 to 1.",
+        "Open-hole factor that meets this point alone, with the cased factor as fitted; empty if there is none from 0 to 1.",
     ),
 )
