@@ -141,7 +141,7 @@ CRITICAL: tuple[Quantity, ...] = (
     ),
     _column(
         "speed_margin", "%", "Margin to the speed of the case", "SMRG",
-        "(Critical speed - speed of the case)/speed of the case; nan for a case that does not turn.", "the critical speed is higher",
+        "Critical speed minus speed of the case, over the latter; nan for a case that does not turn.", "the critical speed is higher",
     ),
 )  # fmt: skip
 CRITICAL_MAP: tuple[Quantity, ...] = (
