@@ -124,7 +124,7 @@ def kind_of(unit: str, kind: str = "") -> str:
 
 
 def unit_of_bare_number(unit: str, kind: str, system: System) -> str | None:
-    """The unit that a number without one has in a case; None where a unit must be written.
+    """The unit that a number without one has in a case; None if a unit must be written.
 
     unit: SI unit of the key
     kind: kind that the key names, "" for the usual one of its unit

@@ -96,7 +96,7 @@ def to_si(value: object, unit: str) -> float:
 
 
 def in_unit_of(text: str, number: float, unit: str) -> str:
-    """The ``number`` in the SI unit ``unit`` as a text in the unit of ``text``; empty where that has no unit, or another kind."""
+    """The ``number`` in the SI unit ``unit`` as a text in the unit of ``text``; empty if that has no unit, or another kind."""
     try:
         own = _split(text.strip(), unit)[1]
         size, zero = _linear(own, unit) if own else (0.0, 0.0)
@@ -180,7 +180,7 @@ def _common_scales(unit: str, source: str) -> tuple[tuple[float, float], tuple[f
 
 
 def _linear(unit: str, si: str) -> tuple[float, float]:
-    """(size, zero) of a unit in SI; UnitError where it is of another kind or is an inverse (min/ft)."""
+    """(size, zero) of a unit in SI; UnitError if it is of another kind or is an inverse (min/ft)."""
     zero, one = to_si(f"0 {unit}", si), to_si(f"1 {unit}", si)
     return one - zero, zero
 

@@ -181,7 +181,7 @@ def write(path: Path, c: Checkpoint) -> None:
 def read(path: str | Path) -> Checkpoint:
     """Read the checkpoint at ``path``.
 
-    Raises CaseError where it is missing, incomplete, damaged or of another kind or version.
+    Raises CaseError if it is missing, incomplete, damaged or of another kind or version.
     """
     import h5py
 
@@ -275,7 +275,7 @@ def restore(model: DrillingModel, c: Checkpoint, at: str = "--restart") -> None:
     """Load the state of checkpoint ``c`` into the model.
 
     at: key for the error message.
-    Raises CaseError where the checkpoint is of another string.
+    Raises CaseError if the checkpoint is of another string.
     """
     system = model.system
     for f in system.layout.fields:

@@ -37,7 +37,7 @@ def find_equilibrium(
     lateral_friction: the lateral friction force pushes a turning pipe up the wall; without it only its torque
     acts, as in torque-and-drag models.
     path: the question that is answered by following the string's history, see ``director_equilibrium``.
-    Raises SolveError where no equilibrium is found.
+    Raises SolveError if no equilibrium is found.
     """
     if model.beam is not None and model.beam.needs_ancf_equilibrium:
         return quaternion_equilibrium(model, motion, lateral_friction)
@@ -101,7 +101,7 @@ def initial_state(
 
     saved: checkpoint of a run to continue, None for a new run.
     quasi: quasi-static motion of the model, None with inertia.
-    Raises CaseError where a checkpoint does not fit, SolveError where no equilibrium is found.
+    Raises CaseError if a checkpoint does not fit, SolveError if no equilibrium is found.
     """
     if saved is not None:
         checkpoint.restore(model, saved)

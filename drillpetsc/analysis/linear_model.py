@@ -155,7 +155,7 @@ def linear_model(
     model: built with the ``inputs``, in the state of ``modal.prepare_state``.
     outputs: names of columns of history.csv.
 
-    Raises LookupError for an unknown output, CaseError for too many states and SolveError where there is no state space.
+    Raises LookupError for an unknown output, CaseError for too many states and SolveError if there is no state space.
     """
     sizes = np.array([USUAL[name] for name in inputs])
     d = _Differences(model, list(inputs.values()), sizes, outputs)

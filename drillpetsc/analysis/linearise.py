@@ -53,7 +53,7 @@ NPZ, MAT = "linear.npz", "linear.mat"
 class LinearResult:
     """Result of ``linearise``, the same on all ranks.
 
-    system: the whole model; reduced: the model with fewer states, None where it was not asked for.
+    system: the whole model; reduced: the model with fewer states, None if it was not asked for.
     inputs, outputs: names.
     folder, summary, lines: run folder, summary.json and the lines to show.
     """
@@ -69,7 +69,7 @@ class LinearResult:
     def to_control(self, reduced: bool = False) -> Any:
         """The model as ``control.StateSpace`` of python-control, which has to be installed.
 
-        Raises ImportError without it, and ValueError where an output follows the rate of an input.
+        Raises ImportError without it, and ValueError if an output follows the rate of an input.
         """
         try:
             import control  # type: ignore
@@ -102,7 +102,7 @@ def run_linearise(
     method: ``balanced`` or ``modal`` reduction to ``order`` states; None: none.
     overwrite: replace an existing run folder; comm: communicator, all ranks by default.
 
-    Raises CaseError for wrong arguments, SolveError where no equilibrium is found or no state space exists.
+    Raises CaseError for wrong arguments, SolveError if no equilibrium is found or no state space exists.
     """
     refuse_quaternion(case, "linearise")
     case = continuous_control(case)

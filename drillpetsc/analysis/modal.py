@@ -89,7 +89,7 @@ def prepare_state(model: DrillingModel, about: str = "steady") -> StaticState:
     motion that the top prescribes at time 0, and in that motion.  Rest is in equilibrium without friction, at
     rest.
 
-    Raises SolveError where no equilibrium is found.
+    Raises SolveError if no equilibrium is found.
     """
     if about == "steady" and (prescribed_motion(model) != (0.0, 0.0) or model.parts(MudMotor)):
         state = find_equilibrium(model)
@@ -161,7 +161,7 @@ def modes(
     kind: only modes of this one of ``KINDS``; stability is then known for that kind only.
     engine: as in ``eigenvalues_near``.
 
-    Raises SolveError where no eigenvalue converges.
+    Raises SolveError if no eigenvalue converges.
     """
     system, reference = model.system, reference_rate(model)
     imbalance, own = unbalanced_force(model), frequency_dependent(model)
@@ -367,7 +367,7 @@ def run_modes(
     comm: communicator, all ranks by default.
     without_control: leave out motor, hoist and controllers, and hold the top at the prescribed rotation.
 
-    Returns folder, summary and the lines to show.  Raises CaseError for wrong arguments, SolveError where no state
+    Returns folder, summary and the lines to show.  Raises CaseError for wrong arguments, SolveError if no state
     or mode is found.
     """
     refuse_quaternion(case, "modes")

@@ -39,7 +39,7 @@ def lowest_of_kind(
 ) -> Eigenvalues:
     """The ``count`` lowest modes of a kind, as `lowest_eigenvalues`, and the damped ones among them.
 
-    Raises SolveError where nothing converges.
+    Raises SolveError if nothing converges.
     """
     own = _from_own_motions(model, linearised, problem, count, kind, selected)
     try:

@@ -59,7 +59,7 @@ class QuasiStatic:
     def integrator(self) -> TimeIntegrator:
         """Create the integrator of the hole's end; the string is in equilibrium at each step.
 
-        Raises CaseError where PETSc options select another integrator than the condensed BDF.
+        Raises CaseError if PETSc options select another integrator than the condensed BDF.
         """
         longest = longest_step(self.model)
         options: dict[str, Any] = {"ts_adapt_dt_max": longest}

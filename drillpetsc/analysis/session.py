@@ -63,7 +63,7 @@ class Session:
     interpolate: ``held``, an input is constant from its ``set`` on; ``linear``, it goes to the new value over the next step.
     comm: PETSc communicator, all ranks by default; then every call is collective.
 
-    Raises CaseError for bad input and SolveError where no static state is found or no step can be taken.  A session is a
+    Raises CaseError for bad input and SolveError if no static state is found or no step can be taken.  A session is a
     context manager; ``close`` frees its memory.
     """
 

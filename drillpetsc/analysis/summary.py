@@ -96,7 +96,7 @@ def outcome(
 ) -> dict[str, Any]:
     """Warnings, balances, the new hole and the last values of the history.
 
-    newton_work: work of the residuals that Newton left [J], None where it is not known.
+    newton_work: work of the residuals that Newton left [J], None if unknown.
     """
     result: dict[str, Any] = {"warnings": list(notes.get("warnings", ()))}
     if "accepted_changes" in notes:

@@ -31,7 +31,7 @@ AXIAL, BENDING, TORSIONAL, MUD = 4 * (45 + sqrt(1605)) / 2, 8400.0, 6.0, 6.0
 
 @dataclass(frozen=True)
 class TimeScales:
-    """Shortest times [s], infinite where the model has no such motion.
+    """Shortest times [s], infinite if the model has no such motion.
 
     impact: duration of an impact of an element or rigid item on the wall.
     bit: half a period of the bit on the bottom.

@@ -163,7 +163,7 @@ def _notes(
 
 
 def _fixed_step(integrator: TimeIntegrator, quasi: QuasiStatic | None) -> float | None:
-    """The step [s] of an integrator with fixed steps; None where steps are adapted, or without inertia."""
+    """The step [s] of an integrator with fixed steps; None if steps are adapted, or without inertia."""
     fixed = integrator.options.get("ts_adapt_type") == "none" and quasi is None
     return integrator.first_step if fixed else None
 
@@ -477,7 +477,7 @@ class TransientRun:
 
     def _take_time_error(self, result: dict[str, Any]) -> float | None:
         """Put what is known of the errors in time into the summary; returns the length of the steps [s] that damp short motions,
-        None where it is not known."""
+        None if unknown."""
         by_outputs, entry = self.recorder.time_error, result.get("error_estimate")
         if entry is not None and by_outputs is not None:
             entry |= {"outputs": by_outputs.summary(), "damped_above": by_outputs.damped_above()}

@@ -21,7 +21,7 @@ from drillpetsc.output.rigid_items import RigidItems
 from drillpetsc.unit_systems import shown
 
 SLOWEST = 0.1  # rotation [rad/s] below which nothing whirls
-#: clearance over radius below which an item fills its hole: the bit is no item that rolls on the wall
+#: clearance over radius below which an item fills its hole: the bit does not roll on the wall
 SMALLEST_CLEARANCE = 2e-3
 LOST = 1e-3  # energy that a formula may take from a whirl in a period, over its energy [-]
 LARGEST_PRODUCT = (
@@ -201,7 +201,7 @@ class WhirlSteps:
         return step
 
     def summary(self, steps: int) -> dict[str, object] | None:
-        """Part that limits most of the ``steps`` of a run, for summary.json; None where none does."""
+        """Part that limits most of the ``steps`` of a run, for summary.json; None if none does."""
         if not self._limited.any():
             return None
         k = int(self._limited.argmax())

@@ -112,7 +112,7 @@ class Assembly(BlockState):
         self._imposed: tuple[np.ndarray, FloatArray, dict[int, np.ndarray]] | None = None
 
     def places(self) -> tuple[np.ndarray, np.ndarray]:
-        """Local dofs of the rows and of the columns of all Jacobian entries, (len(values),) each, -1 where an entry is left out.
+        """Local dofs of the rows and of the columns of all Jacobian entries, (len(values),) each, -1 if an entry is left out.
 
         They are computed anew: kept, they would take as much memory as the entries.
         """
@@ -198,7 +198,7 @@ class Assembly(BlockState):
 
     @property
     def imposed(self) -> np.ndarray | None:
-        """Unknowns (n,) with imposed rates, as a mask; None where there are none."""
+        """Unknowns (n,) with imposed rates, as a mask; None if there are none."""
         if self._imposed is None:
             return None
         mask = np.zeros(self.layout.size, dtype=bool)
@@ -326,7 +326,7 @@ class Assembly(BlockState):
     def prepare_step(self, t: float, sigma: float, second: float) -> StepCalls | None:
         """Set what the compiled calls of a condensed step at time ``t`` [s] need.
 
-        None where the step needs more than these calls do, or where prescribed motion first needs the state.
+        None if the step needs more than these calls do, or prescribed motion first needs the state.
 
         sigma, second: as for ``condense``.
         """
@@ -366,7 +366,7 @@ class Assembly(BlockState):
         """Compute the residual of a condensed step at time ``t`` [s] in one compiled call, on several ranks in three.
 
         The same as ``condense``, ``apply_prescribed_rates``, ``residual`` and ``replace_rows``.  False, and nothing is
-        done, where the step needs more than these, or prescribed motion first needs the state.
+        done, if the step needs more than these, or prescribed motion first needs the state.
 
         sigma, second: as for ``condense``.
         at: addresses of the owned unknowns (n,) and of the residual (n,).

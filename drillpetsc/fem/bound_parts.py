@@ -34,7 +34,7 @@ NODE_FIELDS = ("string.position", "string.tangent", "string.spin")
 class BoundBlock:
     """An element block with its dof table and the prepared arguments of its kernel.
 
-    index: (count, width) local dofs of each element; local: the same, -1 where an entry is left out.
+    index: (count, width) local dofs of each element; local: the same, -1 if an entry is left out.
     span: the block's entries in ``Assembly.values``, ``width**2`` an element.
     columns: those of each slot (field, end) in an element's unknowns.
     """
@@ -71,7 +71,7 @@ class BoundBlock:
         self._numbers = (layout.chain.cells if block.on == "cell" else layout.chain.vertices)[block.points]
 
     def write_places(self, rows: np.ndarray, columns: np.ndarray) -> None:
-        """Write the local dofs of the rows and of the columns of the block's entries, (count, width, width) each; -1 where an
+        """Write the local dofs of the rows and of the columns of the block's entries, (count, width, width) each; -1 if an
         entry is left out."""
         rows[:], columns[:] = self.local[:, :, None], self.local[:, None, :]
 
@@ -198,7 +198,7 @@ class RowReplacement:
     def evaluate(self, t: float, x: FloatArray, y: FloatArray | None = None) -> None:
         """Set ``value`` and ``rate``, on a curved path also the directions, to those at ``t`` [s].
 
-        They are evaluated once per time.  x: unknowns of the system; y: their rates, None where not known.
+        They are evaluated once per time.  x: unknowns of the system; y: their rates, None if unknown.
         """
         if t == self.time or (self.condition.constant and self.time is not None):
             return

@@ -123,7 +123,7 @@ class PrescribedMotion:
     names: (m,) of the reactions: the residual components that the condition replaces (manual:
     eq-prescribed-rows).
     along_path(t, x, y): on a curved path, directions, value and rate at the time t and the vertex' unknowns x
-    (7,) and their rates y (7,), None where they are not known; None: the directions are constant.  A direction that is
+    (7,) and their rates y (7,), None if unknown; None: the directions are constant.  A direction that is
     zero is free.
     advance(x): change (7,) of the vertex' unknowns x (7,) by the length of path that an end is moved down;
     None: the end does not move.
@@ -254,11 +254,11 @@ class Component:
         return ()
 
     def at_break(self, t: float, state: Any) -> bool:
-        """Change states of this rank where an input jumps or bends at ``t`` [s]; True where any changed."""
+        """Change states of this rank where an input jumps or bends at ``t`` [s]; True if any changed."""
         return False
 
     def begin_new_states(self, t: float, state: Any) -> bool:
-        """Let states that a restored state does not have, of a case that has changed, begin at ``t`` [s]; True where any changed,
+        """Let states that a restored state does not have, of a case that has changed, begin at ``t`` [s]; True if any changed,
         on the rank that has them."""
         return False
 
@@ -267,7 +267,7 @@ class Component:
     has_events: bool = False
 
     def event_numbers(self, state: Any) -> FloatArray:
-        """(k,) figures from which all ranks tell whether the law ends, summed over ranks; zero where another rank has them."""
+        """(k,) figures from which all ranks tell whether the law ends, summed over ranks; zero if another rank has them."""
         return np.zeros(0)
 
     def event_passed(self, numbers: FloatArray) -> bool:
@@ -285,7 +285,7 @@ class Component:
     def renew_reference_frames(self, system: Any) -> bool:
         """Replace reference directions that are nearly opposite to the tangent; collective.
 
-        True where any changed.
+        True if any changed.
         """
         return False
 

@@ -185,7 +185,7 @@ class DiscreteSystem:
             self.ends.spread(asm.x, asm.y)
 
     def _take(self, state: PETSc.Vec, unknowns: FloatArray, rates: FloatArray) -> None:
-        """Copy both parts of a global state into local arrays, ghosts included; zero where an unknown has no rate."""
+        """Copy both parts of a global state into local arrays, ghosts included; zero if an unknown has no rate."""
         s = pointer(state.getArray(readonly=1))
         _gather(self.layout.size, self._x_from, s, pointer(unknowns))
         _gather(self.layout.size, self._y_from, s, pointer(rates))
@@ -287,7 +287,7 @@ class DiscreteSystem:
     def renew_reference_frames(self) -> bool:
         """Replace reference directions that are nearly opposite to the tangent.
 
-        True where any changed (collective).
+        True if any changed (collective).
         """
         changed = [component.renew_reference_frames(self) for component in self.components]
         return any(changed)
@@ -365,7 +365,7 @@ class DiscreteSystem:
     def reaction(self, name: str) -> float:
         """Return the reaction ``name`` [N or N m], the same on all ranks.
 
-        0 where nothing of this name is prescribed.
+        0 if nothing of this name is prescribed.
         """
         value = 0.0
         for f in self.assembly.row_replacements:

@@ -21,7 +21,7 @@ class EndExchange:
     comm: mpi4py's communicator of the chain.
     vertices: (nv,) numbers of this rank's nodes, ascending; owned: (nv,) whether it owns them.
     vertex_of: (n,) index in ``vertices`` of each local unknown; the unknowns of a node have the same order on both ranks.
-    owned_index: (n,) index of each unknown in the owned part of a vector, -1 where another rank owns it.
+    owned_index: (n,) index of each unknown in the owned part of a vector, -1 if another rank owns it.
     """
 
     def __init__(

@@ -51,7 +51,7 @@ class Quantity:
     interpolate: between two steps: a straight line, a parabola through three steps (``motion``), or none: then the
     value is that at the time of writing.
     mean: the mean over a time has a meaning.
-    values(source, steps): the ``value`` after each of k recorded steps (``fem.step_record``), (k, ...), or None where this model has them one
+    values(source, steps): the ``value`` after each of k recorded steps (``fem.step_record``), (k, ...), or None if this model has them one
     by one only; without it, ``value`` is called after every step.
     value(source, sample): this rank's share, summed over ranks: a number, or (k, size) for k joints or probes; for
     ``node`` (nv, size) at the local vertices; for ``element`` (nc,) or (nc, 2, ...) at its upper and lower end.
@@ -117,7 +117,7 @@ class Quantity:
         return self.place(name) is not None
 
     def place(self, name: str) -> str | None:
-        """Depth or name of a sensor in ``name``, empty for a quantity without; None where it is another quantity's name."""
+        """Depth or name of a sensor in ``name``, empty for a quantity without; None if it is another quantity's name."""
         if self.tool:
             above, below = self.name.split(self.tool, 1)
             found = re.fullmatch(f"{above}{self.tool}(?:_([0-9]+))?{below}", name)

@@ -69,7 +69,7 @@ class RigidItem:
 
     @property
     def end_radii(self) -> tuple[float, float]:
-        """Radii that touch the wall at the item's upper and lower end [m], 0 where nothing does."""
+        """Radii that touch the wall at the item's upper and lower end [m], 0 if nothing does."""
         if not self.contact_length:
             return self.radius, self.radius
         first, last = self.contact_above, self.contact_above + self.contact_length
@@ -168,7 +168,7 @@ class StringMesh:
     clearance_diameter: from which the clearance of buckling loads is measured [m].
     outer_area: for buoyancy and end forces [m2]; bore_area: of the mud inside [m2].
     tube_outer_area, tube_bore_area: of the tube between tool joints, whose wall is reported on [m2].
-    joint_length [m], worn_diameter: outer diameter of the worn tube [m], yield_strength [Pa]; nan where not known.
+    joint_length [m], worn_diameter: outer diameter of the worn tube [m], yield_strength [Pa]; nan if unknown.
     The last nine are those of plain tubes where they are not given.
     """
 

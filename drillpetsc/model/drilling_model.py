@@ -59,7 +59,7 @@ class DrillingModel:
     position: (n_nodes, 3) unstrained string along the axis of the hole [m]; tangent: (n_nodes, 3) unit
     tangents.
     components: all components, in the order of the discrete system.
-    beam, top, contact, bit: the components of these kinds, None where absent.  A held string has no beam.
+    beam, top, contact, bit: the components of these kinds, None if absent.  A held string has no beam.
     system: the discrete system.
     fluid: components of the drilling fluid, None in a dry model.
 
@@ -86,7 +86,7 @@ class DrillingModel:
         return tuple(part for part in self.components if isinstance(part, kind))
 
     def part(self, kind: type[Part]) -> Part | None:
-        """The component of a class that a string has once, None where absent."""
+        """The component of a class that a string has once, None if absent."""
         return next((part for part in self.components if isinstance(part, kind)), None)
 
     @property
@@ -145,7 +145,7 @@ def build_model(
     comm: PETSc communicator, all ranks by default.
     motion: of a static question, for automatic element lengths (see ``build_mesh``).
     balanced: leave out what turns with the section: eccentric mass, unbalance, bends and stress-free curvature.
-    Raises CaseError where mesh or hole are impossible.
+    Raises CaseError if mesh or hole are impossible.
     """
     well = well_of_reamer(case, build_well(case))
     mesh = build_mesh(case, well, motion)
@@ -336,7 +336,7 @@ def _axis(case: Case, mesh: StringMesh, well: Well | None) -> tuple[FloatArray, 
 
 # ---------------------------------------------------------------------- ends
 def _top_path(well: Well | None, frames: Frames) -> HolePath | None:
-    """Create the path along which the top moves; None where it is one straight line."""
+    """Create the path along which the top moves; None if it is one straight line."""
     if well is None or not is_curved(well):
         return None
     return HolePath(well, 0.0, frames.second_director[0])
@@ -350,7 +350,7 @@ def _top_components(
     path: HolePath | None,
     frames: Frames,
 ) -> tuple[interfaces.Top | None, tuple[Component, ...]]:
-    """Create the top end, None where absent, and the machines above it: a drive of its rotation, a hoist.
+    """Create the top end, None if absent, and the machines above it: a drive of its rotation, a hoist.
 
     path: of the top, None: a straight line.
     """

@@ -60,7 +60,7 @@ class FluidComponents:
     """Components of the drilling fluid.
 
     constants: of the fluid.
-    bore, annulus, bit: None where the model has no such channel.
+    bore, annulus, bit: None if the model has no such channel.
     volumes(pressure): nodal volumes (n+1,) [m3] by field of fluid at rest under a pressure at the top [Pa];
     only with formulation hermite.
     surface_line: between pump and string, None without one.
@@ -307,7 +307,7 @@ def _mud_items(case: Case, mesh: StringMesh, sizes: Annulus) -> tuple[MudItem, .
 
 
 def _refuse_closed_annulus(case: Case, mesh: StringMesh, sizes: Annulus) -> None:
-    """Raise CaseError where the metal of rigid items fills the hole around them: that over them and the element below."""
+    """Raise CaseError if the metal of rigid items fills the hole around them: that over them and the element below."""
     narrow = np.flatnonzero(sizes.hole - sizes.outer <= LEAST_OPEN * sizes.hole)
     for number in dict.fromkeys(mesh.item[narrow].tolist()):
         if case.string[number].annulus_od is not None:

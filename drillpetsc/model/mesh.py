@@ -65,7 +65,7 @@ def build_mesh(case: Case, well: Well | None = None, motion: tuple[float, float]
     well: the hole, None: that of the case.
     motion: axial speed [m/s, down positive] and rotation [rad/s] of a static question; automatic lengths are
     chosen for it, None: for those of the case.
-    Raises CaseError where no item of the string is flexible, or a bend is right below a joint.
+    Raises CaseError if no item of the string is flexible, or a bend is right below a joint.
     """
     if not any(isinstance(item, Flexible) for item in case.string):
         raise CaseError(
@@ -350,7 +350,7 @@ def _bent_cells(rows, rigid, tops: dict[int, int], is_joint: np.ndarray) -> tupl
     """Return the stress-free curvatures of the elements (manual: sec-junctions-bend).
 
     is_joint: (n,) mask of the cells that are joints; the other arguments are those of ``_assemble``.
-    Raises CaseError where the kink of a rigid item would be in a joint.
+    Raises CaseError if the kink of a rigid item would be in a joint.
     """
     bent: list[BentCell] = []
 
@@ -492,7 +492,7 @@ def _body(item: Any, node: int, before: float) -> RigidItem:
 
 
 def _touching(item: Item, before: float) -> tuple[float, float] | None:
-    """Part of a stabilizer or bit that touches the wall, for ``RigidItem``; None where the whole item does.
+    """Part of a stabilizer or bit that touches the wall, for ``RigidItem``; None if the whole item does.
 
     A bit has cut its hole, in which it may tilt: held at both ends by a hole that curves, it would be a wedge whose couple is that of
     the wall's stiffness.  It touches at the middle of its cutting part, which is about as high as wide.

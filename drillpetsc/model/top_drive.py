@@ -35,7 +35,7 @@ def lowest_torsional_frequency(mesh: StringMesh, bottom_held: bool = False) -> f
 
     The string is straight and in air, with the elements of the model: linear rotation and consistent inertia.
     bottom_held: the lower end does not turn.
-    Raises CaseError where joints leave parts of the string free to turn.
+    Raises CaseError if joints leave parts of the string free to turn.
     """
     if any(j.kind == "revolute" for j in mesh.joints):
         raise CaseError(

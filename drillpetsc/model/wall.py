@@ -43,7 +43,7 @@ def wall_stiffness(case: Case, mesh: StringMesh, well: Well) -> tuple[FloatArray
 def mean_and_hardness(
     case: Case, mesh: StringMesh, well: Well
 ) -> tuple[float, tuple[FloatArray, FloatArray]]:
-    """Mean stiffness [Pa] of the wall along the string, and that of elements and rigid items over it, 1 where nothing touches."""
+    """Mean stiffness [Pa] of the wall along the string, and that of elements and rigid items over it, 1 if nothing touches."""
     cells, bodies = wall_stiffness(case, mesh, well)
     every = np.concatenate([cells, bodies])
     mean = float(np.exp(np.nanmean(np.log(every)))) if np.isfinite(every).any() else 1e8

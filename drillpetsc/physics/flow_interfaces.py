@@ -90,9 +90,9 @@ class Channel(Component):
 
     @abstractmethod
     def pressure_places(self, system: Any) -> np.ndarray | None:
-        """(nv,) places of the pressures at the local vertices in the unknowns; None where they are computed from others."""
+        """(nv,) places of the pressures at the local vertices in the unknowns; None if they are computed from others."""
 
-    # the same after each of k recorded steps (``fem.step_record``); None where they are found one by one only
+    # the same after each of k recorded steps (``fem.step_record``); None if they are found one by one only
     @abstractmethod
     def sums_of(self, steps: Any) -> FloatArray:
         """(k, 10) ``totals``."""

@@ -120,7 +120,7 @@ class Hoist(Component):
         raise NotImplementedError
 
     def hook_load(self, t: float, state: Any) -> float | None:
-        """Pull on the string [N], this rank's share; None where it is the reaction of a prescribed top."""
+        """Pull on the string [N], this rank's share; None if it is the reaction of a prescribed top."""
         return None
 
     def sensed_loop(self) -> str | None:

@@ -163,7 +163,7 @@ class Bit(Component):
         """Compute weight on bit [N] and torque on bit [N m], zero on ranks without the bit."""
 
     def weight_and_torque_of(self, steps: Any) -> FloatArray | None:
-        """(k, 2) ``weight_and_torque`` after each of k recorded steps; None where they are found one by one only."""
+        """(k, 2) ``weight_and_torque`` after each of k recorded steps; None if they are found one by one only."""
         return None
 
     def element_results(self, state: Any) -> FloatArray:
@@ -212,7 +212,7 @@ class Bit(Component):
 
     @property
     def side_strength(self) -> float | None:
-        """Force at which the rock beside the bit gives way [N]; None where it does not."""
+        """Force at which the rock beside the bit gives way [N]; None if it does not."""
         return None
 
     def orbit_and_overgauge(self, state: Any) -> tuple[float, float]:
@@ -223,7 +223,7 @@ class Bit(Component):
         return 0.0, 0.0
 
     def drilled_hole(self) -> Well | None:
-        """Return the hole with its new part; None where nothing is drilled."""
+        """Return the hole with its new part; None if nothing is drilled."""
         return None
 
     @property
@@ -241,7 +241,7 @@ class WallContact(Component):
 
     @abstractmethod
     def item_results(self, state: Any) -> FloatArray:
-        """(bodies, columns) results of each rigid item, like ``element_results``, zero where another rank has it."""
+        """(bodies, columns) results of each rigid item, like ``element_results``, zero if another rank has it."""
 
     @abstractmethod
     def normal_force(self, cell: int) -> float:

@@ -35,7 +35,7 @@ DASHES = {"closed": "-", "open": (0, (5, 2)), "pumping": (0, (1, 1.2))}
 
 
 def hydraulics_drawers(folder: Path, title: str, system: System) -> dict[str, Callable[[], Any]]:
-    """Functions that draw the tables that a run folder holds, by the name of the picture; none where it holds none of them.
+    """Functions that draw the tables that a run folder holds, by the name of the picture; none if it holds none of them.
 
     system: units of the axes.
     """

@@ -28,7 +28,7 @@ _NOTHING = ("None", "none", "", " ", None)
 def plotly_figure(drawing: Any) -> Any:
     """The figure of plotly with the curves, bars and axes of a figure of matplotlib.
 
-    Raises CaseError where plotly is missing, and for a picture that has surfaces or images.
+    Raises CaseError if plotly is missing, and for a picture that has surfaces or images.
     """
     try:
         import plotly.graph_objects as go
@@ -91,7 +91,7 @@ def plotly_figure(drawing: Any) -> Any:
 
 
 def plotly_script() -> str:
-    """The script of plotly that a page without a network needs; raises CaseError where the package is missing."""
+    """The script of plotly that a page without a network needs; raises CaseError if the package is missing."""
     try:
         from plotly.offline import get_plotlyjs
     except ImportError:

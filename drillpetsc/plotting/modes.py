@@ -24,7 +24,7 @@ PARTS = {  # by kind of mode: what is drawn
 def draw_modes(folder: Path, title: str) -> Any:
     """Shapes of the first modes along measured depth, each scaled to 1: solid the real, dashed the imaginary part.
 
-    Returns None where the folder holds no shapes.
+    Returns None if the folder holds no shapes.
     """
     files = sorted((folder / "modes").glob("mode_*.vtu"))[:SHOWN]
     if not files:

@@ -158,7 +158,7 @@ def picture_names(run: str | os.PathLike) -> list[str]:
 
 
 def _drawers(folder: RunFolder, units: System | None) -> dict[str, Callable[[], Any]]:
-    """Functions that draw the pictures of a folder, by name; they return None where there is nothing to draw."""
+    """Functions that draw the pictures of a folder, by name; they return None if there is nothing to draw."""
     summary = read_summary(folder.summary) if folder.summary.exists() else {}
     title = str(summary.get("title") or folder.path.name)
     drawers: dict[str, Callable[[], Any]] = {}

@@ -50,7 +50,7 @@ def _opens(library: str) -> bool:
 def offscreen_window() -> str | None:
     """Value for VTK_DEFAULT_OPENGL_WINDOW: a window whose library exists.
 
-    None where VTK (with a screen, or on another system) or the user chooses. Empty if there is no such window;
+    None if VTK (with a screen, or on another system) or the user chooses. Empty if there is no such window;
     VTK must not be started then, because it may end the process.
     """
     if (

@@ -39,7 +39,7 @@ BUCKLED = {"sinusoidal": "o", "helical": "s", "lock_up": "X"}
 
 
 def torque_drag_drawers(folder: Path, title: str, system: System) -> dict[str, Callable[[], Any]]:
-    """Functions that draw the tables that a run folder holds, by the name of the picture; none where it holds none of them.
+    """Functions that draw the tables that a run folder holds, by the name of the picture; none if it holds none of them.
 
     system: units of the axes.
     """

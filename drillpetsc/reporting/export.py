@@ -179,7 +179,7 @@ def _csv(table: Table, system: System) -> bytes:
 
 
 def _text(value: Any) -> str:
-    """A cell: empty where there is no number."""
+    """A cell: empty if it holds no number."""
     if not isinstance(value, int | float):
         return str(value)
     return f"{value:.{DIGITS}g}" if math.isfinite(value) else ""

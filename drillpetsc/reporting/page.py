@@ -34,7 +34,7 @@ MOST_POINTS = 8_000  # points of lines above which SVG is not tried
 class Picture:
     """A picture in the file: data URI, words for those who do not see it, and the files it is drawn from.
 
-    plot: the same curves as JSON of a figure of plotly, empty where the picture does not zoom.
+    plot: the same curves as JSON of a figure of plotly, empty if the picture does not zoom.
     """
 
     uri: str
@@ -93,7 +93,7 @@ _zooms: contextvars.ContextVar[bool] = contextvars.ContextVar("pictures that zoo
 def pictures_that_zoom(wanted: bool) -> Iterator[None]:
     """Within this context `picture` adds a figure of plotly, if ``wanted``.
 
-    Raises CaseError where plotly is missing.
+    Raises CaseError if plotly is missing.
     """
     if wanted:
         from drillpetsc.plotting.interactive import plotly_script
@@ -238,7 +238,7 @@ def csv_of(table: Mapping[str, np.ndarray]) -> bytes:
 def file_grid(
     file: Path, system: System, caption: str, source: str, columns: Sequence[str] = ()
 ) -> Grid | None:
-    """A table of a run folder; None where it has no rows."""
+    """A table of a run folder; None if it has no rows."""
     table = read_table(file)
     if not table or not len(next(iter(table.values()))):
         return None

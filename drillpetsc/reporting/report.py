@@ -159,7 +159,7 @@ def html(source: Source, system: System, wanted: Sequence[str], interactive: boo
 
 
 def _script(sections: Sequence[Section]) -> str:
-    """The script of plotly, empty where no picture zooms."""
+    """The script of plotly, empty if no picture zooms."""
     from drillpetsc.plotting.interactive import plotly_script
 
     return plotly_script() if any(p.plot for section in sections for p in section.pictures) else ""

@@ -28,7 +28,7 @@ class Kind:
     """A kind of results.
 
     key: of its section; tables: files in the run folder that hold it, the first one always; pictures: their names;
-    command: that computes it, empty where no single one does; columns: of the first table that are shown, by default all; needs_mud.
+    command: that computes it, empty if no single one does; columns: of the first table that are shown, by default all; needs_mud.
     """
 
     key: str
@@ -113,7 +113,7 @@ class Run:
 
     @classmethod
     def open(cls, path: Path) -> Run:
-        """A run folder with its summary, empty where it has none."""
+        """A run folder with its summary, empty if it has none."""
         folder = RunFolder.open(path)
         summary = read_summary(folder.summary) if folder.summary.is_file() else {}
         return cls(folder, path.resolve().name, summary)

@@ -110,7 +110,7 @@ StringFrames = tuple[np.ndarray, Table]
 
 
 def read_string(folder: Path) -> StringFrames:
-    """All frames of the string in a run folder; CaseError where there are none, or where they have different nodes."""
+    """All frames of the string in a run folder; CaseError if there are none, or they have different nodes."""
     series = read_series(folder)
     if not series:
         raise CaseError(file=folder, want="a run folder with frames of the string (string.pvd)")
@@ -156,7 +156,7 @@ def string_dataset(frames: StringFrames, title: str = "") -> Any:
 def frame(table: Table, file: str, system: System) -> Any:
     """A table as a frame of pandas in a system of units; headings are `hook_load [klbf]`.
 
-    The coordinate of the table is the index. Raises CaseError where pandas is not installed.
+    The coordinate of the table is the index. Raises CaseError if pandas is not installed.
     """
     try:
         import pandas

@@ -226,7 +226,7 @@ class Result(RunResult):
 
         table: name of the table; by default the main one of the result
         units: field, metric, metric_t or SI; by default those of the case, SI where it has none
-        Raises CaseError where pandas is not installed.
+        Raises CaseError if pandas is not installed.
         """
         files = self._files()
         name = table or next((f.removesuffix(".csv") for f in (*KINDS, *TABLES) if f in files), "")
@@ -381,7 +381,7 @@ class Result(RunResult):
         return value
 
     def _check_folder(self) -> None:
-        """Raise CaseError where the folder is gone, or holds the results of another computation by now."""
+        """Raise CaseError if the folder is gone, or holds the results of another computation by now."""
         if not self.folder.is_dir():
             raise CaseError(file=self.folder, got="no such folder", want="the run folder of the result")
         file = RunFolder(self.folder).summary
@@ -415,7 +415,7 @@ def open_run(folder: str | Path) -> Result:
     """The result in a run folder; nothing is computed, and neither PETSc nor MPI is started.
 
     folder: run folder of `run`, `statics`, `hydraulics`, `surge` or `modes`, finished or not
-    Raises CaseError where the folder does not exist or holds no results.
+    Raises CaseError if the folder does not exist or holds no results.
     """
     path = Path(folder)
     if not path.is_dir():

@@ -126,7 +126,7 @@ class AlphaFormula:
     def damped_product(self, loss: float = LOSS) -> float | None:
         """Angular frequency times step above which a period takes more than ``loss`` of the amplitude.
 
-        None where no frequency loses as much.
+        None if no frequency loses as much.
         """
         products = np.geomspace(1e-2, 1e2, 800)
         factors = np.array([self.amplification(p) for p in products])

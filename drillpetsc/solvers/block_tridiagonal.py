@@ -104,7 +104,7 @@ class Piece:
 
         rows, columns: unknowns, negative where an entry is left out; node, component: (size,) of each unknown.
         source: (m,) numbers of the entries in the values of ``factor``, None for 0 to m - 1; duplicates add up.
-        Raises ValueError where an entry couples nodes that are not neighbours.
+        Raises ValueError if an entry couples nodes that are not neighbours.
         """
         rows, columns, node, component = (
             np.ascontiguousarray(a, dtype=np.int32) for a in (rows, columns, node, component)

@@ -65,7 +65,7 @@ def _raise_on_all_ranks(comm: Any, problem: str | None) -> None:
 
 
 def _check_local(nodes: np.ndarray, sizes: np.ndarray, node_of_dof: np.ndarray) -> str | None:
-    """Describe what is wrong with this rank's nodes and unknowns; None where nothing is."""
+    """Describe what is wrong with this rank's nodes and unknowns; None if nothing is."""
     if np.any(np.diff(nodes) != 1):
         return f"the nodes of a rank must follow each other along the string, got {nodes.tolist()}"
     if len(node_of_dof) and (node_of_dof.min() < 0 or node_of_dof.max() >= len(nodes)):
@@ -216,7 +216,7 @@ class ChainFactor:
     def _set_entries(self, node_of_dof: np.ndarray, rows: np.ndarray, columns: np.ndarray) -> None:
         """Check the matrix entries (m,) and set their positions in the blocks.
 
-        ValueError where one is wrong.
+        ValueError if one is wrong.
         """
         if rows.shape != columns.shape or rows.ndim != 1:
             raise ValueError(f"rows {rows.shape} and columns {columns.shape} must be flat and of one length")
@@ -422,7 +422,7 @@ class ChainPC:
     matrix is factored again only where ``provider.version`` changed.
 
     chain: the solver; provider: its matrix entries.
-    stop: raise ZeroPivot where a pivot is missing.  Otherwise the KSP diverges with DIVERGED_PC_FAILED, so
+    stop: raise ZeroPivot if a pivot is missing.  Otherwise the KSP diverges with DIVERGED_PC_FAILED, so
     that the time step can be reduced, and ``error`` is the reason.
     """
 

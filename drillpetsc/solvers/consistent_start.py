@@ -46,7 +46,7 @@ class ConsistentStart:
     def accelerations(self, t: float) -> None:
         """Set ``a``, and ``y`` of first-order unknowns, so that the equations hold at ``t`` [s]; collective.
 
-        Raises SolveError where the equations have no solution.
+        Raises SolveError if the equations have no solution.
         """
         asm, n = self.system.assembly, self.system.layout.size
         if self.system.multipliers:
@@ -96,7 +96,7 @@ class ConsistentStart:
         """Let rates jump to the prescribed ones at ``t`` [s], all others by the impulse; collective.
 
         The rows of inertia, integrated over the jump: the change of ``y`` of second-order unknowns, and of
-        ``x`` of first-order ones, fulfils M change = 0 where nothing is prescribed.
+        ``x`` of first-order ones, fulfils M change = 0 for unknowns that are not prescribed.
         """
         asm, n = self.system.assembly, self.system.layout.size
         if self.system.multipliers:
@@ -168,7 +168,7 @@ class ConsistentStart:
     ) -> bool:
         """Solve at ``t`` [s] from x, y ``start`` with the given rate of x at the start and the two shifts.
 
-        False where Newton's method does not converge.
+        False if Newton's method does not converge.
         """
         newton, asm, n = self.newton, self.system.assembly, self.system.layout.size
         x, y = start

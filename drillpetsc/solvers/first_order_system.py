@@ -64,7 +64,7 @@ class FirstOrderSystem:
     """TS callbacks on the state vector.
 
     jacobians: counter of Jacobians; matrix: the Jacobian.
-    Raises CaseError where a component has constraints that need the condensed integrator.
+    Raises CaseError if a component has constraints that need the condensed integrator.
     """
 
     def __init__(self, system: DiscreteSystem):
@@ -110,7 +110,7 @@ class FirstOrderSystem:
         self._free = ~prescribed[self._second_order], ~prescribed[self._spin_nodes]
 
     def _entry_dofs(self) -> tuple[np.ndarray, np.ndarray]:
-        """Compute local rows and columns of all matrix entries, -1 where left out.
+        """Compute local rows and columns of all matrix entries, -1 if left out.
 
         Manual: eq-time-first-order-jacobian.
 

@@ -119,7 +119,7 @@ class Linearised:
         return QuadraticEigenproblem(K, C, M, self.second_order[parent], self.scale[parent], reference)
 
     def field_values(self, number: int, u: np.ndarray, nodes: int, size: int) -> np.ndarray:
-        """Return the (m, nodes, size) values of a field in the vectors u (n, m); zero where it is absent.
+        """Return the (m, nodes, size) values of a field in the vectors u (n, m); zero if it is absent.
 
         number: of the field; nodes: of the string; size: components of the field.
         """

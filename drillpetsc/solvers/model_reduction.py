@@ -152,7 +152,7 @@ def _split(T: FloatArray, Z: FloatArray, B: FloatArray, C: FloatArray, select: n
 
 
 def _output_sizes(A, B, C, D, input_size) -> FloatArray:
-    """Largest response (p,) of each output of the decaying part to usual inputs; 1 where there is none."""
+    """Largest response (p,) of each output of the decaying part to usual inputs; 1 if there is none."""
     s = np.linalg.eigvals(A) if len(A) else np.zeros(0, dtype=complex)
     at = np.unique(np.abs(s.imag[s.imag >= 0]))
     at = at[:: max(1, len(at) // 200)] if len(at) else np.zeros(1)
@@ -168,7 +168,7 @@ def reduce(system: StateSpace, method: str, order: int, zero: float, input_size:
     A model with no more states than ``order`` stays as it is.  Modal truncation keeps conjugate pairs whole and may have one
     state less.  Sources: Moore 1981 (balanced truncation), Glover 1984 (bound), Rommes and Martins 2006 (dominance).
 
-    Raises SolveError where more motions than ``order`` do not decay, or where roots cannot be separated.
+    Raises SolveError if more motions than ``order`` do not decay, or roots cannot be separated.
     """
     A, sizes = _balanced(system.A) if system.order else (system.A, np.ones(0))
     B, C = system.B / sizes[:, None], system.C * sizes

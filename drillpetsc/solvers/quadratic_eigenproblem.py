@@ -57,7 +57,7 @@ class QuadraticEigenproblem:
     reference: a slow rate of the system [1/s], by which rates are scaled (manual: eq-eigen-reference).
     Shifts are real multiples of it unless one is given.
 
-    Raises ValueError where a first-order unknown has an inertia.
+    Raises ValueError if a first-order unknown has an inertia.
     """
 
     K: sparse.csr_matrix
@@ -109,7 +109,7 @@ Selection = Callable[[Eigenvalues], np.ndarray]
 class _Scaled:
     """The problem in units of its scales and its reference rate, with rows of size one.
 
-    Raises ValueError where a row is zero.
+    Raises ValueError if a row is zero.
     """
 
     def __init__(self, p: QuadraticEigenproblem):
@@ -130,7 +130,7 @@ class _Scaled:
 
         Manual: eq-eigen-operator.
 
-        Raises SolveError where the system is singular at the shift.
+        Raises SolveError if the system is singular at the shift.
         """
         shifted = sparse.csc_matrix(self.K + sigma * self.C + sigma**2 * self.M)
         try:
@@ -246,7 +246,7 @@ def _leading(apply, size: int, count: int, real: bool, engine: str) -> tuple[np.
     the operator with the found space projected out, until no eigenvalue of that size is left.
 
     Returns eigenvalues (m,), vectors (size, m), and a bound: no eigenvalue larger than it is missing.
-    Raises SolveError where nothing converges.
+    Raises SolveError if nothing converges.
     """
     kind: type = float if real else complex
     method = _slepc if engine == "slepc" or (engine == "auto" and has_slepc(kind)) else _arpack
@@ -290,7 +290,7 @@ def eigenvalues_near(
     engine: ``dense``, ``arpack``, ``slepc`` or ``auto``.  Auto uses a dense matrix up to DENSE_BELOW, then
     SLEPc where it is installed and has the number type of the shift, else ARPACK.
 
-    Raises SolveError where nothing converges.  Manual: sec-eigen-search.
+    Raises SolveError if nothing converges.  Manual: sec-eigen-search.
     """
     scaled, w = _Scaled(problem), problem.reference
     sigma: Any = complex(shift) / w
@@ -349,7 +349,7 @@ def lowest_eigenvalues(
     sparing: discs after the first are no larger than what is still missing; fewer eigenvalues above those asked for
     are seen, so that one of them that grows may be left out.
 
-    Raises SolveError where nothing converges.
+    Raises SolveError if nothing converges.
     """
     first = FIRST_SHIFT * problem.reference
     parts: list[Eigenvalues] = []

@@ -146,7 +146,7 @@ def eliminate(
     K, C, M: (n, n) sparse.
     second_order: (n,) whether the rate of the unknown is a state.
     scale: (n,) usual sizes; rate: usual rate [1/s]; names: of the unknowns.
-    Raises SolveError where the equations have no state-space form.
+    Raises SolveError if the equations have no state-space form.
     """
     K, C, M = (np.asarray(sparse.csr_matrix(A).todense()) for A in (K, C, M))
     weights = [scale * f for f in (1.0, rate, rate**2)]
@@ -265,7 +265,7 @@ class _Free:
 def _constraints(K, C, S, F, L, rd, ra, scale, rate, forcing) -> _Free:
     """Split the algebraic rows ``ra`` into those that determine unknowns ``L``, and constraints of all others.
 
-    forcing: rows (n, m) by integrals, values and rates of the inputs.  Raises SolveError where a constraint is one of
+    forcing: rows (n, m) by integrals, values and rates of the inputs.  Raises SolveError if a constraint is one of
     motions that an input changes, of accelerations, or of rates that others hold already.
     """
     m = forcing[0].shape[1]
@@ -342,7 +342,7 @@ def _null_space(G: FloatArray, scale: FloatArray) -> FloatArray:
 
 
 def _solved(E, units, *right: FloatArray) -> list[FloatArray]:
-    """Solve E X = R for each R in usual units of the states; raises SolveError where E is singular."""
+    """Solve E X = R for each R in usual units of the states; raises SolveError if E is singular."""
     n = len(E)
     if not n:
         return [np.zeros_like(R) for R in right]

@@ -213,7 +213,7 @@ class TimeIntegrator:
 
         Manual: sec-time-jumps.
 
-        Where a prescribed motion jumps, the flow relative to the pipe jumps as well, and its error control
+        If a prescribed motion jumps, the flow relative to the pipe jumps as well, and its error control
         would reject every step length.
         """
         self._mud_masked = jumped
@@ -304,7 +304,7 @@ class TimeIntegrator:
         return out
 
     def _change_laws(self, t: float) -> bool:
-        """Change the laws that end at the present state at ``t`` [s], and restart the formula; True where any does."""
+        """Change the laws that end at the present state at ``t`` [s], and restart the formula; True if any does."""
         passed = self._events()
         if not passed:
             return False

@@ -98,7 +98,7 @@ class Base:
     end: end of the simulated time [s].
     tolerance: -ts_rtol of the case.
     history_every: interval of the rows of the history [s].
-    step: mean step of the pilot [s]; 0 if not known.
+    step: mean step of the pilot [s]; 0 if unknown.
     steps, tolerances: steps [s] and tolerances of all curves, if given.
     """
 

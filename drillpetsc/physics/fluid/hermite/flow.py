@@ -343,7 +343,7 @@ class HermiteBit(BitFlow):
     """Nozzles and chamber without unknowns (kernels/fluid/hermite/hermite_bit.hpp).
 
     node, end, fluid, held_at: as in ``BitFlow``; pump: its flow over time [m3/s].
-    bore, annulus: the channels, whose lowest elements give the heads; None where absent.
+    bore, annulus: the channels, whose lowest elements give the heads; None if absent.
     rest_at: (3,) position of the lowest node at which volumes are zero [m].
     """
 
