@@ -123,7 +123,7 @@ class Assembly(BlockState):
         return both[0], both[1]
 
     def _places_after_blocks(self) -> np.ndarray:
-        """(2, k) the same for the entries after those of the blocks."""
+        """(2, k) the same for the entries after the blocks' entries."""
         parts = [(np.repeat(f.rows, 7), np.tile(f.rows, 7)) for f in self.row_replacements if f.owned]
         parts += [(c.rows, c.columns) for c in self.stabilized]
         return np.hstack([np.zeros((2, 0), dtype=np.int32), *map(np.array, parts)])
@@ -150,7 +150,7 @@ class Assembly(BlockState):
     def freeze(self, mask: np.ndarray | None) -> None:
         """Fix the unknowns of ``mask`` (n,) at their values; None releases all.
 
-        Rows and columns of fixed unknowns become those of the unit matrix.
+        Rows and columns of fixed unknowns become rows and columns of the unit matrix.
         """
         if mask is None or not mask.any():
             self._frozen = None
@@ -169,7 +169,7 @@ class Assembly(BlockState):
         )
 
     def _fix_matrix_entries(self) -> None:
-        """Replace the rows and columns of fixed unknowns by those of the unit matrix."""
+        """Replace the rows and columns of fixed unknowns by rows and columns of the unit matrix."""
         assert self._frozen is not None
         _, blocks, others, diagonal = self._frozen
         for b, held in blocks:
@@ -370,8 +370,8 @@ class Assembly(BlockState):
 
         sigma, second: as for ``condense``.
         at: addresses of the owned unknowns (n,) and of the residual (n,).
-        ends: exchange with other ranks, None on one rank; rows: the residual, with ``ends``.  A rank may go this way and another
-        that of the separate calls: their messages are the same.
+        ends: exchange with other ranks, None on one rank; rows: the residual, with ``ends``.  One rank may use this call and
+        another the separate calls, because their messages are the same.
         """
         calls = self.prepare_step(t, sigma, second)
         if calls is None:
@@ -485,7 +485,7 @@ class Assembly(BlockState):
 
     @property
     def plain(self) -> bool:
-        """Whether all entries are those of the blocks and of prescribed motion: nothing is held, imposed or stabilised."""
+        """Whether all entries come from the blocks and from prescribed motion: nothing is held, imposed or stabilised."""
         return not (self.stabilized or self.imposed_or_held)
 
     def _jacobian_with_imposed_rates(self, b: BoundBlock, state: tuple) -> None:
@@ -529,7 +529,7 @@ class StepCalls:
     """Arguments of the compiled calls of one assembly (kernels/core/step.hpp), as long as its blocks and their states are the same.
 
     step, jacobian: the records; step_at, jacobian_at: their addresses.
-    blocks: those with elements on this rank, in the order of the records.
+    blocks: the blocks with elements on this rank, in the order of the records.
     """
 
     def __init__(self, asm: Assembly):
@@ -582,7 +582,7 @@ class StepCalls:
 
     @staticmethod
     def _prescribed_matrices(asm: Assembly) -> ctypes.Array:
-        """Entries at prescribed motion; those of this rank's own nodes follow those of the blocks."""
+        """Entries at prescribed motion; the entries of this rank's nodes follow the blocks' entries."""
         calls = (_PrescribedMatrix * len(asm.row_replacements))()
         at = pointer(asm.values) + 8 * asm.entries_of_blocks
         for call, f in zip(calls, asm.row_replacements, strict=True):

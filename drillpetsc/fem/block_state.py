@@ -100,7 +100,7 @@ class BlockState:
         """Results of the elements of a block at x, y, evaluated once within ``unchanged``.
 
         kernel: entry point of the results; columns: their number for one element.
-        The tables are not to be changed, nor kept: the next evaluation overwrites them.
+        Do not change or keep the tables: the next evaluation overwrites them.
         """
         found = self.block_results(block, kernel, columns)
         if self.kept is not None:
@@ -126,14 +126,14 @@ class BlockState:
         return found
 
     def have_results(self, members: dict[BlockResults, bool]) -> None:
-        """Say that these results have just been evaluated, for what asks for them within ``unchanged``."""
+        """Mark these results as just evaluated, for calls within ``unchanged``."""
         if self.kept is not None:
             self.kept |= members
 
     def index_of(self, block: ElementBlock) -> np.ndarray:
         """Return the (n, d) dofs of a block in x, y, a.
 
-        Derived fields are computed first where it uses them.
+        Derived fields are computed first if it uses them.
         """
         found = self._index_by_block.get(id(block))
         if found is not None:

@@ -52,7 +52,7 @@ class Field:
     second_order: the field's rate is a further unknown of the time integrator (position and velocity).  Other
     fields are first-order states, or algebraic where ``differential`` is False.
     multiplier: a Lagrange multiplier: algebraic, and its rows are constraints.
-    default: value used where an element refers to the field and a node does not have it.
+    default: value used if an element refers to the field and its node does not have it.
     physics: ``string``, ``joint``, ``fluid``, ``rock`` or ``drive``; error control, line search and the steady flow
     select by it.
     """
@@ -127,10 +127,10 @@ class PrescribedMotion:
     zero is free.
     advance(x): change (7,) of the vertex' unknowns x (7,) by the length of path that an end is moved down;
     None: the end does not move.
-    spin_reference: direction (3,) from which the spin angle counts, where the spin is prescribed, last, and the slope is free; a
+    spin_reference: direction (3,) from which the spin angle is measured, if the spin is prescribed (last) and the slope is free; a
     view into the array of its owner, who may change it.  None: the slope is prescribed, too, or the spin is not (manual:
     eq-prescribed-lean).
-    constant: value and rate are those of the start at all times.
+    constant: value and rate keep their initial values.
     """
 
     vertex: int
@@ -151,7 +151,7 @@ class ContactFlags(NamedTuple):
 
     values: one of them for each contact; never reallocated.
     wall: a value that is not zero is a closed contact with the wall (manual: sec-time-contact-entries).
-    context: record of the block whose elements have no Jacobian entries where all of their values are zero, in the order of
+    context: record of the block whose elements have no Jacobian entries if all of their values are zero, in the order of
     the elements; 0: there is none.
     """
 
@@ -190,10 +190,10 @@ class Powers(NamedTuple):
 
 
 class Start(NamedTuple):
-    """What a machine needs to know when a motion begins from the static state.
+    """Data for a machine when a motion begins from the static state.
 
     hook_load: pull on the string [N]; total(values): sum of an array over all ranks, collective.
-    at_rest: drives and drums stand still, whatever their set points, for the modes about rest.
+    at_rest: drives and drums do not move, whatever their set points, for the modes about rest.
     """
 
     hook_load: float
@@ -258,7 +258,7 @@ class Component:
         return False
 
     def begin_new_states(self, t: float, state: Any) -> bool:
-        """Let states that a restored state does not have, of a case that has changed, begin at ``t`` [s]; True if any changed,
+        """Begin states that a changed case has and the restored state lacks, at ``t`` [s]; True if any changed,
         on the rank that has them."""
         return False
 
@@ -267,7 +267,7 @@ class Component:
     has_events: bool = False
 
     def event_numbers(self, state: Any) -> FloatArray:
-        """(k,) figures from which all ranks tell whether the law ends, summed over ranks; zero if another rank has them."""
+        """(k,) figures from which all ranks decide whether the law ends, summed over ranks; zero if another rank has them."""
         return np.zeros(0)
 
     def event_passed(self, numbers: FloatArray) -> bool:
@@ -278,7 +278,7 @@ class Component:
         """Go over to the law that follows."""
 
     def start_warnings(self, state: Any, units: System) -> list[str]:
-        """Sentences for the user about the state at the start of a motion, in a system of units, from the rank that knows."""
+        """Sentences for the user about the state at the start of a motion, in a system of units, from the rank that has them."""
         return []
 
     # ------------------------------------------------------------------ reference frames
@@ -378,7 +378,7 @@ class Component:
         """Hold whatever the component moves by itself, for statics."""
 
     def begin_motion(self, state: Any, start: Start) -> None:
-        """Let go of what ``hold`` holds; it goes on with its static load.  Every rank calls it."""
+        """Release what ``hold`` holds; it continues with its static load.  Every rank calls it."""
 
     def first_cut(self, state: Any) -> None:
         """Set the rates of cutters at the start of a motion so that they carry their static weight."""

@@ -103,7 +103,7 @@ class DiscreteSystem:
         self._make_tables()
 
     def _find_regions(self) -> dict[str, np.ndarray]:
-        """Sets of vertices by name: (n_nodes,) masks, those of all components among them."""
+        """Sets of vertices by name: (n_nodes,) masks, including the sets of all components."""
         mesh, order = self.mesh, np.arange(self.mesh.nodes)
         regions = {
             "string": order >= 0,
@@ -296,7 +296,7 @@ class DiscreteSystem:
     def energies(self, t: float, physics: str = "") -> Energies:
         """Compute the stored energies [J] at the assembly's x, y and time ``t`` [s], summed over ranks.
 
-        physics: only those of components whose elements have unknowns of this physics.
+        physics: only components whose elements have unknowns of this physics.
         """
         kinetic = strain = potential = 0.0
         chosen = self._with(physics) if physics else self._storing
@@ -318,7 +318,7 @@ class DiscreteSystem:
     def powers(self, t: float) -> Powers:
         """Compute the dissipated and supplied power [W] at the assembly's x, y, a, summed over ranks.
 
-        The supplied power includes that of the reactions of the last residual.
+        The supplied power includes the power of the reactions of the last residual.
         """
         parts = self.local_powers(t)
         return Powers(*total(self.comm, parts).tolist())

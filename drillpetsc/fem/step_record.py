@@ -25,8 +25,8 @@ Places = int | Sequence[int] | np.ndarray
 class StepRecord:
     """Steps of a system with the numbers that outputs are computed from.
 
-    A function of outputs asks for its numbers by ``numbers``, ``sums``, ``parameters`` and ``computed``.  Before the first step it is
-    called once, so that the record knows them, and gets the present ones, as of one step.  Later it gets those of all steps recorded.
+    A function of outputs requests its numbers by ``numbers``, ``sums``, ``parameters`` and ``computed``.  Before the first step it is
+    called once, which registers them, and gets the present ones as for one step.  Later it gets the numbers of all recorded steps.
 
     system: the discrete system; capacity: most steps that it holds.
     times: of the inputs of the steps [s].
@@ -48,11 +48,11 @@ class StepRecord:
     # ------------------------------------------------------------------ before the first step
     @property
     def is_open(self) -> bool:
-        """Whether numbers can still be asked for that are not recorded yet."""
+        """Whether numbers that are not recorded yet can still be requested."""
         return self._table is None
 
     def only_sampled(self) -> None:
-        """What is asked for from now on is recorded of sampled steps only."""
+        """Numbers requested from now on are recorded at sampled steps only."""
         self._always = False
 
     def _close(self) -> None:
@@ -98,7 +98,7 @@ class StepRecord:
 
     # ------------------------------------------------------------------ numbers
     def results(self, block: ElementBlock, kernel: str, columns: int) -> BlockResults:
-        """Results of a block, which are evaluated at every step; arguments as of ``Assembly.results``."""
+        """Results of a block, which are evaluated at every step; arguments as in ``Assembly.results``."""
         if self._table is not None:
             return self.assembly.block_results(block, kernel, columns)
         found = self.assembly.results(block, kernel, columns)
@@ -153,7 +153,7 @@ class StepRecord:
     def computed(self, call: Callable[[Sample], Any], size: int, *key: Any) -> FloatArray:
         """(k, size) what ``call`` returns after each step: the way for numbers that are not worth more.
 
-        key: what tells the function from others: two calls with one key are one.
+        key: identifies the function: two calls with one key are one.
         """
         span = self._spans.get(key)
         if span is None:

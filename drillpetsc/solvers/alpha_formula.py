@@ -105,7 +105,7 @@ class AlphaFormula:
     def amplification(self, product: float) -> complex:
         """Return the factor of an undamped vibration in a step, at angular frequency times step ``product``.
 
-        Its modulus is that of the amplitude, its angle the phase of a step: the eigenvalue of the vibration.  The
+        Its modulus is the amplitude's factor, its angle the phase of a step: the eigenvalue of the vibration.  The
         third one is real.
         """
         g, b, m, f, o = self.gamma, self.beta, self.mean_mass, self.mean_force, product**2
@@ -119,7 +119,7 @@ class AlphaFormula:
     def phase_error(self) -> float:
         """Relative error of the frequency of a vibration, over (angular frequency times step) squared.
 
-        Manual: eq-time-alpha-phase.  That of first-order unknowns is smaller.
+        Manual: eq-time-alpha-phase.  The constant of first-order unknowns is smaller.
         """
         return 1 / 12 + 0.375 * ((1 - self.radius) / (1 + self.radius)) ** 2
 
@@ -146,7 +146,7 @@ class AlphaOutputErrors:
 
     @property
     def earlier(self) -> int:
-        """Number of earlier values that a local error needs: those of a third difference."""
+        """Number of earlier values that a local error needs, for a third difference."""
         return 3
 
     @property
@@ -175,7 +175,7 @@ class AlphaOutputErrors:
         return 0, self.formula.phase_error
 
     def weights(self, times: list[float]) -> FloatArray:
-        """Weights (4,) of the states at ``times`` (4,), ascending [s], in the local error of the last one: those of ``local_errors``."""
+        """Weights (4,) of the states at ``times`` (4,), ascending [s], in the local error of the last one: the weights of ``local_errors``."""
         ascending, weights = np.array(times, dtype=float), np.empty(4)
         _third_difference_weights(self.formula.phase_error, pointer(ascending), pointer(weights))
         return weights

@@ -23,8 +23,8 @@ class BdfHistory:
 
     depth: a formula of order p, its predictor and its error estimate use p + 1 earlier states.
     times: (k,) times of the states [s].
-    steps: (k - 1,) requested step from each state to the next [s]; rounding makes it differ from that of the
-    times.
+    steps: (k - 1,) requested step from each state to the next [s]; rounding makes it differ from the difference
+    of the times.
     states: unknowns and rates at these times.
     half: state in the middle of the first step.  TSBDF computes it at each start, and uses it until it has
     enough other states.
@@ -101,7 +101,7 @@ class BdfHistory:
 def nodal(system: DiscreteSystem, values: FloatArray) -> FloatArray:
     """Arrange local values (array_length,) by node: (nv, m) components of all fields.
 
-    Zero where a field is absent.
+    Zero if a field is absent.
     """
     dofs = np.hstack([system.layout.dofs[f.name] for f in system.layout.fields])
     return np.where(dofs >= 0, values[np.maximum(dofs, 0)], 0.0)
@@ -110,7 +110,7 @@ def nodal(system: DiscreteSystem, values: FloatArray) -> FloatArray:
 def local(system: DiscreteSystem, at_nodes: FloatArray, like: FloatArray) -> FloatArray:
     """Return local values (array_length,) from ``at_nodes`` (nodes, m).
 
-    Entries that are no unknowns are those of ``like``.
+    Entries that are not unknowns are taken from ``like``.
     """
     dofs = np.hstack([system.layout.dofs[f.name] for f in system.layout.fields])
     out = like.copy()

@@ -54,7 +54,7 @@ class Piece:
     """Packed blocks of one run of n nodes on one process, without MPI.
 
     sizes: (n,) unknowns per node.
-    interfaces: bit 0 (1) is set where the first (last) node is an interface, which the elimination leaves.
+    interfaces: bit 0 (1) is set if the first (last) node is an interface, which the elimination leaves.
 
     store: blocks of the matrix, later of its factors; saved: copy of the matrix for refinement, or None.
     blocks: copy of the pivot blocks for ``negative_eigenvalues``, or None.
@@ -102,7 +102,7 @@ class Piece:
     ) -> None:
         """Set the positions of the entries (m,) of a matrix in the blocks.
 
-        rows, columns: unknowns, negative where an entry is left out; node, component: (size,) of each unknown.
+        rows, columns: unknowns, negative if an entry is left out; node, component: (size,) of each unknown.
         source: (m,) numbers of the entries in the values of ``factor``, None for 0 to m - 1; duplicates add up.
         Raises ValueError if an entry couples nodes that are not neighbours.
         """

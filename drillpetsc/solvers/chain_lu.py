@@ -132,7 +132,7 @@ class ChainFactor:
     factor_flops, solve_flops: operations of one call on this rank, the interface system included.
     factorisations: number of calls of ``factor`` so far.
 
-    Raises ValueError on every rank where nodes, unknowns or entries do not form a chain.
+    Raises ValueError on every rank if nodes, unknowns or entries do not form a chain.
     """
 
     def __init__(
@@ -272,8 +272,8 @@ class ChainFactor:
     def factor(self, values: np.ndarray, start: int = 0) -> None:
         """Factor the matrix with entries ``values`` (m,); collective.
 
-        start: the first of this rank's nodes whose entries differ from those of the last call, their number where none does.
-        Raises ZeroPivot on every rank where a pivot is missing.
+        start: the first of this rank's nodes whose entries differ from the last call, or their number if none does.
+        Raises ZeroPivot on every rank if a pivot is missing.
         """
         self.factorisations += 1
         values = np.ascontiguousarray(values, dtype=float)

@@ -241,7 +241,7 @@ class FirstOrderSystem:
         return out
 
     def locate_largest_residual(self) -> dict[str, Any]:
-        """Find the place of rows that were not finite shortly before, else that of the largest residual.
+        """Find the place of rows that were not finite shortly before, otherwise the place of the largest residual.
 
         Collective.
         """
@@ -250,7 +250,7 @@ class FirstOrderSystem:
     def accept(self, ts) -> None:
         """Load the accepted state into the assembly.
 
-        Accelerations, reactions and rates of first-order unknowns are those of the last evaluation.
+        Accelerations, reactions and rates of first-order unknowns are from the last evaluation.
         """
         if ts.getTime() > self._not_finite_until:
             self._not_finite = {}

@@ -1,7 +1,7 @@
-"""Generalised-alpha beside BDF: the same condensed Newton, its own steps (manual: sec-time-alpha).
+"""Generalised-alpha as an alternative to BDF: the same condensed Newton method, but separate step control (manual: sec-time-alpha).
 
-PETSc's TSALPHA2 has no first-order rows, no constraints and forces at an interpolated state; this integrator
-therefore takes its own steps.  It has the interface of ``TimeIntegrator``.
+PETSc's TSALPHA2 has no first-order rows and no constraints, and it takes forces at an interpolated state. This
+integrator therefore takes its steps itself.  It has the interface of ``TimeIntegrator``.
 """
 
 from __future__ import annotations
@@ -245,7 +245,7 @@ class GeneralizedAlpha(TimeIntegrator):
             finish(t)
 
     def _reframe(self, before: FloatArray) -> None:
-        """Measure spin angles from new reference directions; their formula goes on.
+        """Measure spin angles from new reference directions and continue their formula.
 
         before: second derivatives (n,) of the unknowns with the earlier reference directions.
         """
@@ -307,7 +307,7 @@ class GeneralizedAlpha(TimeIntegrator):
     def _start_formula(self, t: float, keep_step: bool = False) -> None:
         """Start the formula at the assembly's state, with accelerations from the equations; collective.
 
-        keep_step: begin with the last step, where no prescribed velocity jumps.
+        keep_step: begin with the last step, if no prescribed velocity jumps.
         """
         jump = self._rates_jump(t)
         if jump:

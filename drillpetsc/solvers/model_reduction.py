@@ -116,8 +116,8 @@ def _roots(T: FloatArray) -> np.ndarray:
 def _nilpotent(A: FloatArray, B: FloatArray, C: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
     """The part of the roots that are zero, without the rounding that makes them grow or swing.
 
-    The states are turned so that those with A x = 0 come first, then those that move only these, and so on; a double root
-    differs from zero by the square root of the rounding, the null space of A only by the rounding.
+    The states are turned so that the states with A x = 0 come first, then the states that move only these, and so on. A
+    double root differs from zero by the square root of the rounding, the null space of A only by the rounding.
     """
     A, B, C, start, n = A.copy(), B.copy(), C.copy(), 0, len(A)
     while start < n:

@@ -169,7 +169,7 @@ class NewtonIteration:
             setattr(self._parts, name, ctypes.cast(call, ctypes.c_void_p).value if name in names else None)
 
     def _guarded(self, part: Callable[..., Any]) -> Callable[..., int]:
-        """The ``part`` for compiled code, which knows no exceptions: 0, 1 without a pivot, -1 for any other exception."""
+        """The ``part`` for compiled code, which has no exceptions: 0, 1 without a pivot, -1 for any other exception."""
 
         def call(*arguments: int) -> int:
             try:
@@ -220,7 +220,7 @@ class NewtonIteration:
         return bool(_reusable(self._at, iteration))
 
     def take_entries(self) -> None:
-        """The next factorisation is that of the assembly's present entries."""
+        """The next factorisation uses the assembly's present entries."""
         _new_entries(self._at)
 
     # ------------------------------------------------------------------ parts in Python
@@ -328,11 +328,11 @@ class NewtonIteration:
         self._factored, self._version = self.factor.factorisations, self.system.assembly.version
 
     def restore(self, shift: float, signature: int) -> None:
-        """Take the assembly's entries as those of a factorisation at ``shift`` [1/s] with the contacts of a ``signature``."""
+        """Treat the assembly's entries as the entries of a factorisation at ``shift`` [1/s] with the contacts of a ``signature``."""
         self.record.lag_shift, self.record.good, self._signature = shift, 1, signature
 
     def _take_flags(self, same: bool) -> None:
-        """Take the present contact flags as those of the factorisation, or others where they are not the ``same``."""
+        """Treat the present contact flags as the flags of the factorisation, or others if they are not the ``same``."""
         present = [f.values.view(np.int8).ravel() for f in self.system.contact_flags]
         self._flags_before[:] = np.concatenate([*present, np.zeros(0, dtype=np.int8)])
         if not same:

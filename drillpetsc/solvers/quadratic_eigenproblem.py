@@ -1,6 +1,6 @@
 """Eigenvalues s of (K + s C + s^2 M) u = 0 near a point of the complex plane, or the slowest ones.
 
-Numpy and scipy on one process; SLEPc where it is installed.
+Numpy and scipy on one process; SLEPc if it is installed.
 
 M and C may be singular: a first-order unknown has no column in M, an algebraic one has none in C either.
 With v = s u of the second-order unknowns the problem is A z = s B z, z = (u, v) (manual: eq-eigen-linear),
@@ -10,7 +10,7 @@ With v = s u of the second-order unknowns the problem is A z = s B z, z = (u, v)
 
 where S selects the second-order unknowns, C2 and M2 have their columns, and C1 has the columns of the others.
 B is singular: infinite eigenvalues become zeros of Op = (A - sigma B)^-1 B, whose eigenvalues are 1/(s -
-sigma). Op needs only one factor, that of K + sigma C + sigma^2 M (manual: eq-eigen-operator):
+sigma). Op needs only one factorisation, of K + sigma C + sigma^2 M (manual: eq-eigen-operator):
 
     u = -(K + sigma C + sigma^2 M)^-1 [C1 u0 + M2 v0 + (C2 + sigma M2) S u0],   v = S u0 + sigma S u.
 """
@@ -288,7 +288,7 @@ def eigenvalues_near(
 
     count: both eigenvalues of a conjugate pair count.
     engine: ``dense``, ``arpack``, ``slepc`` or ``auto``.  Auto uses a dense matrix up to DENSE_BELOW, then
-    SLEPc where it is installed and has the number type of the shift, else ARPACK.
+    SLEPc if it is installed and has the number type of the shift, otherwise ARPACK.
 
     Raises SolveError if nothing converges.  Manual: sec-eigen-search.
     """
@@ -339,15 +339,15 @@ def lowest_eigenvalues(
 
     Some of the slowest real eigenvalues are included, and of all computed ones those that grow. The search
     uses discs about shifts, first near zero, then up the imaginary axis (manual: sec-eigen-search).
-    Within a disc every eigenvalue is found.  An eigenvalue far to the left that no disc reaches is missing:
+    Within a disc every eigenvalue is found.  An eigenvalue far to the left, outside all discs, is missing:
     it decays within a fraction of a period of the others.
 
     problem: the eigenvalue problem.
     count: number of oscillating eigenvalues.
     engine: as in ``eigenvalues_near``.
     selected(eigenvalues): (m,) mask of the eigenvalues that count; the others are left out.
-    sparing: discs after the first are no larger than what is still missing; fewer eigenvalues above those asked for
-    are seen, so that one of them that grows may be left out.
+    sparing: discs after the first are no larger than what is still missing; fewer eigenvalues above the requested
+    ones are seen, so a growing one among them may be left out.
 
     Raises SolveError if nothing converges.
     """

@@ -5,9 +5,9 @@ Manual: sec-linear-elimination.  The equations are
     K q + C q' + M q'' + f0 I + f1 u + f2 u' = 0,  I' = u,
     y = Y0 q + Y1 q' + Y2 q'' + d0 I + d1 u + d2 u'.
 
-Unknowns q are of second order, of first order, or algebraic.  Algebraic ones follow from their rows; where these rows do not
-have them (multipliers of constraints), the rows are constraints, and motions and equations are projected on what they
-leave free.  A constraint of rates (a motor that holds its speed) leaves all places free, and gives some of the rates by the
+Unknowns q are of second order, of first order, or algebraic.  Algebraic ones follow from their rows. If these rows do not
+contain them (multipliers of constraints), the rows are constraints, and motions and equations are projected on the free
+directions.  A constraint of rates (a motor that holds its speed) leaves all places free. It gives some of the rates by the
 others, by places, first-order unknowns and inputs.  The rate u' leaves the state by x = z - E^-1 b u (manual: eq-linear-shift).
 """
 
@@ -132,7 +132,7 @@ class _Affine:
         return _Affine(self.z + other.z, self.dz + other.dz, self.u + other.u, self.du + other.du)
 
     def rate(self) -> _Affine:
-        """Its rate in time, where it has neither z' nor u'."""
+        """Its rate in time, if it has no z' and no u'."""
         if self.dz.any() or self.du.any():
             raise SolveError("an output follows a second rate: it has no state-space model")
         return _Affine(self.dz, self.z, self.du, self.u)
@@ -313,7 +313,7 @@ def _constraints(K, C, S, F, L, rd, ra, scale, rate, forcing) -> _Free:
 
 
 def _of_rates(Y, K, C, ra, S, F, scale, rate) -> tuple[FloatArray, FloatArray]:
-    """Split combinations Y (rows, k) of the rows ``ra`` into those without rates (rows, l) and those of rates (r, rows)."""
+    """Split combinations Y (rows, k) of the rows ``ra`` into combinations without rates (rows, l) and with rates (r, rows)."""
     by_rate = Y.T @ C[np.ix_(ra, S)] * scale[S] * rate
     others = [np.abs(Y.T @ K[np.ix_(ra, q)] * scale[q]).max(initial=0.0) for q in (S, F)]
     of_rates, of_others = _split(by_rate, SMALL * max(np.abs(by_rate).max(initial=0.0), *others))

@@ -68,15 +68,15 @@ class TimeIntegrator:
 
     system: the discrete system.
     after_step(t, dt): called after every accepted step, with x, y, a of the assembly at ``t`` [s].
-    at_jump(t): called where the rate of a prescribed motion jumps, before the step that follows.
+    at_jump(t): called when the rate of a prescribed motion jumps, before the step that follows.
     on_failure(): called on all ranks before the error that ends a run.
-    before_event(t), after_event(t): called where a component changes its law, with the state at ``t`` [s].
+    before_event(t), after_event(t): called when a component changes its law, with the state at ``t`` [s].
     before_solve(t): called before the solve of a step that ends at ``t`` [s].
     on_step_end(t): called last after a step; here ``get_state`` and ``stop`` may be called.
     first_step: length of the first step [s].
     controlled(field): whether a field takes part in the error control.
     defaults: further PETSc options, below those of the user.
-    after_sample(t): called after a sampler, where the formula takes its forces to jump at ``t`` [s].
+    after_sample(t): called after a sampler, if the formula assumes that its forces jump at ``t`` [s].
     sampler(t): called at the multiples of ``sampler.period`` [s], where a step ends, with the state before the step that follows;
     the formula does not restart there.
     step_limit(): longest step [s] by the present state, the same on all ranks; generalised-alpha only.
@@ -209,7 +209,7 @@ class TimeIntegrator:
         self.ts.setPostStep(self._post_step)
 
     def _set_tolerances(self, jumped: bool) -> None:
-        """Set the tolerances of the error control; after a jump without those of the mud.
+        """Set the tolerances of the error control; after a jump without tolerances for the mud.
 
         Manual: sec-time-jumps.
 
@@ -244,7 +244,7 @@ class TimeIntegrator:
     def input_time(self, t: float) -> float:
         """Return the time [s] at which inputs are evaluated for a step to ``t`` [s].
 
-        A step that ends where an input jumps uses the value before the jump (manual: sec-time-jumps).
+        A step that ends at a jump of an input uses the value before the jump (manual: sec-time-jumps).
         """
         return t if t < self._jump else float(np.nextafter(self._jump, -np.inf))
 
@@ -356,7 +356,7 @@ class TimeIntegrator:
         return self.newton.failures if self.condensed else self.ts.getSNESFailures()
 
     def compiled_seconds(self) -> dict[str, float]:
-        """Wall time so far of the phases of Newton's method in compiled code [s]; PETSc's log has that of all others."""
+        """Wall time so far of the phases of Newton's method in compiled code [s]; PETSc's log has the time of all others."""
         return self.newton.iteration.seconds if self.condensed else {}
 
     def linear_iterations(self) -> int:
@@ -449,7 +449,7 @@ class TimeIntegrator:
         breaks: times at which inputs jump or bend [s].  A step ends at each of them, and the formula restarts
         there (manual: sec-time-jumps).
 
-        Raises SolveError when no step can be taken.  The assembly then contains the last accepted state.
+        Raises SolveError if no step can be taken.  The assembly then contains the last accepted state.
         """
         system, ts = self.system, self.ts
         system.assembly.invalidate_prescribed_values()
