@@ -75,7 +75,7 @@ def take(
 ) -> Checkpoint | None:
     """Collect the state on rank 0, None elsewhere, without changing it; collective.
 
-    Matrix entries of a run on one rank are those of the assembly, which the next step may overwrite: see ``lasting``.
+    Matrix entries of a run on one rank are the assembly's array, which the next step may overwrite: see ``lasting``.
 
     It is called after all other work of a step (``TimeIntegrator.on_step_end``).
 

@@ -36,7 +36,7 @@ def find_equilibrium(
     time 0.
     lateral_friction: the lateral friction force pushes a turning pipe up the wall; without it only its torque
     acts, as in torque-and-drag models.
-    path: the question that is answered by following the string's history, see ``director_equilibrium``.
+    path: the motion whose history the string follows, see ``director_equilibrium``.
     Raises SolveError if no equilibrium is found.
     """
     if model.beam is not None and model.beam.needs_ancf_equilibrium:
@@ -62,9 +62,9 @@ def _equilibrium_at_weight(
     lateral_friction: bool,
     path: PathKind | None,
 ) -> StaticState:
-    """Hold the top of a model with a top force where the bit carries ``initial.wob``; the force acts from time 0 on.
+    """Hold the top of a model with a top force at the depth where the bit carries ``initial.wob``; the force acts from time 0 on.
 
-    Parameters and errors are those of ``find_equilibrium``.  Collective.
+    Parameters and errors are the same as in ``find_equilibrium``.  Collective.
     """
     held = build_model(held_at_weight(model.case), model.system.comm)
     state = director_equilibrium(held, motion, lateral_friction, path)
@@ -97,7 +97,7 @@ def _equilibrium_at_weight(
 def initial_state(
     model: DrillingModel, case: Case, saved: checkpoint.Checkpoint | None, quasi: QuasiStatic | None
 ) -> StaticState | None:
-    """Set the model to its state at the start; returns the static state where one was computed; collective.
+    """Set the model to its state at the start; returns the static state if one was computed; collective.
 
     saved: checkpoint of a run to continue, None for a new run.
     quasi: quasi-static motion of the model, None with inertia.

@@ -59,7 +59,7 @@ OF_PETSC = ("ts_bdf_order", "snes_type", "ts_adapt_type")
 def is_alpha(case: Case, given: Iterable[str] = ()) -> bool:
     """Whether ``time.integrator`` of the case means generalised-alpha.
 
-    auto: where the string may turn in a hole, so that it may whirl (manual: sec-time-choice).  given: names of PETSc options.
+    auto: if the string may turn in a hole, so that it may whirl (manual: sec-time-choice).  given: names of PETSc options.
     """
     time = case.time
     if time is None or time.integrator == "bdf":

@@ -138,7 +138,7 @@ class _Differences(StateDifferences):
         return self.whole(r1 - r0) / (2 * h), self.whole(p1 - p0) / (2 * h), y / (2 * h)
 
     def _prescribed(self) -> FloatArray:
-        """Displacement of the owned unknowns that the prescribed values ask for."""
+        """Displacement of the owned unknowns that the prescribed values require."""
         local = np.zeros(self.layout.size)
         for f in self.asm.row_replacements:
             if f.owned:
@@ -228,7 +228,7 @@ def _free(q: Linearised):
 
 
 def _parents(q: Linearised) -> np.ndarray:
-    """Unknown that each free motion stands for."""
+    """Unknown that represents each free motion."""
     return np.asarray(abs(q.T).argmax(axis=0)).ravel()
 
 

@@ -53,7 +53,7 @@ NPZ, MAT = "linear.npz", "linear.mat"
 class LinearResult:
     """Result of ``linearise``, the same on all ranks.
 
-    system: the whole model; reduced: the model with fewer states, None if it was not asked for.
+    system: the whole model; reduced: the model with fewer states, None if it was not requested.
     inputs, outputs: names.
     folder, summary, lines: run folder, summary.json and the lines to show.
     """

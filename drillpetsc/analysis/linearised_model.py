@@ -38,8 +38,8 @@ def settle(model: DrillingModel) -> list[str]:
 def linearise_model(model: DrillingModel) -> Linearised | None:
     """Linearise the model at its present state; the result is on rank 0, None elsewhere; collective.
 
-    A bit that stands on the bottom displaces no mud there, but the mud's pressure acts on its whole face: the rock
-    would give the difference as work, and make modes grow that lose none.  A small motion presses on the rock what it
+    A bit on the bottom does not displace mud there, but the mud's pressure acts on its whole face. The rock would
+    supply the difference as work and make undamped modes grow.  A small motion presses on the rock what it
     presses on the bit, so that only the face over which mud is displaced remains.
     """
     linearised = linearise(model.system)
@@ -101,7 +101,7 @@ def _fed_back(model: DrillingModel, q: Linearised | None) -> list[sparse.csr_mat
 
 
 def _closed_face(model: DrillingModel) -> FloatArray:
-    """Area of the bit's face under which no mud is displaced, times the hole's direction (3,) [m2], on all ranks."""
+    """Area of the bit's face that does not displace mud, times the hole's direction (3,) [m2], on all ranks."""
     bit = None if model.fluid is None else model.fluid.bit
     if bit is None:
         return np.zeros(3)

@@ -6,7 +6,7 @@
 
 The model is linearised at its present state (manual: sec-eigen-state).  Closed contacts are springs, open
 ones are absent.  Friction has the slope of its law at the present sliding speed.  About rest there is no
-friction: the regularised law would be a stiff damper at closed contacts, neither sticking nor sliding.  About
+friction: the regularised law would act as a stiff damper at closed contacts, without sticking or sliding.  About
 a rotating state the directions of the pipe's section are frozen.  This is exact
 for a round string (gyroscopic terms, damping that turns with the pipe), and an instantaneous picture of a
 bent or eccentric one.
@@ -225,8 +225,8 @@ def modes(
 def _without_free_angle(model: DrillingModel, linearised: Linearised, found: Eigenvalues) -> Eigenvalues:
     """Leave out the root zero of an angle that nothing holds: of the whole string under a controlled speed, of a motor's rotor.
 
-    With other roots zero, such as that of the metres drilled, vectors are mixtures without energy: the one with much more spin
-    than way is taken.
+    If other roots are zero, such as the root of the drilled length, vectors are mixtures without energy. The one with much more
+    spin than displacement is taken.
     """
     small = np.flatnonzero(np.abs(found.s) <= ZERO_FRACTION * reference_rate(model))
     u, names = linearised.vectors(found.subset(small)), [f.name for f in model.system.layout.fields]
@@ -293,7 +293,7 @@ def _shares(model: DrillingModel, linearised: Linearised, s: np.ndarray, u: np.n
     """Compute the fractions (m, 4) of the kinds in the energy of each mode (manual: eq-eigen-share).
 
     The string's energy is (|s|^2 u*Mu + |u*Ku|)/2 of its motion across the tangent, along it and about it.
-    That of the fluid is c |u|^2/2 summed over pressures and flows, with the storage coefficients c on the
+    The energy of the fluid is c |u|^2/2 summed over pressures and flows, with the storage coefficients c on the
     diagonal of C.
 
     s: (m,) [1/s]; u: (n, m) vectors of all unknowns.
@@ -441,7 +441,7 @@ def _reference_warning(found: Modes) -> list[str]:
 
 
 def _write(model: DrillingModel, folder: RunFolder, found: Modes, summary: dict[str, Any], fields) -> None:
-    """Write the files of the run folder; ``fields``: those of the state, None without a string."""
+    """Write the files of the run folder; ``fields``: values of the state, None without a string."""
     write_case(model.case, folder)
     numbers = np.arange(1, found.count + 1)
     stokes = [] if found.stokes_number is None else [found.stokes_number]

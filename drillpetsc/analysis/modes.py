@@ -26,8 +26,8 @@ class Modes:
     imbalance: largest unbalanced force on a node in the state [N].
     zero: eigenvalues of this size or smaller count as zero [1/s].
     lowering [m/s], rotation [rad/s]: of the state.
-    stokes_number: (m,) [-], with ``added_mass: stokes``; kept: modes then that have the mud's force at the reference
-    frequency, because their own was not found.
+    stokes_number: (m,) [-], with ``added_mass: stokes``; kept: number of modes that then use the mud's force at the
+    reference frequency, because their own frequency was not found.
     """
 
     eigenvalue: np.ndarray

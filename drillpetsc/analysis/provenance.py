@@ -97,7 +97,7 @@ def changes(saved: Mapping[str, Any], case: Case, user_options: Mapping[str, str
 
 
 def version_warnings(saved: Mapping[str, Any]) -> list[str]:
-    """Warnings where libraries have changed since the checkpoint: results are then equal up to rounding only."""
+    """Warnings about libraries changed since the checkpoint: results are then equal up to rounding only."""
     now = versions()
     return [
         f"the run is continued with {name} {now[name]}; its checkpoint was written with {name} {saved['versions'][name]}"
@@ -107,7 +107,7 @@ def version_warnings(saved: Mapping[str, Any]) -> list[str]:
 
 
 def listed(found: list[str]) -> str:
-    """The changes on one line, the first of them where there are many."""
+    """The changes on one line; only the first of them if there are many."""
     more = f"; and {len(found) - MOST_LISTED} more" if len(found) > MOST_LISTED else ""
     return "; ".join(found[:MOST_LISTED]) + more
 

@@ -22,7 +22,7 @@ LONGEST_STEP = 60.0  # [s]
 def longest_step(model: DrillingModel) -> float:
     """Compute the longest step [s] of the error control.
 
-    The shape of the hole limits it where the string slides down.
+    The shape of the hole limits it if the string slides down.
     """
     case = model.case
     assert case.time is not None
@@ -40,7 +40,7 @@ class QuasiStatic:
     """Motion of a model without inertia: each step uses the motion that the top prescribes at its end.
 
     This motion gives the direction of friction and the string's velocity in the fluid.  The string turns
-    about its own axis in place, and its directors are fixed.  A bent item keeps its tool face while the top
+    about its axis in place, and its directors are fixed.  A bent item keeps its tool face while the top
     does not turn; while the top turns, the bend averages out.
 
     rates: (n+1,) imposed rates of the string.
@@ -103,7 +103,7 @@ class QuasiStatic:
         )
 
     def move(self, t: float) -> None:
-        """Set the rates of all nodes and the sliding direction of friction to those at ``t`` [s]."""
+        """Set the rates of all nodes and the sliding direction of friction to their values at ``t`` [s]."""
         lowering, rotation = self.motion(t)
         model = self.model
         assert model.beam is not None  # a held string has no quasi-static motion

@@ -213,7 +213,7 @@ class Session:
         self._senses.step(t, dt, self._integrator.fresh)
 
     def _watch(self, t: float) -> None:
-        """After every inner step: end the advance where its wall time is over; the first rank decides."""
+        """After every inner step: end the advance if its wall time is over; the first rank decides."""
         self.time = t
         if self._senses is not None and self._integrator.fresh:  # in other reference frames
             self._senses.renew()
@@ -262,7 +262,7 @@ class Session:
         )
 
     def set_state(self, state: SessionState) -> None:
-        """Go back to a ``state`` of this session; the steps that follow repeat those of before to the last bit.
+        """Go back to a ``state`` of this session; the steps that follow repeat the earlier ones to the last bit.
 
         Raises TypeError for anything but the result of ``state``, CaseError for a state of another string and
         ValueError for one with other inputs.

@@ -1,6 +1,6 @@
 """The shortest times of a model, impacts and waves across one element, and the time steps that resolve them.
 
-The highest frequency of one free element bounds that of any mesh of such elements (Irons and Treharne, 1971).
+The highest frequency of one free element is an upper bound for any mesh of such elements (Irons and Treharne, 1971).
 BDF up to order 2 is stable at any step, so these times do not limit a run.  They show what a step can
 resolve, and what step an explicit method would need.
 """
@@ -167,7 +167,7 @@ def longest_strict_step(model: DrillingModel) -> float:
 def step_warnings(model: DrillingModel, fixed_step: float | None) -> list[str]:
     """Return warnings for a ``fixed_step`` [s] that is too long for impacts.
 
-    None stands for adaptive steps.
+    None means adaptive steps.
     """
     impact = time_scales(model).impact
     if fixed_step is None or fixed_step <= RESOLVED_FRACTION * impact:

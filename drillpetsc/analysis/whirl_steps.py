@@ -1,8 +1,8 @@
-"""Steps that keep the energy of what may whirl, and what a run says where they do not (manual: sec-time-whirl-steps).
+"""Steps that keep the energy of parts that may whirl, and the warning of a run if they do not (manual: sec-time-whirl-steps).
 
 A part of the string of radius R that turns at the rate w and rolls on the wall with the radial clearance c goes round the hole
 backward at the rate w R/c (Jansen, 1991), the fastest motion that friction feeds.  The formula of a time integrator takes
-energy from it in each period; where that is more than ``LOST``, it may be the formula that decides whether the part whirls.
+energy from it in each period. If this is more than ``LOST``, the formula may decide whether the part whirls.
 """
 
 from __future__ import annotations
@@ -214,7 +214,7 @@ class WhirlSteps:
         }
 
     def warnings(self, step: float, turned: float) -> list[str]:
-        """Sentence on the part whose whirl is the fastest, where steps that this object has not limited take more of its energy.
+        """Sentence on the part whose whirl is the fastest, if steps that this object has not limited take more of its energy.
 
         step: median step of the run [s]; turned: largest rotation of the string [rad/s].  Collective.
         """

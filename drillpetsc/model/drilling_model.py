@@ -64,7 +64,7 @@ class DrillingModel:
     fluid: components of the drilling fluid, None in a dry model.
 
     Machines (drive, hoist, tools) are components like any other: hooks of ``Component`` hold, start and balance them, and
-    ``parts`` finds one by its class where its own numbers are wanted.
+    ``parts`` finds one by its class if its numbers are needed.
     """
 
     case: Case
@@ -119,7 +119,7 @@ class DrillingModel:
 
     @property
     def drilling(self) -> interfaces.Bit | None:
-        """The bit where it cuts rock, else None."""
+        """The bit if it cuts rock, otherwise None."""
         return self.bit if self.bit is not None and self.bit.drills else None
 
     @property
@@ -276,7 +276,7 @@ def _quaternion_string(
 def _with_one_strain(mesh: StringMesh) -> StringMesh:
     """The mesh of the quaternion element: one strain on both sides of a change of section.
 
-    Pipes above and below a rigid item have strains of their own.
+    Pipes above and below a rigid item have different strains.
     """
     items = np.zeros(mesh.nodes, dtype=bool)
     items[[body.node for body in mesh.bodies]] = True
@@ -308,7 +308,7 @@ def is_quasi_static(case: Case) -> bool:
 
 
 def _optional_components(mesh: StringMesh, frames: Frames, gravity: FloatArray, balanced: bool) -> list:
-    """Create the components for rigid bodies, eccentric mass, and stress-free curvature, where present.
+    """Create the components for rigid bodies, eccentric mass, and stress-free curvature, if present.
 
     balanced: leave out eccentric mass and unbalance.
     """
@@ -450,7 +450,7 @@ def _bit(case: Case, mesh: StringMesh, well: Well | None) -> BitOnBottom | RockB
 
 # ---------------------------------------------------------------------- loads
 def _loads(case: Case, mesh: StringMesh, tangent: FloatArray) -> tuple[NodeLoad, ...]:
-    """Create the nodal loads of the case, those of the ends included."""
+    """Create the nodal loads of the case, including loads at the ends."""
     out: list[NodeLoad] = []
     for load in case.loads:
         factor = (

@@ -101,7 +101,7 @@ class FluidComponents:
 def usual_sizes(case: Case, mesh: StringMesh) -> tuple[float, float]:
     """Return the pressure [Pa] and the flow rate [m3/s] to which the tolerances of the mud refer.
 
-    The flow is at most half of the largest one of the pump, and the pressure at most that of a wave of this flow in the
+    The flow is at most half of the pump's largest flow. The pressure is at most the wave pressure of this flow in the
     narrowest bore, rho c Q/A (Joukowsky): a small pump's waves are small as well (manual: sec-time-error).  A trickle counts
     as ``LEAST_PUMPED`` of the usual flow, since the string moves the mud too.
     """
@@ -336,8 +336,8 @@ def _refuse_closed_annulus(case: Case, mesh: StringMesh, sizes: Annulus) -> None
 
 
 def side_links(case: Case, mesh: StringMesh) -> tuple[SideLink, ...]:
-    """Nozzles above the bit by their nodes, from the top down: those of an item are at its upper end, or at that of the rigid
-    items right above it."""
+    """Nozzles above the bit by their nodes, from the top down: nozzles of an item are at its upper end, or at the upper end of
+    the rigid items right above it."""
     areas, bodies = dict(case.side_nozzles), iter(mesh.bodies)
     found: dict[int, list[tuple[int, float]]] = {}
     for number, item in enumerate(case.string):
@@ -404,8 +404,8 @@ def _stokes_mass(case: Case, sizes: Annulus) -> FloatArray:
 
 
 def lateral_viscosity(case: Case, inner: FloatArray, outer: FloatArray) -> FloatArray:
-    """Apparent viscosity (n,) [Pa s] at the wall of a pipe that turns at the reference speed omega, where the shear rate
-    is 2 omega/(1 - (Do/Dw)^2) (Couette).  inner, outer: diameters of string and hole [m]."""
+    """Apparent viscosity (n,) [Pa s] at the wall of a pipe that turns at the reference speed omega, with the shear rate
+    2 omega/(1 - (Do/Dw)^2) (Couette).  inner, outer: diameters of string and hole [m]."""
     assert case.fluid is not None
     return shear_viscosity(case, 2 * case.fluid.lateral_damping_speed / (1 - (inner / outer) ** 2))
 
@@ -448,7 +448,7 @@ def shear_viscosity(case: Case, shear_rate: FloatArray) -> FloatArray:
 def _lateral_coefficients(case: Case, sizes: Annulus) -> LateralCoefficients:
     """Compute added mass, lateral damping (manual: eq-mud-stokes-coefficients) and rotational drag of the elements.
 
-    The viscosity is that of ``lateral_viscosity``.
+    The viscosity is taken from ``lateral_viscosity``.
     """
     f = case.fluid
     assert f is not None

@@ -72,7 +72,7 @@ class Recorder:
     Steps are recorded one by one and evaluated together, at the latest when their results are needed.
 
     columns, probe_columns: names and units of history.csv and probes.csv.
-    energy: energy balance; None without inertia, in which work goes into motion that is not computed.
+    energy: energy balance; None without inertia, because work then becomes motion that is not computed.
     mass: mass balance of the mud; None without mud.
     sensors: downhole sensors; None without any.
     """

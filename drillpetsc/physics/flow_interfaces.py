@@ -131,7 +131,7 @@ class Nozzle(Component):
 
     @abstractmethod
     def closed_face(self, state: Any) -> FloatArray:
-        """Area of the bit's face under which no mud is displaced, times the hole's direction (3,) [m2].
+        """Area of the bit's face that does not displace mud, times the hole's direction (3,) [m2].
 
         Zero where this rank does not have the bit, and where the face moves freely in mud.
         """

@@ -94,7 +94,7 @@ def _guarded(file: Path) -> Iterator[int]:
 
 
 def _is_at(number: int, file: Path) -> bool:
-    """Whether the open file still has its name: its owner may have removed it before the guard was ours."""
+    """Whether the open file still has its name: its owner may have removed it before this process got the guard."""
     try:
         return os.path.samestat(os.fstat(number), os.stat(file))
     except FileNotFoundError:

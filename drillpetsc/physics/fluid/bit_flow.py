@@ -317,7 +317,7 @@ class BitFlow(Nozzle):
         return float(volume + hole * GAP_ROUNDING * np.logaddexp(0.0, self._gap(p, x) / GAP_ROUNDING))
 
     def closed_face(self, state) -> FloatArray:
-        """Area of the bit's face under which no mud is displaced, times the hole's direction (3,) [m2].
+        """Area of the bit's face that does not displace mud, times the hole's direction (3,) [m2].
 
         Zero on ranks without the bit, without an annulus, for a held string, and in a growing hole.
         """
