@@ -1,7 +1,7 @@
 """Several ranks: start of PETSc, work of rank 0, waiting without a busy core, and the end of a failed job.
 
 A rank that fails alone must end the job, because the other ranks wait for it forever. The ranks find out by a
-barrier on a communicator of their own, the control communicator. No message of a computation can meet it.
+barrier on a separate communicator, the control communicator. No message of a computation can meet it.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Tables of `units.py`: dimensions, spellings of units with their factor to SI, and answers to ambiguous ones."""
+"""Tables of `units.py`: dimensions, spellings of units with their factor to SI, and messages for ambiguous ones."""
 
 from __future__ import annotations
 

@@ -5,8 +5,8 @@ another dimension is a `UnitError`. A bare number is SI. Angles count as a dimen
 itself treats them as pure numbers), so `5 Hz` is not a rotation speed and `80 rpm` is not a damping rate.
 
 A unit is looked up in the tables of its dimension first (`unit_tables.py`): `lb` is a force for a key that takes a
-force, and a mass for one that takes a mass. Letters may be of either case where no two units differ by it. Units that
-stand in no table are read by pint, with powers without a caret (`g/cm3`, `mm2`) and a number in a denominator
+force, and a mass for one that takes a mass. Letters may be of either case unless two units differ by it. Units outside
+the tables are read by pint, with powers without a caret (`g/cm3`, `mm2`) and a number in a denominator
 (`25 lbf/100 ft^2`). Numbers may be fractions as in a tubing table: `9 5/8 in`, `12-1/4"`.
 """
 
@@ -141,7 +141,7 @@ def to(value: Any, unit: str, given: str = "") -> Any:
     value: a number or an array in SI, or a variable with `attrs["units"]` such as one of a result (xarray), which comes back as
     such a variable with the attribute of its new unit
     unit: any unit that a case file may have
-    given: unit of the value, where it is not that of `attrs["units"]` and not SI
+    given: unit of the value, if it differs from `attrs["units"]` and from SI
     Raises UnitError for a unit that cannot be read, is of another kind than the value, or belongs to two kinds of quantity
     (`lb`: say lbf or lbm).
     """

@@ -133,7 +133,7 @@ class Nozzle(Component):
     def closed_face(self, state: Any) -> FloatArray:
         """Area of the bit's face that does not displace mud, times the hole's direction (3,) [m2].
 
-        Zero where this rank does not have the bit, and where the face moves freely in mud.
+        Zero if this rank does not have the bit, or the face moves freely in mud.
         """
 
     @abstractmethod

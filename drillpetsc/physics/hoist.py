@@ -315,7 +315,7 @@ class HoistLine(Hoist):
         self.top.free, self._changed = False, True
 
     def begin_motion(self, state: Any, start: Start) -> None:
-        """The static load stretches the line; the drum of a start at rest stands still."""
+        """The static load stretches the line; the drum of a start at rest does not turn."""
         self._share = 0.0 if start.at_rest else 1.0
         hook_load, shared = start.hook_load, start.total(self.local_update(state)).copy()
         wob = float(shared[SHARED.index("wob")])

@@ -83,7 +83,7 @@ class _Axis:
 
 
 def _flow_curve(table: Table, summary: dict[str, Any], title: str, system: System) -> Any:
-    """Pump pressure and equivalent densities over the flow rate, with the flow rates asked for."""
+    """Pump pressure and equivalent densities over the flow rate, with the flow rates requested."""
     flow, pressure = _Axis("pump_flow [m3/s]", system), _Axis("pump_pressure [Pa]", system)
     densities = [
         (_Axis(f"{name} [kg/m3]", system), words)
@@ -118,7 +118,7 @@ def _flow_curve(table: Table, summary: dict[str, Any], title: str, system: Syste
 
 
 def _losses(summary: dict[str, Any], title: str, system: System) -> Any:
-    """Stacked losses of each flow rate asked for; a column that drives the flow stands below zero."""
+    """Stacked losses of each flow rate requested; a column that drives the flow is below zero."""
     flows = summary.get("flows", ())
     if not flows:
         return None

@@ -101,7 +101,7 @@ def plotly_script() -> str:
 
 
 def _refuse_others(axes: Axes) -> None:
-    """Raise CaseError for parts of a picture that are neither lines nor bars."""
+    """Raise CaseError for parts of a picture other than lines and bars."""
     bars = {id(p) for bar in axes.containers if isinstance(bar, BarContainer) for p in bar.patches}
     others: list[Any] = [part for part in (*axes.collections, *axes.images) if part.get_visible()]
     others += [part for part in axes.patches if part.get_visible() and id(part) not in bars]
@@ -111,7 +111,7 @@ def _refuse_others(axes: Axes) -> None:
 
 
 def _legend(label: Any, named: set[str]) -> dict[str, Any]:
-    """Name and group of a trace in the legend, where each name stands once."""
+    """Name and group of a trace in the legend, which has each name once."""
     text = str(label)
     if text.startswith("_"):
         return {"showlegend": False}

@@ -153,7 +153,7 @@ def _limits(table: Table, title: str, summary: dict[str, Any], system: System) -
 def _cap(
     axes: Any, limit: np.ndarray, load: np.ndarray, depth: np.ndarray, kind: str, system: System
 ) -> None:
-    """End an axis at 1.5 times the limit of most of the string: that of a short collar is far beyond."""
+    """End an axis at 1.5 times the limit of most of the string: the limit of a short collar is far beyond."""
     known = np.isfinite(limit)
     if not known.any():
         return

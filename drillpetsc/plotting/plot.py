@@ -54,7 +54,7 @@ def plot(
 
     For the folder of a sweep: the new hole of its members.
 
-    units: field, metric, metric_t or SI; by default those of the case.
+    units: field, metric, metric_t or SI; by default the case's.
     """
     folder = RunFolder.open(run)
     token = style.UNITS.set(units or style.units_of_run(folder.case))
@@ -140,7 +140,7 @@ def figures(
     """The pictures of a run folder by name, as figures of matplotlib; no file is written.
 
     units: as for `plot`.
-    names: of the pictures; by default all. A name that the folder has no picture of is left out.
+    names: of the pictures; by default all. Names without a picture in the folder are left out.
     first: the first picture only.
     """
     folder = RunFolder.open(run)
@@ -205,7 +205,7 @@ def drawings(
 ) -> dict[str, Any]:
     """Figures of a run folder by name, in the units of `style.UNITS`; call it and save them within `style.look()`.
 
-    units: of the pictures of hydraulics, surge, limits, torque and drag; by default those of their summary.
+    units: of the pictures of hydraulics, surge, limits, torque and drag; by default their summary's.
     names, first: as for `figures`.
     """
     drawn: dict[str, Any] = {}
@@ -222,7 +222,7 @@ def grouped(titles: list[str]) -> tuple[list[list[str]], list[list[str]]]:
     """Group columns into panels: (panels of the operation, panels of the numerics). The first column is the
     time.
 
-    Quantities of one panel share it; every other column joins those of its unit after them.
+    Quantities of one panel share it; every other column joins the columns of its unit after them.
     """
     panels: dict[int, list[str]] = {}
     by_unit: dict[str, list[str]] = {}

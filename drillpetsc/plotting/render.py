@@ -107,7 +107,7 @@ def loft(md: np.ndarray, offset: np.ndarray, radius: np.ndarray, scale: float) -
 
 
 def loft_faces(count: int) -> np.ndarray:
-    """Quadrilaterals between `count` rings, as pyvista wants them: (4, a, b, c, d) each, flat."""
+    """Quadrilaterals between `count` rings, in pyvista's format: (4, a, b, c, d) each, flat."""
     ring, corner = np.meshgrid(np.arange(count - 1) * SIDES, np.arange(SIDES), indexing="ij")
     beside = (corner + 1) % SIDES
     four = np.full_like(ring, 4)

@@ -151,7 +151,7 @@ def _cubic(md: np.ndarray, values: np.ndarray, at: np.ndarray) -> np.ndarray:
 
 
 def half_width(shape: Shape) -> float:
-    """Lateral distance shown on each side [m]: that of the hole, or the largest offset."""
+    """Lateral distance shown on each side [m]: the hole's radius, or the largest offset."""
     body = 0.0 if shape.outer_radius is None else float(np.max(shape.outer_radius))
     reach = float(np.abs(shape.offset).max()) + body
     hole = 0.0 if shape.hole_radius is None else float(np.max(shape.hole_radius))

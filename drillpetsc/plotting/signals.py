@@ -19,8 +19,8 @@ class Signal:
     """A column of a run.
 
     source: history, probes, or the name of a sensor; title: heading of the column; time: (n,) [s]; values: (n,) in SI.
-    speed: (n,) rotation there [rad/s], of the lower end where the source has none; None without any.
-    limit: frequency up to which the numbers hold [Hz]; told: why, for people; empty if it is half the rate.
+    speed: (n,) rotation there [rad/s], of the lower end if the source has none; None without any.
+    limit: frequency up to which the numbers hold [Hz]; told: the reason, for people; empty if it is half the rate.
     """
 
     source: str

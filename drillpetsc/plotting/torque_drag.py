@@ -172,7 +172,7 @@ def _rig_limit(axes: Any, limit: float, words: str) -> tuple[str, str, str]:
 def _strength(
     axes: Any, lines: dict[str, Any] | None, size: float, depth: float
 ) -> list[tuple[str, Any, str]]:
-    """Draw what the pipe at the rig bears, over the bit depth; returns the entries of the legend.
+    """Draw the limits of the pipe at the rig over the bit depth; returns the entries of the legend.
 
     lines: None in a folder of an older version.
     """
@@ -218,7 +218,7 @@ def _frame(heading: str, words: str, kind: str, system: System) -> tuple[Any, An
 
 
 def _curves(axes: Any, table: Table, column: str, size: float, depth: float) -> None:
-    """A line for each operation and friction pair, marked where the string is buckled."""
+    """A line for each operation and friction pair, marked at depths at which the string is buckled."""
     of_rows = _pair_of_rows(table)
     for pair, dash in zip(_pairs(table), DASHES * 20, strict=False):
         here = np.array([row == pair for row in of_rows])
@@ -248,7 +248,7 @@ def _curves(axes: Any, table: Table, column: str, size: float, depth: float) -> 
 
 
 def _without_locked(x: np.ndarray, locked: np.ndarray) -> np.ndarray:
-    """Loads (n,), where the string is locked up that of the nearest depth above at which it is not."""
+    """Loads (n,); for a locked-up string, the load of the nearest depth above without lock-up."""
     out = x.copy()
     for i in np.flatnonzero(locked):
         above = np.flatnonzero(~locked[:i])

@@ -56,10 +56,10 @@ def export(
 
     run: run folder
     out: folder of the files; by default `export` in the run folder. Older files of the same names are replaced
-    units: field, metric, metric_t or SI; by default those of the case, else metric
+    units: field, metric, metric_t or SI; by default the case's, else metric
     format: csv, xlsx, las or parquet
-    columns: names of columns, such as hook_load; by default all. Time and depth always go along
-    Raises CaseError for a folder without tables, for columns that no table has, and where a package is missing.
+    columns: names of columns, such as hook_load; by default all. Time and depth are always included
+    Raises CaseError for a folder without tables, for columns that no table has, and if a package is missing.
     """
     for value, allowed, at in ((format, FORMATS, "--format"), (units, (None, *SYSTEMS), "--units")):
         if value not in allowed:
@@ -121,7 +121,7 @@ def _tables(folder: Path) -> dict[str, Table]:
 
 
 def _chosen(tables: dict[str, Table], columns: Sequence[str]) -> dict[str, Table]:
-    """The tables that have one of the columns, with these columns and those of time and depth."""
+    """The tables that have one of the columns, with these columns and the columns of time and depth."""
     if not columns:
         return tables
     names = {split_name(title)[0] for table in tables.values() for title in table}
@@ -162,7 +162,7 @@ def _heading(title: str, values: np.ndarray, system: System) -> str:
 
 
 def _label(title: str, system: System) -> str:
-    """Words for a column; those of a probe or joint name its depth."""
+    """Words for a column; for a probe or joint they name its depth."""
     name = split_name(title)[0]
     return label_of(title, system).replace("NNN", name.rpartition("_")[2])
 
@@ -240,7 +240,7 @@ def _parquet(table: Table, system: System) -> bytes:
 
 
 def _las(table: Table, system: System, title: str, remarks: list[str], name: str) -> str:
-    """A table as LAS 2.0; an empty text, with a remark, where it has no index that rises or falls."""
+    """A table as LAS 2.0; an empty text, with a remark, if it has no index that rises or falls."""
     first = next(iter(table))
     kind = split_name(first)[0]
     steps = np.diff(table[first]) if table[first].dtype.kind in "fiu" else np.array([0.0])
@@ -286,7 +286,7 @@ def _las(table: Table, system: System, title: str, remarks: list[str], name: str
 
 
 def _mnemonic(heading: str, used: set[str]) -> str:
-    """The mnemonic of a column, with a depth or a number where another column has it."""
+    """The mnemonic of a column, with a depth or a number if another column has it."""
     name = split_name(heading)[0]
     quantity = catalogue.find(name)
     word = quantity.mnemonic if quantity is not None and quantity.mnemonic else name.upper()
@@ -301,5 +301,5 @@ def _mnemonic(heading: str, used: set[str]) -> str:
 
 
 def _one_line(text: str) -> str:
-    """A text that stands in a line of a LAS header, where a colon begins the description."""
+    """A text for a line of a LAS header, in which a colon begins the description."""
     return " ".join(text.replace(":", ",").split())

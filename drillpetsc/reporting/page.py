@@ -47,7 +47,7 @@ class Picture:
 class Grid:
     """A table of texts.
 
-    heads: of the columns; rows: of texts; numeric: columns set flush right; caption; source: where the figures are;
+    heads: of the columns; rows: of texts; numeric: columns set flush right; caption; source: file with the figures;
     folded: shown after a click; csv: data URI of the whole table in SI, may be empty; note: what is left out.
     """
 
@@ -107,7 +107,7 @@ def pictures_that_zoom(wanted: bool) -> Iterator[None]:
 
 
 def picture(drawing: Any, words: str, source: str) -> Picture:
-    """A figure as SVG, or as PNG where that is smaller. Equal figures give equal bytes.
+    """A figure as SVG, or as PNG if that is smaller. Equal figures give equal bytes.
 
     drawing: figure of matplotlib; call it within `plotting.style.look()`
     """
@@ -153,8 +153,8 @@ def grid_of(
     csv_name: str = "",
     folded: bool | None = None,
 ) -> Grid:
-    """A table `name [unit]` -> (n,) in the units of a system. Of more than SHOWN rows, evenly spaced ones are shown, and those of the
-    deepest bit.
+    """A table `name [unit]` -> (n,) in the units of a system. Of more than SHOWN rows, evenly spaced ones are shown, and the rows of
+    the deepest bit.
 
     columns: names to be shown; by default all that have a value
     csv_bytes: the whole table as it goes along, in SI; by default made from the table

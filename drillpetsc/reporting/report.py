@@ -1,7 +1,7 @@
 """`drillpetsc report`: one HTML file on a case and its run folders.
 
 The file needs nothing beside it: style, pictures and tables are in it, and there is no script unless its pictures zoom. The same input gives the
-same bytes; the date is that of the newest result, or SOURCE_DATE_EPOCH (reproducible-builds.org).
+same bytes; the date is the date of the newest result, or SOURCE_DATE_EPOCH (reproducible-builds.org).
 """
 
 from __future__ import annotations
@@ -72,7 +72,7 @@ def report(
 
     paths: run folders, and at most one case file
     out: file to be written; by default report.html in the first run folder, or <case>-report.html
-    units: field, metric, metric_t or SI; by default those of the case, else metric
+    units: field, metric, metric_t or SI; by default the case's, else metric
     sections: names of SECTIONS; by default all
     interactive: pictures of lines and bars zoom, by the script of plotly, which is in the file once (4.5 MB)
     """
@@ -307,7 +307,7 @@ def _inputs(source: Source) -> Section:
 def _figures(case: Case, text: str) -> list[tuple[str, str, str, str]]:
     """Rows (item, key, value, source) of figures from catalogue, defaults and formulas.
 
-    text: the resolved case, whose comments name the sources where the case itself no longer does
+    text: the resolved case, whose comments name the sources that the case no longer names
     """
     if case.figures.of_item:
         rows = []

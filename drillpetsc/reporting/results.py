@@ -105,7 +105,7 @@ _NO_FRICTION = ("block_weight", "weight_factor")  # parameters of a calibration 
 
 @dataclass(frozen=True)
 class Run:
-    """A run folder that goes into a report: its name, files and summary."""
+    """A run folder in a report: its name, files and summary."""
 
     folder: RunFolder
     name: str
@@ -129,7 +129,7 @@ class Run:
 
 
 def warnings_of(run: Run) -> list[str]:
-    """What the user should know of a run: its state, warnings and notes, and rows that are not to be trusted."""
+    """Sentences for the user about a run: its state, warnings and notes, and unreliable rows."""
     found: list[str] = []
     status = run.summary.get("status")
     if isinstance(status, str) and status != "done":
@@ -178,9 +178,9 @@ def _doubtful(file: Path) -> list[str]:
 def result_sections(
     runs: Sequence[Run], system: System, wanted: Sequence[str], why: Mapping[str, str]
 ) -> list[Section]:
-    """A section for each kind of results of each run; one that says why for each kind that no run has.
+    """A section for each kind of results of each run; one with the reason for each kind that no run has.
 
-    wanted: keys of the sections; why: reason by key where results of a kind cannot be.
+    wanted: keys of the sections; why: reason by key if results of a kind are impossible.
     """
     sections: list[Section] = []
     pictures = {run.name: _pictures(run, system) for run in runs}
@@ -201,7 +201,7 @@ def result_sections(
 
 
 def _pictures(run: Run, system: System) -> dict[str, Any]:
-    """Figures of a folder by name, without those of the well."""
+    """Figures of a folder by name, without figures of the well."""
     token = style.UNITS.set(system)
     try:
         drawn = drawings(run.folder, system)

@@ -1,4 +1,4 @@
-"""Tables as datasets of xarray, or as arrays by name where xarray is not installed; tables as frames of pandas."""
+"""Tables as datasets of xarray, or as arrays by name if xarray is not installed; tables as frames of pandas."""
 
 from __future__ import annotations
 
@@ -68,7 +68,7 @@ class Columns(dict[str, np.ndarray]):
 
 
 def dataset(table: Table, file: str, title: str = "") -> Any:
-    """A table as a dataset of xarray, or as `Columns` where xarray is not installed. The arrays are copies.
+    """A table as a dataset of xarray, or as `Columns` if xarray is not installed. The arrays are copies.
 
     file: name of the table, which determines its coordinate and what its columns are; title: of the run
     """
@@ -91,7 +91,7 @@ def assembled(
     coordinates: set[str],
     title: str,
 ) -> Any:
-    """A dataset of xarray, or `Columns` where xarray is not installed, from arrays by name."""
+    """A dataset of xarray, or `Columns` if xarray is not installed, from arrays by name."""
     try:
         import xarray
     except ImportError:
@@ -131,7 +131,7 @@ def read_string(folder: Path) -> StringFrames:
 
 
 def string_dataset(frames: StringFrames, title: str = "") -> Any:
-    """The string over time as a dataset of xarray, or as `Columns` where xarray is not installed. The arrays are copies.
+    """The string over time as a dataset of xarray, or as `Columns` if xarray is not installed. The arrays are copies.
 
     Dimensions are time, md (measured depth of the nodes on the string) and, for vectors, direction: north, east, down.
     """

@@ -21,7 +21,7 @@ _DOGLEG = "deg/30m"
 
 @cache
 def quantity_of(name: str, file: str) -> Quantity | None:
-    """The quantity of a column of a file, else that of this name in any file; None if there is none."""
+    """The quantity of a column of a file, else the quantity of this name in any file; None if there is none."""
     own = outputs_by_file().get(file, ())
     return next((q for q in (*own, *all_quantities()) if q.matches(name)), None)
 

@@ -89,7 +89,7 @@ class MudMotor(Component):
     cell: of the joint; law, rotor: of the motor; flow: without mud, flow rate over time [m3/s].
     compressibility: of the mud [1/Pa], None without mud; outside: pressure around a string without an annulus over time [Pa].
     balanced: leave out the turning force of the orbit; label: name of the item in messages.
-    joints: of the string, which know the force through the motor; bend: of the housing.
+    joints: of the string, which have the force through the motor; bend: of the housing.
     """
 
     name = "mud_motor"
@@ -208,7 +208,7 @@ class MudMotor(Component):
         return self._start_speed
 
     def run_statically(self, flow: float) -> None:
-        """Turn in statics as without torque at a flow rate [m3/s]; at 0 the motor stands."""
+        """Turn in statics as without torque at a flow rate [m3/s]; at 0 the motor does not turn."""
         self._speed = self._start_speed = self.law.free_speed(flow)
         self._load, self.params["load"] = 0.0, 0.0
 
@@ -228,7 +228,7 @@ class MudMotor(Component):
         return max(abs(self._speed - before) / turns, change) if turns > SLIP else change
 
     def static_warnings(self, torque: float, flow: float, units: System) -> list[str]:
-        """What the user should know of a static state under a torque [N m] at a flow rate [m3/s], in a system of units."""
+        """Sentences for the user on a static state under a torque [N m] at a flow rate [m3/s], in a system of units."""
         rpm, stall = self.law.free_speed(flow) * 30 / pi, self.law.stall_torque(flow)
         gives = f"{self.label}: {shown(flow, 'flow', units)} gives {rpm:.4g} rpm"
         if abs(rpm) * pi / 30 <= SLIP:

@@ -55,7 +55,7 @@ class ReamerLaw:
 
 
 class Reamer(Component):
-    """The cutters of a reamer, and the shoulder on which they stand.
+    """The cutters of a reamer, and the shoulder under them.
 
     Unknowns: metres reamed hole.reamer [m], and with inertia the profile reamer.chips [m].
 
@@ -123,7 +123,7 @@ class Reamer(Component):
 
     @property
     def stands(self) -> bool:
-        """Whether the cutters stand on the shoulder."""
+        """Whether the cutters are on the shoulder."""
         return float(self._frame[6]) - self._reamed > -LIFTED
 
     def _place(self, md: float) -> None:

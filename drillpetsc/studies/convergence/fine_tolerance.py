@@ -36,7 +36,7 @@ MEANING = (
 
 @contextmanager
 def finer(options: Mapping[str, Any]) -> Iterator[str]:
-    """Set finer PETSc options while a run lasts, also where the command line has set them; yields their words.
+    """Set finer PETSc options while a run lasts, also if the command line has set them; yields their words.
 
     options: PETSc options in effect in the run.
     """

@@ -77,7 +77,7 @@ class Point:
     curve, label: names of the curve and of the point.
     value: quantity that varies along the curve (step [s], tolerance, factor on the element lengths, ranks).
     changes: changed keys of the case (`key=value`).
-    petsc: PETSc options in addition to those of the case.
+    petsc: PETSc options in addition to the case's.
     ranks: number of ranks of the run.
     """
 
@@ -115,7 +115,7 @@ class Base:
 
     @property
     def own_options(self) -> dict[str, Any]:
-        """PETSc options of the case, overridden by those of the command line."""
+        """PETSc options of the case, overridden by the command line."""
         return {**(self.data.get("petsc") or {}), **self.options}
 
 
@@ -221,7 +221,7 @@ def default_steps(base: Base) -> list[float]:
 
 
 def default_tolerances(base: Base) -> list[float]:
-    """Tolerances over four decades around that of the case, none above LOOSEST_TOLERANCE."""
+    """Tolerances over four decades around the case's, none above LOOSEST_TOLERANCE."""
     if base.tolerances:
         return list(base.tolerances)
     top = min(TOLERANCE_FACTORS[0] * base.tolerance, LOOSEST_TOLERANCE)
@@ -229,7 +229,7 @@ def default_tolerances(base: Base) -> list[float]:
 
 
 def newton_tolerance(base: Base, step: float, order: int) -> float:
-    """-ts_rtol of a run with fixed steps, where it controls the Newton iteration only.
+    """-ts_rtol of a run with fixed steps, in which it controls the Newton iteration only.
 
     It is the expected local error of the step, tolerance (step/mean step)^(order + 1), and at most the
     tolerance of the case. A larger one would hide the order of convergence.

@@ -210,7 +210,7 @@ def _point_as_dict(row: Row, m: Measured, vary: str, length: float) -> dict[str,
 
 
 def abscissa(vary: str, row: Row, length: float) -> float:
-    """Mean step [s], or mean element length [m] where the mesh varies."""
+    """Mean step [s], or mean element length [m] if the mesh varies."""
     return length / row["elements"] if vary == "mesh" and row["elements"] else row["step"]
 
 

@@ -250,7 +250,7 @@ def write(plan: Plan, job: dict[str, Any], ended: dict[int, Outcome] | None = No
     """Write the table and the summary in their present state; returns the rows.
 
     job: entries of the summary about the whole job, such as ranks, worker groups and versions.
-    ended: outcomes to add where the outcomes on file may be incomplete.
+    ended: outcomes to add if the outcomes on file may be incomplete.
     """
     with _locked(plan):
         ended = {**outcomes(plan), **(ended or {})}

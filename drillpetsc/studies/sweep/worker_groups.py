@@ -1,8 +1,8 @@
-"""Worker groups: the ranks of a job divided into groups, each of which computes one member at a time on its own
+"""Worker groups: the ranks of a job divided into groups, each of which computes one member at a time on a separate
 communicator.
 
-While members run, the groups share files only (table.py). No rank waits for another group, so a member that
-fails or hangs blocks the ranks of its own group only.
+While members run, the groups share files only (table.py). Ranks do not wait for other groups, so a member
+that fails or hangs blocks only the ranks of its group.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ def group_sizes(costs: Sequence[float], elements: Sequence[int], ranks: int) -> 
     ranks: number of ranks of the job.
 
     A member gets one rank, or the number of ranks that corresponds to its part of the total cost. If there
-    are more ranks than members, the remaining ranks go where the cost per rank is largest. A group never gets
+    are more ranks than members, the remaining ranks go to the groups with the largest cost per rank. A group never gets
     more ranks than its first member can use, so some ranks may belong to no group.
     """
     total = sum(costs)

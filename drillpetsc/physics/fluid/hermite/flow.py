@@ -133,8 +133,8 @@ def volumes_at_rest(
 
 
 def _taken_up(component: HermiteBore | HermiteAnnulus, wall: FloatArray, pressure: FloatArray) -> FloatArray:
-    """Compute the stored volume (n,) of each element [m3]: content at ``pressure`` (n+1,) [Pa] minus that at
-    zero pressure.
+    """Compute the stored volume (n,) of each element [m3]: content at ``pressure`` (n+1,) [Pa] minus the
+    content at zero pressure.
     """
     m = component.mesh
     length = m.length + m.rigid_above
