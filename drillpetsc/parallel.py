@@ -42,7 +42,7 @@ def start_job(options: Sequence[str]) -> None:
     initialise_petsc(options)
     from petsc4py import PETSc
 
-    # PETSc's handler would print a stack where the reader of a pipe has ended; Python raises BrokenPipeError
+    # PETSc's handler would print a stack if the reader of a pipe has ended; Python raises BrokenPipeError
     signal.signal(signal.SIGPIPE, signal.SIG_IGN)
     PETSc.Log.begin()
     if PETSc.COMM_WORLD.size > 1:
@@ -54,7 +54,7 @@ def start_job(options: Sequence[str]) -> None:
 def total(comm: Any, values: Any) -> Any:
     """Sum a number or an array over the ranks; the same on every rank, collective.
 
-    One call on a buffer. mpi4py's ``allreduce`` of objects sends each of them as two messages to one rank and back, which takes
+    One call on a buffer. mpi4py's ``allreduce`` of objects sends each of them as two messages to one rank and back. This takes
     some 30 us, and a step needs twenty of them.
 
     comm: PETSc's communicator or mpi4py's.
@@ -66,7 +66,7 @@ def total(comm: Any, values: Any) -> Any:
 def total_in_order(comm: Any, values: Any) -> Any:
     """Sum an array over the ranks in their order; the same on every rank, collective.
 
-    MPI may add up a long array in another order than a short one, so that a sum would depend on how many are formed together.
+    MPI may add up a long array in another order than a short one, so a sum would depend on their number.
 
     comm: mpi4py's communicator.  Returns ``values`` itself on one rank.
     """

@@ -87,13 +87,13 @@ KINDS: dict[str, Kind] = {
     "shear_rate": Kind("1/s", "1/s", "1/s"),
     "frequency": Kind("1/s", "Hz", "Hz"),
 }
-#: kinds of what is shown alone: no key has a bare number of them
+#: kinds that are only shown: keys do not take bare numbers of them
 _NOT_FOR_BARE_NUMBERS = frozenset(
     {"volume", "pressure_gradient", "mass", "density", "energy", "creep", "inertia", "stiffness"}
     | {"section_stiffness", "turning_stiffness", "turning_damping", "drillability"}
 )
 
-# SI unit -> kind of a quantity that names none. Units that stand for several things have no entry: a pressure, a modulus and a
+# SI unit -> kind of a quantity that names none. Units with several meanings have no entry: a pressure, a modulus and a
 # stress are all Pa, a side force and a stiffness N/m.
 KIND_OF_UNIT: dict[str, str] = {
     "m": "length",

@@ -2,7 +2,7 @@
 
 A restarted run continues as an uninterrupted one (manual: sec-time-restart).  The file is HDF5 behind a first
 block of 512 bytes (a user block, which HDF5's readers skip).  The block contains the kind, the version and
-the SHA-256 of all that follows, so that incomplete and damaged files are refused before any value is used.
+the SHA-256 of all that follows, which detects incomplete and damaged files before any value is used.
 Arrays are in depth order, so that another number of ranks can read them.  Only the entries of the
 factorisation are stored by rank (solvers/newton.py).
 """

@@ -36,7 +36,7 @@ from drillpetsc.solvers.time_integrator import TimeIntegrator
 STICKING_RADIUS = 0.5
 #: largest spectral radius at which long fixed steps across impacts lose energy; larger ones gain
 STEADY_RADIUS = 0.5
-#: least steps from sample to sample of a controller: a jump of the torque acts half a step late, since the formula goes on
+#: least steps from sample to sample of a controller: a jump of the torque acts half a step late, since the formula is not restarted
 STEPS_PER_SAMPLE = 4
 
 

@@ -1,8 +1,7 @@
 """A model about its steady state as x' = A x + B u, y = C x + D u (manual: sec-linear).
 
-Matrices of the string come from ``solvers.linearization``.  What inputs do to the equations, and what outputs read from the
-state, are central differences of the residual and of the outputs themselves, so every input of a session and every column
-of history.csv can be used.
+Matrices of the string come from ``solvers.linearization``.  Effects of inputs on the equations, and of the state on outputs,
+are central differences of the residual and of the outputs. So every input of a session and every column of history.csv can be used.
 """
 
 from __future__ import annotations

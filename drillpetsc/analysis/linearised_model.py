@@ -16,7 +16,7 @@ from drillpetsc.model.drilling_model import DrillingModel
 from drillpetsc.physics.hoist import Hoist
 from drillpetsc.solvers.linearization import Linearised, linearise
 
-MEASURED_AT = 3  # nodes from each end of the string between which nothing is measured
+MEASURED_AT = 3  # nodes at each end of the string on whose unknowns a measurement may depend
 MEASURED_STEP = {"wob": 1e2, "torque": 1e1, "differential_pressure": 1e3}  # [N], [N m], [Pa]
 
 

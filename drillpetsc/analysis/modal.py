@@ -64,7 +64,7 @@ from drillpetsc.unit_systems import System, shown
 STATES = ("steady", "rest")
 FREE_SPIN = 1e3  # spin over way above which a vector of a root zero turns freely [rad/m]
 ZERO_FRACTION = 1e-3  # eigenvalues below this fraction of the reference rate are zero: unconstrained motions
-PAYING = 1e-3  # share of the pay-out in the shape of a free drum, over that in any other mode about zero
+PAYING = 1e-3  # share of the pay-out in the shape of a free drum, over the share in any other mode about zero
 #: weights of the fluid's rows [per m3/s] and [per Pa] (kernels/fluid/flow.hpp)
 ROW_WEIGHT = {"pressure": 1e6, "flow": 1e-2}
 REPORTED_IMBALANCE = 1.0  # unbalanced force above which a note is shown [N]

@@ -435,7 +435,7 @@ class TransientRun:
         elif self.first:
             try:
                 put()
-            except OSError as failure:  # the run ends with its own message
+            except OSError as failure:  # the run ends with a separate message
                 self.bar.message(cannot_write(failure, str(folder.summary)))
         return result
 
@@ -476,7 +476,7 @@ class TransientRun:
         return result
 
     def _take_time_error(self, result: dict[str, Any]) -> float | None:
-        """Put what is known of the errors in time into the summary; returns the length of the steps [s] that damp short motions,
+        """Write the known errors in time into the summary; returns the length of the steps [s] that damp short motions,
         None if unknown."""
         by_outputs, entry = self.recorder.time_error, result.get("error_estimate")
         if entry is not None and by_outputs is not None:

@@ -1,7 +1,7 @@
 """Steps that keep the energy of parts that may whirl, and the warning of a run if they do not (manual: sec-time-whirl-steps).
 
 A part of the string of radius R that turns at the rate w and rolls on the wall with the radial clearance c goes round the hole
-backward at the rate w R/c (Jansen, 1991), the fastest motion that friction feeds.  The formula of a time integrator takes
+backward at the rate w R/c (Jansen, 1991). It is the fastest motion that friction feeds.  The formula of a time integrator takes
 energy from it in each period. If this is more than ``LOST``, the formula may decide whether the part whirls.
 """
 
@@ -102,7 +102,7 @@ class WhirlSteps:
         assert model.well is not None
         chain, out = model.system.chain, []
         local = {int(v): i for i, v in enumerate(chain.vertices) if chain.owned[i]}
-        # where the string lies before it moves, in the hole of the case: a run that is restarted finds the same parts
+        # the initial place of the string in the hole of the case: a restarted run finds the same parts
         place = mesh.node_depth + top_depth(model)
         for k in RigidItems(model).items:
             body = mesh.bodies[k]

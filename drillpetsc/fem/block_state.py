@@ -61,7 +61,7 @@ class BlockState:
         self._results: dict[tuple[int, str], BlockResults] = {}  # by id of the block and kernel
         self._seen: list[ElementBlock] = []  # keeps blocks that are not bound, so that their ids stay theirs
         self.kept: dict[Any, Any] | None = None  # see ``unchanged``
-        self.group = ResultGroup({})  # what the last state was asked for: the next is asked for the same
+        self.group = ResultGroup({})  # results requested for the last state, requested again for the next
         self.asked: dict[Any, bool] = {}  # within ``unchanged``
         size, self.bound_blocks = 0, list[BoundBlock]()
         for block in blocks:
@@ -181,7 +181,7 @@ class BlockState:
 
     def power(self, block: ElementBlock, t: float) -> float:
         """Compute the power [W] that the rows of ``block`` take from the motion at x, y, on this rank."""
-        # a beam may have rewritten the block for its own unknowns; the parameters are the same
+        # a beam may have rewritten the block for its unknowns; the parameters are the same
         bound = next(b for b in self.bound_blocks if b.block.params is block.params)
         block = bound.block
         if not bound.count:

@@ -369,7 +369,7 @@ class Component:
         """Give history variables the values that they have at time ``t`` [s] when the present motion is steady."""
 
     # ------------------------------------------------------------------ machines
-    #: angles that nothing returns to a place, such as that of a motor's rotor: each is a root zero of the linear model
+    #: angles without a restoring moment, such as a motor's rotor: each is a root zero of the linear model
     free_angles: int = 0
     #: field of a length to which nothing returns, such as the pay-out of a drum: a root zero as well; empty for none
     free_length: str = ""

@@ -81,7 +81,7 @@ class DiscreteSystem:
         )
         #: of each bound block: its component
         self.component_of = [c for c, own in zip(self.components, by_component, strict=True) for _ in own]
-        #: components that store energy, and those with powers
+        #: components that store energy, and components with powers
         self._storing = [c for c in self.components if type(c).energies is not Component.energies]
         self._working = [c for c in self.components if type(c).powers is not Component.powers]
         #: of all components

@@ -19,9 +19,9 @@ Result = TypeVar("Result")
 
 Entity = Literal["scalar", "node", "element", "item", "rigid_item", "joint", "probe", "sensor"]
 Interpolation = Literal["linear", "motion", "none"]
-#: stands for a measured depth [m] in the name of a quantity of a joint or a probe
+#: placeholder of a measured depth [m] in the name of a quantity of a joint or a probe
 DEPTH = "NNN"
-#: stands for the name of a sensor in the name of a quantity
+#: placeholder of the name of a sensor in the name of a quantity
 NAME = "NAME"
 _PLACES = {DEPTH: r"([-+.\deE]+)", NAME: r"([A-Za-z0-9_-]+)"}
 

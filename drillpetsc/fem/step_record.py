@@ -1,7 +1,7 @@
 """Numbers of several steps, copied after each of them by one compiled call.
 
-What is computed of them later - rows of tables, balances - is computed for many steps at once, so that a step pays for little more than
-the kernels of its results.
+Rows of tables and balances are computed from them later, for many steps at once. So a step costs little more than the kernels of its
+results.
 """
 
 from __future__ import annotations

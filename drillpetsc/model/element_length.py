@@ -24,7 +24,7 @@ from drillpetsc.unit_systems import System, display_unit, shown
 LONGEST = 10.0  # [m]
 GROWTH = 0.3  # growth of the length per length along the string [-]
 LARGEST_GROWTH = 0.6  # the same of a mesh that is coarsened [-]
-LARGEST_RATIO = 2.0  # of neighbouring elements, where one of them is automatic
+LARGEST_RATIO = 2.0  # of neighbouring elements, if one of them is automatic
 LAYER_SHARE = 0.25  # of sqrt(EI/T): moments beside a support to 1 % (manual: eq-mesh-layer)
 SPAN_SHARE = 0.05  # of the free length beside a support: the same with a side load
 WAVE_STEP = 1.0  # phase of a buckle's wave in one element [rad]
@@ -145,8 +145,8 @@ def free_length(bending: float, clearance: float, side: float) -> float:
 def step_moment(bending: FloatArray, height: float | FloatArray, side: FloatArray) -> FloatArray:
     """Bending moment [N m] of a string that comes down from a step on the wall (manual: eq-mesh-step).
 
-    bending: EI [N m2]; height: of the step [m]; side: load across the string [N/m].  A beam that is clamped on the
-    step and reaches the wall with no slope and no moment: height = w L^4/(72 EI), moment w L^2/6.
+    bending: EI [N m2]; height: of the step [m]; side: load across the string [N/m].  A beam clamped on the step that
+    reaches the wall without slope and moment: height = w L^4/(72 EI), moment w L^2/6.
     """
     return np.asarray(np.sqrt(2 * bending * height * side))
 

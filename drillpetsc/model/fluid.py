@@ -167,7 +167,7 @@ def build_fluid(
         assert well is not None
         walls = build_walls(case, mesh)
         sizes = walls.annulus(HoleVolume(well), np.arange(len(mesh.upper)), mesh.upper, mesh.lower)
-        if not case.hold_string:  # the flow past a held string knows no rigid items
+        if not case.hold_string:  # the flow past a held string does not include rigid items
             _refuse_closed_annulus(case, mesh, sizes)
         chi = _added_mass(case, sizes)
         if not case.hold_string and (hole is not None or not _is_uniform(well, walls)):
@@ -277,7 +277,7 @@ def _items_in_mud(
 def _mud_items(case: Case, mesh: StringMesh, sizes: Annulus) -> tuple[MudItem, ...]:
     """Mud across the hole beside the rigid items that have a length and an outer diameter (manual: sec-mud-items).
 
-    An item counts as a cylinder that leaves as much of the hole open as its section does, and bits and stabilizers at least
+    An item counts as a cylinder with the same open area around it. Bits and stabilizers leave open at least
     ``LEAST_BESIDE`` of the hole.
     """
     bodies = [b for b in mesh.bodies if b.length > 0 and b.radius > 0]

@@ -27,7 +27,7 @@ from drillpetsc.physics.rock_bit import (
 )
 from drillpetsc.physics.wall_stiffness import ROCK_POISSON, STEEL_YOUNG, line_stiffness
 
-ROCK_STRENGTH = 60e6  # of a bit that cuts sideways, where none is given [Pa]
+ROCK_STRENGTH = 60e6  # of a bit that cuts sideways, if not given [Pa]
 
 
 def build_rock_bit(case: Case, mesh: StringMesh, well: Well) -> RockBit:

@@ -23,7 +23,7 @@ from drillpetsc.model.hole import hole_depth
 MAX_STEP = 5.0  # longest piece of the string in the estimate [m]
 HELIX_FACTOR = 2 * np.sqrt(2.0)  # manual: eq-statics-march
 VERTICAL_FACTOR = 2.65
-CRUSHING_STRAIN = 0.01  # no push is larger than that which compresses the pipe by this [-]
+CRUSHING_STRAIN = 0.01  # compression [-] of the pipe at the largest push
 LEAST_CLEARANCE = 1e-3  # [m]
 
 

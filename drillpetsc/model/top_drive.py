@@ -101,7 +101,7 @@ def laws_of(case: Case, mesh: StringMesh) -> tuple[Law, ...]:
     """
     zeta, inertia = pipe_impedance(mesh), motor_of(case).inertia
     if any(isinstance(q, PythonController) for q in case.top.control):
-        return ()  # a function of the user has no gains that are known here
+        return ()  # the gains of a function of the user are unknown here
     return tuple(_law(q, case, mesh, zeta, inertia) for q in case.top.control)
 
 

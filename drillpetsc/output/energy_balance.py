@@ -143,8 +143,8 @@ class EnergyBalance:
 
     @property
     def exchanged(self) -> float:
-        """Scale of an energy error [J]: the larger of the peaks, since the start, of the supplied work and of the change
-        of kinetic and strain energy, at least the rounding of the energies and the settling of the start.  Work that was
+        """Scale of an energy error [J]: the largest supplied work, or change of kinetic and strain energy, since the start.
+        It is at least the rounding of the energies and the settling of the start.  Work that was
         supplied and returned counts."""
         least = max(1e-9 * sum(map(abs, self.energies)), SETTLING * abs(self.energies[1]), 1e-300)
         return max(abs(self.supplied), self.peak_exchange, least)

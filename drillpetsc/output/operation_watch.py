@@ -1,4 +1,4 @@
-"""Checks the rows of a run for states that a rig or a tool cannot reach: a hook that pushes, a motor at its stall, a shock sub on a stop.
+"""Checks the rows of a run for states that a rig or a tool cannot reach: a pushing hook, a stalled motor, a shock sub on a stop.
 
 Manual: sec-outputs-watch.  Events between two rows are not seen.
 """

@@ -29,7 +29,7 @@ class Progress:
 
     update() is called after every accepted step; between two prints it costs a clock reading (well under 1
     us). The factor is simulated seconds per wall second over the last prints (about the last 30 s of wall
-    time), so that the estimate follows a run that slows down; finish() gives the factor over the whole run.
+    time), so the estimate follows a run that slows down. finish() gives the factor over the whole run.
     """
 
     def __init__(

@@ -1,7 +1,7 @@
 """Outputs that physics components declare.
 
-Plain descriptions: a value is a function of the component and the sample, so plots and the manual can read this page
-without PETSc and without compiled kernels.  Each component returns its tuple from ``quantities()``.
+Plain descriptions: a value is a function of the component and the sample. So plots and the manual can read this file
+without PETSc and compiled kernels.  Each component returns its tuple from ``quantities()``.
 """
 
 from __future__ import annotations

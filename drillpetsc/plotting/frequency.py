@@ -168,12 +168,12 @@ def draw_stability(folder: Path, title: str) -> Any:
     finite = growth[np.isfinite(growth)]
     low, high = float(finite.min(initial=0.0)), float(finite.max(initial=0.0))
     low, high = min(low, -1e-6), max(high, 1e-6)
-    norm = TwoSlopeNorm(0.0, vmin=low, vmax=high)  # each side to its own extreme
+    norm = TwoSlopeNorm(0.0, vmin=low, vmax=high)  # each side to its extreme
     drawn = axes.pcolormesh(
         _edges(speeds), _edges(weights / unit), growth, cmap="RdBu_r", norm=norm, shading="flat"
     )
     bar = drawing.colorbar(drawn, ax=axes, label="Largest growth rate [1/s]  (red: unstable)")
-    ticks = [low, 0.5 * low, 0.0, 0.5 * high, high]  # those of matplotlib leave out a narrow side
+    ticks = [low, 0.5 * low, 0.0, 0.5 * high, high]  # matplotlib's ticks leave out a narrow side
     bar.set_ticks(ticks, labels=[f"{tick:.2g}" for tick in ticks])
     if (folder / BOUNDARY_TABLE).exists():
         found = read_table(folder / BOUNDARY_TABLE)

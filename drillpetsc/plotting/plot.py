@@ -443,7 +443,7 @@ def _along_depth(table: Table, title: str) -> Any:
             axes.fill_betweenx(
                 depth, np.minimum(values, 0.0), 0.0, color=LINE_COLORS[1], alpha=0.35, linewidth=0
             )
-            # in the panel: above it stands the heading
+            # in the panel: the heading is above it
             axes.text(
                 0.97, 0.01, "compression shaded", fontsize=8.5, color=LINE_COLORS[1], ha="right", transform=axes.transAxes,
             )  # fmt: skip

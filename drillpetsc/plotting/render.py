@@ -1,8 +1,7 @@
 """The straightened string in its hole as a shaded picture, by pyvista off screen.
 
 Measured depth runs downward and straight; lateral lengths are drawn `scale` times larger than depths. The
-camera is parallel and looks a little from above, so heights in the picture stay proportional to depth and the
-picture fits a depth axis.
+projection is parallel and slightly from above. So heights in the picture are proportional to depth and fit a depth axis.
 """
 
 from __future__ import annotations

@@ -101,8 +101,8 @@ def cut(shape: Shape, interval: tuple[float, float] | None) -> Shape:
 
 
 def smooth(shape: Shape, pieces: int) -> Shape:
-    """The same string with `pieces` parts between two nodes: cubic through the nodes with the slopes that
-    central differences give, the field and the radii linear between them. Values at nodes do not change."""
+    """The same string with `pieces` parts between two nodes: cubic through the nodes with slopes by central
+    differences; field and radii are linear between nodes. Values at nodes do not change."""
     if pieces < 2 or len(shape.md) < 3:
         return shape
     md = shape.md

@@ -33,7 +33,7 @@ DASHES: tuple[Any, ...] = ("-", (0, (5, 2)), (0, (1, 1.2)), (0, (5, 1.5, 1, 1.5)
 LIMIT = "#b03060"
 FAR_LIMIT = 1.5  # a limit of the rig beyond this times the axis is not drawn
 OTHER_PIPE = (
-    0.1  # a limit that changes by more than this share from one depth to the next is that of another pipe
+    0.1  # a limit that changes by more than this share from one depth to the next belongs to another pipe
 )
 BUCKLED = {"sinusoidal": "o", "helical": "s", "lock_up": "X"}
 

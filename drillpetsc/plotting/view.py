@@ -1,8 +1,8 @@
 """`drillpetsc view RUN`: the deformed string in its hole, as a picture or an animation, without a display.
 
 A string of kilometres in a hole of centimetres shows nothing at true scale. The hole is therefore drawn
-straight along measured depth with lateral lengths enlarged by a stated factor, once as a shaded view and once
-as two sections with the pipe's true width between the walls; the well's true path is beside it.
+straight along measured depth, with lateral lengths enlarged by a stated factor. It is shown as a shaded view and as two
+sections with the pipe's true width between the walls, beside the well's true path.
 """
 
 from __future__ import annotations

@@ -35,7 +35,7 @@ Format = Literal["csv", "xlsx", "las", "parquet"]
 FORMATS: tuple[Format, ...] = get_args(Format)
 INDICES = ("time", "md", "bit_depth", "pump_flow", "mode")  # columns that every exported table keeps
 LAS_INDICES = {"time": "TIME", "md": "DEPT"}
-NULL = -999.25  # what LAS files usually write where there is no value
+NULL = -999.25  # usual mark of a missing value in LAS files
 MOST_ROWS = 1_048_575  # of a sheet of xlsx below its headings
 DIGITS = 10
 INSTALL = "pip install 'drillpetsc[files]'"
@@ -207,7 +207,7 @@ def _workbook(tables: dict[str, Table], system: System) -> bytes:
                 cell = WriteOnlyCell(sheet, value if number and math.isfinite(value) else None)
                 if not number:
                     cell.value = re.sub(r"[\x00-\x08\x0b\x0c\x0e-\x1f]", "", str(value))
-                    cell.data_type = "s"  # a text that begins with = is no formula
+                    cell.data_type = "s"  # a text that begins with = is not a formula
                 cells.append(cell)
             sheet.append(cells)
     file = io.BytesIO()

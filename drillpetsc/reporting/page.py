@@ -208,7 +208,7 @@ def _cells(table: Mapping[str, np.ndarray], title: str, kept: np.ndarray, system
     if values.dtype.kind != "f":
         return [lengths_shown(str(value), system) for value in values]
     cells = list(texts(in_units(title, values, system)))
-    if title == TRIP_SPEED and LIMITED_BY in table:  # no limit is passed at the fastest speed tried
+    if title == TRIP_SPEED and LIMITED_BY in table:  # limits above the fastest speed tried
         free = np.isin(table[LIMITED_BY][kept].astype(str), ("none", "-"))
         cells = [f"> {q}" if f else q for q, f in zip(cells, free, strict=True)]
     return cells

@@ -99,8 +99,8 @@ OF_THE_WELL = ("trajectory",)
 _NO_ROWS = ("history.csv", "probes.csv", INDICES_TABLE)  # tables too long for a page: their ranges are shown
 
 
-NOTE = "note: "  # before what a run assumes and leaves out, which is no warning
-_NO_FRICTION = ("block_weight", "weight_factor")  # parameters of a calibration that are no friction factors
+NOTE = "note: "  # precedes assumptions and omissions of a run, which are not warnings
+_NO_FRICTION = ("block_weight", "weight_factor")  # parameters of a calibration that are not friction factors
 
 
 @dataclass(frozen=True)

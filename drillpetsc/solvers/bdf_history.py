@@ -1,8 +1,8 @@
 """BDF history for checkpoints: a restarted run reproduces an uninterrupted one bit for bit.
 
 PETSc does not expose the history of TSBDF.  The accepted states are therefore recorded here.  A restarted run
-first steps through this record with a solver that returns the recorded states, so that TSBDF rebuilds the
-same times and vectors (manual: sec-time-restart).
+first steps through this record with a solver that returns the recorded states. So TSBDF rebuilds the same times and
+vectors (manual: sec-time-restart).
 """
 
 from __future__ import annotations

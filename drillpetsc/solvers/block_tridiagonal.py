@@ -26,7 +26,7 @@ _count_runs = function("chain_count_runs", "ippppip", int)
 _runs = function("chain_runs", "ipppppippppipp", int)
 _tiles = function("chain_tiles", "ippppp" + "p")
 _TILE = int(constant("tile"))  # numbers of a tile
-#: numbers for the patterns of the entries, more where they do not suffice (manual: sec-chain-storage)
+#: numbers for the patterns of the entries, more if they do not suffice (manual: sec-chain-storage)
 PATTERN_CAPACITY = 1 << 16
 _negative = function("chain_negative", "iipp", int)
 
@@ -84,7 +84,7 @@ class Piece:
         self.pivots = int((ld * b).sum())  # entries of all pivot blocks
         self.n, self.interfaces, self.table, self.length = n, interfaces, table, int(ld.sum())
         self.store, self.inverse = aligned(end), aligned(self.length)
-        # each node's rows in their own order, as those of the padding stay
+        # each node's rows keep their order, because rows of the padding stay in place
         self.pivot = (np.arange(self.length) - np.repeat(table[:, _VEC], ld)).astype(np.int32)
         self.stats = np.zeros(_STATS.width)
         self.saved: np.ndarray | None = None

@@ -128,7 +128,7 @@ class FirstOrderSystem:
         entry_rows, entry_columns = asm.places()
         block_rows = np.where(entry_rows >= 0, dynamic[np.maximum(entry_rows, 0)], -1)
         rows += [block_rows, block_rows]
-        # the column of a first-order unknown's rate is that of the unknown
+        # a first-order unknown and its rate have the same column
         columns += [
             np.where(entry_columns >= 0, index[np.maximum(entry_columns, 0)], -1) for index in (x, dynamic)
         ]
@@ -181,7 +181,7 @@ class FirstOrderSystem:
         self._t = t
         system.load_state(state, rate)
         system.sum_residual(t, self._condensed)
-        # only the first place counts: with steps of 1e-40 s no row is finite later
+        # only the first place counts: with steps of 1e-40 s all rows overflow later
         if not np.isfinite(self._condensed.norm()) and not self._not_finite:
             self._not_finite, self._not_finite_until = system.locate_largest_residual(t), t + 1e-9
         out, r, s, v = (

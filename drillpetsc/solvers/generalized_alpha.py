@@ -38,10 +38,10 @@ SAFETY, REPEATED = 0.9, 0.5  # of the step control; the second once more after a
 #: exponents of the step control by the last error and by the one before (Gustafsson, ACM TOMS 17 (1991) 533)
 BY_ERROR, BY_EARLIER = -0.7 / 3, 0.4 / 3
 SMALLEST_ERROR = 1e-6  # smaller ones let the step grow no faster
-STRETCH = 1e-3  # a last step this fraction longer than wanted is no reason for another one
+STRETCH = 1e-3  # the last step may be longer by this fraction instead of being split
 #: steps are counted in classes of a quarter of an octave, the first one of 2^-40 s
 CLASSES_PER_OCTAVE, FIRST_OCTAVE, CLASSES = 4, -40, 4 * 64
-REFRAME_INTERVAL = 4  # steps between two looks at the reference directions
+REFRAME_INTERVAL = 4  # steps between two checks of the reference directions
 
 
 class GeneralizedAlpha(TimeIntegrator):

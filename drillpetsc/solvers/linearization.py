@@ -28,7 +28,7 @@ from drillpetsc.fem.discrete_system import DiscreteSystem
 from drillpetsc.solvers.quadratic_eigenproblem import Eigenvalues, QuadraticEigenproblem
 
 _PARTS = (slice(0, 3), slice(3, 6), slice(6, 7))  # position, slope, spin angle of a prescribed vertex
-#: of the largest singular value of a constraint's rows: smaller ones are those of directions that are held already
+#: of the largest singular value of a constraint's rows: smaller ones belong to directions that are held already
 _DEPENDENT = 1e-10
 
 
@@ -135,7 +135,7 @@ def linearise(system: DiscreteSystem, t: float = 0.0) -> Linearised | None:
     Collective.
     """
     layout, asm = system.layout, system.assembly
-    # which motions the ends leave free is known from the evaluation of the rows, not from that of the matrix
+    # evaluating the rows, not the matrix, shows which motions the ends leave free
     asm.invalidate_prescribed_values()
     system.sum_residual(t, system.new_condensed())
     numbers = layout.condensed_dm.getLGMap().getIndices()

@@ -1,7 +1,7 @@
 """Newton's iteration of a condensed step: one compiled loop, collective (kernels/newton/newton.cpp; manual: sec-time-newton).
 
-The loop, its tests and what it remembers from one solve to the next are in a compiled record.  So are its parts, as long as a
-step needs no more than compiled calls do; else, and for messages between ranks, the loop calls Python.
+The loop, its tests and what it remembers from one solve to the next are in a compiled record.  So are its parts, as long as
+compiled calls suffice for a step. Otherwise, and for messages between ranks, the loop calls Python.
 """
 
 from __future__ import annotations
@@ -47,10 +47,10 @@ RAISED = -1000  # reason of a solve that an exception of a part has ended
 RESOLUTION = 64 * float(np.finfo(float).eps)
 #: an increment that no longer shrinks and is below this fraction of the scales is rounding
 ROUNDING_INCREMENT = 1e-10
-#: the work of the residual asks for increments down to this fraction of the tolerance, and not below the other
+#: the work of the residual requires increments down to this fraction of the tolerance, and not below the other
 #: value: further iterations change only rounding (manual: sec-time-work)
 WORK_REFINEMENT, WORK_FINEST_INCREMENT = 1e-3, 1e-9
-#: a step is shortened where its work afterwards is opposite and above this fraction (manual:
+#: a step is shortened if its work afterwards is opposite and above this fraction (manual:
 #: eq-time-line-search)
 OVERSHOOT_FRACTION = 0.1
 SHORTEST_STEP_FRACTION = 0.05

@@ -34,7 +34,7 @@ DEFAULTS = {
     "ts_adapt_type": "basic",
     "ts_adapt_clip": "0.2,2.0",
     "ts_exact_final_time": "matchstep",
-    "ts_max_snes_failures": -1,  # this module counts consecutive failures; PETSc counts those of the whole run
+    "ts_max_snes_failures": -1,  # this module counts consecutive failures; PETSc counts all failures of the run
     "ts_error_if_step_fails": 0,  # this module raises an error with place and cure
 }
 TOLERANCE = 1.0e-4  # default of -ts_rtol
@@ -155,7 +155,7 @@ class TimeIntegrator:
         self.estimate: Any = None  # of the local errors: has get_state and set_state
         self._make(options)
         self.options = dict(options.getAll())  # in effect, defaults included
-        for key in set(self.options) - given:  # the next integrator in this process has its own defaults
+        for key in set(self.options) - given:  # the next integrator in this process has other defaults
             options.delValue(key)
 
     def _make(self, options: PETSc.Options) -> None:

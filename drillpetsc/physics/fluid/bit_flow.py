@@ -241,7 +241,7 @@ class BitFlow(Nozzle):
         depth = around.depth.item(node)
         if (
             keep and depth == self._depth and self.growing is None
-        ):  # then nor has the direction of the hole changed
+        ):  # then the direction of the hole has not changed either
             return
         p, x = block.named, state.x[state.index_of(block)[0]]
         end, axis, distance = self._lower_end(x, depth, p["face"][0])
@@ -269,7 +269,7 @@ class BitFlow(Nozzle):
 
         x: unknowns of the block; depth: measured depth of the last node [m]; face: distance of the face below it [m].
         Near the bottom they belong to the hole's end.  Far above it the mud under the bit is measured along the hole: the
-        direction is the hole's direction at the bit, and the end lies as far ahead along it as along the hole.
+        direction is the hole's direction at the bit. Along it, the end is as far ahead as along the hole.
         """
         around, grown = self.moving_hole, self.growing
         assert around is not None

@@ -5,7 +5,7 @@ Manual: sec-mud-moving, eq-mud-swept.  A node at measured depth s has the volume
 the bit has the volume below the last node, so no volume is lost between them.  The rows of mass contain these
 rates (WIDENING in kernels/fluid/annulus_flow.hpp is a2 - a1 over the length); if the hole is wider or
 narrower at the new position, mud flows in or out.  When the geometry is re-evaluated, W has changed by a ds,
-the integral of the rates; mass is conserved for any a.  a is chosen so that W becomes the
+the integral of the rates. So mass is conserved for any a.  a is chosen so that W becomes the
 hole's true volume ``AHEAD`` further on.
 
 A reamer that advances by db adds its ring to the hole above all nodes below it, dW = ring db.  While it cuts, a is

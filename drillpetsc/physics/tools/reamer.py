@@ -27,7 +27,7 @@ from drillpetsc.physics.rock_bit import KINDS, MOTION, QUASI_STATIC, STATICS
 _results = function("reamer_results", "ipppppp")
 _Law = structure("bit_law")
 RESULTS = columns("reamer_results")
-LIFTED = 0.01  # distance of the cutters from the shoulder above which they do not stand on it [m]
+LIFTED = 0.01  # distance of the cutters from the shoulder above which they do not touch it [m]
 
 
 @dataclass(frozen=True)

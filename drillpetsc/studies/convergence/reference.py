@@ -30,7 +30,7 @@ FloatArray = npt.NDArray[np.float64]
 Exact = Callable[[Case, FloatArray], dict[str, FloatArray] | None]
 
 REFERENCE_TOLERANCE_FACTOR = 0.1  # tolerance of the reference over the smallest of the points
-REFERENCE_TIME_FACTOR = 3.0  # time limit of a run of the reference over that of a point
+REFERENCE_TIME_FACTOR = 3.0  # time limit of a run of the reference over the time limit of a point
 CONTROL_TOLERANCE_FACTOR = (
     10.0  # tolerance of the control run for the error of the reference, over the reference's
 )

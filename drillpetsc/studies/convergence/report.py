@@ -29,7 +29,7 @@ from drillpetsc.studies.convergence.runs import Measured
 Row = dict[str, Any]
 
 MOST_OUTPUTS = 6  # outputs compared by default
-LAST = 1000  # rank of outputs without an interest of their own
+LAST = 1000  # rank of outputs without an interest
 DIVERGED = 10.0  # rms error over range above which a completed run counts as failed
 PLATEAU_RATIO = 1.5  # errors within this ratio count as equal, steps beyond it as different
 TARGET_ERRORS = (0.1, 0.01, 0.001)  # errors whose cost is reported

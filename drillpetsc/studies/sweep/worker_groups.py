@@ -18,7 +18,7 @@ from drillpetsc.parallel import wait_for
 #: fewest elements per rank of a group: two ranks were slower than one with 100 elements in all, and no faster
 #: with 225
 LEAST_ELEMENTS = 120
-#: time that a rank waits for the others of its group after its own part of a member has ended [s]
+#: time that a rank waits for the others of its group after its part of a member has ended [s]
 RANK_TIMEOUT = 60.0
 
 

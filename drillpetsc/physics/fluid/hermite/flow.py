@@ -6,7 +6,7 @@ sec-paper-source.
 Unknowns at every node: the volume that has passed it in excess of a reference flow Q(t), and the pressure
 (including the velocity heads since the channel's uppermost element).  Q is arbitrary as long as volumes
 stay small.  Here it is the pump's flow with its jumps distributed over a second, in the annulus with the
-opposite sign, so that steady circulation is a state of rest.
+opposite sign. So steady circulation is a state of rest.
 """
 
 from __future__ import annotations
