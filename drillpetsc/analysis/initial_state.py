@@ -41,6 +41,7 @@ def find_equilibrium(
     """
     if model.beam is not None and model.beam.needs_ancf_equilibrium:
         return quaternion_equilibrium(model, motion, lateral_friction)
+    # the weight on bit sets the static state, although the force of the top acts from time 0 on
     if model.case.top.force is not None and model.case.initial.wob is not None:
         return _equilibrium_at_weight(model, motion, lateral_friction, path)
     if model.motor is not None:
@@ -121,6 +122,7 @@ def initial_state(
         other = checkpoint.read(Path(case.initial.from_) / "checkpoint.h5")
         checkpoint.restore(model, other, at="initial.from")
         checkpoint.restart_clock(model, other)
+        # the case may have parts with a state that the other run does not have
         begin_new_states(model, 0.0)
         if quasi is None:
             release(model)
@@ -133,6 +135,7 @@ def initial_state(
     if quasi is not None:
         quasi.start(lateral_fraction=state.lateral_fraction if state is not None else 1.0)
         return state
+    # friction now follows the motion, no longer the sliding imposed by statics
     release(model)
     move_rigidly(model)
     for component in model.components:

@@ -66,6 +66,7 @@ class QuasiStatic:
         d = TimeIntegrator(
             self.system,
             first_step=min(FIRST_STEP, longest),
+            # the string is in equilibrium at every step, so its motion has no error of the time formula
             controlled=lambda field: field.name.startswith("hole."),
             defaults=options,
             inertia=False,
@@ -86,8 +87,10 @@ class QuasiStatic:
         """
         asm, self.lateral_fraction = self.system.assembly, lateral_fraction
         for component in self.model.components:
+            # without velocities, constraints act on positions
             component.constrain_positions(True)
         asm.set_imposed_rates(self.rates, self._mask)
+        # without inertia accelerations are zero, and rates are imposed (manual: sec-time-imposed)
         asm.y[:] = asm.a[:] = 0.0
         self.move(t)
         asm.apply_imposed_rates()
@@ -96,6 +99,7 @@ class QuasiStatic:
     def motion(self, t: float) -> tuple[float, float]:
         """Return lowering [m/s] and rotation [rad/s] of the top at ``t`` [s]."""
         top = self.model.case.top
+        # a force moves the top: its speed is not prescribed
         lowering = top.lowering if top.force is None else None
         rotation = top.rotation
         return (lowering.value(t) if lowering is not None else 0.0), (

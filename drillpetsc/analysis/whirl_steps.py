@@ -37,6 +37,7 @@ def product_of_alpha(radius: float) -> float:
     The energy lost in a period is 2 pi ((1 - radius)/(1 + radius))^3 product^3 (manual: eq-time-energy-lost).
     """
     damping = (1 - radius) / (1 + radius)
+    # at radius 0.8 the energy alone would allow 0.49; the frequency sets the limit (manual: sec-time-whirl-steps)
     return LARGEST_PRODUCT if damping == 0 else min(LARGEST_PRODUCT, (LOST / (2 * pi)) ** (1 / 3) / damping)
 
 
@@ -112,6 +113,7 @@ class WhirlSteps:
                 node = local.get(body.node, -1)
                 rolling = _rolling(body.radius / clearance, self._fastest(body))
                 out.append(_Part(body.name, np.zeros(0, int), int(k), node, rolling, md, clearance))
+            # a bit in gauge does not roll, but its side may drive it round the hole (manual: eq-bit-whirl)
             elif body.kind == "bit" and not body.guided:
                 out.append(
                     _Part(
@@ -129,6 +131,7 @@ class WhirlSteps:
         clearance = np.asarray(model.well.radius(middle)) - radius
         rolls = (radius > 0) & ~mesh.is_joint & (clearance > SMALLEST_CLEARANCE * radius)
         ratio = np.where(rolls, radius / np.maximum(clearance, 1e-9), 0.0)
+        # one part for each item and clearance, however many elements it has
         for key in np.unique(np.column_stack([mesh.item, np.round(ratio, 6)])[rolls], axis=0):
             chosen = np.flatnonzero(rolls & (mesh.item == key[0]) & (np.round(ratio, 6) == key[1]))
             cells = np.flatnonzero(np.isin(chain.cells, chosen))
@@ -170,6 +173,7 @@ class WhirlSteps:
         if not parts or contact is None:
             return out
         cells, _ = contact.element_results(asm)
+        # a part off the wall cannot roll, so it does not limit the step (manual: sec-time-choice)
         touching, bodies = cells[:, 0] > 0.0, contact.item_results(asm)[:, 0] > 0.0
         spin, ends = np.abs(asm.y[asm.dofs_of("string.spin")][:, 0]), self.model.system.chain.ends
         for k, part in enumerate(parts):
@@ -184,6 +188,7 @@ class WhirlSteps:
         if comm.size > 1:
             from mpi4py import MPI
 
+            # a part may have elements on several ranks, and all ranks take the same step
             found = np.empty_like(out)
             comm.tompi4py().Allreduce(out, found, op=MPI.MAX)
             out = found

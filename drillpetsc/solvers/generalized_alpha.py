@@ -161,6 +161,7 @@ class GeneralizedAlpha(TimeIntegrator):
             left = stop - t
             if h >= left * (1 - STRETCH) or left - h < SHORTEST_STEP:
                 h = left
+            # two equal steps to the stop instead of a whole one and a short remainder
             elif left < 2 * h and not self._fixed:
                 h = 0.5 * left
             end = stop if h == left else t + h
@@ -194,12 +195,14 @@ class GeneralizedAlpha(TimeIntegrator):
         if not self._fixed:
             now = max(error, SMALLEST_ERROR)
             factor = self.safety * now**BY_ERROR * self._earlier_error**BY_EARLIER
+            # right after a rejection the step does not grow
             factor = max(self.clip[0], min(1.0 if rejected else self.clip[1], factor))
             self._earlier_error = now
         self._next_step = min(self.longest, h * factor)
         if self._fixed:
             self._next_step = min(self.first_step, 2 * h) if rejected else self.first_step
         self._finish(end)
+        # the limit by whirl is for the contacts of the accepted state (manual: sec-time-choice)
         if self.step_limit is not None and not self._fixed:
             self._next_step = min(self._next_step, self.step_limit())
         return end, self._next_step
@@ -232,6 +235,7 @@ class GeneralizedAlpha(TimeIntegrator):
         for call in self.after_step:
             call(t, dt)
         self._steps_over_jump, self.fresh = max(0, self._steps_over_jump - 1), False
+        # after the jump the mud has error control again
         self._mud_masked = self._mud_masked and self._steps_over_jump > 0
         n = self.system.layout.size
         if self._eventful and self._change_laws(t):
@@ -249,6 +253,7 @@ class GeneralizedAlpha(TimeIntegrator):
 
         before: second derivatives (n,) of the unknowns with the earlier reference directions.
         """
+        # only spin angles and their derivatives change, so the formula continues (manual: sec-time-alpha-start)
         q = self.alpha.arrays
         change = self.begin.second_derivative() - before
         q["second"] += change
@@ -312,9 +317,11 @@ class GeneralizedAlpha(TimeIntegrator):
         jump = self._rates_jump(t)
         if jump:
             self.newton.discard_factor()
+            # the flow relative to the pipe jumps as well: the mud's error control would reject every step
             self._steps_over_jump, self._mud_masked = 1, True
             for call in self.at_jump:
                 call(t)
+            # free velocities change by the impulse of the prescribed ones (manual: sec-time-alpha-start)
             self.begin.jump(t)
         self._begin_formula(t)
         if self._fixed or jump or not keep_step:
@@ -324,6 +331,7 @@ class GeneralizedAlpha(TimeIntegrator):
         """Begin at the assembly's positions and rates at ``t`` [s], with accelerations from the equations; collective."""
         asm, n = self.system.assembly, self.system.layout.size
         self.newton.discard_factor()
+        # without true accelerations at the start the order is 1 (manual: sec-time-alpha-start)
         self.begin.accelerations(t)
         self.alpha.start(
             asm.x[:n],
@@ -346,9 +354,11 @@ class GeneralizedAlpha(TimeIntegrator):
             return
         for call in self.after_sample:
             call(t)
+        # with multipliers the jump of the accelerations is not one linear solve (manual: sec-time-alpha-jump)
         if self.system.multipliers:
             self._begin_formula(t)
             return
+        # positions and velocities do not jump: the history is kept, and with it order 2 (manual: sec-time-alpha-jump)
         jump, second = self.begin.response(t, change), self.begin.second_derivative()
         asm.a[:n] += np.where(self.alpha.second_order, jump, 0.0)
         self.alpha.jump(jump, self.begin.second_derivative() - second)
@@ -418,6 +428,7 @@ class GeneralizedAlpha(TimeIntegrator):
         """
         if self.work is not None:
             self.work.set_state(state)
+        # algorithmic accelerations belong to one spectral radius
         if "alpha" in state and float(state["alpha_clock"][6]) == self.formula.radius:
             self._restored = state
         if self.estimate is not None:

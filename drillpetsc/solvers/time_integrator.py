@@ -30,9 +30,11 @@ from drillpetsc.solvers.petsc_options import refused_by_petsc
 MASKED = 1.0e20  # tolerance of a row without error control
 DEFAULTS = {
     "ts_type": "bdf",
+    # from order 3 on weakly damped vibrations are unstable (manual: sec-time-error)
     "ts_bdf_order": 2,
     "ts_adapt_type": "basic",
     "ts_adapt_clip": "0.2,2.0",
+    # a step ends on each jump of an input (manual: sec-time-jumps)
     "ts_exact_final_time": "matchstep",
     "ts_max_snes_failures": -1,  # this module counts consecutive failures; PETSc counts all failures of the run
     "ts_error_if_step_fails": 0,  # this module raises an error with place and cure
@@ -217,6 +219,7 @@ class TimeIntegrator:
         would reject every step length.
         """
         self._mud_masked = jumped
+        # no relative tolerance: a share of 2000 m of depth, or of many turns, is of no use (manual: sec-time-error)
         self.ts.setTolerances(rtol=self._zero, atol=self.tolerance_vector(fluid=not jumped))
 
     def tolerance_vector(self, fluid: bool = True) -> PETSc.Vec:
@@ -232,6 +235,8 @@ class TimeIntegrator:
                 for f in layout.fields
             ]
         )
+        # errors of rates and multipliers follow from the other unknowns; under control, multipliers would reject every step
+        # (manual: sec-time-error)
         differential = controlled[layout.field_of[layout.local_of_owned]]
         values = vector.getArray()
         values[:] = MASKED
@@ -265,6 +270,7 @@ class TimeIntegrator:
         if self._replayed is not None:
             self._return_recorded_state(snes, x)
             return
+        # PETSc's time formula gives rate and shift only to these callbacks (see _catch_rate and _catch_shift)
         snes.computeFunction(x, self._f)
         snes.computeJacobian(x, self._matrix)
         self.system.load_step(x, self._rate, self._shift)
@@ -532,6 +538,7 @@ class TimeIntegrator:
         ts, asm = self.ts, self.system.assembly
         self._discard_factor()
         if self._rates_jump(ts.getTime()):
+            # the formulas of these steps reach back over the jump (manual: sec-time-jumps)
             self._steps_over_jump = 1 + self.order
             self._set_tolerances(True)
             for call in self.at_jump:
@@ -629,6 +636,7 @@ class TimeIntegrator:
         self._put(history.states[-1])
         ts.setTimeStep(self._next_step)
         self._set_tolerances(self._mud_masked)
+        # the kept Jacobian too: a restarted run repeats the uninterrupted one to the last bit (manual: sec-time-restart)
         self.newton.set_state(self._restored)
         self._restored = None
 
