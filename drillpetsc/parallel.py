@@ -15,7 +15,7 @@ from typing import Any
 
 from drillpetsc.errors import RESTART_HINT, CaseError, DrillError, SolveError, cannot_write
 
-RANK_TIMEOUT = 5.0  # how long a rank that has failed waits for the others to fail, too [s]
+RANK_TIMEOUT = 5.0  # waiting time of a failed rank for the others to fail as well [s]
 POLL_INTERVAL = 0.02  # between two tests of a request [s]; a rank that waits leaves its core to others
 FILE_POLL_INTERVAL = 0.2  # between two looks for a file [s]
 

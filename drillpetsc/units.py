@@ -63,13 +63,13 @@ class UnitError(ValueError):
 
 
 def wanted(unit: str) -> str:
-    """What a key of this SI unit accepts, in words: `a length, such as 9 m or 5 in`."""
+    """Values that a key of this SI unit accepts, in words: `a length, such as 9 m or 5 in`."""
     name, example = DIMENSIONS.get(unit, (f"a value in {unit}", f"1 {unit}"))
     return f"{name}, such as {example}"
 
 
 def spelled(unit: str) -> str:
-    """SI unit as people write it: `kg/m^3` is kg/m3."""
+    """SI unit in usual notation: `kg/m^3` is kg/m3."""
     return re.sub(r"\^(\d)(?![\d.])", r"\1", unit)
 
 

@@ -131,7 +131,7 @@ def _gathered(system: DiscreteSystem, state: dict[str, FloatArray]) -> dict[str,
 
 
 def lasting(c: Checkpoint) -> Checkpoint:
-    """The checkpoint with copies of what the next step may overwrite."""
+    """The checkpoint with copies of the arrays that the next step may overwrite."""
     return replace(c, stepper={name: np.array(values) for name, values in c.stepper.items()})
 
 

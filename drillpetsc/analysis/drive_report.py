@@ -54,7 +54,7 @@ def control_lines(laws: tuple[Law, ...], motor: Motor, impedance: float, units: 
 
 
 def control_warnings(case: Case, laws: tuple[Law, ...], impedance: float) -> list[str]:
-    """Sentences on controllers that may not do what their user expects."""
+    """Sentences on controllers that may behave unexpectedly."""
     out = []
     for number, q in enumerate(case.top.control):
         at = "top.control" + (f"[{number}]" if len(laws) > 1 else "")

@@ -60,7 +60,7 @@ def hoist_lines(model: DrillingModel) -> list[str]:
 
 
 def hoist_warnings(case: Case) -> list[str]:
-    """Sentences on a hoist that may not do what its user expects, before the run."""
+    """Sentences, before the run, on a hoist that may behave unexpectedly."""
     hoist = case.top.hoist
     if hoist is None:
         return []

@@ -171,7 +171,7 @@ def _about(model: DrillingModel) -> str:
 
 
 def _notes(model: DrillingModel, live: LiveOutputs) -> list[str]:
-    """What the linear model holds: contacts, friction and the bit as they are; and what is left out of balance."""
+    """Notes on the linear model: contacts, friction and bit as linearised, and the remaining imbalance."""
     notes = []
     for key, value in inputs_of(model.case).items():
         if value.breaks():

@@ -39,8 +39,8 @@ def linearise_model(model: DrillingModel) -> Linearised | None:
     """Linearise the model at its present state; the result is on rank 0, None elsewhere; collective.
 
     A bit on the bottom does not displace mud there, but the mud's pressure acts on its whole face. The rock would
-    supply the difference as work and make undamped modes grow.  A small motion presses on the rock what it
-    presses on the bit, so that only the face over which mud is displaced remains.
+    supply the difference as work and make undamped modes grow.  In a small motion, the forces on rock and
+    bit are equal, so only the face that displaces mud remains.
     """
     linearised = linearise(model.system)
     fed = _fed_back(model, linearised)
@@ -67,7 +67,7 @@ def linearise_model(model: DrillingModel) -> Linearised | None:
 
 
 def _fed_back(model: DrillingModel, q: Linearised | None) -> list[sparse.csr_matrix] | None:
-    """What a measurement of the autodriller adds to K, C and M, on rank 0; None without one.  Collective.
+    """Contribution of a measurement of the autodriller to K, C and M, on rank 0; None without one.  Collective.
 
     In a run the measurement follows each step.  Here it is a function of the state, whose derivatives are differences.
     """

@@ -1,4 +1,4 @@
-"""Provenance of a run: its case, versions and PETSc options, and what has changed since a checkpoint.
+"""Provenance of a run: its case, versions and PETSc options, and their changes since a checkpoint.
 
 A checkpoint contains the resolved case, so that a restart with another case is found and refused.
 """
@@ -70,7 +70,7 @@ def record(case: Case, user_options: Mapping[str, str]) -> dict[str, Any]:
 
 
 def changes(saved: Mapping[str, Any], case: Case, user_options: Mapping[str, str]) -> list[str]:
-    """What a restart would change, one line each: "top.rotation: 6 -> 12".
+    """Changes by a restart, one line each: "top.rotation: 6 -> 12".
 
     saved: provenance of the checkpoint.
     """

@@ -54,7 +54,7 @@ class QuasiStatic:
         self.rates = np.zeros(layout.size + 1)
         # the mud keeps its storage: steps of seconds damp its waves, but its content accumulates
         self._mask = string[layout.field_of]
-        average_over_turn(model, self.motion(0.0)[1])  # the static start state needs this, too
+        average_over_turn(model, self.motion(0.0)[1])  # the static start state also needs this
 
     def integrator(self) -> TimeIntegrator:
         """Create the integrator of the hole's end; the string is in equilibrium at each step.

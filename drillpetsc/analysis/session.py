@@ -150,7 +150,7 @@ class Session:
     def set(self, name: str, value: float | str) -> None:
         """Set an input from now on: a number in SI, or text with a unit such as ``60 rpm``.
 
-        Raises LookupError for an unknown name and ValueError for a value that the input may not have.
+        Raises LookupError for an unknown name and ValueError for a value outside the range of the input.
         """
         self._check_open()
         live = self._live.get(name)

@@ -43,7 +43,7 @@ class Clocks:
 def run_summary(
     model: DrillingModel, integrator: TimeIntegrator, error: BaseException | None
 ) -> dict[str, Any]:
-    """What was computed, with what: title, status, versions, options, sizes."""
+    """Facts of the computation: title, status, versions, options, sizes."""
     system = model.system
     interrupted = isinstance(error, Interrupted | KeyboardInterrupt)
     return {
@@ -177,7 +177,7 @@ def phases(integrator: TimeIntegrator) -> dict[str, float]:
 def closing_lines(
     result: dict[str, Any], folder, units: System | None = None, checked: bool = False
 ) -> list[str]:
-    """Report of a run for the screen, in a system of units.  checked: its time error is measured, too."""
+    """Report of a run for the screen, in a system of units.  checked: its time error is also measured."""
     system = units or "metric"
     if result.get("nothing_left"):
         return [

@@ -1,8 +1,8 @@
 """The shortest times of a model, impacts and waves across one element, and the time steps that resolve them.
 
 The highest frequency of one free element is an upper bound for any mesh of such elements (Irons and Treharne, 1971).
-BDF up to order 2 is stable at any step, so these times do not limit a run.  They show what a step can
-resolve, and what step an explicit method would need.
+BDF up to order 2 is stable at any step, so these times do not limit a run.  They show which motions a
+step can resolve, and the step that an explicit method would need.
 """
 
 from __future__ import annotations

@@ -137,7 +137,7 @@ def _result_of_finished_run(comm, folder: RunFolder) -> RunResult | None:
     """Result of a run that has reached its end; None if its summary is not written yet; collective."""
     found: dict[str, Any] | None = None
     if comm.rank == 0 and folder.summary.is_file():
-        with suppress(CaseError):  # one that is damaged is written anew
+        with suppress(CaseError):  # a damaged one is written again
             found = read_summary(folder.summary)
     found = comm.tompi4py().bcast(found)
     if found is None or found.get("status") != "done":
@@ -342,7 +342,7 @@ class TransientRun:
         self.bar.update(t, self.integrator.counters.steps, dt)
 
     def _record(self, t: float, dt: float) -> None:
-        """Sample the step, and write what is due."""
+        """Sample the step, and write the rows that are due."""
         recorder, integrator, writer = self.recorder, self.integrator, self.writer
         recorder.step(t, dt, writer.next_row_time, integrator.input_time(t), integrator.fresh)
         if integrator.jumped:
@@ -440,7 +440,7 @@ class TransientRun:
         return result
 
     def _summary(self, error: BaseException | None) -> dict[str, Any]:
-        """What the run found, with all doubts about it; collective unless it ended with an error."""
+        """The results of the run, with all doubts about them; collective unless it ended with an error."""
         model = self.model
         clocks = summary.Clocks(self.began, self.moving_since)
         result = summary.run_summary(model, self.integrator, error)

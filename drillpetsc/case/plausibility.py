@@ -1,4 +1,4 @@
-"""Warnings about values that look like another unit: valid, but hardly meant."""
+"""Warnings about valid but unlikely values, which suggest another unit."""
 
 from __future__ import annotations
 
@@ -101,7 +101,7 @@ def _string_friction(case: CaseBlocks) -> list[str]:
 
 
 def _preloads(case: CaseBlocks) -> list[str]:
-    """What a preload without an opposite load does to a shock sub."""
+    """Effect of a preload without an opposite load on a shock sub."""
     out, units = [], case.output.units or "metric"
     for i, tool, _ in case.tools:
         held = tool.held_by if isinstance(tool, ShockSub) else None

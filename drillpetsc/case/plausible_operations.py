@@ -1,4 +1,4 @@
-"""Doubts about loads, flow rates and readings that are valid, but hardly meant: a number in another unit, or swapped."""
+"""Doubts about valid but unlikely loads, flow rates and readings: a number in another unit, or swapped numbers."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ def _is_small(torque: float) -> bool:
 def _small(at: str, torque: float, units: System) -> str:
     number = shown(torque, "torque", units)
     hint = f"; {number.split()[0]} kft-lbf?" if units == "field" else ""
-    return f"{at} is {number}: hardly a torque of a drillstring{hint}"
+    return f"{at} is {number}: unusual for a torque of a drillstring{hint}"
 
 
 def intervals(case: CaseBlocks) -> list[str]:
@@ -59,7 +59,7 @@ def intervals(case: CaseBlocks) -> list[str]:
 
 
 def flows(case: CaseBlocks) -> list[str]:
-    """Say that a flow rate is far outside of what the size of the bit takes."""
+    """Sentence on a flow rate far outside the usual range for the size of the bit."""
     bit, units = case.string[-1], case.shown_units
     if case.well is None or not isinstance(bit, Bit):
         return []

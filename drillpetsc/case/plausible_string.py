@@ -1,4 +1,4 @@
-"""Doubts about a string that is valid, but hardly meant: too short for its hole, listed from the bit up, a valve that pumps."""
+"""Doubts about a valid but unlikely string: too short for its hole, listed from the bit up, a valve that pumps."""
 
 from __future__ import annotations
 

@@ -200,7 +200,7 @@ class Quantity:
 class Vector:
     """Three numbers in the SI unit `unit`.
 
-    along_z: one number is accepted, too, as the component along the third axis
+    along_z: one number is also accepted, as the component along the third axis
     along_x: the same along the first axis
     """
 

@@ -114,7 +114,7 @@ class Assembly(BlockState):
     def places(self) -> tuple[np.ndarray, np.ndarray]:
         """Local dofs of the rows and of the columns of all Jacobian entries, (len(values),) each, -1 if an entry is left out.
 
-        They are computed anew: kept, they would take as much memory as the entries.
+        They are recomputed: stored, they would take as much memory as the entries.
         """
         both = np.empty((2, len(self.values)), dtype=np.int32)
         for b in self.bound_blocks:
@@ -239,7 +239,7 @@ class Assembly(BlockState):
                 _lean_rates(f.head[2], f.lean_head[0], sigma, self._history[1], y, a)
 
     def invalidate_prescribed_values(self) -> None:
-        """Evaluate prescribed values anew at the next call, for example after an end was moved at constant time."""
+        """Re-evaluate prescribed values at the next call, for example after an end was moved at constant time."""
         for f in self.row_replacements:
             f.time = None
 
@@ -324,7 +324,7 @@ class Assembly(BlockState):
         return self._after_blocks
 
     def prepare_step(self, t: float, sigma: float, second: float) -> StepCalls | None:
-        """Set what the compiled calls of a condensed step at time ``t`` [s] need.
+        """Set the data that the compiled calls of a condensed step at time ``t`` [s] need.
 
         None if the step needs more than these calls do, or prescribed motion first needs the state.
 

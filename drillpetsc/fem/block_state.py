@@ -78,7 +78,7 @@ class BlockState:
 
     @contextmanager
     def elsewhere(self, x: FloatArray, y: FloatArray) -> Iterator[None]:
-        """Within this context the unknowns and rates are ``x`` and ``y`` (as long as those); results are evaluated anew."""
+        """Within this context the unknowns and rates are ``x`` and ``y`` (as long as those); results are evaluated again."""
         here, kept = (self.x.copy(), self.y.copy()), self.kept
         self.x[:], self.y[:], self.kept = x, y, None
         try:

@@ -37,7 +37,7 @@ __all__ = [
     "VelocityStabilization",
 ]
 
-#: kinds of unknowns: what a field belongs to
+#: kinds of unknowns to which a field may belong
 STRING, JOINT, FLUID, ROCK, DRIVE = "string", "joint", "fluid", "rock", "drive"
 
 
@@ -128,7 +128,7 @@ class PrescribedMotion:
     advance(x): change (7,) of the vertex' unknowns x (7,) by the length of path that an end is moved down;
     None: the end does not move.
     spin_reference: direction (3,) from which the spin angle is measured, if the spin is prescribed (last) and the slope is free; a
-    view into the array of its owner, who may change it.  None: the slope is prescribed, too, or the spin is not (manual:
+    view into the array of its owner, who may change it.  None: the slope is also prescribed, or the spin is not (manual:
     eq-prescribed-lean).
     constant: value and rate keep their initial values.
     """
@@ -147,7 +147,7 @@ class PrescribedMotion:
 
 
 class ContactFlags(NamedTuple):
-    """What changes when contacts of a component open or close on this rank.
+    """Data that change when contacts of a component open or close on this rank.
 
     values: one of them for each contact; never reallocated.
     wall: a value that is not zero is a closed contact with the wall (manual: sec-time-contact-entries).
@@ -331,7 +331,7 @@ class Component:
     restores_constraints: bool = False
 
     def contact_flags(self) -> tuple[ContactFlags, ...]:
-        """What changes when contacts open or close on this rank."""
+        """Data that change when contacts open or close on this rank."""
         return ()
 
     def restore_constraints(self, state: Any) -> None:
@@ -398,7 +398,7 @@ class Component:
         """Let friction oppose a rigid motion of the string: ``axial`` [m/s, down], ``spin`` [rad/s].
 
         side: fraction of the lateral friction force that acts (0: its torque only).
-        motor: what a downhole motor adds to the spin below it [rad/s].
+        motor: contribution of a downhole motor to the spin below it [rad/s].
         """
 
     def release_sliding_direction(self) -> None:

@@ -1,4 +1,4 @@
-"""Jacobian entries of the contacts alone, computed anew while all others stay (manual: sec-time-contact-entries)."""
+"""Jacobian entries of the contacts alone, recomputed while all others stay (manual: sec-time-contact-entries)."""
 
 from __future__ import annotations
 

@@ -139,7 +139,7 @@ class Quantity:
 
 
 class Source(Protocol):
-    """What declares quantities: a physics component, or a measurement that needs several of them."""
+    """A source of quantities: a physics component, or a measurement that needs several of them."""
 
     def quantities(self) -> tuple[Quantity, ...]:
         """Outputs that exist in this model."""

@@ -58,7 +58,7 @@ class StepRecord:
     def _close(self) -> None:
         self._table = np.zeros(
             (len(self._addresses), self.capacity)
-        )  # what is computed of a number runs along its row
+        )  # numbers computed from a number are in its row
         self._values = np.zeros((self.capacity, self._own))
         self._from = (ctypes.c_void_p * max(1, len(self._addresses)))(*self._addresses)
         self._start = pointer(self._table)

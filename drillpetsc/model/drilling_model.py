@@ -91,7 +91,7 @@ class DrillingModel:
 
     @property
     def effective_mass(self) -> FloatArray:
-        """(n,) effective mass per length [kg/m]: steel and mud in the bore, less the displaced mud.
+        """(n,) effective mass per length [kg/m]: steel and mud in the bore, minus the displaced mud.
 
         Manual: eq-mud-buoyed-weight.
         """

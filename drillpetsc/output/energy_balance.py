@@ -136,7 +136,7 @@ class EnergyBalance:
     def add_impulse_work(self, t: float) -> None:
         """Count as supplied the energy gained in the steps whose formula spans a jump of a prescribed velocity.
 
-        Neither reaction nor rate has a value at the jump, so quadrature over these steps cannot give their product.
+        Reaction and rate have no value at the jump, so quadrature over these steps cannot give their product.
         """
         self.update(t)
         self.supplied += self.error - self._before_jump

@@ -45,7 +45,7 @@ class IndexTable:
         return write_table(folder / INDICES_TABLE, list(self.columns), list(self.columns.values()))
 
     def lines(self, units: System) -> list[str]:
-        """The indices for people: mean and largest over the windows, in a system of units; accelerations in g."""
+        """Lines on the indices: mean and largest over the windows, in a system of units; accelerations in g."""
         s = self.summary
         out = [f"{s['windows']} windows of {s['window']:g} s", f"  {'':48} {'mean':>10} {'largest':>10}"]
         for title, largest in s["largest"].items():
@@ -178,7 +178,7 @@ def _drilling(history: dict[str, np.ndarray], spans: list[slice], case: Case) ->
 
 
 def _whirl(run: RunFolder, case: Case, ends: FloatArray) -> tuple[dict[tuple[str, str], Any], list[str]]:
-    """Whirl at the probes in the hole, and what is to be said about it."""
+    """Whirl at the probes in the hole, and sentences about it."""
     if not run.probes.is_file() or case.well is None:
         return {}, []
     probes, found = _columns(read_table(run.probes)), {}

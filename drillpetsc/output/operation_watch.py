@@ -61,7 +61,7 @@ class OperationWatch:
         hung = case.well is not None and case.top.force is None and case.top.hoist is None
         if (
             hung and not isinstance(case.top, HeldTop) and "hook_load" in place
-        ):  # lines of a hoist go slack, and it says so
+        ):  # the hoist warns if its lines go slack
             self._signs.append(_Sign("push", place["hook_load"], LEAST_PUSH, -1.0))
         self._stall = 0.0
         motor = next((q for q in case.string if isinstance(q, PositiveDisplacementMotor)), None)

@@ -46,7 +46,7 @@ STATIC_PATH = "path of a buckled string"
 STATIC_BAND = "buckled string that slides"
 MESH_ERROR = "run --mesh-error"
 TOLERANCE_CHECK = "run --check-tolerance"
-WHIRLS = "run in which what may whirl limits a step"
+WHIRLS = "run in which a part that may whirl limits a step"
 ACCEPTED_CHANGES = "run --accept-changes"
 _RIGID_ITEMS = (
     "List of every rigid item with an outer diameter: name, md [m] of the middle, side_force [N], its components with friction "
@@ -438,7 +438,7 @@ HYDRAULICS: tuple[SummaryKey, ...] = (
         "",
         "Warnings on the string and its hole; warnings of a flow rate are in `flows`.",
     ),
-    SummaryKey("notes", "", "What the results leave out, and what was chosen."),
+    SummaryKey("notes", "", "Omissions of the results, and choices made."),
 )
 
 SURGE: tuple[SummaryKey, ...] = (
@@ -453,7 +453,7 @@ SURGE: tuple[SummaryKey, ...] = (
         "",
         "List: for the largest speed with an open pipe, the pressure with the handbook's split of the flow by areas, and the solver's pressure [Pa].",
     ),
-    SummaryKey("notes", "", "What the results leave out, and what was chosen."),
+    SummaryKey("notes", "", "Omissions of the results, and choices made."),
 )
 
 ROADMAP: tuple[SummaryKey, ...] = (
@@ -462,8 +462,10 @@ ROADMAP: tuple[SummaryKey, ...] = (
     SummaryKey("model", "", "Model of the string: soft, without bending stiffness."),
     SummaryKey("rows", "-", "Number of rows of roadmap.csv."),
     SummaryKey("rows_not_ok", "-", "Number of rows whose status is not ok."),
-    SummaryKey("warnings", "", "Rows that are not to be trusted, and limits of the rig that are passed."),
-    SummaryKey("notes", "", "What the case did not give and was assumed, and what the results leave out."),
+    SummaryKey("warnings", "", "Unreliable rows, and limits of the rig that are exceeded."),
+    SummaryKey(
+        "notes", "", "Values assumed because the case did not give them, and omissions of the results."
+    ),
 )
 
 LIMITS: tuple[SummaryKey, ...] = (
@@ -526,7 +528,7 @@ LIMITS: tuple[SummaryKey, ...] = (
     SummaryKey(
         "warnings", "", "Limits that are passed, each with its worst place, and what statics warns of."
     ),
-    SummaryKey("notes", "", "What the results leave out."),
+    SummaryKey("notes", "", "Omissions of the results."),
 )
 
 CALIBRATE: tuple[SummaryKey, ...] = (
@@ -545,8 +547,8 @@ CALIBRATE: tuple[SummaryKey, ...] = (
         "reduced_chi2", "-", "Sum of squares of the weighted residuals over their degrees of freedom."
     ),
     SummaryKey("readings", "-", "Number of hook loads and torques that were fitted."),
-    SummaryKey("warnings", "", "Why a result is not to be trusted."),
-    SummaryKey("notes", "", "What was assumed, and what the model leaves out."),
+    SummaryKey("warnings", "", "Why a result is unreliable."),
+    SummaryKey("notes", "", "Assumptions, and omissions of the model."),
 )
 
 #: keys by file, as the catalogue names the files

@@ -312,7 +312,7 @@ class Contact(WallContact):
         self._forget_clearances()
 
     def _forget_clearances(self) -> None:
-        """Project all contact points anew at the next evaluation: the wall may be nearer than it was."""
+        """Project all contact points again at the next evaluation: the wall may be nearer than it was."""
         for free in self._free:
             free[:, 4] = 0.0
 

@@ -53,7 +53,7 @@ class Channel(Component):
 
     @abstractmethod
     def velocity_power(self, above: np.ndarray, below: np.ndarray, state: Any) -> float:
-        """Kinetic energy that the flow brings to nodes, less what it takes away below them in the section above [W].
+        """Kinetic energy that the flow brings to nodes, minus the energy that it takes away below them in the section above [W].
 
         above, below: local cells that end, and that begin, at the nodes.
         """

@@ -212,7 +212,7 @@ class Bit(Component):
 
     @property
     def side_strength(self) -> float | None:
-        """Force at which the rock beside the bit gives way [N]; None if it does not."""
+        """Force at which the rock beside the bit yields [N]; None if it does not."""
         return None
 
     def orbit_and_overgauge(self, state: Any) -> tuple[float, float]:

@@ -65,7 +65,7 @@ BIT: tuple[Quantity, ...] = (
     ),
 )
 
-#: of a bit whose hole gives way beside it
+#: of a bit whose hole yields beside it
 BIT_SIDE: tuple[Quantity, ...] = (
     Quantity(
         "bit_overgauge",
@@ -352,7 +352,7 @@ TOP_MOTOR: tuple[Quantity, ...] = (
         label="Torque on the pipe",
         mnemonic="TQPI",
         sign="the drive turns the string clockwise (looking down)",
-        doc="Motor torque less that which accelerates the drive; the surface torque.",
+        doc="Motor torque minus the torque that accelerates the drive; the surface torque.",
         value=partial(_of_motor, 3),
         panel=3,
     ),
@@ -431,7 +431,7 @@ MUD_MOTOR: tuple[Quantity, ...] = (
         label="Torque of the downhole motor",
         mnemonic="MTOR",
         sign="the stator turns the rotor clockwise (looking down)",
-        doc="Torque of the downhole motor on what is below it; the string above gets its opposite.",
+        doc="Torque of the downhole motor on the part below it; the opposite torque acts on the string above.",
         value=partial(_of_mud_motor, _MOTOR_TORQUE),
         panel=3,
     ),
@@ -587,7 +587,7 @@ HOIST: tuple[Quantity, ...] = (
         label="Hook load by the dead line",
         mnemonic="HKLS",
         sign="the hook pulls up",
-        doc="Dead-line tension times the number of lines; less the weight of the block with top.hoist.tare.",
+        doc="Dead-line tension times the number of lines; with top.hoist.tare minus the weight of the block.",
         value=partial(_of_hoist, 5),
         panel=1,
     ),
@@ -600,7 +600,7 @@ AUTODRILLER: tuple[Quantity, ...] = (
         label="Weight on bit by the hook load",
         mnemonic="SWOB",
         sign="positive on the rock",
-        doc="Hook load without weight on bit, as tared, less the present hook load.",
+        doc="Tared hook load without weight on bit, minus the present hook load.",
         value=partial(_of_hoist, 6),
         panel=2,
     ),

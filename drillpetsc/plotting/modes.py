@@ -14,7 +14,7 @@ from drillpetsc.plotting.style import LINE_COLORS
 
 SHOWN = 8  # modes in the picture
 UNDAMPED = 1e-9  # damping ratio below which it is rounding
-PARTS = {  # by kind of mode: what is drawn
+PARTS = {  # quantity drawn, by kind of mode
     "lateral": ("displacement [m]", ("first direction across", "second direction across")),
     "axial": ("displacement [m]", ("along the string",)),
     "torsional": ("spin_angle [rad]", ("spin angle",)),

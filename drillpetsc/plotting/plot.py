@@ -1,6 +1,6 @@
 """`drillpetsc plot RUN`: histories, probes, orbits, forces along depth and the well path as PNG files.
 
-The columns of the tables decide what is drawn: a run without fluid, probes or well has no such pictures.
+The columns of the tables select the pictures: a run without fluid, probes or well has no such pictures.
 """
 
 from __future__ import annotations

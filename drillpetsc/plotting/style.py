@@ -127,7 +127,7 @@ def in_units(system: System | None) -> Iterator[None]:
 
 
 def units_of_run(case: Path) -> System | None:
-    """Unit system that the case of a run has for what is plotted; None if it has none.
+    """Unit system of the case of a run for plots; None if it has none.
 
     case: the case.yaml of a run folder, which the program has written
     """

@@ -300,7 +300,7 @@ def _finish(
     points = [point["bit_depth"] / depth for point in inputs["measured"]]
     deepest = max(
         [deepest, *(min(md, 1.3 * deepest) for md in points)]
-    )  # points below the hole are seen, too
+    )  # points below the hole are also shown
     axes.set_ylim(1.02 * deepest, 0)
     handles = [
         Line2D([], [], color=color, linewidth=1.8, label=words)

@@ -161,7 +161,7 @@ def _compose(
 
 
 def _ticks(low: float, high: float) -> list[float]:
-    """Round numbers on each side of zero, so that a small compressive range has labels, too."""
+    """Round numbers on each side of zero, so that a small compressive range also has labels."""
     from matplotlib.ticker import MaxNLocator
 
     def inside(a: float, b: float, count: int) -> list[float]:

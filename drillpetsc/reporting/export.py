@@ -52,7 +52,7 @@ def export(
     format: Format = "csv",
     columns: Sequence[str] = (),
 ) -> tuple[list[Path], list[str]]:
-    """Write the tables of a run folder for other programs; returns the files, and remarks on what was left out.
+    """Write the tables of a run folder for other programs; returns the files, and remarks on omissions.
 
     run: run folder
     out: folder of the files; by default `export` in the run folder. Older files of the same names are replaced
@@ -145,7 +145,7 @@ def _chosen(tables: dict[str, Table], columns: Sequence[str]) -> dict[str, Table
 
 
 def _shown(table: Table, system: System) -> list[tuple[str, np.ndarray]]:
-    """(heading, values in its unit) of each column; equal headings get the name of the column, too."""
+    """(heading, values in its unit) of each column; equal headings also get the name of the column."""
     found: list[tuple[str, np.ndarray]] = []
     words = [_heading(title, values, system) for title, values in table.items()]
     for heading, (title, values) in zip(words, table.items(), strict=True):

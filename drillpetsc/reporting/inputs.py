@@ -1,4 +1,4 @@
-"""Sections on what was computed: well, string, mud, from the plain data of a case."""
+"""Sections on the inputs: well, string, mud, from the plain data of a case."""
 
 from __future__ import annotations
 

@@ -1,6 +1,7 @@
 """`drillpetsc report`: one HTML file on a case and its run folders.
 
-The file needs nothing beside it: style, pictures and tables are in it, and there is no script unless its pictures zoom. The same input gives the
+The file is self-contained: style, pictures and tables are in it, and there is no script unless its pictures zoom. The
+same input gives the
 same bytes; the date is the date of the newest result, or SOURCE_DATE_EPOCH (reproducible-builds.org).
 """
 
@@ -35,7 +36,7 @@ SECTIONS = ("well", "string", "mud", *(kind.key for kind in KINDS), "inputs", "s
 _NOT_COMPARED = ("output", "petsc", "time", "title")  # blocks in which runs of one case may differ
 DATUM = "rig floor, 0 m MD"
 
-#: what is agreed on in all reports: signs of field reports (manual: sec-guide-report)
+#: conventions of all reports: signs of field reports (manual: sec-guide-report)
 AGREED = (
     "Measured and true vertical depths are positive down from the datum.",
     "Tension is positive, compression negative. The effective tension is what buckles; the axial force is the wall's.",
@@ -50,7 +51,7 @@ AGREED = (
 
 @dataclass(frozen=True)
 class Source:
-    """What a report is made from.
+    """The sources of a report.
 
     case; file: of the case, given or in the first run folder; runs.
     """
@@ -121,7 +122,7 @@ def _source(paths: Sequence[Path]) -> Source:
     file = runs[0].folder.case
     if not file.is_file():
         raise CaseError(
-            at="RUN", got=runs[0].folder.path, want="a run folder with case.yaml; or give the case file, too"
+            at="RUN", got=runs[0].folder.path, want="a run folder with case.yaml; or also give the case file"
         )
     return Source(load_case(file), file, False, tuple(runs))
 
@@ -216,7 +217,7 @@ def _date(source: Source) -> str:
 
 
 def _said(source: Source, system: System, notes_only: bool) -> list[tuple[str, list[str]]]:
-    """(where, texts) of the warnings, or of the notes: what the results assume and leave out."""
+    """(where, texts) of the warnings, or of the notes: assumptions and omissions of the results."""
     found = []
     for where, texts in _warnings(source):
         chosen = [text for text in texts if text.startswith(NOTE) is notes_only]

@@ -1,4 +1,4 @@
-"""Sections on results: what the tables and the summary of run folders hold."""
+"""Sections on results: the tables and the summary of run folders."""
 
 from __future__ import annotations
 
@@ -94,7 +94,7 @@ KINDS = (
     ),
     Kind("modes", "Modes", ("modes.csv",), ("modes",), "modes CASE.yaml"),
 )
-#: pictures of every folder that the section on the well has, too
+#: pictures of every folder that are also in the section on the well
 OF_THE_WELL = ("trajectory",)
 _NO_ROWS = ("history.csv", "probes.csv", INDICES_TABLE)  # tables too long for a page: their ranges are shown
 
@@ -287,7 +287,7 @@ def _fitted(run: Run, system: System, source: str) -> list[Grid]:
 
 
 def _sensors(run: Run, system: System, source: str) -> list[Grid]:
-    """Sensors with what the time steps resolve of them."""
+    """Sensors with their resolved frequency."""
     sensors = [row for row in run.summary.get("sensors", ()) if isinstance(row, Mapping)]
     rows = []
     for row in sensors:

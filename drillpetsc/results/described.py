@@ -1,4 +1,4 @@
-"""What a column of a table is: its words, its unit for other programs, and its unit in a system of units."""
+"""Description of a column of a table: its words, its unit for other programs, and its unit in a system of units."""
 
 from __future__ import annotations
 

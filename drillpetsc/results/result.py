@@ -155,7 +155,7 @@ class Result(RunResult):
         return self._dataset(INDICES_TABLE)
 
     def find_indices(self, window: float | None = None, every: float | None = None) -> list[str]:
-        """Compute the indices of drilling dynamics, as the command `vibration` does: write indices.csv and return lines for people.
+        """Compute the indices of drilling dynamics, as the command `vibration` does: write indices.csv and return lines for the screen.
 
         window: length of the windows [s], every: time between the ends of successive windows [s]; by default the case's, else 20
         and 1 s.  Raises CaseError for a result that is not a run in time.
@@ -375,7 +375,7 @@ class Result(RunResult):
         return dataset(self._table(file), file, self._title)
 
     def _keep(self, name: str, value: Any) -> Any:
-        """Keep what was read, unless the computation still writes."""
+        """Keep the data read, unless the computation still writes."""
         if self.summary:
             self._kept[name] = value
         return value
@@ -392,7 +392,7 @@ class Result(RunResult):
                     file=self.folder,
                     got="results of another computation",
                     want="the results of this object",
-                    hint="drillpetsc.open_run reads what the folder holds now",
+                    hint="drillpetsc.open_run reads the present contents of the folder",
                 )
 
 

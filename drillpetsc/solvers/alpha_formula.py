@@ -156,7 +156,7 @@ class AlphaOutputErrors:
 
     @property
     def method(self) -> str:
-        """What the summary calls the estimate."""
+        """Name of the estimate in the summary."""
         return f"third differences, generalised-alpha of radius {self.formula.radius:g}"
 
     def local_errors(self, times: FloatArray, values: FloatArray) -> FloatArray:
@@ -205,7 +205,7 @@ def radius_of(alpha_m: float, alpha_f: float, gamma: float | None = None, beta: 
 
 
 class AlphaHistory:
-    """What the formula carries from step to step, for n unknowns.
+    """Data that the formula carries from step to step, for n unknowns.
 
     formula: the coefficients.
     second_order: (n,) mask of unknowns of second order; the others are of first order, or algebraic.
@@ -280,8 +280,8 @@ class AlphaHistory:
     def jump(self, change: FloatArray, second: FloatArray) -> None:
         """Let true accelerations and rates of first-order unknowns jump by ``change`` (n,), where a force does.
 
-        second: (n,) change of the second derivatives of second-order unknowns.  What the history says of a motion without the jump
-        remains, so order 2 does.
+        second: (n,) change of the second derivatives of second-order unknowns.  The history of the motion without the jump is kept,
+        so the order stays 2.
         """
         q, two = self.arrays, self.second_order
         for key in ("w", "ay"):

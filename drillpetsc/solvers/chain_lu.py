@@ -431,7 +431,7 @@ class ChainPC:
 
         self.chain, self.provider, self.stop = chain, provider, stop
         self.version: int | None = None
-        #: number of the chain's factorisation with these values; others may use the chain, too
+        #: number of the chain's factorisation with these values; others may also use the chain
         self._factored = -1
         self.factorisations = 0
         self.error: ZeroPivot | None = None

@@ -79,7 +79,7 @@ class ConsistentStart:
         return self._residual(t)
 
     def response(self, t: float, change: FloatArray) -> FloatArray:
-        """Compute what the accelerations, and the rates of first-order unknowns, change by (n,) where the rows change by ``change``.
+        """Compute the change (n,) of the accelerations and of the rates of first-order unknowns if the rows change by ``change``.
 
         For systems without multipliers; collective.  It has the error of the regularisation, 1e-5 of its size at most.
         """

@@ -37,7 +37,7 @@ FAILURE_FACTOR = 0.25  # of the step after Newton has failed
 SAFETY, REPEATED = 0.9, 0.5  # of the step control; the second once more after a second rejection
 #: exponents of the step control by the last error and by the one before (Gustafsson, ACM TOMS 17 (1991) 533)
 BY_ERROR, BY_EARLIER = -0.7 / 3, 0.4 / 3
-SMALLEST_ERROR = 1e-6  # smaller ones let the step grow no faster
+SMALLEST_ERROR = 1e-6  # smaller ones do not let the step grow faster
 STRETCH = 1e-3  # the last step may be longer by this fraction instead of being split
 #: steps are counted in classes of a quarter of an octave, the first one of 2^-40 s
 CLASSES_PER_OCTAVE, FIRST_OCTAVE, CLASSES = 4, -40, 4 * 64
@@ -397,7 +397,7 @@ class GeneralizedAlpha(TimeIntegrator):
 
     # ------------------------------------------------------------------ checkpoints
     def get_state(self) -> dict[str, FloatArray]:
-        """Return what a restart needs beside the state; complete on rank 0; collective.
+        """Return the data that a restart needs besides the state; complete on rank 0; collective.
 
         alpha_clock: next step, last step [s], number of steps, coming steps over a jump, whether the mud has no
         error control, last error, spectral radius.
@@ -424,7 +424,7 @@ class GeneralizedAlpha(TimeIntegrator):
     def set_state(self, state: dict[str, FloatArray]) -> None:
         """Continue from a checkpoint with the next ``run``: ``state`` as returned by ``get_state``.
 
-        With the checkpoint of another integrator, or another spectral radius, the formula starts afresh.
+        With the checkpoint of another integrator, or another spectral radius, the formula restarts.
         """
         if self.work is not None:
             self.work.set_state(state)

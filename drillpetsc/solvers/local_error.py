@@ -51,7 +51,7 @@ class OutputErrors(Protocol):
 
     @property
     def method(self) -> str:
-        """What the summary calls the estimate."""
+        """Name of the estimate in the summary."""
         ...
 
 
@@ -82,7 +82,7 @@ class BdfOutputErrors:
 
     @property
     def method(self) -> str:
-        """What the summary calls the estimate."""
+        """Name of the estimate in the summary."""
         return f"divided differences of BDF {self.order}"
 
 
@@ -175,7 +175,7 @@ class LocalErrorEstimate:
         }
 
     def set_state(self, state: dict[str, FloatArray]) -> None:
-        """Continue from a checkpoint, whose history the integrator has read; one without the sums starts afresh."""
+        """Continue from a checkpoint, whose history the integrator has read; one without the sums starts from zero."""
         if self.formula is None or "local_error_sums" not in state:
             return
         self.steps, self.estimated, earlier = (int(n) for n in state["local_error"])

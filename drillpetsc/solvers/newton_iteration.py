@@ -1,6 +1,6 @@
 """Newton's iteration of a condensed step: one compiled loop, collective (kernels/newton/newton.cpp; manual: sec-time-newton).
 
-The loop, its tests and what it remembers from one solve to the next are in a compiled record.  So are its parts, as long as
+The loop, its tests and its memory from one solve to the next are in a compiled record.  So are its parts, as long as
 compiled calls suffice for a step. Otherwise, and for messages between ranks, the loop calls Python.
 """
 

@@ -236,7 +236,7 @@ def eliminate(
 
 @dataclass(frozen=True)
 class _Free:
-    """What algebraic rows leave free.
+    """Directions left free by algebraic rows.
 
     motions: (S, k) second-order unknowns by free ones; stores: (F, l) first-order unknowns by free ones, to which
     by_place (F, k) adds what the motions, by_integral and by_value (F, m) what inputs prescribe.
@@ -346,7 +346,7 @@ def _solved(E, units, *right: FloatArray) -> list[FloatArray]:
     n = len(E)
     if not n:
         return [np.zeros_like(R) for R in right]
-    # rows and columns of size one: otherwise light unknowns beside heavy ones look like missing ones
+    # rows and columns of size one: otherwise light unknowns look like missing ones next to heavy ones
     scaled, rows, columns = E * units, np.ones(n), units.copy()
     for _ in range(EQUILIBRATIONS):
         by_row = np.sqrt(np.maximum(np.abs(scaled).max(axis=1), 1e-300))

@@ -57,7 +57,7 @@ class Counters:
 
 
 class Sampler(Protocol):
-    """What is called at regular times of a run."""
+    """A function called at regular times of a run."""
 
     period: float
 
@@ -300,7 +300,7 @@ class TimeIntegrator:
             )
 
     def _events(self) -> list[tuple[Component, FloatArray]]:
-        """Components whose law ends at the present state, with the figures that say so; the same on all ranks, collective."""
+        """Components whose law ends at the present state, with the figures that show it; the same on all ranks, collective."""
         out = []
         for component in self._eventful:
             numbers = component.event_numbers(self.system.assembly)
@@ -384,7 +384,7 @@ class TimeIntegrator:
     # ------------------------------------------------------------------ run
     def _post_step(self, ts) -> None:
         """Finish an accepted step: history, callbacks, reference frames (manual: sec-time-update)."""
-        if ts.getConvergedReason() < 0:  # PETSc calls this after a step that failed for good, too
+        if ts.getConvergedReason() < 0:  # PETSc also calls this after a step that failed for good
             self.system.load_state(ts.getSolution())
             return
         if not self.condensed:
@@ -560,7 +560,7 @@ class TimeIntegrator:
 
     # ------------------------------------------------------------------ checkpoints
     def get_state(self) -> dict[str, FloatArray]:
-        """Return what a restart needs beside the state, for use in on_step_end; complete on rank 0; collective.
+        """Return the data that a restart needs besides the state, for use in on_step_end; complete on rank 0; collective.
 
         clock: next step [s], number of steps, coming steps over a jump, whether the mud has no error control.
         Further entries: see ``BdfHistory.get_state`` and ``CondensedNewton.get_state``.

@@ -112,7 +112,7 @@ class TopDrive(TopEnd):
     guided: bool = Field(
         default=True,
         strict=True,
-        description="false: with a force, the top moves freely across the hole, too; true: its place across is held",
+        description="false: with a force, the top also moves freely across the hole; true: its position across is held",
     )
     motor: TopMotor | None = Field(
         default=None, description="motor with inertia and limits; without it the rotation is prescribed"

@@ -100,7 +100,7 @@ class PatternOrder(Block):
 
 
 class AnyLaw(Block):
-    """What all laws of the bit have."""
+    """Base of all bit laws."""
 
     if TYPE_CHECKING:
         kind: str

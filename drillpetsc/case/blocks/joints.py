@@ -39,7 +39,7 @@ class Joint(Block):
     )
     constraint: Literal["position", "stabilised"] = Field(
         default="position",
-        description="position: constraint on positions (index 3); stabilised: on velocities, too (Gear, Gupta and Leimkuhler; index 2)",
+        description="position: constraint on positions (index 3); stabilised: also on velocities (Gear, Gupta and Leimkuhler; index 2)",
     )
     spring: Annotated[float, Quantity("N/m", at_least=0)] = Field(
         default=0.0, description="stiffness along a slider (shock sub)"

@@ -1,4 +1,4 @@
-"""`pressure_loss` of a string item: what a tool takes from the mud in the string besides friction."""
+"""`pressure_loss` of a string item: loss of the mud in a tool besides friction."""
 
 from __future__ import annotations
 

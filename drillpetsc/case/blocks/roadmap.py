@@ -196,7 +196,7 @@ class Roadmap(Block):
     operations: tuple[AnyOperation, ...] = Field(
         default=("trip_in", "trip_out", "rotate_off_bottom", "drilling", "sliding", "backreaming"),
         min_length=1,
-        description="operations, each once; slackoff, pickup and rob are accepted, too",
+        description="operations, each once; slackoff, pickup and rob are also accepted",
     )
     bit_depth: Annotated[
         tuple[Depth, ...] | DepthRange | None,

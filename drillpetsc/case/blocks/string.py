@@ -220,7 +220,7 @@ class Item(Block):
 
     @property
     def clearance_od(self) -> float | None:
-        """Diameter that the clearance of buckling loads goes by [m]: the one that touches the hole, unless the item says otherwise."""
+        """Diameter for the clearance of buckling loads [m]: the one that touches the hole, unless the item gives another."""
         return self.contact_od
 
 

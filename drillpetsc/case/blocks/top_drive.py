@@ -79,7 +79,7 @@ LONGEST_DELAY = 1.0
 
 
 class Controller(Block):
-    """What all speed controllers have in common."""
+    """Base of all speed controllers."""
 
     from_: Annotated[float, Quantity("s", at_least=0)] = Field(
         default=0.0, alias="from", description="time from which it acts"
@@ -105,7 +105,7 @@ class Controller(Block):
 
 
 class PiController(Controller):
-    """Torque p e + i times the integral of e, with e the set point less the speed."""
+    """Torque p e + i times the integral of e, with e the set point minus the speed."""
 
     kind: Literal["pi"] = Field(description="proportional and integral gain")
     p: Annotated[float, Quantity("N m s/rad", at_least=0)] = Field(description="proportional gain")

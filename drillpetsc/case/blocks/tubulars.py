@@ -52,14 +52,14 @@ class ToolJoint(Block):
 
 
 class CenterUpset(Block):
-    """Thick middle of heavy-wall drill pipe; the wall is touched there, too."""
+    """Thick middle of heavy-wall drill pipe, which also touches the wall."""
 
     od: Diameter = Field(description="outer diameter")
     length: UpsetLength = Field(description="length")
 
 
 class Tubular(Tube):
-    """What all pipe of the trade has."""
+    """Base of all oilfield pipe."""
 
     has_own_od: ClassVar[bool] = False
 

@@ -95,7 +95,7 @@ class Survey(Block):
 
     @model_validator(mode="after")
     def _azimuth_from(self) -> Survey:
-        """Turn the azimuths to grid north, or to true north; what was applied is a remark, and is not kept to be applied again."""
+        """Turn the azimuths to grid north, or to true north; the angles applied become a remark, and are removed so that they are not applied again."""
         if not self.azimuth_from:
             return self
         if self.north not in ("true", "magnetic"):
@@ -127,7 +127,7 @@ class Survey(Block):
 
     @property
     def remarks(self) -> tuple[str, ...]:
-        """What the reader of the survey's file assumed, left out or found."""
+        """Assumptions, omissions and findings of the reader of the survey's file."""
         return self._remarks
 
     def __eq__(self, other: object) -> bool:

@@ -50,7 +50,7 @@ def _side_of_bit(case: CaseBlocks) -> None:
     if case.formation is None or case.contact is None:
         missing = "formation" if case.formation is None else "contact"
         want = "guided or rolling, or a formation with a strength and contact with the hole"
-        hint = f"the rock beside the bit gives way at formation.strength; the case has no {missing}"
+        hint = f"the rock beside the bit yields at formation.strength; the case has no {missing}"
         raise refuse("string", len(case.string) - 1, "side", got="cutting", want=want, hint=hint)
     if bit.length > 0 and bit.gauge_length > bit.length + LENGTH_TOLERANCE:
         want = f"at most the length of the bit, {said(bit.length, 'length', case.output.units or case.units)}"

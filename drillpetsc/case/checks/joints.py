@@ -63,7 +63,7 @@ def check_joints(case: CaseBlocks) -> None:
 
 
 def _joint_at_the_top(case: CaseBlocks, i: int) -> None:
-    """Raise unless the top holds what is above joint ``i`` at depth 0: a section without mass."""
+    """Raise CaseError unless the top holds the part above joint ``i`` at depth 0: a section without mass."""
     top, joint = case.top, case.joints[i]
     if case.fluid is not None:
         want = "a depth above 0 in a case with a fluid"

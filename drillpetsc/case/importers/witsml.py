@@ -114,7 +114,7 @@ def trajectory_table(file: Path) -> Table:
 
 # ---------------------------------------------------------------------- import
 def import_witsml(file: Path) -> Imported:
-    """What a WITSML file gives to a case."""
+    """The parts of a case in a WITSML file."""
     found, kind = read_witsml(file)
     out = Imported(kind, " ".join(filter(None, (found.word("nameWell"), found.word("nameWellbore")))))
     if kind == "tubular":

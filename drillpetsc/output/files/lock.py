@@ -90,7 +90,7 @@ def _guarded(file: Path) -> Iterator[int]:
                 yield number
                 return
         finally:
-            os.close(number)  # gives the guard back, too
+            os.close(number)  # also releases the guard
 
 
 def _is_at(number: int, file: Path) -> bool:

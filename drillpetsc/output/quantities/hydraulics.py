@@ -89,7 +89,7 @@ NOZZLES: tuple[Quantity, ...] = (
         "Pa",
         "Pressure loss",
         "NZLS",
-        "Pressure inside less that outside the nozzles, by their loss.",
+        "Pressure inside minus pressure outside the nozzles, by their loss.",
         _LOSS,
     ),
     _row(
@@ -310,7 +310,7 @@ SURGE: tuple[Quantity, ...] = (
         "-",
         "Operation",
         "OPER",
-        "What the string does: trip_in (running in), trip_out (pulling out); in a roadmap also rotate_off_bottom, drilling, sliding, backreaming.",
+        "Motion of the string: trip_in (running in), trip_out (pulling out); in a roadmap also rotate_off_bottom, drilling, sliding, backreaming.",
     ),
     _row("pipe", "-", "State of the pipe", "PIPE", "Closed, open, or pumping."),
     BIT_DEPTH,

@@ -85,7 +85,7 @@ SIDE_FLOW = Quantity(
 )
 #: columns that exist only with mud in the bore
 BORE_ONLY = ("pump_pressure", "pump_flow", "bit_flow")
-#: what the mass balance samples besides the two flow rates; not written anywhere
+#: samples of the mass balance besides the two flow rates; not written to files
 CUTTINGS_FLOW = Quantity(
     "cuttings_flow",
     "m3/s",

@@ -89,12 +89,18 @@ ROADMAP: tuple[Quantity, ...] = (
         "Smallest difference of 0.9 times yield strength and worn area from the tension in the wall.",
         "pull left",
     ),
-    _row("status", "-", "Status", "STAT", "Why the row is not to be trusted, else ok."),
+    _row("status", "-", "Status", "STAT", "Why the row is unreliable, otherwise ok."),
 )
 MEASURED: tuple[Quantity, ...] = (
     _DEPTH,
     OPERATION,
-    _row("compared", "-", "Compared reading", "CMPD", "What the row compares: hook_load or surface_torque."),
+    _row(
+        "compared",
+        "-",
+        "Compared reading",
+        "CMPD",
+        "Quantity compared in the row: hook_load or surface_torque.",
+    ),
     _row("measured", "N or N m", "Measured", "MEAS", "The reading, as in the file.", "pull, resistance"),
     _row(
         "computed",

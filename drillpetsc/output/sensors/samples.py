@@ -102,7 +102,7 @@ class Sampler:
     def _readings(
         self, t: FloatArray, step: np.ndarray, times: FloatArray, starts: FloatArray, ends: FloatArray
     ) -> FloatArray:
-        """(k, columns - 1) what the sensor sees at times t (k,) in the steps ``step`` (k,)."""
+        """(k, columns - 1) what the sensor measures at times t (k,) in the steps ``step`` (k,)."""
         first, last = starts[step], ends[step]
         h = (times[step + 1] - times[step])[:, None]
         s = np.clip((t[:, None] - times[step][:, None]) / h, 0.0, 1.0)

@@ -209,7 +209,7 @@ class BitFlow(Nozzle):
         self._update_hole(state, True)
 
     def _lift(self, state) -> None:
-        """Count what has flown through the lower end since the last call with the height at which it did.
+        """Count the flow through the lower end since the last call, with the height of the end.
 
         The potential of the chamber's mud changes by nothing else (manual: eq-mud-potential-chamber).
         """
@@ -349,7 +349,7 @@ class BitFlow(Nozzle):
     def powers(self, t: float, state) -> Powers:
         """Losses in the nozzles and of the jet, which comes to rest under the bit.
 
-        Without an annulus, what the jet takes away counts as work done outside (manual: eq-mud-end-power).
+        Without an annulus, the energy of the jet counts as work done outside (manual: eq-mud-end-power).
         """
         if not len(self._block.points):
             return Powers()

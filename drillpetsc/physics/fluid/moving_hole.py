@@ -184,7 +184,7 @@ class MovingHole:
         return out
 
     def _volume_ahead(self, moved: np.ndarray, here: FloatArray, ahead: FloatArray) -> FloatArray:
-        """(k,) volume of hole [m3] above the ``moved`` nodes at ``here`` when they are ``ahead`` further on, less the rings
+        """(k,) volume of hole [m3] above the ``moved`` nodes at ``here`` when they are ``ahead`` further on, minus the rings
         cut on the way, which enter through the rates of the reamers."""
         hole = self.hole
         if not self.reamers or not all(reamer.stands for reamer in self.reamers):
@@ -215,7 +215,7 @@ class MovingHole:
         )
 
     def get_state(self) -> FloatArray:
-        """Return (nv, 4) depth, volume, area, ahead, for a checkpoint; with k reamers (nv, 5 + k), rings and metres reamed, too."""
+        """Return (nv, 4) depth, volume, area, ahead, for a checkpoint; with k reamers (nv, 5 + k), also rings and reamed length."""
         rings = [self._ringed, *(np.full(len(self.depth), b) for b in self._reamed)] if self.reamers else []
         return np.column_stack([self.depth, self.volume, self.area, self.ahead, *rings])
 

@@ -75,7 +75,7 @@ class ReamedRings(RockInMud):
         return out
 
     def powers(self, t: float, state) -> Powers:
-        """The rock gives way to the pressure; cuttings bring their flow work and their height."""
+        """The rock yields to the pressure; cuttings bring their flow work and their height."""
         supplied = 0.0
         for reamer, vertex in self._here:
             pressure, head, rate = self._state(reamer, vertex, state)

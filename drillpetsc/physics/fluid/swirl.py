@@ -19,7 +19,7 @@ from drillpetsc.arrays import FloatArray
 from drillpetsc.fem.component import ElementBlock
 
 _NAMES = "share", "swirl", "swirl_rate", "spin_rate"  # of the parameters
-OTHER_FLOW = 0.02  # relative change of the flow after which the rates of following are computed anew
+OTHER_FLOW = 0.02  # relative change of the flow after which the rates of following are recomputed
 
 
 def steady_share(outer_diameter: FloatArray, hole_diameter: FloatArray) -> FloatArray:

@@ -72,7 +72,7 @@ class Rotor:
 
 @dataclass(frozen=True)
 class Bend:
-    """What the tool face of a motor is measured on: the bend of its housing, else its scribe line.
+    """Reference of the tool face of a motor: the bend of its housing, otherwise its scribe line.
 
     node: at which it is; tool_face: at spin angle zero [rad].
     """
@@ -244,7 +244,7 @@ class MudMotor(Component):
             ]
         if torque < 0:
             return [
-                f"{gives}, what is below the motor drives it with {shown(-torque, 'torque', units)} at the start"
+                f"{gives}, the part below the motor drives it with {shown(-torque, 'torque', units)} at the start"
             ]
         return []
 
@@ -299,7 +299,7 @@ class MudMotor(Component):
         if not len(self._block.points):
             return 0.0
         pressure = float(self.figures(t, state)[RESULTS["pressure"]])
-        if self.outside is not None:  # and what is left of it down to the annulus
+        if self.outside is not None:  # and the rest of it down to the annulus
             below, dofs = int(self._part.ends[self._block.points[0], 1]), state.layout.dofs
             around = dofs.get("annulus.pressure")
             out = self.outside.value(t) if around is None else state.x[around[below, 0]]

@@ -18,7 +18,7 @@ COARSENING = 2.0  # element length of the coarse-mesh run over the run's element
 FOLDER = "coarse-mesh"  # folder of the coarse-mesh run, in the run's folder
 MEANING = (
     "difference of the history columns between this run and one on elements twice as long, as shares of the column's range in this "
-    "run: with a mesh error of order p this run's own is 1/(2^p - 1) of it.  Time errors of both are in it, too"
+    "run: with a mesh error of order p this run's own is 1/(2^p - 1) of it.  It includes the time errors of both"
 )
 
 

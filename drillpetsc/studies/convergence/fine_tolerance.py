@@ -141,7 +141,7 @@ def _warnings(check: Mapping[str, Any], units: System) -> list[str]:
 
 
 def tolerance_lines(summary: Mapping[str, Any]) -> list[str]:
-    """Lines for the screen: what a finer tolerance changes."""
+    """Lines for the screen: changes by a finer tolerance."""
     check = summary["error_estimate"]["tolerance"]
     if check["warnings"]:
         return [f"  warning: {text}" for text in check["warnings"]] + [

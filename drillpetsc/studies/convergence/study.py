@@ -70,7 +70,7 @@ class StudyResult:
 
 @dataclass(frozen=True)
 class StudyRequest:
-    """What a study runs and compares.
+    """The runs and comparisons of a study.
 
     case: path of the case file.
     vary: the one thing that varies (VARIED); or
@@ -112,7 +112,7 @@ class StudyRequest:
 
     @property
     def name(self) -> str:
-        """What varies; "curves" for a study of curves."""
+        """Varied quantity; "curves" for a study of curves."""
         return self.vary or "curves"
 
 

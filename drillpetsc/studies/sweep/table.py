@@ -29,7 +29,7 @@ from drillpetsc.output.files.tables import split_name
 
 
 class Action(Enum):
-    """What is to be done in the run folder of a member."""
+    """Action for the run folder of a member."""
 
     NEW = "new"  # run into a new folder
     AGAIN = "again"  # run from the beginning, replacing the results in the folder
@@ -70,7 +70,7 @@ class Member:
 
 @dataclass(frozen=True)
 class MemberFolder:
-    """The run folder of a member, and what is to be done there."""
+    """The run folder of a member, and the action for it."""
 
     folder: Path
     action: Action

@@ -58,7 +58,7 @@ class WorkerGroup:
 
     number: number of the group, from 0.
     comm: communicator of the computation.
-    control: mpi4py communicator of the same ranks for messages beside the computation. A message of a rank
+    control: mpi4py communicator of the same ranks for messages outside the computation. A message of a rank
         that has failed can then not be received by the computation.
     ranks: ranks of the group in the communicator of the job.
     """
