@@ -146,7 +146,7 @@ def initial_state(
 
 
 def begin_new_states(model: DrillingModel, t: float) -> bool:
-    """Let states begin that a restored state at ``t`` [s] does not have; returns whether there were any; collective."""
+    """Begin the states that a restored state at ``t`` [s] lacks; returns whether there were any; collective."""
     system = model.system
     changed = [component.begin_new_states(t, system.assembly) for component in system.components]
     return bool(total(system.comm.tompi4py(), float(any(changed))))

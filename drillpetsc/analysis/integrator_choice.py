@@ -128,7 +128,7 @@ def _make_integrator(model: DrillingModel, quasi: QuasiStatic | None) -> TimeInt
 
 
 def whirl_steps_of(model: DrillingModel, integrator: TimeIntegrator) -> WhirlSteps:
-    """The limit of an integrator's steps by whirl, or what such a limit would be."""
+    """The limit of an integrator's steps by whirl, actual or hypothetical."""
     if isinstance(integrator, GeneralizedAlpha):
         limit = integrator.step_limit
         return (

@@ -25,7 +25,7 @@ def give_back() -> None:
 
 
 class Memory:
-    """Peak memory of all ranks: at the start of the motion, after a tenth of its time, at its last step, in all.
+    """Peak memory of all ranks: at the start of the motion, after a tenth of its time, at its last step, overall.
 
     What writes the last checkpoint and the summary comes after the last step.
 

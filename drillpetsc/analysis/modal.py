@@ -223,7 +223,7 @@ def modes(
 
 
 def _without_free_angle(model: DrillingModel, linearised: Linearised, found: Eigenvalues) -> Eigenvalues:
-    """Leave out the root zero of an angle that nothing holds: of the whole string under a controlled speed, of a motor's rotor.
+    """Leave out the zero root of an unrestrained angle: of the whole string under a controlled speed, of a motor's rotor.
 
     If other roots are zero, such as the root of the drilled length, vectors are mixtures without energy. The one with much more
     spin than displacement is taken.

@@ -49,7 +49,7 @@ def _small(at: str, torque: float, units: System) -> str:
 
 
 def intervals(case: CaseBlocks) -> list[str]:
-    """Say that the history has its first row only, since its interval is longer than the run."""
+    """Warn that the history has only its first row, because its interval is longer than the run."""
     every = case.output.history_every
     if case.time is None or every is None or every <= case.time.end:
         return []
@@ -84,7 +84,7 @@ def flows(case: CaseBlocks) -> list[str]:
 
 
 def casings(case: CaseBlocks) -> list[str]:
-    """Say that the diameter of a casing, which is its bore, is a nominal outer diameter."""
+    """Warn that the diameter of a casing, its bore, equals a nominal outer diameter."""
     if case.well is None:
         return []
     units = case.shown_units
@@ -100,7 +100,7 @@ def casings(case: CaseBlocks) -> list[str]:
 
 
 def readings(points: Sequence[MeasuredPoint], hole: float | None, units: System) -> list[str]:
-    """Say which measured points lie below the end of the hole, have torques of another unit, or are swapped.
+    """Warn of measured points below the end of the hole, with torques of another unit, or swapped.
 
     hole: measured depth of the end of the hole [m]; None: not known.
     """

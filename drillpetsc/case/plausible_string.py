@@ -82,7 +82,7 @@ def listed_upwards(case: CaseBlocks) -> list[str]:
 
 
 def pumping_valves(case: CaseBlocks) -> list[str]:
-    """Say of each agitator in mud that its mean loss is below the amplitude of its pulses: part of each pulse would drive the mud.
+    """Warn of agitators in mud whose mean loss is below the amplitude of their pulses: part of each pulse would drive the mud.
 
     With a given pump pressure the flow rate is not known, and only an agitator without a mean loss is doubted.
     """
@@ -110,7 +110,7 @@ def pumping_valves(case: CaseBlocks) -> list[str]:
 
 
 def beyond_curves(case: CaseBlocks, flow: float | None = None) -> list[str]:
-    """Say of each tool's curve of losses that the flow rate is larger than its last one.
+    """Warn of loss curves of tools that end below the flow rate.
 
     flow: through the string [m3/s]; None: the largest of the pump.
     """
@@ -134,7 +134,7 @@ def beyond_curves(case: CaseBlocks, flow: float | None = None) -> list[str]:
 
 
 def beyond_lower_part(case: CaseBlocks) -> list[str]:
-    """Say of each weight on bit that it is more than the weight below the drill pipe in the mud along the hole.
+    """Warn of weights on bit above the buoyed weight below the drill pipe along the hole.
 
     Empty in holes above STEEP, whose wall holds drill pipe in compression.
     """

@@ -6,7 +6,7 @@ from collections.abc import Collection
 
 from drillpetsc.case.key_paths import suggestion
 
-#: word -> keys that may be meant, the first of those that the block has
+#: word -> keys that may be meant; the first one that the block has is taken
 KEYS: dict[str, tuple[str, ...]] = {
     "tfa": ("nozzle_area",),
     "weight": ("mass", "density", "adjusted_weight"),
@@ -67,7 +67,7 @@ KINDS: dict[str, str] = {
 def key_hint(word: str, keys: Collection[str]) -> str:
     """The hint for an unknown key, from the trade's words first, else the most similar key; may be empty.
 
-    keys: those that the block has.
+    keys: keys of the block.
     """
     found = next((key for key in KEYS.get(word, ()) if key in keys), "")
     if found:

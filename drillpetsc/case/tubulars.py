@@ -283,7 +283,7 @@ class _Completion:
 
     # ------------------------------------------------------------------ parts
     def _tube(self, row: Row, inner: str) -> None:
-        """Diameters of the tube from a row; those given must agree with it."""
+        """Diameters of the tube from a row; given diameters must agree with it."""
         item = self.item
         assert isinstance(item, Tubular)
         outer, bore = row["size"] * INCH, row[inner] * INCH

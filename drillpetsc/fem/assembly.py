@@ -131,7 +131,7 @@ class Assembly(BlockState):
     def hold_rates(self, mask: np.ndarray | None, rates: FloatArray | None = None) -> None:
         """Evaluate blocks that have an unknown of ``mask`` (n,) with given rates and zero accelerations; None: no block.
 
-        For frozen mud beside a string on a path: its forces are those on the string at rest or in a steady motion.
+        For frozen mud beside a string on a path: its forces are the forces on the string at rest or in a steady motion.
 
         rates: (n+1,) [SI of each field per second]; None: zero.
         """

@@ -275,7 +275,7 @@ class Component:
         return False
 
     def change_law(self, numbers: FloatArray) -> None:
-        """Go over to the law that follows."""
+        """Change to the next law."""
 
     def start_warnings(self, state: Any, units: System) -> list[str]:
         """Sentences for the user about the state at the start of a motion, in a system of units, from the rank that has them."""
@@ -366,7 +366,7 @@ class Component:
         """Continue from the history variables at the local points."""
 
     def settle(self, t: float, state: Any) -> None:
-        """Give history variables the values that they have at time ``t`` [s] when the present motion is steady."""
+        """Set history variables to their values at time ``t`` [s] when the present motion is steady."""
 
     # ------------------------------------------------------------------ machines
     #: angles without a restoring moment, such as a motor's rotor: each is a root zero of the linear model
@@ -384,8 +384,8 @@ class Component:
         """Set the rates of cutters at the start of a motion so that they carry their static weight."""
 
     def balance(self, state: Any) -> str:
-        """Prepare a linear model about the present state: leave out what shakes the string by itself, close control loops inside
-        their limits.  Returns a note for the user, empty without any."""
+        """Prepare a linear model about the present state: leave out excitations, close control loops inside their
+        limits.  Returns a note for the user, empty without any."""
         return ""
 
     # ------------------------------------------------------------------ statics and quasi-static motion

@@ -192,7 +192,7 @@ def build_model(
 
 
 class _String(NamedTuple):
-    """The components of a string and its ends; those that are named are among ``components`` as well."""
+    """The components of a string and its ends; the named ones are also among ``components`` as well."""
 
     components: tuple[Component, ...] = ()
     beam: interfaces.Beam | None = None

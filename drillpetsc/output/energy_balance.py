@@ -98,7 +98,7 @@ class EnergyBalance:
         return taken
 
     def update(self, t: float) -> None:
-        """Take the energies at the present state (collective); keeps the largest change since the start."""
+        """Read the energies at the present state (collective); keeps the largest change since the start."""
         self.take(self.system.energies(t))
 
     def take(self, energies: Sequence[float]) -> None:
@@ -125,7 +125,7 @@ class EnergyBalance:
         self._powers = float(powers.dissipated), float(powers.supplied)
 
     def after_sample(self, t: float) -> None:
-        """Take the powers after a force has jumped: the quadrature of the next step begins with them."""
+        """Read the powers after a force has jumped: the quadrature of the next step begins with them."""
         self._take_powers(t)
 
     def at_jump(self, t: float) -> None:

@@ -231,7 +231,7 @@ RUN: tuple[SummaryKey, ...] = (
     SummaryKey(
         "error_estimate.mesh",
         "",
-        "Differences of the history from that on elements twice as long.",
+        "Differences of the history from a run on elements twice as long.",
         MESH_ERROR,
     ),
     SummaryKey(
@@ -369,7 +369,7 @@ CAMPBELL: tuple[SummaryKey, ...] = (
     SummaryKey(
         "searched_to",
         "Hz",
-        "Frequency up to which all modes are known, at each speed, those between included.",
+        "Frequency up to which all modes are known, at each speed, speeds between included.",
     ),
     SummaryKey(
         "searched_beside",
@@ -377,7 +377,7 @@ CAMPBELL: tuple[SummaryKey, ...] = (
         "Distance from excitation lines above up to which modes are known, at each speed; null without a line above.",
     ),
     SummaryKey("branches", "-", "Number of modes that were followed."),
-    SummaryKey("lost", "-", "Number of those that were lost."),
+    SummaryKey("lost", "-", "Number of branches lost."),
     SummaryKey("critical_speeds", "-", "Number of crossings of branches and lines."),
     SummaryKey("growing_speeds", "rpm", "List: speeds at which a mode grows."),
     SummaryKey("static_solutions", "-", "Number of static equilibria that were solved for."),

@@ -62,7 +62,7 @@ def hydraulics_drawers(folder: Path, title: str, system: System) -> dict[str, Ca
 
 
 def units_of(summary: dict[str, Any]) -> System:
-    """Units in which the pictures of a folder are drawn: those that its command printed, else metric."""
+    """Units in which the pictures of a folder are drawn: the units that its command printed, else metric."""
     return system_named(summary.get("units")) or "metric"
 
 

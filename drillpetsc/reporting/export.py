@@ -101,7 +101,7 @@ def _written(file: Path, data: bytes) -> Path:
 
 
 def _tables(folder: Path) -> dict[str, Table]:
-    """Tables of a folder by name, those without rows left out."""
+    """Tables of a folder by name, without empty tables."""
     if (folder / SWEEP_TABLE).is_file() or (folder / WELLS_TABLE).is_file():
         raise CaseError(at="RUN", got=folder, want="a single run; this is a sweep: give a member's folder")
     found = {}

@@ -2,7 +2,7 @@
 
 Manual: sec-time-first-order, eq-time-system.  A second-order unknown has two rows: the kinematic row x' - y =
 0 (for a spin angle phi' - omega + c(v).w = 0) and the dynamic row in place of y'.  Each kind has seven rows
-at a prescribed vertex; those along D become D x = value and D y = rate, so the index is 1 (manual:
+at a prescribed vertex; rows along D become D x = value and D y = rate, so the index is 1 (manual:
 eq-time-first-order-prescribed).
 """
 

@@ -95,7 +95,7 @@ class Linearised:
     def vectors(self, found: Eigenvalues) -> np.ndarray:
         """Return the vectors (n, m) of all unknowns of eigenvalues of ``eigenproblem``, with the multipliers.
 
-        The forces of a constraint are those that the motion lacks.
+        The forces of a constraint are the forces missing in the motion.
         """
         u = np.asarray(self.motions @ found.u, dtype=complex)
         constraints, _ = self._multipliers

@@ -164,7 +164,7 @@ class NewtonIteration:
         return record
 
     def _use_python(self, *names: str) -> None:
-        """Let Python have these parts, and the compiled record all others."""
+        """Assign these parts to Python, and all others to the compiled record."""
         for name, call in self._python.items():
             setattr(self._parts, name, ctypes.cast(call, ctypes.c_void_p).value if name in names else None)
 

@@ -337,7 +337,7 @@ def lowest_eigenvalues(
 ) -> Eigenvalues:
     """Compute the oscillating eigenvalues of lowest |Im s|, sorted by |Im s|, real ones by growth.
 
-    Some of the slowest real eigenvalues are included, and of all computed ones those that grow. The search
+    Some of the slowest real eigenvalues are included, and all growing ones among the computed. The search
     uses discs about shifts, first near zero, then up the imaginary axis (manual: sec-eigen-search).
     Within a disc every eigenvalue is found.  An eigenvalue far to the left, outside all discs, is missing:
     it decays within a fraction of a period of the others.

@@ -87,7 +87,7 @@ class TimeIntegrator:
 
     ``max_steps`` is the option -ts_max_steps, for the caller.
     ``is_bdf`` is true for backward differentiation formulas, of the order ``order``.
-    ``user_options`` are the PETSc options that the user gave, ``options`` those in effect.
+    ``user_options`` are the PETSc options that the user gave, ``options`` the options in effect.
     ``jumped`` is true in after_step for the steps whose time formula reaches over a jump (manual:
     sec-time-jumps). ``fresh`` is true for the first step after a restart of the formula.
     """

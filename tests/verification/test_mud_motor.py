@@ -288,7 +288,7 @@ def test_no_flow_leaves_the_motor_standing(tmp_path):
         ),
         ({"pdm": {**SECTION, "eccentricity": 0.01}}, "lobes of rotor and stator"),
         ({"pdm": {**SECTION, "lobes": [7, 9]}}, "one more in the stator"),
-        ({"pdm": {**SECTION, "flow_rate": "-1 l/s"}}, "turns one way"),
+        ({"pdm": {**SECTION, "flow_rate": "-1 l/s"}}, "turns in one direction"),
         ({"joint_at": 9.0}, "pipe of the item above and below it"),
         ({"joint_at": 3.0, "bend": {"angle": 0.02, "position": 2.0}}, "turns with the bit"),
         ({"pdm": {**SECTION, "droops": 3}}, "droop"),

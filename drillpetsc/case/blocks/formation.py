@@ -19,7 +19,7 @@ BitAnisotropy = Annotated[
         "",
         above=0,
         at_most=1,
-        why="drillability sideways of the bit over that ahead of it; 1 for a bit that cuts alike in all directions",
+        why="drillability sideways over drillability ahead of the bit; 1 for a bit that cuts equally in all directions",
     ),
 ]
 RotaryExponent = Annotated[float, Quantity("", at_least=0, at_most=3)]
@@ -28,7 +28,10 @@ Threshold = Annotated[float, Quantity("N", at_least=0)]
 Index = Annotated[
     float,
     Quantity(
-        "", above=0, at_most=2, why="drillability along the bedding over that across it; mostly 0.9 to 1.1"
+        "",
+        above=0,
+        at_most=2,
+        why="drillability along the bedding over drillability across it; mostly 0.9 to 1.1",
     ),
 ]
 Depth = Annotated[float, Quantity("m", at_least=0, at_most=50e3)]
@@ -45,7 +48,7 @@ LAYER_KEYS = (
 )
 
 _DRILLABILITY = "rate of penetration over force, at reference_speed and reference_weight; 0 cannot be drilled"
-_BIT = "drillability sideways of the bit over that ahead of it"
+_BIT = "drillability sideways over drillability ahead of the bit"
 _ROCK = "bedding of the rock"
 _ROTARY = "exponent of the rotation speed over reference_speed"
 _WEIGHT = "exponent of the weight on bit over reference_weight in the rate of penetration"
@@ -63,9 +66,11 @@ class RockAnisotropy(Block):
     dip_azimuth: Annotated[float, Quantity("rad", at_least=-2 * math.pi, at_most=2 * math.pi)] = Field(
         default=0.0, description="azimuth of the down-dip direction, from north over east"
     )
-    index_dip: Index = Field(default=1.0, description="drillability down dip over that across the bedding")
+    index_dip: Index = Field(
+        default=1.0, description="drillability down dip over drillability across the bedding"
+    )
     index_strike: Index = Field(
-        default=1.0, description="drillability along strike over that across the bedding"
+        default=1.0, description="drillability along strike over drillability across the bedding"
     )
 
 

@@ -172,7 +172,7 @@ class MotorSection(Block):
             raise refuse("lobes", want="the lobes of rotor and stator, [7, 8], together with an eccentricity")
         constant = self.flow_rate.constant if isinstance(self.flow_rate, Constant) else None
         if constant is not None and constant < 0:
-            raise refuse("flow_rate", got=constant, want="at least 0 m^3/s: a motor turns one way")
+            raise refuse("flow_rate", got=constant, want="at least 0 m^3/s: a motor turns in one direction")
         return self
 
 

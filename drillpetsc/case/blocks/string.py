@@ -495,7 +495,7 @@ class Bit(Rigid):
         "width of the gauge in contact with the rock, one blade (side: cutting); a tenth of od when not given"
     )
     bit_type: Literal["PDC", "roller_cone", "diamond", "core"] | None = Field(
-        default=None, description="type of the bit; shown in reports, chooses nothing by itself"
+        default=None, description="type of the bit; only shown in reports"
     )
     nozzle_area: NozzleArea = Field(
         default=None,

@@ -151,5 +151,5 @@ def check_time(case: CaseBlocks) -> None:
             "from",
             got=case.initial.from_,
             want=want,
-            hint="every moment of such a run is an equilibrium",
+            hint="the string is in equilibrium at all times in such a run",
         )

@@ -52,7 +52,7 @@ def take(folder: Path) -> None:
 
 
 def release(folder: Path) -> None:
-    """Let go of the folder, if this process holds it."""
+    """Release the folder, if this process holds it."""
     _release((folder / NAME).absolute())
 
 

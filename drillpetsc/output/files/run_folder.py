@@ -207,7 +207,7 @@ class RunFolder:
         return cls(numbers[max(numbers)])
 
     def release(self) -> None:
-        """Let other processes write here: this process writes no more. Without effect in a process that
+        """Let other processes write here, after this process has finished writing. Without effect in a process that
         does not hold the folder."""
         lock.release(self.path)
 

@@ -148,7 +148,7 @@ class Sampler:
         return np.column_stack([out[name] for name, _ in self.columns[1:]])
 
     def _in_range(self, values: FloatArray) -> FloatArray:
-        """Accelerations [m/s2] within the range of the accelerometers; those beyond it are counted."""
+        """Accelerations [m/s2] within the range of the accelerometers; values beyond it are counted."""
         most = self.sensor.range
         if most is None:
             return values

@@ -65,7 +65,7 @@ class Jar:
         return self.side * travel <= 0.0 or (self.returning and self.side * speed > TURNED_BACK)
 
     def switch(self, travel: float, speed: float, force: float) -> None:
-        """Go over to the state that follows."""
+        """Change to the next state."""
         law = self.law
         if self.mode == LATCHED:
             pulled = abs(force) > law.threshold

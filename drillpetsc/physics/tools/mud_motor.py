@@ -259,7 +259,7 @@ class MudMotor(Component):
         return ""
 
     def balance_orbit(self, balanced: bool = True) -> None:
-        """Leave out the turning force of the rotor's orbit, or take it in again."""
+        """Leave out the turning force of the rotor's orbit, or include it again."""
         self.params["balanced"] = float(balanced)
 
     def orbit_speed(self, t: float, state: Any) -> float:

@@ -173,7 +173,7 @@ def case_of(base: Base, point: Point) -> Case:
 
 
 def _fitting(petsc: dict[str, Any]) -> dict[str, Any]:
-    """Options without those that the chosen integrator and solver do not read, which a run would refuse."""
+    """Options that the chosen integrator and solver read; a run would refuse the others."""
     kind = str(petsc.get("ts_type", "bdf"))
     condensed = kind in ("bdf", "alpha2", "genalpha") and str(petsc.get("snes_type", "python")) == "python"
 

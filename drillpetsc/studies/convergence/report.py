@@ -56,7 +56,7 @@ COLUMNS = (
 
 
 def chosen_outputs(reference: Reference, outputs: Sequence[str]) -> list[str]:
-    """Outputs to compare: those given, or up to MOST_OUTPUTS of those that change with time."""
+    """Outputs to compare: the given ones, or up to MOST_OUTPUTS that change with time."""
     if outputs:
         return [name for name in outputs if extent(reference.values[name]) > 0]
     moving = [
@@ -232,7 +232,7 @@ def _floor(reference: Reference | None, rows: Sequence[Row], name: str, vary: st
 
 
 def _speed_up(rows: Sequence[Row]) -> dict[str, float]:
-    """Number of ranks -> wall time on one rank over that on so many."""
+    """Number of ranks -> wall time on one rank over wall time on this number."""
     one = next((row["wall"] for row in rows if row["ranks"] == 1 and row["status"] == "done"), None)
     return {str(row["ranks"]): one / row["wall"] for row in rows if row["status"] == "done"} if one else {}
 
