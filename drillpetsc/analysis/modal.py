@@ -367,7 +367,7 @@ def run_modes(
     comm: communicator, all ranks by default.
     without_control: leave out motor, hoist and controllers, and hold the top at the prescribed rotation.
 
-    Returns folder, summary and the lines to show.  Raises CaseError for wrong arguments, SolveError if no state
+    Returns folder, summary and the lines to show.  Raises CaseError for wrong arguments, SolveError where no state
     or mode is found.
     """
     refuse_quaternion(case, "modes")

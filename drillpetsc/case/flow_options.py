@@ -33,9 +33,9 @@ def read_numbers(
     example: str,
     units: System = "SI",
 ) -> tuple[float, ...]:
-    """Read numbers [SI] from text; one without a unit takes the unit of the next number that has one.
+    """Read numbers [SI] from text; one without a unit has that of the next number that has one.
 
-    text: numbers with commas between them; `a..b` means ten values in equal steps from a to b.  From Python also a
+    text: numbers with commas between them; `a..b` stands for ten values in equal steps from a to b.  From Python also a
     number in SI, or a list of numbers and texts.
     quantity: unit and bounds of each number.
     at, example: name of the option and an example, for messages.
@@ -128,8 +128,8 @@ class Trips:
 
     speeds: [m/s]; operations: of OPERATIONS; pipes: of PIPES.
     bit_depths: measured [m], None: the case's own and, with a window, some along the open hole.
-    window: instead of the case's; flow: rate of the pump while pumping [m3/s], None: the case's. dynamic:
-    also a run from rest for each speed.
+    window: instead of the case's; flow: rate of the pump while pumping [m3/s], None: that of the case.
+    dynamic: a run from rest for each speed, too.
     """
 
     speeds: tuple[float, ...]

@@ -47,7 +47,7 @@ def read_speeds(text: Numbers, at: str, lowest_above_zero: bool = False) -> tupl
     if any(b <= a for a, b in zip(values, values[1:], strict=False)):
         raise CaseError(at=at, got=_shown(text), want="speeds in ascending order, each once")
     if lowest_above_zero and values[0] == 0:
-        raise CaseError(at=at, got=_shown(text), want="speeds above 0: a string at rest is not excited")
+        raise CaseError(at=at, got=_shown(text), want="speeds above 0: at rest nothing is excited")
     return values
 
 

@@ -62,7 +62,7 @@ def build_reamers(case: Case, mesh: StringMesh, well: Well | None, bit: Bit | No
                 body.node,
                 face,
                 law,
-                # of bit and reamers on rock alike, so that the static shares equal those of steady cutting
+                # of bit and reamers on rock alike, so that the static shares are those of steady cutting
                 case.bottom.stiffness * (law.radius - law.pilot) / bit.shape.radius,
                 float(case.well.sections[section].to),
                 well,

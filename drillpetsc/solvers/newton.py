@@ -90,7 +90,7 @@ class CondensedNewton:
             options.setValue("snes_linesearch_type", "cp" if system.has_contact and forces else "basic")
         snes.setFromOptions()
         self.line_search = options.getString("snes_linesearch_type", "basic")
-        if not chosen:  # the next system in this process chooses anew
+        if not chosen:  # the next system in this process makes its own choice
             options.delValue("snes_linesearch_type")
         if pc.getType() == "python":
             self.factor = shared_factor(system)

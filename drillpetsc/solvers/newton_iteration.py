@@ -169,7 +169,7 @@ class NewtonIteration:
             setattr(self._parts, name, ctypes.cast(call, ctypes.c_void_p).value if name in names else None)
 
     def _guarded(self, part: Callable[..., Any]) -> Callable[..., int]:
-        """The ``part`` for compiled code, which has no exceptions: 0, 1 without a pivot, -1 for any other exception."""
+        """The ``part`` for compiled code, which knows no exceptions: 0, 1 without a pivot, -1 for any other exception."""
 
         def call(*arguments: int) -> int:
             try:

@@ -89,7 +89,7 @@ class MudMotor(Component):
     cell: of the joint; law, rotor: of the motor; flow: without mud, flow rate over time [m3/s].
     compressibility: of the mud [1/Pa], None without mud; outside: pressure around a string without an annulus over time [Pa].
     balanced: leave out the turning force of the orbit; label: name of the item in messages.
-    joints: of the string, which have the force through the motor; bend: of the housing.
+    joints: of the string, which know the force through the motor; bend: of the housing.
     """
 
     name = "mud_motor"
