@@ -245,7 +245,7 @@ def _inspect(path: str | Path, data: bytes) -> None:
             file=path,
             got="checkpoint version 1",
             want=f"version {VERSION}",
-            hint="it was written by an older drillpetsc: finish the run with that, or start it again",
+            hint="it was written by an older version of drillpetsc: finish the run with that version, or start it again",
         )
     if not data.startswith(MAGIC):
         raise CaseError(
@@ -259,7 +259,7 @@ def _inspect(path: str | Path, data: bytes) -> None:
             file=path,
             got=f"checkpoint version {int(words[0])}",
             want=f"version {VERSION}",
-            hint="it was written by another drillpetsc: continue the run with that, or start it again",
+            hint="it was written by another version of drillpetsc: continue the run with that version, or start it again",
         )
     if hashlib.sha256(data[BLOCK:]).hexdigest().encode() != words[2]:
         raise CaseError(

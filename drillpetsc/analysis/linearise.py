@@ -251,7 +251,7 @@ def _reduced(
     )
     follows = [(outputs[i], inputs[j]) for i, j in zip(*np.nonzero(system.F), strict=True)]
     for y, u in follows:
-        notes.append(f"{y} follows the rate of {u}, too: y = C x + D u + F u'")
+        notes.append(f"{y} also follows the rate of {u}: y = C x + D u + F u'")
     found: dict[str, Any] = {
         "states": system.order,
         "rigid": rigid,

@@ -129,7 +129,7 @@ def _fluid(case: CaseBlocks) -> list[str]:
         why = "more than rig pumps deliver"
         out.append(_doubt("fluid.flow_rate", shown(flow, "flow", case.shown_units), why))
     if pressure > LARGEST_PUMP_PRESSURE or 0 < pressure < SMALLEST_PUMP_PRESSURE:
-        why = "no usual pump pressure; bar or psi?"
+        why = "not a usual pump pressure; bar or psi?"
         out.append(_doubt("fluid.pump_pressure", said(pressure, "pressure", units), why))
     for key, rheology in (("rheology", f.rheology), ("annulus_rheology", f.annulus_rheology)):
         viscosity = 0.0 if rheology is None else _viscosity(rheology)

@@ -607,5 +607,5 @@ def check_height(gear: Hoisting, t: float, height: float, travel: float) -> None
                 f"the block would pass the {what} at t = {t:.4g} s, after a travel of {shown(travel, 'length', gear.units)}: "
                 "connections are not modelled",
                 time=t,
-                hint=f"end the run before, or give another top.hoist.{key}",
+                hint=f"end the run earlier, or give another top.hoist.{key}",
             )

@@ -188,7 +188,9 @@ def radius_of(alpha_m: float, alpha_f: float, gamma: float | None = None, beta: 
     (1 + alpha_m - alpha_f)^2/4.  Raises ValueError, with the reason, for values off this family.
     """
     if not 0.5 <= alpha_f <= 1.0:
-        raise ValueError(f"alpha_f = {alpha_f:g} belongs to no spectral radius from 0 to 1 (0.5 to 1 does)")
+        raise ValueError(
+            f"alpha_f = {alpha_f:g} does not correspond to a spectral radius from 0 to 1 (0.5 to 1 does)"
+        )
     radius = 1 / alpha_f - 1
     wanted = (2 - radius) / (1 + radius)
     if abs(alpha_m - wanted) > 1e-6:

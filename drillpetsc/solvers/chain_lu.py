@@ -69,7 +69,7 @@ def _check_local(nodes: np.ndarray, sizes: np.ndarray, node_of_dof: np.ndarray) 
     if np.any(np.diff(nodes) != 1):
         return f"the nodes of a rank must follow each other along the string, got {nodes.tolist()}"
     if len(node_of_dof) and (node_of_dof.min() < 0 or node_of_dof.max() >= len(nodes)):
-        return "an unknown belongs to no local node"
+        return "an unknown does not belong to a local node"
     if len(sizes) and not 1 <= sizes.min() <= sizes.max() <= LARGEST_BLOCK:
         return f"a node needs 1 to {LARGEST_BLOCK} unknowns, got {sizes.min()} to {sizes.max()}"
     return None

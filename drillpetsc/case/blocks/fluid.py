@@ -203,7 +203,7 @@ class SurfaceLine(Block):
         description="equipment of API RP 13D: 2600, 946, 610 or 424 ft of 3.826 in bore with the string's friction law",
     )
     length: Annotated[float, Quantity("m", above=0, at_most=10e3)] | None = Field(
-        default=None, description="length of an equal pipe, with id, instead of a case"
+        default=None, description="length of an equivalent pipe, with id, instead of a case"
     )
     id: Annotated[float, Quantity("m", at_least=1e-3, at_most=2, kind="diameter")] | None = Field(
         default=None, description="inner diameter of that pipe"

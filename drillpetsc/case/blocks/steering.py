@@ -100,9 +100,7 @@ class RotarySteerable(ToolTube):
         if at > self.length + 1e-9:
             raise refuse(*key, got=at, want=f"at most the length of the item, {said(self.length, 'length')}")
         if self.bend is not None:
-            raise refuse(
-                "bend", want="no bend in a steerable tool", hint="give the bend to an item beside it"
-            )
+            raise refuse("bend", want="no bend in a steerable tool", hint="give the bend to an adjacent item")
         return self
 
     @property

@@ -114,7 +114,9 @@ class PiController(Controller):
     @model_validator(mode="after")
     def _gain(self) -> PiController:
         if self.p == 0:
-            raise refuse("p", got=0.0, want="a gain above 0", hint="without it the speed swings without end")
+            raise refuse(
+                "p", got=0.0, want="a gain above 0", hint="without it the speed oscillates without decay"
+            )
         return self
 
 
@@ -147,7 +149,8 @@ class SoftTorqueController(Controller):
         description="tuned frequency; auto: the lowest torsional frequency of the string with its top held",
     )
     inertia_compensation: Annotated[float, Quantity("", at_least=0, at_most=0.95)] = Field(
-        default=0.0, description="share of the drive's inertia that a torque with the acceleration takes away"
+        default=0.0,
+        description="share of the drive's inertia compensated by a torque proportional to the acceleration",
     )
 
 

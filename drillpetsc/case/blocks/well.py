@@ -99,7 +99,7 @@ class Survey(Block):
         if not self.azimuth_from:
             return self
         if self.north not in ("true", "magnetic"):
-            want = "true or magnetic with azimuth_from: true; azimuths from grid north need no turn"
+            want = "true or magnetic with azimuth_from: true; azimuths from grid north need no correction"
             raise refuse("north", got=self.north, want=want)
         needed = "declination" if self.north == "magnetic" else "convergence"
         if getattr(self, needed) is None:

@@ -31,9 +31,7 @@ def check_motor(case: CaseBlocks) -> None:
         hint = "mode: dynamic; a quasi-static run has no speeds, which the law of a motor needs"
         raise refuse(*at, "kind", got="pdm", want="no motor in a quasi-static run", hint=hint)
     if case.top.force is not None and case.initial.wob is not None:
-        hint = (
-            "leave wob out: the bit then carries what the top force leaves; or prescribe the top's position"
-        )
+        hint = "leave wob out, because the top force sets the weight on bit; or prescribe the top's position"
         raise refuse(
             "initial", "wob", got=case.initial.wob, want="no wob with a top force and a motor", hint=hint
         )

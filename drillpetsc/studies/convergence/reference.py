@@ -201,7 +201,7 @@ def _integrated(runs: StudyRuns, points: Sequence[Point], candidates: Sequence[s
         if max(own.values(), default=0.0) < ACCEPTED_REFERENCE_ERROR:
             return found
         runs.say(
-            f"reference, {name}: off by {max(own.values()):.2g} of the range from itself at {CONTROL_TOLERANCE_FACTOR:g} times the tolerance"
+            f"reference, {name}: differs by {max(own.values()):.2g} of the range from its run at {CONTROL_TOLERANCE_FACTOR:g} times the tolerance"
         )
         if best is None or max(own.values()) < max(best.errors.values()):
             best = found
