@@ -259,6 +259,7 @@ class AlphaHistory:
         q = self.arrays
         q["x"][:], q["y"][:], q["w"][:] = x, y, np.where(two, w, 0.0)
         q["rate"][:], q["second"][:] = np.where(two, rate, 0.0), np.where(two, second, 0.0)
+        # without earlier steps there is no derivative by which they could lead; see ``begun_with``
         q["ax"][:], q["ay"][:] = np.where(two, second, y), np.where(two, w, 0.0)
 
     def begin(self, step: float) -> tuple[FloatArray, FloatArray, FloatArray]:

@@ -54,6 +54,7 @@ class BdfHistory:
 
     def add_step(self, t: float, step: float, x: FloatArray, y: FloatArray) -> None:
         """Record an accepted state x, y (array_length,) at ``t`` [s]; ``step``: requested step [s]."""
+        # PETSc starts with a half step of backward Euler, then takes order two (manual: sec-time-error)
         if len(self._stages) == 2:
             self.half = self._stages[0]
         self._stages = []
@@ -77,6 +78,7 @@ class BdfHistory:
             return {}
         states = self.states if self.half is None else [*self.states, self.half]
         columns = [nodal(system, part) for state in states for part in state]
+        # by node, so that a run may continue on another number of ranks
         gathered = system.gather(np.stack(columns, axis=1))
         if gathered is None:
             return {}

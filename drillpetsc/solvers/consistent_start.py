@@ -209,6 +209,7 @@ class ConsistentStart:
             raise SolveError(
                 "the equations of motion and the constraints have no solution for the accelerations", time=t
             )
+        # extrapolates linearly from tau and 2 tau to 0 (manual: sec-time-alpha-start)
         value = 2 * found[0] - found[1]
         asm.x[:n] = np.where(self.second | self.first, x0, value)
         asm.y[:n] = np.where(self.first, value, y0)
@@ -222,6 +223,7 @@ class ConsistentStart:
         if not self._short_step(t + IMPULSE_STEP, np.zeros(n), (x0, y0), (shift, shift)):
             raise SolveError("the constraints cannot be fulfilled when a prescribed velocity jumps", time=t)
         y = asm.y[:n].copy()
+        # rates jump, but positions of second-order unknowns do not
         asm.x[:n] = np.where(self.first, asm.x[:n], x0)
         asm.y[:n] = np.where(self.second, y, y0)
 

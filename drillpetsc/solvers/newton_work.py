@@ -87,6 +87,7 @@ class ResidualWork:
         jumped: the formula reaches over a jump of a prescribed velocity, so powers have no meaning.
         """
         self._steps += 1
+        # across a jump of a velocity, force and velocity have no value to multiply
         power = 0.0 if jumped else self._local_power(rows)
         self.left += 0.5 * dt * (self._left_power + power)
         self._left_power = power
@@ -101,6 +102,7 @@ class ResidualWork:
         self._peak = max(self._peak, float(np.abs(energies - self._first_energies).sum()))
         self._supply, self._energies, self._last = float(powers.supplied), energies, t
         exchanged = max(abs(self._supplied), self._peak)
+        # the mean of the run keeps the limit up while the motion rests or turns back
         self.limit = self.share * max(self._recent, exchanged / (t - self._began))
 
     def _sampled_energies(self, t: float) -> FloatArray:
@@ -142,5 +144,6 @@ class ResidualWork:
         self._steps = int(values[1])
         self._supplied, self._peak, self._supply, self._recent = map(float, values[4:8])
         self._first_energies, self._energies = values[8:10], values[10:12]
+        # the sum over ranks was saved, so only one rank continues with it
         if self.system.comm.rank == 0:
             self.left, self._left_power = map(float, values[12:14])
