@@ -1,7 +1,7 @@
 """Errors, with messages for the user.
 
 A `CaseError` is bad input: exit status 2, nothing has been written. A `SolveError` is a computation that cannot
-go on: exit status 1, what was written before is kept.
+continue: exit status 1, earlier output is kept.
 """
 
 from __future__ import annotations
@@ -40,7 +40,7 @@ def plain(text: str, longest: int) -> str:
     )
 
 
-RESTART_HINT = "what was written up to now can be read; free disk space, then continue with --restart"
+RESTART_HINT = "the output written so far can be read; free disk space, then continue with --restart"
 
 
 def cannot_write(error: OSError, what: str) -> str:
@@ -67,13 +67,13 @@ class DrillError(Exception):
         return _rebuild, (type(self), self.__dict__)
 
     def _render_traceback_(self) -> list[str]:
-        """What a notebook shows of the error: the message on one line, without the inside of the library."""
+        """The error in a notebook: the message on one line, without the library's traceback."""
         parts = [line.strip() for line in str(self).splitlines()]
         return [f"{type(self).__name__}: " + "; ".join(" ".join(part.split()) for part in parts if part)]
 
 
 class CaseError(DrillError):
-    """Bad input: place, value, what is allowed, and a cure.
+    """Bad input: place, value, allowed values, and a cure.
 
     at: key path as in the case file, `string[3].od`; empty for the file as a whole
     got: value as given; None if there is none

@@ -1,7 +1,7 @@
 """Several ranks: start of PETSc, work of rank 0, waiting without a busy core, and the end of a failed job.
 
 A rank that fails alone must end the job, because the other ranks wait for it forever. The ranks find out by a
-barrier on a communicator of their own, the control communicator. No message of a computation can meet it.
+barrier on a separate communicator, the control communicator. No message of a computation can meet it.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from typing import Any
 
 from drillpetsc.errors import RESTART_HINT, CaseError, DrillError, SolveError, cannot_write
 
-RANK_TIMEOUT = 5.0  # how long a rank that has failed waits for the others to fail, too [s]
+RANK_TIMEOUT = 5.0  # waiting time of a failed rank for the others to fail as well [s]
 POLL_INTERVAL = 0.02  # between two tests of a request [s]; a rank that waits leaves its core to others
 FILE_POLL_INTERVAL = 0.2  # between two looks for a file [s]
 
@@ -42,7 +42,7 @@ def start_job(options: Sequence[str]) -> None:
     initialise_petsc(options)
     from petsc4py import PETSc
 
-    # PETSc's handler would print a stack where the reader of a pipe has ended; Python raises BrokenPipeError
+    # PETSc's handler would print a stack if the reader of a pipe has ended; Python raises BrokenPipeError
     signal.signal(signal.SIGPIPE, signal.SIG_IGN)
     PETSc.Log.begin()
     if PETSc.COMM_WORLD.size > 1:
@@ -54,7 +54,7 @@ def start_job(options: Sequence[str]) -> None:
 def total(comm: Any, values: Any) -> Any:
     """Sum a number or an array over the ranks; the same on every rank, collective.
 
-    One call on a buffer. mpi4py's ``allreduce`` of objects sends each of them as two messages to one rank and back, which takes
+    One call on a buffer. mpi4py's ``allreduce`` of objects sends each of them as two messages to one rank and back. This takes
     some 30 us, and a step needs twenty of them.
 
     comm: PETSc's communicator or mpi4py's.
@@ -66,7 +66,7 @@ def total(comm: Any, values: Any) -> Any:
 def total_in_order(comm: Any, values: Any) -> Any:
     """Sum an array over the ranks in their order; the same on every rank, collective.
 
-    MPI may add up a long array in another order than a short one, so that a sum would depend on how many are formed together.
+    MPI may add up a long array in another order than a short one, so a sum would depend on their number.
 
     comm: mpi4py's communicator.  Returns ``values`` itself on one rank.
     """
@@ -160,7 +160,7 @@ def report_error(error: DrillError) -> int:
 
 def report_interrupt() -> int:
     """Print that the user has interrupted the job and return the exit status."""
-    print("drillpetsc: interrupted; what was written up to now is kept", file=sys.stderr)
+    print("drillpetsc: interrupted; the output written so far is kept", file=sys.stderr)
     if not _all_ranks_have_ended():
         _control.Abort(1)
     return 1

@@ -1,7 +1,7 @@
 """Systems of units: which unit a bare number of a case has, and in which unit a figure is printed or plotted.
 
-One table holds both, a row a kind of quantity. A kind is finer than a dimension: the depth of a hole is given in feet
-where its diameter is given in inches. Files stay in SI.
+One table holds both, a row a kind of quantity. A kind is finer than a dimension: the depth of a hole is given in feet,
+its diameter in inches. Files stay in SI.
 
 `display(0.2159, "diameter", "field")` is (8.5, "in").
 """
@@ -29,8 +29,8 @@ class Kind:
 
     si: SI unit, a key of DIMENSIONS
     field, metric: unit of bare numbers and of printed figures in that system
-    field_plot: unit of plots and of large printed figures in field units, where it differs
-    metric_t: unit in the system metric_t, where it differs from that of metric
+    field_plot: unit of plots and of large printed figures in field units, if it differs
+    metric_t: unit in the system metric_t, if it differs from metric
     """
 
     si: str
@@ -87,13 +87,13 @@ KINDS: dict[str, Kind] = {
     "shear_rate": Kind("1/s", "1/s", "1/s"),
     "frequency": Kind("1/s", "Hz", "Hz"),
 }
-#: kinds of what is shown alone: no key has a bare number of them
+#: kinds that are only shown: keys do not take bare numbers of them
 _NOT_FOR_BARE_NUMBERS = frozenset(
     {"volume", "pressure_gradient", "mass", "density", "energy", "creep", "inertia", "stiffness"}
     | {"section_stiffness", "turning_stiffness", "turning_damping", "drillability"}
 )
 
-# SI unit -> kind of a quantity that names none. Units that stand for several things have no entry: a pressure, a modulus and a
+# SI unit -> kind of a quantity that names none. Units with several meanings have no entry: a pressure, a modulus and a
 # stress are all Pa, a side force and a stiffness N/m.
 KIND_OF_UNIT: dict[str, str] = {
     "m": "length",
@@ -115,7 +115,7 @@ KIND_OF_UNIT: dict[str, str] = {
 
 
 def kind_of(unit: str, kind: str = "") -> str:
-    """The kind of a quantity of this SI unit: the one it names, else the usual one; "" where there is none.
+    """The kind of a quantity of this SI unit: the one it names, else the usual one; "" if there is none.
 
     unit: as in a case (`m^3/s`) or in the heading of a column (`m3/s`)
     kind: a key of KINDS; `none` for a quantity that has no row in the table
@@ -124,7 +124,7 @@ def kind_of(unit: str, kind: str = "") -> str:
 
 
 def unit_of_bare_number(unit: str, kind: str, system: System) -> str | None:
-    """The unit that a number without one has in a case; None where a unit must be written.
+    """The unit that a number without one has in a case; None if a unit must be written.
 
     unit: SI unit of the key
     kind: kind that the key names, "" for the usual one of its unit
@@ -158,7 +158,7 @@ def display(value: Values, kind: str, system: System, plot: bool = False) -> tup
     value: in SI, a number or an array
     kind: a key of KINDS
     system: field, metric, metric_t or SI
-    plot: the unit of axes and of large figures, where the system has one: kft-lbf for ft-lbf
+    plot: the unit of axes and of large figures, if the system has one: kft-lbf for ft-lbf
     """
     size, zero, text = display_unit(kind, system, plot)
     return (value - zero) / size, text  # type: ignore[operator, return-value]

@@ -1,4 +1,4 @@
-"""Tables of `units.py`: dimensions, spellings of units with their factor to SI, and answers to ambiguous ones."""
+"""Tables of `units.py`: dimensions, spellings of units with their factor to SI, and messages for ambiguous ones."""
 
 from __future__ import annotations
 
@@ -50,7 +50,7 @@ DIMENSIONS: dict[str, tuple[str, str]] = {
 }
 
 # fmt: off
-# SI unit of a key -> spelling of a unit (as `_tidy` of `units.py` leaves it) -> factor to SI. The factors are those of pint. pint takes longer
+# SI unit of a key -> spelling of a unit (as `_tidy` of `units.py` leaves it) -> factor to SI. The factors are pint's. pint takes longer
 # to import than everything else that reads a case, so it converts only units that are not listed here.
 FACTORS: dict[str, dict[str, float]] = {
     "": {"%": 0.01},
@@ -111,7 +111,7 @@ _PER_100_FT2 = _POUND_FORCE / (100 * FOOT**2)  # [Pa] lbf/100 ft2
 
 # fmt: off
 # Spellings of the oil field, some of which pint reads as something else (cp is a cup, bpm a heart rate). The keys are written
-# as `canonical` leaves a unit. They are looked up before pint is asked.
+# as `canonical` leaves a unit. They are looked up before pint is called.
 FIELD: dict[str, dict[str, float]] = {
     "m": {'"': INCH, "inch": INCH, "inches": INCH, "'": FOOT, "feet": FOOT, "foot": FOOT, "ftUS": 1200 / 3937, "meter": 1.0, "meters": 1.0,
           "metre": 1.0, "metres": 1.0},
@@ -160,7 +160,7 @@ WITH_ZERO: dict[str, dict[str, tuple[float, float]]] = {
 INVERSE: dict[str, dict[str, float]] = {"m/s": {"min/m": 60.0, "min/ft": 60 / FOOT, "s/m": 1.0, "h/m": 3600.0}}
 
 _WHICH_TON = "which ton? t (tonne), tonf_us (2000 lbf) or tonf_uk (2240 lbf)"
-_GAUGE = "gauge pressures here: psi or bar above the air's"
+_GAUGE = "gauge pressures here: psi or bar above atmospheric"
 _DECIMAL = "decimal degrees, such as 23.5 deg"
 # SI unit of a key -> spelling -> why it is refused
 REFUSED: dict[str, dict[str, str]] = {

@@ -5,8 +5,8 @@ another dimension is a `UnitError`. A bare number is SI. Angles count as a dimen
 itself treats them as pure numbers), so `5 Hz` is not a rotation speed and `80 rpm` is not a damping rate.
 
 A unit is looked up in the tables of its dimension first (`unit_tables.py`): `lb` is a force for a key that takes a
-force, and a mass for one that takes a mass. Letters may be of either case where no two units differ by it. Units that
-stand in no table are read by pint, with powers without a caret (`g/cm3`, `mm2`) and a number in a denominator
+force, and a mass for one that takes a mass. Letters may be of either case unless two units differ by it. Units outside
+the tables are read by pint, with powers without a caret (`g/cm3`, `mm2`) and a number in a denominator
 (`25 lbf/100 ft^2`). Numbers may be fractions as in a tubing table: `9 5/8 in`, `12-1/4"`.
 """
 
@@ -63,13 +63,13 @@ class UnitError(ValueError):
 
 
 def wanted(unit: str) -> str:
-    """What a key of this SI unit accepts, in words: `a length, such as 9 m or 5 in`."""
+    """Values that a key of this SI unit accepts, in words: `a length, such as 9 m or 5 in`."""
     name, example = DIMENSIONS.get(unit, (f"a value in {unit}", f"1 {unit}"))
     return f"{name}, such as {example}"
 
 
 def spelled(unit: str) -> str:
-    """SI unit as people write it: `kg/m^3` is kg/m3."""
+    """SI unit in usual notation: `kg/m^3` is kg/m3."""
     return re.sub(r"\^(\d)(?![\d.])", r"\1", unit)
 
 
@@ -96,7 +96,7 @@ def to_si(value: object, unit: str) -> float:
 
 
 def in_unit_of(text: str, number: float, unit: str) -> str:
-    """The ``number`` in the SI unit ``unit`` as a text in the unit of ``text``; empty where that has no unit, or another kind."""
+    """The ``number`` in the SI unit ``unit`` as a text in the unit of ``text``; empty if that has no unit, or another kind."""
     try:
         own = _split(text.strip(), unit)[1]
         size, zero = _linear(own, unit) if own else (0.0, 0.0)
@@ -141,7 +141,7 @@ def to(value: Any, unit: str, given: str = "") -> Any:
     value: a number or an array in SI, or a variable with `attrs["units"]` such as one of a result (xarray), which comes back as
     such a variable with the attribute of its new unit
     unit: any unit that a case file may have
-    given: unit of the value, where it is not that of `attrs["units"]` and not SI
+    given: unit of the value, if it differs from `attrs["units"]` and from SI
     Raises UnitError for a unit that cannot be read, is of another kind than the value, or belongs to two kinds of quantity
     (`lb`: say lbf or lbm).
     """
@@ -180,7 +180,7 @@ def _common_scales(unit: str, source: str) -> tuple[tuple[float, float], tuple[f
 
 
 def _linear(unit: str, si: str) -> tuple[float, float]:
-    """(size, zero) of a unit in SI; UnitError where it is of another kind or is an inverse (min/ft)."""
+    """(size, zero) of a unit in SI; UnitError if it is of another kind or is an inverse (min/ft)."""
     zero, one = to_si(f"0 {unit}", si), to_si(f"1 {unit}", si)
     return one - zero, zero
 
@@ -367,7 +367,7 @@ def _unit_hint(unit_text: str) -> str:
 
 def _dimension_hint(quantity: Any, angle: int, unit: str, unit_text: str) -> str:
     if unit == "rad/s" and angle == 0 and quantity.check("1/[time]"):
-        return "say what turns: rpm or rad/s, not Hz or 1/s"
+        return "for a rotation use rpm or rad/s, not Hz or 1/s"
     for other, (name, _) in DIMENSIONS.items():
         if other and other != unit:
             target, target_angle = _parse(other)

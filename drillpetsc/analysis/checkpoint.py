@@ -2,7 +2,7 @@
 
 A restarted run continues as an uninterrupted one (manual: sec-time-restart).  The file is HDF5 behind a first
 block of 512 bytes (a user block, which HDF5's readers skip).  The block contains the kind, the version and
-the SHA-256 of all that follows, so that incomplete and damaged files are refused before any value is used.
+the SHA-256 of all that follows, which detects incomplete and damaged files before any value is used.
 Arrays are in depth order, so that another number of ranks can read them.  Only the entries of the
 factorisation are stored by rank (solvers/newton.py).
 """
@@ -75,7 +75,7 @@ def take(
 ) -> Checkpoint | None:
     """Collect the state on rank 0, None elsewhere, without changing it; collective.
 
-    Matrix entries of a run on one rank are those of the assembly, which the next step may overwrite: see ``lasting``.
+    Matrix entries of a run on one rank are the assembly's array, which the next step may overwrite: see ``lasting``.
 
     It is called after all other work of a step (``TimeIntegrator.on_step_end``).
 
@@ -131,7 +131,7 @@ def _gathered(system: DiscreteSystem, state: dict[str, FloatArray]) -> dict[str,
 
 
 def lasting(c: Checkpoint) -> Checkpoint:
-    """The checkpoint with copies of what the next step may overwrite."""
+    """The checkpoint with copies of the arrays that the next step may overwrite."""
     return replace(c, stepper={name: np.array(values) for name, values in c.stepper.items()})
 
 
@@ -181,7 +181,7 @@ def write(path: Path, c: Checkpoint) -> None:
 def read(path: str | Path) -> Checkpoint:
     """Read the checkpoint at ``path``.
 
-    Raises CaseError where it is missing, incomplete, damaged or of another kind or version.
+    Raises CaseError if it is missing, incomplete, damaged or of another kind or version.
     """
     import h5py
 
@@ -245,7 +245,7 @@ def _inspect(path: str | Path, data: bytes) -> None:
             file=path,
             got="checkpoint version 1",
             want=f"version {VERSION}",
-            hint="it was written by an older drillpetsc: finish the run with that, or start it again",
+            hint="it was written by an older version of drillpetsc: finish the run with that version, or start it again",
         )
     if not data.startswith(MAGIC):
         raise CaseError(
@@ -259,7 +259,7 @@ def _inspect(path: str | Path, data: bytes) -> None:
             file=path,
             got=f"checkpoint version {int(words[0])}",
             want=f"version {VERSION}",
-            hint="it was written by another drillpetsc: continue the run with that, or start it again",
+            hint="it was written by another version of drillpetsc: continue the run with that version, or start it again",
         )
     if hashlib.sha256(data[BLOCK:]).hexdigest().encode() != words[2]:
         raise CaseError(
@@ -275,7 +275,7 @@ def restore(model: DrillingModel, c: Checkpoint, at: str = "--restart") -> None:
     """Load the state of checkpoint ``c`` into the model.
 
     at: key for the error message.
-    Raises CaseError where the checkpoint is of another string.
+    Raises CaseError if the checkpoint is of another string.
     """
     system = model.system
     for f in system.layout.fields:

@@ -44,7 +44,7 @@ def control_lines(laws: tuple[Law, ...], motor: Motor, impedance: float, units: 
         tuned = ""
         if law.frequency:
             r = abs(reflection(law, motor, impedance, np.array([law.frequency]))[0])
-            tuned = f", tuned to {law.frequency:.5g} Hz, where it reflects {r:.3g} of a wave"
+            tuned = f", tuned to {law.frequency:.5g} Hz, at which it reflects {r:.3g} of a wave"
         late = f", delay {law.delay:g} s" if law.delay else ""
         lines.append(
             f"  {law.kind}{start}: p {shown(law.p, 'turning_damping', units, 6)} ({law.p / impedance:.4g} impedances), i {shown(law.i, 'turning_stiffness', units, 6)}"
@@ -54,7 +54,7 @@ def control_lines(laws: tuple[Law, ...], motor: Motor, impedance: float, units: 
 
 
 def control_warnings(case: Case, laws: tuple[Law, ...], impedance: float) -> list[str]:
-    """Sentences on controllers that may not do what their user expects."""
+    """Sentences on controllers that may behave unexpectedly."""
     out = []
     for number, q in enumerate(case.top.control):
         at = "top.control" + (f"[{number}]" if len(laws) > 1 else "")
@@ -69,8 +69,8 @@ def control_warnings(case: Case, laws: tuple[Law, ...], impedance: float) -> lis
         at = "top.control" + (f"[{number}]" if len(case.top.control) > 1 else "")
         if law.frequency and q.sample * law.frequency > COARSE_SAMPLE:
             out.append(
-                f"{at}.sample: {1e3 * q.sample:g} ms is coarser than a tenth of the tuned period, {1 / law.frequency:.3g} s: the law "
-                "is late by half a sample, and reflects more than its tuning says"
+                f"{at}.sample: {1e3 * q.sample:g} ms is coarser than a tenth of the tuned period, {1 / law.frequency:.3g} s: the "
+                "half-sample delay makes it reflect more than its tuning states"
             )
     return out
 
@@ -83,7 +83,7 @@ def start_warnings(torque: float, motor: Motor, units: System) -> list[str]:
     key = "max_torque" if torque > 0 else "min_torque"
     return [
         f"top.motor: {key} {shown(limit, 'torque', units)} is below the torque of the start, {shown(abs(torque), 'torque', units)}: "
-        "the string stands still"
+        "the string does not turn"
     ]
 
 

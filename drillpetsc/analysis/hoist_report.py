@@ -60,7 +60,7 @@ def hoist_lines(model: DrillingModel) -> list[str]:
 
 
 def hoist_warnings(case: Case) -> list[str]:
-    """Sentences on a hoist that may not do what its user expects, before the run."""
+    """Sentences, before the run, on a hoist that may behave unexpectedly."""
     hoist = case.top.hoist
     if hoist is None:
         return []
@@ -83,14 +83,14 @@ def hoist_warnings(case: Case) -> list[str]:
         and not case.initial.wob
     ):
         out.append(
-            f"top.autodriller: a bit that begins without weight may land at up to {shown(drill.most, 'rop', units)}, the largest speed of the "
-            "drum; give max_speed, or the mode rop as well"
+            f"top.autodriller: a bit that starts without weight may reach the bottom at up to {shown(drill.most, 'rop', units)}, the maximum speed of the "
+            "drum; give max_speed, or also the mode rop"
         )
     if drill is not None and drill.start == 0 and case.initial.from_ in ("rest", "straight"):
         if any(q.kind == "wob" for q in drill.loops) and not drill.at_bit and any(case.gravity):
             out.append(
-                f"top.autodriller: from 0 s with initial.from {case.initial.from_}: the hook load is tared on a string that "
-                "does not yet hang on the hook; let it begin later, or start from statics"
+                f"top.autodriller: from 0 s with initial.from {case.initial.from_}: the hook load is tared before the string "
+                "hangs on the hook; start the autodriller later, or start from statics"
             )
     return out
 
@@ -100,5 +100,5 @@ def slack_warnings(hoist: Hoist) -> list[str]:
     if not isinstance(hoist, HoistLine) or hoist.slack is None:
         return []
     return [
-        f"top.hoist: the lines would go slack from t = {hoist.slack:.4g} s on; the model lets them push the block"
+        f"top.hoist: the lines would be slack from t = {hoist.slack:.4g} s on; in the model they push the block"
     ]

@@ -36,11 +36,12 @@ def find_equilibrium(
     time 0.
     lateral_friction: the lateral friction force pushes a turning pipe up the wall; without it only its torque
     acts, as in torque-and-drag models.
-    path: the question that is answered by following the string's history, see ``director_equilibrium``.
-    Raises SolveError where no equilibrium is found.
+    path: the motion whose history the string follows, see ``director_equilibrium``.
+    Raises SolveError if no equilibrium is found.
     """
     if model.beam is not None and model.beam.needs_ancf_equilibrium:
         return quaternion_equilibrium(model, motion, lateral_friction)
+    # the weight on bit sets the static state, although the force of the top acts from time 0 on
     if model.case.top.force is not None and model.case.initial.wob is not None:
         return _equilibrium_at_weight(model, motion, lateral_friction, path)
     if model.motor is not None:
@@ -49,8 +50,10 @@ def find_equilibrium(
         return director_equilibrium(model, motion, lateral_friction, path)
     except SolveError as error:
         if nothing_holds(model):
-            error.what = f"nothing holds the string along the hole: it falls, or friction alone holds it ({error.what})"
-            error.hint = "initial: {from: rest} with time: {..} lets it fall; a top of another kind, or a bottom, holds it"
+            error.what = (
+                f"the string is not held along the hole: it falls, or only friction holds it ({error.what})"
+            )
+            error.hint = "initial: {from: rest} with time: {..} lets it fall; another kind of top, or a bottom, holds it"
         raise
 
 
@@ -60,9 +63,9 @@ def _equilibrium_at_weight(
     lateral_friction: bool,
     path: PathKind | None,
 ) -> StaticState:
-    """Hold the top of a model with a top force where the bit carries ``initial.wob``; the force acts from time 0 on.
+    """Hold the top of a model with a top force at the depth where the bit carries ``initial.wob``; the force acts from time 0 on.
 
-    Parameters and errors are those of ``find_equilibrium``.  Collective.
+    Parameters and errors are the same as in ``find_equilibrium``.  Collective.
     """
     held = build_model(held_at_weight(model.case), model.system.comm)
     state = director_equilibrium(held, motion, lateral_friction, path)
@@ -95,11 +98,11 @@ def _equilibrium_at_weight(
 def initial_state(
     model: DrillingModel, case: Case, saved: checkpoint.Checkpoint | None, quasi: QuasiStatic | None
 ) -> StaticState | None:
-    """Set the model to its state at the start; returns the static state where one was computed; collective.
+    """Set the model to its state at the start; returns the static state if one was computed; collective.
 
     saved: checkpoint of a run to continue, None for a new run.
     quasi: quasi-static motion of the model, None with inertia.
-    Raises CaseError where a checkpoint does not fit, SolveError where no equilibrium is found.
+    Raises CaseError if a checkpoint does not fit, SolveError if no equilibrium is found.
     """
     if saved is not None:
         checkpoint.restore(model, saved)
@@ -119,6 +122,7 @@ def initial_state(
         other = checkpoint.read(Path(case.initial.from_) / "checkpoint.h5")
         checkpoint.restore(model, other, at="initial.from")
         checkpoint.restart_clock(model, other)
+        # the case may have parts with a state that the other run does not have
         begin_new_states(model, 0.0)
         if quasi is None:
             release(model)
@@ -131,6 +135,7 @@ def initial_state(
     if quasi is not None:
         quasi.start(lateral_fraction=state.lateral_fraction if state is not None else 1.0)
         return state
+    # friction now follows the motion, no longer the sliding imposed by statics
     release(model)
     move_rigidly(model)
     for component in model.components:
@@ -141,7 +146,7 @@ def initial_state(
 
 
 def begin_new_states(model: DrillingModel, t: float) -> bool:
-    """Let states begin that a restored state at ``t`` [s] does not have; returns whether there were any; collective."""
+    """Begin the states that a restored state at ``t`` [s] lacks; returns whether there were any; collective."""
     system = model.system
     changed = [component.begin_new_states(t, system.assembly) for component in system.components]
     return bool(total(system.comm.tompi4py(), float(any(changed))))

@@ -1,8 +1,7 @@
 """A model about its steady state as x' = A x + B u, y = C x + D u (manual: sec-linear).
 
-Matrices of the string come from ``solvers.linearization``.  What inputs do to the equations, and what outputs read from the
-state, are central differences of the residual and of the outputs themselves, so every input of a session and every column
-of history.csv can be used.
+Matrices of the string come from ``solvers.linearization``.  Effects of inputs on the equations, and of the state on outputs,
+are central differences of the residual and of the outputs. So every input of a session and every column of history.csv can be used.
 """
 
 from __future__ import annotations
@@ -138,7 +137,7 @@ class _Differences(StateDifferences):
         return self.whole(r1 - r0) / (2 * h), self.whole(p1 - p0) / (2 * h), y / (2 * h)
 
     def _prescribed(self) -> FloatArray:
-        """Displacement of the owned unknowns that the prescribed values ask for."""
+        """Displacement of the owned unknowns that the prescribed values require."""
         local = np.zeros(self.layout.size)
         for f in self.asm.row_replacements:
             if f.owned:
@@ -155,7 +154,7 @@ def linear_model(
     model: built with the ``inputs``, in the state of ``modal.prepare_state``.
     outputs: names of columns of history.csv.
 
-    Raises LookupError for an unknown output, CaseError for too many states and SolveError where there is no state space.
+    Raises LookupError for an unknown output, CaseError for too many states and SolveError if there is no state space.
     """
     sizes = np.array([USUAL[name] for name in inputs])
     d = _Differences(model, list(inputs.values()), sizes, outputs)
@@ -228,7 +227,7 @@ def _free(q: Linearised):
 
 
 def _parents(q: Linearised) -> np.ndarray:
-    """Unknown that each free motion stands for."""
+    """Unknown that represents each free motion."""
     return np.asarray(abs(q.T).argmax(axis=0)).ravel()
 
 

@@ -51,7 +51,7 @@ NPZ, MAT = "linear.npz", "linear.mat"
 class LinearResult:
     """Result of ``linearise``, the same on all ranks.
 
-    system: the whole model; reduced: the model with fewer states, None where it was not asked for.
+    system: the whole model; reduced: the model with fewer states, None if it was not requested.
     inputs, outputs: names.
     folder, summary, lines: run folder, summary.json and the lines to show.
     """
@@ -67,7 +67,7 @@ class LinearResult:
     def to_control(self, reduced: bool = False) -> Any:
         """The model as ``control.StateSpace`` of python-control, which has to be installed.
 
-        Raises ImportError without it, and ValueError where an output follows the rate of an input.
+        Raises ImportError without it, and ValueError if an output follows the rate of an input.
         """
         try:
             import control  # type: ignore
@@ -75,7 +75,9 @@ class LinearResult:
             raise ImportError("to_control needs python-control: pip install control") from None
         q = self.reduced.system if reduced and self.reduced is not None else self.system
         if q.F.any():
-            raise ValueError("an output follows the rate of an input (F): python-control has no such model")
+            raise ValueError(
+                "an output depends on the rate of an input (F), which python-control does not support"
+            )
         return control.ss(q.A, q.B, q.C, q.D, inputs=list(self.inputs), outputs=list(self.outputs))
 
 
@@ -91,7 +93,7 @@ def run_linearise(
     inputs: names as of ``Session.inputs``; outputs: columns of history.csv.
     method: ``balanced`` or ``modal`` reduction to ``order`` states; None: none.
 
-    Raises CaseError for wrong arguments, SolveError where no equilibrium is found or no state space exists.
+    Raises CaseError for wrong arguments, SolveError if no equilibrium is found or no state space exists.
     """
     case, comm = job.case, job.comm
     refuse_quaternion(case, "linearise")
@@ -156,40 +158,36 @@ def _about(model: DrillingModel) -> str:
 
 
 def _notes(model: DrillingModel, live: LiveOutputs) -> list[str]:
-    """What the linear model holds: contacts, friction and the bit as they are; and what is left out of balance."""
+    """Notes on the linear model: contacts, friction and bit as linearised, and the remaining imbalance."""
     notes = []
     for key, value in inputs_of(model.case).items():
         if value.breaks():
-            notes.append(
-                f"{key} varies over time: the state is that of its value at time 0, {value.value(0.0):g}"
-            )
+            notes.append(f"{key} varies over time: the state uses its value at time 0, {value.value(0.0):g}")
     if any(getattr(q, "kind", "") == "python" for q in getattr(model.case.top, "control", ())):
-        notes.append("the controller in Python is left out: its torque stays what it is")
+        notes.append("the controller in Python is left out: its torque stays constant")
     mpi = model.system.comm.tompi4py()
     left = unbalanced_force(model)
     if left > REPORTED_IMBALANCE:
         notes.append(
-            f"unbalanced forces up to {shown(left, 'force', model.case.output.units or 'metric', 3)} are left: the state is not exactly steady"
+            f"unbalanced forces up to {shown(left, 'force', model.case.output.units or 'metric', 3)} remain: the state is not exactly steady"
         )
     if model.contact is not None:
         cells, items = model.contact.element_results(model.system.assembly)
         closed = mpi.allreduce(int((cells[:, 0] > 0).sum() + (items[:, 0] > 0).sum()))
         moves = prescribed_motion(model) != (0.0, 0.0)
         friction = (
-            "friction has its slope at the present sliding speed" if moves else "without friction at rest"
+            "friction is linearised at the present sliding speed" if moves else "without friction at rest"
         )
-        what = f"{closed} contacts with the wall are closed and stay springs, open ones stay open"
-        notes.append(
-            f"{what}; {friction}" if closed else "no contact with the wall is closed, and none will close"
-        )
+        what = f"{closed} contacts with the wall are closed and act as springs; open contacts stay open"
+        notes.append(f"{what}; {friction}" if closed else "all contacts with the wall are open and stay open")
     columns = [q.name for q in live.described()]
     if model.bit is not None and "wob" in columns:
         live.changed()
         on_bottom = live.read(live.find(["wob"]), 0.0)[0] > 0
         notes.append(
-            "the bit stays on the bottom, its law has its slope at the present speed"
+            "the bit stays on the bottom, and its law is linearised at the present speed"
             if on_bottom
-            else "the bit is off the bottom and stays there: neither rock nor bit law acts"
+            else "the bit is off the bottom and stays there, without rock or bit law"
         )
     if prescribed_motion(model)[1] and model.case.string and model.contact is not None:
         notes.append("a bent or eccentric string that rotates is linearised at one angle of rotation")
@@ -218,7 +216,7 @@ def _reduced(
         else:
             growing.append({"kind": kind, "growth": root.real, "frequency": root.imag / (2 * np.pi)})
     if rigid:
-        notes.append(f"rigid motions, which nothing holds: {', '.join(sorted(set(rigid)))}")
+        notes.append(f"unrestrained rigid-body motions: {', '.join(sorted(set(rigid)))}")
     rising = [
         g for g in growing if g["growth"] > 1e-6 * abs(complex(g["growth"], 2 * np.pi * g["frequency"]))
     ]
@@ -229,7 +227,7 @@ def _reduced(
             f"{worst['frequency']:.4g} Hz) by {worst['growth']:.4g} 1/s"
         )
     if len(growing) > len(rising):
-        notes.append(f"motions that neither decay nor grow, without damping: {len(growing) - len(rising)}")
+        notes.append(f"undamped motions of constant amplitude: {len(growing) - len(rising)}")
     for i in linear.constant:
         notes.append(f"{outputs[i]} does not depend on the inputs: its rows of C and D are zero")
     frequency = _frequencies(s, zero)
@@ -240,7 +238,7 @@ def _reduced(
     )
     follows = [(outputs[i], inputs[j]) for i, j in zip(*np.nonzero(system.F), strict=True)]
     for y, u in follows:
-        notes.append(f"{y} follows the rate of {u}, too: y = C x + D u + F u'")
+        notes.append(f"{y} also follows the rate of {u}: y = C x + D u + F u'")
     found: dict[str, Any] = {
         "states": system.order,
         "rigid": rigid,
@@ -254,9 +252,7 @@ def _reduced(
         sizes = np.array([USUAL[key] for key in inputs])
         result = reduce(system, method, order, zero, sizes)
         if system.order <= order:
-            notes.append(
-                f"--order {order}: the whole model has {system.order} states, and nothing is left out"
-            )
+            notes.append(f"--order {order}: the whole model has {system.order} states, and all are kept")
         data["reduced"] = result.system.response(frequency)
         found["reduction"] = {
             "method": method,

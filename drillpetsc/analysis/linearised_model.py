@@ -16,7 +16,7 @@ from drillpetsc.model.drilling_model import DrillingModel
 from drillpetsc.physics.hoist import Hoist
 from drillpetsc.solvers.linearization import Linearised, linearise
 
-MEASURED_AT = 3  # nodes from each end of the string between which nothing is measured
+MEASURED_AT = 3  # nodes at each end of the string on whose unknowns a measurement may depend
 MEASURED_STEP = {"wob": 1e2, "torque": 1e1, "differential_pressure": 1e3}  # [N], [N m], [Pa]
 
 
@@ -38,9 +38,9 @@ def settle(model: DrillingModel) -> list[str]:
 def linearise_model(model: DrillingModel) -> Linearised | None:
     """Linearise the model at its present state; the result is on rank 0, None elsewhere; collective.
 
-    A bit that stands on the bottom displaces no mud there, but the mud's pressure acts on its whole face: the rock
-    would give the difference as work, and make modes grow that lose none.  A small motion presses on the rock what it
-    presses on the bit, so that only the face over which mud is displaced remains.
+    A bit on the bottom does not displace mud there, but the mud's pressure acts on its whole face. The rock would
+    supply the difference as work and make undamped modes grow.  In a small motion, the forces on rock and
+    bit are equal, so only the face that displaces mud remains.
     """
     linearised = linearise(model.system)
     fed = _fed_back(model, linearised)
@@ -67,7 +67,7 @@ def linearise_model(model: DrillingModel) -> Linearised | None:
 
 
 def _fed_back(model: DrillingModel, q: Linearised | None) -> list[sparse.csr_matrix] | None:
-    """What a measurement of the autodriller adds to K, C and M, on rank 0; None without one.  Collective.
+    """Contribution of a measurement of the autodriller to K, C and M, on rank 0; None without one.  Collective.
 
     In a run the measurement follows each step.  Here it is a function of the state, whose derivatives are differences.
     """
@@ -101,7 +101,7 @@ def _fed_back(model: DrillingModel, q: Linearised | None) -> list[sparse.csr_mat
 
 
 def _closed_face(model: DrillingModel) -> FloatArray:
-    """Area of the bit's face under which no mud is displaced, times the hole's direction (3,) [m2], on all ranks."""
+    """Area of the bit's face that does not displace mud, times the hole's direction (3,) [m2], on all ranks."""
     bit = None if model.fluid is None else model.fluid.bit
     if bit is None:
         return np.zeros(3)

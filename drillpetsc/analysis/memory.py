@@ -18,14 +18,14 @@ def peak() -> int:
 
 
 def give_back() -> None:
-    """Return memory that is no longer used to the operating system, where the C library can: after a phase with large work arrays."""
+    """Return unused memory to the operating system after a phase with large work arrays, if the C library can."""
     trim = getattr(ctypes.CDLL(None), "malloc_trim", None)
     if trim is not None:
         trim(0)
 
 
 class Memory:
-    """Peak memory of all ranks: at the start of the motion, after a tenth of its time, at its last step, in all.
+    """Peak memory of all ranks: at the start of the motion, after a tenth of its time, at its last step, overall.
 
     What writes the last checkpoint and the summary comes after the last step.
 
@@ -43,7 +43,7 @@ class Memory:
             self.after_warm_up = self.at_end = peak()
 
     def end(self) -> None:
-        """Measure after the last step; the peak never falls, so no step before needs it."""
+        """Measure after the last step; the peak never falls, so earlier steps need no measurement."""
         self.at_end = peak()
 
     def as_dict(self, all_ranks: bool) -> dict[str, int]:

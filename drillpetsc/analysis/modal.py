@@ -6,7 +6,7 @@
 
 The model is linearised at its present state (manual: sec-eigen-state).  Closed contacts are springs, open
 ones are absent.  Friction has the slope of its law at the present sliding speed.  About rest there is no
-friction: the regularised law would be a stiff damper at closed contacts, neither sticking nor sliding.  About
+friction: the regularised law would act as a stiff damper at closed contacts, without sticking or sliding.  About
 a rotating state the directions of the pipe's section are frozen.  This is exact
 for a round string (gyroscopic terms, damping that turns with the pipe), and an instantaneous picture of a
 bent or eccentric one.
@@ -63,7 +63,7 @@ from drillpetsc.unit_systems import System, shown
 STATES = ("steady", "rest")
 FREE_SPIN = 1e3  # spin over way above which a vector of a root zero turns freely [rad/m]
 ZERO_FRACTION = 1e-3  # eigenvalues below this fraction of the reference rate are zero: unconstrained motions
-PAYING = 1e-3  # share of the pay-out in the shape of a free drum, over that in any other mode about zero
+PAYING = 1e-3  # share of the pay-out in the shape of a free drum, over the share in any other mode about zero
 #: weights of the fluid's rows [per m3/s] and [per Pa] (kernels/fluid/flow.hpp)
 ROW_WEIGHT = {"pressure": 1e6, "flow": 1e-2}
 REPORTED_IMBALANCE = 1.0  # unbalanced force above which a note is shown [N]
@@ -88,7 +88,7 @@ def prepare_state(model: DrillingModel, about: str = "steady") -> StaticState:
     motion that the top prescribes at time 0, and in that motion.  Rest is in equilibrium without friction, at
     rest.
 
-    Raises SolveError where no equilibrium is found.
+    Raises SolveError if no equilibrium is found.
     """
     if about == "steady" and (prescribed_motion(model) != (0.0, 0.0) or model.parts(MudMotor)):
         state = find_equilibrium(model)
@@ -160,7 +160,7 @@ def modes(
     kind: only modes of this one of ``KINDS``; stability is then known for that kind only.
     engine: as in ``eigenvalues_near``.
 
-    Raises SolveError where no eigenvalue converges.
+    Raises SolveError if no eigenvalue converges.
     """
     system, reference = model.system, reference_rate(model)
     imbalance, own = unbalanced_force(model), frequency_dependent(model)
@@ -222,10 +222,10 @@ def modes(
 
 
 def _without_free_angle(model: DrillingModel, linearised: Linearised, found: Eigenvalues) -> Eigenvalues:
-    """Leave out the root zero of an angle that nothing holds: of the whole string under a controlled speed, of a motor's rotor.
+    """Leave out the zero root of an unrestrained angle: of the whole string under a controlled speed, of a motor's rotor.
 
-    With other roots zero, such as that of the metres drilled, vectors are mixtures without energy: the one with much more spin
-    than way is taken.
+    If other roots are zero, such as the root of the drilled length, vectors are mixtures without energy. The one with much more
+    spin than displacement is taken.
     """
     small = np.flatnonzero(np.abs(found.s) <= ZERO_FRACTION * reference_rate(model))
     u, names = linearised.vectors(found.subset(small)), [f.name for f in model.system.layout.fields]
@@ -292,7 +292,7 @@ def _shares(model: DrillingModel, linearised: Linearised, s: np.ndarray, u: np.n
     """Compute the fractions (m, 4) of the kinds in the energy of each mode (manual: eq-eigen-share).
 
     The string's energy is (|s|^2 u*Mu + |u*Ku|)/2 of its motion across the tangent, along it and about it.
-    That of the fluid is c |u|^2/2 summed over pressures and flows, with the storage coefficients c on the
+    The energy of the fluid is c |u|^2/2 summed over pressures and flows, with the storage coefficients c on the
     diagonal of C.
 
     s: (m,) [1/s]; u: (n, m) vectors of all unknowns.
@@ -380,7 +380,7 @@ def run_modes(
         if not without_control and any(
             getattr(q, "kind", "") == "python" for q in getattr(case.top, "control", ())
         ):
-            left_out = "the controller in Python is left out: its torque stays what it is"
+            left_out = "the controller in Python is left out: its torque stays constant"
             state = replace(state, warnings=[*state.warnings, left_out])
         summary = {
             "title": case.title,
@@ -422,11 +422,13 @@ def mode_summary(found: Modes, state: StaticState, units: System) -> dict[str, A
 def _reference_warning(found: Modes) -> list[str]:
     if not found.kept:
         return []
-    return [f"{found.kept} modes have the mud's force at the reference frequency: their own was not found"]
+    return [
+        f"{found.kept} modes use the mud's force at the reference frequency, because their own frequency was not found"
+    ]
 
 
 def _write(model: DrillingModel, folder: RunFolder, found: Modes, summary: dict[str, Any], fields) -> None:
-    """Write the files of the run folder; ``fields``: those of the state, None without a string."""
+    """Write the files of the run folder; ``fields``: values of the state, None without a string."""
     write_case(model.case, folder)
     numbers = np.arange(1, found.count + 1)
     stokes = [] if found.stokes_number is None else [found.stokes_number]
@@ -512,7 +514,7 @@ def _lines(case: Case, folder: RunFolder, found: Modes, summary: dict[str, Any])
     )
     if found.imbalance > REPORTED_IMBALANCE:
         lines.append(
-            f"  note: unbalanced forces up to {shown(found.imbalance, 'force', case.output.units or 'metric', 3)} are left: the state is not exactly steady"
+            f"  note: unbalanced forces up to {shown(found.imbalance, 'force', case.output.units or 'metric', 3)} remain: the state is not exactly steady"
         )
     lines += [f"  {line}" for line in summary["time_scales"]]
     if found.stokes_number is not None:

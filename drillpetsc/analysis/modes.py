@@ -26,8 +26,8 @@ class Modes:
     imbalance: largest unbalanced force on a node in the state [N].
     zero: eigenvalues of this size or smaller count as zero [1/s].
     lowering [m/s], rotation [rad/s]: of the state.
-    stokes_number: (m,) [-], with ``added_mass: stokes``; kept: modes then that have the mud's force at the reference
-    frequency, because their own was not found.
+    stokes_number: (m,) [-], with ``added_mass: stokes``; kept: number of modes that then use the mud's force at the
+    reference frequency, because their own frequency was not found.
     """
 
     eigenvalue: np.ndarray
@@ -52,7 +52,7 @@ class Modes:
 
     @property
     def margin(self) -> float:
-        """Largest growth [1/s]; negative where every computed mode decays."""
+        """Largest growth [1/s]; negative if all computed modes decay."""
         return float(self.growth.max(initial=-np.inf))
 
     @property

@@ -1,7 +1,8 @@
 """Modes of one kind, the damped ones included (manual: sec-eigen-search).
 
-The search by discs finds what lies near the imaginary axis. Where lateral modes lie close together its discs are small, and a mode that a
-drive damps strongly is in none. Such modes follow from the system that has only the motions of their kind, in which they are alone.
+The search by discs finds what lies near the imaginary axis. If lateral modes lie close together, its discs are small,
+and none contains a
+mode that a drive damps strongly. Such modes follow from the system that has only the motions of their kind, in which they are alone.
 """
 
 from __future__ import annotations
@@ -39,7 +40,7 @@ def lowest_of_kind(
 ) -> Eigenvalues:
     """The ``count`` lowest modes of a kind, as `lowest_eigenvalues`, and the damped ones among them.
 
-    Raises SolveError where nothing converges.
+    Raises SolveError if nothing converges.
     """
     own = _from_own_motions(model, linearised, problem, count, kind, selected)
     try:
@@ -62,7 +63,7 @@ def _from_own_motions(
     kind: str,
     selected: Selection,
 ) -> Eigenvalues | None:
-    """Oscillating modes of the whole system that begin as those of the motions of a kind; None for other kinds and without any."""
+    """Oscillating modes of the whole system, continued from the modes of the motions of a kind; None for other kinds and without any."""
     basis = _motions(model, linearised, kind)
     if basis is None:
         return None

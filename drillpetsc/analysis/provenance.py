@@ -1,4 +1,4 @@
-"""Provenance of a run: its case, versions and PETSc options, and what has changed since a checkpoint.
+"""Provenance of a run: its case, versions and PETSc options, and their changes since a checkpoint.
 
 A checkpoint contains the resolved case, so that a restart with another case is found and refused.
 """
@@ -70,7 +70,7 @@ def record(case: Case, user_options: Mapping[str, str]) -> dict[str, Any]:
 
 
 def changes(saved: Mapping[str, Any], case: Case, user_options: Mapping[str, str]) -> list[str]:
-    """What a restart would change, one line each: "top.rotation: 6 -> 12".
+    """Changes by a restart, one line each: "top.rotation: 6 -> 12".
 
     saved: provenance of the checkpoint.
     """
@@ -97,7 +97,7 @@ def changes(saved: Mapping[str, Any], case: Case, user_options: Mapping[str, str
 
 
 def version_warnings(saved: Mapping[str, Any]) -> list[str]:
-    """Warnings where libraries have changed since the checkpoint: results are then equal up to rounding only."""
+    """Warnings about libraries changed since the checkpoint: results are then equal up to rounding only."""
     now = versions()
     return [
         f"the run is continued with {name} {now[name]}; its checkpoint was written with {name} {saved['versions'][name]}"
@@ -107,7 +107,7 @@ def version_warnings(saved: Mapping[str, Any]) -> list[str]:
 
 
 def listed(found: list[str]) -> str:
-    """The changes on one line, the first of them where there are many."""
+    """The changes on one line; only the first of them if there are many."""
     more = f"; and {len(found) - MOST_LISTED} more" if len(found) > MOST_LISTED else ""
     return "; ".join(found[:MOST_LISTED]) + more
 

@@ -22,7 +22,7 @@ LONGEST_STEP = 60.0  # [s]
 def longest_step(model: DrillingModel) -> float:
     """Compute the longest step [s] of the error control.
 
-    The shape of the hole limits it where the string slides down.
+    The shape of the hole limits it if the string slides down.
     """
     case = model.case
     assert case.time is not None
@@ -40,7 +40,7 @@ class QuasiStatic:
     """Motion of a model without inertia: each step uses the motion that the top prescribes at its end.
 
     This motion gives the direction of friction and the string's velocity in the fluid.  The string turns
-    about its own axis in place, and its directors are fixed.  A bent item keeps its tool face while the top
+    about its axis in place, and its directors are fixed.  A bent item keeps its tool face while the top
     does not turn; while the top turns, the bend averages out.
 
     rates: (n+1,) imposed rates of the string.
@@ -54,18 +54,19 @@ class QuasiStatic:
         self.rates = np.zeros(layout.size + 1)
         # the mud keeps its storage: steps of seconds damp its waves, but its content accumulates
         self._mask = string[layout.field_of]
-        average_over_turn(model, self.motion(0.0)[1])  # the static start state needs this, too
+        average_over_turn(model, self.motion(0.0)[1])  # the static start state also needs this
 
     def integrator(self) -> TimeIntegrator:
         """Create the integrator of the hole's end; the string is in equilibrium at each step.
 
-        Raises CaseError where PETSc options select another integrator than the condensed BDF.
+        Raises CaseError if PETSc options select another integrator than the condensed BDF.
         """
         longest = longest_step(self.model)
         options: dict[str, Any] = {"ts_adapt_dt_max": longest}
         d = TimeIntegrator(
             self.system,
             first_step=min(FIRST_STEP, longest),
+            # the string is in equilibrium at every step, so its motion has no error of the time formula
             controlled=lambda field: field.name.startswith("hole."),
             defaults=options,
             inertia=False,
@@ -86,8 +87,10 @@ class QuasiStatic:
         """
         asm, self.lateral_fraction = self.system.assembly, lateral_fraction
         for component in self.model.components:
+            # without velocities, constraints act on positions
             component.constrain_positions(True)
         asm.set_imposed_rates(self.rates, self._mask)
+        # without inertia accelerations are zero, and rates are imposed (manual: sec-time-imposed)
         asm.y[:] = asm.a[:] = 0.0
         self.move(t)
         asm.apply_imposed_rates()
@@ -96,6 +99,7 @@ class QuasiStatic:
     def motion(self, t: float) -> tuple[float, float]:
         """Return lowering [m/s] and rotation [rad/s] of the top at ``t`` [s]."""
         top = self.model.case.top
+        # a force moves the top: its speed is not prescribed
         lowering = top.lowering if top.force is None else None
         rotation = top.rotation
         return (lowering.value(t) if lowering is not None else 0.0), (
@@ -103,7 +107,7 @@ class QuasiStatic:
         )
 
     def move(self, t: float) -> None:
-        """Set the rates of all nodes and the sliding direction of friction to those at ``t`` [s]."""
+        """Set the rates of all nodes and the sliding direction of friction to their values at ``t`` [s]."""
         lowering, rotation = self.motion(t)
         model = self.model
         assert model.beam is not None  # a held string has no quasi-static motion

@@ -18,7 +18,7 @@ ROUNDING = 1e-9  # output times closer than this fraction of the end time are on
 def saved_state(comm, folder: RunFolder, restart: bool) -> checkpoint.Checkpoint | None:
     """The checkpoint that a restart continues; None at a start, or if the folder has none yet; collective.
 
-    Raises CaseError where the checkpoint cannot be read, or is missing in the folder of a run that has reached its end.
+    Raises CaseError if the checkpoint cannot be read, or is missing in the folder of a run that has reached its end.
     """
     if not restart:
         return None

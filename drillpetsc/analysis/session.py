@@ -63,7 +63,7 @@ class Session:
     interpolate: ``held``, an input is constant from its ``set`` on; ``linear``, it goes to the new value over the next step.
     comm: PETSc communicator, all ranks by default; then every call is collective.
 
-    Raises CaseError for bad input and SolveError where no static state is found or no step can be taken.  A session is a
+    Raises CaseError for bad input and SolveError if no static state is found or no step can be taken.  A session is a
     context manager; ``close`` frees its memory.
     """
 
@@ -150,7 +150,7 @@ class Session:
     def set(self, name: str, value: float | str) -> None:
         """Set an input from now on: a number in SI, or text with a unit such as ``60 rpm``.
 
-        Raises LookupError for an unknown name and ValueError for a value that the input may not have.
+        Raises LookupError for an unknown name and ValueError for a value outside the range of the input.
         """
         self._check_open()
         live = self._live.get(name)
@@ -213,7 +213,7 @@ class Session:
         self._senses.step(t, dt, self._integrator.fresh)
 
     def _watch(self, t: float) -> None:
-        """After every inner step: end the advance where its wall time is over; the first rank decides."""
+        """After every inner step: end the advance if its wall time is over; the first rank decides."""
         self.time = t
         if self._senses is not None and self._integrator.fresh:  # in other reference frames
             self._senses.renew()
@@ -262,7 +262,7 @@ class Session:
         )
 
     def set_state(self, state: SessionState) -> None:
-        """Go back to a ``state`` of this session; the steps that follow repeat those of before to the last bit.
+        """Go back to a ``state`` of this session; the steps that follow repeat the earlier ones to the last bit.
 
         Raises TypeError for anything but the result of ``state``, CaseError for a state of another string and
         ValueError for one with other inputs.
@@ -275,7 +275,7 @@ class Session:
         if state.inputs.keys() != self._live.keys():
             raise ValueError(
                 f"set_state: the state has the inputs {', '.join(state.inputs) or 'none'}; "
-                f"those of this session are {', '.join(self._live) or 'none'}"
+                f"this session has {', '.join(self._live) or 'none'}"
             )
         c = state.checkpoint
         checkpoint.restore(self._model, c, at="set_state")

@@ -43,7 +43,7 @@ class Clocks:
 def run_summary(
     model: DrillingModel, integrator: TimeIntegrator, error: BaseException | None
 ) -> dict[str, Any]:
-    """What was computed, with what: title, status, versions, options, sizes."""
+    """Facts of the computation: title, status, versions, options, sizes."""
     system = model.system
     interrupted = isinstance(error, Interrupted | KeyboardInterrupt)
     return {
@@ -96,7 +96,7 @@ def outcome(
 ) -> dict[str, Any]:
     """Warnings, balances, the new hole and the last values of the history.
 
-    newton_work: work of the residuals that Newton left [J], None where it is not known.
+    newton_work: work of the residuals that Newton left [J], None if unknown.
     """
     result: dict[str, Any] = {"warnings": list(notes.get("warnings", ()))}
     if "accepted_changes" in notes:
@@ -177,11 +177,11 @@ def phases(integrator: TimeIntegrator) -> dict[str, float]:
 def closing_lines(
     result: dict[str, Any], folder, units: System | None = None, checked: bool = False
 ) -> list[str]:
-    """Report of a run for the screen, in a system of units.  checked: its time error is measured, too."""
+    """Report of a run for the screen, in a system of units.  checked: its time error is also measured."""
     system = units or "metric"
     if result.get("nothing_left"):
         return [
-            f"{result['title'] or 'case'}: nothing was left to do, the run has reached its end at {result['time']:.6g} s",
+            f"{result['title'] or 'case'}: the run had already reached its end at {result['time']:.6g} s",
             f"  results: {folder}",
         ]
     e = result.get("energy", {})
@@ -232,7 +232,7 @@ def _time_lines(result: dict[str, Any], checked: bool, system: System) -> list[s
     frequency, share = estimate.get("damped_above"), energy.get("damped_share", 0.0)
     if frequency is not None and share > DAMPING_MATTERS:
         lines.append(
-            f"  numerical damping removed {shown(energy['damped'], 'energy', system, 3)}, {100 * share:.2g} % of the energy exchanged: at the steps taken, "
-            f"vibrations above {frequency:.2g} Hz lose more than 1 % of their amplitude in a period"
+            f"  numerical damping removed {shown(energy['damped'], 'energy', system, 3)}, {100 * share:.2g} % of the energy exchanged: at these steps "
+            f"vibrations above {frequency:.2g} Hz lose more than 1 % of their amplitude per period"
         )
     return lines

@@ -1,8 +1,8 @@
 """The shortest times of a model, impacts and waves across one element, and the time steps that resolve them.
 
-The highest frequency of one free element bounds that of any mesh of such elements (Irons and Treharne, 1971).
-BDF up to order 2 is stable at any step, so these times do not limit a run.  They show what a step can
-resolve, and what step an explicit method would need.
+The highest frequency of one free element is an upper bound for any mesh of such elements (Irons and Treharne, 1971).
+BDF up to order 2 is stable at any step, so these times do not limit a run.  They show which motions a
+step can resolve, and the step that an explicit method would need.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ AXIAL, BENDING, TORSIONAL, MUD = 4 * (45 + sqrt(1605)) / 2, 8400.0, 6.0, 6.0
 
 @dataclass(frozen=True)
 class TimeScales:
-    """Shortest times [s], infinite where the model has no such motion.
+    """Shortest times [s], infinite if the model has no such motion.
 
     impact: duration of an impact of an element or rigid item on the wall.
     bit: half a period of the bit on the bottom.
@@ -167,12 +167,12 @@ def longest_strict_step(model: DrillingModel) -> float:
 def step_warnings(model: DrillingModel, fixed_step: float | None) -> list[str]:
     """Return warnings for a ``fixed_step`` [s] that is too long for impacts.
 
-    None stands for adaptive steps.
+    None means adaptive steps.
     """
     impact = time_scales(model).impact
     if fixed_step is None or fixed_step <= RESOLVED_FRACTION * impact:
         return []
     return [
         f"fixed steps of {format_time(fixed_step)} do not resolve impacts of {format_time(impact)}: rebounds and their energy are not reliable "
-        f"(take steps below {format_time(RESOLVED_FRACTION * impact)}, or let -ts_rtol control the step)"
+        f"(take steps below {format_time(RESOLVED_FRACTION * impact)}, or let -ts_rtol control the steps)"
     ]

@@ -137,7 +137,7 @@ def _result_of_finished_run(comm, folder: RunFolder) -> RunResult | None:
     """Result of a run that has reached its end; None if its summary is not written yet; collective."""
     found: dict[str, Any] | None = None
     if comm.rank == 0 and folder.summary.is_file():
-        with suppress(CaseError):  # one that is damaged is written anew
+        with suppress(CaseError):  # a damaged one is written again
             found = read_summary(folder.summary)
     found = comm.tompi4py().bcast(found)
     if found is None or found.get("status") != "done":
@@ -163,7 +163,7 @@ def _notes(
 
 
 def _fixed_step(integrator: TimeIntegrator, quasi: QuasiStatic | None) -> float | None:
-    """The step [s] of an integrator with fixed steps; None where steps are adapted, or without inertia."""
+    """The step [s] of an integrator with fixed steps; None if steps are adapted, or without inertia."""
     fixed = integrator.options.get("ts_adapt_type") == "none" and quasi is None
     return integrator.first_step if fixed else None
 
@@ -213,7 +213,7 @@ class TransientRun:
             self.notes["warnings"] += provenance.version_warnings(self.saved.provenance)
         if self.notes.get("accepted_changes"):
             self.notes["warnings"].append(
-                "changes accepted at a restart act at once: what they add or take stands in the energy balance as gained or "
+                "changes accepted at a restart act at once: the energy balance counts what they add or remove as gained or "
                 "lost by the time integration"
             )
         self.monitors = Monitors(self.model, top_depth(self.model))
@@ -342,7 +342,7 @@ class TransientRun:
         self.bar.update(t, self.integrator.counters.steps, dt)
 
     def _record(self, t: float, dt: float) -> None:
-        """Sample the step, and write what is due."""
+        """Sample the step, and write the rows that are due."""
         recorder, integrator, writer = self.recorder, self.integrator, self.writer
         recorder.step(t, dt, writer.next_row_time, integrator.input_time(t), integrator.fresh)
         if integrator.jumped:
@@ -435,12 +435,12 @@ class TransientRun:
         elif self.first:
             try:
                 put()
-            except OSError as failure:  # the run ends with its own message
+            except OSError as failure:  # the run ends with a separate message
                 self.bar.message(cannot_write(failure, str(folder.summary)))
         return result
 
     def _summary(self, error: BaseException | None) -> dict[str, Any]:
-        """What the run found, with all doubts about it; collective unless it ended with an error."""
+        """The results of the run, with all doubts about them; collective unless it ended with an error."""
         model = self.model
         clocks = summary.Clocks(self.began, self.moving_since)
         result = summary.run_summary(model, self.integrator, error)
@@ -476,8 +476,8 @@ class TransientRun:
         return result
 
     def _take_time_error(self, result: dict[str, Any]) -> float | None:
-        """Put what is known of the errors in time into the summary; returns the length of the steps [s] that damp short motions,
-        None where it is not known."""
+        """Write the known errors in time into the summary; returns the length of the steps [s] that damp short motions,
+        None if unknown."""
         by_outputs, entry = self.recorder.time_error, result.get("error_estimate")
         if entry is not None and by_outputs is not None:
             entry |= {"outputs": by_outputs.summary(), "damped_above": by_outputs.damped_above()}
@@ -493,7 +493,7 @@ class TransientRun:
         try:
             found = indices(self.folder.path, self.case, window, every)
         except CaseError as error:
-            warnings = [f"indices: there are none: {' '.join(str(error).split())}"]
+            warnings = [f"indices: none: {' '.join(str(error).split())}"]
         else:
             found.write(self.folder.path)
             result["vibration"], warnings = found.summary, found.warnings

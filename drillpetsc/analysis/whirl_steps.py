@@ -1,8 +1,8 @@
-"""Steps that keep the energy of what may whirl, and what a run says where they do not (manual: sec-time-whirl-steps).
+"""Steps that keep the energy of parts that may whirl, and the warning of a run if they do not (manual: sec-time-whirl-steps).
 
 A part of the string of radius R that turns at the rate w and rolls on the wall with the radial clearance c goes round the hole
-backward at the rate w R/c (Jansen, 1991), the fastest motion that friction feeds.  The formula of a time integrator takes
-energy from it in each period; where that is more than ``LOST``, it may be the formula that decides whether the part whirls.
+backward at the rate w R/c (Jansen, 1991). It is the fastest motion that friction feeds.  The formula of a time integrator takes
+energy from it in each period. If this is more than ``LOST``, the formula may decide whether the part whirls.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from drillpetsc.output.rigid_items import RigidItems
 from drillpetsc.unit_systems import shown
 
 SLOWEST = 0.1  # rotation [rad/s] below which nothing whirls
-#: clearance over radius below which an item fills its hole: the bit is no item that rolls on the wall
+#: clearance over radius below which an item fills its hole: the bit does not roll on the wall
 SMALLEST_CLEARANCE = 2e-3
 LOST = 1e-3  # energy that a formula may take from a whirl in a period, over its energy [-]
 LARGEST_PRODUCT = (
@@ -37,6 +37,7 @@ def product_of_alpha(radius: float) -> float:
     The energy lost in a period is 2 pi ((1 - radius)/(1 + radius))^3 product^3 (manual: eq-time-energy-lost).
     """
     damping = (1 - radius) / (1 + radius)
+    # at radius 0.8 the energy alone would allow 0.49; the frequency sets the limit (manual: sec-time-whirl-steps)
     return LARGEST_PRODUCT if damping == 0 else min(LARGEST_PRODUCT, (LOST / (2 * pi)) ** (1 / 3) / damping)
 
 
@@ -102,7 +103,7 @@ class WhirlSteps:
         assert model.well is not None
         chain, out = model.system.chain, []
         local = {int(v): i for i, v in enumerate(chain.vertices) if chain.owned[i]}
-        # where the string lies before it moves, in the hole of the case: a run that is restarted finds the same parts
+        # the initial place of the string in the hole of the case: a restarted run finds the same parts
         place = mesh.node_depth + top_depth(model)
         for k in RigidItems(model).items:
             body = mesh.bodies[k]
@@ -112,6 +113,7 @@ class WhirlSteps:
                 node = local.get(body.node, -1)
                 rolling = _rolling(body.radius / clearance, self._fastest(body))
                 out.append(_Part(body.name, np.zeros(0, int), int(k), node, rolling, md, clearance))
+            # a bit in gauge does not roll, but its side may drive it round the hole (manual: eq-bit-whirl)
             elif body.kind == "bit" and not body.guided:
                 out.append(
                     _Part(
@@ -129,6 +131,7 @@ class WhirlSteps:
         clearance = np.asarray(model.well.radius(middle)) - radius
         rolls = (radius > 0) & ~mesh.is_joint & (clearance > SMALLEST_CLEARANCE * radius)
         ratio = np.where(rolls, radius / np.maximum(clearance, 1e-9), 0.0)
+        # one part for each item and clearance, however many elements it has
         for key in np.unique(np.column_stack([mesh.item, np.round(ratio, 6)])[rolls], axis=0):
             chosen = np.flatnonzero(rolls & (mesh.item == key[0]) & (np.round(ratio, 6) == key[1]))
             cells = np.flatnonzero(np.isin(chain.cells, chosen))
@@ -170,6 +173,7 @@ class WhirlSteps:
         if not parts or contact is None:
             return out
         cells, _ = contact.element_results(asm)
+        # a part off the wall cannot roll, so it does not limit the step (manual: sec-time-choice)
         touching, bodies = cells[:, 0] > 0.0, contact.item_results(asm)[:, 0] > 0.0
         spin, ends = np.abs(asm.y[asm.dofs_of("string.spin")][:, 0]), self.model.system.chain.ends
         for k, part in enumerate(parts):
@@ -184,6 +188,7 @@ class WhirlSteps:
         if comm.size > 1:
             from mpi4py import MPI
 
+            # a part may have elements on several ranks, and all ranks take the same step
             found = np.empty_like(out)
             comm.tompi4py().Allreduce(out, found, op=MPI.MAX)
             out = found
@@ -201,7 +206,7 @@ class WhirlSteps:
         return step
 
     def summary(self, steps: int) -> dict[str, object] | None:
-        """Part that limits most of the ``steps`` of a run, for summary.json; None where none does."""
+        """Part that limits most of the ``steps`` of a run, for summary.json; None if none does."""
         if not self._limited.any():
             return None
         k = int(self._limited.argmax())
@@ -214,7 +219,7 @@ class WhirlSteps:
         }
 
     def warnings(self, step: float, turned: float) -> list[str]:
-        """Sentence on the part whose whirl is the fastest, where steps that this object has not limited take more of its energy.
+        """Sentence on the part whose whirl is the fastest, if steps that this object has not limited take more of its energy.
 
         step: median step of the run [s]; turned: largest rotation of the string [rad/s].  Collective.
         """
@@ -229,8 +234,8 @@ class WhirlSteps:
         rate, part = max(lost, key=lambda pair: pair[0])
         units = self.model.case.shown_units
         return [
-            f"torque, weight on bit and side forces are not determined by the steps of this run: {part.name} at MD "
+            f"torque, weight on bit and side forces are unreliable with the steps of this run: {part.name} at MD "
             f"{shown(part.depth, 'length', units, 5)} would roll along the wall at {rate / (2 * pi):.2g} Hz ({60 * turned / (2 * pi):.3g} "
-            f"rpm, radial clearance {shown(part.clearance, 'diameter', units, 3)}), and these steps take more than {100 * LOST:g} % of the "
-            f"energy of that whirl in a period; time.integrator: auto, or -ts_adapt_dt_max {self.product / rate:.2g}, keeps it"
+            f"rpm, radial clearance {shown(part.clearance, 'diameter', units, 3)}). These steps remove more than {100 * LOST:g} % of the energy "
+            f"of that whirl in each period; time.integrator: auto, or -ts_adapt_dt_max {self.product / rate:.2g}, keeps it"
         ]

@@ -1,4 +1,4 @@
-"""The case file: a typed, frozen description of what is simulated, from YAML or from Python.
+"""The case file: a typed, frozen description of the simulation, from YAML or from Python.
 
 Plain data: nothing here imports PETSc, the kernels or a solver.
 """

@@ -1,4 +1,4 @@
-"""`Case`: a complete, valid description of what is simulated."""
+"""`Case`: a complete, valid description of the simulation."""
 
 from __future__ import annotations
 
@@ -87,7 +87,7 @@ class Case(CaseBlocks):
         return self
 
     def _units_to_output(self) -> None:
-        """Leave the units of the case to what is printed and plotted: all numbers are in SI now."""
+        """Keep the units of the case only for printed and plotted figures: all numbers are now in SI."""
         if self.force_unit is not None and self.units != "metric":
             raise refuse("force_unit", got=self.force_unit, want="no force_unit unless 'units: metric'")
         given: System = "metric_t" if self.force_unit == "t" else self.units
@@ -106,7 +106,7 @@ class Case(CaseBlocks):
         values: key path -> value, as in a sweep: `{"fluid.density": "11.2 ppg", "string[1].length": 90.0, "fluid": "off"}`. A text
         is read as in the case file, and a bare number has the unit that it has there. `on` and `off` keep or remove a block.
         Figures that follow from the values, such as the weight of a pipe from its diameter, are computed again.
-        Raises CaseError for a path that the case cannot have, and for a value that it may not have.
+        Raises CaseError for a path that the case cannot have, and for an invalid value.
         """
         if not isinstance(values, Mapping):
             raise CaseError(at="replace", got=values, want='a mapping such as {"fluid.density": "11.2 ppg"}')
@@ -138,7 +138,7 @@ class Case(CaseBlocks):
 
 
 def _copied(value: Any) -> Any:
-    """Mappings and lists copied, so that a later change of them does not reach the case."""
+    """Copy mappings and lists, so that later changes to them do not affect the case."""
     if isinstance(value, Mapping):
         return {key: _copied(part) for key, part in value.items()}
     return [_copied(part) for part in value] if isinstance(value, (list, tuple)) else value

@@ -47,6 +47,6 @@ FITTED = ("cased", "open_hole", "block_weight", "weight_factor")
 
 
 def fit_option(text: str, case: Case) -> tuple[str, ...]:
-    """The parameters that `calibrate` fits; CaseError for a word that is neither a parameter nor a group of the case."""
+    """The parameters that `calibrate` fits; CaseError for a word that is not a parameter or a group of the case."""
     groups = () if case.well is None else tuple(section.group for section in case.well.sections)
     return read_words(text, tuple(dict.fromkeys([*FITTED, *groups])), "--fit")

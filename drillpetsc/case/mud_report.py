@@ -203,7 +203,7 @@ def least_squares(model: str, dial: Mapping[str, float]) -> tuple[float, ...]:
         raise refuse(
             "dial",
             got=readings,
-            want=f"readings that rise with the speed as those of a {model} fluid",
+            want=f"readings that rise with the speed like a {model} fluid",
             hint=_steep(dial),
         )
     return {

@@ -1,4 +1,4 @@
-"""Warnings about values that look like another unit: valid, but hardly meant."""
+"""Warnings about valid but unlikely values, which suggest another unit."""
 
 from __future__ import annotations
 
@@ -71,7 +71,7 @@ def _hole(case: CaseBlocks) -> list[str]:
         if section.diameter > WIDEST_HOLE:
             inches = f"; {section.diameter:g} in?" if units == "SI" and section.diameter < 50 else ""
             value = said(section.diameter, "diameter", units)
-            out.append(_doubt(f"well.sections[{i}].diameter", value, f"no hole is that wide{inches}"))
+            out.append(_doubt(f"well.sections[{i}].diameter", value, f"holes are not that wide{inches}"))
         if section.friction > ROUGHEST:
             out.append(
                 _doubt(f"well.sections[{i}].friction", f"{section.friction:g}", _rough(section.friction))
@@ -101,7 +101,7 @@ def _string_friction(case: CaseBlocks) -> list[str]:
 
 
 def _preloads(case: CaseBlocks) -> list[str]:
-    """What a preload without an opposite load does to a shock sub."""
+    """Effect of a preload without an opposite load on a shock sub."""
     out, units = [], case.output.units or "metric"
     for i, tool, _ in case.tools:
         held = tool.held_by if isinstance(tool, ShockSub) else None
@@ -129,7 +129,7 @@ def _fluid(case: CaseBlocks) -> list[str]:
         why = "more than rig pumps deliver"
         out.append(_doubt("fluid.flow_rate", shown(flow, "flow", case.shown_units), why))
     if pressure > LARGEST_PUMP_PRESSURE or 0 < pressure < SMALLEST_PUMP_PRESSURE:
-        why = "no usual pump pressure; bar or psi?"
+        why = "not a usual pump pressure; bar or psi?"
         out.append(_doubt("fluid.pump_pressure", said(pressure, "pressure", units), why))
     for key, rheology in (("rheology", f.rheology), ("annulus_rheology", f.annulus_rheology)):
         viscosity = 0.0 if rheology is None else _viscosity(rheology)

@@ -1,4 +1,4 @@
-"""Doubts about loads, flow rates and readings that are valid, but hardly meant: a number in another unit, or swapped."""
+"""Doubts about valid but unlikely loads, flow rates and readings: a number in another unit, or swapped numbers."""
 
 from __future__ import annotations
 
@@ -45,11 +45,11 @@ def _is_small(torque: float) -> bool:
 def _small(at: str, torque: float, units: System) -> str:
     number = shown(torque, "torque", units)
     hint = f"; {number.split()[0]} kft-lbf?" if units == "field" else ""
-    return f"{at} is {number}: hardly a torque of a drillstring{hint}"
+    return f"{at} is {number}: unusual for a torque of a drillstring{hint}"
 
 
 def intervals(case: CaseBlocks) -> list[str]:
-    """Say that the history has its first row only, since its interval is longer than the run."""
+    """Warn that the history has only its first row, because its interval is longer than the run."""
     every = case.output.history_every
     if case.time is None or every is None or every <= case.time.end:
         return []
@@ -59,7 +59,7 @@ def intervals(case: CaseBlocks) -> list[str]:
 
 
 def flows(case: CaseBlocks) -> list[str]:
-    """Say that a flow rate is far outside of what the size of the bit takes."""
+    """Sentence on a flow rate far outside the usual range for the size of the bit."""
     bit, units = case.string[-1], case.shown_units
     if case.well is None or not isinstance(bit, Bit):
         return []
@@ -84,7 +84,7 @@ def flows(case: CaseBlocks) -> list[str]:
 
 
 def casings(case: CaseBlocks) -> list[str]:
-    """Say that the diameter of a casing, which is its bore, is a nominal outer diameter."""
+    """Warn that the diameter of a casing, its bore, equals a nominal outer diameter."""
     if case.well is None:
         return []
     units = case.shown_units
@@ -100,7 +100,7 @@ def casings(case: CaseBlocks) -> list[str]:
 
 
 def readings(points: Sequence[MeasuredPoint], hole: float | None, units: System) -> list[str]:
-    """Say which measured points lie below the end of the hole, have torques of another unit, or are swapped.
+    """Warn of measured points below the end of the hole, with torques of another unit, or swapped.
 
     hole: measured depth of the end of the hole [m]; None: not known.
     """

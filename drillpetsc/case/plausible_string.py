@@ -1,4 +1,4 @@
-"""Doubts about a string that is valid, but hardly meant: too short for its hole, listed from the bit up, a valve that pumps."""
+"""Doubts about a valid but unlikely string: too short for its hole, listed from the bit up, a valve that pumps."""
 
 from __future__ import annotations
 
@@ -77,12 +77,12 @@ def listed_upwards(case: CaseBlocks) -> list[str]:
     words = "heavy-wall pipe" if isinstance(items[above], HeavyPipe) else "drill pipe"
     return [
         f"string[{above}] is {items[above].name}: {words} right above the bit, below the collars; the string is listed from "
-        "the top down, so is its lower part the wrong way round?"
+        "the top down, is its lower part the wrong way round?"
     ]
 
 
 def pumping_valves(case: CaseBlocks) -> list[str]:
-    """Say of each agitator in mud that its mean loss is below the amplitude of its pulses: part of each pulse would drive the mud.
+    """Warn of agitators in mud whose mean loss is below the amplitude of their pulses: part of each pulse would drive the mud.
 
     With a given pump pressure the flow rate is not known, and only an agitator without a mean loss is doubted.
     """
@@ -110,7 +110,7 @@ def pumping_valves(case: CaseBlocks) -> list[str]:
 
 
 def beyond_curves(case: CaseBlocks, flow: float | None = None) -> list[str]:
-    """Say of each tool's curve of losses that the flow rate is larger than its last one.
+    """Warn of loss curves of tools that end below the flow rate.
 
     flow: through the string [m3/s]; None: the largest of the pump.
     """
@@ -127,14 +127,14 @@ def beyond_curves(case: CaseBlocks, flow: float | None = None) -> list[str]:
             continue
         last, asked = (shown(q, "flow", units) for q in (loss.curve.flow_rate[-1], flow))
         words.append(
-            f"string[{i}].pressure_loss.curve ends at {last}, the flow rate is {asked}: beyond the curve its last slope over the squared "
-            "flow rate goes on"
+            f"string[{i}].pressure_loss.curve ends at {last}, the flow rate is {asked}: beyond its end the curve is extended with its last "
+            "slope over the squared flow rate"
         )
     return words
 
 
 def beyond_lower_part(case: CaseBlocks) -> list[str]:
-    """Say of each weight on bit that it is more than what hangs below the drill pipe weighs in the mud along the hole.
+    """Warn of weights on bit above the buoyed weight below the drill pipe along the hole.
 
     Empty in holes above STEEP, whose wall holds drill pipe in compression.
     """
@@ -151,7 +151,7 @@ def beyond_lower_part(case: CaseBlocks) -> list[str]:
         same = [k for k in keys if keys[k] == wob]
         if wob is not None and wob > weight and key == same[0]:
             words.append(
-                f"{' and '.join(same)} is {shown(wob, 'force', units)}: more than what hangs below the drill pipe weighs "
+                f"{' and '.join(same)} is {shown(wob, 'force', units)}: more than the weight below the drill pipe "
                 f"{'in the mud ' if case.fluid is not None else ''}along the hole, {shown(weight, 'force', units)} ({names}); drill pipe is in compression"
             )
     return words

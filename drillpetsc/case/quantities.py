@@ -200,7 +200,7 @@ class Quantity:
 class Vector:
     """Three numbers in the SI unit `unit`.
 
-    along_z: one number is accepted, too, as the component along the third axis
+    along_z: one number is also accepted, as the component along the third axis
     along_x: the same along the first axis
     """
 
@@ -271,7 +271,7 @@ class OverTime:
         try:
             return PiecewiseLinear(columns[0], columns[1])
         except ValueError as error:
-            want = "times that never fall; one that stands twice is a jump"
+            want = "times in ascending order; a time given twice is a jump"
             raise refuse("time", got=times, want=want, hint=str(error)) from None
 
     def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:

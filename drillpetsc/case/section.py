@@ -22,7 +22,7 @@ class TubularSection:
     bore_area, outer_area [m2]: for the weight of the mud and for buoyancy.
     tube_bore_area, tube_outer_area [m2]: of the tube between tool joints or couplings, for the tension of its wall.
     contact_diameter; clearance_diameter: for buckling loads [m]; worn_diameter: outer diameter of the worn tube, for limits [m].
-    joint_length [m], yield_strength [Pa]: nan if not known.
+    joint_length [m], yield_strength [Pa]: nan if unknown.
     joint_share: f [-]; joint_bore, joint_od: diameters of the tool joint [m].
     """
 

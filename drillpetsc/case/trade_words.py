@@ -6,7 +6,7 @@ from collections.abc import Collection
 
 from drillpetsc.case.key_paths import suggestion
 
-#: word -> keys that may be meant, the first of those that the block has
+#: word -> keys that may be meant; the first one that the block has is taken
 KEYS: dict[str, tuple[str, ...]] = {
     "tfa": ("nozzle_area",),
     "weight": ("mass", "density", "adjusted_weight"),
@@ -29,18 +29,18 @@ KEYS: dict[str, tuple[str, ...]] = {
 }
 #: word -> what to write, if the key is in another block or has another meaning
 PLACES: dict[str, str] = {
-    "wob": "weight on bit stands in initial: {wob: 25 klbf}, with bottom: bit",
-    "rpm": "rotation stands in top: {kind: top_drive, rotation: 120 rpm}",
-    "survey": "the survey stands in well: {survey: survey.csv, sections: [...]}",
-    "sections": "the sections stand in well: {survey: survey.csv, sections: [...]}",
+    "wob": "weight on bit is in initial: {wob: 25 klbf}, with bottom: bit",
+    "rpm": "rotation is in top: {kind: top_drive, rotation: 120 rpm}",
+    "survey": "the survey is in well: {survey: survey.csv, sections: [...]}",
+    "sections": "the sections are in well: {survey: survey.csv, sections: [...]}",
     "casing": "casing that is set is a section of the hole: well: {sections: [{to: .., kind: casing, diameter: ..}]}",
-    "block_weight": "it stands in rig: {block_weight: ...}",
+    "block_weight": "it is in rig: {block_weight: ...}",
     "pv": "rheology: {pv: 23 cP, yp: 18 lbf/100ft2}",
     "yp": "rheology: {pv: 23 cP, yp: 18 lbf/100ft2}",
     "dial": "rheology: {dial: {600: 64, 300: 41}}",
-    "od": "diameter is that of the hole: of casing the inner one",
-    "id": "diameter is that of the hole: of casing the inner one",
-    "from": "a section begins where the one above ends",
+    "od": "diameter is the diameter of the hole; in casing, its inner diameter",
+    "id": "diameter is the diameter of the hole; in casing, its inner diameter",
+    "from": "a section begins at the end of the one above",
 }
 #: word -> what to write as the kind of a string item
 KINDS: dict[str, str] = {
@@ -67,7 +67,7 @@ KINDS: dict[str, str] = {
 def key_hint(word: str, keys: Collection[str]) -> str:
     """The hint for an unknown key, from the trade's words first, else the most similar key; may be empty.
 
-    keys: those that the block has.
+    keys: keys of the block.
     """
     found = next((key for key in KEYS.get(word, ()) if key in keys), "")
     if found:

@@ -283,7 +283,7 @@ class _Completion:
 
     # ------------------------------------------------------------------ parts
     def _tube(self, row: Row, inner: str) -> None:
-        """Diameters of the tube from a row; those given must agree with it."""
+        """Diameters of the tube from a row; given diameters must agree with it."""
         item = self.item
         assert isinstance(item, Tubular)
         outer, bore = row["size"] * INCH, row[inner] * INCH
@@ -518,7 +518,10 @@ class _Completion:
         joint, outer, inner = self.values["tool_joint"], self.value("od"), self.value("id")
         if joint.od < outer:
             raise self.refuse(
-                "tool_joint", "od", got=joint.od, want=f"at least that of the tube, {said(outer, 'diameter')}"
+                "tool_joint",
+                "od",
+                got=joint.od,
+                want=f"at least the diameter of the tube, {said(outer, 'diameter')}",
             )
         if joint.id >= joint.od:
             raise self.refuse(
@@ -552,7 +555,9 @@ class _Completion:
             raise self.refuse(key, got=said(outer, "diameter", units), want=want)
         if item.body_od is not None and item.body_od > outer:
             raise self.refuse(
-                "body_od", got=item.body_od, want=f"at most that of the blades, {said(outer, 'diameter')}"
+                "body_od",
+                got=item.body_od,
+                want=f"at most the diameter of the blades, {said(outer, 'diameter')}",
             )
         if item.id >= outer:
             raise self.refuse("id", got=item.id, want=f"below the outer diameter, {said(outer, 'diameter')}")

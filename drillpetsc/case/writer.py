@@ -36,7 +36,7 @@ def case_data(case: CaseBlocks) -> dict[str, Any]:
 
 
 def _without_unused(case: CaseBlocks, top: dict[str, Any]) -> None:
-    """Leave out defaults of the hoist and its autodriller that go with keys that are not there."""
+    """Leave out defaults of the hoist and its autodriller that belong to missing keys."""
     hoist, drill = case.top.hoist, case.top.autodriller
     if hoist is not None and hoist.line is not None and hoist.line.diameter is None:
         del top["hoist"]["line"]["modulus"], top["hoist"]["line"]["fill"]

@@ -46,9 +46,7 @@ def parse(text: str, path: FilePath | None) -> Any:
     except DuplicateKeyError as error:
         line = error.problem_mark.line + 1
         key = str(error.problem).split('"')[1] if '"' in str(error.problem) else ""
-        raise CaseError(
-            at=key, got="a key that stands twice", want="each key once", file=path, line=line
-        ) from None
+        raise CaseError(at=key, got="a key given twice", want="each key once", file=path, line=line) from None
     except MarkedYAMLError as error:
         raise _unreadable(error, text, path) from None
     except RecursionError:

@@ -112,9 +112,9 @@ class Assembly(BlockState):
         self._imposed: tuple[np.ndarray, FloatArray, dict[int, np.ndarray]] | None = None
 
     def places(self) -> tuple[np.ndarray, np.ndarray]:
-        """Local dofs of the rows and of the columns of all Jacobian entries, (len(values),) each, -1 where an entry is left out.
+        """Local dofs of the rows and of the columns of all Jacobian entries, (len(values),) each, -1 if an entry is left out.
 
-        They are computed anew: kept, they would take as much memory as the entries.
+        They are recomputed: stored, they would take as much memory as the entries.
         """
         both = np.empty((2, len(self.values)), dtype=np.int32)
         for b in self.bound_blocks:
@@ -123,7 +123,7 @@ class Assembly(BlockState):
         return both[0], both[1]
 
     def _places_after_blocks(self) -> np.ndarray:
-        """(2, k) the same for the entries after those of the blocks."""
+        """(2, k) the same for the entries after the blocks' entries."""
         parts = [(np.repeat(f.rows, 7), np.tile(f.rows, 7)) for f in self.row_replacements if f.owned]
         parts += [(c.rows, c.columns) for c in self.stabilized]
         return np.hstack([np.zeros((2, 0), dtype=np.int32), *map(np.array, parts)])
@@ -131,7 +131,7 @@ class Assembly(BlockState):
     def hold_rates(self, mask: np.ndarray | None, rates: FloatArray | None = None) -> None:
         """Evaluate blocks that have an unknown of ``mask`` (n,) with given rates and zero accelerations; None: no block.
 
-        For frozen mud beside a string on a path: its forces are those on the string at rest or in a steady motion.
+        For frozen mud beside a string on a path: its forces are the forces on the string at rest or in a steady motion.
 
         rates: (n+1,) [SI of each field per second]; None: zero.
         """
@@ -150,7 +150,7 @@ class Assembly(BlockState):
     def freeze(self, mask: np.ndarray | None) -> None:
         """Fix the unknowns of ``mask`` (n,) at their values; None releases all.
 
-        Rows and columns of fixed unknowns become those of the unit matrix.
+        Rows and columns of fixed unknowns become rows and columns of the unit matrix.
         """
         if mask is None or not mask.any():
             self._frozen = None
@@ -169,7 +169,7 @@ class Assembly(BlockState):
         )
 
     def _fix_matrix_entries(self) -> None:
-        """Replace the rows and columns of fixed unknowns by those of the unit matrix."""
+        """Replace the rows and columns of fixed unknowns by rows and columns of the unit matrix."""
         assert self._frozen is not None
         _, blocks, others, diagonal = self._frozen
         for b, held in blocks:
@@ -198,7 +198,7 @@ class Assembly(BlockState):
 
     @property
     def imposed(self) -> np.ndarray | None:
-        """Unknowns (n,) with imposed rates, as a mask; None where there are none."""
+        """Unknowns (n,) with imposed rates, as a mask; None if there are none."""
         if self._imposed is None:
             return None
         mask = np.zeros(self.layout.size, dtype=bool)
@@ -239,7 +239,7 @@ class Assembly(BlockState):
                 _lean_rates(f.head[2], f.lean_head[0], sigma, self._history[1], y, a)
 
     def invalidate_prescribed_values(self) -> None:
-        """Evaluate prescribed values anew at the next call, for example after an end was moved at constant time."""
+        """Re-evaluate prescribed values at the next call, for example after an end was moved at constant time."""
         for f in self.row_replacements:
             f.time = None
 
@@ -324,9 +324,9 @@ class Assembly(BlockState):
         return self._after_blocks
 
     def prepare_step(self, t: float, sigma: float, second: float) -> StepCalls | None:
-        """Set what the compiled calls of a condensed step at time ``t`` [s] need.
+        """Set the data that the compiled calls of a condensed step at time ``t`` [s] need.
 
-        None where the step needs more than these calls do, or where prescribed motion first needs the state.
+        None if the step needs more than these calls do, or prescribed motion first needs the state.
 
         sigma, second: as for ``condense``.
         """
@@ -366,12 +366,12 @@ class Assembly(BlockState):
         """Compute the residual of a condensed step at time ``t`` [s] in one compiled call, on several ranks in three.
 
         The same as ``condense``, ``apply_prescribed_rates``, ``residual`` and ``replace_rows``.  False, and nothing is
-        done, where the step needs more than these, or prescribed motion first needs the state.
+        done, if the step needs more than these, or prescribed motion first needs the state.
 
         sigma, second: as for ``condense``.
         at: addresses of the owned unknowns (n,) and of the residual (n,).
-        ends: exchange with other ranks, None on one rank; rows: the residual, with ``ends``.  A rank may go this way and another
-        that of the separate calls: their messages are the same.
+        ends: exchange with other ranks, None on one rank; rows: the residual, with ``ends``.  One rank may use this call and
+        another the separate calls, because their messages are the same.
         """
         calls = self.prepare_step(t, sigma, second)
         if calls is None:
@@ -485,7 +485,7 @@ class Assembly(BlockState):
 
     @property
     def plain(self) -> bool:
-        """Whether all entries are those of the blocks and of prescribed motion: nothing is held, imposed or stabilised."""
+        """Whether all entries come from the blocks and from prescribed motion: nothing is held, imposed or stabilised."""
         return not (self.stabilized or self.imposed_or_held)
 
     def _jacobian_with_imposed_rates(self, b: BoundBlock, state: tuple) -> None:
@@ -529,7 +529,7 @@ class StepCalls:
     """Arguments of the compiled calls of one assembly (kernels/core/step.hpp), as long as its blocks and their states are the same.
 
     step, jacobian: the records; step_at, jacobian_at: their addresses.
-    blocks: those with elements on this rank, in the order of the records.
+    blocks: the blocks with elements on this rank, in the order of the records.
     """
 
     def __init__(self, asm: Assembly):
@@ -582,7 +582,7 @@ class StepCalls:
 
     @staticmethod
     def _prescribed_matrices(asm: Assembly) -> ctypes.Array:
-        """Entries at prescribed motion; those of this rank's own nodes follow those of the blocks."""
+        """Entries at prescribed motion; the entries of this rank's nodes follow the blocks' entries."""
         calls = (_PrescribedMatrix * len(asm.row_replacements))()
         at = pointer(asm.values) + 8 * asm.entries_of_blocks
         for call, f in zip(calls, asm.row_replacements, strict=True):

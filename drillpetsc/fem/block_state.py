@@ -61,7 +61,7 @@ class BlockState:
         self._results: dict[tuple[int, str], BlockResults] = {}  # by id of the block and kernel
         self._seen: list[ElementBlock] = []  # keeps blocks that are not bound, so that their ids stay theirs
         self.kept: dict[Any, Any] | None = None  # see ``unchanged``
-        self.group = ResultGroup({})  # what the last state was asked for: the next is asked for the same
+        self.group = ResultGroup({})  # results requested for the last state, requested again for the next
         self.asked: dict[Any, bool] = {}  # within ``unchanged``
         size, self.bound_blocks = 0, list[BoundBlock]()
         for block in blocks:
@@ -78,7 +78,7 @@ class BlockState:
 
     @contextmanager
     def elsewhere(self, x: FloatArray, y: FloatArray) -> Iterator[None]:
-        """Within this context the unknowns and rates are ``x`` and ``y`` (as long as those); results are evaluated anew."""
+        """Within this context the unknowns and rates are ``x`` and ``y`` (as long as those); results are evaluated again."""
         here, kept = (self.x.copy(), self.y.copy()), self.kept
         self.x[:], self.y[:], self.kept = x, y, None
         try:
@@ -100,7 +100,7 @@ class BlockState:
         """Results of the elements of a block at x, y, evaluated once within ``unchanged``.
 
         kernel: entry point of the results; columns: their number for one element.
-        The tables are not to be changed, nor kept: the next evaluation overwrites them.
+        Do not change or keep the tables: the next evaluation overwrites them.
         """
         found = self.block_results(block, kernel, columns)
         if self.kept is not None:
@@ -126,14 +126,14 @@ class BlockState:
         return found
 
     def have_results(self, members: dict[BlockResults, bool]) -> None:
-        """Say that these results have just been evaluated, for what asks for them within ``unchanged``."""
+        """Mark these results as just evaluated, for calls within ``unchanged``."""
         if self.kept is not None:
             self.kept |= members
 
     def index_of(self, block: ElementBlock) -> np.ndarray:
         """Return the (n, d) dofs of a block in x, y, a.
 
-        Derived fields are computed first where it uses them.
+        Derived fields are computed first if it uses them.
         """
         found = self._index_by_block.get(id(block))
         if found is not None:
@@ -181,7 +181,7 @@ class BlockState:
 
     def power(self, block: ElementBlock, t: float) -> float:
         """Compute the power [W] that the rows of ``block`` take from the motion at x, y, on this rank."""
-        # a beam may have rewritten the block for its own unknowns; the parameters are the same
+        # a beam may have rewritten the block for its unknowns; the parameters are the same
         bound = next(b for b in self.bound_blocks if b.block.params is block.params)
         block = bound.block
         if not bound.count:

@@ -34,9 +34,9 @@ NODE_FIELDS = ("string.position", "string.tangent", "string.spin")
 class BoundBlock:
     """An element block with its dof table and the prepared arguments of its kernel.
 
-    index: (count, width) local dofs of each element; local: the same, -1 where an entry is left out.
+    index: (count, width) local dofs of each element; local: the same, -1 if an entry is left out.
     span: the block's entries in ``Assembly.values``, ``width**2`` an element.
-    columns: those of each slot (field, end) in an element's unknowns.
+    columns: the columns of each slot (field, end) in an element's unknowns.
     """
 
     def __init__(self, block: ElementBlock, layout: DofLayout, first_entry: int):
@@ -71,7 +71,7 @@ class BoundBlock:
         self._numbers = (layout.chain.cells if block.on == "cell" else layout.chain.vertices)[block.points]
 
     def write_places(self, rows: np.ndarray, columns: np.ndarray) -> None:
-        """Write the local dofs of the rows and of the columns of the block's entries, (count, width, width) each; -1 where an
+        """Write the local dofs of the rows and of the columns of the block's entries, (count, width, width) each; -1 if an
         entry is left out."""
         rows[:], columns[:] = self.local[:, :, None], self.local[:, None, :]
 
@@ -138,9 +138,9 @@ class RowReplacement:
     """Row replacement at one vertex of this rank, owned or ghost (manual: eq-prescribed-rows).
 
     D: (m, 7) prescribed directions over the node's unknowns; complement: I - D^T D.  On a curved path both
-    are those of the last evaluation.
+    are from the last evaluation.
     rate_directions: (m, 7) prescribed directions over the node's rates; row_complement: (7, 7) what remains of the node's
-    rows.  They are D and complement but for a spin that is held where the slope is free, there after ``lean_at``.
+    rows.  They are D and complement, except for a spin held at a free slope, for which they are set by ``lean_at``.
     rows: (7,) local dofs of the node.
     elements: (block, element, slots of the seven dofs in the element) of every element at the node.
     value [m, -, rad], rate [per second], reaction [N, N m]: (m,) each.
@@ -198,7 +198,7 @@ class RowReplacement:
     def evaluate(self, t: float, x: FloatArray, y: FloatArray | None = None) -> None:
         """Set ``value`` and ``rate``, on a curved path also the directions, to those at ``t`` [s].
 
-        They are evaluated once per time.  x: unknowns of the system; y: their rates, None where not known.
+        They are evaluated once per time.  x: unknowns of the system; y: their rates, None if unknown.
         """
         if t == self.time or (self.condition.constant and self.time is not None):
             return
@@ -253,9 +253,9 @@ class RowReplacement:
         self.row_complement[:], self.rate_directions[:] = self.complement, self.D
 
     def lean_at(self, x: FloatArray) -> FloatArray:
-        """Set the directions of a spin that is held where the slope is free to those at ``x``; returns c(v) (3,).
+        """Set the directions of a spin that is held at a free slope to the directions at ``x``; returns c(v) (3,).
 
-        The spin rate is that of the angle plus c(v).w, so a torque on the angle is one on the spin and -c(v) times it on the
+        The spin rate is the rate of the angle plus c(v).w, so a torque on the angle acts on the spin and, times -c(v), on the
         slope (manual: eq-prescribed-lean).
         """
         _lean_at(self.head[2], self.axis_at, pointer(x), *self.lean_head)
@@ -281,7 +281,7 @@ def fill_prescribed(
 class BoundStabilization:
     """Correction of rates by multipliers in an assembly (Gear, Gupta and Leimkuhler 1985; manual: eq-joint-ggl).
 
-    With x' = y - B mu the velocity constraint G y = 0 stands beside g(x) = 0.  The rates of the corrected
+    With x' = y - B mu, the velocity constraint G y = 0 is added to g(x) = 0.  The rates of the corrected
     unknowns are y = shift x + v0 + B mu (manual: eq-joint-corrected-rates).  The Jacobian columns by mu are
     the columns by the rates, times B.  The derivative of B by x is left out, since mu has the size of the
     time formula's error.

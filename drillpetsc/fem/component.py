@@ -37,7 +37,7 @@ __all__ = [
     "VelocityStabilization",
 ]
 
-#: kinds of unknowns: what a field belongs to
+#: kinds of unknowns to which a field may belong
 STRING, JOINT, FLUID, ROCK, DRIVE = "string", "joint", "fluid", "rock", "drive"
 
 
@@ -52,7 +52,7 @@ class Field:
     second_order: the field's rate is a further unknown of the time integrator (position and velocity).  Other
     fields are first-order states, or algebraic where ``differential`` is False.
     multiplier: a Lagrange multiplier: algebraic, and its rows are constraints.
-    default: value used where an element refers to the field and a node does not have it.
+    default: value used if an element refers to the field and its node does not have it.
     physics: ``string``, ``joint``, ``fluid``, ``rock`` or ``drive``; error control, line search and the steady flow
     select by it.
     """
@@ -123,14 +123,14 @@ class PrescribedMotion:
     names: (m,) of the reactions: the residual components that the condition replaces (manual:
     eq-prescribed-rows).
     along_path(t, x, y): on a curved path, directions, value and rate at the time t and the vertex' unknowns x
-    (7,) and their rates y (7,), None where they are not known; None: the directions are constant.  A direction that is
+    (7,) and their rates y (7,), None if unknown; None: the directions are constant.  A direction that is
     zero is free.
     advance(x): change (7,) of the vertex' unknowns x (7,) by the length of path that an end is moved down;
     None: the end does not move.
-    spin_reference: direction (3,) from which the spin angle counts, where the spin is prescribed, last, and the slope is free; a
-    view into the array of its owner, who may change it.  None: the slope is prescribed, too, or the spin is not (manual:
+    spin_reference: direction (3,) from which the spin angle is measured, if the spin is prescribed (last) and the slope is free; a
+    view into the array of its owner, who may change it.  None: the slope is also prescribed, or the spin is not (manual:
     eq-prescribed-lean).
-    constant: value and rate are those of the start at all times.
+    constant: value and rate keep their initial values.
     """
 
     vertex: int
@@ -147,11 +147,11 @@ class PrescribedMotion:
 
 
 class ContactFlags(NamedTuple):
-    """What changes when contacts of a component open or close on this rank.
+    """Data that change when contacts of a component open or close on this rank.
 
     values: one of them for each contact; never reallocated.
     wall: a value that is not zero is a closed contact with the wall (manual: sec-time-contact-entries).
-    context: record of the block whose elements have no Jacobian entries where all of their values are zero, in the order of
+    context: record of the block whose elements have no Jacobian entries if all of their values are zero, in the order of
     the elements; 0: there is none.
     """
 
@@ -190,10 +190,10 @@ class Powers(NamedTuple):
 
 
 class Start(NamedTuple):
-    """What a machine needs to know when a motion begins from the static state.
+    """Data for a machine when a motion begins from the static state.
 
     hook_load: pull on the string [N]; total(values): sum of an array over all ranks, collective.
-    at_rest: drives and drums stand still, whatever their set points, for the modes about rest.
+    at_rest: drives and drums do not move, whatever their set points, for the modes about rest.
     """
 
     hook_load: float
@@ -254,11 +254,11 @@ class Component:
         return ()
 
     def at_break(self, t: float, state: Any) -> bool:
-        """Change states of this rank where an input jumps or bends at ``t`` [s]; True where any changed."""
+        """Change states of this rank where an input jumps or bends at ``t`` [s]; True if any changed."""
         return False
 
     def begin_new_states(self, t: float, state: Any) -> bool:
-        """Let states that a restored state does not have, of a case that has changed, begin at ``t`` [s]; True where any changed,
+        """Begin states that a changed case has and the restored state lacks, at ``t`` [s]; True if any changed,
         on the rank that has them."""
         return False
 
@@ -267,7 +267,7 @@ class Component:
     has_events: bool = False
 
     def event_numbers(self, state: Any) -> FloatArray:
-        """(k,) figures from which all ranks tell whether the law ends, summed over ranks; zero where another rank has them."""
+        """(k,) figures from which all ranks decide whether the law ends, summed over ranks; zero if another rank has them."""
         return np.zeros(0)
 
     def event_passed(self, numbers: FloatArray) -> bool:
@@ -275,17 +275,17 @@ class Component:
         return False
 
     def change_law(self, numbers: FloatArray) -> None:
-        """Go over to the law that follows."""
+        """Change to the next law."""
 
     def start_warnings(self, state: Any, units: System) -> list[str]:
-        """Sentences for the user about the state at the start of a motion, in a system of units, from the rank that knows."""
+        """Sentences for the user about the state at the start of a motion, in a system of units, from the rank that has them."""
         return []
 
     # ------------------------------------------------------------------ reference frames
     def renew_reference_frames(self, system: Any) -> bool:
         """Replace reference directions that are nearly opposite to the tangent; collective.
 
-        True where any changed.
+        True if any changed.
         """
         return False
 
@@ -331,7 +331,7 @@ class Component:
     restores_constraints: bool = False
 
     def contact_flags(self) -> tuple[ContactFlags, ...]:
-        """What changes when contacts open or close on this rank."""
+        """Data that change when contacts open or close on this rank."""
         return ()
 
     def restore_constraints(self, state: Any) -> None:
@@ -366,10 +366,10 @@ class Component:
         """Continue from the history variables at the local points."""
 
     def settle(self, t: float, state: Any) -> None:
-        """Give history variables the values that they have at time ``t`` [s] when the present motion is steady."""
+        """Set history variables to their values at time ``t`` [s] when the present motion is steady."""
 
     # ------------------------------------------------------------------ machines
-    #: angles that nothing returns to a place, such as that of a motor's rotor: each is a root zero of the linear model
+    #: angles without a restoring moment, such as a motor's rotor: each is a root zero of the linear model
     free_angles: int = 0
     #: field of a length to which nothing returns, such as the pay-out of a drum: a root zero as well; empty for none
     free_length: str = ""
@@ -378,14 +378,14 @@ class Component:
         """Hold whatever the component moves by itself, for statics."""
 
     def begin_motion(self, state: Any, start: Start) -> None:
-        """Let go of what ``hold`` holds; it goes on with its static load.  Every rank calls it."""
+        """Release what ``hold`` holds; it continues with its static load.  Every rank calls it."""
 
     def first_cut(self, state: Any) -> None:
         """Set the rates of cutters at the start of a motion so that they carry their static weight."""
 
     def balance(self, state: Any) -> str:
-        """Prepare a linear model about the present state: leave out what shakes the string by itself, close control loops inside
-        their limits.  Returns a note for the user, empty without any."""
+        """Prepare a linear model about the present state: leave out excitations, close control loops inside their
+        limits.  Returns a note for the user, empty without any."""
         return ""
 
     # ------------------------------------------------------------------ statics and quasi-static motion
@@ -398,7 +398,7 @@ class Component:
         """Let friction oppose a rigid motion of the string: ``axial`` [m/s, down], ``spin`` [rad/s].
 
         side: fraction of the lateral friction force that acts (0: its torque only).
-        motor: what a downhole motor adds to the spin below it [rad/s].
+        motor: contribution of a downhole motor to the spin below it [rad/s].
         """
 
     def release_sliding_direction(self) -> None:

@@ -1,4 +1,4 @@
-"""Jacobian entries of the contacts alone, computed anew while all others stay (manual: sec-time-contact-entries)."""
+"""Jacobian entries of the contacts alone, recomputed while all others stay (manual: sec-time-contact-entries)."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ class ContactEntries:
         self._blocks = [b for b, c in pairs if b.count and c.has_contact]
         self._flags = system.contact_flags
         self._before = [np.empty(b.span.stop - b.span.start) for b in self._blocks]
-        #: rows that prescribed motion replaces in these blocks; those in other blocks are the same as long as it has not turned
+        #: rows that prescribed motion replaces in these blocks; rows in other blocks are the same as long as it has not turned
         self._replaced = [f.elements_in(self._blocks) for f in asm.row_replacements]
         #: of each block: first node of an element or of any after it
         self._first = []

@@ -81,7 +81,7 @@ class DiscreteSystem:
         )
         #: of each bound block: its component
         self.component_of = [c for c, own in zip(self.components, by_component, strict=True) for _ in own]
-        #: components that store energy, and those with powers
+        #: components that store energy, and components with powers
         self._storing = [c for c in self.components if type(c).energies is not Component.energies]
         self._working = [c for c in self.components if type(c).powers is not Component.powers]
         #: of all components
@@ -103,7 +103,7 @@ class DiscreteSystem:
         self._make_tables()
 
     def _find_regions(self) -> dict[str, np.ndarray]:
-        """Sets of vertices by name: (n_nodes,) masks, those of all components among them."""
+        """Sets of vertices by name: (n_nodes,) masks, including the sets of all components."""
         mesh, order = self.mesh, np.arange(self.mesh.nodes)
         regions = {
             "string": order >= 0,
@@ -185,7 +185,7 @@ class DiscreteSystem:
             self.ends.spread(asm.x, asm.y)
 
     def _take(self, state: PETSc.Vec, unknowns: FloatArray, rates: FloatArray) -> None:
-        """Copy both parts of a global state into local arrays, ghosts included; zero where an unknown has no rate."""
+        """Copy both parts of a global state into local arrays, ghosts included; zero if an unknown has no rate."""
         s = pointer(state.getArray(readonly=1))
         _gather(self.layout.size, self._x_from, s, pointer(unknowns))
         _gather(self.layout.size, self._y_from, s, pointer(rates))
@@ -287,7 +287,7 @@ class DiscreteSystem:
     def renew_reference_frames(self) -> bool:
         """Replace reference directions that are nearly opposite to the tangent.
 
-        True where any changed (collective).
+        True if any changed (collective).
         """
         changed = [component.renew_reference_frames(self) for component in self.components]
         return any(changed)
@@ -296,7 +296,7 @@ class DiscreteSystem:
     def energies(self, t: float, physics: str = "") -> Energies:
         """Compute the stored energies [J] at the assembly's x, y and time ``t`` [s], summed over ranks.
 
-        physics: only those of components whose elements have unknowns of this physics.
+        physics: only components whose elements have unknowns of this physics.
         """
         kinetic = strain = potential = 0.0
         chosen = self._with(physics) if physics else self._storing
@@ -318,7 +318,7 @@ class DiscreteSystem:
     def powers(self, t: float) -> Powers:
         """Compute the dissipated and supplied power [W] at the assembly's x, y, a, summed over ranks.
 
-        The supplied power includes that of the reactions of the last residual.
+        The supplied power includes the power of the reactions of the last residual.
         """
         parts = self.local_powers(t)
         return Powers(*total(self.comm, parts).tolist())
@@ -365,7 +365,7 @@ class DiscreteSystem:
     def reaction(self, name: str) -> float:
         """Return the reaction ``name`` [N or N m], the same on all ranks.
 
-        0 where nothing of this name is prescribed.
+        0 if nothing of this name is prescribed.
         """
         value = 0.0
         for f in self.assembly.row_replacements:

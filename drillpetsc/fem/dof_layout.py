@@ -25,7 +25,7 @@ class DofLayout:
     Below, n counts the local unknowns (ghosts included), nv the local vertices, m the owned unknowns.
 
     state_dm, condensed_dm: DMs whose sections lay out the two kinds of vectors.
-    dofs[field]: (nv, size) indices of the field's components in the condensed local array, -1 where absent.
+    dofs[field]: (nv, size) indices of the field's components in the condensed local array, -1 if absent.
     field_of, vertex_of: (n,) field number and local vertex of each unknown.
     x_local, y_local: (n,) index of each unknown and of its rate (-1: none) in the local state.
     x_owned, y_owned: (m,) the same in the owned part of the global state.

@@ -1,7 +1,8 @@
 """Values at the nodes that two ranks share: from the rank that owns the node to its neighbour, and sums of both.
 
 A rank has a run of neighbouring elements with all their nodes (manual: sec-chain-structure), so it shares at most the two ends of its
-run, each with one other rank.  Scatters of whole vectors, as PETSc's meshes have them, copy a hundred kilobytes for these few numbers.
+run. Each is shared with one other rank.  Scatters of whole vectors, as PETSc's meshes have them, copy a hundred
+kilobytes for these few numbers.
 """
 
 from __future__ import annotations
@@ -12,7 +13,7 @@ import numpy as np
 
 from drillpetsc.arrays import FloatArray, IntArray
 
-_TAG = 1  # PETSc takes its own tags from the upper end
+_TAG = 1  # PETSc takes its tags from the upper end
 
 
 class EndExchange:
@@ -21,7 +22,7 @@ class EndExchange:
     comm: mpi4py's communicator of the chain.
     vertices: (nv,) numbers of this rank's nodes, ascending; owned: (nv,) whether it owns them.
     vertex_of: (n,) index in ``vertices`` of each local unknown; the unknowns of a node have the same order on both ranks.
-    owned_index: (n,) index of each unknown in the owned part of a vector, -1 where another rank owns it.
+    owned_index: (n,) index of each unknown in the owned part of a vector, -1 if another rank owns it.
     """
 
     def __init__(

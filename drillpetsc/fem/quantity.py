@@ -1,8 +1,8 @@
 """Quantities: one object describes one output, and evaluates it.
 
-A component returns the quantities that it knows from ``quantities()``.  The history, the probes, the statics table,
-the fields of ``string.pvd``, plots, study tables and the manual read these objects; none of them keeps names, units or
-positions of its own.  Nothing here knows PETSc or MPI.
+A component returns its quantities from ``quantities()``.  The history, the probes, the statics table,
+the fields of ``string.pvd``, plots, study tables and the manual read these objects; names, units and positions are kept
+only here.  This module does not use PETSc or MPI.
 """
 
 from __future__ import annotations
@@ -19,9 +19,9 @@ Result = TypeVar("Result")
 
 Entity = Literal["scalar", "node", "element", "item", "rigid_item", "joint", "probe", "sensor"]
 Interpolation = Literal["linear", "motion", "none"]
-#: stands for a measured depth [m] in the name of a quantity of a joint or a probe
+#: placeholder of a measured depth [m] in the name of a quantity of a joint or a probe
 DEPTH = "NNN"
-#: stands for the name of a sensor in the name of a quantity
+#: placeholder of the name of a sensor in the name of a quantity
 NAME = "NAME"
 _PLACES = {DEPTH: r"([-+.\deE]+)", NAME: r"([A-Za-z0-9_-]+)"}
 
@@ -48,10 +48,11 @@ class Quantity:
     mnemonic: abbreviation in exports, WITS or WITSML where one exists.
     sign: what a positive value means.
     doc: one sentence.
-    interpolate: between two steps: a straight line, a parabola through three steps (``motion``), or none: then the
-    value is that at the time of writing.
+    interpolate: between two steps: a straight line, a parabola through three steps (``motion``), or none: the value
+    at the time of writing.
     mean: the mean over a time has a meaning.
-    values(source, steps): the ``value`` after each of k recorded steps (``fem.step_record``), (k, ...), or None where this model has them one
+    values(source, steps): the ``value`` after each of k recorded steps (``fem.step_record``), (k, ...), or None if this
+    model has them one
     by one only; without it, ``value`` is called after every step.
     value(source, sample): this rank's share, summed over ranks: a number, or (k, size) for k joints or probes; for
     ``node`` (nv, size) at the local vertices; for ``element`` (nc,) or (nc, 2, ...) at its upper and lower end.
@@ -65,7 +66,7 @@ class Quantity:
     numerics: describes the computation, not the string.
     interest: 1 for what a study compares first; 0: after all others.
     kind: key of ``unit_systems.KINDS``, for the unit in which people see it; empty: the usual kind of the unit.
-    tool: word in the name after which the number of a tool stands that is not the first of its kind in the string.
+    tool: word in the name that is followed by the number of the second and later tools of a kind.
     """
 
     name: str
@@ -117,7 +118,7 @@ class Quantity:
         return self.place(name) is not None
 
     def place(self, name: str) -> str | None:
-        """Depth or name of a sensor in ``name``, empty for a quantity without; None where it is another quantity's name."""
+        """Depth or name of a sensor in ``name``, empty for a quantity without; None if it is another quantity's name."""
         if self.tool:
             above, below = self.name.split(self.tool, 1)
             found = re.fullmatch(f"{above}{self.tool}(?:_([0-9]+))?{below}", name)
@@ -138,7 +139,7 @@ class Quantity:
 
 
 class Source(Protocol):
-    """What declares quantities: a physics component, or a measurement that needs several of them."""
+    """A source of quantities: a physics component, or a measurement that needs several of them."""
 
     def quantities(self) -> tuple[Quantity, ...]:
         """Outputs that exist in this model."""

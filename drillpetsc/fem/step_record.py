@@ -1,7 +1,7 @@
 """Numbers of several steps, copied after each of them by one compiled call.
 
-What is computed of them later - rows of tables, balances - is computed for many steps at once, so that a step pays for little more than
-the kernels of its results.
+Rows of tables and balances are computed from them later, for many steps at once. So a step costs little more than the kernels of its
+results.
 """
 
 from __future__ import annotations
@@ -25,8 +25,8 @@ Places = int | Sequence[int] | np.ndarray
 class StepRecord:
     """Steps of a system with the numbers that outputs are computed from.
 
-    A function of outputs asks for its numbers by ``numbers``, ``sums``, ``parameters`` and ``computed``.  Before the first step it is
-    called once, so that the record knows them, and gets the present ones, as of one step.  Later it gets those of all steps recorded.
+    A function of outputs requests its numbers by ``numbers``, ``sums``, ``parameters`` and ``computed``.  Before the first step it is
+    called once, which registers them, and gets the present ones as for one step.  Later it gets the numbers of all recorded steps.
 
     system: the discrete system; capacity: most steps that it holds.
     times: of the inputs of the steps [s].
@@ -48,17 +48,17 @@ class StepRecord:
     # ------------------------------------------------------------------ before the first step
     @property
     def is_open(self) -> bool:
-        """Whether numbers can still be asked for that are not recorded yet."""
+        """Whether numbers that are not recorded yet can still be requested."""
         return self._table is None
 
     def only_sampled(self) -> None:
-        """What is asked for from now on is recorded of sampled steps only."""
+        """Numbers requested from now on are recorded at sampled steps only."""
         self._always = False
 
     def _close(self) -> None:
         self._table = np.zeros(
             (len(self._addresses), self.capacity)
-        )  # what is computed of a number runs along its row
+        )  # numbers computed from a number are in its row
         self._values = np.zeros((self.capacity, self._own))
         self._from = (ctypes.c_void_p * max(1, len(self._addresses)))(*self._addresses)
         self._start = pointer(self._table)
@@ -98,7 +98,7 @@ class StepRecord:
 
     # ------------------------------------------------------------------ numbers
     def results(self, block: ElementBlock, kernel: str, columns: int) -> BlockResults:
-        """Results of a block, which are evaluated at every step; arguments as of ``Assembly.results``."""
+        """Results of a block, which are evaluated at every step; arguments as in ``Assembly.results``."""
         if self._table is not None:
             return self.assembly.block_results(block, kernel, columns)
         found = self.assembly.results(block, kernel, columns)
@@ -116,7 +116,7 @@ class StepRecord:
         span = self._spans.get(key)
         if span is None:
             if self._table is not None:
-                raise LookupError("a number that was not asked for before the first step")
+                raise LookupError("a number that was not requested before the first step")
             if array.dtype != np.float64:
                 raise TypeError(f"a record holds doubles, not {array.dtype}")
             flat = np.asarray(places, dtype=int).ravel().tolist()
@@ -153,12 +153,12 @@ class StepRecord:
     def computed(self, call: Callable[[Sample], Any], size: int, *key: Any) -> FloatArray:
         """(k, size) what ``call`` returns after each step: the way for numbers that are not worth more.
 
-        key: what tells the function from others: two calls with one key are one.
+        key: identifies the function: two calls with one key are one.
         """
         span = self._spans.get(key)
         if span is None:
             if self._table is not None:
-                raise LookupError("a function that was not asked for before the first step")
+                raise LookupError("a function that was not requested before the first step")
             span = self._spans[key] = slice(self._own, self._own + size)
             self._own += size
             self._functions.append((call, span, self._always))

@@ -24,7 +24,7 @@ class RigidItem:
     offset: (2,) offset of the centre of gravity across the axis, along the node's directors [m].
     axial, transverse: moments of inertia about the centre of gravity [kg m2].
     radius: outer radius [m], 0 for none.
-    friction: friction coefficient of the item [-], None: that of the hole.
+    friction: friction coefficient of the item [-], None: the hole's.
     touching: (distance from the node down to the part that touches the wall, its length) [m]; None: the item.  Of length 0: a bit, which
         touches at one point.
     guided: friction of the wall does not push it round the hole.
@@ -57,7 +57,7 @@ class RigidItem:
 
     @property
     def middle(self) -> float:
-        """Distance from the node down to the item's middle, or that of its blades [m]: the place at which its forces are reported."""
+        """Distance from the node down to the middle of the item or of its blades [m], at which its forces are reported."""
         if not self.contact_length:
             return self.above + 0.5 * self.length
         return self.contact_above + 0.5 * self.contact_length
@@ -69,7 +69,7 @@ class RigidItem:
 
     @property
     def end_radii(self) -> tuple[float, float]:
-        """Radii that touch the wall at the item's upper and lower end [m], 0 where nothing does."""
+        """Radii that touch the wall at the item's upper and lower end [m], 0 if nothing does."""
         if not self.contact_length:
             return self.radius, self.radius
         first, last = self.contact_above, self.contact_above + self.contact_length
@@ -107,7 +107,7 @@ class StringJoint:
     stop_stiffness: stiffness of the stops [N/m].
     seal_area: area on which the mud pushes the parts of a slider apart [m2] (manual: eq-joint-seal-force).
     preload: force by which the spring of a slider pushes its parts apart at zero travel [N].
-    stop_rounding: length over which the force of a stop sets in [m], None: that of all joints; jar: its latch.
+    stop_rounding: length over which the force of a stop sets in [m], None: as for all joints; jar: its latch.
     torsion_spring: stiffness of a torsion_slider, whose parts turn about its axis [N m/rad].
     item: number of the string item whose tool has the joint, -1: a joint by itself.
     driven: a motor turns the part below.
@@ -150,8 +150,8 @@ class StringMesh:
     """Elements from the top down; arrays are (n,) unless a line below gives another shape.
 
     upper, lower: measured depth of the element's ends [m].
-    node_depth: (n+1,) measured depth of the nodes [m]; with a rigid item at a node, that of the item's upper
-    end. axial_stiffness EA [N], bending_stiffness EI [N m2], torsional_stiffness GJ [N m2].
+    node_depth: (n+1,) measured depth of the nodes [m]; with a rigid item at a node, the depth of the item's
+    upper end. axial_stiffness EA [N], bending_stiffness EI [N m2], torsional_stiffness GJ [N m2].
     mass per length [kg/m], polar_inertia: polar mass moment per length [kg m].
     outer_diameter, inner_diameter [m].
     stiffness_damping [s], mass_damping [1/s]: Rayleigh coefficients.
@@ -159,7 +159,7 @@ class StringMesh:
     eccentricity: (n, 2) offset of the centre of mass along the directors [m].
     curvature: (n, 2) stress-free curvature, an axial vector along the directors [1/m].
     item: index of the string item in the case.
-    friction: friction coefficient [-], nan: that of the hole.
+    friction: friction coefficient [-], nan: the hole's.
     bodies: rigid items; bent: stress-free curvatures by tool face, from which ``curvature`` follows.
     junction: (n+1,) nodes with a stretch ratio (manual: eq-junction-kinematics).
     joints: the joints, whose cells have no length and no element.
@@ -168,8 +168,8 @@ class StringMesh:
     clearance_diameter: from which the clearance of buckling loads is measured [m].
     outer_area: for buoyancy and end forces [m2]; bore_area: of the mud inside [m2].
     tube_outer_area, tube_bore_area: of the tube between tool joints, whose wall is reported on [m2].
-    joint_length [m], worn_diameter: outer diameter of the worn tube [m], yield_strength [Pa]; nan where not known.
-    The last nine are those of plain tubes where they are not given.
+    joint_length [m], worn_diameter: outer diameter of the worn tube [m], yield_strength [Pa]; nan if unknown.
+    The last nine default to the values of plain tubes.
     """
 
     upper: FloatArray
@@ -243,7 +243,7 @@ class StringMesh:
     @property
     def below_junction(self) -> np.ndarray:
         """(n,) mask of the elements with the kinematics of eq-junction-kinematics: below a junction, and below a rigid
-        item at the top, where the stretch ratio is one."""
+        item at the top (stretch ratio 1)."""
         ratio = self.junction[:-1] if len(self.junction) else np.zeros(len(self.upper), dtype=bool)
         return ratio | ((self.rigid_above > 0) & ~self.is_joint)
 

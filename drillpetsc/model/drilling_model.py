@@ -59,12 +59,12 @@ class DrillingModel:
     position: (n_nodes, 3) unstrained string along the axis of the hole [m]; tangent: (n_nodes, 3) unit
     tangents.
     components: all components, in the order of the discrete system.
-    beam, top, contact, bit: the components of these kinds, None where absent.  A held string has no beam.
+    beam, top, contact, bit: the components of these kinds, None if absent.  A held string has no beam.
     system: the discrete system.
     fluid: components of the drilling fluid, None in a dry model.
 
     Machines (drive, hoist, tools) are components like any other: hooks of ``Component`` hold, start and balance them, and
-    ``parts`` finds one by its class where its own numbers are wanted.
+    ``parts`` finds one by its class if its numbers are needed.
     """
 
     case: Case
@@ -86,12 +86,12 @@ class DrillingModel:
         return tuple(part for part in self.components if isinstance(part, kind))
 
     def part(self, kind: type[Part]) -> Part | None:
-        """The component of a class that a string has once, None where absent."""
+        """The component of a class that a string has once, None if absent."""
         return next((part for part in self.components if isinstance(part, kind)), None)
 
     @property
     def effective_mass(self) -> FloatArray:
-        """(n,) effective mass per length [kg/m]: steel and mud in the bore, less the displaced mud.
+        """(n,) effective mass per length [kg/m]: steel and mud in the bore, minus the displaced mud.
 
         Manual: eq-mud-buoyed-weight.
         """
@@ -119,7 +119,7 @@ class DrillingModel:
 
     @property
     def drilling(self) -> interfaces.Bit | None:
-        """The bit where it cuts rock, else None."""
+        """The bit if it cuts rock, otherwise None."""
         return self.bit if self.bit is not None and self.bit.drills else None
 
     @property
@@ -145,7 +145,7 @@ def build_model(
     comm: PETSc communicator, all ranks by default.
     motion: of a static question, for automatic element lengths (see ``build_mesh``).
     balanced: leave out what turns with the section: eccentric mass, unbalance, bends and stress-free curvature.
-    Raises CaseError where mesh or hole are impossible.
+    Raises CaseError if mesh or hole are impossible.
     """
     well = well_of_reamer(case, build_well(case))
     mesh = build_mesh(case, well, motion)
@@ -192,7 +192,7 @@ def build_model(
 
 
 class _String(NamedTuple):
-    """The components of a string and its ends; those that are named are among ``components`` as well."""
+    """The components of a string and its ends; the named ones are also among ``components`` as well."""
 
     components: tuple[Component, ...] = ()
     beam: interfaces.Beam | None = None
@@ -276,7 +276,7 @@ def _quaternion_string(
 def _with_one_strain(mesh: StringMesh) -> StringMesh:
     """The mesh of the quaternion element: one strain on both sides of a change of section.
 
-    Pipes above and below a rigid item have strains of their own.
+    Pipes above and below a rigid item have different strains.
     """
     items = np.zeros(mesh.nodes, dtype=bool)
     items[[body.node for body in mesh.bodies]] = True
@@ -308,7 +308,7 @@ def is_quasi_static(case: Case) -> bool:
 
 
 def _optional_components(mesh: StringMesh, frames: Frames, gravity: FloatArray, balanced: bool) -> list:
-    """Create the components for rigid bodies, eccentric mass, and stress-free curvature, where present.
+    """Create the components for rigid bodies, eccentric mass, and stress-free curvature, if present.
 
     balanced: leave out eccentric mass and unbalance.
     """
@@ -336,7 +336,7 @@ def _axis(case: Case, mesh: StringMesh, well: Well | None) -> tuple[FloatArray, 
 
 # ---------------------------------------------------------------------- ends
 def _top_path(well: Well | None, frames: Frames) -> HolePath | None:
-    """Create the path along which the top moves; None where it is one straight line."""
+    """Create the path along which the top moves; None if it is one straight line."""
     if well is None or not is_curved(well):
         return None
     return HolePath(well, 0.0, frames.second_director[0])
@@ -350,7 +350,7 @@ def _top_components(
     path: HolePath | None,
     frames: Frames,
 ) -> tuple[interfaces.Top | None, tuple[Component, ...]]:
-    """Create the top end, None where absent, and the machines above it: a drive of its rotation, a hoist.
+    """Create the top end, None if absent, and the machines above it: a drive of its rotation, a hoist.
 
     path: of the top, None: a straight line.
     """
@@ -450,7 +450,7 @@ def _bit(case: Case, mesh: StringMesh, well: Well | None) -> BitOnBottom | RockB
 
 # ---------------------------------------------------------------------- loads
 def _loads(case: Case, mesh: StringMesh, tangent: FloatArray) -> tuple[NodeLoad, ...]:
-    """Create the nodal loads of the case, those of the ends included."""
+    """Create the nodal loads of the case, including loads at the ends."""
     out: list[NodeLoad] = []
     for load in case.loads:
         factor = (

@@ -24,7 +24,7 @@ from drillpetsc.unit_systems import System, display_unit, shown
 LONGEST = 10.0  # [m]
 GROWTH = 0.3  # growth of the length per length along the string [-]
 LARGEST_GROWTH = 0.6  # the same of a mesh that is coarsened [-]
-LARGEST_RATIO = 2.0  # of neighbouring elements, where one of them is automatic
+LARGEST_RATIO = 2.0  # of neighbouring elements, if one of them is automatic
 LAYER_SHARE = 0.25  # of sqrt(EI/T): moments beside a support to 1 % (manual: eq-mesh-layer)
 SPAN_SHARE = 0.05  # of the free length beside a support: the same with a side load
 WAVE_STEP = 1.0  # phase of a buckle's wave in one element [rad]
@@ -67,7 +67,7 @@ class ElementLengths:
 
     edges: depths of the element ends [m] of each item with automatic lengths, by its number.
     ranges: lengths and their reasons from the top down.
-    coarsened: factor by which lengths exceed what the physics asks for, 1 unless ``MOST_ELEMENTS`` is reached.
+    coarsened: factor by which lengths exceed what the physics requires, 1 unless ``MOST_ELEMENTS`` is reached.
     """
 
     edges: dict[int, list[float]]
@@ -75,14 +75,14 @@ class ElementLengths:
     coarsened: float = 1.0
 
     def warnings(self, units: System = "metric") -> list[str]:
-        """Sentence on a mesh that is coarser than the physics asks for, empty for others; depths in a system of units."""
+        """Sentence on a mesh that is coarser than the physics requires, empty for others; depths in a system of units."""
         if self.coarsened <= 1.001:
             return []
         worst = min(self.ranges, key=lambda r: r.shortest)
         size, _, unit = display_unit("length", units)
         return [
-            f"the automatic mesh is limited to {MOST_ELEMENTS} elements, which are {self.coarsened:.3g} times longer than asked "
-            f"for; the shortest are asked for from MD {worst.upper / size:.0f} to {worst.lower / size:.0f} {unit} ({worst.reason})"
+            f"the automatic mesh is limited to {MOST_ELEMENTS} elements, which are {self.coarsened:.3g} times longer than "
+            f"needed; the shortest are needed from MD {worst.upper / size:.0f} to {worst.lower / size:.0f} {unit} ({worst.reason})"
         ]
 
 
@@ -92,7 +92,7 @@ def is_automatic(case: Case) -> bool:
 
 
 def instead_of_length(case: Case) -> str:
-    """What a case may say instead of a shorter ``element_length``: auto, or a finer mesh where all lengths are automatic."""
+    """Alternatives in a case to a shorter ``element_length``: auto, or a finer mesh if all lengths are automatic."""
     given = any(isinstance(getattr(item, "element_length", None), float) for item in case.string)
     return "or auto" if given else f"or mesh: {{refinement: {2 * case.mesh.refinement:g}}}"
 
@@ -110,7 +110,7 @@ def choose_lengths(
     sections: section values of each flexible item (``StringMesh`` units); by number of the item, as below.
     marks: depths [m] where an item with automatic lengths must have nodes, its ends included.
     given: depths [m] of the element ends of items that name their length.
-    motion: axial speed [m/s, down positive] and rotation [rad/s] of a static question, None: those of the case.
+    motion: axial speed [m/s, down positive] and rotation [rad/s] of a static problem, None: the motion of the case.
     """
     if case.hold_string:  # no beam: lengths matter for the mud only
         edges = {i: _uniform(m, LONGEST / case.mesh.refinement) for i, m in marks.items()}
@@ -143,10 +143,10 @@ def free_length(bending: float, clearance: float, side: float) -> float:
 
 
 def step_moment(bending: FloatArray, height: float | FloatArray, side: FloatArray) -> FloatArray:
-    """Bending moment [N m] where a string comes down from a step on the wall (manual: eq-mesh-step).
+    """Bending moment [N m] of a string that comes down from a step on the wall (manual: eq-mesh-step).
 
-    bending: EI [N m2]; height: of the step [m]; side: load across the string [N/m].  A beam that is clamped on the
-    step and reaches the wall with no slope and no moment: height = w L^4/(72 EI), moment w L^2/6.
+    bending: EI [N m2]; height: of the step [m]; side: load across the string [N/m].  A beam clamped on the step that
+    reaches the wall without slope and moment: height = w L^4/(72 EI), moment w L^2/6.
     """
     return np.asarray(np.sqrt(2 * bending * height * side))
 
@@ -243,7 +243,7 @@ class _Asked:
         square = (
             2 * f.mass * omega**2 / (np.sqrt(tension**2 + 4 * self.bending * f.mass * omega**2) + tension)
         )
-        name = "highest frequency asked for" if asked is not None else "bending waves at the rotation speed"
+        name = "highest frequency requested" if asked is not None else "bending waves at the rotation speed"
         self._pieces(VIBRATION_STEP / np.sqrt(square), lambda k: name)
         if asked is not None:
             speed = [

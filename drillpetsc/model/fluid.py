@@ -60,7 +60,7 @@ class FluidComponents:
     """Components of the drilling fluid.
 
     constants: of the fluid.
-    bore, annulus, bit: None where the model has no such channel.
+    bore, annulus, bit: None if the model has no such channel.
     volumes(pressure): nodal volumes (n+1,) [m3] by field of fluid at rest under a pressure at the top [Pa];
     only with formulation hermite.
     surface_line: between pump and string, None without one.
@@ -101,7 +101,7 @@ class FluidComponents:
 def usual_sizes(case: Case, mesh: StringMesh) -> tuple[float, float]:
     """Return the pressure [Pa] and the flow rate [m3/s] to which the tolerances of the mud refer.
 
-    The flow is at most half of the largest one of the pump, and the pressure at most that of a wave of this flow in the
+    The flow is at most half of the pump's largest flow. The pressure is at most the wave pressure of this flow in the
     narrowest bore, rho c Q/A (Joukowsky): a small pump's waves are small as well (manual: sec-time-error).  A trickle counts
     as ``LEAST_PUMPED`` of the usual flow, since the string moves the mud too.
     """
@@ -167,7 +167,7 @@ def build_fluid(
         assert well is not None
         walls = build_walls(case, mesh)
         sizes = walls.annulus(HoleVolume(well), np.arange(len(mesh.upper)), mesh.upper, mesh.lower)
-        if not case.hold_string:  # the flow past a held string knows no rigid items
+        if not case.hold_string:  # the flow past a held string does not include rigid items
             _refuse_closed_annulus(case, mesh, sizes)
         chi = _added_mass(case, sizes)
         if not case.hold_string and (hole is not None or not _is_uniform(well, walls)):
@@ -277,7 +277,7 @@ def _items_in_mud(
 def _mud_items(case: Case, mesh: StringMesh, sizes: Annulus) -> tuple[MudItem, ...]:
     """Mud across the hole beside the rigid items that have a length and an outer diameter (manual: sec-mud-items).
 
-    An item counts as a cylinder that leaves as much of the hole open as its section does, and bits and stabilizers at least
+    An item counts as a cylinder with the same open area around it. Bits and stabilizers leave open at least
     ``LEAST_BESIDE`` of the hole.
     """
     bodies = [b for b in mesh.bodies if b.length > 0 and b.radius > 0]
@@ -307,7 +307,7 @@ def _mud_items(case: Case, mesh: StringMesh, sizes: Annulus) -> tuple[MudItem, .
 
 
 def _refuse_closed_annulus(case: Case, mesh: StringMesh, sizes: Annulus) -> None:
-    """Raise CaseError where the metal of rigid items fills the hole around them: that over them and the element below."""
+    """Raise CaseError if the metal of rigid items fills the hole around them: that over them and the element below."""
     narrow = np.flatnonzero(sizes.hole - sizes.outer <= LEAST_OPEN * sizes.hole)
     for number in dict.fromkeys(mesh.item[narrow].tolist()):
         if case.string[number].annulus_od is not None:
@@ -330,14 +330,14 @@ def _refuse_closed_annulus(case: Case, mesh: StringMesh, sizes: Annulus) -> None
         at=f"string[{number}]",
         got=f"{names}: metal and bore of {shown(sizes.outer_above[k], 'flow_area', units)}",
         want=f"less than the hole around it, {shown(sizes.hole_around[k], 'flow_area', units)}: the mud must get past",
-        hint="body_od and blade_length, or mass, say how much metal it has; a hole that narrows beside the item counts as the mean over its "
-        "length: end the wide section lower",
+        hint="body_od and blade_length, or mass, set the volume of its metal. If the hole narrows beside the item, its mean diameter counts: "
+        "end the wide section lower",
     )
 
 
 def side_links(case: Case, mesh: StringMesh) -> tuple[SideLink, ...]:
-    """Nozzles above the bit by their nodes, from the top down: those of an item are at its upper end, or at that of the rigid
-    items right above it."""
+    """Nozzles above the bit by their nodes, from the top down: nozzles of an item are at its upper end, or at the upper end of
+    the rigid items right above it."""
     areas, bodies = dict(case.side_nozzles), iter(mesh.bodies)
     found: dict[int, list[tuple[int, float]]] = {}
     for number, item in enumerate(case.string):
@@ -404,8 +404,8 @@ def _stokes_mass(case: Case, sizes: Annulus) -> FloatArray:
 
 
 def lateral_viscosity(case: Case, inner: FloatArray, outer: FloatArray) -> FloatArray:
-    """Apparent viscosity (n,) [Pa s] at the wall of a pipe that turns at the reference speed omega, where the shear rate
-    is 2 omega/(1 - (Do/Dw)^2) (Couette).  inner, outer: diameters of string and hole [m]."""
+    """Apparent viscosity (n,) [Pa s] at the wall of a pipe that turns at the reference speed omega, with the shear rate
+    2 omega/(1 - (Do/Dw)^2) (Couette).  inner, outer: diameters of string and hole [m]."""
     assert case.fluid is not None
     return shear_viscosity(case, 2 * case.fluid.lateral_damping_speed / (1 - (inner / outer) ** 2))
 
@@ -448,7 +448,7 @@ def shear_viscosity(case: Case, shear_rate: FloatArray) -> FloatArray:
 def _lateral_coefficients(case: Case, sizes: Annulus) -> LateralCoefficients:
     """Compute added mass, lateral damping (manual: eq-mud-stokes-coefficients) and rotational drag of the elements.
 
-    The viscosity is that of ``lateral_viscosity``.
+    The viscosity is taken from ``lateral_viscosity``.
     """
     f = case.fluid
     assert f is not None

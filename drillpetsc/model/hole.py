@@ -12,7 +12,7 @@ ROUNDING = 1e-9  # difference of two lengths that is none [m]
 
 
 def build_well(case: Case) -> Well | None:
-    """Create the hole of the case, None without one; CaseError where the geometry is impossible."""
+    """Create the hole of the case, None without one; CaseError if the geometry is impossible."""
     if case.well is None:
         return None
     survey, sections = case.well.survey, case.well.sections

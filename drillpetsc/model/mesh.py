@@ -62,10 +62,10 @@ def build_mesh(case: Case, well: Well | None = None, motion: tuple[float, float]
 
     ``curvature_by_tool_face`` completes the stress-free curvature when the frames of the nodes are known.
 
-    well: the hole, None: that of the case.
-    motion: axial speed [m/s, down positive] and rotation [rad/s] of a static question; automatic lengths are
-    chosen for it, None: for those of the case.
-    Raises CaseError where no item of the string is flexible, or a bend is right below a joint.
+    well: the hole, None: the hole of the case.
+    motion: axial speed [m/s, down positive] and rotation [rad/s] of a static problem, for which automatic
+    lengths are chosen; None: the motion of the case.
+    Raises CaseError if no item of the string is flexible, or a bend is right below a joint.
     """
     if not any(isinstance(item, Flexible) for item in case.string):
         raise CaseError(
@@ -162,7 +162,7 @@ def _element_ends(
 def _depths_of_run(case: Case) -> FloatArray | None:
     """Measured depths of the nodes [m] of the run that ``case`` starts from; None for another start.
 
-    A run that starts from another one has its mesh, whatever its own loads ask for.
+    A run that starts from another one has its mesh, whatever the loads of the new case require.
     """
     if case.initial.from_ in STARTS:
         return None
@@ -263,7 +263,7 @@ def _bent_after(items: Iterable[Item]) -> bool:
 def _edges(case: Case, number: int, item: Flexible, top: float, bottom: float) -> list[float]:
     """Compute the measured depths [m] of the element ends of a flexible item between ``top`` and ``bottom`` [m].
 
-    Of an item with automatic lengths: the depths where elements must end.
+    Depths at which elements of an item with automatic lengths must end.
     """
     count, string = max(1, element_count(item)), case.string
     edges = [top, bottom] if count == 1 else list(np.linspace(top, bottom, count + 1))
@@ -291,7 +291,7 @@ def _edges(case: Case, number: int, item: Flexible, top: float, bottom: float) -
 
 
 def _with_sections(rows: list) -> list:
-    """Give the rows of joints number and item of the element above, those at the top of the element below.
+    """Give the rows of joints number and item of the element above; joints at the top take the element below.
 
     The section of a joint has no effect, but must be a number.
     """
@@ -349,8 +349,8 @@ def _polar(size: float, angle: float) -> tuple[float, float]:
 def _bent_cells(rows, rigid, tops: dict[int, int], is_joint: np.ndarray) -> tuple[BentCell, ...]:
     """Return the stress-free curvatures of the elements (manual: sec-junctions-bend).
 
-    is_joint: (n,) mask of the cells that are joints; the other arguments are those of ``_assemble``.
-    Raises CaseError where the kink of a rigid item would be in a joint.
+    is_joint: (n,) mask of the cells that are joints; the other arguments are as in ``_assemble``.
+    Raises CaseError if the kink of a rigid item would be in a joint.
     """
     bent: list[BentCell] = []
 
@@ -492,10 +492,10 @@ def _body(item: Any, node: int, before: float) -> RigidItem:
 
 
 def _touching(item: Item, before: float) -> tuple[float, float] | None:
-    """Part of a stabilizer or bit that touches the wall, for ``RigidItem``; None where the whole item does.
+    """Part of a stabilizer or bit that touches the wall, for ``RigidItem``; None if the whole item does.
 
-    A bit has cut its hole, in which it may tilt: held at both ends by a hole that curves, it would be a wedge whose couple is that of
-    the wall's stiffness.  It touches at the middle of its cutting part, which is about as high as wide.
+    A bit may tilt in the hole that it has cut. Held at both ends in a curved hole, it would be a wedge whose couple depends on the
+    wall's stiffness.  It touches at the middle of its cutting part, which is about as high as wide.
     """
     if isinstance(item, Bit) and item.od:
         return before + item.length - 0.5 * min(item.length, item.od), 0.0

@@ -40,7 +40,7 @@ def motor_law(section: MotorSection) -> MotorLaw:
 
 
 def _curves(section: MotorSection) -> list[MeasuredCurve]:
-    """Measured curves down to standstill: the last point stands, or the stall torque follows it."""
+    """Measured curves down to standstill: the speed of the last point is zero, or the stall torque follows it."""
     assert section.curve is not None
     out = []
     for flow in section.curve.flows:

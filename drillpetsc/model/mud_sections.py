@@ -60,7 +60,7 @@ def _rigid_runs(case: Case, mesh: StringMesh) -> tuple[FloatArray, FloatArray]:
 
 
 def mud_of_rigid_items(case: Case, mesh: StringMesh) -> FloatArray:
-    """(n+1,) mass [kg] of the mud in the rigid items below each node, less that of the mud which they displace.
+    """(n+1,) mass [kg] of the mud in the rigid items below each node, minus the mass of the mud that they displace.
 
     Below the last node only the metal counts, as in the equations of the bit's flow.
     """
@@ -110,8 +110,8 @@ def _joint_sections(case: Case) -> dict[int, TubularSection]:
 def _tools_with_loss(case: Case, mesh: StringMesh) -> list[tuple[int, np.ndarray, FloatArray]]:
     """(number of the item, its elements of the bore, share of each [-]) of the items with a pressure_loss, from the top down.
 
-    A flexible tool has its loss over its length. That of a rigid one is in the element below it, or in the last element where the
-    tool is the string's end.
+    A flexible tool has its loss over its length. The value of a rigid one is in the element below it, or in the last element if
+    the tool is the string's end.
     """
     found, bodies = [], iter(mesh.bodies)
     for number, item in enumerate(case.string):

@@ -37,7 +37,7 @@ def quaternion_components(
     loads: nodal loads; breaks: times at which they jump or bend [s].
     contact: wall contact, None without one.
     path: of the top, None: a straight line.
-    Returns the beam, the constrained top end (None where it is free), and all components.
+    Returns the beam, the constrained top end (None if it is free), and all components.
     """
     finest = contact.impact_depth if contact is not None else np.inf
     beam = QuaternionBeam(

@@ -1,4 +1,4 @@
-"""From a reamer of the string to its component, and the hole that it stands in (manual: sec-reamer)."""
+"""Creates the component of a reamer of the string, and its hole (manual: sec-reamer)."""
 
 from __future__ import annotations
 

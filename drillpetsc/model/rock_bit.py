@@ -27,7 +27,7 @@ from drillpetsc.physics.rock_bit import (
 )
 from drillpetsc.physics.wall_stiffness import ROCK_POISSON, STEEL_YOUNG, line_stiffness
 
-ROCK_STRENGTH = 60e6  # of a bit that cuts sideways, where none is given [Pa]
+ROCK_STRENGTH = 60e6  # of a bit that cuts sideways, if not given [Pa]
 
 
 def build_rock_bit(case: Case, mesh: StringMesh, well: Well) -> RockBit:
@@ -77,7 +77,7 @@ def build_rock_bit(case: Case, mesh: StringMesh, well: Well) -> RockBit:
 
 
 def _gauge(bit: Bit, formation: Formation) -> Gauge:
-    """Strength of the rock times the part of the gauge that bears on it."""
+    """Strength of the rock times the part of the gauge in contact with it."""
     assert bit.gauge_width is not None
     strength = ROCK_STRENGTH if formation.strength is None else formation.strength
     return Gauge(strength * bit.gauge_length * bit.gauge_width, bit.gauge_length)
@@ -135,7 +135,7 @@ def _layer(q, start: float) -> Layer:
 def rock_matrix(rock) -> FloatArray:
     """Compute the rock anisotropy matrix (3, 3), M_r = n n + I_1 d d + I_2 s s (manual: eq-bit-rock-matrix).
 
-    n is the normal of the bedding, d the direction of its dip, s that of its strike, in north, east, down.
+    n is the normal of the bedding, d its dip direction, s its strike direction, in north, east, down.
     The bedding dips by ``dip`` [rad] towards ``dip_azimuth`` [rad]; horizontal bedding has a vertical
     normal.
     """

@@ -1,7 +1,7 @@
 """Estimate of the axial force along the string before any solve, from which element lengths are chosen.
 
 Manual: sec-mesh-forces.  The string lies on the wall of its hole as in the soft string (manual: sec-soft-string);
-where it coils, the wall force of the helix is added (manual: eq-statics-march).  The largest push and pull over
+if it is helical, the wall force of the helix is added (manual: eq-statics-march).  The largest push and pull over
 the operations of the case are kept, so that one mesh serves all of them.
 """
 
@@ -23,7 +23,7 @@ from drillpetsc.model.hole import hole_depth
 MAX_STEP = 5.0  # longest piece of the string in the estimate [m]
 HELIX_FACTOR = 2 * np.sqrt(2.0)  # manual: eq-statics-march
 VERTICAL_FACTOR = 2.65
-CRUSHING_STRAIN = 0.01  # no push is larger than that which compresses the pipe by this [-]
+CRUSHING_STRAIN = 0.01  # compression [-] of the pipe at the largest push
 LEAST_CLEARANCE = 1e-3  # [m]
 
 
@@ -63,7 +63,7 @@ def _areas(case: Case, number: int, flexible: dict[int, dict[str, float]]) -> tu
 
 
 def held_at_weight(case: Case) -> Case:
-    """The case of statics: a top under a force is held where the bit carries ``initial.wob``."""
+    """The case of statics: a top under a force is held at the depth where the bit carries ``initial.wob``."""
     if case.initial.wob is None or case.top.force is None:
         return case
     assert isinstance(case.top, TopDrive)
@@ -81,7 +81,7 @@ def estimate_forces(
     """Estimate the forces of the string of ``case``.
 
     sections: section values of each flexible item by its number (``StringMesh`` units).
-    motion: axial speed [m/s, down positive] and rotation [rad/s] of a static question, None: those of the case.
+    motion: axial speed [m/s, down positive] and rotation [rad/s] of a static problem, None: the motion of the case.
     places: measured depths [m] where pieces end, beside items' ends and the hole's nodes.
     """
     case = held_at_weight(case)
@@ -167,7 +167,7 @@ class _Pieces:
     def march(self, bottom: float, drag: FloatArray) -> FloatArray:
         """Mean axial force (n,) of the pieces [N] from the force at the bottom.
 
-        drag: friction coefficient along the string, positive where friction acts upward on the string.
+        drag: friction coefficient along the string, positive if friction acts upward on the string.
         """
         out, below, factors = np.empty(len(self.rows)), bottom, drag.tolist()
         for i in range(len(self.rows) - 1, -1, -1):
@@ -192,7 +192,7 @@ class _Pieces:
 
 
 def _top(case: Case) -> float:
-    """Measured depth in the hole of the string's top [m]: a string with a weight on bit stands on the bottom."""
+    """Measured depth in the hole of the string's top [m]: a string with a weight on bit is on the bottom."""
     if case.well is None or case.initial.wob is None:
         return 0.0
     return hole_depth(case) - case.string_length
@@ -287,7 +287,7 @@ def _bottom_forces(case: Case, pieces: _Pieces, tangent: FloatArray) -> list[flo
 
 
 def _weight_on_bit(case: Case, pieces: _Pieces) -> float:
-    """Largest weight on bit [N]: that of the start, or that which the lowering of the top leads to."""
+    """Largest weight on bit [N]: at the start, or after the lowering of the top."""
     wob = case.initial.wob or 0.0
     lowering = case.top.lowering if case.top.force is None else None
     if lowering is None or case.time is None:

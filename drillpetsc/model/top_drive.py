@@ -35,7 +35,7 @@ def lowest_torsional_frequency(mesh: StringMesh, bottom_held: bool = False) -> f
 
     The string is straight and in air, with the elements of the model: linear rotation and consistent inertia.
     bottom_held: the lower end does not turn.
-    Raises CaseError where joints leave parts of the string free to turn.
+    Raises CaseError if joints leave parts of the string free to turn.
     """
     if any(j.kind == "revolute" for j in mesh.joints):
         raise CaseError(
@@ -101,7 +101,7 @@ def laws_of(case: Case, mesh: StringMesh) -> tuple[Law, ...]:
     """
     zeta, inertia = pipe_impedance(mesh), motor_of(case).inertia
     if any(isinstance(q, PythonController) for q in case.top.control):
-        return ()  # a function of the user has no gains that are known here
+        return ()  # the gains of a function of the user are unknown here
     return tuple(_law(q, case, mesh, zeta, inertia) for q in case.top.control)
 
 

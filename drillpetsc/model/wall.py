@@ -30,7 +30,7 @@ def rock_young(case: Case) -> float:
 
 
 def wall_stiffness(case: Case, mesh: StringMesh, well: Well) -> tuple[FloatArray, FloatArray]:
-    """Stiffness [Pa] of the wall at the elements (n,) and at the rigid items (bodies,), where the string stands at the start."""
+    """Stiffness [Pa] of the wall at the elements (n,) and at the rigid items (bodies,), at the place of the string at the start."""
     top = top_of_string(case, mesh.total_length)
     cells = np.array([_of_cell(case, mesh, well, k, top) for k in range(len(mesh.upper))])
     bodies = [
@@ -43,7 +43,7 @@ def wall_stiffness(case: Case, mesh: StringMesh, well: Well) -> tuple[FloatArray
 def mean_and_hardness(
     case: Case, mesh: StringMesh, well: Well
 ) -> tuple[float, tuple[FloatArray, FloatArray]]:
-    """Mean stiffness [Pa] of the wall along the string, and that of elements and rigid items over it, 1 where nothing touches."""
+    """Mean stiffness [Pa] of the wall along the string, and the ratio of elements and rigid items to it, 1 if nothing touches."""
     cells, bodies = wall_stiffness(case, mesh, well)
     every = np.concatenate([cells, bodies])
     mean = float(np.exp(np.nanmean(np.log(every)))) if np.isfinite(every).any() else 1e8
@@ -51,7 +51,7 @@ def mean_and_hardness(
 
 
 def _of_cell(case: Case, mesh: StringMesh, well: Well, k: int, top: float) -> float:
-    """Stiffness [Pa] per length of string; tool joints that hold the tube off the wall bear over their own length only."""
+    """Stiffness [Pa] per length of string; tool joints that hold the tube off the wall touch it over their length only."""
     if mesh.is_joint[k] or not mesh.contact_diameter[k] > 0:
         return np.nan
     item, depth = case.string[mesh.item[k]], top + 0.5 * (mesh.upper[k] + mesh.lower[k])

@@ -1,7 +1,7 @@
 """Outputs: the quantities, their measurement during a run, and the files of a run folder.
 
-This module re-exports the file formats of ``files/``: plain numpy arrays and dictionaries in, files out.  They use
-neither PETSc nor MPI nor the case; rank 0 calls them with gathered arrays.  meshio is imported by the first function
+This module re-exports the file formats of ``files/``: plain numpy arrays and dictionaries in, files out.  They do
+not use PETSc, MPI or the case; rank 0 calls them with gathered arrays.  meshio is imported by the first function
 that writes or reads a .vtu.
 """
 

@@ -55,8 +55,8 @@ def end_forces(model: DrillingModel, time: float = 0.0) -> EndForces:
     """Forces and bending moments at the ends of the local elements, from the elements' equilibrium.
 
     They follow from the rows of all components on an element: elastic and damping forces less distributed loads and inertia.
-    At an end of an element they are the forces that its neighbour must exert, so they are exact for a straight beam under loads
-    distributed by the element (manual: eq-beam-nodal-moment).  time: of inputs [s].
+    At an end of an element they are the forces of its neighbour. So they are exact for a straight beam under loads distributed
+    by the element (manual: eq-beam-nodal-moment).  time: of inputs [s].
     """
     system, beam = model.system, model.beam
     assert beam is not None

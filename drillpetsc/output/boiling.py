@@ -82,7 +82,7 @@ class BoilingMonitor:
         return [
             f"the pressure of the mud in the {low.channel} falls to {shown(low.pressure, 'pressure', self.units, 3)} gauge at {low.time:.6g} s, "
             f"{self._place(low)}, first below the vapour pressure at {self.first.time:.6g} s, {self._place(self.first)}: "
-            "the mud would boil; results there are not valid"
+            "the mud would boil, so results there are not valid"
         ]
 
     def _place(self, low: LowPressure) -> str:

@@ -1,6 +1,6 @@
 """All outputs of the program, by file and in the order of its columns, each with the condition under which it exists.
 
-Plots, tables, the manual and ``drillpetsc schema --outputs`` read this page.  It needs neither a model nor PETSc.
+Plots, tables, the manual and ``drillpetsc schema --outputs`` read this page.  It does not need a model or PETSc.
 """
 
 from __future__ import annotations

@@ -98,7 +98,7 @@ class EnergyBalance:
         return taken
 
     def update(self, t: float) -> None:
-        """Take the energies at the present state (collective); keeps the largest change since the start."""
+        """Read the energies at the present state (collective); keeps the largest change since the start."""
         self.take(self.system.energies(t))
 
     def take(self, energies: Sequence[float]) -> None:
@@ -125,7 +125,7 @@ class EnergyBalance:
         self._powers = float(powers.dissipated), float(powers.supplied)
 
     def after_sample(self, t: float) -> None:
-        """Take the powers after a force has jumped: the quadrature of the next step begins with them."""
+        """Read the powers after a force has jumped: the quadrature of the next step begins with them."""
         self._take_powers(t)
 
     def at_jump(self, t: float) -> None:
@@ -136,15 +136,15 @@ class EnergyBalance:
     def add_impulse_work(self, t: float) -> None:
         """Count as supplied the energy gained in the steps whose formula spans a jump of a prescribed velocity.
 
-        Neither reaction nor rate has a value at the jump, so quadrature over these steps cannot give their product.
+        Reaction and rate have no value at the jump, so quadrature over these steps cannot give their product.
         """
         self.update(t)
         self.supplied += self.error - self._before_jump
 
     @property
     def exchanged(self) -> float:
-        """Scale of an energy error [J]: the larger of the peaks, since the start, of the supplied work and of the change
-        of kinetic and strain energy, at least the rounding of the energies and the settling of the start.  Work that was
+        """Scale of an energy error [J]: the largest supplied work, or change of kinetic and strain energy, since the start.
+        It is at least the rounding of the energies and the settling of the start.  Work that was
         supplied and returned counts."""
         least = max(1e-9 * sum(map(abs, self.energies)), SETTLING * abs(self.energies[1]), 1e-300)
         return max(abs(self.supplied), self.peak_exchange, least)
@@ -257,4 +257,4 @@ class EnergyGainMonitor:
         """Warning for the user."""
         b = self.balance
         assert b is not None
-        return f"the time integration gained {shown(b.gained, 'energy', b.system.units, 3)} without input, {100 * b.gained / b.exchanged:.2g} % of the energy exchanged"
+        return f"the time integration generated {shown(b.gained, 'energy', b.system.units, 3)} without input, {100 * b.gained / b.exchanged:.2g} % of the energy exchanged"

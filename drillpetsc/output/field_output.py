@@ -18,7 +18,7 @@ Key = tuple[int, Any]  # of a value: its source, its function
 
 
 class FieldOutput:
-    """Evaluates the fields of a model.  Quantities with the same value share what is gathered."""
+    """Evaluates the fields of a model.  Quantities with the same value share the gathered array."""
 
     def __init__(self, model: DrillingModel) -> None:
         self.model, self.system = model, model.system

@@ -74,8 +74,8 @@ class FreeEndWatch:
             return []
         most = shown(self.most, "length", self.model.case.shown_units, 3)
         return [
-            f"the free end of the string passes the end of the hole from {self.first:.6g} s on, by up to {most}: nothing stops it "
-            "there, and the results from then on are of a deeper hole; bottom: {kind: bit} stands on the bottom"
+            f"the free end of the string passes the end of the hole from {self.first:.6g} s on, by up to {most}. Nothing stops it "
+            "there, so later results belong to a deeper hole; bottom: {kind: bit} stands on the bottom"
         ]
 
     def get_notes(self) -> dict[str, Any]:

@@ -45,7 +45,7 @@ class IndexTable:
         return write_table(folder / INDICES_TABLE, list(self.columns), list(self.columns.values()))
 
     def lines(self, units: System) -> list[str]:
-        """The indices for people: mean and largest over the windows, in a system of units; accelerations in g."""
+        """Lines on the indices: mean and largest over the windows, in a system of units; accelerations in g."""
         s = self.summary
         out = [f"{s['windows']} windows of {s['window']:g} s", f"  {'':48} {'mean':>10} {'largest':>10}"]
         for title, largest in s["largest"].items():
@@ -178,7 +178,7 @@ def _drilling(history: dict[str, np.ndarray], spans: list[slice], case: Case) ->
 
 
 def _whirl(run: RunFolder, case: Case, ends: FloatArray) -> tuple[dict[tuple[str, str], Any], list[str]]:
-    """Whirl at the probes in the hole, and what is to be said about it."""
+    """Whirl at the probes in the hole, and sentences about it."""
     if not run.probes.is_file() or case.well is None:
         return {}, []
     probes, found = _columns(read_table(run.probes)), {}
@@ -208,13 +208,13 @@ def _whirl(run: RunFolder, case: Case, ends: FloatArray) -> tuple[dict[tuple[str
     told = []
     if still:
         told.append(
-            f"indices: whirl at {', '.join(still)} is not known: the string turns less than three times"
+            f"indices: whirl at {', '.join(still)} is not known: the string makes fewer than three turns"
         )
     if unresolved:
         every = float(np.median(np.diff(probes["time"])))
         told.append(
             f"indices: whirl at {', '.join(unresolved)} is not resolved in more than {100 * MANY:g} % of the windows: output.history_every "
-            f"of {every:g} s has too few rows for a string that rolls on the wall, or the string turns forth and back"
+            f"of {every:g} s has too few rows for a string that rolls on the wall, or the string turns back and forth"
         )
     return found, told
 

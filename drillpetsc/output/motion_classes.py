@@ -177,8 +177,8 @@ def _whirl(angle: float, spin: float) -> dict[str, Any]:
 def changed_classes(motion: list[dict[str, Any]], other: list[dict[str, Any]]) -> list[dict[str, Any]]:
     """Classes of motion that differ between two runs: name, md [m], what, was, is.
 
-    motion, other: as returned by ``MotionClasses.summary``, of the same case.  A class whose deciding number lies
-    at its limit in both runs, and hardly differs, has not changed.
+    motion, other: as returned by ``MotionClasses.summary``, of the same case.  A class has not changed if its
+    deciding number is at its limit in both runs and almost equal.
     """
     out = []
     for part, fine in zip(motion, other, strict=True):

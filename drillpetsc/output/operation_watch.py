@@ -1,4 +1,4 @@
-"""Checks the rows of a run for states that a rig or a tool cannot reach: a hook that pushes, a motor at its stall, a shock sub on a stop.
+"""Checks the rows of a run for states that a rig or a tool cannot reach: a pushing hook, a stalled motor, a shock sub on a stop.
 
 Manual: sec-outputs-watch.  Events between two rows are not seen.
 """
@@ -61,7 +61,7 @@ class OperationWatch:
         hung = case.well is not None and case.top.force is None and case.top.hoist is None
         if (
             hung and not isinstance(case.top, HeldTop) and "hook_load" in place
-        ):  # lines of a hoist go slack, and it says so
+        ):  # the hoist warns if its lines go slack
             self._signs.append(_Sign("push", place["hook_load"], LEAST_PUSH, -1.0))
         self._stall = 0.0
         motor = next((q for q in case.string if isinstance(q, PositiveDisplacementMotor)), None)
@@ -104,13 +104,13 @@ class OperationWatch:
             if name == "push":
                 out.append(
                     f"the top pushes the string into the hole {since}, with up to {shown(spell.largest, 'force', units, 4)} at "
-                    f"{spell.at:.6g} s: a hook can only pull, and lets the block rest on the string instead"
+                    f"{spell.at:.6g} s: a hook can only pull; the block would rest on the string"
                 )
             elif name == "stall":
                 out.append(
                     f"the torque of the motor is above {100 * NEAR_STALL:g} % of its stall torque "
-                    f"{shown(self._stall, 'torque', units, 4)} {since}, first at {spell.first:.6g} s: it hardly turns, and most of "
-                    "the mud leaks through it"
+                    f"{shown(self._stall, 'torque', units, 4)} {since}, first at {spell.first:.6g} s: the motor hardly turns, and "
+                    "most of the mud leaks through it"
                 )
             else:
                 item, closed = self._stops[name]

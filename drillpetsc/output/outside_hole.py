@@ -10,7 +10,9 @@ import numpy as np
 from drillpetsc.model.drilling_model import DrillingModel
 from drillpetsc.unit_systems import System, shown
 
-HINT = "with contact: none nothing holds the string in its hole: contact: {}, or a fluid without the annulus"
+HINT = (
+    "with contact: none the string is not confined to its hole: contact: {}, or a fluid without the annulus"
+)
 
 
 @dataclass(frozen=True)
@@ -54,8 +56,8 @@ def _said(model: DrillingModel, found: Outside, when: str) -> str:
     units: System = model.case.shown_units
     distance, depth = (shown(value, "length", units, 3) for value in (found.distance, found.depth))
     return (
-        f"the string leaves its hole: it lies {distance} from the axis at MD {depth}{when}, where the forces and energies of the "
-        f"mud mean nothing; {HINT}"
+        f"the string leaves its hole: it lies {distance} from the axis at MD {depth}{when}, so the forces and energies of the mud "
+        f"are meaningless; {HINT}"
     )
 
 

@@ -13,11 +13,11 @@ from drillpetsc.errors import CaseError
 
 Mode = Literal["auto", "live", "log", "silent"]
 Receiver = Callable[[float, str], Any]
-"""What is called with the share of the work that is done, from 0 to 1, and a line of text."""
+"""A function called with the share of the work done, from 0 to 1, and a line of text."""
 
 
 def check_progress(progress: Any, words: tuple[str, ...]) -> None:
-    """Raise CaseError if the progress is neither one of the words nor a function."""
+    """Raise CaseError if the progress is not one of the words or a function."""
     if not callable(progress) and progress not in words:
         raise CaseError(
             at="progress", got=progress, want=f"{', '.join(words)}, or a function of (share, text)"
@@ -29,7 +29,7 @@ class Progress:
 
     update() is called after every accepted step; between two prints it costs a clock reading (well under 1
     us). The factor is simulated seconds per wall second over the last prints (about the last 30 s of wall
-    time), so that the estimate follows a run that slows down; finish() gives the factor over the whole run.
+    time), so the estimate follows a run that slows down. finish() gives the factor over the whole run.
     """
 
     def __init__(
@@ -72,7 +72,7 @@ class Progress:
         self._write_line(text)
 
     def finish(self, simulated: float, step: int) -> None:
-        """Leave one last line: what was reached in what time."""
+        """Print a last line: simulated time, steps and wall time."""
         if self.mode == "silent":
             return
         wall = max(time.monotonic() - self._began, 1e-9)

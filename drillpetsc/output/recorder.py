@@ -38,7 +38,7 @@ STEPS_AHEAD = 3.0  # a step at most doubles: with it, the step before the one th
 
 @dataclass
 class Row:
-    """What a row of the history contains about itself: time [s], last step [s], its Newton iterations."""
+    """Header of a row of the history: time [s], last step [s], its Newton iterations."""
 
     time: float = 0.0
     step: float = 0.0
@@ -72,7 +72,7 @@ class Recorder:
     Steps are recorded one by one and evaluated together, at the latest when their results are needed.
 
     columns, probe_columns: names and units of history.csv and probes.csv.
-    energy: energy balance; None without inertia, in which work goes into motion that is not computed.
+    energy: energy balance; None without inertia, because work then becomes motion that is not computed.
     mass: mass balance of the mud; None without mud.
     sensors: downhole sensors; None without any.
     """
@@ -400,7 +400,7 @@ class Recorder:
 
     # ------------------------------------------------------------------ checkpoints
     def get_state(self) -> dict[str, FloatArray]:
-        """What a continued run needs, the same on all ranks; collective."""
+        """Data for a continued run, the same on all ranks; collective."""
         self.catch_up()
         samples = {"samples": np.array([[t, *v] for t, v in self._samples])}
         energy = self.energy.get_state() if self.energy is not None else {}

@@ -108,7 +108,7 @@ class RigidItems:
         return self.resultants(sums)[:, 0]
 
     def listed(self, loads: FloatArray, top: float) -> list[dict[str, Any]]:
-        """What summary.json has of every item: name, measured depth in the hole, resultants of its ``loads`` (items * 13,).
+        """Entry of summary.json for every item: name, measured depth in the hole, resultants of its ``loads`` (items * 13,).
 
         top: measured depth of the upper end of the unstrained string [m].
         """

@@ -25,7 +25,7 @@ def static_table(model: DrillingModel) -> tuple[list[Column], FloatArray | None]
     """Names and units of the columns, and values (n_nodes, columns) at the nodes for the model's present state, on
     rank 0; no columns and None elsewhere.  Collective.
 
-    Values of elements are the mean of those that meet at a node; the catalogue describes the columns.
+    Values of elements are means over the elements that meet at a node; the catalogue describes the columns.
     """
     mud = FlowRecorder(model.system, model.fluid) if model.fluid is not None else None
     wet = _of_mud(model, mud) if mud is not None else {}

@@ -37,7 +37,7 @@ def moves(top: TopKeys) -> bool:
 
 
 def top_reactions(steps: StepRecord, name: str) -> FloatArray | None:
-    """(k,) ``top_reaction`` after each of k recorded steps; None where it is found one by one only."""
+    """(k,) ``top_reaction`` after each of k recorded steps; None if it is found one by one only."""
     for row in steps.assembly.row_replacements:
         if row.owned and name in row.condition.names:
             return steps.numbers(row.reaction, row.condition.names.index(name))
@@ -66,7 +66,7 @@ class TopEnd:
         return (*declared.TOP_END, *total, *travel)
 
     def position(self, sample: Sample) -> FloatArray:
-        """(3,) position of the top [m]; zero where another rank has it."""
+        """(3,) position of the top [m]; zero if another rank has it."""
         if not self._is_here:
             return np.zeros(3)
         vertex = int(np.flatnonzero(self.model.system.chain.vertices == 0)[0])
@@ -86,14 +86,14 @@ class TopEnd:
         return -top_reaction(sample.system, "top.axial_reaction")
 
     def hook_loads(self, steps: StepRecord) -> FloatArray | None:
-        """(k,) ``hook_load`` after each of k recorded steps; None where it is found one by one only."""
+        """(k,) ``hook_load`` after each of k recorded steps; None if it is found one by one only."""
         if self.force is not None or self._hoist is not None:
             return None
         found = top_reactions(steps, "top.axial_reaction")
         return None if found is None else -found
 
     def surface_torques(self, steps: StepRecord) -> FloatArray | None:
-        """(k,) ``surface_torque`` after each of k recorded steps; None where it is found one by one only."""
+        """(k,) ``surface_torque`` after each of k recorded steps; None if it is found one by one only."""
         return None if self._drive is not None else top_reactions(steps, "top.torque_reaction")
 
     def hook_load_total(self, sample: Sample) -> float:
@@ -120,7 +120,7 @@ class LowerEnd:
         return declared.LOWER_END if self.model.beam is not None else ()
 
     def motion(self, state) -> FloatArray:
-        """(4,) position of the face [m] and spin rate [rad/s]; zero where another rank has the end."""
+        """(4,) position of the face [m] and spin rate [rad/s]; zero if another rank has the end."""
         out = np.zeros(4)
         if self.vertex is not None and self.model.beam is not None:
             end, slope, out[3] = self.model.beam.section(state, self.vertex)
@@ -128,7 +128,7 @@ class LowerEnd:
         return out
 
     def motions(self, steps: StepRecord) -> FloatArray | None:
-        """(k, 4) ``motion`` after each of k recorded steps; None where it is found one by one only."""
+        """(k, 4) ``motion`` after each of k recorded steps; None if it is found one by one only."""
         beam = self.model.beam
         if self.vertex is None or beam is None:
             return np.zeros((len(steps), 4))

@@ -89,7 +89,7 @@ class StringFields:
         return np.asarray(sample.once(self._element_results)[:, _AXIAL])
 
     def tension_and_pressure(self, sample: Sample) -> FloatArray:
-        """(nc, 2, 2) at both ends: tension [N] of the wall, and what the pressures add to it."""
+        """(nc, 2, 2) at both ends: tension [N] of the wall, and the contribution of the pressures to it."""
         assert self.mud is not None
         return np.stack([self.axial_force(sample), self.mud.pressure_force()], axis=2)
 

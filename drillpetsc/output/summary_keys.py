@@ -46,12 +46,12 @@ STATIC_PATH = "path of a buckled string"
 STATIC_BAND = "buckled string that slides"
 MESH_ERROR = "run --mesh-error"
 TOLERANCE_CHECK = "run --check-tolerance"
-WHIRLS = "run in which what may whirl limits a step"
+WHIRLS = "run in which a part that may whirl limits a step"
 ACCEPTED_CHANGES = "run --accept-changes"
 _RIGID_ITEMS = (
     "List of every rigid item with an outer diameter: name, md [m] of the middle, side_force [N], its components with friction "
     "side_high [N] and side_right [N], side_couple [N m], contact_force_sum [N], couple_high [N m] and couple_right [N m] "
-    "(they turn the lower end to the high side and to the right); of the bit bit_force_on_rock_high [N], positive where it builds"
+    "(they turn the lower end to the high side and to the right); for the bit bit_force_on_rock_high [N], positive if it builds"
 )
 
 RUN: tuple[SummaryKey, ...] = (
@@ -82,7 +82,7 @@ RUN: tuple[SummaryKey, ...] = (
         "s",
         "Wall time of the first rank by phase: residual, Jacobian, factorisation, solve, output; empty without PETSc's log.",
     ),
-    SummaryKey("warnings", "", "What the user should know."),
+    SummaryKey("warnings", "", "Warnings for the user."),
     SummaryKey(
         "accepted_changes",
         "",
@@ -130,7 +130,7 @@ RUN: tuple[SummaryKey, ...] = (
     SummaryKey(
         "energy.damped",
         "J",
-        "Energy that the time formula's damping has removed: energy.newton less energy.error; negative where it gained.",
+        "Energy that the time formula's damping has removed: energy.newton minus energy.error; negative if it gained.",
         INERTIA,
     ),
     SummaryKey("energy.damped_share", "-", "Removed energy, as a share like error_share.", INERTIA),
@@ -149,7 +149,7 @@ RUN: tuple[SummaryKey, ...] = (
     SummaryKey(
         "top_drive.control",
         "",
-        "List: kind, from [s], p [N m s/rad] and i [N m/rad] of each controller, and where it is tuned frequency [Hz] "
+        "List: kind, from [s], p [N m s/rad] and i [N m/rad] of each controller, and for a tuned one frequency [Hz] "
         "and reflection [-] there.",
         MOTOR,
     ),
@@ -185,9 +185,9 @@ RUN: tuple[SummaryKey, ...] = (
         CONTACT,
     ),
     SummaryKey("new_hole.drilled", "m", "Length of the new hole.", DRILLS),
-    SummaryKey("new_hole.inclination_start", "deg", "Inclination where the new hole begins.", DRILLS),
+    SummaryKey("new_hole.inclination_start", "deg", "Inclination at the start of the new hole.", DRILLS),
     SummaryKey("new_hole.inclination_end", "deg", "Inclination at the end of the new hole.", DRILLS),
-    SummaryKey("new_hole.azimuth_start", "deg", "Azimuth where the new hole begins.", DRILLS),
+    SummaryKey("new_hole.azimuth_start", "deg", "Azimuth at the start of the new hole.", DRILLS),
     SummaryKey("new_hole.azimuth_end", "deg", "Azimuth at the end of the new hole.", DRILLS),
     SummaryKey(
         "new_hole.build_rate", "deg/30m", "Build rate of the new hole (manual: eq-borehole-rates).", DRILLS
@@ -210,7 +210,7 @@ RUN: tuple[SummaryKey, ...] = (
     SummaryKey(
         "error_estimate.outputs",
         "",
-        "Estimated time error of the main outputs: range, error at an instant and their quotient share, and pace, the relative error of size and speed of the changes; null where an output switches.",
+        "Estimated time error of the main outputs: range, error at an instant and their quotient share, and pace, the relative error of size and speed of the changes; null if an output switches.",
         INERTIA,
     ),
     SummaryKey(
@@ -231,7 +231,7 @@ RUN: tuple[SummaryKey, ...] = (
     SummaryKey(
         "error_estimate.mesh",
         "",
-        "Differences of the history from that on elements twice as long.",
+        "Differences of the history from a run on elements twice as long.",
         MESH_ERROR,
     ),
     SummaryKey(
@@ -296,14 +296,14 @@ STATICS: tuple[SummaryKey, ...] = (
     SummaryKey(
         "helix_band",
         "",
-        "Of a buckled string that slides along an inclined hole with friction, where theory gives no single value: name (hook_load, or wob "
-        "under a given force at the top), low and high [N], as the pipe coils late or early.",
+        "For a buckled string that slides along an inclined hole with friction, whose load is not unique: name (hook_load, or wob under a "
+        "given force at the top), low and high [N], depending on whether the pipe becomes helical late or early.",
         STATIC_BAND,
     ),
     SummaryKey(
         "path",
         "",
-        "Question that a path answered: 'sliding', 'slack_off' or 'without_friction'.",
+        "Motion followed by the path: 'sliding', 'slack_off' or 'without_friction'.",
         STATIC_PATH,
     ),
     SummaryKey(
@@ -314,7 +314,7 @@ STATICS: tuple[SummaryKey, ...] = (
         "iterations; the first is the state of the table.",
         STATIC_PATH,
     ),
-    SummaryKey("warnings", "", "What the user should know."),
+    SummaryKey("warnings", "", "Warnings for the user."),
     SummaryKey(
         "rigid_items",
         "",
@@ -333,8 +333,8 @@ MODES: tuple[SummaryKey, ...] = (
     SummaryKey("lowering", "m/s", "Axial velocity of the state, positive down."),
     SummaryKey("rotation", "rad/s", "Rotation of the state, positive clockwise."),
     SummaryKey("modes", "-", "Number of modes found."),
-    SummaryKey("stable", "", "True if no mode grows and no eigenvalue is zero."),
-    SummaryKey("margin", "1/s", "Largest growth rate; negative where every computed mode decays."),
+    SummaryKey("stable", "", "True if all modes decay and all eigenvalues differ from zero."),
+    SummaryKey("margin", "1/s", "Largest growth rate; negative if all computed modes decay."),
     SummaryKey("unstable", "-", "Number of modes that grow."),
     SummaryKey("diverging", "-", "Number of modes that grow without oscillation."),
     SummaryKey("fluttering", "-", "Number of modes that grow with oscillation."),
@@ -351,15 +351,17 @@ MODES: tuple[SummaryKey, ...] = (
     SummaryKey("growth", "1/s", "List: growth rate of each mode."),
     SummaryKey("kind", "", "List: kind of each mode."),
     SummaryKey("negative_pivots", "-", "As in the summary of statics."),
-    SummaryKey("warnings", "", "What the user should know."),
+    SummaryKey("warnings", "", "Warnings for the user."),
     SummaryKey("time_scales", "", "Periods and travel times of waves, as text."),
 )
 
 CAMPBELL: tuple[SummaryKey, ...] = (
     SummaryKey("title", "", "Title of the case."),
-    SummaryKey("speeds", "rpm", "List: rotary speeds asked for."),
+    SummaryKey("speeds", "rpm", "List: rotary speeds requested."),
     SummaryKey(
-        "added_speeds", "rpm", "List: speeds between them, where shapes changed too much to be followed."
+        "added_speeds",
+        "rpm",
+        "List: speeds added between them because shapes changed too much to be followed.",
     ),
     SummaryKey("case_speed", "rpm", "Rotation of the case at time 0."),
     SummaryKey("lines", "-", "List: excitation lines in cycles per turn."),
@@ -367,19 +369,19 @@ CAMPBELL: tuple[SummaryKey, ...] = (
     SummaryKey(
         "searched_to",
         "Hz",
-        "Frequency up to which all modes are known, at each speed, those between included.",
+        "Frequency up to which all modes are known, at each speed, speeds between included.",
     ),
     SummaryKey(
         "searched_beside",
         "Hz",
-        "Distance from excitation lines above up to which modes are known, at each speed; null where no line lies above.",
+        "Distance from excitation lines above up to which modes are known, at each speed; null without a line above.",
     ),
     SummaryKey("branches", "-", "Number of modes that were followed."),
-    SummaryKey("lost", "-", "Number of those that were lost."),
+    SummaryKey("lost", "-", "Number of branches lost."),
     SummaryKey("critical_speeds", "-", "Number of crossings of branches and lines."),
     SummaryKey("growing_speeds", "rpm", "List: speeds at which a mode grows."),
     SummaryKey("static_solutions", "-", "Number of static equilibria that were solved for."),
-    SummaryKey("warnings", "", "What the user should know."),
+    SummaryKey("warnings", "", "Warnings for the user."),
 )
 
 STABILITY: tuple[SummaryKey, ...] = (
@@ -392,7 +394,7 @@ STABILITY: tuple[SummaryKey, ...] = (
         "marginal", "-", "Number of points whose largest growth is within 1e-4 of the angular frequency."
     ),
     SummaryKey("boundaries", "-", "Number of speeds found at which stability changes."),
-    SummaryKey("warnings", "", "What the user should know."),
+    SummaryKey("warnings", "", "Warnings for the user."),
 )
 
 RESPONSE: tuple[SummaryKey, ...] = (
@@ -407,7 +409,7 @@ RESPONSE: tuple[SummaryKey, ...] = (
         "List: by place its md [m] and the largest amplitude of each column with its speed [rpm].",
     ),
     SummaryKey("static_solutions", "-", "Number of static equilibria that were solved for."),
-    SummaryKey("warnings", "", "What the user should know."),
+    SummaryKey("warnings", "", "Warnings for the user."),
 )
 
 HYDRAULICS: tuple[SummaryKey, ...] = (
@@ -424,7 +426,7 @@ HYDRAULICS: tuple[SummaryKey, ...] = (
     SummaryKey(
         "flows",
         "",
-        "List: for each flow rate the quantities of this page (null where absent), `limited_by` and `warnings`; `nozzles`, the rows of nozzles.csv, where there are nozzles above the bit.",
+        "List: for each flow rate the quantities of this page (null if absent), `limited_by` and `warnings`; `nozzles`, the rows of nozzles.csv, if there are nozzles above the bit.",
     ),
     SummaryKey(
         "rheology",
@@ -434,24 +436,24 @@ HYDRAULICS: tuple[SummaryKey, ...] = (
     SummaryKey(
         "warnings",
         "",
-        "What the user should know of the string and its hole; those of a flow rate are in `flows`.",
+        "Warnings on the string and its hole; warnings of a flow rate are in `flows`.",
     ),
-    SummaryKey("notes", "", "What the results leave out, and what was chosen."),
+    SummaryKey("notes", "", "Omissions of the results, and choices made."),
 )
 
 SURGE: tuple[SummaryKey, ...] = (
     SummaryKey("title", "", "Title of the case."),
     SummaryKey("window", "", "Window: tvd [m] (null: one pair), pore and frac [kg/m3]; null without one."),
-    SummaryKey("window_from", "", "Where the window came from: `case`, `--window`, or null."),
+    SummaryKey("window_from", "", "Source of the window: `case`, `--window`, or null."),
     SummaryKey("units", "", "Units of printed and plotted figures; files are in SI."),
     SummaryKey("surge", "", "List: the rows of surge.csv by name, each with its `warnings`."),
     SummaryKey("max_trip_speed", "", "List: the rows of max_trip_speed.csv by name."),
     SummaryKey(
         "open_pipe_by_area",
         "",
-        "List: for the largest speed with an open pipe, the pressure by the handbook's split of the flow by areas beside that of the solver [Pa].",
+        "List: for the largest speed with an open pipe, the pressure with the handbook's split of the flow by areas, and the solver's pressure [Pa].",
     ),
-    SummaryKey("notes", "", "What the results leave out, and what was chosen."),
+    SummaryKey("notes", "", "Omissions of the results, and choices made."),
 )
 
 ROADMAP: tuple[SummaryKey, ...] = (
@@ -460,8 +462,10 @@ ROADMAP: tuple[SummaryKey, ...] = (
     SummaryKey("model", "", "Model of the string: soft, without bending stiffness."),
     SummaryKey("rows", "-", "Number of rows of roadmap.csv."),
     SummaryKey("rows_not_ok", "-", "Number of rows whose status is not ok."),
-    SummaryKey("warnings", "", "Rows that are not to be trusted, and limits of the rig that are passed."),
-    SummaryKey("notes", "", "What the case did not give and was assumed, and what the results leave out."),
+    SummaryKey("warnings", "", "Unreliable rows, and limits of the rig that are exceeded."),
+    SummaryKey(
+        "notes", "", "Values assumed because the case did not give them, and omissions of the results."
+    ),
 )
 
 LIMITS: tuple[SummaryKey, ...] = (
@@ -483,7 +487,7 @@ LIMITS: tuple[SummaryKey, ...] = (
     SummaryKey(
         "neutral_point",
         "",
-        "Where effective tension (effective) and axial force (true) change to compression: md [m], above_bit [m]; or null.",
+        "Places at which effective tension (effective) and axial force (true) change to compression: md [m], above_bit [m]; or null.",
     ),
     SummaryKey(
         "weakest",
@@ -495,13 +499,13 @@ LIMITS: tuple[SummaryKey, ...] = (
     SummaryKey(
         "margin_of_overpull",
         "",
-        "Least tension limit less tension at pick-up: margin [N], ratio, md [m], item, hook_load [N]; null where unknown.",
+        "Smallest margin between tension limit and tension at pick-up: margin [N], ratio, md [m], item, hook_load [N]; null if unknown.",
     ),
-    SummaryKey("margin_of_overpull_still", "", "The same with still mud, where mud is pumped."),
+    SummaryKey("margin_of_overpull_still", "", "The same with the mud at rest, if mud is pumped."),
     SummaryKey(
         "max_overpull_at_bit",
         "",
-        "Pull at the lower end that reaches a tension limit, with friction: pull [N], md [m], item; null where unknown.",
+        "Pull at the lower end that reaches a tension limit, with friction: pull [N], md [m], item; null if unknown.",
     ),
     SummaryKey(
         "max_wob",
@@ -512,8 +516,8 @@ LIMITS: tuple[SummaryKey, ...] = (
     SummaryKey(
         "available_wob",
         "",
-        "For drilling and sliding: largest weight on bit that the string and the block bring down before the string coils "
-        "(limited_by: helical) or no hook load is left (hook_load): wob [N], md [m], item; null without a soft string.",
+        "For drilling and sliding: largest weight on bit that the string and the block bring down before the string becomes "
+        "helical (limited_by: helical) or the hook load is zero (hook_load): wob [N], md [m], item; null without a soft string.",
     ),
     SummaryKey(
         "max_slackoff", "N", "Fall of the hook load from the free string to the helical limit when sliding."
@@ -524,7 +528,7 @@ LIMITS: tuple[SummaryKey, ...] = (
     SummaryKey(
         "warnings", "", "Limits that are passed, each with its worst place, and what statics warns of."
     ),
-    SummaryKey("notes", "", "What the results leave out."),
+    SummaryKey("notes", "", "Omissions of the results."),
 )
 
 CALIBRATE: tuple[SummaryKey, ...] = (
@@ -537,14 +541,14 @@ CALIBRATE: tuple[SummaryKey, ...] = (
     ),
     SummaryKey("parameters", "", "Names of the parameters, in the order of `correlation`."),
     SummaryKey(
-        "correlation", "-", "Matrix of correlations of the parameters; null where one is not determined."
+        "correlation", "-", "Matrix of correlations of the parameters; null if one is not determined."
     ),
     SummaryKey(
         "reduced_chi2", "-", "Sum of squares of the weighted residuals over their degrees of freedom."
     ),
     SummaryKey("readings", "-", "Number of hook loads and torques that were fitted."),
-    SummaryKey("warnings", "", "Why a result is not to be trusted."),
-    SummaryKey("notes", "", "What was assumed, and what the model leaves out."),
+    SummaryKey("warnings", "", "Why a result is unreliable."),
+    SummaryKey("notes", "", "Assumptions, and omissions of the model."),
 )
 
 #: keys by file, as the catalogue names the files

@@ -30,8 +30,8 @@ BATCH = 64  # steps that are evaluated together
 #: steps are counted in classes of a quarter of an octave, the first one of 2^-40 s
 CLASSES_PER_OCTAVE, FIRST_OCTAVE, CLASSES = 4, -40, 4 * 64
 MEANING = (
-    "estimated error of each output by the time steps.  error, and share of the range: at an instant, if the motion neither damps nor "
-    "amplifies errors; errors of phase add up.  pace: of the size and the speed of its changes, errors of a step over the change in it.  "
+    "estimated error of each output by the time steps.  error, and share of the range: at an instant, if the motion does not damp or "
+    "amplify errors; errors of phase add up.  pace: of the size and the speed of its changes, errors of a step over the change in it.  "
     "Damping makes the error at an instant smaller, instability and impacts larger; --check-tolerance measures it"
 )
 
@@ -164,7 +164,7 @@ class TimeError:
         }
 
     def set_state(self, saved: dict[str, FloatArray]) -> None:
-        """Continue from a checkpoint; one without these entries starts afresh."""
+        """Continue from a checkpoint; one without these entries starts from zero."""
         if "time_error" not in saved or saved["time_error_sums"].shape != (3, len(self._sum)):
             return
         self._steps, self._estimated = map(int, saved["time_error"])
@@ -208,7 +208,7 @@ def doubtful_outputs(estimate: Mapping[str, Any]) -> list[tuple[str, float]]:
 def time_error_lines(estimate: Mapping[str, Any], checked: bool = False) -> list[str]:
     """Lines for the screen: the largest estimated errors.
 
-    estimate: as returned by ``TimeError.summary``; checked: it is measured, too.
+    estimate: as returned by ``TimeError.summary``; checked: it is also measured.
     """
     shares = [c["share"] for c in estimate["columns"].values() if c["share"] is not None]
     if not shares:
@@ -226,5 +226,5 @@ def time_error_lines(estimate: Mapping[str, Any], checked: bool = False) -> list
 
 
 def _at_an_instant(share: float) -> str:
-    """What is known of an output at an instant, from its estimated error over its range."""
+    """Sentence on the accuracy of an output at an instant, from its estimated error over its range."""
     return f"{100 * share:.2g} % of its range at an instant" if share < 1 else "not determined at an instant"

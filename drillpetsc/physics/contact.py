@@ -119,7 +119,7 @@ class Contact(WallContact):
     """Contact of pipes and rigid items with the wall.
 
     mesh: of the string; well: the hole; law: constants of the contact.
-    with_bit: include the bit; a bit that cuts has its own contact (physics/rock_bit.py).
+    with_bit: include the bit; a cutting bit has a separate contact (physics/rock_bit.py).
     free_top: the upper end of the string is free.
     hardness: stiffness of the wall at each element (n,) and each rigid item (bodies,), relative to the law [-]; None: the law's stiffness.
     """
@@ -312,7 +312,7 @@ class Contact(WallContact):
         self._forget_clearances()
 
     def _forget_clearances(self) -> None:
-        """Project all contact points anew at the next evaluation: the wall may be nearer than it was."""
+        """Project all contact points again at the next evaluation: the wall may be nearer than it was."""
         for free in self._free:
             free[:, 4] = 0.0
 

@@ -53,7 +53,7 @@ class Channel(Component):
 
     @abstractmethod
     def velocity_power(self, above: np.ndarray, below: np.ndarray, state: Any) -> float:
-        """Kinetic energy that the flow brings to nodes, less what it takes away below them in the section above [W].
+        """Kinetic energy that the flow brings to nodes, minus the energy that it takes away below them in the section above [W].
 
         above, below: local cells that end, and that begin, at the nodes.
         """
@@ -90,9 +90,9 @@ class Channel(Component):
 
     @abstractmethod
     def pressure_places(self, system: Any) -> np.ndarray | None:
-        """(nv,) places of the pressures at the local vertices in the unknowns; None where they are computed from others."""
+        """(nv,) places of the pressures at the local vertices in the unknowns; None if they are computed from others."""
 
-    # the same after each of k recorded steps (``fem.step_record``); None where they are found one by one only
+    # the same after each of k recorded steps (``fem.step_record``); None if they are found one by one only
     @abstractmethod
     def sums_of(self, steps: Any) -> FloatArray:
         """(k, 10) ``totals``."""
@@ -131,9 +131,9 @@ class Nozzle(Component):
 
     @abstractmethod
     def closed_face(self, state: Any) -> FloatArray:
-        """Area of the bit's face under which no mud is displaced, times the hole's direction (3,) [m2].
+        """Area of the bit's face that does not displace mud, times the hole's direction (3,) [m2].
 
-        Zero where this rank does not have the bit, and where the face moves freely in mud.
+        Zero if this rank does not have the bit, or the face moves freely in mud.
         """
 
     @abstractmethod

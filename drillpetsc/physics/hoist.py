@@ -120,7 +120,7 @@ class Hoist(Component):
         raise NotImplementedError
 
     def hook_load(self, t: float, state: Any) -> float | None:
-        """Pull on the string [N], this rank's share; None where it is the reaction of a prescribed top."""
+        """Pull on the string [N], this rank's share; None if it is the reaction of a prescribed top."""
         return None
 
     def sensed_loop(self) -> str | None:
@@ -315,7 +315,7 @@ class HoistLine(Hoist):
         self.top.free, self._changed = False, True
 
     def begin_motion(self, state: Any, start: Start) -> None:
-        """The static load stretches the line; the drum of a start at rest stands still."""
+        """The static load stretches the line; the drum of a start at rest does not turn."""
         self._share = 0.0 if start.at_rest else 1.0
         hook_load, shared = start.hook_load, start.total(self.local_update(state)).copy()
         wob = float(shared[SHARED.index("wob")])
@@ -607,5 +607,5 @@ def check_height(gear: Hoisting, t: float, height: float, travel: float) -> None
                 f"the block would pass the {what} at t = {t:.4g} s, after a travel of {shown(travel, 'length', gear.units)}: "
                 "connections are not modelled",
                 time=t,
-                hint=f"end the run before, or give another top.hoist.{key}",
+                hint=f"end the run earlier, or give another top.hoist.{key}",
             )

@@ -45,7 +45,7 @@ class Beam(Component):
     ) -> None:
         """Set the velocity of every node to ``lowering`` [m/s] along the hole, its spin to ``rotation`` [rad/s].
 
-        lowering, rotation: (n_nodes,) where they differ along the string.
+        lowering, rotation: (n_nodes,) if they differ along the string.
         tangent: (n_nodes, 3) of the hole at the nodes; curvature: (n_nodes, 3) its derivative [1/m].
         """
 
@@ -53,7 +53,7 @@ class Beam(Component):
     def impose_rigid_motion(self, system: Any, rates: FloatArray, lowering: float, rotation: float) -> None:
         """Write the rates of a string that moves along itself with ``lowering`` [m/s] and turns in place with ``rotation`` [rad/s].
 
-        rates: (n,) of the local unknowns, in which those of the string's position and section are replaced.
+        rates: (n,) of the local unknowns, in which the rates of the string's position and section are replaced.
         """
 
     @abstractmethod
@@ -71,7 +71,7 @@ class Beam(Component):
     def nodal_motion(self, state: Any, vertices: IntArray) -> FloatArray:
         """(3, k, 7) position [m], slope [-] and spin angle [rad] of k local vertices, their rates and accelerations.
 
-        The rate of the spin angle is the spin rate, that of rotation about the tangent.
+        The rate of the spin angle is the spin rate, the rate of rotation about the tangent.
         """
 
     @abstractmethod
@@ -155,7 +155,7 @@ class Bit(Component):
 
     @property
     def side_contact(self) -> SideContact | None:
-        """Contact with the side of the hole; None: that of a rigid item."""
+        """Contact with the side of the hole; None: as a rigid item."""
         return None
 
     @abstractmethod
@@ -163,7 +163,7 @@ class Bit(Component):
         """Compute weight on bit [N] and torque on bit [N m], zero on ranks without the bit."""
 
     def weight_and_torque_of(self, steps: Any) -> FloatArray | None:
-        """(k, 2) ``weight_and_torque`` after each of k recorded steps; None where they are found one by one only."""
+        """(k, 2) ``weight_and_torque`` after each of k recorded steps; None if they are found one by one only."""
         return None
 
     def element_results(self, state: Any) -> FloatArray:
@@ -212,18 +212,18 @@ class Bit(Component):
 
     @property
     def side_strength(self) -> float | None:
-        """Force at which the rock beside the bit gives way [N]; None where it does not."""
+        """Force at which the rock beside the bit yields [N]; None if it does not."""
         return None
 
     def orbit_and_overgauge(self, state: Any) -> tuple[float, float]:
-        """Distance of the bit's centre from the axis of its hole and radius of the hole beside the bit less that of the bit [m].
+        """Distance of the bit's centre from the axis of its hole and radius of the hole beside the bit minus radius of the bit [m].
 
         Zero on ranks without the bit, and without rock.
         """
         return 0.0, 0.0
 
     def drilled_hole(self) -> Well | None:
-        """Return the hole with its new part; None where nothing is drilled."""
+        """Return the hole with its new part; None if nothing is drilled."""
         return None
 
     @property
@@ -237,11 +237,11 @@ class WallContact(Component):
 
     @abstractmethod
     def element_results(self, state: Any) -> tuple[FloatArray, FloatArray]:
-        """(nc, columns) per local cell and (nb, columns) per local rigid item: those of ``physics.contact.RESULTS``."""
+        """(nc, columns) per local cell and (nb, columns) per local rigid item: results of ``physics.contact.RESULTS``."""
 
     @abstractmethod
     def item_results(self, state: Any) -> FloatArray:
-        """(bodies, columns) results of each rigid item, like ``element_results``, zero where another rank has it."""
+        """(bodies, columns) results of each rigid item, like ``element_results``, zero if another rank has it."""
 
     @abstractmethod
     def normal_force(self, cell: int) -> float:

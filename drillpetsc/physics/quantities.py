@@ -1,7 +1,7 @@
 """Outputs that physics components declare.
 
-Plain descriptions: a value is a function of the component and the sample, so plots and the manual can read this page
-without PETSc and without compiled kernels.  Each component returns its tuple from ``quantities()``.
+Plain descriptions: a value is a function of the component and the sample. So plots and the manual can read this file
+without PETSc and compiled kernels.  Each component returns its tuple from ``quantities()``.
 """
 
 from __future__ import annotations
@@ -65,7 +65,7 @@ BIT: tuple[Quantity, ...] = (
     ),
 )
 
-#: of a bit whose hole gives way beside it
+#: of a bit whose hole yields beside it
 BIT_SIDE: tuple[Quantity, ...] = (
     Quantity(
         "bit_overgauge",
@@ -75,7 +75,7 @@ BIT_SIDE: tuple[Quantity, ...] = (
         label="Over-gauge at the bit",
         mnemonic="OVGA",
         sign="hole wider than the bit",
-        doc="Radius of the hole beside the bit less that of the bit.",
+        doc="Radius of the hole beside the bit minus radius of the bit.",
         value=lambda bit, sample: sample.once(bit.orbit_and_overgauge)[1],
     ),
     Quantity(
@@ -282,7 +282,7 @@ JAR: tuple[Quantity, ...] = (
         label="Stroke of the jar",
         mnemonic="JARX",
         sign="positive as the jar opens",
-        doc="Travel of the jar from where it is cocked.",
+        doc="Travel of the jar from its cocked position.",
         value=partial(_of_jar, 1),
         tool="jar",
     ),
@@ -352,7 +352,7 @@ TOP_MOTOR: tuple[Quantity, ...] = (
         label="Torque on the pipe",
         mnemonic="TQPI",
         sign="the drive turns the string clockwise (looking down)",
-        doc="Motor torque less that which accelerates the drive; the surface torque.",
+        doc="Motor torque minus the torque that accelerates the drive; the surface torque.",
         value=partial(_of_motor, 3),
         panel=3,
     ),
@@ -373,7 +373,7 @@ TOP_MOTOR: tuple[Quantity, ...] = (
         label="Speed error of the top drive",
         mnemonic="RPME",
         sign="the drive is slower than its set point",
-        doc="Set point less the speed of the quill; 0 where the torque is prescribed.",
+        doc="Set point minus the speed of the quill; 0 if the torque is prescribed.",
         value=partial(_of_motor, 4),
     ),
     Quantity(
@@ -431,7 +431,7 @@ MUD_MOTOR: tuple[Quantity, ...] = (
         label="Torque of the downhole motor",
         mnemonic="MTOR",
         sign="the stator turns the rotor clockwise (looking down)",
-        doc="Torque of the downhole motor on what is below it; the string above gets its opposite.",
+        doc="Torque of the downhole motor on the part below it; the opposite torque acts on the string above.",
         value=partial(_of_mud_motor, _MOTOR_TORQUE),
         panel=3,
     ),
@@ -464,7 +464,7 @@ MUD_MOTOR: tuple[Quantity, ...] = (
         label="Orbit of the rotor",
         mnemonic="MORB",
         sign="clockwise in space (looking down)",
-        doc="Speed in space with which the centre of the rotor turns about that of the stator.",
+        doc="Speed in space at which the centre of the rotor circles the centre of the stator.",
         value=partial(_of_mud_motor, _MOTOR_ORBIT),
     ),
     Quantity(
@@ -473,7 +473,7 @@ MUD_MOTOR: tuple[Quantity, ...] = (
         on="scalar",
         label="Load of the thrust bearing",
         mnemonic="MBRG",
-        sign="positive where mud and weight push the rotor down",
+        sign="positive if mud and weight push the rotor down",
         doc="Thrust of the mud on the seal of the downhole motor, and the tension between its halves, which weight on bit takes off.",
         value=lambda motor, sample: sample.once(motor.thrust, sample.time),
     ),
@@ -483,8 +483,8 @@ MUD_MOTOR: tuple[Quantity, ...] = (
         on="scalar",
         label="Tool face",
         mnemonic="TFAC",
-        sign="clockwise from the high side (looking down), from north where the inclination is below 5 deg",
-        doc="Direction of the bend of the downhole motor's housing, or of its scribe line where it is straight.",
+        sign="clockwise from the high side (looking down), from north if the inclination is below 5 deg",
+        doc="Direction of the bend of the downhole motor's housing, or of its scribe line if it is straight.",
         mean=False,
         value=lambda motor, sample: sample.once(motor.housing),
         size=6,
@@ -587,7 +587,7 @@ HOIST: tuple[Quantity, ...] = (
         label="Hook load by the dead line",
         mnemonic="HKLS",
         sign="the hook pulls up",
-        doc="Dead-line tension times the number of lines; less the weight of the block with top.hoist.tare.",
+        doc="Dead-line tension times the number of lines; with top.hoist.tare minus the weight of the block.",
         value=partial(_of_hoist, 5),
         panel=1,
     ),
@@ -600,7 +600,7 @@ AUTODRILLER: tuple[Quantity, ...] = (
         label="Weight on bit by the hook load",
         mnemonic="SWOB",
         sign="positive on the rock",
-        doc="Hook load without weight on bit, as tared, less the present hook load.",
+        doc="Tared hook load without weight on bit, minus the present hook load.",
         value=partial(_of_hoist, 6),
         panel=2,
     ),

@@ -358,7 +358,7 @@ class RockBit(Bit):
         self._impose(STATICS, axial, spin + motor, side)
 
     def follow_overdamped_motion(self, speed: float, slip: float) -> None:
-        """Let friction at the side of the hole oppose a slide along it: the bit's own velocity is small beside ``speed``."""
+        """Let friction at the side of the hole oppose a slide along it: the bit's velocity is small compared with ``speed``."""
         self.impose_sliding_direction(speed, 0.0)
 
     def impose_drilling(self, axial: float, spin: float, side: float = 1.0) -> None:

@@ -11,7 +11,7 @@ from drillpetsc.physics.control import Law, Motor
 
 
 class SampledLaw:
-    """Torque of a controller from what is measured at its samples; it acts until the next sample.
+    """Torque of a controller from the measurements at its samples; it acts until the next sample.
 
     laws: by the time from which they act; delays: of their output [s], multiples of ``sample`` [s].
     motor: its limits stop the integrator.

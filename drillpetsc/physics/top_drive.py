@@ -24,7 +24,7 @@ from drillpetsc.physics.sampled_torque import SampledTorque
 
 _results = function("top_motor_results", "ippppp" + "p")
 RESULTS = columns("top_motor_results")
-HOLDING = 1.0e9  # torsional stiffness that holds the top in statics, where its torque is unknown [N m/rad]
+HOLDING = 1.0e9  # torsional stiffness that holds the top in statics, in which its torque is unknown [N m/rad]
 TORQUE_SCALE = 1.0e4  # usual torque of a top drive [N m]
 DELAY_SCALE = 1.0e5  # usual rate of that torque [N m/s]
 LIMIT_LAG = 5.0e-3  # time constant of a motor that has a largest rate of its torque and no time constant [s]

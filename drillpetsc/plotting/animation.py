@@ -1,4 +1,4 @@
-"""Animations: one picture per time into a GIF, or a film where imageio is installed."""
+"""Animations: one picture per time into a GIF, or a film if imageio is installed."""
 
 from __future__ import annotations
 

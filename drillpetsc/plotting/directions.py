@@ -1,6 +1,6 @@
 """Directions of a hole from the angles of trajectory.csv.
 
-The formulas are those of drillpetsc.geometry (manual: eq-conv-direction, eq-conv-high-side). They are repeated
+The formulas are the same as in drillpetsc.geometry (manual: eq-conv-direction, eq-conv-high-side). They are repeated
 here because plotting reads run folders only and imports no solver code; a test compares the two.
 """
 

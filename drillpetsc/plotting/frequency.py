@@ -153,7 +153,7 @@ def draw_critical_map(folder: Path, title: str) -> Any:
 
 
 def draw_stability(folder: Path, title: str) -> Any:
-    """Largest growth over rotary speed and weight on bit, red where it grows, with the boundary."""
+    """Largest growth over rotary speed and weight on bit, growth in red, with the boundary."""
     table = read_table(folder / STABILITY_TABLE)
     if not len(table["weight_on_bit [N]"]):
         return None
@@ -168,12 +168,12 @@ def draw_stability(folder: Path, title: str) -> Any:
     finite = growth[np.isfinite(growth)]
     low, high = float(finite.min(initial=0.0)), float(finite.max(initial=0.0))
     low, high = min(low, -1e-6), max(high, 1e-6)
-    norm = TwoSlopeNorm(0.0, vmin=low, vmax=high)  # each side to its own extreme
+    norm = TwoSlopeNorm(0.0, vmin=low, vmax=high)  # each side to its extreme
     drawn = axes.pcolormesh(
         _edges(speeds), _edges(weights / unit), growth, cmap="RdBu_r", norm=norm, shading="flat"
     )
     bar = drawing.colorbar(drawn, ax=axes, label="Largest growth rate [1/s]  (red: unstable)")
-    ticks = [low, 0.5 * low, 0.0, 0.5 * high, high]  # those of matplotlib leave out a narrow side
+    ticks = [low, 0.5 * low, 0.0, 0.5 * high, high]  # matplotlib's ticks leave out a narrow side
     bar.set_ticks(ticks, labels=[f"{tick:.2g}" for tick in ticks])
     if (folder / BOUNDARY_TABLE).exists():
         found = read_table(folder / BOUNDARY_TABLE)
@@ -202,7 +202,7 @@ RUN_MARKERS = {
 
 
 def _mark_runs(axes: Any, table: dict[str, np.ndarray], unit: float) -> None:
-    """Mark what the runs in time did: white where the string is calm or calms down, black where it swings up or sticks."""
+    """Mark the outcome of the runs in time: white if the string is or becomes steady, black if vibration grows or the string sticks."""
     for behaviour, (marker, colour) in RUN_MARKERS.items():
         here = table["run_behaviour [-]"] == behaviour
         if here.any():
@@ -222,8 +222,8 @@ def _edges(values: np.ndarray) -> np.ndarray:
 
 
 def draw_response(folder: Path, title: str) -> Any:
-    """Amplitudes over the rotary speed at every place; a vertical line where the amplitude is infinite, a cross where the
-    string touches or leaves the wall."""
+    """Amplitudes over the rotary speed at every place; a vertical line marks an infinite amplitude, a cross a string that
+    touches or leaves the wall."""
     table = read_table(folder / RESPONSE_TABLE)
     speed, place, word = (table[k] for k in ("rotary_speed [rpm]", "place [-]", "validity [-]"))
     if not len(speed):

@@ -35,7 +35,7 @@ DASHES = {"closed": "-", "open": (0, (5, 2)), "pumping": (0, (1, 1.2))}
 
 
 def hydraulics_drawers(folder: Path, title: str, system: System) -> dict[str, Callable[[], Any]]:
-    """Functions that draw the tables that a run folder holds, by the name of the picture; none where it holds none of them.
+    """Functions that draw the tables that a run folder holds, by the name of the picture; none if it holds none of them.
 
     system: units of the axes.
     """
@@ -62,7 +62,7 @@ def hydraulics_drawers(folder: Path, title: str, system: System) -> dict[str, Ca
 
 
 def units_of(summary: dict[str, Any]) -> System:
-    """Units in which the pictures of a folder are drawn: those that its command printed, else metric."""
+    """Units in which the pictures of a folder are drawn: the units that its command printed, else metric."""
     return system_named(summary.get("units")) or "metric"
 
 
@@ -83,7 +83,7 @@ class _Axis:
 
 
 def _flow_curve(table: Table, summary: dict[str, Any], title: str, system: System) -> Any:
-    """Pump pressure and equivalent densities over the flow rate, with the flow rates asked for."""
+    """Pump pressure and equivalent densities over the flow rate, with the flow rates requested."""
     flow, pressure = _Axis("pump_flow [m3/s]", system), _Axis("pump_pressure [Pa]", system)
     densities = [
         (_Axis(f"{name} [kg/m3]", system), words)
@@ -118,7 +118,7 @@ def _flow_curve(table: Table, summary: dict[str, Any], title: str, system: Syste
 
 
 def _losses(summary: dict[str, Any], title: str, system: System) -> Any:
-    """Stacked losses of each flow rate asked for; a column that drives the flow stands below zero."""
+    """Stacked losses of each flow rate requested; a column that drives the flow is below zero."""
     flows = summary.get("flows", ())
     if not flows:
         return None

@@ -28,7 +28,7 @@ _NOTHING = ("None", "none", "", " ", None)
 def plotly_figure(drawing: Any) -> Any:
     """The figure of plotly with the curves, bars and axes of a figure of matplotlib.
 
-    Raises CaseError where plotly is missing, and for a picture that has surfaces or images.
+    Raises CaseError if plotly is missing, and for a picture that has surfaces or images.
     """
     try:
         import plotly.graph_objects as go
@@ -91,7 +91,7 @@ def plotly_figure(drawing: Any) -> Any:
 
 
 def plotly_script() -> str:
-    """The script of plotly that a page without a network needs; raises CaseError where the package is missing."""
+    """The script of plotly that a page without a network needs; raises CaseError if the package is missing."""
     try:
         from plotly.offline import get_plotlyjs
     except ImportError:
@@ -101,17 +101,17 @@ def plotly_script() -> str:
 
 
 def _refuse_others(axes: Axes) -> None:
-    """Raise CaseError for parts of a picture that are neither lines nor bars."""
+    """Raise CaseError for parts of a picture other than lines and bars."""
     bars = {id(p) for bar in axes.containers if isinstance(bar, BarContainer) for p in bar.patches}
     others: list[Any] = [part for part in (*axes.collections, *axes.images) if part.get_visible()]
     others += [part for part in axes.patches if part.get_visible() and id(part) not in bars]
     if others:
-        want = "matplotlib: this picture has surfaces, which are drawn by it alone"
+        want = "matplotlib, the only one that draws the surfaces of this picture"
         raise CaseError(at="backend", got="plotly", want=want)
 
 
 def _legend(label: Any, named: set[str]) -> dict[str, Any]:
-    """Name and group of a trace in the legend, where each name stands once."""
+    """Name and group of a trace in the legend, which has each name once."""
     text = str(label)
     if text.startswith("_"):
         return {"showlegend": False}

@@ -21,7 +21,7 @@ DASH = (0, (5, 2))
 
 
 def limits_drawers(folder: Path, title: str, system: System) -> dict[str, Callable[[], Any]]:
-    """Functions that draw the limits, by the name of the picture; none where the folder has no limits.csv.
+    """Functions that draw the limits, by the name of the picture; none if the folder has no limits.csv.
 
     system: units of the axes.
     """
@@ -95,7 +95,7 @@ def _limits(table: Table, title: str, summary: dict[str, Any], system: System) -
         (strong, "yield", LIMIT, DASH),
         (strong / factor, f"yield / {factor:g}", LIMIT, (0, (1, 1.5))),
     )
-    compression = np.maximum(-force, 0.0)  # nan where it is not known
+    compression = np.maximum(-force, 0.0)  # nan if unknown
     helical = table["helical_limit [N]"]
     pushed = compression > 0
     for values, dash in (
@@ -153,7 +153,7 @@ def _limits(table: Table, title: str, summary: dict[str, Any], system: System) -
 def _cap(
     axes: Any, limit: np.ndarray, load: np.ndarray, depth: np.ndarray, kind: str, system: System
 ) -> None:
-    """End an axis at 1.5 times the limit of most of the string: that of a short collar is far beyond."""
+    """End an axis at 1.5 times the limit of most of the string: the limit of a short collar is far beyond."""
     known = np.isfinite(limit)
     if not known.any():
         return

@@ -14,7 +14,7 @@ from drillpetsc.plotting.style import LINE_COLORS
 
 SHOWN = 8  # modes in the picture
 UNDAMPED = 1e-9  # damping ratio below which it is rounding
-PARTS = {  # by kind of mode: what is drawn
+PARTS = {  # quantity drawn, by kind of mode
     "lateral": ("displacement [m]", ("first direction across", "second direction across")),
     "axial": ("displacement [m]", ("along the string",)),
     "torsional": ("spin_angle [rad]", ("spin angle",)),
@@ -24,7 +24,7 @@ PARTS = {  # by kind of mode: what is drawn
 def draw_modes(folder: Path, title: str) -> Any:
     """Shapes of the first modes along measured depth, each scaled to 1: solid the real, dashed the imaginary part.
 
-    Returns None where the folder holds no shapes.
+    Returns None if the folder holds no shapes.
     """
     files = sorted((folder / "modes").glob("mode_*.vtu"))[:SHOWN]
     if not files:

@@ -1,6 +1,6 @@
 """`drillpetsc plot RUN`: histories, probes, orbits, forces along depth and the well path as PNG files.
 
-The columns of the tables decide what is drawn: a run without fluid, probes or well has no such pictures.
+The columns of the tables select the pictures: a run without fluid, probes or well has no such pictures.
 """
 
 from __future__ import annotations
@@ -54,7 +54,7 @@ def plot(
 
     For the folder of a sweep: the new hole of its members.
 
-    units: field, metric, metric_t or SI; by default those of the case.
+    units: field, metric, metric_t or SI; by default the case's.
     """
     folder = RunFolder.open(run)
     token = style.UNITS.set(units or style.units_of_run(folder.case))
@@ -140,7 +140,7 @@ def figures(
     """The pictures of a run folder by name, as figures of matplotlib; no file is written.
 
     units: as for `plot`.
-    names: of the pictures; by default all. A name that the folder has no picture of is left out.
+    names: of the pictures; by default all. Names without a picture in the folder are left out.
     first: the first picture only.
     """
     folder = RunFolder.open(run)
@@ -158,7 +158,7 @@ def picture_names(run: str | os.PathLike) -> list[str]:
 
 
 def _drawers(folder: RunFolder, units: System | None) -> dict[str, Callable[[], Any]]:
-    """Functions that draw the pictures of a folder, by name; they return None where there is nothing to draw."""
+    """Functions that draw the pictures of a folder, by name; they return None if there is nothing to draw."""
     summary = read_summary(folder.summary) if folder.summary.exists() else {}
     title = str(summary.get("title") or folder.path.name)
     drawers: dict[str, Callable[[], Any]] = {}
@@ -205,7 +205,7 @@ def drawings(
 ) -> dict[str, Any]:
     """Figures of a run folder by name, in the units of `style.UNITS`; call it and save them within `style.look()`.
 
-    units: of the pictures of hydraulics, surge, limits, torque and drag; by default those of their summary.
+    units: of the pictures of hydraulics, surge, limits, torque and drag; by default their summary's.
     names, first: as for `figures`.
     """
     drawn: dict[str, Any] = {}
@@ -222,7 +222,7 @@ def grouped(titles: list[str]) -> tuple[list[list[str]], list[list[str]]]:
     """Group columns into panels: (panels of the operation, panels of the numerics). The first column is the
     time.
 
-    Quantities of one panel share it; every other column joins those of its unit after them.
+    Quantities of one panel share it; every other column joins the columns of its unit after them.
     """
     panels: dict[int, list[str]] = {}
     by_unit: dict[str, list[str]] = {}
@@ -443,7 +443,7 @@ def _along_depth(table: Table, title: str) -> Any:
             axes.fill_betweenx(
                 depth, np.minimum(values, 0.0), 0.0, color=LINE_COLORS[1], alpha=0.35, linewidth=0
             )
-            # in the panel: above it stands the heading
+            # in the panel: the heading is above it
             axes.text(
                 0.97, 0.01, "compression shaded", fontsize=8.5, color=LINE_COLORS[1], ha="right", transform=axes.transAxes,
             )  # fmt: skip

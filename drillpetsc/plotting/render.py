@@ -1,8 +1,7 @@
 """The straightened string in its hole as a shaded picture, by pyvista off screen.
 
 Measured depth runs downward and straight; lateral lengths are drawn `scale` times larger than depths. The
-camera is parallel and looks a little from above, so heights in the picture stay proportional to depth and the
-picture fits a depth axis.
+projection is parallel and slightly from above. So heights in the picture are proportional to depth and fit a depth axis.
 """
 
 from __future__ import annotations
@@ -50,7 +49,7 @@ def _opens(library: str) -> bool:
 def offscreen_window() -> str | None:
     """Value for VTK_DEFAULT_OPENGL_WINDOW: a window whose library exists.
 
-    None where VTK (with a screen, or on another system) or the user chooses. Empty if there is no such window;
+    None if VTK (with a screen, or on another system) or the user chooses. Empty if there is no such window;
     VTK must not be started then, because it may end the process.
     """
     if (
@@ -71,7 +70,7 @@ def why_no_rendering() -> str:
     """
     window = offscreen_window()
     if window == "":
-        return "there is no screen, and neither libEGL nor libOSMesa to draw without one"
+        return "there is no screen, and libEGL and libOSMesa, which draw without one, are missing"
     try:
         chosen = {} if window is None else {"VTK_DEFAULT_OPENGL_WINDOW": window}
         asked = subprocess.run(
@@ -107,7 +106,7 @@ def loft(md: np.ndarray, offset: np.ndarray, radius: np.ndarray, scale: float) -
 
 
 def loft_faces(count: int) -> np.ndarray:
-    """Quadrilaterals between `count` rings, as pyvista wants them: (4, a, b, c, d) each, flat."""
+    """Quadrilaterals between `count` rings, in pyvista's format: (4, a, b, c, d) each, flat."""
     ring, corner = np.meshgrid(np.arange(count - 1) * SIDES, np.arange(SIDES), indexing="ij")
     beside = (corner + 1) % SIDES
     four = np.full_like(ring, 4)

@@ -101,8 +101,8 @@ def cut(shape: Shape, interval: tuple[float, float] | None) -> Shape:
 
 
 def smooth(shape: Shape, pieces: int) -> Shape:
-    """The same string with `pieces` parts between two nodes: cubic through the nodes with the slopes that
-    central differences give, the field and the radii linear between them. Values at nodes do not change."""
+    """The same string with `pieces` parts between two nodes: cubic through the nodes with slopes by central
+    differences; field and radii are linear between nodes. Values at nodes do not change."""
     if pieces < 2 or len(shape.md) < 3:
         return shape
     md = shape.md
@@ -151,7 +151,7 @@ def _cubic(md: np.ndarray, values: np.ndarray, at: np.ndarray) -> np.ndarray:
 
 
 def half_width(shape: Shape) -> float:
-    """Lateral distance shown on each side [m]: that of the hole, or the largest offset."""
+    """Lateral distance shown on each side [m]: the hole's radius, or the largest offset."""
     body = 0.0 if shape.outer_radius is None else float(np.max(shape.outer_radius))
     reach = float(np.abs(shape.offset).max()) + body
     hole = 0.0 if shape.hole_radius is None else float(np.max(shape.hole_radius))

@@ -19,8 +19,8 @@ class Signal:
     """A column of a run.
 
     source: history, probes, or the name of a sensor; title: heading of the column; time: (n,) [s]; values: (n,) in SI.
-    speed: (n,) rotation there [rad/s], of the lower end where the source has none; None without any.
-    limit: frequency up to which the numbers hold [Hz]; told: why, for people; empty where it is half the rate.
+    speed: (n,) rotation there [rad/s], of the lower end if the source has none; None without any.
+    limit: frequency up to which the numbers hold [Hz]; told: the reason, for people; empty if it is half the rate.
     """
 
     source: str
@@ -45,7 +45,7 @@ class Signal:
 def signal(folder: Path, name: str, at: str = "--waterfall") -> Signal:
     """The signal SOURCE:COLUMN of a run folder, such as mwd:ax, history:bit_speed or probes:x_600.
 
-    at: option, for messages.  Raises CaseError where the folder does not have it.
+    at: option, for messages.  Raises CaseError if the folder does not have it.
     """
     source, _, column = name.partition(":")
     tables = {"history": RunFolder(folder).history, "probes": RunFolder(folder).probes}

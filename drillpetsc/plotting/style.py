@@ -127,7 +127,7 @@ def in_units(system: System | None) -> Iterator[None]:
 
 
 def units_of_run(case: Path) -> System | None:
-    """Unit system that the case of a run has for what is plotted; None where it has none.
+    """Unit system of the case of a run for plots; None if it has none.
 
     case: the case.yaml of a run folder, which the program has written
     """
@@ -149,7 +149,7 @@ def label(title: str, unit: str) -> str:
 def color_scale(title: str, low: float, high: float) -> tuple[Any, Any]:
     """(norm, colormap) for values from low to high in displayed units.
 
-    A quantity that changes sign gets blue above zero and red below, each side stretched to its own extreme:
+    A quantity that changes sign gets blue above zero and red below, each side stretched to its extreme:
     50 kN of compression stays visible beside 800 kN of tension. One that does not change sign gets a
     sequential map.
     """
@@ -234,7 +234,7 @@ def limits_of_level(values: np.ndarray, noise: bool) -> tuple[float, float] | No
 def level(axes: Any, values: np.ndarray, noise: bool) -> None:
     """Limit the magnification of a constant or of rounding (``noise``), and switch off axis offsets.
 
-    A power of ten above the axis stands at its right end, where no legend is.
+    A power of ten above the axis is at its right end, away from the legend.
     """
     axes.ticklabel_format(axis="y", useOffset=False)
     power = axes.yaxis.get_offset_text()

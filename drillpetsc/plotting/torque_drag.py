@@ -33,13 +33,13 @@ DASHES: tuple[Any, ...] = ("-", (0, (5, 2)), (0, (1, 1.2)), (0, (5, 1.5, 1, 1.5)
 LIMIT = "#b03060"
 FAR_LIMIT = 1.5  # a limit of the rig beyond this times the axis is not drawn
 OTHER_PIPE = (
-    0.1  # a limit that changes by more than this share from one depth to the next is that of another pipe
+    0.1  # a limit that changes by more than this share from one depth to the next belongs to another pipe
 )
 BUCKLED = {"sinusoidal": "o", "helical": "s", "lock_up": "X"}
 
 
 def torque_drag_drawers(folder: Path, title: str, system: System) -> dict[str, Callable[[], Any]]:
-    """Functions that draw the tables that a run folder holds, by the name of the picture; none where it holds none of them.
+    """Functions that draw the tables that a run folder holds, by the name of the picture; none if it holds none of them.
 
     system: units of the axes.
     """
@@ -172,7 +172,7 @@ def _rig_limit(axes: Any, limit: float, words: str) -> tuple[str, str, str]:
 def _strength(
     axes: Any, lines: dict[str, Any] | None, size: float, depth: float
 ) -> list[tuple[str, Any, str]]:
-    """Draw what the pipe at the rig bears, over the bit depth; returns the entries of the legend.
+    """Draw the limits of the pipe at the rig over the bit depth; returns the entries of the legend.
 
     lines: None in a folder of an older version.
     """
@@ -218,7 +218,7 @@ def _frame(heading: str, words: str, kind: str, system: System) -> tuple[Any, An
 
 
 def _curves(axes: Any, table: Table, column: str, size: float, depth: float) -> None:
-    """A line for each operation and friction pair, marked where the string is buckled."""
+    """A line for each operation and friction pair, marked at depths at which the string is buckled."""
     of_rows = _pair_of_rows(table)
     for pair, dash in zip(_pairs(table), DASHES * 20, strict=False):
         here = np.array([row == pair for row in of_rows])
@@ -248,7 +248,7 @@ def _curves(axes: Any, table: Table, column: str, size: float, depth: float) -> 
 
 
 def _without_locked(x: np.ndarray, locked: np.ndarray) -> np.ndarray:
-    """Loads (n,), where the string is locked up that of the nearest depth above at which it is not."""
+    """Loads (n,); for a locked-up string, the load of the nearest depth above without lock-up."""
     out = x.copy()
     for i in np.flatnonzero(locked):
         above = np.flatnonzero(~locked[:i])
@@ -300,7 +300,7 @@ def _finish(
     points = [point["bit_depth"] / depth for point in inputs["measured"]]
     deepest = max(
         [deepest, *(min(md, 1.3 * deepest) for md in points)]
-    )  # points below the hole are seen, too
+    )  # points below the hole are also shown
     axes.set_ylim(1.02 * deepest, 0)
     handles = [
         Line2D([], [], color=color, linewidth=1.8, label=words)

@@ -146,7 +146,7 @@ def draw_power(signal: Signal, title: str, segment: float | None = None) -> Any:
 
 # ---------------------------------------------------------------------- pictures of every folder that has the tables
 def vibration_drawers(folder: Path, title: str) -> dict[str, Callable[[], Any]]:
-    """Functions that draw indices, whirl and sensors of a folder, by name; None where there is nothing to draw."""
+    """Functions that draw indices, whirl and sensors of a folder, by name; None if there is nothing to draw."""
     drawers: dict[str, Callable[[], Any]] = {}
     if (folder / INDICES_TABLE).is_file():
         drawers["indices"] = lambda: draw_indices(read_table(folder / INDICES_TABLE), title)

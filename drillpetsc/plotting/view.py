@@ -1,8 +1,8 @@
 """`drillpetsc view RUN`: the deformed string in its hole, as a picture or an animation, without a display.
 
 A string of kilometres in a hole of centimetres shows nothing at true scale. The hole is therefore drawn
-straight along measured depth with lateral lengths enlarged by a stated factor, once as a shaded view and once
-as two sections with the pipe's true width between the walls; the well's true path stands beside it.
+straight along measured depth, with lateral lengths enlarged by a stated factor. It is shown as a shaded view and as two
+sections with the pipe's true width between the walls, beside the well's true path.
 """
 
 from __future__ import annotations
@@ -60,10 +60,10 @@ def view(
     animate: all times, at most max_frames evenly chosen ones.
     lateral_scale: how many times larger lateral lengths are drawn than depths; by default the clearance
     shows.
-    interval: (from, to) measured depth [m] to look at.
-    renderer: the shaded view by pyvista, or flat by matplotlib where there is no OpenGL ("auto" finds out).
+    interval: (from, to) measured depth [m] shown.
+    renderer: the shaded view by pyvista, or flat by matplotlib without OpenGL ("auto" finds out).
     say: receives a message when another renderer had to be used.
-    units: field, metric, metric_t or SI; by default those of the case.
+    units: field, metric, metric_t or SI; by default the case's.
     """
     folder = RunFolder.open(run)
     chosen = _chosen(read_series(folder.path), time, animate, max_frames, folder.path)
@@ -161,7 +161,7 @@ def _compose(
 
 
 def _ticks(low: float, high: float) -> list[float]:
-    """Round numbers on each side of zero, so that a small compressive range has labels, too."""
+    """Round numbers on each side of zero, so that a small compressive range also has labels."""
     from matplotlib.ticker import MaxNLocator
 
     def inside(a: float, b: float, count: int) -> list[float]:
@@ -264,7 +264,7 @@ def _shaded_panel(
     renderer: Renderer,
     say: Callable[[str], None] | None,
 ) -> Update:
-    """Shaded view of the hole by pyvista, or a coloured line between the walls where pyvista cannot draw."""
+    """Shaded view of the hole by pyvista, or a coloured line between the walls if pyvista cannot draw."""
     wide = (span[1] - span[0]) * SHADED_WIDTH / TRACKS_HEIGHT  # depth metres across the panel
     reason = "" if renderer == "matplotlib" else render.why_no_rendering()
     if reason and renderer == "pyvista":

@@ -160,7 +160,7 @@ def _steel(axes: Any, piece: Piece, top: float, size: float, width: float) -> No
 
 
 def _labels(axes: Any, labels: list[tuple[float, str]], upper: float, lower: float, x: float) -> None:
-    """Names beside the string, moved apart where they would lie on each other."""
+    """Names beside the string, moved apart if they would overlap."""
     step = 0.042 * (lower - upper)
     most = max(int((lower - upper) / step) - 1, 1)
     places = [place for place, _ in labels[-most:]]

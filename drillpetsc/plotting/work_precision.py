@@ -18,9 +18,9 @@ NORM = "rms"
 def draw_study(
     content: Mapping[str, Any], into: Path, norm: str = NORM, name: str = "", dpi: float = 100
 ) -> list[Path]:
-    """Draw work_precision.png and orders.png (speed_up.png where ranks vary), with ``name`` in front.
+    """Draw work_precision.png and orders.png (speed_up.png if ranks vary), with ``name`` in front.
 
-    Without a point with an error nothing is drawn. Returns the files.
+    If no point has an error, nothing is drawn. Returns the files.
     """
     if content["vary"] == "ranks":
         return [_speed_up(content, into / f"{name}speed_up.png", dpi)] if content["speed_up"] else []
@@ -75,7 +75,7 @@ def _title(name: str) -> str:
 
 def _note(content: Mapping[str, Any]) -> str:
     reference = content["reference"]
-    return f"Reference: {reference['what']}. Dashed: its own error, where it is known. Crosses: points that failed."
+    return f"Reference: {reference['what']}. Dashed: error of the reference, if known. Crosses: points that failed."
 
 
 def _panel(
@@ -109,7 +109,14 @@ def _panel(
         if _positive(own):
             axes.axhline(own, color="0.45", linewidth=0.9, linestyle=(0, (5, 3)))
     else:
-        axes.text(0.5, 0.5, "no point has an error", transform=axes.transAxes, ha="center", color="0.4")
+        axes.text(
+            0.5,
+            0.5,
+            "the errors of all points are unknown",
+            transform=axes.transAxes,
+            ha="center",
+            color="0.4",
+        )
     _crosses(axes, failed, abscissa if drawn else "")
 
 
@@ -130,7 +137,7 @@ def _crosses(axes: Any, failed: Sequence[tuple[int, Mapping[str, Any]]], absciss
 
 
 def _few_labels(axis: Any, values: Sequence[float]) -> None:
-    """Label 1, 2 and 5 of a decade where there are few decades; nine labels would overlap."""
+    """Label 1, 2 and 5 of a decade if there are few decades; nine labels would overlap."""
     from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
     wide = max(values) > 100 * min(values)

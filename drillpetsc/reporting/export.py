@@ -35,7 +35,7 @@ Format = Literal["csv", "xlsx", "las", "parquet"]
 FORMATS: tuple[Format, ...] = get_args(Format)
 INDICES = ("time", "md", "bit_depth", "pump_flow", "mode")  # columns that every exported table keeps
 LAS_INDICES = {"time": "TIME", "md": "DEPT"}
-NULL = -999.25  # what LAS files usually write where there is no value
+NULL = -999.25  # usual mark of a missing value in LAS files
 MOST_ROWS = 1_048_575  # of a sheet of xlsx below its headings
 DIGITS = 10
 INSTALL = "pip install 'drillpetsc[files]'"
@@ -52,14 +52,14 @@ def export(
     format: Format = "csv",
     columns: Sequence[str] = (),
 ) -> tuple[list[Path], list[str]]:
-    """Write the tables of a run folder for other programs; returns the files, and remarks on what was left out.
+    """Write the tables of a run folder for other programs; returns the files, and remarks on omissions.
 
     run: run folder
     out: folder of the files; by default `export` in the run folder. Older files of the same names are replaced
-    units: field, metric, metric_t or SI; by default those of the case, else metric
+    units: field, metric, metric_t or SI; by default the case's, else metric
     format: csv, xlsx, las or parquet
-    columns: names of columns, such as hook_load; by default all. Time and depth always go along
-    Raises CaseError for a folder without tables, for columns that no table has, and where a package is missing.
+    columns: names of columns, such as hook_load; by default all. Time and depth are always included
+    Raises CaseError for a folder without tables, for columns that no table has, and if a package is missing.
     """
     for value, allowed, at in ((format, FORMATS, "--format"), (units, (None, *SYSTEMS), "--units")):
         if value not in allowed:
@@ -101,7 +101,7 @@ def _written(file: Path, data: bytes) -> Path:
 
 
 def _tables(folder: Path) -> dict[str, Table]:
-    """Tables of a folder by name, those without rows left out."""
+    """Tables of a folder by name, without empty tables."""
     if (folder / SWEEP_TABLE).is_file() or (folder / WELLS_TABLE).is_file():
         raise CaseError(at="RUN", got=folder, want="a single run; this is a sweep: give a member's folder")
     found = {}
@@ -121,7 +121,7 @@ def _tables(folder: Path) -> dict[str, Table]:
 
 
 def _chosen(tables: dict[str, Table], columns: Sequence[str]) -> dict[str, Table]:
-    """The tables that have one of the columns, with these columns and those of time and depth."""
+    """The tables that have one of the columns, with these columns and the columns of time and depth."""
     if not columns:
         return tables
     names = {split_name(title)[0] for table in tables.values() for title in table}
@@ -145,7 +145,7 @@ def _chosen(tables: dict[str, Table], columns: Sequence[str]) -> dict[str, Table
 
 
 def _shown(table: Table, system: System) -> list[tuple[str, np.ndarray]]:
-    """(heading, values in its unit) of each column; equal headings get the name of the column, too."""
+    """(heading, values in its unit) of each column; equal headings also get the name of the column."""
     found: list[tuple[str, np.ndarray]] = []
     words = [_heading(title, values, system) for title, values in table.items()]
     for heading, (title, values) in zip(words, table.items(), strict=True):
@@ -162,7 +162,7 @@ def _heading(title: str, values: np.ndarray, system: System) -> str:
 
 
 def _label(title: str, system: System) -> str:
-    """Words for a column; those of a probe or joint name its depth."""
+    """Words for a column; for a probe or joint they name its depth."""
     name = split_name(title)[0]
     return label_of(title, system).replace("NNN", name.rpartition("_")[2])
 
@@ -179,7 +179,7 @@ def _csv(table: Table, system: System) -> bytes:
 
 
 def _text(value: Any) -> str:
-    """A cell: empty where there is no number."""
+    """A cell: empty if it holds no number."""
     if not isinstance(value, int | float):
         return str(value)
     return f"{value:.{DIGITS}g}" if math.isfinite(value) else ""
@@ -207,7 +207,7 @@ def _workbook(tables: dict[str, Table], system: System) -> bytes:
                 cell = WriteOnlyCell(sheet, value if number and math.isfinite(value) else None)
                 if not number:
                     cell.value = re.sub(r"[\x00-\x08\x0b\x0c\x0e-\x1f]", "", str(value))
-                    cell.data_type = "s"  # a text that begins with = is no formula
+                    cell.data_type = "s"  # a text that begins with = is not a formula
                 cells.append(cell)
             sheet.append(cells)
     file = io.BytesIO()
@@ -240,7 +240,7 @@ def _parquet(table: Table, system: System) -> bytes:
 
 
 def _las(table: Table, system: System, title: str, remarks: list[str], name: str) -> str:
-    """A table as LAS 2.0; an empty text, with a remark, where it has no index that rises or falls."""
+    """A table as LAS 2.0; an empty text, with a remark, if it has no index that rises or falls."""
     first = next(iter(table))
     kind = split_name(first)[0]
     steps = np.diff(table[first]) if table[first].dtype.kind in "fiu" else np.array([0.0])
@@ -273,7 +273,7 @@ def _las(table: Table, system: System, title: str, remarks: list[str], name: str
         "~Well",
         f"STRT.{unit} {index[0]:.{DIGITS}g} : first",
         f"STOP.{unit} {index[-1]:.{DIGITS}g} : last",
-        f"STEP.{unit} {step:.{DIGITS}g} : step, 0 where it varies",
+        f"STEP.{unit} {step:.{DIGITS}g} : step, 0 if it varies",
         f"NULL.   {NULL} : no value",
         f"WELL.   {_one_line(title)} : title",
         "~Curve",
@@ -286,7 +286,7 @@ def _las(table: Table, system: System, title: str, remarks: list[str], name: str
 
 
 def _mnemonic(heading: str, used: set[str]) -> str:
-    """The mnemonic of a column, with a depth or a number where another column has it."""
+    """The mnemonic of a column, with a depth or a number if another column has it."""
     name = split_name(heading)[0]
     quantity = catalogue.find(name)
     word = quantity.mnemonic if quantity is not None and quantity.mnemonic else name.upper()
@@ -301,5 +301,5 @@ def _mnemonic(heading: str, used: set[str]) -> str:
 
 
 def _one_line(text: str) -> str:
-    """A text that stands in a line of a LAS header, where a colon begins the description."""
+    """A text for a line of a LAS header, in which a colon begins the description."""
     return " ".join(text.replace(":", ",").split())

@@ -1,4 +1,4 @@
-"""Sections on what was computed: well, string, mud, from the plain data of a case."""
+"""Sections on the inputs: well, string, mud, from the plain data of a case."""
 
 from __future__ import annotations
 
@@ -177,7 +177,7 @@ def string_table(case: Case) -> dict[str, np.ndarray]:
 
 
 def _mass(item: Any) -> float:
-    """Mass per length [kg/m]; nan where an item has no length."""
+    """Mass per length [kg/m]; nan if an item has no length."""
     if isinstance(item, Tubular):
         return float(tubular_section(item).mass)
     mass = getattr(item, "mass", None)
@@ -241,7 +241,7 @@ def _split(value: float, kind: str, system: System) -> tuple[str, str]:
 
 
 def rig_rows(case: Case, system: System) -> list[tuple[str, str, str]]:
-    """Facts of the rig; empty where the case has none."""
+    """Facts of the rig; empty if the case has none."""
     if case.rig is None:
         return []
     kinds = (

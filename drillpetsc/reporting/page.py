@@ -34,7 +34,7 @@ MOST_POINTS = 8_000  # points of lines above which SVG is not tried
 class Picture:
     """A picture in the file: data URI, words for those who do not see it, and the files it is drawn from.
 
-    plot: the same curves as JSON of a figure of plotly, empty where the picture does not zoom.
+    plot: the same curves as JSON of a figure of plotly, empty if the picture does not zoom.
     """
 
     uri: str
@@ -47,7 +47,7 @@ class Picture:
 class Grid:
     """A table of texts.
 
-    heads: of the columns; rows: of texts; numeric: columns set flush right; caption; source: where the figures are;
+    heads: of the columns; rows: of texts; numeric: columns set flush right; caption; source: file with the figures;
     folded: shown after a click; csv: data URI of the whole table in SI, may be empty; note: what is left out.
     """
 
@@ -93,7 +93,7 @@ _zooms: contextvars.ContextVar[bool] = contextvars.ContextVar("pictures that zoo
 def pictures_that_zoom(wanted: bool) -> Iterator[None]:
     """Within this context `picture` adds a figure of plotly, if ``wanted``.
 
-    Raises CaseError where plotly is missing.
+    Raises CaseError if plotly is missing.
     """
     if wanted:
         from drillpetsc.plotting.interactive import plotly_script
@@ -107,7 +107,7 @@ def pictures_that_zoom(wanted: bool) -> Iterator[None]:
 
 
 def picture(drawing: Any, words: str, source: str) -> Picture:
-    """A figure as SVG, or as PNG where that is smaller. Equal figures give equal bytes.
+    """A figure as SVG, or as PNG if that is smaller. Equal figures give equal bytes.
 
     drawing: figure of matplotlib; call it within `plotting.style.look()`
     """
@@ -153,8 +153,8 @@ def grid_of(
     csv_name: str = "",
     folded: bool | None = None,
 ) -> Grid:
-    """A table `name [unit]` -> (n,) in the units of a system. Of more than SHOWN rows, evenly spaced ones are shown, and those of the
-    deepest bit.
+    """A table `name [unit]` -> (n,) in the units of a system. Of more than SHOWN rows, evenly spaced ones are shown, and the rows of
+    the deepest bit.
 
     columns: names to be shown; by default all that have a value
     csv_bytes: the whole table as it goes along, in SI; by default made from the table
@@ -172,7 +172,7 @@ def grid_of(
     content = csv_bytes or csv_of(table)
     small = len(content) <= MOST_CSV
     if not small:
-        notes.append(f"the whole table is in {source}" if source else "too large to go along as CSV")
+        notes.append(f"the whole table is in {source}" if source else "too large to include as CSV")
     return Grid(
         [label_of(title, system) if title.endswith(MIXED) else heading_of(title, system) for title in titles],
         list(zip(*shown, strict=True)),
@@ -208,7 +208,7 @@ def _cells(table: Mapping[str, np.ndarray], title: str, kept: np.ndarray, system
     if values.dtype.kind != "f":
         return [lengths_shown(str(value), system) for value in values]
     cells = list(texts(in_units(title, values, system)))
-    if title == TRIP_SPEED and LIMITED_BY in table:  # no limit is passed at the fastest speed tried
+    if title == TRIP_SPEED and LIMITED_BY in table:  # limits above the fastest speed tried
         free = np.isin(table[LIMITED_BY][kept].astype(str), ("none", "-"))
         cells = [f"> {q}" if f else q for q, f in zip(cells, free, strict=True)]
     return cells
@@ -238,7 +238,7 @@ def csv_of(table: Mapping[str, np.ndarray]) -> bytes:
 def file_grid(
     file: Path, system: System, caption: str, source: str, columns: Sequence[str] = ()
 ) -> Grid | None:
-    """A table of a run folder; None where it has no rows."""
+    """A table of a run folder; None if it has no rows."""
     table = read_table(file)
     if not table or not len(next(iter(table.values()))):
         return None

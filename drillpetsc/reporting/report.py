@@ -1,7 +1,8 @@
 """`drillpetsc report`: one HTML file on a case and its run folders.
 
-The file needs nothing beside it: style, pictures and tables are in it, and there is no script unless its pictures zoom. The same input gives the
-same bytes; the date is that of the newest result, or SOURCE_DATE_EPOCH (reproducible-builds.org).
+The file is self-contained: style, pictures and tables are in it, and there is no script unless its pictures zoom. The
+same input gives the
+same bytes; the date is the date of the newest result, or SOURCE_DATE_EPOCH (reproducible-builds.org).
 """
 
 from __future__ import annotations
@@ -35,7 +36,7 @@ SECTIONS = ("well", "string", "mud", *(kind.key for kind in KINDS), "inputs", "s
 _NOT_COMPARED = ("output", "petsc", "time", "title")  # blocks in which runs of one case may differ
 DATUM = "rig floor, 0 m MD"
 
-#: what is agreed on in all reports: signs of field reports (manual: sec-guide-report)
+#: conventions of all reports: signs of field reports (manual: sec-guide-report)
 AGREED = (
     "Measured and true vertical depths are positive down from the datum.",
     "Tension is positive, compression negative. The effective tension is what buckles; the axial force is the wall's.",
@@ -50,7 +51,7 @@ AGREED = (
 
 @dataclass(frozen=True)
 class Source:
-    """What a report is made from.
+    """The sources of a report.
 
     case; file: of the case, given or in the first run folder; runs.
     """
@@ -72,7 +73,7 @@ def report(
 
     paths: run folders, and at most one case file
     out: file to be written; by default report.html in the first run folder, or <case>-report.html
-    units: field, metric, metric_t or SI; by default those of the case, else metric
+    units: field, metric, metric_t or SI; by default the case's, else metric
     sections: names of SECTIONS; by default all
     interactive: pictures of lines and bars zoom, by the script of plotly, which is in the file once (4.5 MB)
     """
@@ -121,7 +122,7 @@ def _source(paths: Sequence[Path]) -> Source:
     file = runs[0].folder.case
     if not file.is_file():
         raise CaseError(
-            at="RUN", got=runs[0].folder.path, want="a run folder with case.yaml; or give the case file, too"
+            at="RUN", got=runs[0].folder.path, want="a run folder with case.yaml; or also give the case file"
         )
     return Source(load_case(file), file, False, tuple(runs))
 
@@ -159,7 +160,7 @@ def html(source: Source, system: System, wanted: Sequence[str], interactive: boo
 
 
 def _script(sections: Sequence[Section]) -> str:
-    """The script of plotly, empty where no picture zooms."""
+    """The script of plotly, empty if no picture zooms."""
     from drillpetsc.plotting.interactive import plotly_script
 
     return plotly_script() if any(p.plot for section in sections for p in section.pictures) else ""
@@ -216,7 +217,7 @@ def _date(source: Source) -> str:
 
 
 def _said(source: Source, system: System, notes_only: bool) -> list[tuple[str, list[str]]]:
-    """(where, texts) of the warnings, or of the notes: what the results assume and leave out."""
+    """(where, texts) of the warnings, or of the notes: assumptions and omissions of the results."""
     found = []
     for where, texts in _warnings(source):
         chosen = [text for text in texts if text.startswith(NOTE) is notes_only]
@@ -237,7 +238,7 @@ def _warnings(source: Source) -> list[tuple[str, list[str]]]:
             if keys:
                 texts.append(
                     f"this run is of another case than {source.file.name}: {', '.join(keys)} differ. Well, string and mud "
-                    f"of this report are those of {source.file.name}"
+                    f"of this report come from {source.file.name}"
                 )
         elif not run.folder.case.is_file():
             texts.append("no case.yaml in this folder: whether it is of this case was not checked")
@@ -307,7 +308,7 @@ def _inputs(source: Source) -> Section:
 def _figures(case: Case, text: str) -> list[tuple[str, str, str, str]]:
     """Rows (item, key, value, source) of figures from catalogue, defaults and formulas.
 
-    text: the resolved case, whose comments name the sources where the case itself no longer does
+    text: the resolved case, whose comments name the sources that the case no longer names
     """
     if case.figures.of_item:
         rows = []

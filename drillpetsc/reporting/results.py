@@ -1,4 +1,4 @@
-"""Sections on results: what the tables and the summary of run folders hold."""
+"""Sections on results: the tables and the summary of run folders."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ class Kind:
     """A kind of results.
 
     key: of its section; tables: files in the run folder that hold it, the first one always; pictures: their names;
-    command: that computes it, empty where no single one does; columns: of the first table that are shown, by default all; needs_mud.
+    command: that computes it, empty if no single one does; columns: of the first table that are shown, by default all; needs_mud.
     """
 
     key: str
@@ -94,18 +94,18 @@ KINDS = (
     ),
     Kind("modes", "Modes", ("modes.csv",), ("modes",), "modes CASE.yaml"),
 )
-#: pictures of every folder that the section on the well has, too
+#: pictures of every folder that are also in the section on the well
 OF_THE_WELL = ("trajectory",)
 _NO_ROWS = ("history.csv", "probes.csv", INDICES_TABLE)  # tables too long for a page: their ranges are shown
 
 
-NOTE = "note: "  # before what a run assumes and leaves out, which is no warning
-_NO_FRICTION = ("block_weight", "weight_factor")  # parameters of a calibration that are no friction factors
+NOTE = "note: "  # precedes assumptions and omissions of a run, which are not warnings
+_NO_FRICTION = ("block_weight", "weight_factor")  # parameters of a calibration that are not friction factors
 
 
 @dataclass(frozen=True)
 class Run:
-    """A run folder that goes into a report: its name, files and summary."""
+    """A run folder in a report: its name, files and summary."""
 
     folder: RunFolder
     name: str
@@ -113,7 +113,7 @@ class Run:
 
     @classmethod
     def open(cls, path: Path) -> Run:
-        """A run folder with its summary, empty where it has none."""
+        """A run folder with its summary, empty if it has none."""
         folder = RunFolder.open(path)
         summary = read_summary(folder.summary) if folder.summary.is_file() else {}
         return cls(folder, path.resolve().name, summary)
@@ -129,7 +129,7 @@ class Run:
 
 
 def warnings_of(run: Run) -> list[str]:
-    """What the user should know of a run: its state, warnings and notes, and rows that are not to be trusted."""
+    """Sentences for the user about a run: its state, warnings and notes, and unreliable rows."""
     found: list[str] = []
     status = run.summary.get("status")
     if isinstance(status, str) and status != "done":
@@ -178,9 +178,9 @@ def _doubtful(file: Path) -> list[str]:
 def result_sections(
     runs: Sequence[Run], system: System, wanted: Sequence[str], why: Mapping[str, str]
 ) -> list[Section]:
-    """A section for each kind of results of each run; one that says why for each kind that no run has.
+    """A section for each kind of results of each run; one with the reason for each kind that no run has.
 
-    wanted: keys of the sections; why: reason by key where results of a kind cannot be.
+    wanted: keys of the sections; why: reason by key if results of a kind are impossible.
     """
     sections: list[Section] = []
     pictures = {run.name: _pictures(run, system) for run in runs}
@@ -201,7 +201,7 @@ def result_sections(
 
 
 def _pictures(run: Run, system: System) -> dict[str, Any]:
-    """Figures of a folder by name, without those of the well."""
+    """Figures of a folder by name, without figures of the well."""
     token = style.UNITS.set(system)
     try:
         drawn = drawings(run.folder, system)
@@ -287,7 +287,7 @@ def _fitted(run: Run, system: System, source: str) -> list[Grid]:
 
 
 def _sensors(run: Run, system: System, source: str) -> list[Grid]:
-    """Sensors with what the time steps resolve of them."""
+    """Sensors with their resolved frequency."""
     sensors = [row for row in run.summary.get("sensors", ()) if isinstance(row, Mapping)]
     rows = []
     for row in sensors:
@@ -444,7 +444,7 @@ def solver_section(runs: Sequence[Run]) -> Section:
                 Grid(heads, rows, run.name, source, folded=True, numeric=(False, True, False, False))
             )
     if not section.grids:
-        section.missing = "no run has reported its computation" if runs else "nothing was computed"
+        section.missing = "none of the runs reports its computation" if runs else "nothing was computed"
     return section
 
 

@@ -34,7 +34,7 @@ def in_units(title: str, values: Any, system: System) -> np.ndarray:
 
 
 def texts(values: np.ndarray, digits: int = DIGITS) -> list[str]:
-    """Numbers (n,) as texts with a common count of decimals; `-` for what is not a number."""
+    """Numbers (n,) as texts with a common count of decimals; `-` for values that are not numbers."""
     finite = np.abs(values[np.isfinite(values)])
     largest = float(finite.max()) if finite.size else 0.0
     whole = np.allclose(finite, np.round(finite), rtol=1e-9, atol=0.0)  # up to the rounding of units

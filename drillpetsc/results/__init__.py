@@ -1,6 +1,6 @@
 """Results of commands for Python and notebooks: tables with units, pictures, short reports.
 
-Everything is read from the files of a run folder, when it is asked for. xarray, pandas and matplotlib are imported then, too.
+Everything is read from the files of a run folder on first use. xarray, pandas and matplotlib are also imported then.
 """
 
 from drillpetsc.results.result import Result, open_run

@@ -14,9 +14,9 @@ FACTORS = ("ff_cased", "ff_open_hole")
 
 
 def roadmap_cube(table: Table, title: str = "") -> Columns:
-    """A dataset of xarray, or `Columns` where xarray is not installed, from the rows of a roadmap.
+    """A dataset of xarray, or `Columns` if xarray is not installed, from the rows of a roadmap.
 
-    table: roadmap.csv by heading. Operations and friction pairs stand in the order of the rows, bit depths ascend [m].
+    table: roadmap.csv by heading. Operations and friction pairs are in the order of the rows, bit depths ascend [m].
     A row that is not there gives nan, or an empty text.
     """
     columns = {split_name(heading)[0]: (heading, np.asarray(values)) for heading, values in table.items()}

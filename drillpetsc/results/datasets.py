@@ -1,4 +1,4 @@
-"""Tables as datasets of xarray, or as arrays by name where xarray is not installed; tables as frames of pandas."""
+"""Tables as datasets of xarray, or as arrays by name if xarray is not installed; tables as frames of pandas."""
 
 from __future__ import annotations
 
@@ -68,7 +68,7 @@ class Columns(dict[str, np.ndarray]):
 
 
 def dataset(table: Table, file: str, title: str = "") -> Any:
-    """A table as a dataset of xarray, or as `Columns` where xarray is not installed. The arrays are copies.
+    """A table as a dataset of xarray, or as `Columns` if xarray is not installed. The arrays are copies.
 
     file: name of the table, which determines its coordinate and what its columns are; title: of the run
     """
@@ -91,7 +91,7 @@ def assembled(
     coordinates: set[str],
     title: str,
 ) -> Any:
-    """A dataset of xarray, or `Columns` where xarray is not installed, from arrays by name."""
+    """A dataset of xarray, or `Columns` if xarray is not installed, from arrays by name."""
     try:
         import xarray
     except ImportError:
@@ -110,7 +110,7 @@ StringFrames = tuple[np.ndarray, Table]
 
 
 def read_string(folder: Path) -> StringFrames:
-    """All frames of the string in a run folder; CaseError where there are none, or where they have different nodes."""
+    """All frames of the string in a run folder; CaseError if there are none, or they have different nodes."""
     series = read_series(folder)
     if not series:
         raise CaseError(file=folder, want="a run folder with frames of the string (string.pvd)")
@@ -131,7 +131,7 @@ def read_string(folder: Path) -> StringFrames:
 
 
 def string_dataset(frames: StringFrames, title: str = "") -> Any:
-    """The string over time as a dataset of xarray, or as `Columns` where xarray is not installed. The arrays are copies.
+    """The string over time as a dataset of xarray, or as `Columns` if xarray is not installed. The arrays are copies.
 
     Dimensions are time, md (measured depth of the nodes on the string) and, for vectors, direction: north, east, down.
     """
@@ -156,7 +156,7 @@ def string_dataset(frames: StringFrames, title: str = "") -> Any:
 def frame(table: Table, file: str, system: System) -> Any:
     """A table as a frame of pandas in a system of units; headings are `hook_load [klbf]`.
 
-    The coordinate of the table is the index. Raises CaseError where pandas is not installed.
+    The coordinate of the table is the index. Raises CaseError if pandas is not installed.
     """
     try:
         import pandas

@@ -1,4 +1,4 @@
-"""What a column of a table is: its words, its unit for other programs, and its unit in a system of units."""
+"""Description of a column of a table: its words, its unit for other programs, and its unit in a system of units."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ _DOGLEG = "deg/30m"
 
 @cache
 def quantity_of(name: str, file: str) -> Quantity | None:
-    """The quantity of a column of a file, else that of this name in any file; None where there is none."""
+    """The quantity of a column of a file, else the quantity of this name in any file; None if there is none."""
     own = outputs_by_file().get(file, ())
     return next((q for q in (*own, *all_quantities()) if q.matches(name)), None)
 

@@ -159,7 +159,7 @@ def html_report(title: str, figures: Rows, warnings: list[str], folder: str, pic
 
 
 def _picture(drawing: Any) -> str:
-    """A figure as SVG; as PNG where the SVG is large."""
+    """A figure as SVG; as PNG if the SVG is large."""
     from drillpetsc.plotting.notebook import svg
 
     text = svg(drawing)

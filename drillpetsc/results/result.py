@@ -62,7 +62,7 @@ TABLES = (
 
 
 class Sensors(Mapping[str, Any]):
-    """Datasets of the downhole sensors of a run by name, with the coordinate time [s]. Each is read when it is asked for."""
+    """Datasets of the downhole sensors of a run by name, with the coordinate time [s]. Each is read on first use."""
 
     def __init__(self, result: Result) -> None:
         self._result = result
@@ -84,7 +84,7 @@ class Sensors(Mapping[str, Any]):
 
 
 class Tables(Mapping[str, Any]):
-    """Tables of a result by name: `history`, `statics`, `hydraulics`, `flow_curve`. Each is read when it is asked for."""
+    """Tables of a result by name: `history`, `statics`, `hydraulics`, `flow_curve`. Each is read on first use."""
 
     def __init__(self, result: Result) -> None:
         self._result = result
@@ -106,12 +106,12 @@ class Tables(Mapping[str, Any]):
 
 @dataclass(repr=False)
 class Result(RunResult):
-    """Result of `run`, `statics`, `hydraulics`, `surge`, `roadmap`, `limits` or `modes`, with tables in SI that know their units.
+    """Result of `run`, `statics`, `hydraulics`, `surge`, `roadmap`, `limits` or `modes`, with tables in SI and their units.
 
     folder: run folder; summary: contents of its summary.json; lines: report for the screen
 
     Tables are datasets of xarray whose variables have the attributes units, long_name, label, mnemonic, sign and
-    description; without xarray they are arrays by name. They are read from the folder when they are asked for, and kept. A
+    description; without xarray they are arrays by name. They are read from the folder on first use, and kept. A
     result whose folder has been written again since is refused. Results can be pickled and copied; a copy has the tables that were
     read before, and reads others from the folder.
     """
@@ -120,7 +120,7 @@ class Result(RunResult):
 
     @property
     def kind(self) -> str:
-        """run, roadmap, limits, statics, hydraulics, surge or modes; folder where the folder has no table of these."""
+        """run, roadmap, limits, statics, hydraulics, surge or modes; folder if the folder has no table of these."""
         found = self._files()
         return next((kind for file, kind in KINDS.items() if file in found), "folder")
 
@@ -146,7 +146,7 @@ class Result(RunResult):
 
     @property
     def sensors(self) -> Sensors:
-        """Datasets of the downhole sensors by name; what the time steps resolve stands in `summary["sensors"]`."""
+        """Datasets of the downhole sensors by name; what the time steps resolve is in `summary["sensors"]`."""
         return Sensors(self)
 
     @property
@@ -155,9 +155,9 @@ class Result(RunResult):
         return self._dataset(INDICES_TABLE)
 
     def find_indices(self, window: float | None = None, every: float | None = None) -> list[str]:
-        """Compute the indices of drilling dynamics, as the command `vibration` does: write indices.csv and return lines for people.
+        """Compute the indices of drilling dynamics, as the command `vibration` does: write indices.csv and return lines for the screen.
 
-        window: length of the windows [s], every: from the end of one to that of the next [s]; by default those of the case, else 20
+        window: length of the windows [s], every: time between the ends of successive windows [s]; by default the case's, else 20
         and 1 s.  Raises CaseError for a result that is not a run in time.
         """
         from drillpetsc.case import load_case
@@ -225,8 +225,8 @@ class Result(RunResult):
         """A table as a frame of pandas, with headings such as `hook_load [klbf]`; its coordinate is the index.
 
         table: name of the table; by default the main one of the result
-        units: field, metric, metric_t or SI; by default those of the case, SI where it has none
-        Raises CaseError where pandas is not installed.
+        units: field, metric, metric_t or SI; by default the case's, SI if it has none
+        Raises CaseError if pandas is not installed.
         """
         files = self._files()
         name = table or next((f.removesuffix(".csv") for f in (*KINDS, *TABLES) if f in files), "")
@@ -240,10 +240,10 @@ class Result(RunResult):
         units: str | None = None,
         backend: Literal["matplotlib", "plotly"] = "matplotlib",
     ) -> Any:
-        """A picture of the result, as a figure of matplotlib or of plotly; the pictures are those of the command `plot`.
+        """A picture of the result, as a figure of matplotlib or of plotly; the pictures are the same as from the command `plot`.
 
         kind: name of the picture, such as history, orbits, along_depth, flow_curve, surge; by default the first one
-        units: field, metric, metric_t or SI; by default those of the case
+        units: field, metric, metric_t or SI; by default the case's
         backend: matplotlib, or plotly to zoom (needs the package; pictures of lines and bars)
         """
         from drillpetsc.plotting.plot import figures, picture_names
@@ -276,7 +276,7 @@ class Result(RunResult):
         """Write the HTML report of the command `report` on this result; returns its path.
 
         path: file whose name ends with .html; by default report.html in the run folder. An older report is replaced
-        units: field, metric, metric_t or SI; by default those of the result
+        units: field, metric, metric_t or SI; by default the result's
         sections: some of its sections, such as well, string, mud, inputs; by default all
         interactive: its pictures of lines and bars zoom in a browser (needs plotly)
         """
@@ -302,7 +302,7 @@ class Result(RunResult):
         """Write the tables for other programs, as the command `export` does; returns the files.
 
         path: folder of the files; by default `export` in the run folder
-        units: field, metric, metric_t or SI; by default those of the result, else metric
+        units: field, metric, metric_t or SI; by default the result's, else metric
         format: csv, xlsx, las or parquet
         columns: names of columns; by default all
         """
@@ -375,13 +375,13 @@ class Result(RunResult):
         return dataset(self._table(file), file, self._title)
 
     def _keep(self, name: str, value: Any) -> Any:
-        """Keep what was read, unless the computation still writes."""
+        """Keep the data read, unless the computation still writes."""
         if self.summary:
             self._kept[name] = value
         return value
 
     def _check_folder(self) -> None:
-        """Raise CaseError where the folder is gone, or holds the results of another computation by now."""
+        """Raise CaseError if the folder is gone, or holds the results of another computation by now."""
         if not self.folder.is_dir():
             raise CaseError(file=self.folder, got="no such folder", want="the run folder of the result")
         file = RunFolder(self.folder).summary
@@ -391,8 +391,8 @@ class Result(RunResult):
                 raise CaseError(
                     file=self.folder,
                     got="results of another computation",
-                    want="the results that this object stands for",
-                    hint="drillpetsc.open_run reads what the folder holds now",
+                    want="the results of this object",
+                    hint="drillpetsc.open_run reads the present contents of the folder",
                 )
 
 
@@ -412,10 +412,10 @@ def result_of(computed: RunResult) -> Result:
 
 
 def open_run(folder: str | Path) -> Result:
-    """The result in a run folder; nothing is computed, and neither PETSc nor MPI is started.
+    """The result in a run folder; nothing is computed, and PETSc and MPI are not started.
 
     folder: run folder of `run`, `statics`, `hydraulics`, `surge` or `modes`, finished or not
-    Raises CaseError where the folder does not exist or holds no results.
+    Raises CaseError if the folder does not exist or holds no results.
     """
     path = Path(folder)
     if not path.is_dir():

@@ -105,7 +105,7 @@ class AlphaFormula:
     def amplification(self, product: float) -> complex:
         """Return the factor of an undamped vibration in a step, at angular frequency times step ``product``.
 
-        Its modulus is that of the amplitude, its angle the phase of a step: the eigenvalue of the vibration.  The
+        Its modulus is the amplitude's factor, its angle the phase of a step: the eigenvalue of the vibration.  The
         third one is real.
         """
         g, b, m, f, o = self.gamma, self.beta, self.mean_mass, self.mean_force, product**2
@@ -119,14 +119,14 @@ class AlphaFormula:
     def phase_error(self) -> float:
         """Relative error of the frequency of a vibration, over (angular frequency times step) squared.
 
-        Manual: eq-time-alpha-phase.  That of first-order unknowns is smaller.
+        Manual: eq-time-alpha-phase.  The constant of first-order unknowns is smaller.
         """
         return 1 / 12 + 0.375 * ((1 - self.radius) / (1 + self.radius)) ** 2
 
     def damped_product(self, loss: float = LOSS) -> float | None:
         """Angular frequency times step above which a period takes more than ``loss`` of the amplitude.
 
-        None where no frequency loses as much.
+        None if no frequency loses as much.
         """
         products = np.geomspace(1e-2, 1e2, 800)
         factors = np.array([self.amplification(p) for p in products])
@@ -146,7 +146,7 @@ class AlphaOutputErrors:
 
     @property
     def earlier(self) -> int:
-        """Number of earlier values that a local error needs: those of a third difference."""
+        """Number of earlier values that a local error needs, for a third difference."""
         return 3
 
     @property
@@ -156,7 +156,7 @@ class AlphaOutputErrors:
 
     @property
     def method(self) -> str:
-        """What the summary calls the estimate."""
+        """Name of the estimate in the summary."""
         return f"third differences, generalised-alpha of radius {self.formula.radius:g}"
 
     def local_errors(self, times: FloatArray, values: FloatArray) -> FloatArray:
@@ -175,7 +175,7 @@ class AlphaOutputErrors:
         return 0, self.formula.phase_error
 
     def weights(self, times: list[float]) -> FloatArray:
-        """Weights (4,) of the states at ``times`` (4,), ascending [s], in the local error of the last one: those of ``local_errors``."""
+        """Weights (4,) of the states at ``times`` (4,), ascending [s], in the local error of the last one: the weights of ``local_errors``."""
         ascending, weights = np.array(times, dtype=float), np.empty(4)
         _third_difference_weights(self.formula.phase_error, pointer(ascending), pointer(weights))
         return weights
@@ -188,7 +188,9 @@ def radius_of(alpha_m: float, alpha_f: float, gamma: float | None = None, beta: 
     (1 + alpha_m - alpha_f)^2/4.  Raises ValueError, with the reason, for values off this family.
     """
     if not 0.5 <= alpha_f <= 1.0:
-        raise ValueError(f"alpha_f = {alpha_f:g} belongs to no spectral radius from 0 to 1 (0.5 to 1 does)")
+        raise ValueError(
+            f"alpha_f = {alpha_f:g} does not correspond to a spectral radius from 0 to 1 (0.5 to 1 does)"
+        )
     radius = 1 / alpha_f - 1
     wanted = (2 - radius) / (1 + radius)
     if abs(alpha_m - wanted) > 1e-6:
@@ -205,7 +207,7 @@ def radius_of(alpha_m: float, alpha_f: float, gamma: float | None = None, beta: 
 
 
 class AlphaHistory:
-    """What the formula carries from step to step, for n unknowns.
+    """Data that the formula carries from step to step, for n unknowns.
 
     formula: the coefficients.
     second_order: (n,) mask of unknowns of second order; the others are of first order, or algebraic.
@@ -257,6 +259,7 @@ class AlphaHistory:
         q = self.arrays
         q["x"][:], q["y"][:], q["w"][:] = x, y, np.where(two, w, 0.0)
         q["rate"][:], q["second"][:] = np.where(two, rate, 0.0), np.where(two, second, 0.0)
+        # without earlier steps there is no derivative by which they could lead; see ``begun_with``
         q["ax"][:], q["ay"][:] = np.where(two, second, y), np.where(two, w, 0.0)
 
     def begin(self, step: float) -> tuple[FloatArray, FloatArray, FloatArray]:
@@ -280,8 +283,8 @@ class AlphaHistory:
     def jump(self, change: FloatArray, second: FloatArray) -> None:
         """Let true accelerations and rates of first-order unknowns jump by ``change`` (n,), where a force does.
 
-        second: (n,) change of the second derivatives of second-order unknowns.  What the history says of a motion without the jump
-        remains, so order 2 does.
+        second: (n,) change of the second derivatives of second-order unknowns.  The history of the motion without the jump is kept,
+        so the order stays 2.
         """
         q, two = self.arrays, self.second_order
         for key in ("w", "ay"):

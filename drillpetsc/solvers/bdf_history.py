@@ -1,8 +1,8 @@
 """BDF history for checkpoints: a restarted run reproduces an uninterrupted one bit for bit.
 
 PETSc does not expose the history of TSBDF.  The accepted states are therefore recorded here.  A restarted run
-first steps through this record with a solver that returns the recorded states, so that TSBDF rebuilds the
-same times and vectors (manual: sec-time-restart).
+first steps through this record with a solver that returns the recorded states. So TSBDF rebuilds the same times and
+vectors (manual: sec-time-restart).
 """
 
 from __future__ import annotations
@@ -23,8 +23,8 @@ class BdfHistory:
 
     depth: a formula of order p, its predictor and its error estimate use p + 1 earlier states.
     times: (k,) times of the states [s].
-    steps: (k - 1,) requested step from each state to the next [s]; rounding makes it differ from that of the
-    times.
+    steps: (k - 1,) requested step from each state to the next [s]; rounding makes it differ from the difference
+    of the times.
     states: unknowns and rates at these times.
     half: state in the middle of the first step.  TSBDF computes it at each start, and uses it until it has
     enough other states.
@@ -54,6 +54,7 @@ class BdfHistory:
 
     def add_step(self, t: float, step: float, x: FloatArray, y: FloatArray) -> None:
         """Record an accepted state x, y (array_length,) at ``t`` [s]; ``step``: requested step [s]."""
+        # PETSc starts with a half step of backward Euler, then takes order two (manual: sec-time-error)
         if len(self._stages) == 2:
             self.half = self._stages[0]
         self._stages = []
@@ -77,6 +78,7 @@ class BdfHistory:
             return {}
         states = self.states if self.half is None else [*self.states, self.half]
         columns = [nodal(system, part) for state in states for part in state]
+        # by node, so that a run may continue on another number of ranks
         gathered = system.gather(np.stack(columns, axis=1))
         if gathered is None:
             return {}
@@ -101,7 +103,7 @@ class BdfHistory:
 def nodal(system: DiscreteSystem, values: FloatArray) -> FloatArray:
     """Arrange local values (array_length,) by node: (nv, m) components of all fields.
 
-    Zero where a field is absent.
+    Zero if a field is absent.
     """
     dofs = np.hstack([system.layout.dofs[f.name] for f in system.layout.fields])
     return np.where(dofs >= 0, values[np.maximum(dofs, 0)], 0.0)
@@ -110,7 +112,7 @@ def nodal(system: DiscreteSystem, values: FloatArray) -> FloatArray:
 def local(system: DiscreteSystem, at_nodes: FloatArray, like: FloatArray) -> FloatArray:
     """Return local values (array_length,) from ``at_nodes`` (nodes, m).
 
-    Entries that are no unknowns are those of ``like``.
+    Entries that are not unknowns are taken from ``like``.
     """
     dofs = np.hstack([system.layout.dofs[f.name] for f in system.layout.fields])
     out = like.copy()

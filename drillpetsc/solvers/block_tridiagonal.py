@@ -26,7 +26,7 @@ _count_runs = function("chain_count_runs", "ippppip", int)
 _runs = function("chain_runs", "ipppppippppipp", int)
 _tiles = function("chain_tiles", "ippppp" + "p")
 _TILE = int(constant("tile"))  # numbers of a tile
-#: numbers for the patterns of the entries, more where they do not suffice (manual: sec-chain-storage)
+#: numbers for the patterns of the entries, more if they do not suffice (manual: sec-chain-storage)
 PATTERN_CAPACITY = 1 << 16
 _negative = function("chain_negative", "iipp", int)
 
@@ -54,7 +54,7 @@ class Piece:
     """Packed blocks of one run of n nodes on one process, without MPI.
 
     sizes: (n,) unknowns per node.
-    interfaces: bit 0 (1) is set where the first (last) node is an interface, which the elimination leaves.
+    interfaces: bit 0 (1) is set if the first (last) node is an interface, which the elimination leaves.
 
     store: blocks of the matrix, later of its factors; saved: copy of the matrix for refinement, or None.
     blocks: copy of the pivot blocks for ``negative_eigenvalues``, or None.
@@ -84,7 +84,7 @@ class Piece:
         self.pivots = int((ld * b).sum())  # entries of all pivot blocks
         self.n, self.interfaces, self.table, self.length = n, interfaces, table, int(ld.sum())
         self.store, self.inverse = aligned(end), aligned(self.length)
-        # each node's rows in their own order, as those of the padding stay
+        # each node's rows keep their order, because rows of the padding stay in place
         self.pivot = (np.arange(self.length) - np.repeat(table[:, _VEC], ld)).astype(np.int32)
         self.stats = np.zeros(_STATS.width)
         self.saved: np.ndarray | None = None
@@ -102,9 +102,9 @@ class Piece:
     ) -> None:
         """Set the positions of the entries (m,) of a matrix in the blocks.
 
-        rows, columns: unknowns, negative where an entry is left out; node, component: (size,) of each unknown.
+        rows, columns: unknowns, negative if an entry is left out; node, component: (size,) of each unknown.
         source: (m,) numbers of the entries in the values of ``factor``, None for 0 to m - 1; duplicates add up.
-        Raises ValueError where an entry couples nodes that are not neighbours.
+        Raises ValueError if an entry couples nodes that are not neighbours.
         """
         rows, columns, node, component = (
             np.ascontiguousarray(a, dtype=np.int32) for a in (rows, columns, node, component)

@@ -47,7 +47,7 @@ class ZeroPivot(SolveError):
     def __init__(self, node: int, unknown: int) -> None:
         super().__init__(
             f"the matrix of the string is singular to working precision at node {node}, its unknown {unknown}",
-            hint="part of the string is free to move without resistance, or an equation is missing there",
+            hint="a part of the string moves without resistance, or an equation is missing there",
         )
         self.node = node
         self.unknown = unknown
@@ -65,11 +65,11 @@ def _raise_on_all_ranks(comm: Any, problem: str | None) -> None:
 
 
 def _check_local(nodes: np.ndarray, sizes: np.ndarray, node_of_dof: np.ndarray) -> str | None:
-    """Describe what is wrong with this rank's nodes and unknowns; None where nothing is."""
+    """Describe what is wrong with this rank's nodes and unknowns; None if nothing is."""
     if np.any(np.diff(nodes) != 1):
         return f"the nodes of a rank must follow each other along the string, got {nodes.tolist()}"
     if len(node_of_dof) and (node_of_dof.min() < 0 or node_of_dof.max() >= len(nodes)):
-        return "an unknown belongs to no local node"
+        return "an unknown does not belong to a local node"
     if len(sizes) and not 1 <= sizes.min() <= sizes.max() <= LARGEST_BLOCK:
         return f"a node needs 1 to {LARGEST_BLOCK} unknowns, got {sizes.min()} to {sizes.max()}"
     return None
@@ -132,7 +132,7 @@ class ChainFactor:
     factor_flops, solve_flops: operations of one call on this rank, the interface system included.
     factorisations: number of calls of ``factor`` so far.
 
-    Raises ValueError on every rank where nodes, unknowns or entries do not form a chain.
+    Raises ValueError on every rank if nodes, unknowns or entries do not form a chain.
     """
 
     def __init__(
@@ -216,13 +216,13 @@ class ChainFactor:
     def _set_entries(self, node_of_dof: np.ndarray, rows: np.ndarray, columns: np.ndarray) -> None:
         """Check the matrix entries (m,) and set their positions in the blocks.
 
-        ValueError where one is wrong.
+        ValueError if one is wrong.
         """
         if rows.shape != columns.shape or rows.ndim != 1:
             raise ValueError(f"rows {rows.shape} and columns {columns.shape} must be flat and of one length")
         largest = max(rows.max(initial=-1), columns.max(initial=-1))
         if largest >= self.size:
-            raise ValueError(f"an entry names local unknown {largest}, there are {self.size}")
+            raise ValueError(f"an entry refers to local unknown {largest}, there are {self.size}")
         self._entries = len(rows)
         self.piece.set_matrix_entries(rows, columns, node_of_dof, self._component)
 
@@ -272,8 +272,8 @@ class ChainFactor:
     def factor(self, values: np.ndarray, start: int = 0) -> None:
         """Factor the matrix with entries ``values`` (m,); collective.
 
-        start: the first of this rank's nodes whose entries differ from those of the last call, their number where none does.
-        Raises ZeroPivot on every rank where a pivot is missing.
+        start: the first of this rank's nodes whose entries differ from the last call, or their number if none does.
+        Raises ZeroPivot on every rank if a pivot is missing.
         """
         self.factorisations += 1
         values = np.ascontiguousarray(values, dtype=float)
@@ -422,7 +422,7 @@ class ChainPC:
     matrix is factored again only where ``provider.version`` changed.
 
     chain: the solver; provider: its matrix entries.
-    stop: raise ZeroPivot where a pivot is missing.  Otherwise the KSP diverges with DIVERGED_PC_FAILED, so
+    stop: raise ZeroPivot if a pivot is missing.  Otherwise the KSP diverges with DIVERGED_PC_FAILED, so
     that the time step can be reduced, and ``error`` is the reason.
     """
 
@@ -431,7 +431,7 @@ class ChainPC:
 
         self.chain, self.provider, self.stop = chain, provider, stop
         self.version: int | None = None
-        #: number of the chain's factorisation with these values; others may use the chain, too
+        #: number of the chain's factorisation with these values; others may also use the chain
         self._factored = -1
         self.factorisations = 0
         self.error: ZeroPivot | None = None

@@ -46,7 +46,7 @@ class ConsistentStart:
     def accelerations(self, t: float) -> None:
         """Set ``a``, and ``y`` of first-order unknowns, so that the equations hold at ``t`` [s]; collective.
 
-        Raises SolveError where the equations have no solution.
+        Raises SolveError if the equations have no solution.
         """
         asm, n = self.system.assembly, self.system.layout.size
         if self.system.multipliers:
@@ -72,14 +72,14 @@ class ConsistentStart:
         finally:
             asm.freeze(None)
         if not np.isfinite(self._largest(total)):
-            raise SolveError("no accelerations fulfil the equations of motion", time=t)
+            raise SolveError("the equations of motion have no solution for the accelerations", time=t)
 
     def rows(self, t: float) -> FloatArray:
         """Compute the rows (owned,) of the equations at the assembly's x, y, a and ``t`` [s], zero along prescribed motion; collective."""
         return self._residual(t)
 
     def response(self, t: float, change: FloatArray) -> FloatArray:
-        """Compute what the accelerations, and the rates of first-order unknowns, change by (n,) where the rows change by ``change``.
+        """Compute the change (n,) of the accelerations and of the rates of first-order unknowns if the rows change by ``change``.
 
         For systems without multipliers; collective.  It has the error of the regularisation, 1e-5 of its size at most.
         """
@@ -96,7 +96,7 @@ class ConsistentStart:
         """Let rates jump to the prescribed ones at ``t`` [s], all others by the impulse; collective.
 
         The rows of inertia, integrated over the jump: the change of ``y`` of second-order unknowns, and of
-        ``x`` of first-order ones, fulfils M change = 0 where nothing is prescribed.
+        ``x`` of first-order ones, fulfils M change = 0 for unknowns that are not prescribed.
         """
         asm, n = self.system.assembly, self.system.layout.size
         if self.system.multipliers:
@@ -168,7 +168,7 @@ class ConsistentStart:
     ) -> bool:
         """Solve at ``t`` [s] from x, y ``start`` with the given rate of x at the start and the two shifts.
 
-        False where Newton's method does not converge.
+        False if Newton's method does not converge.
         """
         newton, asm, n = self.newton, self.system.assembly, self.system.layout.size
         x, y = start
@@ -206,7 +206,10 @@ class ConsistentStart:
             if len(found) == 2:
                 break
         else:
-            raise SolveError("no accelerations fulfil the equations of motion and the constraints", time=t)
+            raise SolveError(
+                "the equations of motion and the constraints have no solution for the accelerations", time=t
+            )
+        # extrapolates linearly from tau and 2 tau to 0 (manual: sec-time-alpha-start)
         value = 2 * found[0] - found[1]
         asm.x[:n] = np.where(self.second | self.first, x0, value)
         asm.y[:n] = np.where(self.first, value, y0)
@@ -218,8 +221,9 @@ class ConsistentStart:
         x0, y0 = asm.x[:n].copy(), asm.y[:n].copy()
         shift = 1 / IMPULSE_STEP
         if not self._short_step(t + IMPULSE_STEP, np.zeros(n), (x0, y0), (shift, shift)):
-            raise SolveError("no impulse fulfils the constraints where a prescribed velocity jumps", time=t)
+            raise SolveError("the constraints cannot be fulfilled when a prescribed velocity jumps", time=t)
         y = asm.y[:n].copy()
+        # rates jump, but positions of second-order unknowns do not
         asm.x[:n] = np.where(self.first, asm.x[:n], x0)
         asm.y[:n] = np.where(self.second, y, y0)
 

@@ -2,7 +2,7 @@
 
 Manual: sec-time-first-order, eq-time-system.  A second-order unknown has two rows: the kinematic row x' - y =
 0 (for a spin angle phi' - omega + c(v).w = 0) and the dynamic row in place of y'.  Each kind has seven rows
-at a prescribed vertex; those along D become D x = value and D y = rate, so the index is 1 (manual:
+at a prescribed vertex; rows along D become D x = value and D y = rate, so the index is 1 (manual:
 eq-time-first-order-prescribed).
 """
 
@@ -37,8 +37,8 @@ def refuse_integrator(kind: str, multipliers: bool = False) -> None:
             at="petsc.ts_type",
             got=kind,
             want=" | ".join(HIGH_INDEX),
-            hint="joints and the quaternion element have constraints (index 3 or 2), for which the stages of other "
-            "integrators lose their order or fail",
+            hint="joints and the quaternion element have constraints (index 3 or 2), for which other integrators "
+            "lose their order or fail",
         )
     if kind not in IMPLICIT:
         raise OptionError(
@@ -64,7 +64,7 @@ class FirstOrderSystem:
     """TS callbacks on the state vector.
 
     jacobians: counter of Jacobians; matrix: the Jacobian.
-    Raises CaseError where a component has constraints that need the condensed integrator.
+    Raises CaseError if a component has constraints that need the condensed integrator.
     """
 
     def __init__(self, system: DiscreteSystem):
@@ -110,7 +110,7 @@ class FirstOrderSystem:
         self._free = ~prescribed[self._second_order], ~prescribed[self._spin_nodes]
 
     def _entry_dofs(self) -> tuple[np.ndarray, np.ndarray]:
-        """Compute local rows and columns of all matrix entries, -1 where left out.
+        """Compute local rows and columns of all matrix entries, -1 if left out.
 
         Manual: eq-time-first-order-jacobian.
 
@@ -128,7 +128,7 @@ class FirstOrderSystem:
         entry_rows, entry_columns = asm.places()
         block_rows = np.where(entry_rows >= 0, dynamic[np.maximum(entry_rows, 0)], -1)
         rows += [block_rows, block_rows]
-        # the column of a first-order unknown's rate is that of the unknown
+        # a first-order unknown and its rate have the same column
         columns += [
             np.where(entry_columns >= 0, index[np.maximum(entry_columns, 0)], -1) for index in (x, dynamic)
         ]
@@ -181,7 +181,7 @@ class FirstOrderSystem:
         self._t = t
         system.load_state(state, rate)
         system.sum_residual(t, self._condensed)
-        # only the first place counts: with steps of 1e-40 s no row is finite later
+        # only the first place counts: with steps of 1e-40 s all rows overflow later
         if not np.isfinite(self._condensed.norm()) and not self._not_finite:
             self._not_finite, self._not_finite_until = system.locate_largest_residual(t), t + 1e-9
         out, r, s, v = (
@@ -241,7 +241,7 @@ class FirstOrderSystem:
         return out
 
     def locate_largest_residual(self) -> dict[str, Any]:
-        """Find the place of rows that were not finite shortly before, else that of the largest residual.
+        """Find the place of rows that were not finite shortly before, otherwise the place of the largest residual.
 
         Collective.
         """
@@ -250,7 +250,7 @@ class FirstOrderSystem:
     def accept(self, ts) -> None:
         """Load the accepted state into the assembly.
 
-        Accelerations, reactions and rates of first-order unknowns are those of the last evaluation.
+        Accelerations, reactions and rates of first-order unknowns are from the last evaluation.
         """
         if ts.getTime() > self._not_finite_until:
             self._not_finite = {}

@@ -1,7 +1,7 @@
-"""Generalised-alpha beside BDF: the same condensed Newton, its own steps (manual: sec-time-alpha).
+"""Generalised-alpha as an alternative to BDF: the same condensed Newton method, but separate step control (manual: sec-time-alpha).
 
-PETSc's TSALPHA2 has no first-order rows, no constraints and forces at an interpolated state; this integrator
-therefore takes its own steps.  It has the interface of ``TimeIntegrator``.
+PETSc's TSALPHA2 has no first-order rows and no constraints, and it takes forces at an interpolated state. This
+integrator therefore takes its steps itself.  It has the interface of ``TimeIntegrator``.
 """
 
 from __future__ import annotations
@@ -37,11 +37,11 @@ FAILURE_FACTOR = 0.25  # of the step after Newton has failed
 SAFETY, REPEATED = 0.9, 0.5  # of the step control; the second once more after a second rejection
 #: exponents of the step control by the last error and by the one before (Gustafsson, ACM TOMS 17 (1991) 533)
 BY_ERROR, BY_EARLIER = -0.7 / 3, 0.4 / 3
-SMALLEST_ERROR = 1e-6  # smaller ones let the step grow no faster
-STRETCH = 1e-3  # a last step this fraction longer than wanted is no reason for another one
+SMALLEST_ERROR = 1e-6  # smaller ones do not let the step grow faster
+STRETCH = 1e-3  # the last step may be longer by this fraction instead of being split
 #: steps are counted in classes of a quarter of an octave, the first one of 2^-40 s
 CLASSES_PER_OCTAVE, FIRST_OCTAVE, CLASSES = 4, -40, 4 * 64
-REFRAME_INTERVAL = 4  # steps between two looks at the reference directions
+REFRAME_INTERVAL = 4  # steps between two checks of the reference directions
 
 
 class GeneralizedAlpha(TimeIntegrator):
@@ -161,6 +161,7 @@ class GeneralizedAlpha(TimeIntegrator):
             left = stop - t
             if h >= left * (1 - STRETCH) or left - h < SHORTEST_STEP:
                 h = left
+            # two equal steps to the stop instead of a whole one and a short remainder
             elif left < 2 * h and not self._fixed:
                 h = 0.5 * left
             end = stop if h == left else t + h
@@ -194,12 +195,14 @@ class GeneralizedAlpha(TimeIntegrator):
         if not self._fixed:
             now = max(error, SMALLEST_ERROR)
             factor = self.safety * now**BY_ERROR * self._earlier_error**BY_EARLIER
+            # right after a rejection the step does not grow
             factor = max(self.clip[0], min(1.0 if rejected else self.clip[1], factor))
             self._earlier_error = now
         self._next_step = min(self.longest, h * factor)
         if self._fixed:
             self._next_step = min(self.first_step, 2 * h) if rejected else self.first_step
         self._finish(end)
+        # the limit by whirl is for the contacts of the accepted state (manual: sec-time-choice)
         if self.step_limit is not None and not self._fixed:
             self._next_step = min(self._next_step, self.step_limit())
         return end, self._next_step
@@ -232,6 +235,7 @@ class GeneralizedAlpha(TimeIntegrator):
         for call in self.after_step:
             call(t, dt)
         self._steps_over_jump, self.fresh = max(0, self._steps_over_jump - 1), False
+        # after the jump the mud has error control again
         self._mud_masked = self._mud_masked and self._steps_over_jump > 0
         n = self.system.layout.size
         if self._eventful and self._change_laws(t):
@@ -245,10 +249,11 @@ class GeneralizedAlpha(TimeIntegrator):
             finish(t)
 
     def _reframe(self, before: FloatArray) -> None:
-        """Measure spin angles from new reference directions; their formula goes on.
+        """Measure spin angles from new reference directions and continue their formula.
 
         before: second derivatives (n,) of the unknowns with the earlier reference directions.
         """
+        # only spin angles and their derivatives change, so the formula continues (manual: sec-time-alpha-start)
         q = self.alpha.arrays
         change = self.begin.second_derivative() - before
         q["second"] += change
@@ -307,14 +312,16 @@ class GeneralizedAlpha(TimeIntegrator):
     def _start_formula(self, t: float, keep_step: bool = False) -> None:
         """Start the formula at the assembly's state, with accelerations from the equations; collective.
 
-        keep_step: begin with the last step, where no prescribed velocity jumps.
+        keep_step: begin with the last step, if no prescribed velocity jumps.
         """
         jump = self._rates_jump(t)
         if jump:
             self.newton.discard_factor()
+            # the flow relative to the pipe jumps as well: the mud's error control would reject every step
             self._steps_over_jump, self._mud_masked = 1, True
             for call in self.at_jump:
                 call(t)
+            # free velocities change by the impulse of the prescribed ones (manual: sec-time-alpha-start)
             self.begin.jump(t)
         self._begin_formula(t)
         if self._fixed or jump or not keep_step:
@@ -324,6 +331,7 @@ class GeneralizedAlpha(TimeIntegrator):
         """Begin at the assembly's positions and rates at ``t`` [s], with accelerations from the equations; collective."""
         asm, n = self.system.assembly, self.system.layout.size
         self.newton.discard_factor()
+        # without true accelerations at the start the order is 1 (manual: sec-time-alpha-start)
         self.begin.accelerations(t)
         self.alpha.start(
             asm.x[:n],
@@ -346,9 +354,11 @@ class GeneralizedAlpha(TimeIntegrator):
             return
         for call in self.after_sample:
             call(t)
+        # with multipliers the jump of the accelerations is not one linear solve (manual: sec-time-alpha-jump)
         if self.system.multipliers:
             self._begin_formula(t)
             return
+        # positions and velocities do not jump: the history is kept, and with it order 2 (manual: sec-time-alpha-jump)
         jump, second = self.begin.response(t, change), self.begin.second_derivative()
         asm.a[:n] += np.where(self.alpha.second_order, jump, 0.0)
         self.alpha.jump(jump, self.begin.second_derivative() - second)
@@ -387,7 +397,7 @@ class GeneralizedAlpha(TimeIntegrator):
 
     # ------------------------------------------------------------------ checkpoints
     def get_state(self) -> dict[str, FloatArray]:
-        """Return what a restart needs beside the state; complete on rank 0; collective.
+        """Return the data that a restart needs besides the state; complete on rank 0; collective.
 
         alpha_clock: next step, last step [s], number of steps, coming steps over a jump, whether the mud has no
         error control, last error, spectral radius.
@@ -414,10 +424,11 @@ class GeneralizedAlpha(TimeIntegrator):
     def set_state(self, state: dict[str, FloatArray]) -> None:
         """Continue from a checkpoint with the next ``run``: ``state`` as returned by ``get_state``.
 
-        With the checkpoint of another integrator, or another spectral radius, the formula starts afresh.
+        With the checkpoint of another integrator, or another spectral radius, the formula restarts.
         """
         if self.work is not None:
             self.work.set_state(state)
+        # algorithmic accelerations belong to one spectral radius
         if "alpha" in state and float(state["alpha_clock"][6]) == self.formula.radius:
             self._restored = state
         if self.estimate is not None:
@@ -462,7 +473,7 @@ def _refuse(options: PETSc.Options) -> None:
         raise OptionError(
             at="petsc.snes_type",
             got=options.getString("snes_type"),
-            want="no snes_type with generalised-alpha, which uses the condensed Newton method",
+            want="no snes_type: generalised-alpha uses the condensed Newton method",
             hint="-q_snes_type selects its solver",
         )
 
@@ -477,7 +488,7 @@ def _formula(options: PETSc.Options) -> AlphaFormula:
         if options.hasName("ts_alpha_radius"):
             raise ValueError("-ts_alpha_radius and the single parameters exclude each other")
         if "alpha_m" not in given or "alpha_f" not in given:
-            raise ValueError("alpha_m and alpha_f are needed both")
+            raise ValueError("alpha_m and alpha_f are both needed")
         return AlphaFormula(radius_of(**given))
     except ValueError as error:
         raise OptionError(

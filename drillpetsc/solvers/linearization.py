@@ -28,7 +28,7 @@ from drillpetsc.fem.discrete_system import DiscreteSystem
 from drillpetsc.solvers.quadratic_eigenproblem import Eigenvalues, QuadraticEigenproblem
 
 _PARTS = (slice(0, 3), slice(3, 6), slice(6, 7))  # position, slope, spin angle of a prescribed vertex
-#: of the largest singular value of a constraint's rows: smaller ones are those of directions that are held already
+#: of the largest singular value of a constraint's rows: smaller ones belong to directions that are held already
 _DEPENDENT = 1e-10
 
 
@@ -95,7 +95,7 @@ class Linearised:
     def vectors(self, found: Eigenvalues) -> np.ndarray:
         """Return the vectors (n, m) of all unknowns of eigenvalues of ``eigenproblem``, with the multipliers.
 
-        The forces of a constraint are those that the motion lacks.
+        The forces of a constraint are the forces missing in the motion.
         """
         u = np.asarray(self.motions @ found.u, dtype=complex)
         constraints, _ = self._multipliers
@@ -119,7 +119,7 @@ class Linearised:
         return QuadraticEigenproblem(K, C, M, self.second_order[parent], self.scale[parent], reference)
 
     def field_values(self, number: int, u: np.ndarray, nodes: int, size: int) -> np.ndarray:
-        """Return the (m, nodes, size) values of a field in the vectors u (n, m); zero where it is absent.
+        """Return the (m, nodes, size) values of a field in the vectors u (n, m); zero if it is absent.
 
         number: of the field; nodes: of the string; size: components of the field.
         """
@@ -135,7 +135,7 @@ def linearise(system: DiscreteSystem, t: float = 0.0) -> Linearised | None:
     Collective.
     """
     layout, asm = system.layout, system.assembly
-    # which motions the ends leave free is known from the evaluation of the rows, not from that of the matrix
+    # evaluating the rows, not the matrix, shows which motions the ends leave free
     asm.invalidate_prescribed_values()
     system.sum_residual(t, system.new_condensed())
     numbers = layout.condensed_dm.getLGMap().getIndices()

@@ -51,7 +51,7 @@ class OutputErrors(Protocol):
 
     @property
     def method(self) -> str:
-        """What the summary calls the estimate."""
+        """Name of the estimate in the summary."""
         ...
 
 
@@ -82,7 +82,7 @@ class BdfOutputErrors:
 
     @property
     def method(self) -> str:
-        """What the summary calls the estimate."""
+        """Name of the estimate in the summary."""
         return f"divided differences of BDF {self.order}"
 
 
@@ -175,7 +175,7 @@ class LocalErrorEstimate:
         }
 
     def set_state(self, state: dict[str, FloatArray]) -> None:
-        """Continue from a checkpoint, whose history the integrator has read; one without the sums starts afresh."""
+        """Continue from a checkpoint, whose history the integrator has read; one without the sums starts from zero."""
         if self.formula is None or "local_error_sums" not in state:
             return
         self.steps, self.estimated, earlier = (int(n) for n in state["local_error"])
@@ -190,7 +190,7 @@ class LocalErrorEstimate:
             _keep_state(self._at, pointer(x), t)
 
     def as_dict(self, ended: bool = True) -> dict[str, Any]:
-        """Return the entries of summary.json; collective where the run has ``ended`` without an error."""
+        """Return the entries of summary.json; collective if the run has ``ended`` without an error."""
         calls = {"residuals": self.system.assembly.evaluations - self._residuals}
         return {**calls, "error_estimate": {"time": self._by_unknown()}} if ended else calls
 
@@ -231,7 +231,7 @@ def local_error(times: list[float], states: list[FloatArray], order: int) -> Flo
 
     times: (order + 2,) ascending [s].
     states: ``order + 2`` states (n,) at these times [SI of each unknown].
-    order: that of the formula.
+    order: order of the formula.
     """
     return np.asarray(local_error_weights(times, order) @ np.array(states))
 

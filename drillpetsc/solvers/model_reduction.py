@@ -116,8 +116,8 @@ def _roots(T: FloatArray) -> np.ndarray:
 def _nilpotent(A: FloatArray, B: FloatArray, C: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
     """The part of the roots that are zero, without the rounding that makes them grow or swing.
 
-    The states are turned so that those with A x = 0 come first, then those that move only these, and so on; a double root
-    differs from zero by the square root of the rounding, the null space of A only by the rounding.
+    The states are turned so that the states with A x = 0 come first, then the states that move only these, and so on. A
+    double root differs from zero by the square root of the rounding, the null space of A only by the rounding.
     """
     A, B, C, start, n = A.copy(), B.copy(), C.copy(), 0, len(A)
     while start < n:
@@ -140,9 +140,7 @@ def _split(T: FloatArray, Z: FloatArray, B: FloatArray, C: FloatArray, select: n
     if 0 < k < n:
         T, Z, *_, info = lapack.dtrsen(select.astype(np.int32), T, Z, job=b"N")
         if info:
-            raise SolveError(
-                "roots that decay and roots that do not are too near to each other to be separated"
-            )
+            raise SolveError("decaying and non-decaying roots are too close to be separated")
         X, factor, _ = lapack.dtrsyl(T[:k, :k], T[k:, k:], -T[:k, k:], isgn=-1)
         X = X / factor
         T = scipy.linalg.block_diag(T[:k, :k], T[k:, k:])
@@ -154,7 +152,7 @@ def _split(T: FloatArray, Z: FloatArray, B: FloatArray, C: FloatArray, select: n
 
 
 def _output_sizes(A, B, C, D, input_size) -> FloatArray:
-    """Largest response (p,) of each output of the decaying part to usual inputs; 1 where there is none."""
+    """Largest response (p,) of each output of the decaying part to usual inputs; 1 if there is none."""
     s = np.linalg.eigvals(A) if len(A) else np.zeros(0, dtype=complex)
     at = np.unique(np.abs(s.imag[s.imag >= 0]))
     at = at[:: max(1, len(at) // 200)] if len(at) else np.zeros(1)
@@ -170,7 +168,7 @@ def reduce(system: StateSpace, method: str, order: int, zero: float, input_size:
     A model with no more states than ``order`` stays as it is.  Modal truncation keeps conjugate pairs whole and may have one
     state less.  Sources: Moore 1981 (balanced truncation), Glover 1984 (bound), Rommes and Martins 2006 (dominance).
 
-    Raises SolveError where more motions than ``order`` do not decay, or where roots cannot be separated.
+    Raises SolveError if more motions than ``order`` do not decay, or roots cannot be separated.
     """
     A, sizes = _balanced(system.A) if system.order else (system.A, np.ones(0))
     B, C = system.B / sizes[:, None], system.C * sizes
@@ -182,7 +180,7 @@ def reduce(system: StateSpace, method: str, order: int, zero: float, input_size:
     k = rigid.count + parts.count
     if k > order:
         raise SolveError(
-            f"{k} states belong to motions that do not decay, and all of them are kept: order {order} is too small",
+            f"{k} states belong to non-decaying motions, which are all kept: order {order} is too small",
             hint="give a larger --order, or the string some damping (material.damping)",
         )
     A2, B2, C2 = parts.second

@@ -142,7 +142,7 @@ class CondensedNewton:
             self._function(None, self.q, self._f)
 
     def last_rows(self) -> np.ndarray:
-        """Return the residual (owned,) that was computed last: that of the last solve at its end."""
+        """Return the residual (owned,) that was computed last, at the end of the last solve."""
         return self.arrays[1]
 
     def _jacobian(self, snes, q, J, P) -> None:
@@ -185,8 +185,8 @@ class CondensedNewton:
 
         Collective.
 
-        The result is complete on rank 0 and may be empty elsewhere.  On one rank the entries are those of the assembly itself, which
-        the next Jacobian overwrites: with a copy a checkpoint would need a third more memory.
+        The result is complete on rank 0 and may be empty elsewhere.  On one rank the entries are the assembly's array, which the next
+        Jacobian overwrites: a copy would need a third more memory for a checkpoint.
         newton: convergence factor [-] and shift [1/s].
         entries: entries of all ranks; shares: their number on each rank; signatures: contact signature of
         each rank.
@@ -245,7 +245,7 @@ class CondensedNewton:
         """Solve at time ``t`` [s] with rates y = ``shift`` x + v0, shift in 1/s; collective.
 
         second_shift: da/dy [1/s] of the accelerations a = second_shift y + v1, ``shift`` unless given.
-        Returns the SNES reason; it is negative where the iteration did not converge.
+        Returns the SNES reason; it is negative if the iteration did not converge.
         """
         self.t, self.shift = t, shift
         self.second_shift = shift if second_shift is None else second_shift

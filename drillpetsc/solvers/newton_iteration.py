@@ -1,7 +1,7 @@
 """Newton's iteration of a condensed step: one compiled loop, collective (kernels/newton/newton.cpp; manual: sec-time-newton).
 
-The loop, its tests and what it remembers from one solve to the next are in a compiled record.  So are its parts, as long as a
-step needs no more than compiled calls do; else, and for messages between ranks, the loop calls Python.
+The loop, its tests and its memory from one solve to the next are in a compiled record.  So are its parts, as long as
+compiled calls suffice for a step. Otherwise, and for messages between ranks, the loop calls Python.
 """
 
 from __future__ import annotations
@@ -48,10 +48,10 @@ RAISED = -1000  # reason of a solve that an exception of a part has ended
 RESOLUTION = 64 * float(np.finfo(float).eps)
 #: an increment that no longer shrinks and is below this fraction of the scales is rounding
 ROUNDING_INCREMENT = 1e-10
-#: the work of the residual asks for increments down to this fraction of the tolerance, and not below the other
+#: the work of the residual requires increments down to this fraction of the tolerance, and not below the other
 #: value: further iterations change only rounding (manual: sec-time-work)
 WORK_REFINEMENT, WORK_FINEST_INCREMENT = 1e-3, 1e-9
-#: a step is shortened where its work afterwards is opposite and above this fraction (manual:
+#: a step is shortened if its work afterwards is opposite and above this fraction (manual:
 #: eq-time-line-search)
 OVERSHOOT_FRACTION = 0.1
 SHORTEST_STEP_FRACTION = 0.05
@@ -166,7 +166,7 @@ class NewtonIteration:
         return record
 
     def _use_python(self, *names: str) -> None:
-        """Let Python have these parts, and the compiled record all others."""
+        """Assign these parts to Python, and all others to the compiled record."""
         for name, call in self._python.items():
             setattr(self._parts, name, ctypes.cast(call, ctypes.c_void_p).value if name in names else None)
 
@@ -233,7 +233,7 @@ class NewtonIteration:
         return bool(_reusable(self._at, iteration))
 
     def take_entries(self) -> None:
-        """The next factorisation is that of the assembly's present entries."""
+        """The next factorisation uses the assembly's present entries."""
         _new_entries(self._at)
 
     # ------------------------------------------------------------------ parts in Python
@@ -340,11 +340,11 @@ class NewtonIteration:
         self._factored, self._version = self.factor.factorisations, self.system.assembly.version
 
     def restore(self, shift: float, signature: int) -> None:
-        """Take the assembly's entries as those of a factorisation at ``shift`` [1/s] with the contacts of a ``signature``."""
+        """Treat the assembly's entries as the entries of a factorisation at ``shift`` [1/s] with the contacts of a ``signature``."""
         self.record.lag_shift, self.record.good, self._signature = shift, 1, signature
 
     def _take_flags(self, same: bool) -> None:
-        """Take the present contact flags as those of the factorisation, or others where they are not the ``same``."""
+        """Treat the present contact flags as the flags of the factorisation, or others if they are not the ``same``."""
         present = [f.values.view(np.int8).ravel() for f in self.system.contact_flags]
         self._flags_before[:] = np.concatenate([*present, np.zeros(0, dtype=np.int8)])
         if not same:

@@ -1,7 +1,7 @@
 """The work that Newton's remainder does, and how much of it a step may leave (manual: sec-time-work).
 
-Rows R that are left after Newton's last iteration act like forces: with the rates y they do the power R.y,
-which no energy in the model accounts for.  It is limited to a share of the power that the motion exchanges.
+Rows R that remain after Newton's last iteration act like forces. With the rates y they have the power R.y,
+which is missing in the model's energy.  It is limited to a share of the power that the motion exchanges.
 """
 
 from __future__ import annotations
@@ -28,13 +28,13 @@ class ResidualWork:
     system: the discrete system.
     share: of the exchanged power that a step may leave [-].
 
-    ``limit`` is the largest power that may be left [W], 0 as long as nothing is known of the exchanged power.
+    ``limit`` is the largest power that may be left [W], 0 until the exchanged power is known.
     ``left`` is the work of the residuals of all accepted steps on this rank [J], by the trapezoidal rule.
 
-    The exchanged power is the larger of two values.  The first is that of the last steps: dissipated or
-    supplied power, or the rate of kinetic or strain energy, the largest of them, averaged with that of the
-    sample before.  The second is that of the whole run: the energy exchanged since the start, by the time
-    since then.  It keeps a motion at rest, or at a dead point, from asking for more digits than its result
+    The exchanged power is the larger of two values.  The first is the power of the last steps: the largest
+    of dissipated power, supplied power and the rates of kinetic and strain energy, averaged with the sample before.  The
+    second is the mean power of the whole run: the energy exchanged since the start over
+    the time since then.  Without it, a motion at rest or at a dead point would require more digits than its result
     needs.
     """
 
@@ -84,9 +84,10 @@ class ResidualWork:
 
         t: time at the end of the step [s], with the inputs of ``inputs_at``; dt: its length [s].
         rows: (owned,) residual of the owned unknowns at its end.
-        jumped: the formula reaches over a jump of a prescribed velocity, where powers have no meaning.
+        jumped: the formula reaches over a jump of a prescribed velocity, so powers have no meaning.
         """
         self._steps += 1
+        # across a jump of a velocity, force and velocity have no value to multiply
         power = 0.0 if jumped else self._local_power(rows)
         self.left += 0.5 * dt * (self._left_power + power)
         self._left_power = power
@@ -101,6 +102,7 @@ class ResidualWork:
         self._peak = max(self._peak, float(np.abs(energies - self._first_energies).sum()))
         self._supply, self._energies, self._last = float(powers.supplied), energies, t
         exchanged = max(abs(self._supplied), self._peak)
+        # the mean of the run keeps the limit up while the motion rests or turns back
         self.limit = self.share * max(self._recent, exchanged / (t - self._began))
 
     def _sampled_energies(self, t: float) -> FloatArray:
@@ -142,5 +144,6 @@ class ResidualWork:
         self._steps = int(values[1])
         self._supplied, self._peak, self._supply, self._recent = map(float, values[4:8])
         self._first_energies, self._energies = values[8:10], values[10:12]
+        # the sum over ranks was saved, so only one rank continues with it
         if self.system.comm.rank == 0:
             self.left, self._left_power = map(float, values[12:14])

@@ -1,4 +1,4 @@
-"""Eigenvalues of a problem T(s) u = 0 whose matrix is no polynomial of s, by Newton's method from a start.
+"""Eigenvalues of a problem T(s) u = 0 whose matrix is not a polynomial of s, by Newton's method from a start.
 
 Manual: sec-eigen-nonlinear.
 """

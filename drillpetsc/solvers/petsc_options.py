@@ -16,7 +16,7 @@ from drillpetsc.errors import OptionError
 
 #: integrators that are offered
 INTEGRATORS = "bdf | alpha2 | beuler | cn | theta | alpha | arkimex | dirk"
-#: parts of names of options that PETSc reads late (views, logs) or at its own start
+#: parts of names of options that PETSc reads late (views, logs) or when it starts
 READ_LATE = (
     "view",
     "monitor",
@@ -82,13 +82,13 @@ NUMBERS: dict[str, tuple[float, bool, float, bool]] = {
     "drillpetsc_gain_limit": (0, True, math.inf, False),
     "drillpetsc_newton_work": (0, False, 1, False),
 }
-#: words that PETSc knows; the last word of the option's name stands for all prefixes
+#: words that PETSc accepts; the last word of the option's name covers all prefixes
 WORDS = {
     "ts_adapt_type": ("basic", "none", "dsp"),
     "ts_exact_final_time": ("matchstep",),
     "snes_linesearch_type": ("basic", "bt", "cp", "l2", "nleqerr"),
 }
-#: classes of PETSc whose types are asked for; the last words of the option's name stand for all prefixes
+#: classes of PETSc whose types are accepted; the last words of the option's name cover all prefixes
 TYPES = {
     "snes_type": PETSc.SNES,
     "ksp_type": PETSc.KSP,
@@ -105,7 +105,7 @@ SET_ELSEWHERE = {
 }
 #: integrators that PETSc has and that are refused, with the reason
 REFUSED_INTEGRATORS = {
-    "rosw": "its stages do not fulfil the equations of motion, so that hook load and surface torque would be wrong; take arkimex",
+    "rosw": "its stages do not fulfil the equations of motion, so hook load and surface torque would be wrong; use arkimex",
 }
 
 

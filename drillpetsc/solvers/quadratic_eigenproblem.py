@@ -1,6 +1,6 @@
 """Eigenvalues s of (K + s C + s^2 M) u = 0 near a point of the complex plane, or the slowest ones.
 
-Numpy and scipy on one process; SLEPc where it is installed.
+Numpy and scipy on one process; SLEPc if it is installed.
 
 M and C may be singular: a first-order unknown has no column in M, an algebraic one has none in C either.
 With v = s u of the second-order unknowns the problem is A z = s B z, z = (u, v) (manual: eq-eigen-linear),
@@ -10,7 +10,7 @@ With v = s u of the second-order unknowns the problem is A z = s B z, z = (u, v)
 
 where S selects the second-order unknowns, C2 and M2 have their columns, and C1 has the columns of the others.
 B is singular: infinite eigenvalues become zeros of Op = (A - sigma B)^-1 B, whose eigenvalues are 1/(s -
-sigma). Op needs only one factor, that of K + sigma C + sigma^2 M (manual: eq-eigen-operator):
+sigma). Op needs only one factorisation, of K + sigma C + sigma^2 M (manual: eq-eigen-operator):
 
     u = -(K + sigma C + sigma^2 M)^-1 [C1 u0 + M2 v0 + (C2 + sigma M2) S u0],   v = S u0 + sigma S u.
 """
@@ -57,7 +57,7 @@ class QuadraticEigenproblem:
     reference: a slow rate of the system [1/s], by which rates are scaled (manual: eq-eigen-reference).
     Shifts are real multiples of it unless one is given.
 
-    Raises ValueError where a first-order unknown has an inertia.
+    Raises ValueError if a first-order unknown has an inertia.
     """
 
     K: sparse.csr_matrix
@@ -109,7 +109,7 @@ Selection = Callable[[Eigenvalues], np.ndarray]
 class _Scaled:
     """The problem in units of its scales and its reference rate, with rows of size one.
 
-    Raises ValueError where a row is zero.
+    Raises ValueError if a row is zero.
     """
 
     def __init__(self, p: QuadraticEigenproblem):
@@ -130,7 +130,7 @@ class _Scaled:
 
         Manual: eq-eigen-operator.
 
-        Raises SolveError where the system is singular at the shift.
+        Raises SolveError if the system is singular at the shift.
         """
         shifted = sparse.csc_matrix(self.K + sigma * self.C + sigma**2 * self.M)
         try:
@@ -246,7 +246,7 @@ def _leading(apply, size: int, count: int, real: bool, engine: str) -> tuple[np.
     the operator with the found space projected out, until no eigenvalue of that size is left.
 
     Returns eigenvalues (m,), vectors (size, m), and a bound: no eigenvalue larger than it is missing.
-    Raises SolveError where nothing converges.
+    Raises SolveError if nothing converges.
     """
     kind: type = float if real else complex
     method = _slepc if engine == "slepc" or (engine == "auto" and has_slepc(kind)) else _arpack
@@ -288,9 +288,9 @@ def eigenvalues_near(
 
     count: both eigenvalues of a conjugate pair count.
     engine: ``dense``, ``arpack``, ``slepc`` or ``auto``.  Auto uses a dense matrix up to DENSE_BELOW, then
-    SLEPc where it is installed and has the number type of the shift, else ARPACK.
+    SLEPc if it is installed and has the number type of the shift, otherwise ARPACK.
 
-    Raises SolveError where nothing converges.  Manual: sec-eigen-search.
+    Raises SolveError if nothing converges.  Manual: sec-eigen-search.
     """
     scaled, w = _Scaled(problem), problem.reference
     sigma: Any = complex(shift) / w
@@ -337,19 +337,19 @@ def lowest_eigenvalues(
 ) -> Eigenvalues:
     """Compute the oscillating eigenvalues of lowest |Im s|, sorted by |Im s|, real ones by growth.
 
-    Some of the slowest real eigenvalues are included, and of all computed ones those that grow. The search
+    Some of the slowest real eigenvalues are included, and all growing ones among the computed. The search
     uses discs about shifts, first near zero, then up the imaginary axis (manual: sec-eigen-search).
-    Within a disc every eigenvalue is found.  An eigenvalue far to the left that no disc reaches is missing:
+    Within a disc every eigenvalue is found.  An eigenvalue far to the left, outside all discs, is missing:
     it decays within a fraction of a period of the others.
 
     problem: the eigenvalue problem.
     count: number of oscillating eigenvalues.
     engine: as in ``eigenvalues_near``.
     selected(eigenvalues): (m,) mask of the eigenvalues that count; the others are left out.
-    sparing: discs after the first are no larger than what is still missing; fewer eigenvalues above those asked for
-    are seen, so that one of them that grows may be left out.
+    sparing: discs after the first are no larger than what is still missing; fewer eigenvalues above the requested
+    ones are seen, so a growing one among them may be left out.
 
-    Raises SolveError where nothing converges.
+    Raises SolveError if nothing converges.
     """
     first = FIRST_SHIFT * problem.reference
     parts: list[Eigenvalues] = []

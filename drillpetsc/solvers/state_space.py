@@ -5,9 +5,9 @@ Manual: sec-linear-elimination.  The equations are
     K q + C q' + M q'' + f0 I + f1 u + f2 u' = 0,  I' = u,
     y = Y0 q + Y1 q' + Y2 q'' + d0 I + d1 u + d2 u'.
 
-Unknowns q are of second order, of first order, or algebraic.  Algebraic ones follow from their rows; where these rows do not
-have them (multipliers of constraints), the rows are constraints, and motions and equations are projected on what they
-leave free.  A constraint of rates (a motor that holds its speed) leaves all places free, and gives some of the rates by the
+Unknowns q are of second order, of first order, or algebraic.  Algebraic ones follow from their rows. If these rows do not
+contain them (multipliers of constraints), the rows are constraints, and motions and equations are projected on the free
+directions.  A constraint of rates (a motor that holds its speed) leaves all places free. It gives some of the rates by the
 others, by places, first-order unknowns and inputs.  The rate u' leaves the state by x = z - E^-1 b u (manual: eq-linear-shift).
 """
 
@@ -132,7 +132,7 @@ class _Affine:
         return _Affine(self.z + other.z, self.dz + other.dz, self.u + other.u, self.du + other.du)
 
     def rate(self) -> _Affine:
-        """Its rate in time, where it has neither z' nor u'."""
+        """Its rate in time, if it has no z' and no u'."""
         if self.dz.any() or self.du.any():
             raise SolveError("an output follows a second rate: it has no state-space model")
         return _Affine(self.dz, self.z, self.du, self.u)
@@ -146,7 +146,7 @@ def eliminate(
     K, C, M: (n, n) sparse.
     second_order: (n,) whether the rate of the unknown is a state.
     scale: (n,) usual sizes; rate: usual rate [1/s]; names: of the unknowns.
-    Raises SolveError where the equations have no state-space form.
+    Raises SolveError if the equations have no state-space form.
     """
     K, C, M = (np.asarray(sparse.csr_matrix(A).todense()) for A in (K, C, M))
     weights = [scale * f for f in (1.0, rate, rate**2)]
@@ -236,7 +236,7 @@ def eliminate(
 
 @dataclass(frozen=True)
 class _Free:
-    """What algebraic rows leave free.
+    """Directions left free by algebraic rows.
 
     motions: (S, k) second-order unknowns by free ones; stores: (F, l) first-order unknowns by free ones, to which
     by_place (F, k) adds what the motions, by_integral and by_value (F, m) what inputs prescribe.
@@ -265,7 +265,7 @@ class _Free:
 def _constraints(K, C, S, F, L, rd, ra, scale, rate, forcing) -> _Free:
     """Split the algebraic rows ``ra`` into those that determine unknowns ``L``, and constraints of all others.
 
-    forcing: rows (n, m) by integrals, values and rates of the inputs.  Raises SolveError where a constraint is one of
+    forcing: rows (n, m) by integrals, values and rates of the inputs.  Raises SolveError if a constraint is one of
     motions that an input changes, of accelerations, or of rates that others hold already.
     """
     m = forcing[0].shape[1]
@@ -286,7 +286,9 @@ def _constraints(K, C, S, F, L, rd, ra, scale, rate, forcing) -> _Free:
         of_stores, of_motions = _split(by_store, SMALL * size)
         refused = [h2, of_motions.T @ h0, of_motions.T @ h1]
         if any(np.abs(o).max(initial=0.0) > SMALL * size for o in refused):
-            raise SolveError("a constraint of a motion that an input changes has no state-space form here")
+            raise SolveError(
+                "the state-space form does not support constraints on motions that an input changes"
+            )
         motions = _null_space(of_motions.T @ by_motion, scale[S])
         if of_stores.shape[1]:
             G = of_stores.T @ by_store
@@ -301,7 +303,7 @@ def _constraints(K, C, S, F, L, rd, ra, scale, rate, forcing) -> _Free:
     units = np.abs(motions.T) @ scale[S]
     G = turning @ C[np.ix_(ra, S)] @ motions * units
     if len(G) and np.linalg.matrix_rank(G) < len(G):
-        raise SolveError("a constraint of rates repeats another: no state-space form here")
+        raise SolveError("the state-space form does not support redundant constraints of rates")
     inverse = -units[:, None] * np.linalg.pinv(G)
     of_place, of_store = K[np.ix_(ra, S)] @ motions, K[np.ix_(ra, F)]
     r0, r1, r2, r3 = (inverse @ turning @ q for q in (of_place, of_store, forcing[0][ra], forcing[1][ra]))
@@ -311,7 +313,7 @@ def _constraints(K, C, S, F, L, rd, ra, scale, rate, forcing) -> _Free:
 
 
 def _of_rates(Y, K, C, ra, S, F, scale, rate) -> tuple[FloatArray, FloatArray]:
-    """Split combinations Y (rows, k) of the rows ``ra`` into those without rates (rows, l) and those of rates (r, rows)."""
+    """Split combinations Y (rows, k) of the rows ``ra`` into combinations without rates (rows, l) and with rates (r, rows)."""
     by_rate = Y.T @ C[np.ix_(ra, S)] * scale[S] * rate
     others = [np.abs(Y.T @ K[np.ix_(ra, q)] * scale[q]).max(initial=0.0) for q in (S, F)]
     of_rates, of_others = _split(by_rate, SMALL * max(np.abs(by_rate).max(initial=0.0), *others))
@@ -340,11 +342,11 @@ def _null_space(G: FloatArray, scale: FloatArray) -> FloatArray:
 
 
 def _solved(E, units, *right: FloatArray) -> list[FloatArray]:
-    """Solve E X = R for each R in usual units of the states; raises SolveError where E is singular."""
+    """Solve E X = R for each R in usual units of the states; raises SolveError if E is singular."""
     n = len(E)
     if not n:
         return [np.zeros_like(R) for R in right]
-    # rows and columns of size one: otherwise light unknowns beside heavy ones look like missing ones
+    # rows and columns of size one: otherwise light unknowns look like missing ones next to heavy ones
     scaled, rows, columns = E * units, np.ones(n), units.copy()
     for _ in range(EQUILIBRATIONS):
         by_row = np.sqrt(np.maximum(np.abs(scaled).max(axis=1), 1e-300))
@@ -355,7 +357,7 @@ def _solved(E, units, *right: FloatArray) -> list[FloatArray]:
     rcond, _ = scipy.linalg.lapack.dgecon(lu, anorm)
     if not rcond > 1e-15:
         raise SolveError(
-            "an unknown of the linearised system has neither inertia nor storage: no state-space form"
+            "an unknown of the linearised system has no inertia and no storage: there is no state-space form"
         )
     return [columns[:, None] * scipy.linalg.lu_solve((lu, pivots), R / rows[:, None]) for R in right]
 

@@ -30,11 +30,13 @@ from drillpetsc.solvers.petsc_options import refused_by_petsc
 MASKED = 1.0e20  # tolerance of a row without error control
 DEFAULTS = {
     "ts_type": "bdf",
+    # from order 3 on weakly damped vibrations are unstable (manual: sec-time-error)
     "ts_bdf_order": 2,
     "ts_adapt_type": "basic",
     "ts_adapt_clip": "0.2,2.0",
+    # a step ends on each jump of an input (manual: sec-time-jumps)
     "ts_exact_final_time": "matchstep",
-    "ts_max_snes_failures": -1,  # this module counts consecutive failures; PETSc counts those of the whole run
+    "ts_max_snes_failures": -1,  # this module counts consecutive failures; PETSc counts all failures of the run
     "ts_error_if_step_fails": 0,  # this module raises an error with place and cure
 }
 TOLERANCE = 1.0e-4  # default of -ts_rtol
@@ -55,7 +57,7 @@ class Counters:
 
 
 class Sampler(Protocol):
-    """What is called at regular times of a run."""
+    """A function called at regular times of a run."""
 
     period: float
 
@@ -68,15 +70,15 @@ class TimeIntegrator:
 
     system: the discrete system.
     after_step(t, dt): called after every accepted step, with x, y, a of the assembly at ``t`` [s].
-    at_jump(t): called where the rate of a prescribed motion jumps, before the step that follows.
+    at_jump(t): called when the rate of a prescribed motion jumps, before the step that follows.
     on_failure(): called on all ranks before the error that ends a run.
-    before_event(t), after_event(t): called where a component changes its law, with the state at ``t`` [s].
+    before_event(t), after_event(t): called when a component changes its law, with the state at ``t`` [s].
     before_solve(t): called before the solve of a step that ends at ``t`` [s].
     on_step_end(t): called last after a step; here ``get_state`` and ``stop`` may be called.
     first_step: length of the first step [s].
     controlled(field): whether a field takes part in the error control.
     defaults: further PETSc options, below those of the user.
-    after_sample(t): called after a sampler, where the formula takes its forces to jump at ``t`` [s].
+    after_sample(t): called after a sampler, if the formula assumes that its forces jump at ``t`` [s].
     sampler(t): called at the multiples of ``sampler.period`` [s], where a step ends, with the state before the step that follows;
     the formula does not restart there.
     step_limit(): longest step [s] by the present state, the same on all ranks; generalised-alpha only.
@@ -85,7 +87,7 @@ class TimeIntegrator:
 
     ``max_steps`` is the option -ts_max_steps, for the caller.
     ``is_bdf`` is true for backward differentiation formulas, of the order ``order``.
-    ``user_options`` are the PETSc options that the user gave, ``options`` those in effect.
+    ``user_options`` are the PETSc options that the user gave, ``options`` the options in effect.
     ``jumped`` is true in after_step for the steps whose time formula reaches over a jump (manual:
     sec-time-jumps). ``fresh`` is true for the first step after a restart of the formula.
     """
@@ -155,7 +157,7 @@ class TimeIntegrator:
         self.estimate: Any = None  # of the local errors: has get_state and set_state
         self._make(options)
         self.options = dict(options.getAll())  # in effect, defaults included
-        for key in set(self.options) - given:  # the next integrator in this process has its own defaults
+        for key in set(self.options) - given:  # the next integrator in this process has other defaults
             options.delValue(key)
 
     def _make(self, options: PETSc.Options) -> None:
@@ -209,14 +211,15 @@ class TimeIntegrator:
         self.ts.setPostStep(self._post_step)
 
     def _set_tolerances(self, jumped: bool) -> None:
-        """Set the tolerances of the error control; after a jump without those of the mud.
+        """Set the tolerances of the error control; after a jump without tolerances for the mud.
 
         Manual: sec-time-jumps.
 
-        Where a prescribed motion jumps, the flow relative to the pipe jumps as well, and its error control
+        If a prescribed motion jumps, the flow relative to the pipe jumps as well, and its error control
         would reject every step length.
         """
         self._mud_masked = jumped
+        # no relative tolerance: a share of 2000 m of depth, or of many turns, is of no use (manual: sec-time-error)
         self.ts.setTolerances(rtol=self._zero, atol=self.tolerance_vector(fluid=not jumped))
 
     def tolerance_vector(self, fluid: bool = True) -> PETSc.Vec:
@@ -232,6 +235,8 @@ class TimeIntegrator:
                 for f in layout.fields
             ]
         )
+        # errors of rates and multipliers follow from the other unknowns; under control, multipliers would reject every step
+        # (manual: sec-time-error)
         differential = controlled[layout.field_of[layout.local_of_owned]]
         values = vector.getArray()
         values[:] = MASKED
@@ -244,7 +249,7 @@ class TimeIntegrator:
     def input_time(self, t: float) -> float:
         """Return the time [s] at which inputs are evaluated for a step to ``t`` [s].
 
-        A step that ends where an input jumps uses the value before the jump (manual: sec-time-jumps).
+        A step that ends at a jump of an input uses the value before the jump (manual: sec-time-jumps).
         """
         return t if t < self._jump else float(np.nextafter(self._jump, -np.inf))
 
@@ -265,6 +270,7 @@ class TimeIntegrator:
         if self._replayed is not None:
             self._return_recorded_state(snes, x)
             return
+        # PETSc's time formula gives rate and shift only to these callbacks (see _catch_rate and _catch_shift)
         snes.computeFunction(x, self._f)
         snes.computeJacobian(x, self._matrix)
         self.system.load_step(x, self._rate, self._shift)
@@ -294,7 +300,7 @@ class TimeIntegrator:
             )
 
     def _events(self) -> list[tuple[Component, FloatArray]]:
-        """Components whose law ends at the present state, with the figures that say so; the same on all ranks, collective."""
+        """Components whose law ends at the present state, with the figures that show it; the same on all ranks, collective."""
         out = []
         for component in self._eventful:
             numbers = component.event_numbers(self.system.assembly)
@@ -304,7 +310,7 @@ class TimeIntegrator:
         return out
 
     def _change_laws(self, t: float) -> bool:
-        """Change the laws that end at the present state at ``t`` [s], and restart the formula; True where any does."""
+        """Change the laws that end at the present state at ``t`` [s], and restart the formula; True if any does."""
         passed = self._events()
         if not passed:
             return False
@@ -356,7 +362,7 @@ class TimeIntegrator:
         return self.newton.failures if self.condensed else self.ts.getSNESFailures()
 
     def compiled_seconds(self) -> dict[str, float]:
-        """Wall time so far of the phases of Newton's method in compiled code [s]; PETSc's log has that of all others."""
+        """Wall time so far of the phases of Newton's method in compiled code [s]; PETSc's log has the time of all others."""
         return self.newton.iteration.seconds if self.condensed else {}
 
     def linear_iterations(self) -> int:
@@ -378,7 +384,7 @@ class TimeIntegrator:
     # ------------------------------------------------------------------ run
     def _post_step(self, ts) -> None:
         """Finish an accepted step: history, callbacks, reference frames (manual: sec-time-update)."""
-        if ts.getConvergedReason() < 0:  # PETSc calls this after a step that failed for good, too
+        if ts.getConvergedReason() < 0:  # PETSc also calls this after a step that failed for good
             self.system.load_state(ts.getSolution())
             return
         if not self.condensed:
@@ -449,7 +455,7 @@ class TimeIntegrator:
         breaks: times at which inputs jump or bend [s].  A step ends at each of them, and the formula restarts
         there (manual: sec-time-jumps).
 
-        Raises SolveError when no step can be taken.  The assembly then contains the last accepted state.
+        Raises SolveError if no step can be taken.  The assembly then contains the last accepted state.
         """
         system, ts = self.system, self.ts
         system.assembly.invalidate_prescribed_values()
@@ -532,6 +538,7 @@ class TimeIntegrator:
         ts, asm = self.ts, self.system.assembly
         self._discard_factor()
         if self._rates_jump(ts.getTime()):
+            # the formulas of these steps reach back over the jump (manual: sec-time-jumps)
             self._steps_over_jump = 1 + self.order
             self._set_tolerances(True)
             for call in self.at_jump:
@@ -553,7 +560,7 @@ class TimeIntegrator:
 
     # ------------------------------------------------------------------ checkpoints
     def get_state(self) -> dict[str, FloatArray]:
-        """Return what a restart needs beside the state, for use in on_step_end; complete on rank 0; collective.
+        """Return the data that a restart needs besides the state, for use in on_step_end; complete on rank 0; collective.
 
         clock: next step [s], number of steps, coming steps over a jump, whether the mud has no error control.
         Further entries: see ``BdfHistory.get_state`` and ``CondensedNewton.get_state``.
@@ -629,6 +636,7 @@ class TimeIntegrator:
         self._put(history.states[-1])
         ts.setTimeStep(self._next_step)
         self._set_tolerances(self._mud_masked)
+        # the kept Jacobian too: a restarted run repeats the uninterrupted one to the last bit (manual: sec-time-restart)
         self.newton.set_state(self._restored)
         self._restored = None
 

@@ -171,7 +171,7 @@ def survey_mutant(r: random.Random) -> tuple[bytes, Callable[[Stations], None], 
                 raise Failure(f"a changed cell makes two stations: {cell!r}")
             if not new:
                 told = any(
-                    "missing" in remark or "repeated" in remark or "put in front" in remark
+                    "missing" in remark or "repeated" in remark or "inserted" in remark
                     for remark in found.remarks
                 )
                 comment = places[column] == 0 and cell.lstrip().startswith(("#", "!", "//", ";"))

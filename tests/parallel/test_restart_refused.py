@@ -155,10 +155,10 @@ def test_another_petsc_continues_with_a_warning(done, tmp_path):
 
 
 def test_a_finished_run_has_nothing_left(done, tmp_path):
-    """The summary of the run stays; the report says that nothing was left to do."""
+    """The summary of the run stays; the report says that the run had already ended."""
     result = restarted(done, tmp_path)
     lines = summary.closing_lines(result.summary, result.folder)
-    assert "nothing was left to do" in lines[0] and "simulated" not in "\n".join(lines)
+    assert "the run had already reached its end" in lines[0] and "simulated" not in "\n".join(lines)
     assert (tmp_path / "run" / "summary.json").read_bytes() == (done / "summary.json").read_bytes()
 
 

@@ -65,7 +65,7 @@ def test_weight_on_bit_step(tmp_path):
     assert got["wob_surface"] == pytest.approx(got["wob"], abs=1.5e3)
     assert set(got["autodriller_mode"]) == {1.0}
     assert abs(summary["energy"]["error_share"]) < 1e-3
-    assert any("give max_speed, or the mode rop" in text for text in summary["warnings"])
+    assert any("give max_speed, or also the mode rop" in text for text in summary["warnings"])
     assert summary["hoist"]["autodriller"]["loops"] == [{"kind": "wob", "p": P, "i": I}]
 
 

@@ -208,7 +208,7 @@ def test_slack_lines_are_reported(tmp_path):
     case["loads"] = [{"at": 0.0, "force": [0, 0, -1.2 * weight], "value_over": {"ramp": 0.8, "value": 1.0}}]
     _, summary = history(case, tmp_path / "run")
     assert 0.3 < summary["hoist"]["slack"] < 0.8
-    assert any("the lines would go slack" in text for text in summary["warnings"])
+    assert any("the lines would be slack" in text for text in summary["warnings"])
 
 
 # ---------------------------------------------------------------------- modes

@@ -260,7 +260,10 @@ def test_start_above_the_stall_torque_is_answered_in_words(tmp_path):
     case = on_bottom(wob=80e3, pdm={**SECTION, "stall_torque": 2e3})
     found = statics(Case(**case), tmp_path / "s")
     text = next(w for w in found.summary["warnings"] if "pdm" in w)
-    assert "1800 l/min gives 137.9 rpm" in text and "is above stall_torque 2 kN m: the motor stands" in text
+    assert (
+        "1800 l/min gives 137.9 rpm" in text
+        and "is above stall_torque 2 kN m: the motor does not turn" in text
+    )
     got, _ = history(case, tmp_path / "run")
     assert got["motor_stalled"][0] == 1
     assert abs(got["motor_speed"][0]) < 1e-2
@@ -284,7 +287,7 @@ def test_no_flow_leaves_the_motor_standing(tmp_path):
         ),
         ({"pdm": {**SECTION, "eccentricity": 0.01}}, "lobes of rotor and stator"),
         ({"pdm": {**SECTION, "lobes": [7, 9]}}, "one more in the stator"),
-        ({"pdm": {**SECTION, "flow_rate": "-1 l/s"}}, "turns one way"),
+        ({"pdm": {**SECTION, "flow_rate": "-1 l/s"}}, "turns in one direction"),
         ({"joint_at": 9.0}, "pipe of the item above and below it"),
         ({"joint_at": 3.0, "bend": {"angle": 0.02, "position": 2.0}}, "turns with the bit"),
         ({"pdm": {**SECTION, "droops": 3}}, "droop"),

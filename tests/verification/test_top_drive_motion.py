@@ -126,7 +126,7 @@ def test_a_weak_motor_is_told(tmp_path):
     case["initial"] = {"from": "statics"}
     _, summary = history(case, tmp_path / "run")
     assert any(
-        "max_torque 0.5 kN m is below the torque of the start, 2 kN m: the string stands still" in text
+        "max_torque 0.5 kN m is below the torque of the start, 2 kN m: the string does not turn" in text
         for text in summary["warnings"]
     )
 

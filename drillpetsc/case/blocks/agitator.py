@@ -35,7 +35,7 @@ class AgitatorSection(Block):
     pulse: Literal["sine", "square"] = Field(default="sine", description="form of the pulses")
     flow_rate: Annotated[TimeFunction, OverTime("m^3/s")] | None = Field(
         default=None,
-        description="flow rate over time of a case without fluid; 0 when not given, a shock sub then",
+        description="flow rate over time of a case without fluid; 0 when not given, which leaves a shock sub",
     )
 
     @model_validator(mode="after")

@@ -80,7 +80,7 @@ class CaseBlocks(Block):
     hold_string: bool = Field(
         default=False,
         strict=True,
-        description="the string stands still and has no unknowns: hydraulics alone; top may be left out, "
+        description="the string does not move and has no unknowns (hydraulics only); top may be left out, "
         "and there is no contact",
     )
     top: Top = Field(
@@ -224,7 +224,7 @@ class CaseBlocks(Block):
     def has_bore(self) -> bool:
         """Whether there is fluid in the string.
 
-        There is none in a solid string, nor in a plugged string filled neither by a pump pressure nor through
+        There is none in a solid string, or in a plugged string that is not filled by a pump pressure or through
         nozzles above the bit.
         """
         sealed = self.bottom.plugged and not self.side_nozzles

@@ -26,8 +26,8 @@ _ZERO = Constant(0.0)
 _ROTATION = "rotation speed over time, positive clockwise seen from above"
 _LOWERING = "speed of the top over time, positive downward"
 _PLUGGED = (
-    "true: no fluid leaves the string at its lower end, and unless a pump_pressure holds fluid in it, "
-    "it is empty; false: the end is open (used by a fluid)"
+    "true: the lower end is closed, and the string is empty unless a pump_pressure holds fluid in it; "
+    "false: the end is open (used by a fluid)"
 )
 
 
@@ -112,7 +112,7 @@ class TopDrive(TopEnd):
     guided: bool = Field(
         default=True,
         strict=True,
-        description="false: with a force, the top moves freely across the hole, too; true: its place across is held",
+        description="false: with a force, the top also moves freely across the hole; true: its position across is held",
     )
     motor: TopMotor | None = Field(
         default=None, description="motor with inertia and limits; without it the rotation is prescribed"

@@ -39,16 +39,16 @@ class Rheology(Block):
 
     law: Literal["blend", "api", "exact"] = Field(
         default="blend",
-        description="friction in pipe and annulus: blend: one smooth formula from laminar to turbulent flow; "
-        "api: API form with Metzner-Reed Reynolds number and straight transition; exact: laminar profile integrated",
+        description="friction in pipe and annulus. blend: one smooth formula from laminar to turbulent flow. "
+        "api: API form with Metzner-Reed Reynolds number and straight transition. exact: laminar profile integrated",
     )
     shear_rate: Annotated[float, Quantity("1/s", above=0, at_most=1e3, kind="shear_rate")] = Field(
         default=1.0, description="shear rate below which stresses go smoothly to zero"
     )
     dial: dict[str, float] | None = Field(
         default=None,
-        description="readings of a viscometer in degrees by its speed in rpm, {600: 64, 300: 41}; the constants of the model are fitted to them "
-        "unless they are given",
+        description="readings of a viscometer in degrees by its speed in rpm, {600: 64, 300: 41}; the model's constants are fitted to them unless "
+        "given",
     )
     fit: Literal["api", "least_squares"] | None = Field(
         default=None,
@@ -203,7 +203,7 @@ class SurfaceLine(Block):
         description="equipment of API RP 13D: 2600, 946, 610 or 424 ft of 3.826 in bore with the string's friction law",
     )
     length: Annotated[float, Quantity("m", above=0, at_most=10e3)] | None = Field(
-        default=None, description="length of an equal pipe, with id, instead of a case"
+        default=None, description="length of an equivalent pipe, with id, instead of a case"
     )
     id: Annotated[float, Quantity("m", at_least=1e-3, at_most=2, kind="diameter")] | None = Field(
         default=None, description="inner diameter of that pipe"
@@ -257,7 +257,7 @@ class Fluid(Block):
     )
     annulus_rheology: AnyRheology | None = Field(
         default=None,
-        description="rheology in the annulus, where it differs; with law api and dial readings at 100 and 3 rpm, the power law through these",
+        description="rheology in the annulus, if it differs; with law api and dial readings at 100 and 3 rpm, the power law through these",
     )
     surface_line: SurfaceLine | None = Field(
         default=None, description="lines between pump and string, whose loss the pump pressure contains"
@@ -267,7 +267,7 @@ class Fluid(Block):
     )
     flow_rate: Annotated[TimeFunction, OverTime("m^3/s")] = derived_default(
         "volume pumped into the string over time, negative in reverse circulation; "
-        "0 when neither this nor a pump_pressure is given"
+        "0 when this and pump_pressure are not given"
     )
     pump_pressure: Annotated[TimeFunction, OverTime("Pa", kind="pressure")] | None = Field(
         default=None,
@@ -298,7 +298,7 @@ class Fluid(Block):
     formulation: Literal["mixed", "hermite"] = Field(
         default="mixed",
         description="mixed: pressure at the nodes, flow rate in the elements; "
-        "hermite: the volume that has passed as a cubic between the nodes, as in the reference formulation "
+        "hermite: the volume passed, as a cubic between the nodes, as in the reference formulation "
         "(DOI 10.1177/1687814016656703); takes a flow_rate",
     )
     dynamics: Literal["full", "quasi_steady"] = Field(
@@ -315,7 +315,7 @@ class Fluid(Block):
         ),
     ] = Field(
         default="confined",
-        description="mass of annulus fluid that moves sideways with the string, over the mass it displaces: "
+        description="mass of annulus fluid that moves sideways with the string, over the displaced mass. "
         "confined: (Dw^2 + Do^2)/(Dw^2 - Do^2); eccentric: increases towards the wall, with the forces of its gradient; "
         "stokes: from the oscillating viscous flow, at lateral_damping_speed in runs and at each mode's own frequency in modes; "
         "paper_plug: Do^2/(Dw^2 - Do^2), as in the reference formulation (DOI 10.1177/1687814016656703); a number; none: 0",
@@ -335,8 +335,8 @@ class Fluid(Block):
         Literal["auto"] | float, WordOrNumber(("auto",), Quantity("", at_least=0, at_most=0.5))
     ] = Field(
         default="auto",
-        description="spin of the annulus mud about the hole over that of the string, which sideways forces of the mud refer to; "
-        "auto: Do^2/(Do^2 + Dw^2), the mean of a flow between turning pipe and standing wall; a number up to 0.5; none: 0",
+        description="spin of the annulus mud about the hole over the string's spin, used by the sideways forces of the mud. "
+        "auto: Do^2/(Do^2 + Dw^2), the mean of a flow between turning pipe and fixed wall; a number up to 0.5; none: 0",
     )
     swirl_lag: bool = Field(
         default=True,
@@ -353,7 +353,7 @@ class Fluid(Block):
     cuttings: Literal["removed", "returned"] = Field(
         default="removed",
         description="removed: fluid fills the volume of the rock that is cut; "
-        "returned: the rock rises with the fluid, whose volume does not change (needs a formation)",
+        "returned: the cuttings rise with the fluid, whose volume is constant (needs a formation)",
     )
 
     @model_validator(mode="after")

@@ -19,7 +19,7 @@ BitAnisotropy = Annotated[
         "",
         above=0,
         at_most=1,
-        why="drillability sideways of the bit over that ahead of it; 1 for a bit that cuts alike in all directions",
+        why="drillability sideways over drillability ahead of the bit; 1 for a bit that cuts equally in all directions",
     ),
 ]
 RotaryExponent = Annotated[float, Quantity("", at_least=0, at_most=3)]
@@ -28,7 +28,10 @@ Threshold = Annotated[float, Quantity("N", at_least=0)]
 Index = Annotated[
     float,
     Quantity(
-        "", above=0, at_most=2, why="drillability along the bedding over that across it; mostly 0.9 to 1.1"
+        "",
+        above=0,
+        at_most=2,
+        why="drillability along the bedding over drillability across it; mostly 0.9 to 1.1",
     ),
 ]
 Depth = Annotated[float, Quantity("m", at_least=0, at_most=50e3)]
@@ -45,11 +48,11 @@ LAYER_KEYS = (
 )
 
 _DRILLABILITY = "rate of penetration over force, at reference_speed and reference_weight; 0 cannot be drilled"
-_BIT = "drillability sideways of the bit over that ahead of it"
+_BIT = "drillability sideways over drillability ahead of the bit"
 _ROCK = "bedding of the rock"
 _ROTARY = "exponent of the rotation speed over reference_speed"
 _WEIGHT = "exponent of the weight on bit over reference_weight in the rate of penetration"
-_THRESHOLD = "weight on bit below which nothing is cut"
+_THRESHOLD = "weight on bit below which the bit does not cut"
 _STIFFNESS = "contact stiffness of bit on rock; bottom.stiffness is set to this value"
 
 
@@ -63,9 +66,11 @@ class RockAnisotropy(Block):
     dip_azimuth: Annotated[float, Quantity("rad", at_least=-2 * math.pi, at_most=2 * math.pi)] = Field(
         default=0.0, description="azimuth of the down-dip direction, from north over east"
     )
-    index_dip: Index = Field(default=1.0, description="drillability down dip over that across the bedding")
+    index_dip: Index = Field(
+        default=1.0, description="drillability down dip over drillability across the bedding"
+    )
     index_strike: Index = Field(
-        default=1.0, description="drillability along strike over that across the bedding"
+        default=1.0, description="drillability along strike over drillability across the bedding"
     )
 
 
@@ -74,8 +79,8 @@ class Layer(Block):
 
     from_: Depth = Field(alias="from", description="measured depth of the upper end")
     to: Depth = derived_default(
-        "measured depth of the lower end, which is the from of the next layer; below the last layer the values of the "
-        "formation hold again; when not given, the next layer's from, and the last layer has no end"
+        "measured depth of the lower end, equal to the next layer's from. When not given: the next layer's from, and "
+        "no end for the last layer. Below the last layer the formation's values hold again."
     )
     drillability: Drillability = derived_default(_DRILLABILITY)
     bit_anisotropy: BitAnisotropy = derived_default(_BIT)
@@ -95,12 +100,12 @@ class PatternOrder(Block):
         description="half the height from valley to crest"
     )
     phase: Annotated[float, Quantity("rad", at_least=-2 * math.pi, at_most=2 * math.pi)] = Field(
-        default=0.0, description="phase at the start: at 0 the bit stands half-way up, at 90 deg on a crest"
+        default=0.0, description="phase at the start: at 0 the bit is half-way up, at 90 deg on a crest"
     )
 
 
 class AnyLaw(Block):
-    """What all laws of the bit have."""
+    """Base of all bit laws."""
 
     if TYPE_CHECKING:
         kind: str
@@ -147,8 +152,8 @@ class DragBit(AnyLaw):
     )
     exposure: Annotated[float, Quantity("m", above=0, at_most=0.1, kind="diameter")] = Field(
         default=6.5e-3,
-        description="by how much the cutters stand out of the blades: each blade cuts no deeper in a passage, and the body rubs "
-        "under the rest of the weight; half of the diameter of a 13 mm cutter by default",
+        description="cutter exposure above the blades. It limits the cut of a blade per passage; the rest of the weight presses "
+        "the body on the rock. Default: half the diameter of a 13 mm cutter",
     )
     stiffness: Stiffness = Field(default=None, description=_STIFFNESS)
 
@@ -217,7 +222,7 @@ class RollerCone(AnyLaw):
     )
     phase: Annotated[float, Quantity("rad", at_least=-2 * math.pi, at_most=2 * math.pi)] | None = Field(
         default=None,
-        description="phase of the lobes at the start: at 0 the bit stands half-way up, at 90 deg on a crest; 0 when not given",
+        description="phase of the lobes at the start: at 0 the bit is half-way up, at 90 deg on a crest; 0 when not given",
     )
     pattern: Annotated[tuple[PatternOrder, ...], Field(max_length=50)] = Field(
         default=(),
@@ -294,17 +299,17 @@ class Formation(Block):
     )
     overgauge: Annotated[float, Quantity("m", kind="diameter")] = Field(
         default=0.0,
-        description="radius of the new hole less that of the bit; negative for an under-gauge hole",
+        description="radius of the new hole minus radius of the bit; negative for an under-gauge hole",
     )
     strength: Annotated[float, Quantity("Pa", at_least=5e6, at_most=250e6)] | None = Field(
         default=None,
-        description="compressive strength of the rock, at which the side of the hole gives way to a bit with side: cutting; 60 MPa "
-        "for such a bit when not given",
+        description="compressive strength of the rock, at which the wall yields to a bit with side: cutting; 60 MPa for such a bit "
+        "when not given",
     )
     young: Annotated[float, Quantity("Pa", at_least=1e8, at_most=200e9)] | None = Field(
         default=None,
-        description="Young's modulus of the rock, from which contact.stiffness: physical and a bit with side: cutting take the "
-        "stiffness of the wall; 20 GPa when not given",
+        description="Young's modulus of the rock; sets the wall stiffness for contact.stiffness: physical and a bit with side: "
+        "cutting; 20 GPa when not given",
     )
     growth: Literal["state", "post_step"] = Field(
         default="state",
@@ -381,7 +386,7 @@ def _check_depths(layers: tuple[Layer, ...]) -> None:
             i,
             "from",
             got=below.from_,
-            want=f"{said(layer.to, 'length')}, where the layer above ends",
+            want=f"{said(layer.to, 'length')}, the end of the layer above",
             hint=gap,
         )
 

@@ -153,7 +153,7 @@ class AutodrillerBlock(Block):
         default=None, description="set point of the surface torque over time"
     )
     differential_pressure: Annotated[TimeFunction, OverTime("Pa")] | None = Field(
-        default=None, description="set point of the pump pressure over that at the time from"
+        default=None, description="set point of the pump pressure minus the pump pressure at the time from"
     )
     p: Annotated[float, Quantity("m/(s N)", above=0)] = Field(
         default=5.0e-8, description="proportional gain of mode wob"
@@ -183,7 +183,7 @@ class AutodrillerBlock(Block):
         description="time from which it acts; before, the drum has the speed lowering",
     )
     max_speed: Annotated[float, Quantity("m/s", above=0)] | None = Field(
-        default=None, description="largest speed of the drum; default that of the hoist"
+        default=None, description="largest speed of the drum; default: the largest speed of the hoist"
     )
     reverse: Switch = Field(default=False, description="true: the drum may also hoist, up to max_speed")
     ramp: Annotated[float, Quantity("N/s", above=0)] | None = Field(
@@ -213,9 +213,7 @@ class AutodrillerBlock(Block):
                 raise refuse(key, want=want)
             set_point = getattr(self, key)
             if set_point is not None and (least := _least(set_point)) < 0:
-                hint = (
-                    "reverse: true lets the drum hoist where another mode asks for it" if key == "rop" else ""
-                )
+                hint = "reverse: true lets the drum hoist if another mode requires it" if key == "rop" else ""
                 raise refuse(key, got=f"{least:g}, in SI units", want="a set point of 0 or more", hint=hint)
         for key, mode in self.mode_of_key.items():
             if key in self.model_fields_set and mode not in self.mode:

@@ -26,20 +26,20 @@ class Joint(Block):
     """A joint at one measured depth, without length and mass; add both by rigid items (`{kind: body}`)."""
 
     kind: Literal["fixed", "revolute", "universal", "slider"] = Field(
-        description="fixed: nothing moves; revolute: a hinge about one axis; universal: bends in two planes and transmits torque "
-        "(Hooke joint); slider: telescopes along the string, all else is fixed (bumper sub, slip joint)"
+        description="fixed: rigid connection; revolute: a hinge about one axis; universal: bends in two planes and transmits torque "
+        "(Hooke joint); slider: telescopes along the string only (bumper sub, slip joint)"
     )
     at: Annotated[float, Quantity("m", at_least=0)] = Field(
         description="measured depth on the string; 0: between the top and the string"
     )
     axis: Annotated[tuple[float, float, float], Vector("")] = Field(
         default=(0.0, 1.0, 0.0),
-        description="axis of a revolute joint, or of a universal joint's pin in the part above, as components along the string and the two "
-        "directions of its section (the first towards the high side, or north, at the start)",
+        description="axis of a revolute joint, or of a universal joint's pin in the part above: components along the string and in two "
+        "directions across it (the first towards the high side, or north, at the start)",
     )
     constraint: Literal["position", "stabilised"] = Field(
         default="position",
-        description="position: constraint on positions (index 3); stabilised: on velocities, too (Gear, Gupta and Leimkuhler; index 2)",
+        description="position: constraint on positions (index 3); stabilised: also on velocities (Gear, Gupta and Leimkuhler; index 2)",
     )
     spring: Annotated[float, Quantity("N/m", at_least=0)] = Field(
         default=0.0, description="stiffness along a slider (shock sub)"
@@ -58,8 +58,8 @@ class Joint(Block):
 
     seal_area: Annotated[float, Quantity("m^2", at_least=0, at_most=0.5)] = Field(
         default=0.0,
-        description="area inside the seals of a slider, on which the pressure in the string less that in the annulus pushes "
-        "its parts apart (pump-open force); mud fills the volume that they sweep",
+        description="area inside the seals of a slider. The pressure difference between string and annulus pushes its parts "
+        "apart on this area (pump-open force); mud fills the swept volume",
     )
 
     @model_validator(mode="after")

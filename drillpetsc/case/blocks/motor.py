@@ -95,13 +95,13 @@ class MotorSection(Block):
         default=None, description="turns of the rotor per volume of mud, `0.29 rev/gal`"
     )
     efficiency: Annotated[float, Quantity("", above=0, at_most=1)] = Field(
-        default=0.85, description="torque over that of a motor that turns all its pressure into torque"
+        default=0.85, description="torque over the torque of a motor that turns all its pressure into torque"
     )
     no_load_pressure: _Pressure = Field(
         default=0.0, description="differential pressure of the motor without torque"
     )
     stall_torque: Annotated[float, Quantity("N m", above=0, at_most=1e7)] | None = Field(
-        default=None, description="torque under which the rotor stands and all mud leaks past it"
+        default=None, description="torque at which the rotor stops and all mud leaks past it"
     )
     droop: Annotated[float, Quantity("", at_least=1, at_most=20)] = Field(
         default=4.0,
@@ -112,7 +112,7 @@ class MotorSection(Block):
     ] = Field(
         default=None,
         description="measured performance instead of a law: the name of a CSV file with the columns flow, differential_pressure, "
-        "torque and speed, each with its unit in brackets; curves that end before the rotor stands go on to stall_torque",
+        "torque and speed, each with its unit in brackets; curves that end before the rotor stops are extended to stall_torque",
     )
     lobes: tuple[int, ...] | None = Field(
         default=None, description="lobes of rotor and stator, `[7, 8]`; needed with an eccentricity"
@@ -124,13 +124,14 @@ class MotorSection(Block):
         default=0.0, description="radius of the rotor's orbit in the stator"
     )
     rotor_inertia: Annotated[float, Quantity("kg m^2", at_least=0, at_most=1e4)] = Field(
-        default=0.0, description="moment of inertia of rotor and drive shaft about their own axis"
+        default=0.0, description="moment of inertia of rotor and drive shaft about their axis"
     )
     bypass: Annotated[float, Quantity("m^3/s", at_least=0, at_most=10)] = Field(
         default=0.0, description="flow rate through the nozzle of the rotor, which gives no torque"
     )
     flow_rate: Annotated[TimeFunction, OverTime("m^3/s")] | None = Field(
-        default=None, description="flow rate over time where the case has no fluid; else the flow in the bore"
+        default=None,
+        description="flow rate over time if the case has no fluid; otherwise the flow in the bore turns the motor",
     )
     seal_diameter: Annotated[float, Quantity("m", at_least=0, at_most=2, kind="diameter")] | None = Field(
         default=None,
@@ -171,7 +172,7 @@ class MotorSection(Block):
             raise refuse("lobes", want="the lobes of rotor and stator, [7, 8], together with an eccentricity")
         constant = self.flow_rate.constant if isinstance(self.flow_rate, Constant) else None
         if constant is not None and constant < 0:
-            raise refuse("flow_rate", got=constant, want="at least 0 m^3/s: a motor turns one way")
+            raise refuse("flow_rate", got=constant, want="at least 0 m^3/s: a motor turns in one direction")
         return self
 
 
@@ -182,11 +183,11 @@ class PositiveDisplacementMotor(ToolTube):
     pdm: MotorSection = Field(description="power section: law of the motor, its rotor, its flow")
     mass: Annotated[float, Quantity("kg", above=0)] | None = Field(
         default=None,
-        description="mass of the whole item; when not given, that of a tube with this od, id and density",
+        description="mass of the whole item; when not given, the mass of a tube with this od, id and density",
     )
     joint_at: Annotated[float, Quantity("m", above=0, at_most=50e3)] = derived_default(
-        "distance below the item's upper end where the rotating part begins; half the length, or "
-        "half-way between a bend and the lower end, when not given"
+        "start of the rotating part below the item's upper end; half the length, or half-way "
+        "between a bend and the lower end, when not given"
     )
 
     @model_validator(mode="after")

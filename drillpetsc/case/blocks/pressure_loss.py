@@ -1,4 +1,4 @@
-"""`pressure_loss` of a string item: what a tool takes from the mud in the string besides friction."""
+"""`pressure_loss` of a string item: loss of the mud in a tool besides friction."""
 
 from __future__ import annotations
 
@@ -22,8 +22,8 @@ _Loss = Annotated[float, Quantity("Pa", at_least=0, at_most=1e9, kind="pressure"
 def _table(flow_rate: tuple[float, ...], loss: tuple[float, ...]) -> tuple[tuple[float, float, float], ...]:
     """`LossCurve.table`.
 
-    Between the points the loss is a monotone cubic of the squared flow rate, so that points of a square law reproduce the whole law;
-    beyond the last one it is extrapolated linearly.  The slopes at the points follow Fritsch and Butland (1984); at both ends they are the
+    Between the points the loss is a monotone cubic of the squared flow rate, so points of a square law reproduce the whole law. Beyond
+    the last one it is extrapolated linearly.  The slopes at the points follow Fritsch and Butland (1984); at both ends they are the
     slopes of the chords (manual: eq-mud-tool-curve).
     """
     square, lost = [0.0, *(q**2 for q in flow_rate)], [0.0, *loss]
@@ -87,7 +87,8 @@ def _curve_or_file(value: Any) -> Any:
 class PressureLoss(Block):
     """Pressure loss of a tool in the string, such as an MWD or a filter. It scales with the density of the mud.
 
-    A measured value with its flow rate and density scales with the flow rate squared, as does a loss coefficient K: loss = K density velocity^2/2
+    A measured value with its flow rate and density scales with the flow rate squared. So does a loss coefficient K: loss
+    = K density velocity^2/2
     with the velocity in the item's bore. A curve gives the losses at several flow rates.
     """
 
@@ -108,8 +109,8 @@ class PressureLoss(Block):
         LossCurve | None, BeforeValidator(_curve_or_file, json_schema_input_type=str | LossCurve)
     ] = Field(
         default=None,
-        description="losses at several flow rates, {flow_rate: [..], loss: [..]}, or the name of a CSV file with the columns flow and loss, "
-        "each with its unit in brackets; instead of a value",
+        description="losses at several flow rates instead of a value: {flow_rate: [..], loss: [..]}, or a CSV file with the columns flow and "
+        "loss, each with its unit in brackets",
     )
 
     @model_validator(mode="after")

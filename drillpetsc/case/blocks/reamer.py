@@ -16,7 +16,7 @@ class Reamer(Stabilizer):
 
     kind: Literal["reamer"] = Field(description="reamer")  # type: ignore[assignment]
     pilot: Diameter | None = Field(
-        default=None, description="diameter of the pilot hole, that of the bit, which it is when not given"
+        default=None, description="diameter of the pilot hole; the bit's diameter, which is also the default"
     )
     blades: int = Field(default=4, ge=1, le=20, strict=True, description="number of blades")
     specific_energy: Annotated[float, Quantity("Pa", above=0)] = Field(

@@ -74,7 +74,7 @@ class FrictionFactors(Block):
             raise refuse("cased", want="cased, open_hole, groups, or several of them")
         for key, values in given.items():
             if key in self.groups and key in ("cased", "open_hole"):
-                raise refuse("groups", key, want=f"the name of a ff_group; {key} stands beside groups")
+                raise refuse("groups", key, want=f"the name of a ff_group; {key} is given with groups")
             if values == ():
                 path = ("groups", key) if key in self.groups else (key,)
                 raise refuse(*path, got="an empty list", want="one friction factor or more")
@@ -132,7 +132,7 @@ class Drilling(Block):
     rop: Rop = Field(default=to_si("60 ft/h", "m/s"), description="rate of penetration")
     flow_rate: Flow | None = Field(
         default=None,
-        description="flow rate of the pump, which drags and lifts the string; 0: the mud stands still; fluid.flow_rate at time 0 when not given",
+        description="flow rate of the pump, which drags and lifts the string; 0: the mud is at rest; fluid.flow_rate at time 0 when not given",
     )
 
 
@@ -145,7 +145,7 @@ class Sliding(Block):
     tob: Torque = Field(default=to_si("2 kft-lbf", "N m"), description="torque of the rock on the bit")
     flow_rate: Flow | None = Field(
         default=None,
-        description="flow rate of the pump, which drags and lifts the string; 0: the mud stands still; fluid.flow_rate at time 0 when not given",
+        description="flow rate of the pump, which drags and lifts the string; 0: the mud is at rest; fluid.flow_rate at time 0 when not given",
     )
 
 
@@ -157,7 +157,7 @@ class Backreaming(Block):
     tob: Torque = Field(default=to_si("1 kft-lbf", "N m"), description="torque of the rock on the bit")
     flow_rate: Flow | None = Field(
         default=None,
-        description="flow rate of the pump, which drags and lifts the string; 0: the mud stands still; fluid.flow_rate at time 0 when not given",
+        description="flow rate of the pump, which drags and lifts the string; 0: the mud is at rest; fluid.flow_rate at time 0 when not given",
     )
 
 
@@ -196,15 +196,15 @@ class Roadmap(Block):
     operations: tuple[AnyOperation, ...] = Field(
         default=("trip_in", "trip_out", "rotate_off_bottom", "drilling", "sliding", "backreaming"),
         min_length=1,
-        description="operations, each once; slackoff, pickup and rob are accepted, too",
+        description="operations, each once; slackoff, pickup and rob are also accepted",
     )
     bit_depth: Annotated[
         tuple[Depth, ...] | DepthRange | None,
         BeforeValidator(_depths, json_schema_input_type=Depth | tuple[Depth, ...] | DepthRange),
     ] = Field(
         default=None,
-        description="measured depths of the bit, or {from, to, step}; 30 depths from 10 % of the hole to its end, and the casing "
-        "shoes, when not given",
+        description="measured depths of the bit, or {from, to, step}; by default 30 depths from 10 % of the hole to its end, and "
+        "the casing shoes",
     )
     friction_factor: FrictionFactors | None = Field(
         default=None, description="friction factors; 0.75, 1 and 1.25 times the sections' own when not given"
@@ -223,7 +223,7 @@ class Roadmap(Block):
     hookload_excludes_block: bool = Field(
         default=False,
         strict=True,
-        description="true: measured hook loads are those of the string, without the block",
+        description="true: measured hook loads do not include the block",
     )
 
     hole_grows: bool = Field(

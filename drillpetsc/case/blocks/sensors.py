@@ -68,7 +68,7 @@ def _channels(value: Any) -> Any:
         if channel not in CHANNELS:
             raise refuse(i, got=channel, want=", ".join(CHANNELS), hint=suggestion(str(channel), CHANNELS))
         if channel in value[:i]:
-            raise refuse(i, got=channel, want="channels that stand once")
+            raise refuse(i, got=channel, want="each channel once")
     return value
 
 
@@ -88,8 +88,8 @@ class Sensor(Block):
     channels: Annotated[tuple[Channel, ...], BeforeValidator(_channels)] = Field(
         default=("ax", "ay", "az", "rpm"),
         min_length=1,
-        description="ax, ay, az: acceleration along the string, towards `angle` and to its right; rpm: rotation, and "
-        "that of a magnetometer; torque, wob, bending: loads of the section; pressure: of the mud",
+        description="ax, ay, az: acceleration along the string, towards `angle` and to its right; rpm: rotation, true "
+        "and by a magnetometer; torque, wob, bending: loads of the section; pressure: of the mud",
     )
     radius: Annotated[float, Quantity("m", at_least=0, at_most=1, kind="diameter")] = Field(
         default=0.0, description="distance of the accelerometers from the axis"
@@ -103,7 +103,7 @@ class Sensor(Block):
         description="true: accelerations less gravity, as a real accelerometer; false: of the motion alone",
     )
     filter: SensorFilter | None = Field(
-        default=None, description="anti-alias filter; without it the samples are those of the motion"
+        default=None, description="anti-alias filter; without it the motion is sampled unfiltered"
     )
     range: Annotated[float, InGravities("m/s^2", above=0)] | None = Field(
         default=None, description="largest acceleration that the accelerometers show, such as 100 g"
@@ -150,7 +150,7 @@ class Indices(Block):
 
     window: Annotated[float, Quantity("s", above=0)] = Field(default=20.0, description="length of a window")
     every: Annotated[float, Quantity("s", above=0)] = Field(
-        default=1.0, description="time from the end of a window to that of the next"
+        default=1.0, description="time between the ends of two successive windows"
     )
 
     @property

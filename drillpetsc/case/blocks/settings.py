@@ -52,8 +52,8 @@ class MeshSettings(Block):
     )
     frequency: Annotated[float, Quantity("1/s", above=0, at_most=1e4)] | None = Field(
         default=None,
-        description="highest frequency of interest: automatic elements resolve bending, torsional and axial waves up to it; when "
-        "not given, bending waves at the rotation speed of a run with inertia",
+        description="highest frequency of interest: automatic elements resolve bending, torsional and axial waves up to it. When "
+        "not given: bending waves at the rotation speed of a run with inertia",
     )
 
 
@@ -74,7 +74,7 @@ class Initial(Block):
     imperfection: Annotated[float, Quantity("", at_least=0, at_most=1)] = Field(
         default=1e-3,
         description="lateral load as a fraction of the weight, so that the string leaves an unstable equilibrium; a start from "
-        "rest or straight has one only where it is given",
+        "rest or straight has none unless it is given",
     )
 
     @field_validator("from_", mode="before")
@@ -115,7 +115,7 @@ class Time(Block):
     integrator: Literal["auto", "bdf", "generalized_alpha"] = Field(
         default="auto",
         description="bdf: backward differences; generalized_alpha: keeps the energy of vibrations that the steps resolve; auto: "
-        "generalized_alpha where the string may turn in a hole, with steps short enough for what may whirl, else bdf",
+        "generalized_alpha if the string may turn in a hole, with steps short enough to resolve whirl, else bdf",
     )
     spectral_radius: Annotated[float, Quantity("", at_least=0, at_most=1)] | None = Field(
         default=None,
@@ -158,13 +158,13 @@ class Output(Block):
     probes: Annotated[tuple[Annotated[float, Quantity("m", at_least=0)], ...], BeforeValidator(as_list)] = (
         Field(
             default=(),
-            description="measured depths along the string that get their own columns in probes.csv",
+            description="measured depths along the string, each with columns in probes.csv",
         )
     )
     item_forces: bool = Field(
         default=False,
         strict=True,
-        description="true: side force, its components, couple and contact force sum of every rigid item get their own columns in history.csv",
+        description="true: side force, its components, couple and contact force sum of every rigid item are written to history.csv",
     )
     sensors: Annotated[
         tuple[Sensor, ...], BeforeValidator(as_sensors, json_schema_input_type=Sensor | tuple[Sensor, ...])
@@ -191,7 +191,7 @@ class Output(Block):
                     "probes",
                     i,
                     got=self.probes[i],
-                    want=f"probes at different depths; {said(self.probes[i], 'length')} stands twice",
+                    want=f"probes at different depths; {said(self.probes[i], 'length')} appears twice",
                 )
         names = [sensor.name.lower() for sensor in self.sensors]
         for i, name in enumerate(names):

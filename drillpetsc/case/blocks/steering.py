@@ -23,7 +23,7 @@ class Steer(Block):
     tool_face: Annotated[TimeFunction, OverTime("rad")] = Field(
         default=Constant(0.0),
         description="direction in which the tool steers, fixed in space, over time: 0 is the high side, 90 deg to the right "
-        "looking down the hole; measured from north where the inclination is below 5 deg",
+        "looking down the hole; measured from north if the inclination is below 5 deg",
     )
 
     @model_validator(mode="after")
@@ -82,7 +82,7 @@ class RotarySteerable(ToolTube):
         "height of the tilt above the item's lower end, with rss.kind point; the middle when not given"
     )
     mass: Annotated[float, Quantity("kg", above=0)] | None = Field(
-        default=None, description="mass, instead of that of a tube with the density of the material"
+        default=None, description="mass, instead of the mass of a tube with the density of the material"
     )
 
     @model_validator(mode="after")
@@ -100,9 +100,7 @@ class RotarySteerable(ToolTube):
         if at > self.length + 1e-9:
             raise refuse(*key, got=at, want=f"at most the length of the item, {said(self.length, 'length')}")
         if self.bend is not None:
-            raise refuse(
-                "bend", want="no bend in a steerable tool", hint="give the bend to an item beside it"
-            )
+            raise refuse("bend", want="no bend in a steerable tool", hint="give the bend to an adjacent item")
         return self
 
     @property

@@ -32,11 +32,11 @@ MIN_WALL_RATIO = 1e-4  # (od - id) over od [-]
 MIN_BORE = 1e-4  # inner diameter [m]
 
 
-_BORE_VOLUME = "volume of the mud inside the item; that of a bore of its id when not given"
+_BORE_VOLUME = "volume of the mud inside the item; the volume of a bore of its id when not given"
 _ANNULUS_OD = "outer diameter that the mud outside flows past and that displaces it; od when not given"
 _TOOL_FACE = (
-    "0 is the high side, 90 deg to the right looking down the hole; measured from north where the inclination is below "
-    "5 deg; at spin angle zero"
+    "0 is the high side, 90 deg to the right looking down the hole; measured from north if the inclination is below 5 "
+    "deg; at spin angle zero"
 )
 
 
@@ -135,7 +135,7 @@ class Item(Block):
     )
     pressure_loss: PressureLoss | None = Field(
         default=None,
-        description="loss of the mud in this item besides friction, {value: 350 psi, at: 600 gpm, density: 10 ppg}, {coefficient: 2.5} or "
+        description="pressure loss in this item besides friction, {value: 350 psi, at: 600 gpm, density: 10 ppg}, {coefficient: 2.5} or "
         "{curve: loss.csv, density: 10 ppg}",
     )
 
@@ -220,7 +220,7 @@ class Item(Block):
 
     @property
     def clearance_od(self) -> float | None:
-        """Diameter that the clearance of buckling loads goes by [m]: the one that touches the hole, unless the item says otherwise."""
+        """Diameter for the clearance of buckling loads [m]: the one that touches the hole, unless the item gives another."""
         return self.contact_od
 
 
@@ -316,7 +316,7 @@ class Rigid(Item):
     od: Diameter | None = Field(default=None, description="outer diameter")
     id: Bore = Field(default=0.0, description="inner diameter")
     mass: Annotated[float, Quantity("kg", at_least=0)] = derived_default(
-        "mass; when not given, that of a tube with this od, id, length and density"
+        "mass; when not given, the mass of a tube with this od, id, length and density"
     )
     unbalance: Annotated[float, Quantity("kg m", at_least=0)] = Field(
         default=0.0, description="mass times offset of the mass centre from the axis"
@@ -389,7 +389,7 @@ class Stabilizer(Rigid):
     blade_od: Diameter | None = Field(default=None, description="outer diameter over the blades, sets od")
     gauge: str | None = Field(
         default=None,
-        description="outer diameter over the blades by that of the bit: full, or 1/8 in under; sets od",
+        description="outer diameter over the blades relative to the bit: full, or 1/8 in under; sets od",
     )
     blade_length: Annotated[float, Quantity("m", above=0, at_most=200, kind="diameter")] | None = Field(
         default=None, description="length of the blades, which touch the hole; the whole item when not given"
@@ -402,8 +402,8 @@ class Stabilizer(Rigid):
     )
     bypass_area: Annotated[float, Quantity("m^2", above=0, at_most=10)] | None = Field(
         default=None,
-        description="flow area past the blades; when not given, what body and blades leave of the hole, "
-        "with blades that fill 45 % of the ring between body_od and od",
+        description="flow area past the blades; when not given, the hole minus body and blades, which "
+        "fill 45 % of the ring between body_od and od",
     )
     stiff: bool = Field(
         default=True, strict=True, description="true: a rigid item; false: its body bends, its blades do not"
@@ -485,17 +485,17 @@ class Bit(Rigid):
     od: Diameter = Field(description="diameter of the bit")
     side: Literal["guided", "cutting", "rolling"] | None = derived_default(
         "side of the bit in its hole. guided: friction brakes its rotation and does not push it round the hole; cutting: it rolls "
-        "and slides on rock that gives way at formation.strength; rolling: the same on a wall that does not. When not given, "
+        "and slides on rock that yields at formation.strength; rolling: the same on a wall that does not yield. When not given, "
         "cutting with a formation whose strength is given, otherwise guided"
     )
     gauge_length: Annotated[float, Quantity("m", above=0, at_most=2, kind="diameter")] = Field(
-        default=0.05, description="length of the gauge, which bears on the rock (side: cutting)"
+        default=0.05, description="length of the gauge in contact with the rock (side: cutting)"
     )
     gauge_width: Annotated[float, Quantity("m", above=0, at_most=1, kind="diameter")] = derived_default(
-        "width of the gauge that bears on the rock, that of a blade (side: cutting); a tenth of od when not given"
+        "width of the gauge in contact with the rock, one blade (side: cutting); a tenth of od when not given"
     )
     bit_type: Literal["PDC", "roller_cone", "diamond", "core"] | None = Field(
-        default=None, description="type of the bit; shown in reports, chooses nothing by itself"
+        default=None, description="type of the bit; only shown in reports"
     )
     nozzle_area: NozzleArea = Field(
         default=None,

@@ -23,7 +23,8 @@ class TelescopingTool(ToolTube):
     """A tube of two parts that telescope: the halves are ordinary pipe of the item."""
 
     mass: Annotated[float, Quantity("kg", above=0)] | None = Field(
-        default=None, description="mass; when not given, that of a tube with this od, id, length and density"
+        default=None,
+        description="mass; when not given, the mass of a tube with this od, id, length and density",
     )
     joint_at: Annotated[float, Quantity("m", above=0, at_most=200)] = derived_default(
         "distance of the slider below the item's upper end; half the length when not given"
@@ -56,7 +57,7 @@ class SealedTool(TelescopingTool):
 
     seal_area: Annotated[float, Quantity("m^2", at_least=0, at_most=0.5)] = Field(
         default=0.0,
-        description="area inside the seals, on which the pressure in the string less that in the annulus pushes the "
+        description="area inside the seals, on which the pressure difference between string and annulus pushes the "
         "parts apart (pump-open force)",
     )
     stop_stiffness: Annotated[float, Quantity("N/m", above=0)] = Field(
@@ -138,7 +139,7 @@ class JarSection(Block):
         default="up", description="load that fires it: tension, compression, or either"
     )
     stroke: Annotated[float, Quantity("m", above=0, at_most=5)] = Field(
-        description="travel from where the jar is cocked to the stop that it hits"
+        description="travel from the cocked position to the stop"
     )
     threshold: Annotated[float, Quantity("N", above=0, kind="force")] | None = Field(
         default=None, description="load that the latch of a hydraulic jar holds"
@@ -155,7 +156,7 @@ class JarSection(Block):
 
     seal_area: Annotated[float, Quantity("m^2", at_least=0, at_most=0.5)] = Field(
         default=0.0,
-        description="area inside the seals, on which the pressure in the string less that in the annulus pushes the "
+        description="area inside the seals, on which the pressure difference between string and annulus pushes the "
         "parts apart (pump-open force)",
     )
     stop_stiffness: Annotated[float, Quantity("N/m", above=0)] = Field(

@@ -39,7 +39,7 @@ class TopMotor(Block):
     time_constant: Annotated[float, Quantity("s", at_least=0)] = Field(
         default=0.0,
         description="time constant with which the torque follows the controller; 0: at once "
-        "(5 ms where there is a torque_rate)",
+        "(5 ms with a torque_rate)",
     )
 
     @model_validator(mode="after")
@@ -79,7 +79,7 @@ LONGEST_DELAY = 1.0
 
 
 class Controller(Block):
-    """What all speed controllers have in common."""
+    """Base of all speed controllers."""
 
     from_: Annotated[float, Quantity("s", at_least=0)] = Field(
         default=0.0, alias="from", description="time from which it acts"
@@ -105,7 +105,7 @@ class Controller(Block):
 
 
 class PiController(Controller):
-    """Torque p e + i times the integral of e, with e the set point less the speed."""
+    """Torque p e + i times the integral of e, with e the set point minus the speed."""
 
     kind: Literal["pi"] = Field(description="proportional and integral gain")
     p: Annotated[float, Quantity("N m s/rad", at_least=0)] = Field(description="proportional gain")
@@ -114,7 +114,9 @@ class PiController(Controller):
     @model_validator(mode="after")
     def _gain(self) -> PiController:
         if self.p == 0:
-            raise refuse("p", got=0.0, want="a gain above 0", hint="without it the speed swings without end")
+            raise refuse(
+                "p", got=0.0, want="a gain above 0", hint="without it the speed oscillates without decay"
+            )
         return self
 
 
@@ -147,7 +149,8 @@ class SoftTorqueController(Controller):
         description="tuned frequency; auto: the lowest torsional frequency of the string with its top held",
     )
     inertia_compensation: Annotated[float, Quantity("", at_least=0, at_most=0.95)] = Field(
-        default=0.0, description="share of the drive's inertia that a torque with the acceleration takes away"
+        default=0.0,
+        description="share of the drive's inertia compensated by a torque proportional to the acceleration",
     )
 
 

@@ -52,14 +52,14 @@ class ToolJoint(Block):
 
 
 class CenterUpset(Block):
-    """Thick middle of heavy-wall drill pipe; the wall is touched there, too."""
+    """Thick middle of heavy-wall drill pipe, which also touches the wall."""
 
     od: Diameter = Field(description="outer diameter")
     length: UpsetLength = Field(description="length")
 
 
 class Tubular(Tube):
-    """What all pipe of the trade has."""
+    """Base of all oilfield pipe."""
 
     has_own_od: ClassVar[bool] = False
 
@@ -73,7 +73,7 @@ class Tubular(Tube):
     yield_strength: Stress = derived_default("yield strength, for limits")
     contact_on: Literal["tool_joint", "body"] = Field(
         default="tool_joint",
-        description="diameter that touches the hole: that of the tool joints, or the body's",
+        description="diameter that touches the hole: tool joints, or body",
     )
     override: bool = Field(
         default=False, strict=True, description="od and id may differ from the catalogue by more than 1 %"
@@ -98,7 +98,7 @@ class Jointed(Tubular):
     pipe: str | None = Field(
         default=None, description="text reference to the catalogue: 5in 19.50 S-135 NC50 premium"
     )
-    tool_joint: ToolJoint = derived_default("tool joint; keys left out are those of the catalogue")
+    tool_joint: ToolJoint = derived_default("tool joint; keys left out are taken from the catalogue")
     joint_length: JointLength = derived_default(
         "length of a joint, shoulder to shoulder; 31.0 ft, with range: 3 44.0 ft"
     )
@@ -110,7 +110,7 @@ class Jointed(Tubular):
     )
     clearance: Literal["tool_joint", "body"] = Field(
         default="tool_joint",
-        description="diameter from which the clearance of buckling loads is measured: that of the tool joints (API RP 7G), or the body's",
+        description="diameter from which the clearance of buckling loads is measured: tool joints (API RP 7G), or body",
     )
 
     @property
@@ -162,12 +162,12 @@ class DrillCollar(Tubular):
         default=False, strict=True, description="spiral grooves: less mass, the same stiffness"
     )
     spiral_weight_factor: Share = Field(
-        default=0.96, description="mass of a spiral collar over that of a round one"
+        default=0.96, description="mass of a spiral collar over the mass of a round one"
     )
     nonmagnetic: bool = Field(
         default=False,
         strict=True,
-        description="density 7860 kg/m3 and Young's modulus 193 GPa where the item's material does not give them",
+        description="density 7860 kg/m3 and Young's modulus 193 GPa unless the item's material gives them",
     )
 
 

@@ -40,9 +40,7 @@ class SurveyFile(Block):
         description="CSV and other text tables, xlsx (`well.xlsx#Sheet2`), LAS, WITSML trajectory; or a run folder"
     )
     tie_in: TieIn | None = Field(default=None, description="station above the first one of the file")
-    allow_dogleg: bool = Field(
-        default=False, strict=True, description="true: bends above 30 deg/30 m are no typing errors"
-    )
+    allow_dogleg: bool = Field(default=False, strict=True, description="true: accept bends above 30 deg/30 m")
     north: Literal["grid", "true", "magnetic"] | None = Field(
         default=None, description="what azimuths are measured from; for reports, without azimuth_from"
     )
@@ -97,11 +95,11 @@ class Survey(Block):
 
     @model_validator(mode="after")
     def _azimuth_from(self) -> Survey:
-        """Turn the azimuths to grid north, or to true north; what was applied is a remark, and is not kept to be applied again."""
+        """Turn the azimuths to grid north, or to true north; the angles applied become a remark, and are removed so that they are not applied again."""
         if not self.azimuth_from:
             return self
         if self.north not in ("true", "magnetic"):
-            want = "true or magnetic with azimuth_from: true; azimuths from grid north need no turn"
+            want = "true or magnetic with azimuth_from: true; azimuths from grid north need no correction"
             raise refuse("north", got=self.north, want=want)
         needed = "declination" if self.north == "magnetic" else "convergence"
         if getattr(self, needed) is None:
@@ -129,7 +127,7 @@ class Survey(Block):
 
     @property
     def remarks(self) -> tuple[str, ...]:
-        """What the reader of the survey's file assumed, left out or found."""
+        """Assumptions, omissions and findings of the reader of the survey's file."""
         return self._remarks
 
     def __eq__(self, other: object) -> bool:
@@ -259,8 +257,7 @@ class Well(Block):
     survey: Annotated[Survey, WrapValidator(_survey, json_schema_input_type=str | SurveyFile | Survey)] = (
         Field(
             description="stations md, inclination, azimuth; or the name of a file with these columns; or {file, tie_in, allow_dogleg, north, convergence, "
-            "declination, azimuth_from} for such a file; or a run folder, for the hole that "
-            "the run drilled"
+            "declination, azimuth_from} for such a file; or the folder of a run that drilled this hole"
         )
     )
     sections: tuple[Section, ...] = Field(

@@ -44,8 +44,8 @@ METRIC: dict[str, tuple[str, float]] = {
 
 
 UNVERIFIED = (
-    "Rows marked NO hold figures that were not compared with a copy of their source: compare them with the maker's sheet, or give\n"
-    "your own (od, id, tool_joint, adjusted_weight in the case, or a CSV file with the key catalogue)."
+    "Rows marked NO hold figures that were not compared with their source. Compare them with the maker's data sheet, or give\n"
+    "your own: od, id, tool_joint, adjusted_weight in the case, or a CSV file with the key catalogue."
 )
 
 

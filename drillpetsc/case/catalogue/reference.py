@@ -36,7 +36,7 @@ CLASSES = {"new": "new", "premium": "premium", "class2": "class_2"}
 _WEIGHT = re.compile(r"\s*(\d+(?:\.\d+)?)\s*(#|lbf?/ft|lbs/ft|ppf)?(?=[\s,]|$)", re.IGNORECASE)
 
 
-#: words of a tally that say what the kind of the item says, or nothing: `5" HWDP 49.3 # NC50`, `premium class`
+#: words of a tally without further information, beyond the item's kind: `5" HWDP 49.3 # NC50`, `premium class`
 _SAID_BY_KIND = re.compile(
     r"(?<![\w-])(?:hwdp|dp|drill\s?pipes?)(?![\w-])|(?<=premium )class(?![\w-])|(?<=new )class(?![\w-])",
     re.IGNORECASE,
@@ -44,7 +44,7 @@ _SAID_BY_KIND = re.compile(
 
 
 class ReferenceProblem(ValueError):
-    """A text that names no row: what is wanted, and a hint."""
+    """A text that does not name a row: allowed texts, and a hint."""
 
     def __init__(self, want: str, hint: str = "") -> None:
         super().__init__(want)
@@ -311,7 +311,7 @@ def _no_single_joint(
         "give tool_joint: {od: .., id: .., length: ..}",
     )
     return ReferenceProblem(
-        f"a tool joint that the catalogue has for {name}: there is none for {grade}{asked}",
+        f"a tool joint in the catalogue for {name}: there is none for {grade}{asked}",
         f"there are {others}; or {own}" if others else own,
     )
 

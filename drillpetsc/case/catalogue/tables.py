@@ -319,9 +319,9 @@ def _complete(path: Path, row: Row, cells: dict[str, Any]) -> None:
             raise refuse("id", f"an inner diameter below the outer, {cells['size']:g} in")
         agree("tube", formulas.plain_end_weight(cells["size"], cells["id"]))
         if cells["tool_joint_id"] >= cells["tool_joint_od"]:
-            raise refuse("tool_joint_id", "an inner diameter below that of the outside")
+            raise refuse("tool_joint_id", "an inner diameter below the outer one")
         if cells["weight"] < cells["tube"]:
-            raise refuse("weight", f"at least that of the plain tube, {cells['tube']:.4g} lb/ft")
+            raise refuse("weight", f"at least the weight of the plain tube, {cells['tube']:.4g} lb/ft")
     if row.table == "drill_collar":
         if cells["id"] >= cells["od"]:
             raise refuse("id", f"an inner diameter below the outer, {cells['od']:g} in")

@@ -55,7 +55,11 @@ def _bit_last(case: CaseBlocks) -> None:
     for i, item in enumerate(case.string[:-1]):
         if isinstance(item, Bit):
             raise refuse(
-                "string", i, "kind", got="bit", want="a bit only as the last item; else stabilizer or body"
+                "string",
+                i,
+                "kind",
+                got="bit",
+                want="a bit only as the last item; otherwise stabilizer or body",
             )
     if not any(isinstance(item, (Tube, Beam)) for item in case.string):
         raise refuse("string", got=f"{len(case.string)} rigid items", want="at least one pipe or beam")
@@ -79,7 +83,7 @@ def _well_or_none(case: CaseBlocks) -> None:
                 "contact", want="no contact without a well", hint="give a well, or leave contact out"
             )
         if case.bottom.kind == "bit":
-            hint = "a bit stands on the hole's end; give a well"
+            hint = "a bit is on the end of the hole; give a well"
             raise refuse("bottom", got="bit", want="free, pinned, clamped or force without a well", hint=hint)
         return
     for key in ("inclination", "azimuth"):
@@ -166,7 +170,7 @@ def _start(case: CaseBlocks) -> None:
         want = "no wob with a top force: not with quaternion yet"
         raise refuse("initial", "wob", got=got, want=want, hint="take beam.formulation ancf")
     if case.top.force is not None and case.time is not None and case.time.mode == "quasi_static":
-        hint = "leave wob out: without inertia the bit carries what the top force leaves"
+        hint = "leave wob out: without inertia the top force sets the weight on bit"
         raise refuse(
             "initial", "wob", got=got, want="no wob with a top force in a quasi-static run", hint=hint
         )

@@ -18,7 +18,7 @@ def check_drilling(case: CaseBlocks) -> None:
     """Raise if the bit has nothing to cut, or does not fit into the hole."""
     _bit_passes(case)
     if case.fluid is not None and case.fluid.cuttings == "returned" and case.formation is None:
-        hint = "without a formation nothing is cut"
+        hint = "without a formation the bit does not cut"
         raise refuse("fluid", "cuttings", got="returned", want="removed, or a formation", hint=hint)
     _side_of_bit(case)
     if case.formation is None:
@@ -50,7 +50,7 @@ def _side_of_bit(case: CaseBlocks) -> None:
     if case.formation is None or case.contact is None:
         missing = "formation" if case.formation is None else "contact"
         want = "guided or rolling, or a formation with a strength and contact with the hole"
-        hint = f"the rock beside the bit gives way at formation.strength; the case has no {missing}"
+        hint = f"the rock beside the bit yields at formation.strength; the case has no {missing}"
         raise refuse("string", len(case.string) - 1, "side", got="cutting", want=want, hint=hint)
     if bit.length > 0 and bit.gauge_length > bit.length + LENGTH_TOLERANCE:
         want = f"at most the length of the bit, {said(bit.length, 'length', case.output.units or case.units)}"
@@ -85,7 +85,7 @@ def _bit_passes(case: CaseBlocks) -> None:
             len(case.string) - 1,
             "od",
             got=bit.od,
-            want=f"at least {SMALLEST_BIT:.0%} of the hole it stands in, {said(last.diameter, 'diameter', units)}",
+            want=f"at least {SMALLEST_BIT:.0%} of the hole around it, {said(last.diameter, 'diameter', units)}",
             hint=f"is well.sections[{len(case.well.sections) - 1}].diameter right?",
         )
 
@@ -132,7 +132,7 @@ def check_time(case: CaseBlocks) -> None:
         hint = "a held string has no equilibrium to follow; fluid: {dynamics: quasi_steady} takes the inertia from the fluid"
         raise refuse("time", "mode", got="quasi_static", want="dynamic with a held string", hint=hint)
     if case.formation is not None and case.formation.bit_law.orders:
-        hint = "without inertia the bit stands on a plane bottom: bit_law: rop, or velocity_weakening"
+        hint = "without inertia the bottom is plane: bit_law: rop, or velocity_weakening"
         raise refuse(
             "formation",
             "bit_law",
@@ -151,5 +151,5 @@ def check_time(case: CaseBlocks) -> None:
             "from",
             got=case.initial.from_,
             want=want,
-            hint="every moment of such a run is an equilibrium",
+            hint="the string is in equilibrium at all times in such a run",
         )

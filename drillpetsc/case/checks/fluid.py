@@ -54,7 +54,7 @@ def check_fluid(case: CaseBlocks) -> None:
     if case.fluid.formulation == "hermite" and case.fluid.added_mass == "eccentric":
         raise refuse("fluid", "formulation", got="hermite", want="mixed with added_mass: eccentric")
     if case.fluid.surface_line is not None and not case.has_bore:
-        want = "no surface_line where nothing flows into the string"
+        want = "no surface_line without flow into the string"
         raise refuse("fluid", "surface_line", want=want)
     if case.fluid.annulus_rheology is not None:
         if not case.fluid.annulus:
@@ -71,9 +71,7 @@ def check_fluid(case: CaseBlocks) -> None:
             want = "formulation mixed with a pressure_loss of a string item"
             raise refuse("fluid", "formulation", got="hermite", want=want)
         if not case.has_bore:
-            raise refuse(
-                "string", i, "pressure_loss", want="no pressure_loss where nothing flows in the string"
-            )
+            raise refuse("string", i, "pressure_loss", want="no pressure_loss without flow in the string")
         if item.pressure_loss.coefficient is not None and not item.id:
             at = ("string", i, "pressure_loss", "coefficient")
             want = "an id of the item, whose bore the coefficient is of; or a value with its flow rate and density"
@@ -96,7 +94,7 @@ def _mud_sections(case: CaseBlocks) -> None:
                 "string", i, "bore_volume", got=said(item.bore_volume, "volume"), want=want, hint=hint
             )
         if item.bore_volume is not None and not case.has_bore:
-            want = "no bore_volume where nothing flows in the string"
+            want = "no bore_volume without flow in the string"
             raise refuse("string", i, "bore_volume", got=said(item.bore_volume, "volume"), want=want)
         if item.annulus_od is None:
             continue
@@ -134,7 +132,7 @@ def _side_nozzles(case: CaseBlocks) -> None:
                 "fluid", "formulation", got="hermite", want="mixed with nozzles above the bit", hint=hint
             )
         if not case.has_bore:
-            want = "no nozzles where there is no mud in the string"
+            want = "no nozzles without mud in the string"
             raise refuse(*at, want=want)
 
 
@@ -206,7 +204,7 @@ def _lower_end(case: CaseBlocks) -> None:
     if largest(fluid.flow_rate) > 0:
         hint = "plugged: false, or flow_rate 0, or a pump_pressure instead of a flow_rate"
         raise refuse(
-            "bottom", "plugged", got=True, want="an open lower end where the pump has a flow rate", hint=hint
+            "bottom", "plugged", got=True, want="an open lower end for the flow rate of the pump", hint=hint
         )
     if not fluid.annulus:
         hint = "plugged: false, or an annulus, or a pump_pressure"

@@ -7,7 +7,7 @@ from drillpetsc.case.key_paths import refuse
 
 
 def check_hoist(case: CaseBlocks) -> None:
-    """Raise if a hoist or an autodriller lacks what it moves or measures."""
+    """Raise CaseError if a hoist or an autodriller has nothing to move or to measure."""
     drill, hoist = case.top.autodriller, case.top.hoist
     if case.time is not None and case.time.mode == "quasi_static":
         hint = "without inertia the drum's lowering moves the top itself"
@@ -20,7 +20,7 @@ def check_hoist(case: CaseBlocks) -> None:
     if case.bottom.kind != "bit":
         for key, given in (("mode", "wob" in drill.mode), ("mode", "rop" in drill.mode)):
             if given:
-                want = "no wob or rop unless bottom is a bit, which stands on the hole's end"
+                want = "no wob or rop unless bottom is a bit on the end of the hole"
                 raise refuse(
                     "top", "autodriller", key, got=", ".join(drill.mode), want=want, hint="bottom: bit"
                 )

@@ -48,11 +48,11 @@ def check_joints(case: CaseBlocks) -> None:
                     i,
                     "at",
                     got=joint.at,
-                    want=f"another depth than that of joints[{k}]: one joint at a place",
+                    want=f"a depth other than at joints[{k}]: one joint at a place",
                 )
         for depth, number in in_motors.items():
             if abs(depth - joint.at) <= TOLERANCE:
-                want = f"another depth than that of the joint in string[{number}]: one joint at a place"
+                want = f"a depth other than at the joint in string[{number}]: one joint at a place"
                 raise refuse("joints", i, "at", got=joint.at, want=want)
         seen[joint.at] = i
         for k, (item, (above, below)) in enumerate(zip(case.string, case.item_depths, strict=True)):
@@ -63,7 +63,7 @@ def check_joints(case: CaseBlocks) -> None:
 
 
 def _joint_at_the_top(case: CaseBlocks, i: int) -> None:
-    """Raise unless the top holds what is above joint ``i`` at depth 0: a section without mass."""
+    """Raise CaseError unless the top holds the part above joint ``i`` at depth 0: a section without mass."""
     top, joint = case.top, case.joints[i]
     if case.fluid is not None:
         want = "a depth above 0 in a case with a fluid"

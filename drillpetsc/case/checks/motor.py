@@ -31,15 +31,13 @@ def check_motor(case: CaseBlocks) -> None:
         hint = "mode: dynamic; a quasi-static run has no speeds, which the law of a motor needs"
         raise refuse(*at, "kind", got="pdm", want="no motor in a quasi-static run", hint=hint)
     if case.top.force is not None and case.initial.wob is not None:
-        hint = (
-            "leave wob out: the bit then carries what the top force leaves; or prescribe the top's position"
-        )
+        hint = "leave wob out, because the top force sets the weight on bit; or prescribe the top's position"
         raise refuse(
             "initial", "wob", got=case.initial.wob, want="no wob with a top force and a motor", hint=hint
         )
     if case.fluid is None:
         if item.pdm.flow_rate is None:
-            hint = "without fluid the case does not know how much mud the motor gets"
+            hint = "without fluid the flow through the motor is unknown"
             raise refuse(*at, "pdm", "flow_rate", want="a flow_rate of the motor, or a fluid", hint=hint)
         return
     if item.pdm.flow_rate is not None:

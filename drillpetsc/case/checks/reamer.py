@@ -74,7 +74,7 @@ def _check_pilot_hole(case: CaseBlocks, number: int, below: int, name: str) -> N
     narrow = case.well.sections[max(reached)].diameter
     for k in range(wide[-1] + 1, max(reached)):
         if abs(case.well.sections[k].diameter - narrow) > SAME:
-            want = f"that of the pilot hole, {said(narrow, 'diameter', units)}, which the reamer widens below"
+            want = f"the diameter of the pilot hole, {said(narrow, 'diameter', units)}, which the reamer widens below"
             got = said(case.well.sections[k].diameter, "diameter", units)
             raise refuse("well", "sections", k, "diameter", got=got, want=want)
     shoulder = case.well.sections[wide[-1]].to
@@ -90,7 +90,7 @@ def _check_pilot_hole(case: CaseBlocks, number: int, below: int, name: str) -> N
         )  # fmt: skip
     face = case.string_length if below == len(case.string) - 1 else _cutters(case, below)
     if face - above - sum(item.touching) < LEAST_PILOT:
-        want = f"at least {length(LEAST_PILOT)} between the cutters and those of {name}"
+        want = f"at least {length(LEAST_PILOT)} between these cutters and the cutters of {name}"
         raise refuse("string", number, "kind", got="reamer", want=want)
 
 
@@ -127,6 +127,6 @@ def _body_passes(case: CaseBlocks, number: int) -> None:
             raise refuse("string", number, key, got=said(body, "diameter", units), want=want, hint=hint)
         inside = top < lower - TOUCHING and section.to > max(upper, start) + TOUCHING
         if inside and item.od > section.diameter + BLADE_OVER_HOLE:
-            want = f"at most 1/16 in above the diameter of {at}, in which its blades stand"
+            want = f"at most 1/16 in above the diameter of {at}, which surrounds its blades"
             raise refuse("string", number, "od", got=said(item.od, "diameter", units), want=want, hint=hint)
         top = section.to

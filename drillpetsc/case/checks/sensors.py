@@ -52,7 +52,7 @@ def _depth(case: CaseBlocks, i: int, sensor: Sensor) -> float:
         hint = (
             ""
             if twice
-            else suggestion(str(sensor.at), names) or f"items: {', '.join(names) or 'none has a name'}"
+            else suggestion(str(sensor.at), names) or f"items: {', '.join(names) or 'without names'}"
         )
         raise refuse("output", "sensors", i, "at", got=sensor.at, want=want, hint=hint)
     if depth > case.string_length + LENGTH_TOLERANCE:

@@ -18,8 +18,8 @@ def check_steering(case: CaseBlocks) -> None:
             tools[1],
             "kind",
             got="rss",
-            want=f"one steerable tool in a string, that of string[{tools[0]}]",
-            hint="its tool face, steering inputs and columns are those of one tool; a second constant side force is one of loads",
+            want=f"one steerable tool in a string, as in string[{tools[0]}]",
+            hint="tool face, steering inputs and columns serve one tool; use loads for a second, constant side force",
         )
     for number in tools:
         if case.hold_string:

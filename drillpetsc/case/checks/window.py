@@ -7,7 +7,7 @@ from drillpetsc.case.key_paths import refuse
 
 
 def check_window(case: CaseBlocks) -> None:
-    """Raise if there is no hole for the window."""
+    """Raise CaseError if there is no hole for the window."""
     if case.window is None:
         return
     if case.well is None:

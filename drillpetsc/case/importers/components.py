@@ -103,7 +103,7 @@ def _tube(c: Component, length: float, od: float, remarks: list[str]) -> dict[st
     plain = STEEL * math.pi / 4 * (od**2 - c.bore**2)
     if c.weight is not None and not plausible(c.weight, od, c.bore):
         remarks.append(
-            f"WARNING: {c.name}: {c.weight:.4g} kg/m is no weight of {od * 1e3:.4g} x {c.bore * 1e3:.4g} mm; {plain:.4g} kg/m taken"
+            f"WARNING: {c.name}: {c.weight:.4g} kg/m is not a plausible weight for {od * 1e3:.4g} x {c.bore * 1e3:.4g} mm; {plain:.4g} kg/m taken"
         )
     elif c.weight is not None and item["kind"] != "pipe":
         item["adjusted_weight"] = f"{c.weight:.6g} kg/m"
@@ -147,7 +147,7 @@ def _stabilizer(c: Component, length: float, remarks: list[str]) -> dict[str, An
     mass = c.weight if c.weight is not None and plausible(c.weight, body, c.bore) else plain
     if c.weight is not None and mass != c.weight:
         remarks.append(
-            f"WARNING: {c.name}: {c.weight:.4g} kg/m is no weight of {body * 1e3:.4g} x {c.bore * 1e3:.4g} mm; {plain:.4g} kg/m taken"
+            f"WARNING: {c.name}: {c.weight:.4g} kg/m is not a plausible weight for {body * 1e3:.4g} x {c.bore * 1e3:.4g} mm; {plain:.4g} kg/m taken"
         )
     return item | {"mass": f"{mass * length:.6g} kg"}
 

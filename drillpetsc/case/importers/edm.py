@@ -229,7 +229,7 @@ def _words(component: Any) -> str:
 
 
 def _kind(component: Any) -> Kind:
-    """What becomes of a component, by its codes and else by its description."""
+    """Kind of item for a component, by its codes or otherwise by its description."""
     codes = {str(component.sect_type_code).upper(), str(component.raw.get("comp_type_code", "")).upper()}
     words = _words(component).casefold()
     if any(code.startswith("BIT") for code in codes) or (_BIT.search(words) and not _NO_BIT.search(words)):

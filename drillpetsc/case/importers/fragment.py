@@ -26,7 +26,7 @@ TODO = ("string", "well.survey", "well.sections", "top", "bottom", "fluid", "tim
 
 @dataclass(frozen=True)
 class Survey:
-    """What a survey file gives: well.survey (name of the file, or stations), last measured depth [m], name of the well."""
+    """Results of a survey file: well.survey (name of the file, or stations), last measured depth [m], name of the well."""
 
     survey: str | dict[str, Any]
     end: float

@@ -234,7 +234,7 @@ def _ordered(table: Table, numbers: list[int], values: dict[str, list[float]], r
 def _tied(
     table: Table, tie_in: tuple[float, float, float], numbers: list[int], values: dict[str, list[float]]
 ) -> None:
-    """Put the tie-in station in front of the first one."""
+    """Insert the tie-in station before the first one."""
     if values["md"] and tie_in[0] >= values["md"][0] - SAME_DEPTH:
         want = f"a tie-in station above the first of the file, {values['md'][0]:g} m"
         raise CaseError(at="tie_in", got=f"{tie_in[0]:g} m", want=want, file=table.file, line=numbers[0])
@@ -246,7 +246,7 @@ def _tied(
 def _from_the_top(
     table: Table, numbers: list[int], values: dict[str, list[float]], remarks: list[str]
 ) -> None:
-    """Put a vertical station at measured depth 0 in front of a first one below it."""
+    """Insert a vertical station at measured depth 0 before a first station below it."""
     md, inclination = values["md"][0], values["inclination"][0]
     if md <= SAME_DEPTH:
         values["md"][0] = 0.0
@@ -259,7 +259,7 @@ def _from_the_top(
             at="md", got=what, want=want, hint=hint, file=table.file, line=numbers[0] or table.head_at
         )
     remarks.append(
-        f"survey starts at {said(md, 'length')}: a vertical station at {said(0.0, 'length')} put in front"
+        f"survey starts at {said(md, 'length')}: a vertical station at {said(0.0, 'length')} inserted"
     )
     for column, value in (("md", 0.0), ("inclination", 0.0), ("azimuth", values["azimuth"][0])):
         values[column].insert(0, value)

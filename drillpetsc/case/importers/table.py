@@ -332,7 +332,7 @@ _THOUSANDS = re.compile(r"[+-]?\d{1,3}(?:,\d{3})+(?:\.\d*)?")
 
 
 def _comma(table: Table, separator: str) -> str:
-    """What commas in numbers are. With semicolons between cells they may be either: the file must show which."""
+    """Meaning of commas in numbers. With semicolons between cells they may be either: the file must show which."""
     texts = [
         (number, cells[i].strip())
         for number, cells in table.rows

@@ -114,7 +114,7 @@ def trajectory_table(file: Path) -> Table:
 
 # ---------------------------------------------------------------------- import
 def import_witsml(file: Path) -> Imported:
-    """What a WITSML file gives to a case."""
+    """The parts of a case in a WITSML file."""
     found, kind = read_witsml(file)
     out = Imported(kind, " ".join(filter(None, (found.word("nameWell"), found.word("nameWellbore")))))
     if kind == "tubular":
@@ -137,7 +137,7 @@ def _string(tubular: Element, file: Path, out: Imported) -> None:
         pairs = sorted(zip(ordered, range(len(components)), strict=True))
         components = [components[i] for _, i in pairs]
     else:
-        out.remarks.append("components without sequence: taken from the bit up, as they stand in the file")
+        out.remarks.append("components without sequence: taken from the bit up, in the order of the file")
     bits = [i for i, component in enumerate(components) if _is_bit(component)]
     if bits and bits != [0]:
         component = components[bits[-1]]

@@ -14,9 +14,9 @@ def replace_file(path: str | os.PathLike, write: Callable[[Path], object], *, la
     """Let `write` make a file beside `path`, then rename it over `path` in one step.
 
     A reader (such as ParaView during the run) or a kill at any moment finds a whole file. The temporary name
-    keeps the suffix, because some writers choose the format by it, and starts with a dot, so that no pattern
-    like string/*.vtu finds it. lasting: the new file is on disk before the old one is removed, so that a power
-    cut leaves one of them.
+    keeps the suffix, because some writers choose the format by it. It starts with a dot, so patterns like string/*.vtu
+    do not match it. lasting: the new file is on disk before the old one is removed, so a power cut
+    leaves one of them.
     """
     path = Path(path)
     path.parent.mkdir(parents=True, exist_ok=True)

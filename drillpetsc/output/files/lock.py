@@ -52,7 +52,7 @@ def take(folder: Path) -> None:
 
 
 def release(folder: Path) -> None:
-    """Let go of the folder, if this process holds it."""
+    """Release the folder, if this process holds it."""
     _release((folder / NAME).absolute())
 
 
@@ -90,11 +90,11 @@ def _guarded(file: Path) -> Iterator[int]:
                 yield number
                 return
         finally:
-            os.close(number)  # gives the guard back, too
+            os.close(number)  # also releases the guard
 
 
 def _is_at(number: int, file: Path) -> bool:
-    """Whether the open file still has its name: its owner may have removed it before the guard was ours."""
+    """Whether the open file still has its name: its owner may have removed it before this process got the guard."""
     try:
         return os.path.samestat(os.fstat(number), os.stat(file))
     except FileNotFoundError:

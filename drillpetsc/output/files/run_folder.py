@@ -34,7 +34,7 @@ HYDRAULICS_TABLES = (
     FITS_TABLE,
 )
 ROADMAP_TABLE = "roadmap.csv"  # hook load and torque by bit depth, operation and friction
-ROADMAP_FILE = "roadmap.json"  # what the rows of a roadmap come from
+ROADMAP_FILE = "roadmap.json"  # assumptions of the rows of a roadmap
 CALIBRATION_TABLE = "calibration.csv"  # measured points beside the soft string with the fitted factors
 TORQUE_DRAG_FILES = (ROADMAP_TABLE, ROADMAP_FILE, CALIBRATION_TABLE)
 INDICES_TABLE = "indices.csv"  # indices of drilling dynamics over windows of time
@@ -56,7 +56,7 @@ SPEED_TABLES = (
     STABILITY_RUNS_TABLE,
 )
 LIMITS_TABLE = "limits.csv"  # stresses, strength and buckling along the string
-CONTACTS_TABLE = "contacts.csv"  # what the wall does to each item
+CONTACTS_TABLE = "contacts.csv"  # loads of the wall on each item
 LIMITS_TABLES = (LIMITS_TABLE, CONTACTS_TABLE)
 SWEEP_PICTURES = (
     "trajectory.png",
@@ -161,7 +161,9 @@ class RunFolder:
         `release` or its writes there        end (output/files/lock.py)
         """
         if restart and overwrite:
-            raise ValueError("restart and overwrite exclude each other: one keeps what the other removes")
+            raise ValueError(
+                "restart and overwrite exclude each other: restart keeps the files that overwrite removes"
+            )
         if restart:
             found = cls.latest(case_name, results) if out is None else cls.open(out)
             lock.take(found.path)
@@ -205,7 +207,7 @@ class RunFolder:
         return cls(numbers[max(numbers)])
 
     def release(self) -> None:
-        """Let other processes write here: this process writes no more. Without effect in a process that
+        """Let other processes write here, after this process has finished writing. Without effect in a process that
         does not hold the folder."""
         lock.release(self.path)
 

@@ -97,7 +97,7 @@ class Table:
         if lines[0].strip() != first.strip():
             raise ValueError(
                 f"{self.path}: cannot continue a table with other columns: it has {lines[0].strip()}, "
-                f"the run wants {first.strip()}"
+                f"the run has {first.strip()}"
             )
         latest = restart_time + 1e-12 * abs(restart_time)
         kept = []

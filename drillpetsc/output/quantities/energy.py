@@ -49,7 +49,7 @@ ENERGY: tuple[Quantity, ...] = (
         numerics=True,
     ),
 )
-#: what the energy balance samples: dissipated and supplied power; not written anywhere
+#: samples of the energy balance: dissipated and supplied power; not written to files
 POWERS = Quantity(
     "powers",
     "W",

@@ -55,7 +55,7 @@ RESPONSE: tuple[Quantity, ...] = (
     _column("torque_amplitude", "N m", "Amplitude of the torque", "TRQA", "Amplitude of the torque in the pipe."),
     _column(
         "bending_moment_amplitude", "N m", "Amplitude of the bending moment", "BMAM",
-        "Largest bending moment of the motion, without that of the steady state.",
+        "Largest bending moment of the motion, without the steady state's moment.",
     ),
     _column(
         "clearance_use", "-", "Use of the clearance", "CLUS",
@@ -63,7 +63,7 @@ RESPONSE: tuple[Quantity, ...] = (
     ),
     _column(
         "validity", "-", "Validity of the linear result", "VALD",
-        "Linear where the result holds; touches: the amplitude closes an open gap somewhere; lifts: it opens a closed contact; infinite: an "
+        "Linear: the result holds; touches: the amplitude closes an open gap somewhere; lifts: it opens a closed contact; infinite: an "
         "undamped resonance.",
     ),
 )  # fmt: skip
@@ -90,7 +90,7 @@ WHIRL_SENSE = _column(
     "-",
     "Sense of the whirl",
     "WHSE",
-    "Sense of the orbits, forward with the rotation; mixed where neither prevails, none for other kinds of modes.",
+    "Sense of the orbits, forward with the rotation; mixed if neither prevails, none for other kinds of modes.",
 )
 CAMPBELL: tuple[Quantity, ...] = (
     ROTARY_SPEED,
@@ -108,7 +108,7 @@ CAMPBELL: tuple[Quantity, ...] = (
     _MODE["kind"],
     WHIRL_SENSE,
     _column(
-        "mac", "-", "Modal assurance", "MAC", "Agreement of the shape with that at the speed before; 1 at the first speed."
+        "mac", "-", "Modal assurance", "MAC", "Agreement of the shape with the shape at the speed before; 1 at the first speed."
     ),
     _column(
         "tracking", "-", "State of the tracking", "TRCK",
@@ -141,7 +141,7 @@ CRITICAL: tuple[Quantity, ...] = (
     ),
     _column(
         "speed_margin", "%", "Margin to the speed of the case", "SMRG",
-        "Critical speed less that of the case, over the latter; nan for a case that does not turn.", "the critical speed is higher",
+        "Critical speed minus speed of the case, over the latter; nan for a case that does not turn.", "the critical speed is higher",
     ),
 )  # fmt: skip
 CRITICAL_MAP: tuple[Quantity, ...] = (
@@ -184,6 +184,6 @@ STABILITY_RUNS: tuple[Quantity, ...] = (
     _column("run_stick_slip_index_before", "-", "Stick-slip index before", "SSIB", "The same in the third before."),
     _column("run_stuck_share", "-", "Share of the time at rest", "STSH", "Share of the last third in which the bit is below 1 rpm."),
     _column(
-        "run_behaviour", "-", "Behaviour", "BHVR", "One of steady, decays, grows, stick_slip, or failed where the run could not be computed."
+        "run_behaviour", "-", "Behaviour", "BHVR", "One of steady, decays, grows, stick_slip, or failed if the run could not be computed."
     ),
 )  # fmt: skip

@@ -79,7 +79,7 @@ NOZZLES: tuple[Quantity, ...] = (
         "-",
         "Share of the flow",
         "NZSH",
-        "Flow rate through these nozzles over that of the pump.",
+        "Flow rate through these nozzles over the flow rate of the pump.",
     ),
     _row(
         "nozzle_jet_velocity", "m/s", "Jet velocity", "NZJV", "Flow rate over the area.", "out of the string"
@@ -89,7 +89,7 @@ NOZZLES: tuple[Quantity, ...] = (
         "Pa",
         "Pressure loss",
         "NZLS",
-        "Pressure inside less that outside the nozzles, by their loss.",
+        "Pressure inside minus pressure outside the nozzles, by their loss.",
         _LOSS,
     ),
     _row(
@@ -165,7 +165,7 @@ LEVELS: tuple[Quantity, ...] = (
         "Pa",
         "Column difference",
         "COLD",
-        "Weight of the mud in the annulus less that in the bore.",
+        "Weight of the mud in the annulus minus weight of the mud in the bore.",
         "annulus heavier",
     ),
 )
@@ -310,7 +310,7 @@ SURGE: tuple[Quantity, ...] = (
         "-",
         "Operation",
         "OPER",
-        "What the string does: trip_in (running in), trip_out (pulling out); in a roadmap also rotate_off_bottom, drilling, sliding, backreaming.",
+        "Motion of the string: trip_in (running in), trip_out (pulling out); in a roadmap also rotate_off_bottom, drilling, sliding, backreaming.",
     ),
     _row("pipe", "-", "State of the pipe", "PIPE", "Closed, open, or pumping."),
     BIT_DEPTH,
@@ -324,7 +324,7 @@ SURGE: tuple[Quantity, ...] = (
         "Pa",
         "Surge pressure",
         "SURG",
-        "Pressure under the bit less that with the string at rest and the same pump.",
+        "Pressure under the bit minus the pressure with the string at rest and the same flow rate.",
         "surge positive, swab negative",
     ),
     PUMP_FLOW,
@@ -347,7 +347,7 @@ DYNAMIC_SURGE: tuple[Quantity, ...] = (
         "Pa",
         "Surge pressure of the start",
         "SURD",
-        "Largest pressure under the bit while the string starts from rest, less that at rest and the weight of the depth gained.",
+        "Largest pressure under the bit while the string starts from rest, minus the pressure at rest and the weight of the depth gained.",
         "surge positive, swab negative",
     ),
     _sum(

@@ -42,7 +42,7 @@ LIMITS: tuple[Quantity, ...] = (
     MD,
     _TVD,
     ITEM,
-    _item("grade", "-", "Grade", "GRAD", "Steel grade; - where the case names none."),
+    _item("grade", "-", "Grade", "GRAD", "Steel grade; - if the case names none."),
     _item("class", "-", "Class", "CLAS", "Class of wear of drill pipe; - for other items."),
     INCLINATION,
     EFFECTIVE_TENSION,
@@ -66,7 +66,7 @@ LIMITS: tuple[Quantity, ...] = (
         "Pa",
         "Bending stress of the worn tube",
         "WBST",
-        "At the outer fibre of the worn tube; beside tool joints, where tension concentrates the bending (Lubinski 1961).",
+        "At the outer fibre of the worn tube, beside tool joints, where tension concentrates the bending (Lubinski 1961).",
         kind="stress",
     ),
     _node(
@@ -99,7 +99,7 @@ LIMITS: tuple[Quantity, ...] = (
         "Pa",
         "Yield strength",
         "YLDS",
-        "Of the pipe, by its grade; nan where it is not known.",
+        "Of the pipe, by its grade; nan if unknown.",
         kind="stress",
     ),
     _node(
@@ -132,14 +132,14 @@ LIMITS: tuple[Quantity, ...] = (
         "N m",
         "Make-up torque",
         "MUTQ",
-        "Torque with which the tool joints are made up; empty where the threads are not known.",
+        "Make-up torque of the tool joints; empty if the threads are unknown.",
     ),
     _node(
         "make_up_ratio",
         "-",
         "Torque over make-up torque",
         "MRAT",
-        "Torque over make-up torque; a connection turns further in the hole where it is above 1.",
+        "Torque over make-up torque; above 1 the connection makes up further in the hole.",
     ),
     _node("torque_ratio", "-", "Torque over limit", "QRAT", f"Torque over torque limit; {_WHERE_KNOWN}"),
     _node(
@@ -147,7 +147,7 @@ LIMITS: tuple[Quantity, ...] = (
         "N",
         "Sinusoidal buckling limit",
         "SLIM",
-        "Dawson and Paslay (1984); below 3 deg of inclination 1.94 (EI w^2)^(1/3), Lubinski (1950); nan where no wall holds.",
+        "Dawson and Paslay (1984); below 3 deg of inclination 1.94 (EI w^2)^(1/3), Lubinski (1950); nan without a wall.",
         "compression",
     ),
     _node(
@@ -201,7 +201,7 @@ LIMITS: tuple[Quantity, ...] = (
         "W/m",
         "Rate of casing wear",
         "CWRT",
-        "Side force on a joint over its length (31 ft where the item names none), times the speed at which the turning string slides on it; nan below the casing. Times a wear factor and time it is the worn volume per length.",
+        "Side force on a joint over its length (default 31 ft), times the sliding speed of the turning string; nan below the casing. Times a wear factor and time it is the worn volume per length.",
     ),
 )
 
@@ -214,7 +214,7 @@ CONTACTS: tuple[Quantity, ...] = (
         "N",
         "Side force",
         "SFRC",
-        "Size of the resultant of the wall's normal forces on an item; of pipe that of their components, summed over its length.",
+        "Resultant of the wall's normal forces on an item; for pipe, from their components summed over its length.",
         "push of the wall on the string",
     ),
     _item(
@@ -263,7 +263,7 @@ CONTACTS: tuple[Quantity, ...] = (
         "Gap",
         "GAPW",
         "Least distance of a rigid item from the wall, at its middle and both ends.",
-        "negative where the item presses into the wall",
+        "negative if the item presses into the wall",
         "diameter",
     ),
     _item("axial_drag", "N", "Axial drag", "DRAG", "Force of the wall along the hole.", "down the hole"),
@@ -275,7 +275,7 @@ CONTACTS: tuple[Quantity, ...] = (
         "rad",
         "Tilt",
         "TILT",
-        "Angle of a rigid item's axis (of the bit: bit tilt) to that of the hole.",
+        "Angle between the axis of a rigid item and the hole axis (for the bit: bit tilt).",
         "not negative",
     ),
     _item(

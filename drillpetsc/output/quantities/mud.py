@@ -38,7 +38,7 @@ MUD: tuple[Quantity, ...] = (
         label="Pump pressure",
         mnemonic="SPP",
         sign="gauge pressure",
-        doc="Pressure in the bore at the string's upper end, plus the loss of the surface line where the case has one.",
+        doc="Pressure in the bore at the string's upper end, plus the loss of the surface line, if the case has one.",
         value=lambda mud, sample: mud.pump_pressure(sample),
         values=lambda mud, steps: mud.of_steps.pump_pressure(steps),
         panel=7,
@@ -85,7 +85,7 @@ SIDE_FLOW = Quantity(
 )
 #: columns that exist only with mud in the bore
 BORE_ONLY = ("pump_pressure", "pump_flow", "bit_flow")
-#: what the mass balance samples besides the two flow rates; not written anywhere
+#: samples of the mass balance besides the two flow rates; not written to files
 CUTTINGS_FLOW = Quantity(
     "cuttings_flow",
     "m3/s",

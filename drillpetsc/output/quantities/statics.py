@@ -50,7 +50,7 @@ ECD = Quantity(
     on="node",
     label="Equivalent circulating density",
     mnemonic="ECD",
-    doc="Pressure in the annulus (in the summary: at the bottom) over gravity and the vertical depth below the flow line; empty where that is less than 1 m.",
+    doc="Pressure in the annulus (in the summary: at the bottom) over gravity and the vertical depth below the flow line; empty if the depth is less than 1 m.",
 )
 ITEM_SIDE_FORCE = Quantity(
     "item_side_force",

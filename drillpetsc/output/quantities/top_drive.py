@@ -28,6 +28,6 @@ REFLECTION: tuple[Quantity, ...] = (
         on="item",
         label="Reflected part of the wave",
         mnemonic="RFL",
-        doc="Size of the wave that the top reflects, over that of the wave that comes up.",
+        doc="Amplitude of the reflected wave over amplitude of the incoming wave.",
     ),
 )

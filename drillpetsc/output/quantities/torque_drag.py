@@ -57,7 +57,7 @@ ROADMAP: tuple[Quantity, ...] = (
         "m",
         "Neutral point",
         "NEUT",
-        "Measured depth of the first place from the top without effective tension; empty where the top is in compression.",
+        "Measured depth of the first place from the top without effective tension; empty if the top is in compression.",
     ),
     _row(
         "buckling_state",
@@ -71,7 +71,7 @@ ROADMAP: tuple[Quantity, ...] = (
         "N",
         "Largest side force per joint",
         "SFJX",
-        "Largest wall force over a length of a joint of the item, 31 ft where it names none.",
+        "Largest wall force over the length of a joint of the item (default 31 ft).",
         "not negative",
     ),
     _row(
@@ -89,12 +89,18 @@ ROADMAP: tuple[Quantity, ...] = (
         "Smallest difference of 0.9 times yield strength and worn area from the tension in the wall.",
         "pull left",
     ),
-    _row("status", "-", "Status", "STAT", "Why the row is not to be trusted, else ok."),
+    _row("status", "-", "Status", "STAT", "Why the row is unreliable, otherwise ok."),
 )
 MEASURED: tuple[Quantity, ...] = (
     _DEPTH,
     OPERATION,
-    _row("compared", "-", "Compared reading", "CMPD", "What the row compares: hook_load or surface_torque."),
+    _row(
+        "compared",
+        "-",
+        "Compared reading",
+        "CMPD",
+        "Quantity compared in the row: hook_load or surface_torque.",
+    ),
     _row("measured", "N or N m", "Measured", "MEAS", "The reading, as in the file.", "pull, resistance"),
     _row(
         "computed",
@@ -118,6 +124,6 @@ MEASURED: tuple[Quantity, ...] = (
         "-",
         "Friction factor of the point alone",
         "FFPT",
-        "Open-hole factor at which this point alone is met, with the cased factor as fitted; empty where there is none from 0 to 1.",
+        "Open-hole factor that meets this point alone, with the cased factor as fitted; empty if there is none from 0 to 1.",
     ),
 )

@@ -34,7 +34,7 @@ ROTATION = (
         "-",
         "Stick-slip index of the lower end",
         "SSI",
-        "Range of the spin rate over twice its mean, (max - min)/(2 mean); nan where the mean is below 1 rpm.",
+        "Range of the spin rate over twice its mean, (max - min)/(2 mean); nan if the mean is below 1 rpm.",
         "not negative; 1 is full stick-slip",
     ),
     _index(
@@ -77,7 +77,7 @@ WHIRL = (
         "-",
         "Whirl ratio at NNN m",
         "WRNNN",
-        "Turns about the hole by turns of the string in three revolutions; nan where they are not resolved.",
+        "Turns about the hole by turns of the string in three revolutions; nan if they are not resolved.",
         "forward",
     ),
     _index(
@@ -94,7 +94,7 @@ OF_SENSOR = (
         "-",
         "Stick-slip index of NAME",
         "SSINAME",
-        "Range of the sensor's spin rate over twice its mean, (max - min)/(2 mean); nan where the mean is below 1 rpm.",
+        "Range of the sensor's spin rate over twice its mean, (max - min)/(2 mean); nan if the mean is below 1 rpm.",
         "not negative",
     ),
     *(

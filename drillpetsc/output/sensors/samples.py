@@ -102,7 +102,7 @@ class Sampler:
     def _readings(
         self, t: FloatArray, step: np.ndarray, times: FloatArray, starts: FloatArray, ends: FloatArray
     ) -> FloatArray:
-        """(k, columns - 1) what the sensor sees at times t (k,) in the steps ``step`` (k,)."""
+        """(k, columns - 1) what the sensor measures at times t (k,) in the steps ``step`` (k,)."""
         first, last = starts[step], ends[step]
         h = (times[step + 1] - times[step])[:, None]
         s = np.clip((t[:, None] - times[step][:, None]) / h, 0.0, 1.0)
@@ -148,7 +148,7 @@ class Sampler:
         return np.column_stack([out[name] for name, _ in self.columns[1:]])
 
     def _in_range(self, values: FloatArray) -> FloatArray:
-        """Accelerations [m/s2] within the range of the accelerometers; those beyond it are counted."""
+        """Accelerations [m/s2] within the range of the accelerometers; values beyond it are counted."""
         most = self.sensor.range
         if most is None:
             return values

@@ -145,7 +145,7 @@ class Sensors:
 
     # ------------------------------------------------------------------ what the summary says
     def summary(self) -> list[dict[str, Any]]:
-        """Name, place, samples and what the time steps resolve, of each sensor."""
+        """Name, place, samples and resolved frequency of each sensor."""
         out = []
         for i, (s, p) in enumerate(zip(self.samplers, self.sections, strict=True)):
             row: dict[str, Any] = {
@@ -164,7 +164,7 @@ class Sensors:
         return out
 
     def warnings(self) -> list[str]:
-        """What the time steps do not resolve, and what the range cut off."""
+        """Sentences on content that the time steps do not resolve or the range cut off."""
         out = []
         for row, s in zip(self.summary(), self.samplers, strict=True):
             if row["coarse_share"] > 0:
@@ -182,7 +182,7 @@ class Sensors:
 
     # ------------------------------------------------------------------ checkpoints
     def get_state(self) -> dict[str, FloatArray]:
-        """What a continued run needs, after ``take``; complete on the first rank."""
+        """Data for a continued run, after ``take``; complete on the first rank."""
         out = {"sensors_steps": np.concatenate([[self._times[-1], self._over], self._longest, self._coarse])}
         for i, (sampler, raw) in enumerate(zip(self.samplers, self._saved, strict=False)):
             out[f"sensor_{i}"], out[f"sensor_{i}_record"] = sampler.get_state(), raw

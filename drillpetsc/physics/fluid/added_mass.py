@@ -53,7 +53,7 @@ def chi_eccentric(outer_diameter: float, hole_diameter: float, eccentricity: flo
     """
     a, b = 0.5 * outer_diameter, 0.5 * hole_diameter
     if not (0 < a < b and 0 <= eccentricity < 1):
-        raise ValueError("chi_eccentric: want 0 < outer_diameter < hole_diameter and 0 <= eccentricity < 1")
+        raise ValueError("chi_eccentric: need 0 < outer_diameter < hole_diameter and 0 <= eccentricity < 1")
     d = eccentricity * (b - a)
     if d < 1e-9 * a:  # chi is even in the eccentricity: the change is below rounding
         return float(chi_confined(outer_diameter, hole_diameter))
@@ -87,7 +87,7 @@ def stokes_coefficients(stokes_number: ArrayLike, ratio: ArrayLike) -> tuple[Arr
     """
     S, R = np.broadcast_arrays(np.asarray(stokes_number, dtype=float), np.asarray(ratio, dtype=float))
     if not (np.all(S > 0) and np.all(R > 1)):
-        raise ValueError("stokes_coefficients: want stokes_number above 0 and ratio above 1")
+        raise ValueError("stokes_coefficients: need stokes_number above 0 and ratio above 1")
     slowest = QUASI_STEADY / (R - 1.0) ** 2
     H = _unsteady(np.sqrt(1j * np.maximum(S, slowest)), R)
     C_m, C_d = H.real, -H.imag
@@ -118,7 +118,7 @@ def stokes_force(rate: complex, radius: ArrayLike, viscosity: ArrayLike, ratio: 
     R_o, nu, R = np.broadcast_arrays(*(np.asarray(v, dtype=float) for v in (radius, viscosity, ratio)))
     if not (np.all(nu > 0) and np.all(R > 1)) or (np.imag(rate) == 0 and np.real(rate) <= 0):
         raise ValueError(
-            "stokes_force: want a viscosity above 0, a ratio above 1, and a rate off the negative axis"
+            "stokes_force: need a viscosity above 0, a ratio above 1, and a rate off the negative axis"
         )
     z = rate * R_o**2 / nu
     slowest = QUASI_STEADY / (R - 1.0) ** 2

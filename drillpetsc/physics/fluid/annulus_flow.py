@@ -236,7 +236,7 @@ class AnnulusFlow(ChannelFlow):
         self._update_hole(state, False)
 
     def settle(self, t, state) -> None:
-        """Let the mud swirl as it does when the present spins are steady."""
+        """Set the swirl of the mud to its steady value for the present spins."""
         if self._swirl is not None:
             self._swirl.start(t, self._spins(state))
 
@@ -382,7 +382,7 @@ class AnnulusFlow(ChannelFlow):
     def outflow(self, state) -> float | None:
         """Compute the flow rate out of the flow line [m3/s]; None on ranks without the upper end.
 
-        It is the flow out of the upper node, less the volume that the hole between the node and the fixed
+        It is the flow out of the upper node, minus the volume that the hole between the node and the fixed
         flow line gains while the node moves down.
         """
         flow = self.upper_flow(state)

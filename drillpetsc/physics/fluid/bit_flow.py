@@ -209,7 +209,7 @@ class BitFlow(Nozzle):
         self._update_hole(state, True)
 
     def _lift(self, state) -> None:
-        """Count what has flown through the lower end since the last call with the height at which it did.
+        """Count the flow through the lower end since the last call, with the height of the end.
 
         The potential of the chamber's mud changes by nothing else (manual: eq-mud-potential-chamber).
         """
@@ -241,7 +241,7 @@ class BitFlow(Nozzle):
         depth = around.depth.item(node)
         if (
             keep and depth == self._depth and self.growing is None
-        ):  # then nor has the direction of the hole changed
+        ):  # then the direction of the hole has not changed either
             return
         p, x = block.named, state.x[state.index_of(block)[0]]
         end, axis, distance = self._lower_end(x, depth, p["face"][0])
@@ -269,7 +269,7 @@ class BitFlow(Nozzle):
 
         x: unknowns of the block; depth: measured depth of the last node [m]; face: distance of the face below it [m].
         Near the bottom they belong to the hole's end.  Far above it the mud under the bit is measured along the hole: the
-        direction is the hole's direction at the bit, and the end lies as far ahead along it as along the hole.
+        direction is the hole's direction at the bit. Along it, the end is as far ahead as along the hole.
         """
         around, grown = self.moving_hole, self.growing
         assert around is not None
@@ -317,7 +317,7 @@ class BitFlow(Nozzle):
         return float(volume + hole * GAP_ROUNDING * np.logaddexp(0.0, self._gap(p, x) / GAP_ROUNDING))
 
     def closed_face(self, state) -> FloatArray:
-        """Area of the bit's face under which no mud is displaced, times the hole's direction (3,) [m2].
+        """Area of the bit's face that does not displace mud, times the hole's direction (3,) [m2].
 
         Zero on ranks without the bit, without an annulus, for a held string, and in a growing hole.
         """
@@ -349,7 +349,7 @@ class BitFlow(Nozzle):
     def powers(self, t: float, state) -> Powers:
         """Losses in the nozzles and of the jet, which comes to rest under the bit.
 
-        Without an annulus, what the jet takes away counts as work done outside (manual: eq-mud-end-power).
+        Without an annulus, the energy of the jet counts as work done outside (manual: eq-mud-end-power).
         """
         if not len(self._block.points):
             return Powers()

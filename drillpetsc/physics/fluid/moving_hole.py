@@ -5,7 +5,7 @@ Manual: sec-mud-moving, eq-mud-swept.  A node at measured depth s has the volume
 the bit has the volume below the last node, so no volume is lost between them.  The rows of mass contain these
 rates (WIDENING in kernels/fluid/annulus_flow.hpp is a2 - a1 over the length); if the hole is wider or
 narrower at the new position, mud flows in or out.  When the geometry is re-evaluated, W has changed by a ds,
-the integral of the rates; mass is conserved for any a.  a is chosen so that W becomes the
+the integral of the rates. So mass is conserved for any a.  a is chosen so that W becomes the
 hole's true volume ``AHEAD`` further on.
 
 A reamer that advances by db adds its ring to the hole above all nodes below it, dW = ring db.  While it cuts, a is
@@ -184,7 +184,7 @@ class MovingHole:
         return out
 
     def _volume_ahead(self, moved: np.ndarray, here: FloatArray, ahead: FloatArray) -> FloatArray:
-        """(k,) volume of hole [m3] above the ``moved`` nodes at ``here`` when they are ``ahead`` further on, less the rings
+        """(k,) volume of hole [m3] above the ``moved`` nodes at ``here`` when they are ``ahead`` further on, minus the rings
         cut on the way, which enter through the rates of the reamers."""
         hole = self.hole
         if not self.reamers or not all(reamer.stands for reamer in self.reamers):
@@ -215,7 +215,7 @@ class MovingHole:
         )
 
     def get_state(self) -> FloatArray:
-        """Return (nv, 4) depth, volume, area, ahead, for a checkpoint; with k reamers (nv, 5 + k), rings and metres reamed, too."""
+        """Return (nv, 4) depth, volume, area, ahead, for a checkpoint; with k reamers (nv, 5 + k), also rings and reamed length."""
         rings = [self._ringed, *(np.full(len(self.depth), b) for b in self._reamed)] if self.reamers else []
         return np.column_stack([self.depth, self.volume, self.area, self.ahead, *rings])
 

@@ -89,7 +89,7 @@ class MudItems(Component):
         self._locate(state)
 
     def settle(self, t, state) -> None:
-        """Let the mud swirl as it does when the present spins are steady."""
+        """Set the swirl of the mud to its steady value for the present spins."""
         if self._swirl is not None:
             self._swirl.start(t, self._spins(state))
 

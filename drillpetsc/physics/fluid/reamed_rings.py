@@ -18,8 +18,8 @@ from drillpetsc.physics.tools.reamer import Reamer
 class ReamedRings(RockInMud):
     """Volume that the annulus gains, and rock that becomes mud, as reamers advance (manual: eq-reamer-mud).
 
-    The hole above the nodes below a reamer grows by its ring (``physics.fluid.moving_hole``).  Mud fills the ring where the
-    cuttings are removed; where they are returned, the rock becomes mud and nothing flows.
+    The hole above the nodes below a reamer grows by its ring (``physics.fluid.moving_hole``).  If the cuttings are removed,
+    mud fills the ring. If they are returned, the rock becomes mud without any flow.
 
     last: number of the last node, whose chamber takes the ring of a reamer there by itself.
     reamers: from the top; fluid: constants; returned: the mud returns the cuttings.
@@ -31,7 +31,7 @@ class ReamedRings(RockInMud):
         self.reamers, self.fluid, self.returned, self._last = reamers, fluid, returned, last
 
     def _gained(self, reamer: Reamer) -> float:
-        """Volume of mud that flows in per metre reamed [m2]; negative where rock becomes mud in the chamber at the bit."""
+        """Volume of mud that flows in per metre reamed [m2]; negative if rock becomes mud in the chamber at the bit."""
         in_chamber = reamer.node == self._last
         return reamer.ring * (float(not in_chamber) - float(self.returned))
 
@@ -75,7 +75,7 @@ class ReamedRings(RockInMud):
         return out
 
     def powers(self, t: float, state) -> Powers:
-        """The rock gives way to the pressure; cuttings bring their flow work and their height."""
+        """The rock yields to the pressure; cuttings bring their flow work and their height."""
         supplied = 0.0
         for reamer, vertex in self._here:
             pressure, head, rate = self._state(reamer, vertex, state)

@@ -81,14 +81,14 @@ class Rheology:
             and 0 < self.index <= 2
         ):
             raise ValueError(
-                "rheology: want consistency and yield_stress not negative, shear_rate_eps above 0, index in (0, 2]"
+                "rheology: need consistency and yield_stress not negative, shear_rate_eps above 0, index in (0, 2]"
             )
         if self.index != 1 and self.model in ("newtonian", "bingham", "casson"):
             raise ValueError(f"rheology: a {self.model} fluid has index 1, not {self.index}")
         if self.yield_stress > 0 and (self.law == "api" or self.model in ("newtonian", "power_law")):
             raise ValueError(f"rheology: no yield stress with {self.model}, law {self.law}")
         if self.law == "api" and self.model not in ("newtonian", "power_law"):
-            raise ValueError("rheology: the law api is that of a power law")
+            raise ValueError("rheology: the law api is for a power law")
         packed = np.zeros(_size())
         kind = _KINDS["casson" if self.model == "casson" else "herschel_bulkley"]
         _pack(

@@ -19,7 +19,7 @@ from drillpetsc.arrays import FloatArray
 from drillpetsc.fem.component import ElementBlock
 
 _NAMES = "share", "swirl", "swirl_rate", "spin_rate"  # of the parameters
-OTHER_FLOW = 0.02  # relative change of the flow after which the rates of following are computed anew
+OTHER_FLOW = 0.02  # relative change of the flow after which the rates of following are recomputed
 
 
 def steady_share(outer_diameter: FloatArray, hole_diameter: FloatArray) -> FloatArray:
@@ -46,7 +46,7 @@ class Swirl:
         self.share = share
         self.spin, self.swirl, self.trend = np.zeros((3, count))
         self.follow, self.flow = np.full(count, np.inf), np.zeros(count)
-        self._start: float | None = None  # of the trend: time of the last step [s]; None: no motion has begun
+        self._start: float | None = None  # of the trend: time of the last step [s]; None: before a motion
         self._written = np.nan  # time to which the parameters of the blocks belong [s]
         self._writers: list[Callable[[FloatArray, FloatArray, FloatArray], None]] = []
 

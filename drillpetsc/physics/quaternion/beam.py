@@ -208,7 +208,7 @@ class QuaternionBeam(Beam):
         ).array
 
     def translate(self, block: ElementBlock) -> ElementBlock:
-        """Rewrite a block from the ANCF element's unknowns to those of this element.
+        """Rewrite a block from the ANCF element's unknowns to this element's unknowns.
 
         Manual: sec-quaternion-view.
 

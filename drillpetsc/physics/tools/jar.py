@@ -50,7 +50,7 @@ class Jar:
 
     @property
     def at_latch(self) -> float:
-        """Difference in energy [J] between a spring with preload and one that begins where the latch holds."""
+        """Difference in energy [J] between a spring with preload and one that begins at the held position of the latch."""
         held = self.mode == LATCHED
         return (0.5 * self.law.latch * self.place - self.load) * self.place if held else 0.0
 
@@ -65,7 +65,7 @@ class Jar:
         return self.side * travel <= 0.0 or (self.returning and self.side * speed > TURNED_BACK)
 
     def switch(self, travel: float, speed: float, force: float) -> None:
-        """Go over to the state that follows."""
+        """Change to the next state."""
         law = self.law
         if self.mode == LATCHED:
             pulled = abs(force) > law.threshold

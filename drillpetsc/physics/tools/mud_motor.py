@@ -72,7 +72,7 @@ class Rotor:
 
 @dataclass(frozen=True)
 class Bend:
-    """What the tool face of a motor is measured on: the bend of its housing, else its scribe line.
+    """Reference of the tool face of a motor: the bend of its housing, otherwise its scribe line.
 
     node: at which it is; tool_face: at spin angle zero [rad].
     """
@@ -223,7 +223,7 @@ class MudMotor(Component):
         return self._start_speed
 
     def run_statically(self, flow: float) -> None:
-        """Turn in statics as without torque at a flow rate [m3/s]; at 0 the motor stands."""
+        """Turn in statics as without torque at a flow rate [m3/s]; at 0 the motor does not turn."""
         self._speed = self._start_speed = self.law.free_speed(flow)
         self._load, self.params["load"] = 0.0, 0.0
 
@@ -243,7 +243,7 @@ class MudMotor(Component):
         return max(abs(self._speed - before) / turns, change) if turns > SLIP else change
 
     def static_warnings(self, torque: float, flow: float, units: System) -> list[str]:
-        """What the user should know of a static state under a torque [N m] at a flow rate [m3/s], in a system of units."""
+        """Sentences for the user on a static state under a torque [N m] at a flow rate [m3/s], in a system of units."""
         rpm, stall = self.law.free_speed(flow) * 30 / pi, self.law.stall_torque(flow)
         gives = f"{self.label}: {shown(flow, 'flow', units)} gives {rpm:.4g} rpm"
         if abs(rpm) * pi / 30 <= SLIP:
@@ -255,11 +255,11 @@ class MudMotor(Component):
         if torque >= stall:
             return [
                 f"{gives}, torque of the start {shown(torque, 'torque', units)} is above stall_torque {shown(stall, 'torque', units)}: "
-                "the motor stands"
+                "the motor does not turn"
             ]
         if torque < 0:
             return [
-                f"{gives}, what is below the motor drives it with {shown(-torque, 'torque', units)} at the start"
+                f"{gives}, the part below the motor drives it with {shown(-torque, 'torque', units)} at the start"
             ]
         return []
 
@@ -274,7 +274,7 @@ class MudMotor(Component):
         return ""
 
     def balance_orbit(self, balanced: bool = True) -> None:
-        """Leave out the turning force of the rotor's orbit, or take it in again."""
+        """Leave out the turning force of the rotor's orbit, or include it again."""
         self.params["balanced"] = float(balanced)
 
     def orbit_speed(self, t: float, state: Any) -> float:
@@ -314,7 +314,7 @@ class MudMotor(Component):
         if not len(self._block.points):
             return 0.0
         pressure = float(self.figures(t, state)[RESULTS["pressure"]])
-        if self.outside is not None:  # and what is left of it down to the annulus
+        if self.outside is not None:  # and the rest of it down to the annulus
             below, dofs = int(self._part.ends[self._block.points[0], 1]), state.layout.dofs
             around = dofs.get("annulus.pressure")
             out = self.outside.value(t) if around is None else state.x[around[below, 0]]

@@ -27,7 +27,7 @@ from drillpetsc.physics.rock_bit import KINDS, MOTION, QUASI_STATIC, STATICS
 _results = function("reamer_results", "ipppppp")
 _Law = structure("bit_law")
 RESULTS = columns("reamer_results")
-LIFTED = 0.01  # distance of the cutters from the shoulder above which they do not stand on it [m]
+LIFTED = 0.01  # distance of the cutters from the shoulder above which they do not touch it [m]
 
 
 @dataclass(frozen=True)
@@ -78,7 +78,7 @@ class ReamerPlace:
 
 
 class Reamer(Component):
-    """The cutters of a reamer, and the shoulder on which they stand.
+    """The cutters of a reamer, and the shoulder under them.
 
     Unknowns: metres reamed hole.reamer [m], and with inertia the profile reamer.chips [m].
 
@@ -132,7 +132,7 @@ class Reamer(Component):
 
     @property
     def stands(self) -> bool:
-        """Whether the cutters stand on the shoulder."""
+        """Whether the cutters are on the shoulder."""
         return float(self._frame[6]) - self._reamed > -LIFTED
 
     def _place(self, md: float) -> None:

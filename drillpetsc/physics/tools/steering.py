@@ -54,7 +54,7 @@ def mean_share() -> float:
 
 
 class Steering(Component):
-    """What rotary steerable tools have in common: a direction fixed in space, about the axis of the hole.
+    """Base of rotary steerable tools: a direction fixed in space, about the axis of the hole.
 
     steer: the command.
     node: at which the hole's axis is taken; axis: (3,) unit direction of the hole there at the start.

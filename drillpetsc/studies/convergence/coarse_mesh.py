@@ -14,11 +14,11 @@ from drillpetsc.output import RunFolder, read_summary, read_table, write_summary
 from drillpetsc.output.files.tables import split_name
 from drillpetsc.studies.convergence.error_norms import NUMERICS, FloatArray, errors_of, extent, moves
 
-COARSENING = 2.0  # element length of the coarse-mesh run over that of the run
-FOLDER = "coarse-mesh"  # folder of the coarse-mesh run, in that of the run
+COARSENING = 2.0  # element length of the coarse-mesh run over the run's element length
+FOLDER = "coarse-mesh"  # folder of the coarse-mesh run, in the run's folder
 MEANING = (
     "difference of the history columns between this run and one on elements twice as long, as shares of the column's range in this "
-    "run: with a mesh error of order p this run's own is 1/(2^p - 1) of it.  Time errors of both are in it, too"
+    "run: with a mesh error of order p this run's own is 1/(2^p - 1) of it.  It includes the time errors of both"
 )
 
 

@@ -24,9 +24,9 @@ from drillpetsc.studies.convergence.coarse_mesh import differences
 from drillpetsc.studies.convergence.error_norms import FloatArray, extent
 from drillpetsc.unit_systems import System, shown
 
-REFINEMENT = 10.0  # tolerance of the run over that of the fine run
+REFINEMENT = 10.0  # tolerance of the run over the fine run's tolerance
 STEP_REFINEMENT = REFINEMENT ** (1 / 3)  # fixed steps: the local error of order 2 goes with the step's cube
-FOLDER = "fine-tolerance"  # folder of the fine run, in that of the run
+FOLDER = "fine-tolerance"  # folder of the fine run, in the run's folder
 LIMIT = 0.01  # difference of a mean or of a range, as a share of the range, from which on a run is warned of
 MEANING = (
     "differences of the history columns between this run and one at a tenth of its tolerance, as shares of the column's range in the fine "
@@ -36,7 +36,7 @@ MEANING = (
 
 @contextmanager
 def finer(options: Mapping[str, Any]) -> Iterator[str]:
-    """Set finer PETSc options while a run lasts, also where the command line has set them; yields their words.
+    """Set finer PETSc options while a run lasts, also if the command line has set them; yields their words.
 
     options: PETSc options in effect in the run.
     """
@@ -106,8 +106,8 @@ def compared(
 ) -> dict[str, dict[str, float]]:
     """Differences of two histories by column: max, rms, end, mean and range.
 
-    As in ``coarse_mesh.differences``, but mean and range are shares of at least 0.1 % of the column's size: a
-    load that hardly moves is not doubtful because of the little that it does.
+    As in ``coarse_mesh.differences``, but mean and range are shares of at least 0.1 % of the column's size: an
+    almost constant load is not doubtful because of its small variation.
     """
     out = {}
     for title, column in differences(fine, history).items():
@@ -141,7 +141,7 @@ def _warnings(check: Mapping[str, Any], units: System) -> list[str]:
 
 
 def tolerance_lines(summary: Mapping[str, Any]) -> list[str]:
-    """Lines for the screen: what a finer tolerance changes."""
+    """Lines for the screen: changes by a finer tolerance."""
     check = summary["error_estimate"]["tolerance"]
     if check["warnings"]:
         return [f"  warning: {text}" for text in check["warnings"]] + [

@@ -24,7 +24,7 @@ TOLERANCE = 1e-4  # of a case without -ts_rtol
 STEP_FACTORS = (8.0, 4.0, 2.0, 1.0, 0.5, 0.25)  # multiples of the pilot's mean step
 TOLERANCE_FACTORS = (100.0, 10.0, 1.0, 0.1, 0.01)
 MESH_FACTORS = (4.0, 3.0, 2.0, 1.5, 1.0)  # multiples of the case's element lengths
-MESH_TOLERANCE = 0.01  # tolerance of a study of the mesh, over that of the case
+MESH_TOLERANCE = 0.01  # tolerance of a study of the mesh, over the case's tolerance
 LOOSEST_TOLERANCE = 0.1
 TIGHTEST_TOLERANCE = 1e-10  # reachable by Newton's method in double precision
 FEWEST_ROWS = 50  # rows of the history, for norms over time
@@ -77,7 +77,7 @@ class Point:
     curve, label: names of the curve and of the point.
     value: quantity that varies along the curve (step [s], tolerance, factor on the element lengths, ranks).
     changes: changed keys of the case (`key=value`).
-    petsc: PETSc options in addition to those of the case.
+    petsc: PETSc options in addition to the case's.
     ranks: number of ranks of the run.
     """
 
@@ -98,7 +98,7 @@ class Base:
     end: end of the simulated time [s].
     tolerance: -ts_rtol of the case.
     history_every: interval of the rows of the history [s].
-    step: mean step of the pilot [s]; 0 if not known.
+    step: mean step of the pilot [s]; 0 if unknown.
     steps, tolerances: steps [s] and tolerances of all curves, if given.
     """
 
@@ -115,7 +115,7 @@ class Base:
 
     @property
     def own_options(self) -> dict[str, Any]:
-        """PETSc options of the case, overridden by those of the command line."""
+        """PETSc options of the case, overridden by the command line."""
         return {**(self.data.get("petsc") or {}), **self.options}
 
 
@@ -173,7 +173,7 @@ def case_of(base: Base, point: Point) -> Case:
 
 
 def _fitting(petsc: dict[str, Any]) -> dict[str, Any]:
-    """Options without those that the chosen integrator and solver do not read, which a run would refuse."""
+    """Options that the chosen integrator and solver read; a run would refuse the others."""
     kind = str(petsc.get("ts_type", "bdf"))
     condensed = kind in ("bdf", "alpha2", "genalpha") and str(petsc.get("snes_type", "python")) == "python"
 
@@ -221,7 +221,7 @@ def default_steps(base: Base) -> list[float]:
 
 
 def default_tolerances(base: Base) -> list[float]:
-    """Tolerances over four decades around that of the case, none above LOOSEST_TOLERANCE."""
+    """Tolerances over four decades around the case's, none above LOOSEST_TOLERANCE."""
     if base.tolerances:
         return list(base.tolerances)
     top = min(TOLERANCE_FACTORS[0] * base.tolerance, LOOSEST_TOLERANCE)
@@ -229,7 +229,7 @@ def default_tolerances(base: Base) -> list[float]:
 
 
 def newton_tolerance(base: Base, step: float, order: int) -> float:
-    """-ts_rtol of a run with fixed steps, where it controls the Newton iteration only.
+    """-ts_rtol of a run with fixed steps, in which it controls the Newton iteration only.
 
     It is the expected local error of the step, tolerance (step/mean step)^(order + 1), and at most the
     tolerance of the case. A larger one would hide the order of convergence.

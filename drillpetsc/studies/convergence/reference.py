@@ -30,7 +30,7 @@ FloatArray = npt.NDArray[np.float64]
 Exact = Callable[[Case, FloatArray], dict[str, FloatArray] | None]
 
 REFERENCE_TOLERANCE_FACTOR = 0.1  # tolerance of the reference over the smallest of the points
-REFERENCE_TIME_FACTOR = 3.0  # time limit of a run of the reference over that of a point
+REFERENCE_TIME_FACTOR = 3.0  # time limit of a run of the reference over the time limit of a point
 CONTROL_TOLERANCE_FACTOR = (
     10.0  # tolerance of the control run for the error of the reference, over the reference's
 )
@@ -114,7 +114,7 @@ def find_reference(
                 at="--reference",
                 got="exact",
                 want="a case with a closed form",
-                hint="auto takes a fine run instead",
+                hint="auto uses a fine run instead",
             )
     if choice not in ("auto", *CANDIDATES):
         return _of_folder(Path(choice))
@@ -187,7 +187,7 @@ def _integrated(runs: StudyRuns, points: Sequence[Point], candidates: Sequence[s
             refused.append(name)
             continue
         used = (
-            " (an integrator of the curves, too)"
+            " (also an integrator of the curves)"
             if any(_integrator(p, runs.base) == name for p in points)
             else ""
         )
@@ -201,7 +201,7 @@ def _integrated(runs: StudyRuns, points: Sequence[Point], candidates: Sequence[s
         if max(own.values(), default=0.0) < ACCEPTED_REFERENCE_ERROR:
             return found
         runs.say(
-            f"reference, {name}: off by {max(own.values()):.2g} of the range from itself at {CONTROL_TOLERANCE_FACTOR:g} times the tolerance"
+            f"reference, {name}: differs by {max(own.values()):.2g} of the range from its run at {CONTROL_TOLERANCE_FACTOR:g} times the tolerance"
         )
         if best is None or max(own.values()) < max(best.errors.values()):
             best = found

@@ -29,7 +29,7 @@ from drillpetsc.studies.convergence.runs import Measured
 Row = dict[str, Any]
 
 MOST_OUTPUTS = 6  # outputs compared by default
-LAST = 1000  # rank of outputs without an interest of their own
+LAST = 1000  # rank of outputs without an interest
 DIVERGED = 10.0  # rms error over range above which a completed run counts as failed
 PLATEAU_RATIO = 1.5  # errors within this ratio count as equal, steps beyond it as different
 TARGET_ERRORS = (0.1, 0.01, 0.001)  # errors whose cost is reported
@@ -56,7 +56,7 @@ COLUMNS = (
 
 
 def chosen_outputs(reference: Reference, outputs: Sequence[str]) -> list[str]:
-    """Outputs to compare: those given, or up to MOST_OUTPUTS of those that change with time."""
+    """Outputs to compare: the given ones, or up to MOST_OUTPUTS that change with time."""
     if outputs:
         return [name for name in outputs if extent(reference.values[name]) > 0]
     moving = [
@@ -210,7 +210,7 @@ def _point_as_dict(row: Row, m: Measured, vary: str, length: float) -> dict[str,
 
 
 def abscissa(vary: str, row: Row, length: float) -> float:
-    """Mean step [s], or mean element length [m] where the mesh varies."""
+    """Mean step [s], or mean element length [m] if the mesh varies."""
     return length / row["elements"] if vary == "mesh" and row["elements"] else row["step"]
 
 
@@ -232,7 +232,7 @@ def _floor(reference: Reference | None, rows: Sequence[Row], name: str, vary: st
 
 
 def _speed_up(rows: Sequence[Row]) -> dict[str, float]:
-    """Number of ranks -> wall time on one rank over that on so many."""
+    """Number of ranks -> wall time on one rank over wall time on this number."""
     one = next((row["wall"] for row in rows if row["ranks"] == 1 and row["status"] == "done"), None)
     return {str(row["ranks"]): one / row["wall"] for row in rows if row["status"] == "done"} if one else {}
 

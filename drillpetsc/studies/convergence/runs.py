@@ -63,7 +63,7 @@ class Measured:
     """Measured costs of a point.
 
     status: DONE or FAILED, with the reason in ``message``.
-    folder: folder of the first run, relative to that of the study.
+    folder: folder of the first run, relative to the study's folder.
     wall, cpu: times of the time loop, one value per repetition [s].
     counts: steps, iterations etc. of the first run.
     step: mean step [s].

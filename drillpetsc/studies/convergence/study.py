@@ -70,7 +70,7 @@ class StudyResult:
 
 @dataclass(frozen=True)
 class StudyRequest:
-    """What a study runs and compares.
+    """The runs and comparisons of a study.
 
     case: path of the case file.
     vary: the one thing that varies (VARIED); or
@@ -112,7 +112,7 @@ class StudyRequest:
 
     @property
     def name(self) -> str:
-        """What varies; "curves" for a study of curves."""
+        """Varied quantity; "curves" for a study of curves."""
         return self.vary or "curves"
 
 
@@ -159,7 +159,7 @@ def run_study(
     runs = replace(runs, base=_with_pilot(runs))
     points = _points(request, runs.base, request.few)
     reference = find_reference(runs, request.name, points, request.reference, _times(runs), exact)
-    report(f"reference: {reference.description if reference is not None else 'no run was completed'}")
+    report(f"reference: {reference.description if reference is not None else 'all runs failed'}")
     measured = []
     for number, point in enumerate(points, 1):
         made = measure(runs.base, point, folder, request.repeats, request.limit, run, request.restart)
@@ -187,7 +187,7 @@ def _refuse_invalid(request: StudyRequest, base: Base) -> None:
         raise CaseError(
             got=f"{ranks_here()} ranks",
             want="study without mpirun",
-            hint="its runs are processes of their own; --vary ranks calls mpirun itself",
+            hint="each run is a separate process; --vary ranks calls mpirun itself",
         )
     named = request.reference in ("auto", "exact", "arkimex", "bdf3", "bdf2")
     if not named and not Path(request.reference).is_dir():
@@ -235,10 +235,10 @@ def _with_pilot(runs: StudyRuns) -> Base:
     """
     made = runs.one(Point("pilot", "as-it-stands", 0.0))
     if not made.done:
-        runs.say(f"the case as it stands fails: {made.message}")
+        runs.say(f"the unchanged case fails: {made.message}")
         return runs.base
     runs.say(
-        f"the case as it stands: {made.counts['steps']} steps, mean {made.step:.3g} s, {made.median('cpu'):.3g} CPU s"
+        f"the unchanged case: {made.counts['steps']} steps, mean {made.step:.3g} s, {made.median('cpu'):.3g} CPU s"
     )
     return replace(runs.base, step=made.step)
 
@@ -276,7 +276,7 @@ def _result(
     }
     files = write_results(runs.out, rows, content)
     if reference is None and measured and not any(m.done for m in measured):
-        runs.say("no point was completed")
+        runs.say("all points failed")
     return StudyResult(runs.out, tuple(rows), content, tuple(files))
 
 

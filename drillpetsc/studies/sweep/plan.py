@@ -1,4 +1,4 @@
-"""Plan of a sweep or batch: the run folder of each member, and what is left to do there.
+"""Plan of a sweep or batch: the run folder of each member, and the work left there.
 
 One process decides this before any member runs.
 """
@@ -105,7 +105,7 @@ def _case_text(folder: Path) -> str:
 
 
 def _action(folder: Path) -> Action:
-    """What is left to do in a run folder of the same case."""
+    """Work left in a run folder of the same case."""
     found = RunFolder(folder)
     if found.summary.is_file() and read_summary(found.summary).get("status") == "done":
         return Action.KEEP

@@ -77,7 +77,7 @@ def sweep(
     out: folder of the sweep; by default results/<case>-NNN.
     restart: keep members that are done, continue those with a checkpoint, run the others.
     overwrite: replace the results in an existing ``out``.
-    progress: auto or silent, or a function of (share of members ended, text) that is called where a member ends.
+    progress: auto or silent, or a function of (share of members ended, text) that is called when a member ends.
 
     Raises CaseError, before anything runs, for an error in any member. A member that fails later is marked
     failed in its row.
@@ -102,7 +102,7 @@ def run_cases(
     comm: PETSc.Comm | None = None,
     progress: str = "auto",
 ) -> SweepResult:
-    """Simulate several case files, each into its own run folder: results/<case>-NNN, or ``out``/<case>.
+    """Simulate several case files, each into a separate run folder: results/<case>-NNN, or ``out``/<case>.
 
     Otherwise as ``sweep``.
     """
@@ -421,7 +421,7 @@ class _Job:
         A rank that waits in a computation for one that has left it cannot be released. All other groups
         finish first.
         """
-        text = message or "a rank of this member did not return from it"
+        text = message or "a rank of this member did not return"
         self._report(self._outcome(group, member, [f"on rank {self.mpi.rank} alone: {text}"], wall), member)
         self._ended_file(group.number).touch()
         wait_for_files([self._ended_file(number) for number in range(len(self.sizes))])

@@ -29,7 +29,7 @@ from drillpetsc.output.files.tables import split_name
 
 
 class Action(Enum):
-    """What is to be done in the run folder of a member."""
+    """Action for the run folder of a member."""
 
     NEW = "new"  # run into a new folder
     AGAIN = "again"  # run from the beginning, replacing the results in the folder
@@ -70,7 +70,7 @@ class Member:
 
 @dataclass(frozen=True)
 class MemberFolder:
-    """The run folder of a member, and what is to be done there."""
+    """The run folder of a member, and the action for it."""
 
     folder: Path
     action: Action
@@ -250,7 +250,7 @@ def write(plan: Plan, job: dict[str, Any], ended: dict[int, Outcome] | None = No
     """Write the table and the summary in their present state; returns the rows.
 
     job: entries of the summary about the whole job, such as ranks, worker groups and versions.
-    ended: outcomes to add where the outcomes on file may be incomplete.
+    ended: outcomes to add if the outcomes on file may be incomplete.
     """
     with _locked(plan):
         ended = {**outcomes(plan), **(ended or {})}

@@ -181,7 +181,7 @@ def _explained(error: CaseError, values: dict[str, str]) -> CaseError:
     """The error in terms of the varied values: key and value as given, and the combination."""
     try:
         where = parsed(error.at)
-    except CaseError:  # a key of the file that is no path
+    except CaseError:  # a key of the file that is not a path
         where = ()
     cause = None
     for key in values:

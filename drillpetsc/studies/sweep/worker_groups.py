@@ -1,8 +1,8 @@
-"""Worker groups: the ranks of a job divided into groups, each of which computes one member at a time on its own
+"""Worker groups: the ranks of a job divided into groups, each of which computes one member at a time on a separate
 communicator.
 
-While members run, the groups share files only (table.py). No rank waits for another group, so a member that
-fails or hangs blocks the ranks of its own group only.
+While members run, the groups share files only (table.py). Ranks do not wait for other groups, so a member
+that fails or hangs blocks only the ranks of its group.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from drillpetsc.parallel import wait_for
 #: fewest elements per rank of a group: two ranks were slower than one with 100 elements in all, and no faster
 #: with 225
 LEAST_ELEMENTS = 120
-#: time that a rank waits for the others of its group after its own part of a member has ended [s]
+#: time that a rank waits for the others of its group after its part of a member has ended [s]
 RANK_TIMEOUT = 60.0
 
 
@@ -30,7 +30,7 @@ def group_sizes(costs: Sequence[float], elements: Sequence[int], ranks: int) -> 
     ranks: number of ranks of the job.
 
     A member gets one rank, or the number of ranks that corresponds to its part of the total cost. If there
-    are more ranks than members, the remaining ranks go where the cost per rank is largest. A group never gets
+    are more ranks than members, the remaining ranks go to the groups with the largest cost per rank. A group never gets
     more ranks than its first member can use, so some ranks may belong to no group.
     """
     total = sum(costs)
@@ -58,7 +58,7 @@ class WorkerGroup:
 
     number: number of the group, from 0.
     comm: communicator of the computation.
-    control: mpi4py communicator of the same ranks for messages beside the computation. A message of a rank
+    control: mpi4py communicator of the same ranks for messages outside the computation. A message of a rank
         that has failed can then not be received by the computation.
     ranks: ranks of the group in the communicator of the job.
     """

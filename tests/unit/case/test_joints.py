@@ -66,7 +66,7 @@ REFUSED: list[tuple[list[dict[str, Any]], dict[str, Any], str, str]] = [
         [{"at": 9, "kind": "fixed"}, {"at": 9, "kind": "slider"}],
         {},
         "joints[1].at",
-        "another depth than that of joints[0]",
+        "a depth other than at joints[0]",
     ),
     ([{"at": 9, "kind": "ball"}], {}, "joints[0].kind", "universal"),
     (

@@ -86,7 +86,7 @@ def changed(path, value):
         (("string", 1, "bend"), {"angle": 1, "position": 200}, "string[1].bend.position", ["item, 190 ft"]),
         (("well", "survey", "md"), [0, 0], "well.survey.md[1]", ["above 0 ft, the station before"]),
         (("fluid", "flow_line"), 8001, "fluid.flow_line", ["above the end of the hole, 8000 ft"]),
-        (("output",), {"probes": [900, 900]}, "output.probes[1]", ["900 ft stands twice"]),
+        (("output",), {"probes": [900, 900]}, "output.probes[1]", ["900 ft appears twice"]),
         (("rig", "max_hookload"), 50, "rig.max_hookload", ["above the weight of the block, 60 klbf"]),
         (
             ("window",),

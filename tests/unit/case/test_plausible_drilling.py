@@ -128,7 +128,7 @@ def test_highly_deviated_pipe_may_be_in_compression():
 def test_weight_without_mud_is_not_said_to_be_in_mud():
     dry = {k: v for k, v in USUAL.items() if k not in ("fluid", "roadmap")}
     (line,) = plausibility(Case(**dry | {"initial": {"wob": 90}}))
-    assert "weighs along the hole" in line
+    assert "below the drill pipe along the hole" in line
 
 
 SLIDING = {"top": {"kind": "top_drive", "lowering": "30 ft/hr"}, "time": {"end": 10.0}}

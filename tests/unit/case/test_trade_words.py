@@ -50,7 +50,7 @@ def hint(**keys: Any) -> str:
         ({"string": [PIPE | {"kind": 5}]}, ""),
         (
             {"well": WELL | {"sections": [{"to": "end", "kind": "casing", "od": 0.24}]}},
-            "of casing the inner one",
+            "in casing, its inner diameter",
         ),
         ({"top": {"kind": "top_drive", "rpm": 120}}, "'rotation'"),
         ({"top": None}, "top_drive"),

@@ -136,7 +136,7 @@ def test_by_dimensions() -> None:
         (PIPE, {"material": {"density": 2800}}, "adjusted_weight", "for steel"),
         (PIPE, {"tool_joint": {"length": "130 in"}}, "tool_joint.length", "a third of a joint"),
         (PIPE, {"tool_joint": {"id": "4.5 in"}}, "tool_joint.id", "1/8 in above the bore"),
-        (PIPE, {"tool_joint": {"od": "4.9 in"}}, "tool_joint.od", "at least that of the tube"),
+        (PIPE, {"tool_joint": {"od": "4.9 in"}}, "tool_joint.od", "at least the diameter of the tube"),
         (PIPE, {"tfa": 1}, "tfa", "one of these keys"),
         (BARE, {}, "tool_joint.od", "or a pipe from the catalogue"),
         (BARE, {"tool_joint": {"od": "6 in"}}, "tool_joint.id", "or a pipe from the catalogue"),

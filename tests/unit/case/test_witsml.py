@@ -107,7 +107,7 @@ def test_import_writes_a_case(files: list[str], capsys: pytest.CaptureFixture[st
     assert collar.adjusted_weight == pytest.approx(100.8 * POUND / FOOT, rel=1e-5)  # type: ignore[attr-defined]
     assert bit.bit_type == "PDC"  # type: ignore[attr-defined]
     assert stabilizer.body_od == pytest.approx(6.75 * INCH)  # type: ignore[attr-defined]
-    assert crossover.material.density == 7850 and "WARNING: XO: 5.953 kg/m is no weight" in text  # type: ignore[union-attr]
+    assert crossover.material.density == 7850 and "WARNING: XO: 5.953 kg/m is not a plausible weight" in text  # type: ignore[union-attr]
     assert stabilizer.od == pytest.approx(8.375 * INCH) and collar.id == pytest.approx(2.8125 * INCH)
     assert bit.nozzle_area == pytest.approx(0.3313 * INCH**2, rel=1e-5)
     sections = case.well.sections  # type: ignore[union-attr]

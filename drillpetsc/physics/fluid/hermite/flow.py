@@ -6,7 +6,7 @@ sec-paper-source.
 Unknowns at every node: the volume that has passed it in excess of a reference flow Q(t), and the pressure
 (including the velocity heads since the channel's uppermost element).  Q is arbitrary as long as volumes
 stay small.  Here it is the pump's flow with its jumps distributed over a second, in the annulus with the
-opposite sign, so that steady circulation is a state of rest.
+opposite sign. So steady circulation is a state of rest.
 """
 
 from __future__ import annotations
@@ -133,8 +133,8 @@ def volumes_at_rest(
 
 
 def _taken_up(component: HermiteBore | HermiteAnnulus, wall: FloatArray, pressure: FloatArray) -> FloatArray:
-    """Compute the stored volume (n,) of each element [m3]: content at ``pressure`` (n+1,) [Pa] minus that at
-    zero pressure.
+    """Compute the stored volume (n,) of each element [m3]: content at ``pressure`` (n+1,) [Pa] minus the
+    content at zero pressure.
     """
     m = component.mesh
     length = m.length + m.rigid_above
@@ -343,7 +343,7 @@ class HermiteBit(BitFlow):
     """Nozzles and chamber without unknowns (kernels/fluid/hermite/hermite_bit.hpp).
 
     node, end, fluid, held_at: as in ``BitFlow``; pump: its flow over time [m3/s].
-    bore, annulus: the channels, whose lowest elements give the heads; None where absent.
+    bore, annulus: the channels, whose lowest elements give the heads; None if absent.
     rest_at: (3,) position of the lowest node at which volumes are zero [m].
     """
 
