@@ -9,7 +9,7 @@ from drillpetsc.analysis.coarse_mesh import too_coarse
 from drillpetsc.analysis.imperfection import item_imperfection, nodal_weight
 from drillpetsc.analysis.lateral_start import SPACING, lateral_starts
 from drillpetsc.analysis.paths_of_problem import answer_by_path, has_two_paths, slides_on
-from drillpetsc.analysis.relaxation import creep, helix_load, relax
+from drillpetsc.analysis.relaxation import helix_load, relax, relax_with_drag
 from drillpetsc.analysis.snapshot import Snapshot
 from drillpetsc.analysis.soft_string_start import place_marched
 from drillpetsc.analysis.static_problem import StaticProblem
@@ -82,7 +82,7 @@ def from_lateral_start(problem: StaticProblem) -> float | None:
                     solver.newton(report, NEAR_INCREMENT, NEAR_STEPS)
                     solver.newton(report, solver.start_increment, LATERAL_STEPS, near=True)
                 else:
-                    creep(model, solver, report, solver.start_increment, LATERAL_FAILED)
+                    relax_with_drag(model, solver, report, solver.start_increment, LATERAL_FAILED)
                 reached = True
             except SolveError:
                 reached = False
@@ -125,7 +125,7 @@ def _by_relaxation(problem: StaticProblem) -> float:
             if strength and not problem.moves and solver.negative_pivots():
                 # a free column leans further than any Newton step from straight: follow it down
                 start.restore()
-                creep(model, solver, report, solver.start_increment, downhill=True)
+                relax_with_drag(model, solver, report, solver.start_increment, downhill=True)
         except SolveError as error:
             failure = error
             continue

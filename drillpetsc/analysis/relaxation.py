@@ -22,10 +22,8 @@ STEP_ITERATIONS = 25  # of a step with drag
 #: (most iterations of a step, factor by which the next one is longer)
 GROWTH = ((2, 100.0), (4, 10.0), (7, 4.0), (12, 1.5), (np.inf, 0.7))
 SHORTER = 4.0  # factor of a step's drag where it fails
-AFTER_FAILURE, LIFT = (
-    2.0,
-    1.5,
-)  # largest growth after a failed step, and the factor on it with each further one
+#: largest growth after a failed step, and the factor on it with each further one
+AFTER_FAILURE, LIFT = 2.0, 1.5
 BACK = 100.0  # factor of the drag where Newton's method fails after the last step
 SOFT_PENETRATION = 0.05  # penetration of the softest wall, as a share of the clearance
 SOFT_INCREMENT = 1.0  # largest last increment on a wall that is still soft
@@ -67,10 +65,10 @@ def _relax(model: DrillingModel, solver: StaticNewton, report: Equilibrium, tole
         return
     except SolveError:
         start.restore()
-    creep(model, solver, report, tolerance)
+    relax_with_drag(model, solver, report, tolerance)
 
 
-def creep(
+def relax_with_drag(
     model: DrillingModel,
     solver: StaticNewton,
     report: Equilibrium,
@@ -78,7 +76,7 @@ def creep(
     most_failed: int = MOST_FAILED,
     downhill: bool = False,
 ) -> None:
-    """Let the string creep to its state by steps with drag that grow; collective.
+    """Let the string move to its state by steps with drag that grow; collective.
 
     report, tolerance: as for ``relax``; most_failed: steps that fail before the string is given up.
     downhill: the loads have an energy, and no step is so long that it passes over a hill to an unstable state.
