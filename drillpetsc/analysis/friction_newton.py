@@ -18,7 +18,8 @@ from drillpetsc.errors import SolveError
 START_INCREMENT = 0.1  # of a state from which a further solve with more friction, or with the flow, starts
 LATERAL_STEPS = 15  # of Newton's method from a lateral equilibrium, which is close to the state
 NEAR_STEPS, NEAR_INCREMENT = 6, 10.0  # of its first steps, and the increment that they reach from there
-LATERAL_FAILED = 4  # steps of a relaxation from there, before the start from the march is tried
+#: steps of a relaxation from there that may fail, and the same of a string that may follow its paths instead
+LATERAL_FAILED, FAILED_BEFORE_PATHS = 10, 4
 STRONGER_LOAD = 10.0  # factor of the side loads where the requested ones do not lead to a stable state
 
 
@@ -67,6 +68,7 @@ def from_lateral_start(problem: StaticProblem) -> float | None:
     if straight is None:
         return None
     restore = problem.save()
+    most_failed = FAILED_BEFORE_PATHS if has_two_paths(problem) else LATERAL_FAILED
     for start in lateral_starts(model, straight, problem.state.motion, problem.fraction > 0, problem.found):
         fraction = problem.fraction if start.with_friction else 0.0
         problem.origin.restore()
@@ -82,7 +84,7 @@ def from_lateral_start(problem: StaticProblem) -> float | None:
                     solver.newton(report, NEAR_INCREMENT, NEAR_STEPS)
                     solver.newton(report, solver.start_increment, LATERAL_STEPS, near=True)
                 else:
-                    relax_with_drag(model, solver, report, solver.start_increment, LATERAL_FAILED)
+                    relax_with_drag(model, solver, report, solver.start_increment, most_failed)
                 reached = True
             except SolveError:
                 reached = False
