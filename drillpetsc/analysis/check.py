@@ -6,10 +6,9 @@ from functools import partial
 
 import numpy as np
 
-from drillpetsc.analysis.coarse_mesh import expected_warnings
+from drillpetsc.analysis.coarse_mesh import coarse_elements, expected_warnings
 from drillpetsc.analysis.commands_report import command_lines
 from drillpetsc.analysis.drive_report import drive_lines
-from drillpetsc.analysis.energy_descent import coarse_elements
 from drillpetsc.analysis.hoist_report import hoist_lines
 from drillpetsc.analysis.placement import top_depth
 from drillpetsc.analysis.rank_model import rank_lines, step_counts

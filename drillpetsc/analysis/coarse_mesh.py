@@ -320,3 +320,18 @@ def _first(lines: Iterable[str]) -> list[str]:
     every = list(lines)
     rest = len(every) - MOST_LINES
     return every if rest <= 0 else [*every[:MOST_LINES], f"... and {rest} more places with too long elements"]
+
+
+def too_coarse(model: DrillingModel) -> bool:
+    """Whether an element is above the limit of ``coarse_elements``."""
+    return bool(coarse_elements(model).any())
+
+
+def coarse_elements(model: DrillingModel) -> np.ndarray:
+    """Find the elements (n,) with L^3 > 240 EI/w (manual: eq-beam-length-limit).
+
+    The bending stiffness of such an element does not balance the axial load of its own weight w per length.
+    """
+    mesh = model.mesh
+    w = mesh.mass * np.linalg.norm(model.case.gravity)
+    return mesh.length**3 * w > 240 * mesh.bending_stiffness

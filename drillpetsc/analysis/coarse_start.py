@@ -1,4 +1,4 @@
-"""Start of statics on a fine mesh: the equilibrium on a coarse mesh of the same case; of a motor: that of a plain pipe.
+"""Start of statics on a fine mesh: the equilibrium on a coarse mesh of the same case.
 
 Manual: sec-statics-coarse-start.  Newton's method moves a boundary of a contact region by a few elements in a step,
 so that a fine mesh takes many steps where a coarse one takes few.
@@ -9,8 +9,6 @@ from __future__ import annotations
 import numpy as np
 
 from drillpetsc.arrays import FloatArray
-from drillpetsc.case.blocks.motor import PositiveDisplacementMotor
-from drillpetsc.case.blocks.string import Pipe
 from drillpetsc.model.drilling_model import DrillingModel
 from drillpetsc.model.mesh import coarsened
 
@@ -29,20 +27,6 @@ def coarse_model(model: DrillingModel, factor: float, motion: tuple[float, float
     from drillpetsc.model.drilling_model import build_model
 
     return build_model(coarsened(model.case, factor), model.system.comm, motion)
-
-
-def whole_model(model: DrillingModel, motion: tuple[float, float]) -> DrillingModel:
-    """The model with plain pipe in place of its downhole motor, so without the motor's joint; collective."""
-    from drillpetsc.model.drilling_model import build_model
-
-    items = tuple(
-        Pipe.model_construct(**{key: getattr(item, key) for key in Pipe.model_fields} | {"kind": "pipe"})
-        if isinstance(item, PositiveDisplacementMotor)
-        else item
-        for item in model.case.string
-    )
-    case = model.case.model_copy(update={"string": items})
-    return build_model(case, model.system.comm, motion)
 
 
 def place_like(model: DrillingModel, coarse: DrillingModel) -> None:

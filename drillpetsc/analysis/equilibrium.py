@@ -7,16 +7,17 @@ from __future__ import annotations
 
 import numpy as np
 
-from drillpetsc.analysis.coarse_start import coarse_factor, coarse_model, place_like, whole_model
-from drillpetsc.analysis.energy_descent import START_INCREMENT, Snapshot, coarse_elements, too_coarse
+from drillpetsc.analysis.coarse_mesh import coarse_elements, too_coarse
+from drillpetsc.analysis.coarse_start import coarse_factor, coarse_model, place_like
 from drillpetsc.analysis.flow_coupling import couple_flow_and_string, surge_rates
 from drillpetsc.analysis.folded_elements import refuse_folded
-from drillpetsc.analysis.friction_newton import from_lateral_start, reach
+from drillpetsc.analysis.friction_newton import START_INCREMENT, reach
 from drillpetsc.analysis.march import CRUSHING_STRAIN, March, helix_band, march
 from drillpetsc.analysis.path_answer import PathKind
 from drillpetsc.analysis.path_question import has_path, refuse_path
 from drillpetsc.analysis.paths_of_problem import answer_by_path, node_clearance, steps_in_hole
 from drillpetsc.analysis.placement import place_along_hole, prescribed_motion, top_depth
+from drillpetsc.analysis.snapshot import Snapshot
 from drillpetsc.analysis.soft_string_start import place_marched, soft_string
 from drillpetsc.analysis.static_problem import StaticProblem, StaticState
 from drillpetsc.analysis.steady_flow import fluid_unknowns, freeze_flow, steady_flow
@@ -117,19 +118,18 @@ def director_equilibrium(
         placed = placed or balance_across(model, solver, report)
         problem.set_friction_aside()  # stability is counted without it
         count = solver.negative_pivots()
-        if count <= 0 or not _slides_to_another_state(problem):
-            if not placed:
-                state.warnings.append(
-                    "the place of the top across the hole was not found: it is held on the wall, and long elements below it "
-                    "may carry its side force as contact (side force, torque and moment near the top)"
-                )
-            if lateral_friction and problem.moves and not reached:
-                state.warnings.append(
-                    "no equilibrium with lateral friction (a turning pipe may whirl here): "
-                    "the torque of friction acts, its lateral force is left out"
-                )
-            report.negative_pivots, report.singular = max(0, count), count < 0
-            problem.impose(reached)
+        if not placed:
+            state.warnings.append(
+                "the place of the top across the hole was not found: it is held on the wall, and long elements below it "
+                "may carry its side force as contact (side force, torque and moment near the top)"
+            )
+        if lateral_friction and problem.moves and not reached:
+            state.warnings.append(
+                "no equilibrium with lateral friction (a turning pipe may whirl here): "
+                "the torque of friction acts, its lateral force is left out"
+            )
+        report.negative_pivots, report.singular = max(0, count), count < 0
+        problem.impose(reached)
     refuse_folded(model)
     state.warnings += static_warnings(model)
     _reactions(model, solver)
@@ -156,7 +156,7 @@ def _newton_with_flow(problem: StaticProblem) -> float:
     A rough state of the string suffices to solve for both.  Where it does not, an exact one comes first.
     """
     model, solver, state = problem.model, problem.solver, problem.state
-    start, asm = Snapshot(model), model.system.assembly
+    restore, asm = problem.save(), model.system.assembly
     for increment in (
         (START_INCREMENT, CONVERGED_INCREMENT) if model.fluid is not None else (CONVERGED_INCREMENT,)
     ):
@@ -171,85 +171,40 @@ def _newton_with_flow(problem: StaticProblem) -> float:
         except SolveError:
             if increment == CONVERGED_INCREMENT:
                 raise
-        start.restore()
-        solver.rates = surge_rates(model, problem.lowering)
-        asm.y[:], asm.dead_load, state.equilibrium.imperfection = 0.0, None, 0.0
+        restore()
         asm.freeze(fluid_unknowns(model.system))
-        problem.set_friction_aside()
     return reached
 
 
 def _answer_by_newton(problem: StaticProblem) -> float:
-    """Find the state by Newton's method or the descent, else by a path; returns the lateral friction fraction.
+    """Find the state by Newton's method and the relaxation, else by a path; returns the lateral friction fraction.
 
     Raises SolveError where no equilibrium is found.
     """
-    model, state, found, straight = problem.model, problem.state, problem.found, problem.straight
-    if found is not None and problem.moves and not found.helical.any():
-        reached = _from_coarse_mesh(problem) if model.motor is None else from_lateral_start(problem)
-        if reached is None and state.path is None:
-            reached = _from_whole_string(problem)
-        if reached is not None:
-            state.lateral_fraction = reached
-            return reached
-    try:
-        state.lateral_fraction = reach(problem, found)
-    except SolveError as error:
-        if found is None or straight is None:
-            raise
-        if isinstance(error, SearchEnded):
-            if found.helical.any():
-                error.hint = f"{_helix_hint(model, found, problem.moves)}; {error.hint}"
-            raise
-        if found.helical.any():
-            error.hint = _helix_hint(model, found, problem.moves)
-            error.what = f"no static state was found of a string that coils in its hole ({error.what})"
-            # a coiled string has many states with friction; the one from a straight start may be easier
-            _begin_again(problem)
-            place_marched(model, straight)
-            try:
-                state.lateral_fraction = reach(problem, straight)
-                return state.lateral_fraction
-            except SolveError:
-                pass
-        _begin_again(problem)
-        if not problem.paths or not has_path(model, state.motion):
-            raise
-        answer_by_path(problem, "sliding" if any(state.motion) else "without_friction")
-        return state.lateral_fraction
-    return state.lateral_fraction
-
-
-def _slides_to_another_state(problem: StaticProblem) -> bool:
-    """Follow a path of steady sliding from a state with friction that has negative pivots; collective.
-
-    Such a state is no answer.  Returns whether the path has an end; the state is the former one where it has none, and
-    where a coarse mesh explains the pivots.
-    """
-    model, solver, state, report = problem.model, problem.solver, problem.state, problem.state.equilibrium
-    if not (problem.moves and problem.paths and solver.energy and has_path(model, state.motion)):
-        return False
-    if too_coarse(model) or model.motor is not None:
-        return False
-    asm = model.system.assembly
-    unstable, load, imperfection = Snapshot(model), asm.dead_load, report.imperfection
-    rates, y = solver.rates, asm.y.copy()
-    _begin_again(problem)
-    try:
-        answer_by_path(problem, "sliding")
-    except SolveError:
-        unstable.restore()
-        asm.dead_load, report.imperfection = load, imperfection
-        solver.rates, asm.y[:] = rates, y
-        problem.set_friction_aside()
-        return False
-    return True
-
-
-def _begin_again(problem: StaticProblem) -> None:
-    """Put the string back along the hole, without side loads."""
-    problem.origin.restore()
-    problem.model.system.assembly.dead_load, problem.state.equilibrium.imperfection = None, 0.0
+    model, state, found = problem.model, problem.state, problem.found
+    coils = found is not None and bool(found.helical.any())
+    reached = None
+    if found is not None and problem.moves and not coils and model.motor is None:
+        reached = _from_coarse_mesh(problem)
+    if reached is None:
+        try:
+            reached = reach(problem)
+        except SolveError as error:
+            ended = isinstance(error, SearchEnded)
+            if found is not None and coils:
+                hint = _helix_hint(model, found, problem.moves)
+                error.hint = f"{hint}; {error.hint}" if ended else hint
+                if not ended:
+                    error.what = (
+                        f"no static state was found of a string that coils in its hole ({error.what})"
+                    )
+            if found is None or ended or not problem.paths or not has_path(model, state.motion):
+                raise
+            problem.origin.restore()
+            answer_by_path(problem, "sliding" if any(state.motion) else "without_friction")
+            return state.lateral_fraction
+    state.lateral_fraction = reached
+    return reached
 
 
 def _beyond_bottom(model: DrillingModel) -> float:
@@ -336,56 +291,16 @@ def _from_coarse_mesh(problem: StaticProblem) -> float | None:
             {below.lateral_fraction, asked}
         ):  # a fine mesh may reach what the coarse one did not
             problem.impose(trial)
-            solver.newton_damped(report, START_INCREMENT if trial != asked else solver.start_increment)
+            solver.newton(report, START_INCREMENT if trial != asked else solver.start_increment)
     except (SolveError, CaseError):
         start.restore()
         return None
     finally:
         problem.set_friction_aside()
-    if solver.energy and solver.negative_pivots():
+    if solver.negative_pivots():
         start.restore()
         return None
     return asked
-
-
-def _from_whole_string(problem: StaticProblem) -> float | None:
-    """Try Newton's method with friction from the equilibrium of the string without the joint of its motor.
-
-    Returns the lateral friction fraction reached; None, with the state restored, where there is no motor, or no stable
-    equilibrium is found.
-    """
-    model, solver, state = problem.model, problem.solver, problem.state
-    if model.motor is None:
-        return None
-    start, report = Snapshot(model), state.equilibrium
-    # a string that turns may have no equilibrium without the motor's joint, where it bends
-    for motion in dict.fromkeys([state.motion, (state.motion[0], 0.0)]):
-        reached = None
-        try:
-            whole = whole_model(model, motion)
-            below = director_equilibrium(whole, motion, problem.fraction > 0, may_follow_path=False)
-            report.iterations += below.equilibrium.iterations
-            place_like(model, whole)
-            turns = state.motion[1] or problem.motor_speed
-            for trial in sorted({0.0, problem.fraction}) if turns else (1.0,):
-                last = Snapshot(model)
-                problem.impose(trial)
-                try:
-                    solver.newton_damped(report, solver.start_increment)
-                except SolveError:
-                    if reached is None:
-                        raise
-                    last.restore()
-                    break
-                reached = trial
-        except (SolveError, CaseError):
-            reached = None
-        finally:
-            problem.set_friction_aside()
-        if reached is not None and not (solver.energy and solver.negative_pivots()):
-            return reached
-        start.restore()
-    return None
 
 
 def _solver(model: DrillingModel) -> StaticNewton:

@@ -7,8 +7,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from drillpetsc.analysis.energy_descent import Snapshot
 from drillpetsc.analysis.placement import hole_at_string, share_of_top
+from drillpetsc.analysis.snapshot import Snapshot
 from drillpetsc.analysis.steady_flow import STORAGE_WEIGHT, fluid_unknowns, steady_flow
 from drillpetsc.arrays import FloatArray
 from drillpetsc.errors import SolveError
@@ -53,7 +53,7 @@ def _flow_and_string_together(model: DrillingModel, solver: StaticNewton, report
     system.assembly.freeze(None)
     solver.rate_weight = STORAGE_WEIGHT
     try:
-        solver.newton_damped(report)
+        solver.newton(report)
     except SolveError:
         start.restore()
         return False
@@ -96,14 +96,14 @@ def couple_flow_and_string(
         size = solver.largest(float(np.abs(change).max(initial=0.0)))
         system.assembly.freeze(fluid)
         if size < COUPLING_TOLERANCE or (size < ROUNDING_TOLERANCE and size > 0.5 * smallest):
-            solver.newton_damped(report)
+            solver.newton(report)
             return
         smallest = min(smallest, size)
         if share < 1 or size > 0.5 * former:
             share = _share_of_change(system, last, change, share) if len(last) else share
             x[fluid] = before + share * change * system.scale[fluid]
         last = change
-        solver.newton_damped(report, COUPLING_SHARE * size)
+        solver.newton(report, COUPLING_SHARE * size)
     raise SolveError(
         f"string and fluid did not converge to a steady state in {MAX_COUPLING_ROUNDS} rounds "
         f"(last change {size:.1e} of the scales)"

@@ -11,12 +11,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from drillpetsc.analysis.energy_descent import Snapshot, nodal_weight
+from drillpetsc.analysis.imperfection import nodal_weight
 from drillpetsc.analysis.march import March, march
 from drillpetsc.analysis.march_shape import CROSSING
 from drillpetsc.analysis.path_answer import OVERLOAD, STEADY, AnyPath, PathAnswer, PathEnd
 from drillpetsc.analysis.path_question import may_slack_off
 from drillpetsc.analysis.placement import end_is_held, place_along_hole, top_depth
+from drillpetsc.analysis.snapshot import Snapshot
 from drillpetsc.analysis.soft_string_start import place_marched
 from drillpetsc.analysis.steady_flow import fluid_unknowns, freeze_flow, steady_flow
 from drillpetsc.arrays import FloatArray
@@ -585,7 +586,7 @@ class FrictionPath:
             if self._misses_weight(self._wob):
                 self._slide_to_depth(self._wob)
             if self._misses_weight(self._wob):
-                solver.newton_damped(Equilibrium())
+                solver.newton(Equilibrium())
         for component in self.components:  # stability is counted with friction as a dead load
             component.impose_sliding_direction(0.0, 0.0)
         negative = solver.negative_pivots()

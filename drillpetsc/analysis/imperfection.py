@@ -1,13 +1,12 @@
-"""Imperfection of a string that starts from rest: small lateral loads at its nodes, as in statics.
+"""Imperfection of a string: small random lateral loads at its nodes, as shares of its weight.
 
-Statics adds such loads only where the straight string is unstable (manual: sec-statics-descent).
+Statics adds such loads only where the string is unstable without them (manual: sec-statics-relaxation).
 """
 
 from __future__ import annotations
 
 import numpy as np
 
-from drillpetsc.analysis.energy_descent import nodal_weight
 from drillpetsc.arrays import FloatArray
 from drillpetsc.model.drilling_model import DrillingModel
 from drillpetsc.solvers.lateral_loads import lateral_loads
@@ -36,3 +35,25 @@ def imperfections(model: DrillingModel) -> FloatArray:
         if own is not None:
             fractions[e : e + 2] = own.imperfection
     return fractions
+
+
+def nodal_weight(model: DrillingModel) -> FloatArray:
+    """Compute the weight (n_nodes,) of each node [N]: half of both neighbouring elements and the rigid items."""
+    mesh, g = model.mesh, float(np.linalg.norm(model.case.gravity))
+    weight = np.zeros(mesh.nodes)
+    half = 0.5 * model.effective_mass * mesh.length * g
+    np.add.at(weight, np.arange(mesh.nodes - 1), half)
+    np.add.at(weight, np.arange(1, mesh.nodes), half)
+    for b in mesh.bodies:
+        weight[b.node] += b.mass * g
+    return weight
+
+
+def item_imperfection(model: DrillingModel, fraction: float) -> FloatArray:
+    """Compute the factor (n_nodes,) on ``fraction`` of string items with their own imperfection."""
+    mesh, factor = model.mesh, np.ones(model.mesh.nodes)
+    for e, number in enumerate(mesh.item):
+        own = model.case.string[number].initial
+        if own is not None:
+            factor[e : e + 2] = own.imperfection / fraction
+    return factor

@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from drillpetsc.analysis.energy_descent import item_imperfection, nodal_weight
+from drillpetsc.analysis.imperfection import item_imperfection, nodal_weight
 from drillpetsc.analysis.march import (
     March,
     axial_compliance,

@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import numpy as np
 
-from drillpetsc.analysis.energy_descent import Snapshot
 from drillpetsc.analysis.flow_coupling import surge_rates
 from drillpetsc.analysis.friction_path import SEED, FrictionPath, follow_paths
 from drillpetsc.analysis.march import stands
@@ -48,7 +47,7 @@ def slides_on(problem: StaticProblem) -> bool:
     no equilibrium, although force and shape stay.  Returns whether the string slides steadily; the state is the former one
     where it does not.
     """
-    model, solver, state = problem.model, problem.solver, problem.state
+    model, state = problem.model, problem.state
     assert problem.straight is not None
     largest_push = -float(problem.straight.axial_force.min())
     if not (problem.paths and any(state.motion)) or problem.motor_speed or largest_push <= 0 or model.reamers:
@@ -57,8 +56,7 @@ def slides_on(problem: StaticProblem) -> bool:
         return False  # a turning string has no path with friction across the hole
     if has_two_paths(problem):
         return False
-    asm, before = model.system.assembly, Snapshot(model)
-    load, y, rates = asm.dead_load, asm.y.copy(), solver.rates
+    restore = problem.save()
     path = _path(problem, "sliding")
     try:
         end = path.follow_on(largest_push)
@@ -76,9 +74,7 @@ def slides_on(problem: StaticProblem) -> bool:
         )
         _take(problem, answer, state.equilibrium.imperfection)
         return True
-    before.restore()
-    asm.dead_load, asm.y[:], solver.rates = load, y, rates
-    problem.set_friction_aside()
+    restore()
     return False
 
 

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
 
-from drillpetsc.analysis.energy_descent import Snapshot
 from drillpetsc.analysis.march import HelixBand, March
 from drillpetsc.analysis.path_answer import PathAnswer
+from drillpetsc.analysis.snapshot import Snapshot
 from drillpetsc.analysis.soft_string import TorqueDrag
 from drillpetsc.model.drilling_model import DrillingModel
 from drillpetsc.physics.interfaces import Bit, WallContact
@@ -79,6 +80,20 @@ class StaticProblem:
     def motor_speed(self) -> float:
         """What a downhole motor adds to the spin below it [rad/s]."""
         return self.model.motor.static_speed if self.model.motor is not None else 0.0
+
+    def save(self) -> Callable[[], None]:
+        """Copy all that a search changes; the function returned puts it back, with friction set aside."""
+        asm, solver, report = self.model.system.assembly, self.solver, self.state.equilibrium
+        before, load, y = Snapshot(self.model), asm.dead_load, asm.y.copy()
+        rates, imperfection = solver.rates, report.imperfection
+
+        def restore() -> None:
+            before.restore()
+            asm.dead_load, asm.y[:] = load, y
+            solver.rates, report.imperfection = rates, imperfection
+            self.set_friction_aside()
+
+        return restore
 
     def impose(self, fraction: float) -> None:
         """Let friction oppose the motion, with a ``fraction`` of its lateral force."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from drillpetsc.analysis.energy_descent import Snapshot
+from drillpetsc.analysis.snapshot import Snapshot
 from drillpetsc.arrays import FloatArray
 from drillpetsc.errors import SolveError
 from drillpetsc.model.drilling_model import DrillingModel
@@ -35,7 +35,7 @@ def balance_across(model: DrillingModel, solver: StaticNewton, report: Equilibri
             reached = Snapshot(model)
             asm.dead_load = load if share == step else held * (share - step) + (0.0 if load is None else load)
             try:
-                solver.newton_damped(report)
+                solver.newton(report)
                 share -= step
             except SolveError:
                 reached.restore()

@@ -1,18 +1,13 @@
-"""Static equilibrium: Newton's method on the potential energy.
+"""Newton's method for a static equilibrium, with side drag where a step asks for it.
 
-With a shift where the stiffness is not positive definite.
-
-Manual: sec-statics-newton, sec-statics-descent.  The frictionless problem has an energy, whose minima are the
-stable states.  Each step solves with K + sigma M (manual: eq-statics-step).  sigma is raised until no pivot
-is negative (Sylvester), and the step is shortened by the slope of the energy along it.  The result is then a
-minimum; a straight string above its buckling load is returned only if nothing disturbs it.  In that case a
-small persistent lateral load is added.  Friction in the imposed sliding direction follows, by Newton's method
-without a shift.
+Manual: sec-statics-newton.  Friction acts in the directions that the components impose.  A step with drag is one of
+implicit Euler: the next state of a string that moves slowly across its hole.  Without drag the step is infinitely long.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -36,25 +31,23 @@ ROUNDING_INCREMENT = (
     1.0e-5  # increment below which a state counts as converged where rounding stops the descent
 )
 ROUNDING_RATIO = 0.1  # an increment below it that is not this much smaller than all before it is rounding
-MAX_ITERATIONS = 600
-MAX_FULL_STEPS = 40
-FAR_LIMIT = 2.0  # factor of an unshifted step below which it would move a node by its clearance
+MAX_STEPS = 40
+FAR_LIMIT = 2.0  # factor of a step without drag below which it would move a node by its clearance
 MORE_STEPS = 10  # beyond the number that is allowed, while each halves what is left
-#: full Newton steps without a smaller increment before the iteration ends; contacts may open and close
-#: without end
+#: full steps without a smaller increment before the iteration ends; contacts may open and close without end
 STALL_WINDOW = 8
-#: shifted steps within which the increment of a minimisation that may stall halves, unless it is below the other value
-SHIFTED_STALL_WINDOW, NEARLY_CONVERGED = 30, 0.2
+#: factor below which a step with drag crawls, and such steps in turn before it is given up: a shorter one costs less
+CRAWL, CRAWLS = 0.1, 3
 SLOPE_STEP = 1.0e-4  # share of a step over which its direction is differenced
-#: largest lateral motion of a node in one step, as a share of its clearance: full Newton steps, shifted steps
-STEP_SHARE, SHIFTED_STEP_SHARE = 2.0, 0.5
-AXIAL_SHIFT = (
-    1e-6  # axial entries of the shift over the lateral ones; they hold a string that nothing else holds
-)
+#: largest lateral motion of a node in one step, as a share of its clearance: without drag, with drag
+STEP_SHARE, DRAG_STEP_SHARE = 2.0, 0.5
+AXIAL_SHARE = 1e-6  # of the drag along the string; it holds a string that nothing else holds
 MAX_SLOPE_CHANGE = 0.4  # largest change of a node's slope in one step
 #: lateral stiffness [N/m2] below which a motion in a hole is neutral: a helix without weight rolls without work
 NEUTRAL = 0.01
 
+
+NODAL = ("string.position", "string.tangent")  # fields that the drag holds
 
 #: (unknowns, step, factor) -> unknowns after the step
 Advance = Callable[[FloatArray, FloatArray, float], FloatArray]
@@ -87,8 +80,7 @@ class StaticNewton:
     """Static solver of one discrete system; the state is the assembly's x, rates are zero.
 
     system: the discrete system.
-    energy: no friction acts, so that the inertia of the matrix and the descent have a meaning.
-    symmetric: the loads have a potential. Without one the inertia is that of the symmetric part: no negative
+    symmetric: the loads have a potential.  Without one the inertia is that of the symmetric part: no negative
     pivot still means stable (manual: eq-statics-stable).
     clearance: (n_nodes,) radial clearance [m], or the same for all; None without a well.
     t: time at which inputs are evaluated [s].
@@ -101,7 +93,6 @@ class StaticNewton:
     move_top(step): moves the prescribed position of the top by ``step`` [m].
     rates: (n+1,) rates of a steady motion [SI of each field per second], None at rest.
     start_increment: largest increment of a state from which a further solve starts, in the fields' scales.
-    searches: unshifted steps are shortened where they overshoot; from the start in a hole.
     rate_weight: of the derivatives by the rates in the matrix [1/s]; a flow in a closed channel needs some.
     limit: of the work of a search, None without one.
     """
@@ -109,19 +100,18 @@ class StaticNewton:
     def __init__(
         self,
         system: DiscreteSystem,
-        energy: bool = True,
         clearance: FloatArray | float | None = None,
         t: float = 0.0,
         advance: Advance | None = None,
         symmetric: bool = True,
     ):
-        self.system, self.energy, self.t, self.symmetric = system, energy, t, symmetric
+        self.system, self.t, self.symmetric = system, t, symmetric
         self._advanced: Advance = advance or (lambda x, p, factor: x + factor * p)
         free = 0.2 * float(system.mesh.node_depth[-1])
         # contacts that open and close overshoot; a rod without a wall may turn far in a full step
-        self.searches = clearance is not None
+        self._searches = clearance is not None
         step = free if clearance is None else np.asarray(clearance, dtype=float)
-        self._step_shares = (1.0, 1.0) if clearance is None else (STEP_SHARE, SHIFTED_STEP_SHARE)
+        self._step_shares = (1.0, 1.0) if clearance is None else (STEP_SHARE, DRAG_STEP_SHARE)
         self.max_lateral_step = np.broadcast_to(step, (system.mesh.nodes,))[system.chain.vertices]
         self.factor = shared_factor(system)
         self.f = system.new_condensed()
@@ -132,7 +122,9 @@ class StaticNewton:
         self.start_increment = CONVERGED_INCREMENT
         self.limit: SearchLimit | None = None
         self._owned = system.owned_index >= 0
-        self._entries = diagonal_blocks(system, ("string.position", "string.tangent"))
+        self._entries = diagonal_blocks(system, NODAL)
+        #: of the present step: strength [N/m2], unknowns (n,) before it, and the springs of each nodal field
+        self._drag: tuple[float, FloatArray, list[tuple[np.ndarray, FloatArray, np.ndarray]]] | None = None
         self._constraints = ConstraintProducts(system)
         self._held_entries = self._couplings_of_held_unknowns()
         self._top_rows = next(
@@ -160,6 +152,47 @@ class StaticNewton:
         local = np.zeros(system.layout.size)
         local[system.layout.local_of_owned] = self.f.getArray(readonly=1)
         return local
+
+    @contextmanager
+    def drag(self, strength: float) -> Iterator[None]:
+        """Meanwhile side springs hold the free nodes where they are now: a step of implicit Euler of a string with drag.
+
+        strength: drag per length over the length of the step [N/m2] (manual: eq-statics-shift).
+        """
+        self._drag = strength, self.system.assembly.x[: self.system.layout.size].copy(), self._side_springs()
+        try:
+            yield
+        finally:
+            self._drag = None
+
+    def _side_springs(self) -> list[tuple[np.ndarray, FloatArray, np.ndarray]]:
+        """Springs of unit strength by nodal field: unknowns (k, 3), matrices (k, 3, 3), their places (k, 3, 3) in the values."""
+        system, v, h = self.system, self.system.field("string.tangent"), nodal_length(self.system)
+        along = v[:, :, None] * v[:, None, :] / np.sum(v * v, axis=1)[:, None, None]
+        ends = [f.condition.vertex for f in system.assembly.row_replacements]
+        out = []
+        for (vertices, entries), name, scale, share in zip(
+            self._entries, NODAL, (h, h**3 / 100), (AXIAL_SHARE, 0.0), strict=True
+        ):
+            free = ~np.isin(system.chain.vertices[vertices], ends)
+            at = vertices[free]
+            M = scale[at, None, None] * (np.eye(3) - (1 - share) * along[at])
+            out.append((system.layout.dofs[name][at], M, entries[free]))
+        return out
+
+    def _add_springs(self, values: FloatArray, strength: float, springs: list) -> None:
+        for _, M, entries in springs:
+            values[entries] += strength * M
+
+    def _pull(self) -> FloatArray:
+        """Gradient (n,) at x, with the drag of the present step; collective."""
+        g = self._gradient(self.rows())
+        if self._drag is not None:
+            strength, start, springs = self._drag
+            moved = self.system.assembly.x[: self.system.layout.size] - start
+            for dofs, M, _ in springs:
+                g[dofs] += strength * (M @ moved[dofs][:, :, None])[:, :, 0]
+        return g
 
     def _gradient(self, rows: FloatArray) -> FloatArray:
         """Compute the derivative (n,) of the energy by (r, v, phi) from the residual ``rows`` (n,).
@@ -206,6 +239,8 @@ class StaticNewton:
                 at = pointer(asm.values) + 8 * item.span.start
                 _quasi_rows(item.count, item.width, pointer(item.index), pointer(number), pointer(c), at)
         self._constraints.add(asm.values)
+        if self._drag is not None:
+            self._add_springs(asm.values, self._drag[0], self._drag[2])
 
     def _advance(self, f: RowReplacement) -> FloatArray:
         """Change (7,) of the unknowns of a prescribed end by the length that it is moved down its path."""
@@ -226,38 +261,42 @@ class StaticNewton:
         by_row, by_column = (np.append(rock, False)[i] for i in (rows, columns))
         return np.flatnonzero((by_row | by_column) & (rows != columns))
 
-    def _factor(self, sigma: float) -> int:
-        """Factor K + sigma M; ``sigma`` in N/m2 (manual: eq-statics-step).
-
-        Returns the number of negative pivots beyond those of multipliers, -1 where a pivot is missing, and 0
-        where the loads have no energy.
-        """
+    def _factor(self) -> None:
+        """Factor the stiffness; raises SolveError where it is singular."""
         if self.limit is not None:
             self.limit.count()
-        values, held = (
-            self.system.assembly.values,
-            self._held_entries if self.energy else np.zeros(0, dtype=int),
-        )
-        if sigma or len(held):
-            values = values.copy()
-        values[held] = 0.0
-        if sigma:
-            v = self.system.field("string.tangent")
-            along = v[:, :, None] * v[:, None, :] / np.sum(v * v, axis=1)[:, None, None]
-            h = nodal_length(self.system)
-            for (vertices, entries), scale, share in zip(
-                self._entries, (h, h**3 / 100), (AXIAL_SHIFT, 0.0), strict=True
-            ):
-                M = np.eye(3) - (1 - share) * along[vertices]
-                values[entries] += sigma * scale[vertices, None, None] * M
         try:
-            if not self.energy:
-                self.factor.factor(values)
-                return 0
+            self.factor.factor(self.system.assembly.values)
+        except ZeroPivot:
+            raise SolveError(
+                "singular stiffness matrix",
+                hint="check the end conditions: a rigid-body mode may not be constrained",
+                **self.system.locate_largest_residual(self.t),
+            ) from None
+
+    def negative_pivots(self) -> int:
+        """Count the negative pivots of the stiffness at x beyond those of multipliers; -1 where a pivot is missing.
+
+        Manual: eq-statics-stable.
+
+        The count has a meaning without friction only.  Neutral motions in a hole do not count.
+        """
+        self._stiffness()
+        values = self.system.assembly.values
+        values[self._held_entries] = 0.0
+        count = self._inertia(values)
+        if count > 0 and self._searches:
+            self._add_springs(values, NEUTRAL, self._side_springs())
+            count = self._inertia(values)
+        return count
+
+    def _inertia(self, values: FloatArray) -> int:
+        """Negative pivots of a matrix, or of its symmetric part, beyond those of multipliers; -1 where one is missing."""
+        if self.limit is not None:
+            self.limit.count()
+        try:
             # each multiplier is a negative eigenvalue in every state (saddle point)
             count = self.factor.negative_pivots(values if self.symmetric else self._symmetric_part(values))
-            if not self.symmetric:
-                self.factor.factor(values)
             return count - self.system.multipliers
         except ZeroPivot:
             return -1
@@ -270,30 +309,9 @@ class StaticNewton:
             K[:] = 0.5 * (K + K.transpose(0, 2, 1))
         return out
 
-    def _positive_factor(self, sigma: float) -> float:
-        """Find the smallest shift [N/m2] on a coarse scale without negative pivots, and factor with it.
-
-        sigma: shift of the last step [N/m2].  Raises SolveError where no shift suffices.
-        """
-        mesh = self.system.mesh
-        # of the longest elements: buckles are long, and the shortest ones of a graded mesh would make every step small
-        first = 1e-3 * float(np.min((mesh.bending_stiffness / mesh.length_divisor**4)[~mesh.is_joint]))
-        trial = sigma / 8 if sigma > 8 * first else 0.0
-        for _ in range(60):
-            if self._factor(trial) == 0:
-                return trial
-            trial = max(4 * trial, first)
-        raise SolveError(
-            "the stiffness matrix could not be made positive definite by a shift",
-            hint="check the end conditions: a rigid-body mode may not be constrained",
-            **self.system.locate_largest_residual(self.t),
-        )
-
     # ------------------------------------------------------------------ iteration
-    def _step_limit(self, p: FloatArray, shifted: bool) -> float:
-        """Compute the largest factor of the step ``p`` (n,) with bounded lateral motion and slope change of
-        every node.  ``shifted``: the limit of shifted steps.
-        """
+    def _step_limit(self, p: FloatArray) -> float:
+        """Compute the largest factor of the step ``p`` (n,) with bounded lateral motion and slope change of every node."""
         system = self.system
         r, v = p[system.layout.dofs["string.position"]], p[system.layout.dofs["string.tangent"]]
         t = system.field("string.tangent")
@@ -302,37 +320,26 @@ class StaticNewton:
         share = (lateral / self.max_lateral_step).max(initial=0.0)
         slope = np.linalg.norm(v, axis=1).max(initial=0.0)
         return min(
-            self._step_shares[shifted] / max(self.largest(share), 1e-300),
+            self._step_shares[self._drag is not None] / max(self.largest(share), 1e-300),
             MAX_SLOPE_CHANGE / max(self.largest(slope), 1e-300),
         )
 
     def _search(
-        self, x0: FloatArray, p: FloatArray, with_top: FloatArray, slope0: float, alpha: float, most: float
+        self, x0: FloatArray, p: FloatArray, with_top: FloatArray, slope0: float, alpha: float
     ) -> float:
-        """Search the step length by the slope of the energy along the step; returns the factor of ``p``.
-
-        The step is shortened where the energy rises again beyond it, and lengthened while the energy falls
-        steeply.
+        """Shorten a step beyond which the energy rises again, by the slope along it; returns the factor of ``p``.
 
         x0: (n,) start; p: (n,) step; with_top: (n,) its part that follows the top's own motion, along which the loads at
-        the top do work; slope0: slope at the start without that part [J]; alpha: first factor; most: largest factor.
+        the top do work; slope0: slope at the start without that part [J]; alpha: first factor.
         """
-        good, shrunk = 0.0, False
         for _ in range(12):
             slope = self._slope_at(x0, p, with_top, alpha)
             if np.isfinite(slope) and slope <= 0.8 * abs(slope0):
-                good = alpha
-                if shrunk or slope > 0.5 * slope0 or alpha >= most:
-                    break
-                alpha = min(most, 3 * alpha)
-                continue
-            if good:
                 break
-            shrunk = True
             alpha *= (
                 min(0.7, max(0.1, slope0 / (slope0 - slope))) if np.isfinite(slope) and slope > 0 else 0.3
             )
-        return good or alpha
+        return alpha
 
     def _slope_at(self, x0: FloatArray, p: FloatArray, with_top: FloatArray, alpha: float) -> float:
         """Compute the slope [J] of the energy along ``p`` (n,) less ``with_top`` (n,) at x0 + alpha p; collective."""
@@ -341,7 +348,7 @@ class StaticNewton:
             2 * SLOPE_STEP
         )
         way -= with_top
-        return self.sum(float(self._gradient(self.rows())[self._owned] @ way[self._owned]))
+        return self.sum(float(self._pull()[self._owned] @ way[self._owned]))
 
     def _bring_to_depth(self, p: FloatArray) -> tuple[float, FloatArray]:
         """Compute the motion of the top that brings the bit to its depth beside the step ``p`` (n,) (manual: eq-statics-wob).
@@ -365,66 +372,55 @@ class StaticNewton:
         move = (target - self.sum(depth) - by_step) / by_top
         return move, move * s
 
-    def _newton(
+    def newton(
         self,
-        shifted: bool,
         report: Equilibrium,
-        search: bool = True,
-        max_iterations: int = MAX_ITERATIONS,
         tolerance: float = CONVERGED_INCREMENT,
+        most: int = MAX_STEPS,
         near: bool = False,
-        may_stall: bool = False,
     ) -> None:
-        """Iterate from the assembly's x (manual: eq-statics-step).
+        """Iterate from the assembly's x to an equilibrium, or to the end of a step with drag; collective.
 
-        shifted: use a shift that leaves no negative pivot; otherwise full Newton steps.
-        report: gets iterations, increments and ``converged``.
-        search: search the step length.
-        tolerance: largest increment of a converged state.  Of one that a further solve starts from, it may be of a step that the
-        search has shortened since.
-        near: the start is near its state, so that no two steps in turn may ask for a motion across the hole.
-        may_stall: end shifted steps whose increments do not become smaller.
-        Raises SolveError where the iteration does not converge.
+        Manual: eq-statics-step.
+
+        report: gets iterations, increments, ``converged`` and the largest residual.
+        tolerance: largest increment of a converged state, in the fields' scales.  Of one that a further solve starts from, it
+        may be of a step that the search has shortened since.
+        most: number of steps.
+        near: the start is near its state: give up if two consecutive steps exceed the radial clearance.
+        Raises SolveError where the iteration does not converge; x is then anywhere.
         """
-        asm, n = self.system.assembly, self.system.layout.size
-        sigma, smallest, weight = 0.0, np.inf, 1.0 / self.system.scale
-        rounded, start, shrinks, far = 0, len(report.history), True, 0
-        full_steps: list[float] = []
-        full = np.inf  # size of the last step before it was shortened: what is left, by Newton's method
-        for count in range(max_iterations + MORE_STEPS):
-            if count >= max_iterations and not shrinks:
+        self._begin(report)
+        n, x, weight = self.system.layout.size, self.system.assembly.x, 1.0 / self.system.scale
+        smallest, rounded, far, crawls = np.inf, 0, 0, 0
+        start, full_steps = len(report.history), list[float]()
+        full, shrinks = (
+            np.inf,
+            True,
+        )  # size of the last step before it was shortened: what is left, by Newton's method
+        for count in range(most + MORE_STEPS):
+            if count >= most and not shrinks:
                 break
-            rows = self.rows()
-            g = self._gradient(rows)
+            g = self._pull()
             self._stiffness()
-            negative = 0
-            if shifted:
-                sigma = self._positive_factor(sigma)
-            else:
-                negative = self._factor(0.0)
-            if negative < 0:
-                raise SolveError(
-                    "singular stiffness matrix",
-                    hint="check the end conditions: a rigid-body mode may not be constrained",
-                    **self.system.locate_largest_residual(self.t),
-                )
+            self._factor()
             p = np.zeros(n)
             self.factor.solve(-self._with_constraints(g), p)
             slope0 = self.sum(float(g[self._owned] @ p[self._owned]))
             move, with_top = self._bring_to_depth(p) if self.depth else (0.0, np.zeros(n))
             p += with_top
-            x0 = asm.x[:n].copy()
-            longest = self._step_limit(p, shifted)
+            x0 = x[:n].copy()
+            longest = self._step_limit(p)
             far = far + 1 if longest < FAR_LIMIT else 0
             if near and far > 1:
                 break
             alpha = min(1.0, longest)
             # near rounding the slope has no sign; beside a saddle it does not say how far to go
             before, full = full, self.largest(float(np.max(np.abs(p) * weight, initial=0.0)))
-            large, shrinks = full > ROUNDING_INCREMENT, full < 0.5 * before
-            if search and slope0 < 0 and not negative and (shifted or large):
-                alpha = self._search(x0, p, with_top, slope0, alpha, longest if sigma else alpha)
-            asm.x[:n] = self._advanced(x0, p, alpha)
+            shrinks = full < 0.5 * before
+            if self._searches and slope0 < 0 and full > ROUNDING_INCREMENT:
+                alpha = self._search(x0, p, with_top, slope0, alpha)
+            x[:n] = self._advanced(x0, p, alpha)
             if self.depth and self.move_top:
                 self.move_top(alpha * move)
             size = self.largest(float(np.max(np.abs(alpha * p) * weight, initial=0.0)))
@@ -445,17 +441,15 @@ class StaticNewton:
             rounded = rounded + 1 if size < ROUNDING_INCREMENT and size > ROUNDING_RATIO * smallest else 0
             if (
                 alpha == 1.0
-                and sigma == 0.0
                 and (size < tolerance or left < 0.1 * tolerance or rounded)
-                or (sigma == 0.0 and full < tolerance > ROUNDING_INCREMENT)
+                or full < tolerance > ROUNDING_INCREMENT
                 or (rounded >= 8 and size < CONVERGED_INCREMENT)
             ):
-                report.converged = True
+                self._end(report)
                 return
             smallest = min(smallest, size)
-            if not shifted and self._does_not_shrink(full_steps):
-                break
-            if may_stall and self._stalls(report.history[start:]):
+            crawls = crawls + 1 if self._drag is not None and alpha < CRAWL else 0
+            if crawls >= CRAWLS or self._does_not_shrink(full_steps):
                 break
         raise SolveError(
             f"statics did not converge in {len(report.history) - start} iterations "
@@ -471,14 +465,6 @@ class StaticNewton:
             return False
         return min(sizes[-STALL_WINDOW:]) > 0.5 * min(sizes[:-STALL_WINDOW])
 
-    @staticmethod
-    def _stalls(sizes: list[float]) -> bool:
-        """Whether the increments ``sizes`` of shifted steps have not halved within ``SHIFTED_STALL_WINDOW`` steps."""
-        if len(sizes) < 2 * SHIFTED_STALL_WINDOW:
-            return False
-        recent = min(sizes[-SHIFTED_STALL_WINDOW:])
-        return recent > max(NEARLY_CONVERGED, 0.5 * min(sizes[:-SHIFTED_STALL_WINDOW]))
-
     def _with_constraints(self, g: FloatArray) -> FloatArray:
         """Return the gradient ``g`` (n,) with the error of the prescribed positions in their rows."""
         out = g.copy()
@@ -490,71 +476,6 @@ class StaticNewton:
                 out[f.rows] += f.D.T @ (ROW_SCALE * error)
         return out
 
-    # ------------------------------------------------------------------ use
-    def solve(self, report: Equilibrium | None = None) -> Equilibrium:
-        """Find the equilibrium from the assembly's x: full Newton steps, else energy minimisation.
-
-        Collective.
-
-        Friction is what the components have set: off, or in an imposed direction.  With an energy, a result
-        from full Newton steps is stable; after a minimisation ``negative_pivots`` shows whether it is.
-        Raises SolveError where neither converges.
-        """
-        report = report or Equilibrium()
-        start = self.system.assembly.x.copy()
-        try:
-            self.newton_free(report)
-        except SolveError:
-            if not self.energy:
-                raise
-            self.system.assembly.x[:] = start
-            self.minimise_energy(report)
-        return report
-
-    def newton_free(
-        self,
-        report: Equilibrium,
-        tolerance: float = CONVERGED_INCREMENT,
-        most: int = MAX_FULL_STEPS,
-        near: bool = False,
-    ) -> None:
-        """Take full Newton steps, the fastest method where it converges; collective.
-
-        tolerance: largest increment of a converged state, in the fields' scales; most: number of steps; near: as of ``_newton``.
-
-        Raises SolveError where the steps do not converge to a stable state.
-        """
-        self._begin(report)
-        self._newton(False, report, self.searches, most, tolerance, near)
-        self._end(report)
-        self.check_stable()
-
-    def check_stable(self) -> None:
-        """Raise SolveError where the loads have an energy and the state is no minimum of it; collective."""
-        if self.energy and self.negative_pivots():
-            raise SolveError("the static state is unstable", **self.system.locate_largest_residual(self.t))
-
-    def minimise_energy(
-        self,
-        report: Equilibrium,
-        max_iterations: int = MAX_ITERATIONS,
-        tolerance: float = CONVERGED_INCREMENT,
-        may_stall: bool = False,
-    ) -> None:
-        """Minimise the energy by steps with a positive definite matrix; collective.
-
-        Manual: sec-statics-descent.
-
-        The result is a stable state, or a saddle where the start is one.
-        may_stall: end where the increments do not become smaller; far from a minimum they need not.
-        Raises SolveError where the iteration does not converge.
-        """
-        self._begin(report)
-        self._newton(
-            self.energy, report, max_iterations=max_iterations, tolerance=tolerance, may_stall=may_stall
-        )
-        self._end(report)
-
     def _begin(self, report: Equilibrium) -> None:
         """Put prescribed components at their values."""
         report.converged = False
@@ -565,42 +486,11 @@ class StaticNewton:
             x[f.rows] += f.D.T @ (f.value - f.D @ x[f.rows])
 
     def _end(self, report: Equilibrium) -> None:
-        """Store the largest residual in ``element_results``; collective."""
+        """Report a converged state; collective."""
+        report.converged = True
         report.residual = self.largest(
             float(np.max(np.abs(self._gradient(self.rows())[self._owned]), initial=0.0))
         )
-
-    def newton_damped(
-        self,
-        report: Equilibrium,
-        tolerance: float = CONVERGED_INCREMENT,
-        most: int = MAX_FULL_STEPS,
-        near: bool = False,
-    ) -> None:
-        """Take full Newton steps without a stability count, for loads without an energy (friction).
-
-        tolerance: largest increment of a converged state, in the fields' scales; most: number of steps; near: as of ``_newton``.
-
-        Collective.
-
-        Raises SolveError where the steps do not converge.
-        """
-        energy, self.energy = self.energy, False
-        try:
-            self.newton_free(report, tolerance, most, near)
-        finally:
-            self.energy = energy
-
-    def negative_pivots(self) -> int:
-        """Count the negative pivots of the stiffness at x beyond those of multipliers.
-
-        Manual: eq-statics-stable.
-
-        The count has a meaning without friction only.  Neutral motions in a hole do not count.
-        """
-        self._stiffness()
-        count = self._factor(0.0)
-        return self._factor(NEUTRAL) if count > 0 and self.searches else count
 
     def add_imperfection(self, size: FloatArray, spacing: float | None = None) -> None:
         """Add persistent random lateral loads, see ``lateral_loads``, as the assembly's dead load."""

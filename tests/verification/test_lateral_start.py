@@ -345,7 +345,7 @@ def placed_rows(
         raise KeyboardInterrupt
 
     with monkeypatch.context() as patch:
-        patch.setattr(StaticNewton, "newton_damped", first)
+        patch.setattr(StaticNewton, "newton", first)
         with pytest.raises(KeyboardInterrupt):
             find_equilibrium(model, motion)
     system = model.system

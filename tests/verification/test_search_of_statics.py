@@ -8,18 +8,15 @@ import numpy as np
 import pytest
 
 from drillpetsc import Case, load_case, statics
-from drillpetsc.analysis import energy_descent
-from drillpetsc.analysis.equilibrium import MOTIONS, _set_weight_on_bit, _solver
+from drillpetsc.analysis.equilibrium import MOTIONS
 from drillpetsc.analysis.friction_path import FrictionPath
 from drillpetsc.analysis.initial_state import find_equilibrium
-from drillpetsc.analysis.placement import place_along_hole, top_depth
 from drillpetsc.analysis.statics import static_summary
 from drillpetsc.errors import SolveError
 from drillpetsc.model.drilling_model import build_model
 from drillpetsc.output.static_table import static_table
 from drillpetsc.solvers import search_limit
 from drillpetsc.solvers.chain_lu import ChainFactor
-from drillpetsc.solvers.static_newton import Equilibrium, StaticNewton
 
 G, HOLE = 9.81, 0.2159
 PIPE = {"kind": "pipe", "od": 0.127, "id": 0.1086}
@@ -135,16 +132,8 @@ def test_a_path_that_was_asked_for_has_no_limit(monkeypatch):
     assert find_equilibrium(model, MOTIONS["lower"], path="sliding").path is not None
 
 
-def test_a_minimisation_that_does_not_shrink_stalls():
-    """Increments that fall, or are small, do not; those that stay large within 30 steps do."""
-    assert not StaticNewton._stalls([4.0] * 59)
-    assert StaticNewton._stalls([64.0, 7.0, 4.0] * 10 + [3.4, 3.0, 2.5] * 10)
-    assert not StaticNewton._stalls([4.0] * 30 + [1.9] * 30)
-    assert not StaticNewton._stalls([0.3] * 30 + [0.19] * 30)
-
-
-def test_a_reamer_on_its_shoulder_does_not_hold_up_the_bit(monkeypatch):
-    """The bit of a string whose reamer stands comes to its depth in a few rounds: 30 rounds before, each of a percent."""
+def test_a_reamer_on_its_shoulder_does_not_hold_up_the_bit(factorisations):
+    """The bit of a string whose reamer stands comes to its depth in few steps, although it follows the top by a hundredth only."""
     reamed = case(20e3, 0.0, length=400.0)
     data = reamed.replace(
         {
@@ -162,23 +151,10 @@ def test_a_reamer_on_its_shoulder_does_not_hold_up_the_bit(monkeypatch):
             "formation": {"drillability": 4e-8},
         }
     )
-    model, rounds = build_model(data), [0]
-    place_along_hole(model, top_depth(model))
-    for component in model.imposed:
-        component.impose_sliding_direction(0.0, 0.0)
-    solver = _solver(model)
-    _set_weight_on_bit(model, solver, 20e3)
-    minimise = energy_descent._minimise_with_stiffening
-
-    def counted(*arguments):
-        rounds[0] += 1
-        return minimise(*arguments)
-
-    monkeypatch.setattr(energy_descent, "_minimise_with_stiffening", counted)
-    energy_descent._minimise(model, solver, Equilibrium(), (1.0,))
-    assert rounds[0] <= 6
-    solver.rows()
-    assert model.bit.weight_and_torque(model.system.assembly)[0] == pytest.approx(20e3, rel=1e-3)
+    model = build_model(data)
+    figures = static_summary(model, find_equilibrium(model))
+    assert figures["wob"] == pytest.approx(20e3, rel=1e-3)
+    assert factorisations[0] <= 60
 
 
 def test_an_end_that_friction_holds_stays_where_the_string_slides_no_further(monkeypatch):

@@ -119,14 +119,14 @@ def test_the_bit_adds_its_torque(tmp_path) -> None:
     assert summary["surface_torque"] - summary["bit_torque"] == pytest.approx(expected, rel=0.01)
 
 
-def test_statics_follows_the_path_where_newtons_method_finds_nothing(tmp_path) -> None:
-    """A vertical string of 500 m, 150 kN on its bit, that turns and is lowered: refused before."""
+def test_a_string_that_turns_and_slides_has_a_stable_state(tmp_path) -> None:
+    """A vertical string of 500 m, 150 kN on its bit, that turns and is lowered: its paths ended in a state with a negative pivot."""
     case = on_bit(150e3, 0.0, 10.0, 0.2, length=500.0)
     summary = statics(case, tmp_path / "out").summary
     assert summary["wob"] == pytest.approx(150e3, rel=1e-3)
     hanging = WEIGHT * 499.5 + 60 * 9.81 - 150e3
     assert summary["hook_load"] < hanging and summary["surface_torque"] > summary["bit_torque"]
-    assert summary["path"] == "sliding" and len(summary["path_states"]) == 2
+    assert summary["stable"]
 
 
 def test_a_roadmap_has_rows_of_buckled_strings(tmp_path) -> None:
@@ -196,11 +196,11 @@ def test_the_coarse_mesh_of_a_fine_one_follows_no_path(monkeypatch, tmp_path) ->
     expected = statics(made, tmp_path / "a").summary["hook_load"]
     reach, meshes = equilibrium.reach, []
 
-    def on_fine_meshes(problem, found):
+    def on_fine_meshes(problem):
         meshes.append(problem.model.mesh.nodes)
         if problem.model.mesh.nodes < 100:
             raise SolveError("no state")
-        return reach(problem, found)
+        return reach(problem)
 
     def followed(problem, kind):
         raise AssertionError("a path was followed")

@@ -6,7 +6,6 @@ from typing import Any
 
 from petsc4py import PETSc
 
-from drillpetsc.analysis.energy_descent import Snapshot
 from drillpetsc.analysis.equilibrium import StaticState
 from drillpetsc.analysis.initial_state import find_equilibrium
 from drillpetsc.analysis.linearised_model import settle
@@ -14,6 +13,7 @@ from drillpetsc.analysis.live_input import LiveInput
 from drillpetsc.analysis.mean_over_turn import mean_over_turn
 from drillpetsc.analysis.modal import rest_of, without_motor
 from drillpetsc.analysis.placement import move_rigidly, prescribed_motion, release
+from drillpetsc.analysis.snapshot import Snapshot
 from drillpetsc.case.blocks.ends import HeldBottom, HeldTop, TopDrive
 from drillpetsc.case.case import Case
 from drillpetsc.case.checks.limits import refuse_quaternion
