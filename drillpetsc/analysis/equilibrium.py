@@ -27,6 +27,7 @@ from drillpetsc.errors import CaseError, SolveError
 from drillpetsc.model.drilling_model import DrillingModel
 from drillpetsc.output.free_end import BEYOND, FreeEnd, end_is_free
 from drillpetsc.output.outside_hole import HINT, may_leave_hole, static_warnings
+from drillpetsc.physics.tools.mud_motor import MudMotor
 from drillpetsc.solvers.search_limit import SearchEnded, SearchLimit
 from drillpetsc.solvers.static_newton import CONVERGED_INCREMENT, Equilibrium, StaticNewton, sum_of
 from drillpetsc.unit_systems import System, display, display_unit, shown
@@ -184,7 +185,7 @@ def _answer_by_newton(problem: StaticProblem) -> float:
     model, state, found = problem.model, problem.state, problem.found
     coils = found is not None and bool(found.helical.any())
     reached = None
-    if found is not None and problem.moves and not coils and model.motor is None:
+    if found is not None and problem.moves and not coils and not model.parts(MudMotor):
         reached = _from_coarse_mesh(problem)
     if reached is None:
         try:

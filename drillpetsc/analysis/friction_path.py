@@ -24,6 +24,8 @@ from drillpetsc.arrays import FloatArray
 from drillpetsc.case.blocks.ends import ForcedBottom
 from drillpetsc.errors import SolveError
 from drillpetsc.model.drilling_model import DrillingModel
+from drillpetsc.physics.interfaces import Drive
+from drillpetsc.physics.tools.mud_motor import MudMotor
 from drillpetsc.solvers.lateral_loads import lateral_loads
 from drillpetsc.solvers.overdamped import SPIN_ARM, Drag, OverdampedMotion
 from drillpetsc.solvers.static_newton import Advance, Equilibrium, StaticNewton, sum_of
@@ -112,7 +114,7 @@ class FrictionPath:
         self.sign, self.turns = float(np.sign(velocity[0])) or 1.0, kind == "sliding" and bool(velocity[1])
         self.settings, self._surge = SETTINGS["turning" if self.turns else kind], surge
         self._slip = self.settings.slip
-        self.components = model.imposed
+        self.components = model.components
         tangent = np.asarray(model.well.at(model.mesh.node_depth + top_depth(model))[1])
         self._motions = {
             q: OverdampedMotion(model.system, Drag(q.drag, q.along, tangent, q.arm), clearance, advance)
@@ -183,7 +185,7 @@ class FrictionPath:
                 component.impose_sliding_direction(
                     abs(self.velocity[0]) * speed / SPEED, self.velocity[1], 0.0
                 )
-            elif self.model.motor is None or component is not self.model.bit:
+            elif not self.model.parts(MudMotor) or component is not self.model.bit:
                 component.follow_overdamped_motion(speed, self._slip)
 
     # ------------------------------------------------------------------ path
@@ -531,7 +533,7 @@ class FrictionPath:
 
     def _torque(self) -> float:
         """Torque at the top [N m]."""
-        system, drive = self.model.system, self.model.drive
+        system, drive = self.model.system, self.model.part(Drive)
         own = drive.torque(0.0, system.assembly) if drive is not None else 0.0
         return float(system.reaction("top.torque_reaction")) + sum_of(system, float(own))
 

@@ -19,6 +19,7 @@ from drillpetsc.errors import SolveError
 from drillpetsc.model.drilling_model import DrillingModel, build_model
 from drillpetsc.model.string_forces import held_at_weight
 from drillpetsc.parallel import total
+from drillpetsc.physics.tools.mud_motor import MudMotor
 from drillpetsc.unit_systems import shown
 
 TOLERATED_JUMP = 0.01  # of the hook load, at the start of a run with a top force and a given weight on bit
@@ -44,8 +45,9 @@ def find_equilibrium(
     # the weight on bit sets the static state, although the force of the top acts from time 0 on
     if model.case.top.force is not None and model.case.initial.wob is not None:
         return _equilibrium_at_weight(model, motion, lateral_friction, path)
-    if model.motor is not None:
-        return motor_equilibrium(model, model.motor, motion, lateral_friction, path)
+    motor = model.part(MudMotor)
+    if motor is not None:
+        return motor_equilibrium(model, motor, motion, lateral_friction, path)
     try:
         return director_equilibrium(model, motion, lateral_friction, path)
     except SolveError as error:

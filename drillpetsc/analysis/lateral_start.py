@@ -140,7 +140,7 @@ def _directors(model: DrillingModel, found: March) -> tuple[FloatArray, FloatArr
 
 def _turns(model: DrillingModel, motion: tuple[float, float]) -> bool:
     """Whether any part of the string turns."""
-    return bool(motion[1] or (model.motor is not None and model.motor.static_speed))
+    return bool(motion[1] or model.motor_speed)
 
 
 class _Bottom:

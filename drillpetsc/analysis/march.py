@@ -22,6 +22,7 @@ from drillpetsc.model.drilling_model import DrillingModel
 from drillpetsc.model.hole import hole_depth
 from drillpetsc.output.flow_recorder import FlowRecorder
 from drillpetsc.output.static_table import at_nodes
+from drillpetsc.physics.tools.reamer import Reamer
 
 #: contact force at the top, as a fraction of the load of its node, above which the string is on the wall there
 LATERAL_LOAD_THRESHOLD = 0.1
@@ -244,7 +245,7 @@ class _Marcher:
         )
         rock = 0.0
         if model.bit is not None:
-            turning = motion[1] + (model.motor.static_speed if model.motor is not None else 0.0)
+            turning = motion[1] + model.motor_speed
             rock = model.bit.torque_for(wob, turning) * np.sign(turning)
         steps = self.around * contact - self.load_torque
         for node, (_, rocks) in reamers.items():
@@ -318,7 +319,7 @@ class _Marcher:
         model, mesh = self.model, self.model.mesh
         found: dict[int, tuple[float, float]] = {}
         bit = model.bit
-        for reamer in reversed(model.reamers) if bit is not None else ():
+        for reamer in reversed(model.parts(Reamer)) if bit is not None else ():
             assert bit is not None
             tension = self.column.run(bottom, standing={node: weight for node, (weight, _) in found.items()})[
                 0
@@ -556,8 +557,8 @@ def friction_factors(
     mesh, well = model.mesh, model.well
     assert well is not None
     radius, spin = _radius(model), np.full(mesh.nodes, motion[1])
-    if model.motor is not None and mesh.motor_cell is not None:
-        spin[mesh.motor_cell + 1 :] += model.motor.static_speed
+    if mesh.motor_cell is not None:
+        spin[mesh.motor_cell + 1 :] += model.motor_speed
     at = mesh.node_depth + top_depth(model) if depth is None else depth
     mu = np.asarray(well.friction(at)).copy()
     own = np.append(mesh.friction, mesh.friction[-1])

@@ -8,6 +8,7 @@ from drillpetsc.analysis.march import march, stands
 from drillpetsc.case.blocks.ends import ForcedBottom
 from drillpetsc.errors import CaseError
 from drillpetsc.model.drilling_model import DrillingModel
+from drillpetsc.physics.tools.reamer import Reamer
 
 
 def has_path(model: DrillingModel, motion: tuple[float, float]) -> bool:
@@ -51,7 +52,7 @@ def refuse_path(model: DrillingModel, motion: tuple[float, float], got: str) -> 
         raise CaseError(at=at, got=got, want="a string in a hole with contact")
     if nothing_holds(model):
         raise CaseError(at=at, got=got, want="a string that its top or its bottom holds along the hole")
-    if model.reamers:
+    if model.parts(Reamer):
         raise CaseError(
             at=at,
             got=f"{got} with a reamer",

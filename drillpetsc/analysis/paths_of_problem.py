@@ -18,6 +18,7 @@ from drillpetsc.arrays import FloatArray
 from drillpetsc.errors import SolveError
 from drillpetsc.geometry.hole_steps import HoleSteps
 from drillpetsc.model.drilling_model import DrillingModel
+from drillpetsc.physics.tools.reamer import Reamer
 
 LEAST_CLEARANCE = 1e-3  # [m]
 NODES_OF_BAND = 500  # of a string whose band of states is found by itself, in seconds
@@ -50,7 +51,12 @@ def slides_on(problem: StaticProblem) -> bool:
     model, state = problem.model, problem.state
     assert problem.straight is not None
     largest_push = -float(problem.straight.axial_force.min())
-    if not (problem.paths and any(state.motion)) or problem.motor_speed or largest_push <= 0 or model.reamers:
+    if (
+        not (problem.paths and any(state.motion))
+        or problem.motor_speed
+        or largest_push <= 0
+        or model.parts(Reamer)
+    ):
         return False  # the shares of bit and reamer are not those of a path
     if state.motion[1] and problem.fraction > 0:
         return False  # a turning string has no path with friction across the hole

@@ -46,7 +46,7 @@ def soft_string(
         np.divide(q[has_length], share, out=np.full(len(share), np.inf), where=share > 0)
         for q in (mesh.axial_stiffness, mesh.torsional_stiffness)
     )
-    turning = motion[1] + (model.motor.static_speed if model.motor is not None else 0.0)
+    turning = motion[1] + model.motor_speed
     soft = torque_drag(
         well,
         depth[np.append(True, has_length)],

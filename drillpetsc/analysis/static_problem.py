@@ -79,7 +79,7 @@ class StaticProblem:
     @property
     def motor_speed(self) -> float:
         """What a downhole motor adds to the spin below it [rad/s]."""
-        return self.model.motor.static_speed if self.model.motor is not None else 0.0
+        return self.model.motor_speed
 
     def save(self) -> Callable[[], None]:
         """Copy all that a search changes; the function returned puts it back, with friction set aside."""
@@ -97,10 +97,10 @@ class StaticProblem:
 
     def impose(self, fraction: float) -> None:
         """Let friction oppose the motion, with a ``fraction`` of its lateral force."""
-        for component in self.model.imposed:
+        for component in self.model.components:
             component.impose_sliding_direction(*self.state.motion, fraction, self.motor_speed)
 
     def set_friction_aside(self) -> None:
         """No friction acts from now on."""
-        for component in self.model.imposed:
+        for component in self.model.components:
             component.impose_sliding_direction(0.0, 0.0)

@@ -46,6 +46,7 @@ from drillpetsc.output.string_ends import TopEnd
 from drillpetsc.output.wall_depth import wall_depth_notes
 from drillpetsc.output.well_files import write_well_files
 from drillpetsc.physics.beam import RESULT_NAMES
+from drillpetsc.physics.interfaces import Drive
 from drillpetsc.unit_systems import System, display, kind_of, shown
 
 NOISE = 1e-12  # share of the largest load below which a load is rounding noise
@@ -274,7 +275,7 @@ def static_summary(model: DrillingModel, state: StaticState) -> dict[str, Any]:
             np.sum(mean * length / mesh.axial_stiffness[cells]),
             np.sum(beam[:, column("torque")] * length / mesh.torsional_stiffness[cells]),
             *(model.bit.weight_and_torque(asm) if model.bit is not None else (0.0, 0.0)),
-            model.drive.torque(0.0, asm) if model.drive is not None else 0.0,
+            sum(drive.torque(0.0, asm) for drive in model.parts(Drive)),
         ]
     )
     stretch, twist, wob, bit_torque, drive = _sum_over_ranks(model, local)

@@ -104,11 +104,10 @@ class DrillingModel:
             mass -= self.fluid.constants.density * self.fluid.annulus.annulus.outer
         return mass
 
-    # until statics has no machines of its own
-    motor = property(lambda self: self.part(MudMotor))
-    drive = property(lambda self: self.part(interfaces.Drive))
-    reamers = property(lambda self: self.parts(Reamer))
-    imposed = property(lambda self: self.components)
+    @property
+    def motor_speed(self) -> float:
+        """What a downhole motor adds in statics to the rotation of the string below it [rad/s]; 0 without one."""
+        return sum(motor.static_speed for motor in self.parts(MudMotor))
 
     def copy_sliding_direction(self, other: DrillingModel) -> None:
         """Take over the sliding directions that statics imposed on another model of the same string."""

@@ -11,6 +11,7 @@ import drillpetsc
 from drillpetsc import Case, load_case
 from drillpetsc.errors import CaseError, SolveError
 from drillpetsc.model.drilling_model import build_model
+from drillpetsc.physics.hoist import Hoist
 from tests.helpers import top_drive_models as m
 from tests.helpers.wells import simple_well
 
@@ -271,7 +272,7 @@ def test_weight_by_the_speed_of_the_drum(wob, tmp_path):
     case = case.model_copy(update={"top": top, "initial": case.initial.model_copy(update={"wob": wob})})
     system = drillpetsc.linearise(case, ["top.lowering"], ["wob"], tmp_path / "l").system
     assert top.hoist is not None and top.hoist.line is not None and case.bottom.stiffness is not None
-    area, line = np.pi / 4 * (0.127**2 - 0.1086**2), build_model(case).hoist.line.stiffness
+    area, line = np.pi / 4 * (0.127**2 - 0.1086**2), build_model(case).part(Hoist).line.stiffness
     k = 1 / (1990 / (206e9 * area) + 1 / line + 1 / case.bottom.stiffness)
     s = 2j * np.pi * np.array([0.003, 0.01])
     found = system.response(s.imag / (2 * np.pi))[:, 0, 0]

@@ -10,6 +10,7 @@ from drillpetsc.analysis.initial_state import find_equilibrium
 from drillpetsc.errors import CaseError
 from drillpetsc.model.drilling_model import build_model
 from drillpetsc.output import read_table
+from drillpetsc.physics.tools.reamer import Reamer
 from tests.helpers.component_models import SHIFT, residual
 from tests.helpers.motion import beam
 from tests.helpers.tables import each_row
@@ -117,7 +118,7 @@ def test_the_static_shares_are_those_of_cutting():
     bit, reamer, energy, ratio, rpm, both = CASES[0]
     model = build_model(Case(**reaming(bit, reamer, energy, ratio, rpm, 0.0, 48e3, "dynamic")))
     find_equilibrium(model)
-    weight = model.reamers[0].element_results(model.system.assembly)[0]
+    weight = model.parts(Reamer)[0].element_results(model.system.assembly)[0]
     assert model.bit.weight_and_torque(model.system.assembly)[0] == pytest.approx(48e3, rel=1e-6)
     deeper = 48e3 / 1e8 + 48e3 * (PILOT_LENGTH - 0.3) / 4e9  # bit into the rock, and pipe compressed between
     assert weight == pytest.approx(1e8 * (reamer - bit) / bit * deeper, rel=1e-3)
@@ -131,7 +132,7 @@ def test_jacobian_of_the_reamer(mode):
     for item in (case["string"][0], case["string"][2]):
         item |= {"axial_stiffness": 1e3, "bending_stiffness": 1e3, "torsional_stiffness": 1e3}
     model = build_model(Case(**case))
-    system, reamer, rng = model.system, model.reamers[0], np.random.default_rng(5)
+    system, reamer, rng = model.system, model.parts(Reamer)[0], np.random.default_rng(5)
     asm, n = system.assembly, system.layout.size
     system.set_field(
         "string.position", model.position + 0.02 * rng.standard_normal((model.mesh.nodes, 3)) + [0, 0, 0.1]

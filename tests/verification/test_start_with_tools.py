@@ -17,6 +17,7 @@ from drillpetsc.errors import CaseError
 from drillpetsc.fem.string_mesh import JarLaw, StringJoint
 from drillpetsc.model.drilling_model import build_model
 from drillpetsc.output.static_table import static_table
+from drillpetsc.physics.tools.reamer import Reamer
 from drillpetsc.solvers.static_newton import StaticNewton
 from tests.helpers.whole_string import COLLAR, JAR, MOTOR, SHOCK, combined, whole_string
 from tests.verification.test_lateral_start import MUD, counted
@@ -106,7 +107,7 @@ def test_weight_at_which_a_string_on_a_bit_that_cuts_buckles(wob, buckles, monke
     top.shift(straight.top_motion)
     for name, value in (("position", straight.position), ("tangent", straight.tangent)):
         model.system.set_field(f"string.{name}", value)
-    for component in model.imposed:
+    for component in model.components:
         component.impose_sliding_direction(0.0, 0.0)
     assert (solver.negative_pivots() > 0) == buckles
 
@@ -173,8 +174,8 @@ def test_march_knows_the_weight_of_a_reamer():
     found = march(model, (0.0, 6.0))
     state = find_equilibrium(model, (0.0, 6.0))
     assert isinstance(state, StaticState) and state.stable
-    node = model.reamers[0].node
-    weight = model.reamers[0].element_results(model.system.assembly)[0]
+    node = model.parts(Reamer)[0].node
+    weight = model.parts(Reamer)[0].element_results(model.system.assembly)[0]
     assert weight > 30e3
     jump = found.axial_force[node + 1] - found.axial_force[node]
     assert jump == pytest.approx(weight, rel=0.1)
@@ -187,7 +188,7 @@ def test_torque_of_a_reamed_hole():
     state = find_equilibrium(model)
     figures = static_summary(model, state)
     assert state.stable and state.path is None
-    rock = figures["bit_torque"] + model.reamers[0].element_results(model.system.assembly)[1]
+    rock = figures["bit_torque"] + model.parts(Reamer)[0].element_results(model.system.assembly)[1]
     columns, values = static_table(model)
     assert values is not None
     contact = values[:, [c[0].split(" ")[0] for c in columns].index("contact_force")]
