@@ -6,25 +6,25 @@ from functools import partial
 
 import numpy as np
 
-from drillpetsc.analysis.coarse_mesh import coarse_elements, expected_warnings
 from drillpetsc.analysis.commands_report import command_lines
-from drillpetsc.analysis.drive_report import drive_lines
-from drillpetsc.analysis.hoist_report import hoist_lines
-from drillpetsc.analysis.placement import top_depth
 from drillpetsc.analysis.rank_model import rank_lines, step_counts
-from drillpetsc.analysis.run_options import options_of
 from drillpetsc.analysis.string_figures import figure_lines
-from drillpetsc.analysis.summary import field_counts
-from drillpetsc.analysis.time_scales import time_scales
 from drillpetsc.case.blocks.fluid import Rheology, flow_constants, stress_at
 from drillpetsc.case.blocks.formation import Formation
 from drillpetsc.case.blocks.rig import Rig
 from drillpetsc.case.blocks.sensors import STEPS_PER_PERIOD, sensor_depth
 from drillpetsc.case.case import Case
-from drillpetsc.case.mud_report import misfit
-from drillpetsc.case.plausibility import notes
+from drillpetsc.case.files.mud_report import misfit
+from drillpetsc.case.plausible.plausibility import notes
 from drillpetsc.model.drilling_model import DrillingModel, build_model
 from drillpetsc.model.mesh import element_lengths
+from drillpetsc.motion.drive_report import drive_lines
+from drillpetsc.motion.hoist_report import hoist_lines
+from drillpetsc.motion.run_options import options_of
+from drillpetsc.motion.summary import field_counts
+from drillpetsc.motion.time_scales import time_scales
+from drillpetsc.statics.placement import top_depth
+from drillpetsc.statics.start.coarse_mesh import coarse_elements, expected_warnings
 from drillpetsc.unit_systems import System, display_unit, shown
 
 MOST_RANGES = 40  # lines on automatic element lengths

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from drillpetsc.analysis.hydraulics.open_hole import open_hole, window_in_measured_depth
-from drillpetsc.analysis.torque_drag.operations import Pair, pairs_of, plan_of, strings_of
 from drillpetsc.case.case import Case
 from drillpetsc.errors import CaseError
+from drillpetsc.hydraulics.open_hole import open_hole, window_in_measured_depth
+from drillpetsc.loads.torque_drag.operations import Pair, pairs_of, plan_of, strings_of
 from drillpetsc.unit_systems import shown
 
 

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from math import ceil, log2
 
 from drillpetsc.model.drilling_model import DrillingModel, is_quasi_static
-from drillpetsc.solvers.block_tridiagonal import chain_flops
+from drillpetsc.solvers.chain.block_tridiagonal import chain_flops
 
 RANKS = (2, 4, 8, 16, 32, 64)
 #: solves, residuals and Jacobians of a step: those of a well that turns in its hole (scripts/benchmark)

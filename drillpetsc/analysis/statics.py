@@ -10,46 +10,40 @@ from typing import Any
 import numpy as np
 from petsc4py import PETSc
 
-from drillpetsc.analysis.buckling import Buckling, buckling
-from drillpetsc.analysis.coarse_mesh import state_warnings
-from drillpetsc.analysis.equilibrium import MOTIONS, StaticState
-from drillpetsc.analysis.initial_state import find_equilibrium
-from drillpetsc.analysis.limits.operations import OPERATIONS, case_of, motion_of, read_operation
-from drillpetsc.analysis.mud_above_top import mud_above_top
-from drillpetsc.analysis.path_answer import PathKind
-from drillpetsc.analysis.path_question import has_path
-from drillpetsc.analysis.placement import prescribed_motion, top_depth
-from drillpetsc.analysis.run_options import options_of
-from drillpetsc.analysis.slider_travel import stop_warnings
-from drillpetsc.analysis.swirl_left_out import swirl_left_out
-from drillpetsc.analysis.top_push import top_push
-from drillpetsc.analysis.torque_drag.operations import plan_of, told
 from drillpetsc.case.case import Case
 from drillpetsc.case.checks.limits import refuse_quaternion
 from drillpetsc.errors import CaseError
 from drillpetsc.fem.component import FloatArray
-from drillpetsc.fem.quantity import Quantity, Sample
+from drillpetsc.fem.quantity import Quantity
+from drillpetsc.loads.limits.operations import OPERATIONS, case_of, motion_of, read_operation
+from drillpetsc.loads.torque_drag.operations import plan_of, told
 from drillpetsc.model.drilling_model import DrillingModel, build_model
 from drillpetsc.model.string_forces import held_at_weight
+from drillpetsc.motion.run_options import options_of
 from drillpetsc.output import FieldWriter, RunFolder, write_summary, write_table
-from drillpetsc.output.case_files import write_case
-from drillpetsc.output.field_output import FieldOutput
+from drillpetsc.output.files.case_files import write_case
 from drillpetsc.output.files.run_folder import make_folder
 from drillpetsc.output.files.tables import Column
-from drillpetsc.output.flow_recorder import FlowRecorder
-from drillpetsc.output.mud_column import below_flow_line, equivalent_density
+from drillpetsc.output.files.well_files import write_well_files
+from drillpetsc.output.measured.field_output import FieldOutput
 from drillpetsc.output.quantities import STATIC_SUMMARY
 from drillpetsc.output.result import RunResult
-from drillpetsc.output.rigid_items import RigidItems
 from drillpetsc.output.static_table import static_table
-from drillpetsc.output.string_ends import TopEnd
-from drillpetsc.output.wall_depth import wall_depth_notes
-from drillpetsc.output.well_files import write_well_files
-from drillpetsc.physics.beam import RESULT_NAMES
-from drillpetsc.physics.interfaces import Drive
+from drillpetsc.output.watches.wall_depth import wall_depth_notes
+from drillpetsc.statics.answer import static_summary
+from drillpetsc.statics.equilibrium import MOTIONS, StaticState
+from drillpetsc.statics.find_equilibrium import find_equilibrium
+from drillpetsc.statics.notes.beyond_rig import beyond_rig
+from drillpetsc.statics.notes.mud_above_top import mud_above_top
+from drillpetsc.statics.notes.slider_travel import stop_warnings
+from drillpetsc.statics.notes.swirl_left_out import swirl_left_out
+from drillpetsc.statics.notes.top_push import top_push
+from drillpetsc.statics.path.path_answer import PathKind
+from drillpetsc.statics.path.path_question import has_path
+from drillpetsc.statics.placement import prescribed_motion
+from drillpetsc.statics.start.buckling import Buckling, buckling
+from drillpetsc.statics.start.coarse_mesh import state_warnings
 from drillpetsc.unit_systems import System, display, kind_of, shown
-
-NOISE = 1e-12  # share of the largest load below which a load is rounding noise
 
 
 def run_statics(
@@ -163,39 +157,6 @@ def _hoisted_with_weight(model: DrillingModel, motion: tuple[float, float] | Non
     ]
 
 
-def beyond_rig(case: Case, summary: dict[str, Any], units: System | None = None) -> list[str]:
-    """Warnings where a static state asks more of the rig than it can bear.
-
-    summary: of the state, in SI; units: of the figures, None: the case's.
-    """
-    rig = case.rig
-    if rig is None:
-        return []
-    limits = (
-        (
-            "hook load",
-            summary.get("hook_load_total", summary.get("hook_load")),
-            rig.max_hookload,
-            "max_hookload",
-            "force",
-        ),
-        (
-            "surface torque",
-            summary.get("surface_torque"),
-            rig.max_surface_torque,
-            "max_surface_torque",
-            "torque",
-        ),
-        ("standpipe pressure", summary.get("pump_pressure"), rig.max_spp, "max_spp", "pressure"),
-    )
-    system = units or case.shown_units
-    return [
-        f"{name} of {shown(abs(value), kind, system)} exceeds rig.{key}, {shown(limit, kind, system)}"
-        for name, value, limit, key, kind in limits
-        if value is not None and limit is not None and abs(value) > limit
-    ]
-
-
 def _write(
     model: DrillingModel,
     folder: RunFolder,
@@ -256,104 +217,3 @@ def in_units(value: float, quantity: Quantity, units: System) -> tuple[float, st
     """(number, unit text) of a value [SI] of an output, as a system of units shows it."""
     kind = kind_of(quantity.unit, quantity.kind)
     return display(value, kind, units) if kind and units != "SI" else (value, quantity.unit)
-
-
-# ---------------------------------------------------------------------- summary
-def static_summary(model: DrillingModel, state: StaticState) -> dict[str, Any]:
-    """Numbers of a static state [SI], the same on all ranks; the catalogue describes them."""
-    system, mesh = model.system, model.mesh
-    if model.beam is None:
-        return flow_summary(model)
-    asm, cells, report = system.assembly, system.chain.cells, state.equilibrium
-    beam = model.beam.element_results(system.layout, asm.x, asm.y)
-    length, column = mesh.length[cells], RESULT_NAMES.index
-    mean = (
-        beam[:, column("axial_upper")] + 4 * beam[:, column("axial_middle")] + beam[:, column("axial_lower")]
-    ) / 6
-    local = np.array(
-        [
-            np.sum(mean * length / mesh.axial_stiffness[cells]),
-            np.sum(beam[:, column("torque")] * length / mesh.torsional_stiffness[cells]),
-            *(model.bit.weight_and_torque(asm) if model.bit is not None else (0.0, 0.0)),
-            sum(drive.torque(0.0, asm) for drive in model.parts(Drive)),
-        ]
-    )
-    stretch, twist, wob, bit_torque, drive = _sum_over_ranks(model, local)
-    force, soft = model.case.top.force, state.soft_string
-    out: dict[str, Any] = {
-        "motion": {"lowering": state.motion[0], "rotation": state.motion[1]},
-        "hook_load": float(force.value(0.0)) if force is not None else -system.reaction("top.axial_reaction"),
-        "surface_torque": system.reaction("top.torque_reaction") + float(drive),
-        "stretch": float(stretch),
-        "twist": abs(float(twist)),
-        "wob": float(wob),
-        "bit_torque": float(bit_torque),
-        "negative_pivots": report.negative_pivots,
-        "stable": state.stable,
-        "iterations": report.iterations,
-        "residual": report.residual,
-        "imperfection": report.imperfection,
-        "warnings": list(state.warnings),
-    }
-    if model.top is not None or force is not None:
-        top, sample = TopEnd(model), Sample(system, 0.0)
-        out["top_travel"] = top.travel(_sum_over_ranks(model, top.position(sample)))
-    if model.case.rig is not None and model.case.rig.block_weight is not None:
-        out["hook_load_total"] = out["hook_load"] + model.case.rig.block_weight
-    if model.contact is not None:
-        items = RigidItems(model)
-        out["rigid_items"] = items.listed(
-            _sum_over_ranks(model, items.loads(Sample(system, 0.0))), top_depth(model)
-        )
-    for name in ("hook_load", "surface_torque", "wob", "bit_torque"):
-        out[name] = without_noise(out[name], abs(out["hook_load"]) + abs(out["wob"]))
-    if soft is not None:
-        out["soft_string"] = {
-            "hook_load": soft.hook_load,
-            "surface_torque": soft.surface_torque,
-            "stretch": soft.stretch,
-        }
-    return out | flow_summary(model)
-
-
-def without_noise(value: float, scale: float) -> float:
-    """``value``, or 0 where it is rounding noise of numbers of the size ``scale``."""
-    return 0.0 if abs(value) <= NOISE * scale else value
-
-
-def flow_summary(model: DrillingModel) -> dict[str, Any]:
-    """Numbers of the steady flow [SI], the same on all ranks; empty without mud.
-
-    ecd: equivalent circulating density at the bottom [kg/m3], of the column from the flow line to where the lower end is now; that
-    of still mud is the density, if it is stiff.
-    """
-    if model.fluid is None:
-        return {}
-    mud, sample = FlowRecorder(model.system, model.fluid), Sample(model.system, 0.0)
-    ends = [q for q in mud.quantities() if q.on == "scalar" and q.value is not None]
-    values = _sum_over_ranks(model, np.array([q.value(mud, sample) for q in ends]))  # type: ignore[misc]
-    out: dict[str, Any] = dict(zip([q.name for q in ends], map(float, values), strict=True))
-    if model.fluid.annulus is not None:
-        gravity = float(np.linalg.norm(model.fluid.constants.gravity))
-        density = equivalent_density(out["bit_pressure"], below_flow_line(model, _lower_end(model)), gravity)[
-            0
-        ]
-        if np.isfinite(density):
-            out["ecd"] = float(density)
-    return out
-
-
-def _lower_end(model: DrillingModel) -> FloatArray:
-    """(1, 3) position of the last node [m], the same on all ranks."""
-    if model.beam is None:
-        return np.asarray(model.position[-1:])
-    chain, place = model.system.chain, np.zeros(3)
-    mine = np.flatnonzero(chain.owned & (chain.vertices == model.mesh.nodes - 1))
-    if len(mine):
-        place = np.asarray(model.beam.section(model.system.assembly, int(mine[0]))[0])
-    return _sum_over_ranks(model, place)[None, :]
-
-
-def _sum_over_ranks(model: DrillingModel, values: FloatArray) -> FloatArray:
-    comm = model.system.comm
-    return values if comm.size == 1 else comm.tompi4py().allreduce(values)

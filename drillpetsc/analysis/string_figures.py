@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import math
 
-from drillpetsc.case.blocks.string import Stabilizer
-from drillpetsc.case.blocks.tubulars import DrillPipe, Jointed, Tubular
+from drillpetsc.case.blocks.items.string import Stabilizer
+from drillpetsc.case.blocks.items.tubulars import DrillPipe, Jointed, Tubular
 from drillpetsc.case.case import Case
 from drillpetsc.case.catalogue.formulas import tensile_strength, torsional_strength
 from drillpetsc.case.catalogue.sizes import FT_LBF, INCH, KSI, LB_PER_FT, LBF, inch_text
-from drillpetsc.case.figures import Figure
-from drillpetsc.case.section import ring, tubular_section
+from drillpetsc.case.pipe.figures import Figure
+from drillpetsc.case.pipe.section import ring, tubular_section
 from drillpetsc.unit_systems import System, shown
 
 #: SI unit -> unit of the trade, value of one of it in SI

@@ -34,8 +34,8 @@ def run(case: Case | str | Path, out: str | Path | None = None, **keywords: Any)
     `status` says so. A second one raises KeyboardInterrupt.
     """
     initialise_petsc()
-    from drillpetsc.analysis import transient
     from drillpetsc.errors import Interrupted
+    from drillpetsc.motion import transient
     from drillpetsc.results.result import open_run, result_of
 
     try:
@@ -102,7 +102,7 @@ def mud_motor(case: Case | str | Path) -> MotorLaw:
     case: a Case with an item `pdm`, or the path of a case file
     Raises CaseError for a string without a motor.
     """
-    from drillpetsc.model.mud_motor import motor_item, motor_law
+    from drillpetsc.model.tools.mud_motor import motor_item, motor_law
 
     found = motor_item(case if isinstance(case, Case) else load_case(case))
     if found is None:

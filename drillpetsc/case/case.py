@@ -14,13 +14,13 @@ from drillpetsc.case.blocks.case_blocks import CaseBlocks
 from drillpetsc.case.changes import changed, text_of
 from drillpetsc.case.checks.case import check_case
 from drillpetsc.case.defaults import fill_case_defaults, fill_presence_defaults
-from drillpetsc.case.figures import Figures
+from drillpetsc.case.files.survey_file import FOLDER
 from drillpetsc.case.key_paths import check_plain, refuse
 from drillpetsc.case.messages import case_error
 from drillpetsc.case.old_words import check_old_words
+from drillpetsc.case.pipe.figures import Figures
+from drillpetsc.case.pipe.tubulars import completed_string
 from drillpetsc.case.quantities import BARE_NUMBERS, MESSAGES
-from drillpetsc.case.survey_file import FOLDER
-from drillpetsc.case.tubulars import completed_string
 from drillpetsc.case.writer import case_data, case_yaml, sourced_yaml
 from drillpetsc.errors import CaseError
 from drillpetsc.unit_systems import System
@@ -119,7 +119,7 @@ class Case(CaseBlocks):
 
     def _repr_html_(self) -> str:
         """The string as a table, for a notebook."""
-        from drillpetsc.case.string_table import case_html
+        from drillpetsc.case.pipe.string_table import case_html
 
         return case_html(self)
 

@@ -10,8 +10,8 @@ import json
 from collections.abc import Mapping
 from typing import Any
 
+from drillpetsc.case.files.yaml_text import read_value
 from drillpetsc.case.key_paths import parsed
-from drillpetsc.case.yaml_text import read_value
 from drillpetsc.errors import CaseError
 
 WITHOUT = {"contact": "none"}  # blocks that a case has by default -> the value that removes them

@@ -9,10 +9,10 @@ from drillpetsc.case.block import overlaid
 from drillpetsc.case.blocks.case_blocks import CaseBlocks
 from drillpetsc.case.blocks.contact import Contact
 from drillpetsc.case.blocks.fluid import PowerLaw
-from drillpetsc.case.blocks.motor import PositiveDisplacementMotor
-from drillpetsc.case.blocks.string import Beam, Bit, Inertia, Item, Material, Rigid, Tube
-from drillpetsc.case.blocks.tools import TelescopingTool
-from drillpetsc.case.mud_report import api_annulus
+from drillpetsc.case.blocks.items.motor import PositiveDisplacementMotor
+from drillpetsc.case.blocks.items.string import Beam, Bit, Inertia, Item, Material, Rigid, Tube
+from drillpetsc.case.blocks.items.tools import TelescopingTool
+from drillpetsc.case.files.mud_report import api_annulus
 from drillpetsc.case.quantities import largest
 
 

@@ -9,9 +9,9 @@ from typing import Any
 
 from drillpetsc.case.case import Case
 from drillpetsc.case.changes import with_change
+from drillpetsc.case.files.survey_file import FOLDER
+from drillpetsc.case.files.yaml_text import Lines, parse, plain
 from drillpetsc.case.key_paths import written
-from drillpetsc.case.survey_file import FOLDER
-from drillpetsc.case.yaml_text import Lines, parse, plain
 from drillpetsc.errors import CaseError
 
 MAX_BYTES = 50_000_000  # of a case file

@@ -6,7 +6,7 @@ from io import StringIO
 from typing import Any
 
 from drillpetsc.case.blocks.case_blocks import CaseBlocks
-from drillpetsc.case.figures import Figures
+from drillpetsc.case.pipe.figures import Figures
 
 
 def case_data(case: CaseBlocks) -> dict[str, Any]:

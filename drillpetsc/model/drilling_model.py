@@ -18,32 +18,32 @@ from drillpetsc.fem.string_mesh import StringMesh
 from drillpetsc.geometry.frames import Frames, transported_frames
 from drillpetsc.geometry.growing_hole import GrowingHole
 from drillpetsc.geometry.well import Well
-from drillpetsc.model.agitator import build_agitators
 from drillpetsc.model.fluid import FluidComponents, build_fluid
-from drillpetsc.model.hoist import build_hoist, connect_sensors
 from drillpetsc.model.hole import build_well, hole_depth
 from drillpetsc.model.mesh import build_mesh, curvature_by_tool_face
-from drillpetsc.model.mud_motor import build_mud_motor
 from drillpetsc.model.quaternion import quaternion_components
-from drillpetsc.model.reamer import build_reamers, well_of_reamer
 from drillpetsc.model.rock_bit import build_rock_bit
-from drillpetsc.model.steering import build_steering
-from drillpetsc.model.top_drive import build_drive
+from drillpetsc.model.tools.agitator import build_agitators
+from drillpetsc.model.tools.mud_motor import build_mud_motor
+from drillpetsc.model.tools.reamer import build_reamers, well_of_reamer
+from drillpetsc.model.tools.steering import build_steering
+from drillpetsc.model.top.hoist import build_hoist, connect_sensors
+from drillpetsc.model.top.top_drive import build_drive
 from drillpetsc.model.wall import mean_and_hardness
 from drillpetsc.physics import interfaces
 from drillpetsc.physics.beam import AncfBeam
-from drillpetsc.physics.bit_on_bottom import BitOnBottom
+from drillpetsc.physics.bit.bit_on_bottom import BitOnBottom
+from drillpetsc.physics.bit.rock_bit import RockBit
 from drillpetsc.physics.contact import Contact, ContactLaw
 from drillpetsc.physics.end_conditions import FixedEnd, Loads, NodeLoad, RotaryDrive, TopDrive
-from drillpetsc.physics.hoist import Hoist
 from drillpetsc.physics.hole_path import HolePath, is_curved
 from drillpetsc.physics.joints import Joints
 from drillpetsc.physics.precurvature import Precurvature
 from drillpetsc.physics.quaternion.contact import QuaternionContact
 from drillpetsc.physics.rigid_bodies import RigidBodies
-from drillpetsc.physics.rock_bit import RockBit
 from drillpetsc.physics.tools.mud_motor import MudMotor
 from drillpetsc.physics.tools.reamer import Reamer
+from drillpetsc.physics.top.hoist import Hoist
 from drillpetsc.time_function import Constant
 
 Part = TypeVar("Part")

@@ -11,8 +11,8 @@ import numpy as np
 
 from drillpetsc.arrays import FloatArray
 from drillpetsc.case.blocks.fluid import flow_constants
-from drillpetsc.case.blocks.motor import PositiveDisplacementMotor
-from drillpetsc.case.blocks.string import Rigid
+from drillpetsc.case.blocks.items.motor import PositiveDisplacementMotor
+from drillpetsc.case.blocks.items.string import Rigid
 from drillpetsc.case.case import Case
 from drillpetsc.case.quantities import largest
 from drillpetsc.errors import CaseError

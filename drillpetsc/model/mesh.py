@@ -13,17 +13,17 @@ import numpy as np
 
 from drillpetsc.arrays import FloatArray
 from drillpetsc.case.blocks.ends import PointLoad
-from drillpetsc.case.blocks.joints import Joint
-from drillpetsc.case.blocks.motor import PositiveDisplacementMotor
+from drillpetsc.case.blocks.items.joints import Joint
+from drillpetsc.case.blocks.items.motor import PositiveDisplacementMotor
+from drillpetsc.case.blocks.items.steering import PushSteering, RotarySteerable
+from drillpetsc.case.blocks.items.string import Beam as BeamItem
+from drillpetsc.case.blocks.items.string import Bend, Bit, Flexible, Item, Rigid, Stabilizer, Tube
+from drillpetsc.case.blocks.items.tools import Jar, JarSection, ShockSub, TelescopingTool
+from drillpetsc.case.blocks.items.tubulars import Tubular
 from drillpetsc.case.blocks.settings import STARTS
-from drillpetsc.case.blocks.steering import PushSteering, RotarySteerable
-from drillpetsc.case.blocks.string import Beam as BeamItem
-from drillpetsc.case.blocks.string import Bend, Bit, Flexible, Item, Rigid, Stabilizer, Tube
-from drillpetsc.case.blocks.tools import Jar, JarSection, ShockSub, TelescopingTool
-from drillpetsc.case.blocks.tubulars import Tubular
 from drillpetsc.case.case import Case
 from drillpetsc.case.checks.limits import element_count
-from drillpetsc.case.section import tubular_section
+from drillpetsc.case.pipe.section import tubular_section
 from drillpetsc.errors import CaseError
 from drillpetsc.fem.string_mesh import BentCell, JarLaw, RigidItem, StringJoint, StringMesh, tube
 from drillpetsc.geometry.frames import Frames, axial_curvature

@@ -5,11 +5,11 @@ from __future__ import annotations
 import numpy as np
 
 from drillpetsc.arrays import FloatArray
-from drillpetsc.case.blocks.string import Rigid, Stabilizer, Tube
-from drillpetsc.case.blocks.tubulars import Jointed
+from drillpetsc.case.blocks.items.string import Rigid, Stabilizer, Tube
+from drillpetsc.case.blocks.items.tubulars import Jointed
 from drillpetsc.case.blocks.well import Section
 from drillpetsc.case.case import Case
-from drillpetsc.case.section import TubularSection, metal_past, tubular_section
+from drillpetsc.case.pipe.section import TubularSection, metal_past, tubular_section
 from drillpetsc.fem.string_mesh import StringMesh
 from drillpetsc.physics.fluid.channels import AnnulusWalls, Bore
 from drillpetsc.physics.fluid.tool_losses import LossTable

@@ -7,15 +7,14 @@ import numpy as np
 from drillpetsc.arrays import FloatArray
 from drillpetsc.case.blocks.ends import BitBottom
 from drillpetsc.case.blocks.formation import Formation
-from drillpetsc.case.blocks.string import Bit
+from drillpetsc.case.blocks.items.string import Bit
 from drillpetsc.case.case import Case
 from drillpetsc.fem.string_mesh import StringMesh
 from drillpetsc.geometry.growing_hole import GrowingHole
 from drillpetsc.geometry.well import Well
 from drillpetsc.model.wall import ITEM_LOAD, LEAST_CLEARANCE, rock_young
-from drillpetsc.physics.bit_side import Gauge, SideLaw
-from drillpetsc.physics.contact import damping_factor
-from drillpetsc.physics.rock_bit import (
+from drillpetsc.physics.bit.bit_side import Gauge, SideLaw
+from drillpetsc.physics.bit.rock_bit import (
     BitContact,
     BitShape,
     DragBit,
@@ -25,6 +24,7 @@ from drillpetsc.physics.rock_bit import (
     RockBit,
     Weakening,
 )
+from drillpetsc.physics.contact import damping_factor
 from drillpetsc.physics.wall_stiffness import ROCK_POISSON, STEEL_YOUNG, line_stiffness
 
 ROCK_STRENGTH = 60e6  # of a bit that cuts sideways, if not given [Pa]

@@ -14,7 +14,7 @@ import numpy as np
 
 from drillpetsc.arrays import FloatArray
 from drillpetsc.case.blocks.ends import BitBottom, ForcedBottom, HeldBottom, PointLoad, TopDrive
-from drillpetsc.case.blocks.string import Flexible
+from drillpetsc.case.blocks.items.string import Flexible
 from drillpetsc.case.case import Case
 from drillpetsc.case.quantities import largest
 from drillpetsc.geometry.well import Well

@@ -47,7 +47,7 @@ def rotary_speeds(above_zero: bool = False) -> Callable[[Any, str, Any], Any]:
     """Reader of rotary speeds [rad/s], ascending.  above_zero: a speed of zero is refused."""
 
     def read(value: Any, at: str, units: Any) -> Any:
-        from drillpetsc.case.ranges import read_speeds
+        from drillpetsc.case.options.ranges import read_speeds
 
         return read_speeds(value, at, above_zero)
 
@@ -63,8 +63,8 @@ def numbers(
     """
 
     def read(value: Any, at: str, units: Any) -> tuple[float, ...]:
+        from drillpetsc.case.options.ranges import read_numbers
         from drillpetsc.case.quantities import Quantity
-        from drillpetsc.case.ranges import read_numbers
 
         found = read_numbers(value, Quantity(unit, **bounds), at, example, units)
         if ascending and any(b <= a for a, b in zip(found, found[1:], strict=False)):
@@ -91,7 +91,7 @@ def words(*allowed: str) -> Callable[[Any, str, Any], tuple[str, ...]]:
     """Reader of some of the allowed words, each once."""
 
     def read(value: Any, at: str, units: Any) -> tuple[str, ...]:
-        from drillpetsc.case.ranges import read_words
+        from drillpetsc.case.options.ranges import read_words
 
         return read_words(value, allowed, at)
 

@@ -228,7 +228,7 @@ class CaseOperation(Operation):
 
     def job(self, case: Case, name: str) -> Any:
         """The case, and where results go."""
-        from drillpetsc.analysis.job import Job
+        from drillpetsc.output.job import Job
 
         return Job(case, name=name)
 
@@ -247,7 +247,7 @@ class FolderOperation(CaseOperation):
 
     def job(self, case: Case, name: str) -> Any:
         """The case, and the folder of the results."""
-        from drillpetsc.analysis.job import Job
+        from drillpetsc.output.job import Job
 
         return Job(case, self.out, self.overwrite, self.name or name, self.comm)
 
@@ -272,7 +272,7 @@ class DrawnOperation(FolderOperation):
         super().show(result)
         if world_rank() != 0:
             return 0
-        from drillpetsc.plotting.plot import plot
+        from drillpetsc.plotting.run.plot import plot
 
         with reading(result.folder):
             files = plot(result.folder)
@@ -310,7 +310,7 @@ def in_units(case: Case, units: str | None) -> Case:
 
 def print_warnings(case: Case) -> None:
     """Print warnings about values that look like another unit, once for the whole job, to standard error."""
-    from drillpetsc.case.plausibility import notes
+    from drillpetsc.case.plausible.plausibility import notes
 
     if world_rank() == 0:
         for line in notes(case):

@@ -32,7 +32,7 @@ class View(Operation):
     units: Units = None
 
     def compute(self, job: Any) -> Any:
-        from drillpetsc.plotting.view import view
+        from drillpetsc.plotting.run.view import view
 
         say_unfinished(self.folder)
         interval = None
@@ -74,7 +74,7 @@ class Plot(Operation):
     units: Units = None
 
     def compute(self, job: Any) -> Any:
-        from drillpetsc.plotting.plot import plot, save_figures, spectra
+        from drillpetsc.plotting.run.plot import plot, save_figures, spectra
 
         say_unfinished(self.folder)
         if self.order and not self.waterfall:

@@ -15,7 +15,6 @@ from drillpetsc.output.quantities import (
     hydraulics,
     limits,
     sensors,
-    top_drive,
     torque_drag,
     vibration,
 )
@@ -147,7 +146,7 @@ def listed_by_file() -> dict[str, tuple[Listed, ...]]:
         "stability_boundary.csv": _listed(frequency.STABILITY_BOUNDARY),
         "stability_runs.csv": _listed(frequency.STABILITY_RUNS),
         "response.csv": (*_listed(frequency.RESPONSE), *_listed(frequency.RESPONSE_STRESS, where.STRESS)),
-        "reflection.csv": _listed(top_drive.REFLECTION),
+        "reflection.csv": _listed(frequency.REFLECTION),
         "trajectory.csv": _listed(measured.TRAJECTORY),
         "hydraulics.csv": _listed(hydraulics.LOSS_ROWS),
         "nozzles.csv": _listed(hydraulics.NOZZLES, where.SIDE_NOZZLES),

@@ -17,19 +17,19 @@ from drillpetsc.fem.quantity import Quantity, Sample, Source
 from drillpetsc.fem.step_record import StepRecord
 from drillpetsc.model.drilling_model import DrillingModel, is_quasi_static
 from drillpetsc.output import quantities as declared
+from drillpetsc.output.balances.energy_balance import EnergyBalance
+from drillpetsc.output.balances.mass_balance import MassBalance
+from drillpetsc.output.balances.time_error import TimeError
 from drillpetsc.output.catalogue import in_order
-from drillpetsc.output.energy_balance import EnergyBalance
 from drillpetsc.output.files.tables import Column
-from drillpetsc.output.flow_recorder import FlowRecorder
-from drillpetsc.output.mass_balance import MassBalance
-from drillpetsc.output.probes import Probes
-from drillpetsc.output.rigid_items import RigidItems
+from drillpetsc.output.measured.flow_recorder import FlowRecorder
+from drillpetsc.output.measured.probes import Probes
+from drillpetsc.output.measured.rigid_items import RigidItems
+from drillpetsc.output.measured.string_ends import DrilledHole, LowerEnd, TopEnd
 from drillpetsc.output.sensors.sensors import Sensors
-from drillpetsc.output.string_ends import DrilledHole, LowerEnd, TopEnd
 from drillpetsc.output.table_rows import SampleLayout, TableColumn, TableRow, between
-from drillpetsc.output.time_error import TimeError
 from drillpetsc.parallel import total, total_in_order
-from drillpetsc.solvers.local_error import OutputErrors
+from drillpetsc.solvers.time.local_error import OutputErrors
 
 ROW_ROUNDING = 1e-9  # a step this near to a row's time may be the one that it is due at
 STEPS_AT_ONCE = 256  # most steps whose outputs are computed together

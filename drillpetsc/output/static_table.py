@@ -9,15 +9,15 @@ import numpy as np
 from drillpetsc.fem.component import FloatArray
 from drillpetsc.fem.quantity import Sample
 from drillpetsc.model.drilling_model import DrillingModel
-from drillpetsc.output.bending import curvatures
 from drillpetsc.output.catalogue import outputs_by_file
 from drillpetsc.output.files.tables import Column
-from drillpetsc.output.flow_recorder import FlowRecorder
-from drillpetsc.output.in_hole import offsets
-from drillpetsc.output.mud_column import below_flow_line, equivalent_density
+from drillpetsc.output.measured.bending import curvatures
+from drillpetsc.output.measured.flow_recorder import FlowRecorder
+from drillpetsc.output.measured.in_hole import offsets
+from drillpetsc.output.measured.mud_column import below_flow_line, equivalent_density
+from drillpetsc.output.measured.rigid_items import RigidItems
+from drillpetsc.output.measured.string_fields import StringFields
 from drillpetsc.output.quantities import BENDING
-from drillpetsc.output.rigid_items import RigidItems
-from drillpetsc.output.string_fields import StringFields
 from drillpetsc.parallel import total
 
 

@@ -119,7 +119,7 @@ class Contact(WallContact):
     """Contact of pipes and rigid items with the wall.
 
     mesh: of the string; well: the hole; law: constants of the contact.
-    with_bit: include the bit; a cutting bit has a separate contact (physics/rock_bit.py).
+    with_bit: include the bit; a cutting bit has a separate contact (physics/bit/rock_bit.py).
     free_top: the upper end of the string is free.
     hardness: stiffness of the wall at each element (n,) and each rigid item (bodies,), relative to the law [-]; None: the law's stiffness.
     """

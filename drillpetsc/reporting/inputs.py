@@ -8,13 +8,13 @@ from typing import Any
 import numpy as np
 
 from drillpetsc.case.blocks.fluid import flow_constants
+from drillpetsc.case.blocks.items.tubulars import Jointed, Tubular
 from drillpetsc.case.blocks.rig import STANDARD_GRAVITY
-from drillpetsc.case.blocks.tubulars import Jointed, Tubular
 from drillpetsc.case.case import Case
 from drillpetsc.case.importers.stations import dogleg, minimum_curvature_step
-from drillpetsc.case.section import tubular_section
+from drillpetsc.case.pipe.section import tubular_section
 from drillpetsc.output.files.tables import Column
-from drillpetsc.plotting.well_views import Path, Piece, schematic, three_views
+from drillpetsc.plotting.run.well_views import Path, Piece, schematic, three_views
 from drillpetsc.reporting.page import Grid, Section, drawn_title, facts, grid_of, picture
 from drillpetsc.reporting.units import number, texts
 from drillpetsc.time_function import Constant

@@ -16,7 +16,7 @@ from pathlib import Path
 from typing import Any
 
 from drillpetsc.case import Case, load_case
-from drillpetsc.case.plausibility import notes
+from drillpetsc.case.plausible.plausibility import notes
 from drillpetsc.case.writer import case_data
 from drillpetsc.errors import CaseError
 from drillpetsc.output import catalogue

@@ -15,7 +15,7 @@ from drillpetsc.output.files.run_folder import INDICES_TABLE, RunFolder
 from drillpetsc.output.files.tables import read_table, split_name
 from drillpetsc.output.summary_keys import SUMMARY_KEYS
 from drillpetsc.plotting import style
-from drillpetsc.plotting.plot import drawings
+from drillpetsc.plotting.run.plot import drawings
 from drillpetsc.reporting.page import MIXED, Grid, Section, facts, file_grid, picture
 from drillpetsc.reporting.units import heading_of, in_units, label_of, number, texts, unit_of
 from drillpetsc.unit_systems import System

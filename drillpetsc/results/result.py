@@ -189,7 +189,7 @@ class Result(RunResult):
         segment: length of a segment [s], with `order` its revolutions; units: as for `plot`
         Raises CaseError for a signal that the result does not have. The numbers: `drillpetsc.vibration.spectrogram`.
         """
-        from drillpetsc.plotting.plot import spectra
+        from drillpetsc.plotting.run.plot import spectra
 
         self._check_folder()
         drawn = spectra(self.folder, (signal,), order=order, segment=segment, units=_system(units))
@@ -246,7 +246,7 @@ class Result(RunResult):
         units: field, metric, metric_t or SI; by default the case's
         backend: matplotlib, or plotly to zoom (needs the package; pictures of lines and bars)
         """
-        from drillpetsc.plotting.plot import figures, picture_names
+        from drillpetsc.plotting.run.plot import figures, picture_names
 
         if backend not in ("matplotlib", "plotly"):
             raise CaseError(at="backend", got=backend, want="matplotlib or plotly")
@@ -347,7 +347,7 @@ class Result(RunResult):
 
     def _repr_html_(self) -> str:
         """The report of the result with a picture, for a notebook."""
-        from drillpetsc.plotting.plot import figures
+        from drillpetsc.plotting.run.plot import figures
 
         parts = self._report()
         self._check_folder()

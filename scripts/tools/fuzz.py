@@ -27,7 +27,7 @@ from fuzz_mutations import mutate_data, mutate_survey, mutate_text, places, repl
 from ruamel.yaml import YAML
 
 from drillpetsc.case import Case, case_from_data, load_case, read_case_file
-from drillpetsc.case.blocks.string import Flexible
+from drillpetsc.case.blocks.items.string import Flexible
 from drillpetsc.case.checks.limits import element_count
 from drillpetsc.errors import CaseError
 

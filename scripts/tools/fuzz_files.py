@@ -19,9 +19,9 @@ from typing import Any
 from fuzz_judge import Failure, guarded
 from fuzz_mutations import CELLS, TEXT_CHANGES, mutate_text
 
+from drillpetsc.case.files.survey_file import read_survey
 from drillpetsc.case.importers.fragment import fragment
 from drillpetsc.case.importers.stations import Rules, Stations
-from drillpetsc.case.survey_file import read_survey
 from drillpetsc.errors import CaseError
 
 UNITS = {"m": 1.0, "ft": 0.3048, "deg": math.pi / 180, "rad": 1.0}

@@ -18,7 +18,7 @@ from typing import Any
 
 from report_cases import CASES, ReportCase
 
-from drillpetsc.plotting.work_precision import draw_study
+from drillpetsc.plotting.command.work_precision import draw_study
 from drillpetsc.studies.convergence.study import study
 
 ROOT = Path(__file__).parents[2]

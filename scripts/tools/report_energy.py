@@ -236,7 +236,7 @@ def draw(found: Mapping[str, Any]) -> None:
     from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
     from drillpetsc.plotting import style
-    from drillpetsc.plotting.work_precision import COLORS, MARKERS
+    from drillpetsc.plotting.command.work_precision import COLORS, MARKERS
 
     PICTURES.mkdir(parents=True, exist_ok=True)
     reference = found["reference"]

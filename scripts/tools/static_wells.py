@@ -74,10 +74,10 @@ def solve(well: str, mud: bool, elements: int) -> dict[str, float] | None:
     from petsc4py import PETSc
 
     from drillpetsc import Case
-    from drillpetsc.analysis.initial_state import find_equilibrium
-    from drillpetsc.analysis.statics import static_summary
     from drillpetsc.model.drilling_model import build_model
-    from drillpetsc.solvers.chain_lu import ChainFactor
+    from drillpetsc.solvers.chain.chain_lu import ChainFactor
+    from drillpetsc.statics.answer import static_summary
+    from drillpetsc.statics.find_equilibrium import find_equilibrium
 
     counts: dict[int, int] = {}
 
@@ -93,7 +93,7 @@ def solve(well: str, mud: bool, elements: int) -> dict[str, float] | None:
     built = time.perf_counter()
     state = find_equilibrium(model)
     end = time.perf_counter()
-    from drillpetsc.solvers.newton import shared_factor
+    from drillpetsc.solvers.time.newton import shared_factor
 
     own = counts.get(id(shared_factor(model.system)), 0)
     figures = static_summary(model, state)

@@ -61,7 +61,7 @@ def test_statics_prints_units_and_writes_si(folder: Path, capsys: pytest.Capture
 
 
 def test_pictures_have_the_units_of_the_case(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    from drillpetsc.plotting import plot
+    from drillpetsc.plotting.run import plot
 
     seen: list[str] = []
     drawn = plot._along_depth

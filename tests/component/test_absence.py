@@ -5,12 +5,12 @@ from __future__ import annotations
 
 import numpy as np
 
-from drillpetsc.analysis.placement import place_along_hole
-from drillpetsc.analysis.summary import field_counts
 from drillpetsc.case import Case
 from drillpetsc.model.drilling_model import build_model
-from drillpetsc.output.field_output import FieldOutput
+from drillpetsc.motion.summary import field_counts
+from drillpetsc.output.measured.field_output import FieldOutput
 from drillpetsc.output.recorder import Recorder
+from drillpetsc.statics.placement import place_along_hole
 from tests.helpers.tables import each_row
 from tests.helpers.wells import simple_well
 
@@ -177,7 +177,7 @@ def test_model_has_the_parts_of_its_physics_only(name):
 
 def test_without_contact_the_newton_line_search_is_the_plain_one():
     """Without contact the line search has no extra cost."""
-    from drillpetsc.solvers.time_integrator import TimeIntegrator
+    from drillpetsc.solvers.time.time_integrator import TimeIntegrator
 
     for name, kind in (("hung pipe", "basic"), ("in a hole", "cp")):
         model = build_model(Case(**MODELS[name][0]))

@@ -12,9 +12,9 @@ from drillpetsc.geometry.frames import transported_frames
 from drillpetsc.geometry.growing_hole import GrowingHole
 from drillpetsc.geometry.well import Well
 from drillpetsc.physics.beam import AncfBeam
-from drillpetsc.physics.bit_profile import CHIPS, chip_for
-from drillpetsc.physics.bit_side import Gauge, SideLaw
-from drillpetsc.physics.rock_bit import (
+from drillpetsc.physics.bit.bit_profile import CHIPS, chip_for
+from drillpetsc.physics.bit.bit_side import Gauge, SideLaw
+from drillpetsc.physics.bit.rock_bit import (
     BitContact,
     BitShape,
     DragBit,

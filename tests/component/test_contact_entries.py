@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from drillpetsc import load_case, run
-from drillpetsc.analysis.session import Session
 from drillpetsc.fem.contact_entries import ContactEntries
-from drillpetsc.solvers.newton import CondensedNewton, shared_factor
+from drillpetsc.motion.session.session import Session
+from drillpetsc.solvers.time.newton import CondensedNewton, shared_factor
 from tests.helpers.component_models import KINDS, SHIFT, build
 from tests.helpers.tables import each_row
 

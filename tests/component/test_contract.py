@@ -11,7 +11,7 @@ import pytest
 from drillpetsc.fem.bound_parts import ROW_SCALE
 from drillpetsc.kernels.parameters import columns
 from drillpetsc.physics.contact import Contact
-from drillpetsc.physics.hoist import FIGURES
+from drillpetsc.physics.top.hoist import FIGURES
 from tests.helpers.component_models import KINDS, SHIFT, both_jacobians, build, meet_conditions
 from tests.helpers.tables import each_row
 

@@ -10,7 +10,7 @@ from scipy.special import ellipe, ellipk
 
 from drillpetsc.kernels import function, pointer
 from drillpetsc.kernels.parameters import Parameters, constant
-from drillpetsc.physics.bit_on_bottom import RESULTS
+from drillpetsc.physics.bit.bit_on_bottom import RESULTS
 from tests.helpers.tables import each_row
 
 RADIUS, FRICTION, WEIGHT, SPIN = 0.108, 0.3, 5e4, 8.0

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from drillpetsc.solvers import block_tridiagonal
-from drillpetsc.solvers.newton import chain_factor, shared_factor
+from drillpetsc.solvers.chain import block_tridiagonal
+from drillpetsc.solvers.time.newton import chain_factor, shared_factor
 from tests.helpers.component_models import KINDS, SHIFT, build, dense
 from tests.helpers.tables import each_row
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from drillpetsc.solvers.overdamped import Drag, OverdampedMotion
+from drillpetsc.solvers.static.overdamped import Drag, OverdampedMotion
 from tests.helpers.component_models import build, curved_tangents, dense
 from tests.helpers.tables import each_row
 

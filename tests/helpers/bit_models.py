@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from drillpetsc.model.drilling_model import DrillingModel
-from drillpetsc.physics.rock_bit import RockBit
+from drillpetsc.physics.bit.rock_bit import RockBit
 from tests.helpers.motion import beam, straight
 from tests.helpers.wells import simple_well
 

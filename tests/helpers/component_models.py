@@ -11,18 +11,18 @@ from drillpetsc.fem.string_mesh import RigidItem, uniform_string
 from drillpetsc.geometry.frames import transported_frames
 from drillpetsc.geometry.well import Well
 from drillpetsc.physics.beam import AncfBeam
-from drillpetsc.physics.bit_on_bottom import BitOnBottom
+from drillpetsc.physics.bit.bit_on_bottom import BitOnBottom
 from drillpetsc.physics.contact import Contact, ContactLaw
-from drillpetsc.physics.control import Law, Motor
 from drillpetsc.physics.end_conditions import FixedEnd, Loads, NodeLoad, RotaryDrive, TopDrive
 from drillpetsc.physics.fluid.mud_items import MudItem, MudItems
-from drillpetsc.physics.hoist import STATES as HOIST_STATES
-from drillpetsc.physics.hoist import HoistedTop, HoistLine
-from drillpetsc.physics.hoisting import Autodriller, Heave, Hoisting, Line, Loop
 from drillpetsc.physics.precurvature import Precurvature
 from drillpetsc.physics.rigid_bodies import RigidBodies
 from drillpetsc.physics.tools.steering import PointTool, PushTool, Steer
-from drillpetsc.physics.top_drive import RESULTS, STATES, MotorDrive
+from drillpetsc.physics.top.control import Law, Motor
+from drillpetsc.physics.top.hoist import STATES as HOIST_STATES
+from drillpetsc.physics.top.hoist import HoistedTop, HoistLine
+from drillpetsc.physics.top.hoisting import Autodriller, Heave, Hoisting, Line, Loop
+from drillpetsc.physics.top.top_drive import RESULTS, STATES, MotorDrive
 from drillpetsc.time_function import Constant, Ramp
 
 SHIFT = 2.3

@@ -6,8 +6,8 @@ import shutil
 from pathlib import Path
 
 from drillpetsc import load_case
-from drillpetsc.analysis import checkpoint
-from drillpetsc.analysis.transient import run
+from drillpetsc.motion import checkpoint
+from drillpetsc.motion.transient import run
 
 
 def files(folder: Path) -> dict[str, bytes]:

@@ -13,7 +13,7 @@ import petsc4py
 petsc4py.init(sys.argv[:1])
 from petsc4py import PETSc  # noqa: E402
 
-from drillpetsc.solvers.chain_lu import ChainFactor, ChainPC, ZeroPivot  # noqa: E402
+from drillpetsc.solvers.chain.chain_lu import ChainFactor, ChainPC, ZeroPivot  # noqa: E402
 
 COMM = PETSc.COMM_WORLD.tompi4py()
 RANK, SIZE = COMM.rank, COMM.size

@@ -10,7 +10,7 @@ from petsc4py import PETSc  # noqa: E402
 
 from drillpetsc.case import load_case  # noqa: E402
 from drillpetsc.model.drilling_model import build_model  # noqa: E402
-from drillpetsc.solvers.newton import chain_factor  # noqa: E402
+from drillpetsc.solvers.time.newton import chain_factor  # noqa: E402
 
 case = load_case(sys.argv[1])
 whole = build_model(case, PETSc.COMM_SELF)

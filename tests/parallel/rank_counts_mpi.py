@@ -10,10 +10,10 @@ from petsc4py import PETSc  # noqa: E402
 
 from drillpetsc import parallel  # noqa: E402
 from drillpetsc.analysis import rank_model  # noqa: E402
-from drillpetsc.analysis.transient import TransientRun, run  # noqa: E402
 from drillpetsc.case import load_case  # noqa: E402
 from drillpetsc.fem import end_exchange  # noqa: E402
-from drillpetsc.solvers import chain_lu  # noqa: E402
+from drillpetsc.motion.transient import TransientRun, run  # noqa: E402
+from drillpetsc.solvers.chain import chain_lu  # noqa: E402
 
 CASE = "cases/benchmark/coupled-2000m.yaml"
 calls = {"sum": 0, "exchange": 0}

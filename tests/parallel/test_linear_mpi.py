@@ -73,7 +73,7 @@ def test_two_ranks_share_the_work():
 
 
 def test_price_of_a_piece_between_two_joints():
-    """Leading terms 38/3 against 14/3 b^3 (derivation in drillpetsc.solvers.chain_lu): 2.71 for large blocks,
+    """Leading terms 38/3 against 14/3 b^3 (derivation in drillpetsc.solvers.chain.chain_lu): 2.71 for large blocks,
     less for b = 7."""
     first, inner, last = report(3)["factor_flops"]
     assert first == last

@@ -32,7 +32,7 @@ def stick_slip(runs: Runs) -> list[Row]:
     periods = np.diff(t[slips])
     rest = max(float(np.abs(speed[a:b]).min()) for a, b in zip(slips, slips[1:], strict=False))
     rounding = min(run.case.contact.slip_velocity if run.case.contact else 0.01, 1.0) / (bit.od / 3)
-    rounding = min(rounding, law.speed / 100)  # drillpetsc/physics/rock_bit.py
+    rounding = min(rounding, law.speed / 100)  # drillpetsc/physics/bit/rock_bit.py
     return [
         *common("X04", run),
         at_least("X04", "slips in 300 s", len(slips), 9),

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from drillpetsc.solvers.chain_lu import ChainFactor
+from drillpetsc.solvers.chain.chain_lu import ChainFactor
 from tests.helpers.tables import each_row
 
 

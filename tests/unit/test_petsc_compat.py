@@ -6,7 +6,7 @@ import pytest
 
 from drillpetsc import petsc_compat
 from drillpetsc.errors import CaseError, SolveError
-from drillpetsc.solvers.first_order_system import IMPLICIT, refuse_integrator
+from drillpetsc.solvers.time.first_order_system import IMPLICIT, refuse_integrator
 
 
 def raise_as_petsc(error: Exception, by_context: bool) -> None:

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from drillpetsc import Case, run
-from drillpetsc.case.plausibility import plausibility
+from drillpetsc.case.plausible.plausibility import plausibility
 from drillpetsc.errors import CaseError
 from drillpetsc.output import read_table
 from tests.helpers.wells import simple_well

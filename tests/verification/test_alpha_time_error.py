@@ -7,7 +7,7 @@ import pytest
 
 import drillpetsc
 from drillpetsc import load_case
-from drillpetsc.solvers.alpha_formula import AlphaFormula, AlphaOutputErrors
+from drillpetsc.solvers.time.alpha_formula import AlphaFormula, AlphaOutputErrors
 
 PENDULUM = "cases/verification/study-pendulum.yaml"
 

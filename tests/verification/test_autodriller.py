@@ -11,7 +11,7 @@ from scipy.integrate import solve_ivp
 
 from drillpetsc import Case, Session, modes
 from drillpetsc.output import read_table
-from drillpetsc.physics.hoist import Hoist
+from drillpetsc.physics.top.hoist import Hoist
 from tests.helpers.hoist_models import DRILLABILITY, EA, HOIST, LINE_STIFFNESS, drilling, history
 
 P, I = 5.0e-8, 2.0e-9  # default gains [m/s/N], [m/s2/N]

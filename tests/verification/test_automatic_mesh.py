@@ -7,10 +7,6 @@ import pytest
 
 from drillpetsc import Case, run, statics
 from drillpetsc.analysis.check import describe
-from drillpetsc.analysis.initial_state import find_equilibrium
-from drillpetsc.analysis.placement import place_along_hole
-from drillpetsc.analysis.relaxation import relax
-from drillpetsc.analysis.statics import static_summary
 from drillpetsc.errors import CaseError, SolveError
 from drillpetsc.fem.component import PrescribedMotion
 from drillpetsc.fem.discrete_system import DiscreteSystem
@@ -18,9 +14,13 @@ from drillpetsc.model import element_length
 from drillpetsc.model.drilling_model import build_model
 from drillpetsc.model.mesh import build_mesh, coarsened, element_lengths
 from drillpetsc.output import read_table
-from drillpetsc.output.bending import bending_moments
+from drillpetsc.output.measured.bending import bending_moments
 from drillpetsc.physics.end_conditions import FixedEnd, Loads, NodeLoad
-from drillpetsc.solvers.static_newton import Equilibrium, StaticNewton
+from drillpetsc.solvers.static.static_newton import Equilibrium, StaticNewton
+from drillpetsc.statics.answer import static_summary
+from drillpetsc.statics.find_equilibrium import find_equilibrium
+from drillpetsc.statics.placement import place_along_hole
+from drillpetsc.statics.relaxation import relax
 
 AREA, BENDING, WEIGHT, CLEARANCE = 3.4047325e-3, 1.2240289e6, 242.0, 0.04445
 PIPE = {"kind": "pipe", "od": 0.127, "id": 0.1086, "material": {"density": WEIGHT / 9.81 / AREA}}

@@ -12,10 +12,10 @@ import numpy as np
 import pytest
 
 from drillpetsc.model.drilling_model import DrillingModel
-from drillpetsc.physics.bit_profile import CHIPS, profile_derivative
+from drillpetsc.physics.bit.bit_profile import CHIPS, profile_derivative
 from drillpetsc.physics.end_conditions import TopDrive
 from drillpetsc.solvers.petsc_options import applied
-from drillpetsc.solvers.time_integrator import TimeIntegrator
+from drillpetsc.solvers.time.time_integrator import TimeIntegrator
 from tests.helpers.bit_models import DRAG, RADIUS, TURNING, bit_of, drilling, lowered, unknowns
 from tests.helpers.delay_roots import Regenerative, fitted_exponents
 from tests.helpers.motion import beam, fixed, sampled, straight

@@ -15,12 +15,12 @@ from drillpetsc.fem.string_mesh import RigidItem, uniform_string
 from drillpetsc.geometry.growing_hole import GrowingHole
 from drillpetsc.geometry.well import Well
 from drillpetsc.model.drilling_model import DrillingModel
-from drillpetsc.physics.bit_side import SideLaw
+from drillpetsc.physics.bit.bit_side import SideLaw
+from drillpetsc.physics.bit.rock_bit import BitContact, BitShape, Layer, Rock, RockBit
 from drillpetsc.physics.end_conditions import TopDrive
 from drillpetsc.physics.rigid_bodies import RigidBodies
-from drillpetsc.physics.rock_bit import BitContact, BitShape, Layer, Rock, RockBit
 from drillpetsc.solvers.petsc_options import applied
-from drillpetsc.solvers.time_integrator import TimeIntegrator
+from drillpetsc.solvers.time.time_integrator import TimeIntegrator
 from drillpetsc.time_function import Constant
 from tests.helpers.bit_models import DRAG, RADIUS, bit_of, drilling, lowered, unknowns
 from tests.helpers.motion import beam, fixed, integrate

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from drillpetsc import Session, load_case
-from drillpetsc.physics.rock_bit import RockBit
+from drillpetsc.physics.bit.rock_bit import RockBit
 
 
 @pytest.mark.parametrize(("bit", "stiffness"), [("205 mm", 1e8), ("212 mm", 1e9)])

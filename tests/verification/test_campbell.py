@@ -11,11 +11,11 @@ import yaml
 
 import drillpetsc
 from drillpetsc import Case
-from drillpetsc.analysis.frequency.campbell_command import named_lines
-from drillpetsc.analysis.frequency.tracking import SpeedModes, pair, track
-from drillpetsc.analysis.job import Job
 from drillpetsc.errors import CaseError
+from drillpetsc.linear.frequency.campbell_command import named_lines
+from drillpetsc.linear.frequency.tracking import SpeedModes, pair, track
 from drillpetsc.output import read_table
+from drillpetsc.output.job import Job
 from tests.helpers import frequency_models as m
 from tests.helpers.tables import each_row
 from tests.helpers.wells import simple_well
@@ -293,7 +293,7 @@ def test_branches_do_not_hang_on_rounding(tmp_path, monkeypatch):
 
     Rounding is put on here; 2 of 10 such draws gave 5 branches with 19 rows for 4 with 16, as other machines did.
     """
-    import drillpetsc.solvers.quadratic_eigenproblem as solver
+    import drillpetsc.solvers.linear.quadratic_eigenproblem as solver
 
     eig, rows = np.linalg.eig, []
     for seed in (0, 1, 3):
@@ -361,7 +361,7 @@ def test_the_search_beside_lines_finds_what_a_search_of_all_modes_finds(tmp_path
 
 def test_what_was_searched_is_said(tmp_path, monkeypatch):
     """Once per turn at 600 to 900 rpm is 10 to 15 Hz; the modes of the disc lie at 6 and 60 Hz."""
-    from drillpetsc.analysis.frequency import campbell, campbell_command
+    from drillpetsc.linear.frequency import campbell, campbell_command
 
     rates = tuple(m.RPM * np.array([600.0, 900.0]))
     result = campbell_command.run_campbell(

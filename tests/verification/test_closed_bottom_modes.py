@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 
 from drillpetsc import Case
-from drillpetsc.analysis.linearised_model import linearise_model
-from drillpetsc.analysis.modal import modes, prepare_state, reference_rate
-from drillpetsc.analysis.unresolved_modes import unresolved_growth
+from drillpetsc.linear.linearised_model import linearise_model
+from drillpetsc.linear.modal import modes, prepare_state, reference_rate
+from drillpetsc.linear.unresolved_modes import unresolved_growth
 from drillpetsc.model.drilling_model import build_model
-from drillpetsc.solvers.linearization import linearise
-from drillpetsc.solvers.quadratic_eigenproblem import lowest_eigenvalues
+from drillpetsc.solvers.linear.linearization import linearise
+from drillpetsc.solvers.linear.quadratic_eigenproblem import lowest_eigenvalues
 from tests.helpers.wells import simple_well
 
 

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from drillpetsc import load_case
-from drillpetsc.analysis.session import Session
-from drillpetsc.solvers.newton import CondensedNewton
+from drillpetsc.motion.session.session import Session
+from drillpetsc.solvers.time.newton import CondensedNewton
 
 CASES = Path(__file__).parents[2] / "cases"
 #: case, changes of it, time to reach [s], counters of the solves that must not be zero
@@ -56,7 +56,7 @@ def test_the_same_to_the_last_bit(name):
 
 def test_a_singular_matrix_ends_the_solve_on_both_ways():
     """A pivot that is missing is a failed solve, and the next solve starts with a Jacobian of its own."""
-    from drillpetsc.solvers.chain_lu import ChainFactor
+    from drillpetsc.solvers.chain.chain_lu import ChainFactor
 
     ends = []
     for compiled in (True, False):

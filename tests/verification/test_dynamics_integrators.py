@@ -10,7 +10,7 @@ from petsc4py import PETSc
 from drillpetsc import Case, run
 from drillpetsc.errors import CaseError, SolveError
 from drillpetsc.physics.beam import AncfBeam
-from drillpetsc.solvers.first_order_system import FirstOrderSystem
+from drillpetsc.solvers.time.first_order_system import FirstOrderSystem
 from tests.helpers.component_models import KINDS, SHIFT, build
 from tests.helpers.motion import beam, fixed, integrate, straight
 from tests.helpers.tables import each_row

@@ -6,13 +6,13 @@ import numpy as np
 import pytest
 
 from drillpetsc import roadmap
-from drillpetsc.analysis.job import Job
-from drillpetsc.analysis.torque_drag.calibrate import run_calibrate
-from drillpetsc.analysis.torque_drag.roadmap import run_roadmap
 from drillpetsc.case.case import Case
-from drillpetsc.case.measured_option import fit_option
+from drillpetsc.case.options.measured_option import fit_option
 from drillpetsc.errors import CaseError
+from drillpetsc.loads.torque_drag.calibrate import run_calibrate
+from drillpetsc.loads.torque_drag.roadmap import run_roadmap
 from drillpetsc.output import read_table
+from drillpetsc.output.job import Job
 from tests.helpers.tables import each_row
 from tests.verification.test_roadmap_command import PIPE, case
 

@@ -10,8 +10,8 @@ import pytest
 from drillpetsc import Case, run
 from drillpetsc.errors import CaseError, SolveError
 from drillpetsc.output import read_summary
-from drillpetsc.solvers.alpha_formula import AlphaFormula
-from drillpetsc.solvers.generalized_alpha import GeneralizedAlpha
+from drillpetsc.solvers.time.alpha_formula import AlphaFormula
+from drillpetsc.solvers.time.generalized_alpha import GeneralizedAlpha
 from tests.helpers.motion import beam, fixed, integrate, straight
 from tests.helpers.tables import each_row
 

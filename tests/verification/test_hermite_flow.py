@@ -7,23 +7,23 @@ import numpy as np
 import pytest
 from scipy.linalg import eigh
 
-from drillpetsc.analysis.initial_state import find_equilibrium
-from drillpetsc.analysis.placement import move_rigidly, release
 from drillpetsc.case import Case
 from drillpetsc.fem.discrete_system import DiscreteSystem
 from drillpetsc.fem.quantity import Sample
 from drillpetsc.fem.string_mesh import uniform_string
 from drillpetsc.geometry.frames import transported_frames
 from drillpetsc.model.drilling_model import build_model
-from drillpetsc.output.flow_recorder import FlowRecorder
-from drillpetsc.output.mass_balance import MassBalance
+from drillpetsc.output.balances.mass_balance import MassBalance
+from drillpetsc.output.measured.flow_recorder import FlowRecorder
 from drillpetsc.output.recorder import Recorder
 from drillpetsc.physics.fluid.channel_flow import FluidConstants
 from drillpetsc.physics.fluid.channels import Bore
 from drillpetsc.physics.fluid.hermite.flow import HermiteBore
 from drillpetsc.physics.fluid.rheology import Rheology
 from drillpetsc.solvers import petsc_options as options
-from drillpetsc.solvers.time_integrator import TimeIntegrator
+from drillpetsc.solvers.time.time_integrator import TimeIntegrator
+from drillpetsc.statics.find_equilibrium import find_equilibrium
+from drillpetsc.statics.placement import move_rigidly, release
 from drillpetsc.time_function import Constant
 from tests.helpers.wells import simple_well
 from tests.verification.test_closed_bottom_modes import case as closed_bottom

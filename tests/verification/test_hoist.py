@@ -9,7 +9,7 @@ from scipy.optimize import brentq
 from drillpetsc import Case, Session, modes
 from drillpetsc.errors import SolveError
 from drillpetsc.output import read_table
-from drillpetsc.physics.hoisting import Heave, HeavingSpeed, Line, dead_line_share, fast_line_efficiency
+from drillpetsc.physics.top.hoisting import Heave, HeavingSpeed, Line, dead_line_share, fast_line_efficiency
 from drillpetsc.time_function import Constant, Ramp
 from tests.helpers.hoist_models import (
     AREA,

@@ -6,8 +6,8 @@ import math
 
 import pytest
 
-from drillpetsc.analysis.job import Job
-from drillpetsc.analysis.limits.limits import run_limits
+from drillpetsc.loads.limits.limits import run_limits
+from drillpetsc.output.job import Job
 from tests.verification.test_limits_command import FT, case, hole, level_pipe
 
 BIT = {"kind": "bit", "length": 0.0, "od": 0.2, "mass": 0.0}

@@ -9,12 +9,12 @@ import numpy as np
 import pytest
 
 from drillpetsc import load_case
-from drillpetsc.analysis.job import Job
-from drillpetsc.analysis.limits.limits import run_limits
-from drillpetsc.analysis.limits.side_force import largest_on_joint
-from drillpetsc.analysis.limits.sn_curve import read_sn
-from drillpetsc.analysis.limits.table import Choices
 from drillpetsc.case import Case
+from drillpetsc.loads.limits.limits import run_limits
+from drillpetsc.loads.limits.side_force import largest_on_joint
+from drillpetsc.loads.limits.sn_curve import read_sn
+from drillpetsc.loads.limits.table import Choices
+from drillpetsc.output.job import Job
 from tests.verification.test_limits_command import hole
 
 CASE = Path(__file__).parents[2] / "docs" / "tutorials" / "cases" / "limits.yaml"

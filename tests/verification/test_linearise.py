@@ -11,7 +11,7 @@ import drillpetsc
 from drillpetsc import Case, load_case
 from drillpetsc.errors import CaseError, SolveError
 from drillpetsc.model.drilling_model import build_model
-from drillpetsc.physics.hoist import Hoist
+from drillpetsc.physics.top.hoist import Hoist
 from tests.helpers import top_drive_models as m
 from tests.helpers.wells import simple_well
 

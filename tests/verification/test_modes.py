@@ -14,16 +14,16 @@ from scipy.optimize import brentq
 from scipy.special import jn_zeros
 
 from drillpetsc import Case
-from drillpetsc.analysis.job import Job
-from drillpetsc.analysis.modal import modes, prepare_state, run_modes
 from drillpetsc.fem.string_mesh import uniform_string
 from drillpetsc.geometry.well import Well
+from drillpetsc.linear.modal import modes, prepare_state, run_modes
 from drillpetsc.model.drilling_model import build_model
 from drillpetsc.output import read_frame, read_table
+from drillpetsc.output.job import Job
 from drillpetsc.physics.contact import Contact, ContactLaw
 from drillpetsc.physics.end_conditions import FixedEnd, TopDrive
-from drillpetsc.solvers.linearization import linearise
-from drillpetsc.solvers.quadratic_eigenproblem import (
+from drillpetsc.solvers.linear.linearization import linearise
+from drillpetsc.solvers.linear.quadratic_eigenproblem import (
     QuadraticEigenproblem,
     eigenvalues_near,
     lowest_eigenvalues,

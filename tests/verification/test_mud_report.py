@@ -8,7 +8,7 @@ import pytest
 from drillpetsc.case import Case
 from drillpetsc.fem.quantity import Sample
 from drillpetsc.model.drilling_model import build_model
-from drillpetsc.output.flow_recorder import FlowRecorder
+from drillpetsc.output.measured.flow_recorder import FlowRecorder
 from tests.helpers.mud import pressures, started
 
 PSI = 0.45359237 * 9.80665 / 0.0254**2

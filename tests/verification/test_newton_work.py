@@ -6,7 +6,7 @@ import pytest
 
 from drillpetsc import Case, run
 from drillpetsc.errors import CaseError
-from drillpetsc.solvers.newton_work import SHARE, ResidualWork
+from drillpetsc.solvers.time.newton_work import SHARE, ResidualWork
 from tests.helpers.component_models import KINDS, SHIFT, build
 from tests.helpers.tables import each_row
 from tests.helpers.wells import simple_well
@@ -65,7 +65,7 @@ def test_newton_leaves_less_than_a_thousandth_of_the_exchanged_energy(apart, tmp
     of the energy exchanged.  Without the limit it differs by more where whole Jacobians are renewed, as on several ranks; contacts
     apart (manual: sec-time-contact-entries) leave 3e-4 without it."""
     if not apart:
-        monkeypatch.setattr("drillpetsc.solvers.newton_iteration.CONTACT_ITERATIONS", 0)
+        monkeypatch.setattr("drillpetsc.solvers.time.newton_iteration.CONTACT_ITERATIONS", 0)
     exact = energy_of_whirl(tmp_path / "exact", q_snes_stol=1e-9, drillpetsc_newton_work=0)
     limited = energy_of_whirl(tmp_path / "limited")
     without = energy_of_whirl(tmp_path / "without", drillpetsc_newton_work=0)

@@ -5,12 +5,12 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from drillpetsc.analysis.job import Job
-from drillpetsc.analysis.limits.limits import run_limits
 from drillpetsc.analysis.statics import run_statics
-from drillpetsc.analysis.torque_drag.roadmap import run_roadmap
 from drillpetsc.case.case import Case
+from drillpetsc.loads.limits.limits import run_limits
+from drillpetsc.loads.torque_drag.roadmap import run_roadmap
 from drillpetsc.output import read_table
+from drillpetsc.output.job import Job
 from drillpetsc.units import to_si
 
 WOB, OD = 50e3, 0.2159

@@ -9,7 +9,7 @@ import pytest
 
 from drillpetsc import Case, run, statics
 from drillpetsc.errors import SolveError
-from drillpetsc.output.operation_watch import OperationWatch
+from drillpetsc.output.watches.operation_watch import OperationWatch
 from tests.helpers.wells import simple_well
 
 PIPE = {"kind": "pipe", "od": 0.127, "id": 0.1086, "element_length": 10.0}

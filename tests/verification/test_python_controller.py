@@ -11,7 +11,7 @@ import drillpetsc
 from drillpetsc import Case, run
 from drillpetsc.errors import CaseError, SolveError
 from drillpetsc.output import read_table
-from drillpetsc.physics.top_drive import MotorDrive
+from drillpetsc.physics.top.top_drive import MotorDrive
 from tests.helpers import top_drive_models as m
 
 PIPE = {"kind": "pipe", "length": 10.0, "od": 0.127, "id": 0.1086, "element_length": 5.0}

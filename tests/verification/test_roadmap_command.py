@@ -8,11 +8,11 @@ import time
 import numpy as np
 import pytest
 
-from drillpetsc.analysis.job import Job
-from drillpetsc.analysis.torque_drag.roadmap import run_roadmap
 from drillpetsc.case.case import Case
 from drillpetsc.errors import CaseError
+from drillpetsc.loads.torque_drag.roadmap import run_roadmap
 from drillpetsc.output import read_table
+from drillpetsc.output.job import Job
 from tests.helpers.tables import each_row
 
 # 127 x 108.6 mm pipe whose density gives 242 N/m

@@ -7,11 +7,11 @@ import math
 
 import pytest
 
-from drillpetsc.analysis.job import Job
-from drillpetsc.analysis.torque_drag.roadmap import run_roadmap
 from drillpetsc.case.catalogue.sizes import LBF
+from drillpetsc.loads.torque_drag.roadmap import run_roadmap
 from drillpetsc.output import read_table
-from drillpetsc.plotting.torque_drag import torque_drag_drawers
+from drillpetsc.output.job import Job
+from drillpetsc.plotting.command.torque_drag import torque_drag_drawers
 from tests.verification.test_roadmap_command import PIPE, case
 
 FT_LBF = 0.3048 * LBF

@@ -10,12 +10,12 @@ import pytest
 
 from drillpetsc import Session, load_case
 from drillpetsc.errors import SolveError
-from drillpetsc.solvers.newton import CondensedNewton
+from drillpetsc.solvers.time.newton import CondensedNewton
 
 CASE = "cases/lying-string.yaml"
 SCRIPT = f"""
 import drillpetsc
-from drillpetsc.solvers.newton import CondensedNewton
+from drillpetsc.solvers.time.newton import CondensedNewton
 session = drillpetsc.Session(drillpetsc.load_case({CASE!r}, OPTIONS))
 session.step(0.02)
 CondensedNewton.solve = lambda self, *rest: -3  # Newton's method fails from now on
@@ -34,7 +34,7 @@ ENDS = {
 @pytest.mark.parametrize("options", [[], ["petsc.ts_max_reject=2"]], ids=["failures", "rejections"])
 @pytest.mark.parametrize("end", ENDS)
 def test_script_that_ends_by_an_error(end, options):
-    before = "from drillpetsc.solvers.newton import CondensedNewton\nsolve = CondensedNewton.solve\n"
+    before = "from drillpetsc.solvers.time.newton import CondensedNewton\nsolve = CondensedNewton.solve\n"
     script = before + SCRIPT.replace("OPTIONS", repr(options)) + ENDS[end]
     done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, timeout=120)
     assert done.returncode == 1, done.stderr

@@ -10,13 +10,13 @@ import pytest
 import yaml
 from petsc4py import PETSc
 
-from drillpetsc.analysis.transient import run
 from drillpetsc.case.reader import load_case
 from drillpetsc.errors import CaseError, SolveError
 from drillpetsc.fem.component import Powers
+from drillpetsc.motion.transient import run
 from drillpetsc.output import read_table
 from drillpetsc.physics.beam import AncfBeam
-from drillpetsc.solvers.newton import CondensedNewton
+from drillpetsc.solvers.time.newton import CondensedNewton
 from tests.helpers.wells import simple_well
 
 WELL = simple_well(60, "215.9 mm", "60 deg", kind="casing", friction=0.2)
@@ -114,7 +114,7 @@ def test_fixed_steps_end_at_breaks(tmp_path, options):
     }
     (tmp_path / "case.yaml").write_text(yaml.safe_dump(case))
     steps = []
-    from drillpetsc.solvers import time_integrator as integrator
+    from drillpetsc.solvers.time import time_integrator as integrator
 
     original = integrator.TimeIntegrator._post_step
 

@@ -8,21 +8,21 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq
 
-from drillpetsc.analysis.hydraulics import trade_formulas as trade
-from drillpetsc.analysis.hydraulics.flow_model import FlowModel, string_at, whole_string
-from drillpetsc.analysis.hydraulics.open_hole import open_hole
-from drillpetsc.analysis.hydraulics.surge import (
+from drillpetsc.case import Case, load_case
+from drillpetsc.errors import CaseError, SolveError
+from drillpetsc.hydraulics import trade_formulas as trade
+from drillpetsc.hydraulics.flow_model import FlowModel, string_at, whole_string
+from drillpetsc.hydraulics.open_hole import open_hole
+from drillpetsc.hydraulics.surge import (
     FASTEST,
     TOLERANCE,
     Tripping,
     Trips,
     run_surge,
 )
-from drillpetsc.analysis.hydraulics.trade_formulas import FOOT, FOOT_PER_MINUTE, INCH, PPG, PSI
-from drillpetsc.analysis.job import Job
-from drillpetsc.case import Case, load_case
-from drillpetsc.errors import CaseError, SolveError
+from drillpetsc.hydraulics.trade_formulas import FOOT, FOOT_PER_MINUTE, INCH, PPG, PSI
 from drillpetsc.output import read_table
+from drillpetsc.output.job import Job
 from tests.helpers import handbook_hydraulics as handbook
 from tests.helpers.tables import each_row
 from tests.helpers.trips import trips_of

@@ -10,12 +10,18 @@ import numpy as np
 import pytest
 
 from drillpetsc import Case, load_case, run
-from drillpetsc.analysis.summary import closing_lines
 from drillpetsc.errors import SolveError
+from drillpetsc.motion.summary import closing_lines
 from drillpetsc.output import read_table
-from drillpetsc.output.time_error import LOSS, TimeError, damped_frequency, doubtful_outputs, time_error_lines
-from drillpetsc.solvers.alpha_formula import AlphaFormula, AlphaOutputErrors
-from drillpetsc.solvers.local_error import local_error, local_errors
+from drillpetsc.output.balances.time_error import (
+    LOSS,
+    TimeError,
+    damped_frequency,
+    doubtful_outputs,
+    time_error_lines,
+)
+from drillpetsc.solvers.time.alpha_formula import AlphaFormula, AlphaOutputErrors
+from drillpetsc.solvers.time.local_error import local_error, local_errors
 
 CASES = Path(__file__).parents[2] / "cases"
 #: torsion pendulum: k/J = 100 /s2, stopped from 1 rad/s at 0.1 s

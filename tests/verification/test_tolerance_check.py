@@ -10,7 +10,7 @@ import pytest
 from drillpetsc import Case, run
 from drillpetsc.errors import CaseError
 from drillpetsc.model.drilling_model import build_model
-from drillpetsc.output.motion_classes import MotionClasses, changed_classes
+from drillpetsc.output.measured.motion_classes import MotionClasses, changed_classes
 from drillpetsc.studies.convergence.fine_tolerance import (
     FOLDER,
     LIMIT,

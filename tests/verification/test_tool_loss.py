@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 import drillpetsc as dp
-from drillpetsc.case.plausibility import plausibility as said
+from drillpetsc.case.plausible.plausibility import plausibility as said
 from drillpetsc.errors import CaseError
 from drillpetsc.output import read_table
 from drillpetsc.units import to_si

@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 
 from drillpetsc import Case
-from drillpetsc.analysis.modal import modes, prepare_state
+from drillpetsc.linear.modal import modes, prepare_state
 from drillpetsc.model.drilling_model import build_model
-from drillpetsc.physics.top_drive import MotorDrive
+from drillpetsc.physics.top.top_drive import MotorDrive
 from tests.helpers import top_drive_models as m
 
 

@@ -6,11 +6,12 @@ import numpy as np
 import pytest
 
 from drillpetsc import Case, statics
-from drillpetsc.analysis import coarse_start, equilibrium
-from drillpetsc.analysis.job import Job
-from drillpetsc.analysis.torque_drag.roadmap import run_roadmap
 from drillpetsc.errors import SolveError
+from drillpetsc.loads.torque_drag.roadmap import run_roadmap
 from drillpetsc.output import read_table
+from drillpetsc.output.job import Job
+from drillpetsc.statics import equilibrium
+from drillpetsc.statics.start import coarse_start
 from tests.verification.test_roadmap_command import case
 from tests.verification.test_statics_report import BENDING, CLEARANCE, PIPE, WEIGHT, pushed, straight
 

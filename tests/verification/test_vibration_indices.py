@@ -222,7 +222,7 @@ def test_pictures_and_command(ramp, tmp_path, capsys):
 
 
 def _names(folder) -> list[str]:
-    from drillpetsc.plotting.plot import picture_names
+    from drillpetsc.plotting.run.plot import picture_names
 
     return picture_names(folder)
 

@@ -13,11 +13,11 @@ import numpy as np
 import pytest
 
 from drillpetsc import statics
-from drillpetsc.analysis.job import Job
-from drillpetsc.analysis.limits.limits import run_limits
-from drillpetsc.analysis.torque_drag.roadmap import run_roadmap
 from drillpetsc.case import Case
+from drillpetsc.loads.limits.limits import run_limits
+from drillpetsc.loads.torque_drag.roadmap import run_roadmap
 from drillpetsc.output import read_table
+from drillpetsc.output.job import Job
 
 INCH, G, LENGTH, WEAK, DENSITY = 0.0254, 9.80665, 3000.0, 2000.0, 1800.0
 OUTER, BORE = 5 * INCH, 4.276 * INCH

@@ -22,15 +22,15 @@ from drillpetsc.case.blocks.contact import Contact, contact_or_none
 from drillpetsc.case.blocks.ends import AnyLoad, Bottom, HeldBottom, HeldTop, Top
 from drillpetsc.case.blocks.fluid import Fluid
 from drillpetsc.case.blocks.formation import Formation
-from drillpetsc.case.blocks.joints import Joint
-from drillpetsc.case.blocks.motor import PositiveDisplacementMotor
+from drillpetsc.case.blocks.items.joints import Joint
+from drillpetsc.case.blocks.items.motor import PositiveDisplacementMotor
+from drillpetsc.case.blocks.items.steering import RotarySteerable
+from drillpetsc.case.blocks.items.string import Bit, Flexible, Material
+from drillpetsc.case.blocks.items.tools import TelescopingTool
+from drillpetsc.case.blocks.items.tubulars import StringItem
 from drillpetsc.case.blocks.rig import STANDARD_GRAVITY, Rig
 from drillpetsc.case.blocks.roadmap import Roadmap
 from drillpetsc.case.blocks.settings import BeamTheory, Initial, MeshSettings, Output, Time
-from drillpetsc.case.blocks.steering import RotarySteerable
-from drillpetsc.case.blocks.string import Bit, Flexible, Material
-from drillpetsc.case.blocks.tools import TelescopingTool
-from drillpetsc.case.blocks.tubulars import StringItem
 from drillpetsc.case.blocks.well import Well
 from drillpetsc.case.blocks.window import Window, window_or_file
 from drillpetsc.case.key_paths import refuse

@@ -7,7 +7,7 @@ from typing import Annotated, Any, Literal
 from pydantic import Field, ValidationInfo, field_validator, model_validator
 
 from drillpetsc.case.block import Block
-from drillpetsc.case.blocks.string import Friction
+from drillpetsc.case.blocks.items.string import Friction
 from drillpetsc.case.key_paths import refuse
 from drillpetsc.case.quantities import Quantity
 

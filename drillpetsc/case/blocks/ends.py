@@ -9,7 +9,7 @@ from pydantic import BeforeValidator, Discriminator, Field, Strict, Tag, model_v
 
 from drillpetsc.case.block import Block, tagged_union
 from drillpetsc.case.blocks.hoist import AutodrillerBlock, HoistBlock
-from drillpetsc.case.blocks.string import Friction
+from drillpetsc.case.blocks.items.string import Friction
 from drillpetsc.case.blocks.top_drive import Controllers, TopMotor
 from drillpetsc.case.key_paths import refuse
 from drillpetsc.case.quantities import OverTime, Quantity, Vector, said

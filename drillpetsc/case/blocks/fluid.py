@@ -17,8 +17,8 @@ from pydantic import (
 from pydantic_core import CoreSchema
 
 from drillpetsc.case.block import Block, derived_default, kinds_of, tagged_union
+from drillpetsc.case.files.mud_report import standard
 from drillpetsc.case.key_paths import refuse
-from drillpetsc.case.mud_report import standard
 from drillpetsc.case.quantities import OverTime, Quantity, WordOrNumber
 from drillpetsc.time_function import Constant, TimeFunction
 from drillpetsc.unit_tables import FOOT, INCH

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Literal
 from pydantic import BeforeValidator, Discriminator, Field, Tag, model_validator
 
 from drillpetsc.case.block import Block, derived_default, overlaid, tagged_union
-from drillpetsc.case.blocks.string import Friction
+from drillpetsc.case.blocks.items.string import Friction
 from drillpetsc.case.key_paths import refuse
 from drillpetsc.case.quantities import Quantity, said
 

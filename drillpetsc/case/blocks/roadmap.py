@@ -8,8 +8,8 @@ from typing import Annotated, Any, Literal
 from pydantic import BeforeValidator, Field, model_validator
 
 from drillpetsc.case.block import Block
+from drillpetsc.case.files.measured_file import OPERATIONS, operation_word, read_measured
 from drillpetsc.case.key_paths import refuse, suggestion
-from drillpetsc.case.measured_file import OPERATIONS, operation_word, read_measured
 from drillpetsc.case.quantities import Quantity, as_list
 from drillpetsc.units import to_si
 

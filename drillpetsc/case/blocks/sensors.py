@@ -10,8 +10,8 @@ from typing import Annotated, Any, Literal
 from pydantic import BeforeValidator, Field, field_validator, model_validator
 
 from drillpetsc.case.block import Block
+from drillpetsc.case.blocks.items.string import Angle
 from drillpetsc.case.blocks.rig import STANDARD_GRAVITY
-from drillpetsc.case.blocks.string import Angle
 from drillpetsc.case.key_paths import refuse, suggestion
 from drillpetsc.case.quantities import InSI, Quantity, as_list
 from drillpetsc.units import UnitError, to_si

@@ -9,11 +9,11 @@ from typing import Annotated, Any, Literal
 from pydantic import BeforeValidator, Field, field_validator, model_validator
 
 from drillpetsc.case.block import Block, derived_default
+from drillpetsc.case.blocks.items.string import Angle
 from drillpetsc.case.blocks.sensors import Indices, Sensor, as_sensors, indices_or_true
-from drillpetsc.case.blocks.string import Angle
+from drillpetsc.case.files.survey_file import FOLDER
 from drillpetsc.case.key_paths import refuse, suggestion
 from drillpetsc.case.quantities import Quantity, as_list, said
-from drillpetsc.case.survey_file import FOLDER
 from drillpetsc.unit_systems import System
 
 STARTS = ("statics", "rest", "straight")

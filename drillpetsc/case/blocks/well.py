@@ -10,11 +10,11 @@ from pydantic import Field, PrivateAttr, ValidatorFunctionWrapHandler, WrapValid
 from pydantic_core import PydanticCustomError
 
 from drillpetsc.case.block import Block, derived_default
-from drillpetsc.case.blocks.string import Friction
+from drillpetsc.case.blocks.items.string import Friction
+from drillpetsc.case.files.survey_file import read_survey
 from drillpetsc.case.importers.stations import Rules
 from drillpetsc.case.key_paths import refuse
 from drillpetsc.case.quantities import BARE_NUMBERS, InSI, Quantity, said
-from drillpetsc.case.survey_file import read_survey
 
 DEFAULT_FRICTION = {"casing": 0.2, "open_hole": 0.3}
 

@@ -7,9 +7,9 @@ from typing import Annotated, Any
 from pydantic import BeforeValidator, Field, model_validator
 
 from drillpetsc.case.block import Block
+from drillpetsc.case.files.window_file import read_window
 from drillpetsc.case.key_paths import refuse
 from drillpetsc.case.quantities import Quantity, as_list, said
-from drillpetsc.case.window_file import read_window
 
 
 def _list(value: Any) -> Any:

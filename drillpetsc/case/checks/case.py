@@ -7,8 +7,8 @@ import math
 
 from drillpetsc.case.blocks.case_blocks import CaseBlocks
 from drillpetsc.case.blocks.ends import PointLoad
-from drillpetsc.case.blocks.reamer import Reamer
-from drillpetsc.case.blocks.string import Beam, Bit, Item, Rigid, Stabilizer, Tube
+from drillpetsc.case.blocks.items.reamer import Reamer
+from drillpetsc.case.blocks.items.string import Beam, Bit, Item, Rigid, Stabilizer, Tube
 from drillpetsc.case.checks.drilling import check_drilling, check_time
 from drillpetsc.case.checks.fit import LENGTH_TOLERANCE, Misfit, misfit
 from drillpetsc.case.checks.fluid import check_fluid, check_held_string

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from drillpetsc.case.blocks.case_blocks import CaseBlocks
 from drillpetsc.case.blocks.ends import BitBottom, DrivenTop
-from drillpetsc.case.blocks.reamer import Reamer
-from drillpetsc.case.blocks.string import Bit, Flexible
+from drillpetsc.case.blocks.items.reamer import Reamer
+from drillpetsc.case.blocks.items.string import Bit, Flexible
 from drillpetsc.case.key_paths import refuse
 from drillpetsc.case.quantities import said
 

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from drillpetsc.case.blocks.reamer import Reamer
-from drillpetsc.case.blocks.string import Bit, Item, Rigid
+from drillpetsc.case.blocks.items.reamer import Reamer
+from drillpetsc.case.blocks.items.string import Bit, Item, Rigid
 from drillpetsc.case.blocks.well import Well
 from drillpetsc.case.checks.reamer import BLADE_OVER_HOLE
 from drillpetsc.case.quantities import said

@@ -7,7 +7,7 @@ import math
 from drillpetsc.case.blocks.case_blocks import CaseBlocks
 from drillpetsc.case.blocks.ends import DrivenTop, ForcedBottom
 from drillpetsc.case.blocks.fluid import Fluid
-from drillpetsc.case.blocks.string import Beam, Bit, Flexible, Rigid, Stabilizer
+from drillpetsc.case.blocks.items.string import Beam, Bit, Flexible, Rigid, Stabilizer
 from drillpetsc.case.key_paths import refuse
 from drillpetsc.case.quantities import largest, said
 

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from drillpetsc.case.blocks.case_blocks import CaseBlocks
-from drillpetsc.case.blocks.string import Flexible, Rigid
-from drillpetsc.case.blocks.tools import Jar
+from drillpetsc.case.blocks.items.string import Flexible, Rigid
+from drillpetsc.case.blocks.items.tools import Jar
 from drillpetsc.case.key_paths import refuse
 from drillpetsc.case.quantities import said
 

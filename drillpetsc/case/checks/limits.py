@@ -8,7 +8,7 @@ from pydantic_core import PydanticCustomError
 
 from drillpetsc.case.blocks.case_blocks import CaseBlocks
 from drillpetsc.case.blocks.ends import DrivenTop
-from drillpetsc.case.blocks.string import Flexible
+from drillpetsc.case.blocks.items.string import Flexible
 from drillpetsc.case.key_paths import refuse
 from drillpetsc.case.quantities import said
 from drillpetsc.errors import CaseError

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from drillpetsc.case.blocks.agitator import AgitatorTool
 from drillpetsc.case.blocks.case_blocks import CaseBlocks
-from drillpetsc.case.blocks.motor import PositiveDisplacementMotor
+from drillpetsc.case.blocks.items.agitator import AgitatorTool
+from drillpetsc.case.blocks.items.motor import PositiveDisplacementMotor
 from drillpetsc.case.key_paths import refuse
 
 

@@ -11,13 +11,13 @@ from typing import Any
 
 from pydantic import TypeAdapter, ValidationError
 
-from drillpetsc.case.blocks.tubulars import StringItem
+from drillpetsc.case.blocks.items.tubulars import StringItem
+from drillpetsc.case.files.survey_file import read_survey
 from drillpetsc.case.importers.edm import Wanted, import_edm
 from drillpetsc.case.importers.stations import Rules
 from drillpetsc.case.importers.witsml import EDM_ROOT, Imported, import_witsml, read_witsml
 from drillpetsc.case.importers.xml_tree import first_element
 from drillpetsc.case.messages import case_error
-from drillpetsc.case.survey_file import read_survey
 from drillpetsc.errors import CaseError
 
 SAME_END = 1.0  # [m] between the last section and the last station

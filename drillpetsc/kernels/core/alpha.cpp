@@ -1,4 +1,4 @@
-// Generalised-alpha in end-point form on plain arrays (manual: sec-time-alpha); solvers/alpha_formula.py says what the arrays are.
+// Generalised-alpha in end-point form on plain arrays (manual: sec-time-alpha); solvers/time/alpha_formula.py says what the arrays are.
 #include <cmath>
 
 #include "core/names.hpp"

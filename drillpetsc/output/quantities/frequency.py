@@ -1,4 +1,4 @@
-"""Columns of the tables over rotary speeds: response.csv, campbell.csv, critical.csv, stability_map.csv."""
+"""Columns of the tables over speeds and frequencies: response.csv, campbell.csv, critical.csv, stability_map.csv, reflection.csv."""
 
 from __future__ import annotations
 
@@ -187,3 +187,31 @@ STABILITY_RUNS: tuple[Quantity, ...] = (
         "run_behaviour", "-", "Behaviour", "BHVR", "One of steady, decays, grows, stick_slip, or failed if the run could not be computed."
     ),
 )  # fmt: skip
+
+REFLECTION: tuple[Quantity, ...] = (
+    Quantity(
+        "controller",
+        "-",
+        on="item",
+        label="Controller",
+        mnemonic="CTRL",
+        doc="Number of the controller in the case, from 1.",
+    ),
+    Quantity(
+        "wave_frequency",
+        "Hz",
+        on="item",
+        label="Frequency of the wave",
+        mnemonic="WFRQ",
+        sign="positive",
+        doc="Frequency of a torsional wave.",
+    ),
+    Quantity(
+        "reflection",
+        "-",
+        on="item",
+        label="Reflected part of the wave",
+        mnemonic="RFL",
+        doc="Amplitude of the reflected wave over amplitude of the incoming wave.",
+    ),
+)

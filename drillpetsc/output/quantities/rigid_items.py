@@ -7,7 +7,7 @@ from typing import Any
 
 from drillpetsc.fem.quantity import Quantity
 
-WALL_NUMBERS = 13  # numbers that make up the loads of an item, see ``output.rigid_items``
+WALL_NUMBERS = 13  # numbers that make up the loads of an item, see ``output.measured.rigid_items``
 
 
 def _resultants(items: Any, values: Any, depth: Any) -> Any:
@@ -23,7 +23,7 @@ _of_item = partial(
     finish=_resultants,
 )
 
-#: in the order of ``output.rigid_items.TITLES``
+#: in the order of ``output.measured.rigid_items.TITLES``
 SIDE_FORCES: tuple[Quantity, ...] = (
     _of_item(
         "side_force_NNN",

@@ -9,7 +9,7 @@ import numpy as np
 from drillpetsc.arrays import FloatArray
 from drillpetsc.case.blocks.sensors import Sensor, sensor_depth
 from drillpetsc.model.drilling_model import DrillingModel
-from drillpetsc.output.flow_recorder import FlowRecorder
+from drillpetsc.output.measured.flow_recorder import FlowRecorder
 from drillpetsc.physics.beam import RESULT_NAMES
 from drillpetsc.physics.interfaces import Beam
 

@@ -11,7 +11,7 @@ from drillpetsc.arrays import FloatArray
 from drillpetsc.case.blocks.sensors import STEPS_PER_PERIOD
 from drillpetsc.model.drilling_model import DrillingModel
 from drillpetsc.output.files.tables import Column
-from drillpetsc.output.flow_recorder import FlowRecorder
+from drillpetsc.output.measured.flow_recorder import FlowRecorder
 from drillpetsc.output.sensors.files import open_samples, sensor_file
 from drillpetsc.output.sensors.samples import AT_ONCE, Sampler
 from drillpetsc.output.sensors.section import SensorSection

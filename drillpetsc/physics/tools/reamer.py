@@ -19,10 +19,10 @@ from drillpetsc.geometry.well import Well
 from drillpetsc.kernels import function, pointer
 from drillpetsc.kernels.parameters import Parameters, columns, structure
 from drillpetsc.physics import quantities as declared
-from drillpetsc.physics.bit_profile import CHIPS, profile_derivative
+from drillpetsc.physics.bit.bit_profile import CHIPS, profile_derivative
+from drillpetsc.physics.bit.rock_bit import KINDS, MOTION, QUASI_STATIC, STATICS
 from drillpetsc.physics.contact import ONSET, penetration
 from drillpetsc.physics.rigid_bodies import VERTEX_SLOTS, local_vertices
-from drillpetsc.physics.rock_bit import KINDS, MOTION, QUASI_STATIC, STATICS
 
 _results = function("reamer_results", "ipppppp")
 _Law = structure("bit_law")

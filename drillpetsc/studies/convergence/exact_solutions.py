@@ -15,7 +15,7 @@ import numpy.typing as npt
 
 from drillpetsc.case import Case
 from drillpetsc.case.blocks.ends import TopDrive
-from drillpetsc.case.blocks.string import Beam, Pipe
+from drillpetsc.case.blocks.items.string import Beam, Pipe
 from drillpetsc.fem.string_mesh import tube
 from drillpetsc.time_function import TimeFunction
 

@@ -16,10 +16,10 @@ from petsc4py import PETSc
 from drillpetsc import petsc_compat
 from drillpetsc.case import Case
 from drillpetsc.output import RunFolder, read_summary, read_table, write_summary
+from drillpetsc.output.balances.time_error import SMALL_RANGE, smallest_range
 from drillpetsc.output.files.tables import split_name
-from drillpetsc.output.motion_classes import changed_classes
-from drillpetsc.output.time_error import SMALL_RANGE, smallest_range
-from drillpetsc.solvers.time_integrator import TOLERANCE
+from drillpetsc.output.measured.motion_classes import changed_classes
+from drillpetsc.solvers.time.time_integrator import TOLERANCE
 from drillpetsc.studies.convergence.coarse_mesh import differences
 from drillpetsc.studies.convergence.error_norms import FloatArray, extent
 from drillpetsc.unit_systems import System, shown
@@ -72,7 +72,7 @@ def add_tolerance_check(
 
     Returns the summary with `error_estimate.tolerance` and its warnings.
     """
-    from drillpetsc.analysis.transient import run
+    from drillpetsc.motion.transient import run
 
     with finer(summary["petsc_options"]) as words:
         fine = run(

@@ -239,7 +239,7 @@ def _speed_up(rows: Sequence[Row]) -> dict[str, float]:
 
 def write_results(folder: Path, rows: Sequence[Row], content: Mapping[str, Any]) -> list[Path]:
     """Write study.csv, study.json and the pictures; returns the files."""
-    from drillpetsc.plotting.work_precision import draw_study
+    from drillpetsc.plotting.command.work_precision import draw_study
 
     errors = [key for key in (rows[0] if rows else {}) if key.startswith("error_")]
     columns = [*COLUMNS, *((key, "-") for key in errors), ("message", "-")]

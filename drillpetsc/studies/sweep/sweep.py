@@ -17,15 +17,15 @@ from typing import Any
 
 from petsc4py import PETSc
 
-from drillpetsc.analysis.integrator_choice import make_integrator
-from drillpetsc.analysis.quasi_static import QuasiStatic
-from drillpetsc.analysis.transient import run
 from drillpetsc.case import Case, load_case
 from drillpetsc.errors import CaseError, DrillError, Interrupted
 from drillpetsc.model.drilling_model import build_model, is_quasi_static
 from drillpetsc.model.mesh import build_mesh
+from drillpetsc.motion.integrator_choice import make_integrator
+from drillpetsc.motion.quasi_static import QuasiStatic
+from drillpetsc.motion.transient import run
 from drillpetsc.output import RunFolder, read_summary
-from drillpetsc.output.energy_balance import EnergyGainMonitor
+from drillpetsc.output.balances.energy_balance import EnergyGainMonitor
 from drillpetsc.output.files.run_folder import SWEEP_TABLE
 from drillpetsc.output.progress import Receiver, check_progress, duration
 from drillpetsc.output.recorder import Recorder
@@ -252,7 +252,7 @@ def _pictures(plan: Plan, rows: list[dict[str, Any]]) -> list[Path]:
     if plan.folder is None or plan.table != SWEEP_TABLE or not drilled:
         return []
     try:
-        from drillpetsc.plotting.sweep import draw_sweep
+        from drillpetsc.plotting.command.sweep import draw_sweep
 
         return draw_sweep(plan.folder)
     except Exception as error:  # a failed picture must not fail a sweep whose results are written

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from drillpetsc.analysis.rank_model import GAIN, RANKS, UNEVEN, StepCounts, lines_of
-from drillpetsc.solvers.block_tridiagonal import Piece
+from drillpetsc.solvers.chain.block_tridiagonal import Piece
 from tests.helpers.tables import each_row
 
 WET, DRY = (1016.0, 11), (216.0, 7)  # entries for each element, unknowns of a node

@@ -9,8 +9,9 @@ from scipy.integrate import solve_ivp
 from scipy.linalg import eigh, eigvals
 
 from drillpetsc.analysis.check import describe
-from drillpetsc.analysis.placement import place_along_hole
-from drillpetsc.analysis.time_scales import (
+from drillpetsc.case.reader import load_case
+from drillpetsc.model.drilling_model import build_model
+from drillpetsc.motion.time_scales import (
     AXIAL,
     BENDING,
     MUD,
@@ -20,10 +21,9 @@ from drillpetsc.analysis.time_scales import (
     step_warnings,
     time_scales,
 )
-from drillpetsc.case.reader import load_case
-from drillpetsc.model.drilling_model import build_model
 from drillpetsc.physics.contact import ContactLaw
-from drillpetsc.solvers.linearization import linearise
+from drillpetsc.solvers.linear.linearization import linearise
+from drillpetsc.statics.placement import place_along_hole
 from tests.helpers.wells import simple_well
 
 ONE = {

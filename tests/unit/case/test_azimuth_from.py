@@ -10,7 +10,7 @@ from typing import Any
 import pytest
 
 from drillpetsc.case import Case, load_case
-from drillpetsc.case.plausibility import notes
+from drillpetsc.case.plausible.plausibility import notes
 from drillpetsc.case.writer import case_data
 from drillpetsc.errors import CaseError
 from drillpetsc.model.hole import build_well

@@ -9,10 +9,10 @@ from pathlib import Path
 import pytest
 
 from drillpetsc.case import load_case
+from drillpetsc.case.files.survey_file import read_survey
 from drillpetsc.case.importers.edm import Wanted
 from drillpetsc.case.importers.fragment import fragment
 from drillpetsc.case.importers.stations import Rules
-from drillpetsc.case.survey_file import read_survey
 from drillpetsc.cli import main
 from drillpetsc.errors import CaseError
 from tests.helpers.tables import each_row

@@ -11,7 +11,7 @@ import pytest
 
 import drillpetsc as dp
 from drillpetsc.case.block import kinds_of
-from drillpetsc.case.blocks import agitator, motor, string, tools, tubulars
+from drillpetsc.case.blocks.items import agitator, motor, string, tools, tubulars
 from drillpetsc.case.items import ITEMS
 from drillpetsc.errors import CaseError
 from tests.helpers.tables import each_row

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from drillpetsc.case.case import Case
-from drillpetsc.case.measured_option import measured_option
+from drillpetsc.case.options.measured_option import measured_option
 from drillpetsc.errors import CaseError
 from tests.helpers.tables import each_row
 

@@ -7,7 +7,7 @@ import copy
 import pytest
 
 from drillpetsc import Case
-from drillpetsc.case.measured_file import operation_word
+from drillpetsc.case.files.measured_file import operation_word
 from drillpetsc.errors import CaseError
 from tests.helpers.si_words import si_units
 from tests.helpers.tables import each_row

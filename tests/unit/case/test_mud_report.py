@@ -9,7 +9,7 @@ import pytest
 
 from drillpetsc.case import Case
 from drillpetsc.case.blocks.fluid import Bingham, HerschelBulkley, PowerLaw, SurfaceLine
-from drillpetsc.case.mud_report import DEGREE, RPM, misfit
+from drillpetsc.case.files.mud_report import DEGREE, RPM, misfit
 from drillpetsc.case.writer import case_data
 from drillpetsc.errors import CaseError
 from tests.helpers.tables import each_row

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from drillpetsc import Case, load_case
-from drillpetsc.case.plausibility import plausibility
+from drillpetsc.case.plausible.plausibility import plausibility
 from tests.helpers.tables import each_row
 
 EAGLE = Path(__file__).parents[3] / "cases" / "field" / "eagle.yaml"

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from drillpetsc import Case
-from drillpetsc.case.plausibility import plausibility
+from drillpetsc.case.plausible.plausibility import plausibility
 from tests.helpers.tables import each_row
 
 

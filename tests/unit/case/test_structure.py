@@ -10,7 +10,7 @@ from pathlib import Path
 
 from drillpetsc.case import Case
 from drillpetsc.case.blocks.ends import DrivenTop, HeldTop, TopDrive
-from drillpetsc.case.blocks.string import Beam, Pipe
+from drillpetsc.case.blocks.items.string import Beam, Pipe
 
 ROOT = Path(__file__).parents[3]
 ALLOWED = {"arrays", "case", "errors", "time_function", "unit_systems", "unit_tables", "units", "version"}

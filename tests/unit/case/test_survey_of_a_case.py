@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 
 from drillpetsc.case import Case, load_case
-from drillpetsc.case.plausibility import notes, plausibility
+from drillpetsc.case.plausible.plausibility import notes, plausibility
 from drillpetsc.case.writer import case_data
 from drillpetsc.errors import CaseError
 from tests.helpers.tables import each_row

@@ -8,8 +8,8 @@ from typing import Any
 
 import pytest
 
+from drillpetsc.case.files.survey_file import read_survey
 from drillpetsc.case.importers.stations import Rules, Stations, dogleg, minimum_curvature_step
-from drillpetsc.case.survey_file import read_survey
 from drillpetsc.errors import CaseError
 from tests.helpers.tables import each_row
 

@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 
 from drillpetsc.case import Case
-from drillpetsc.case.section import ring, tubular_section
+from drillpetsc.case.pipe.section import ring, tubular_section
 from drillpetsc.errors import CaseError
 from tests.helpers.tables import each_row
 

@@ -8,9 +8,9 @@ from pathlib import Path
 import pytest
 
 from drillpetsc.case import Case, load_case
+from drillpetsc.case.files.survey_file import read_survey
 from drillpetsc.case.importers.fragment import fragment
 from drillpetsc.case.importers.stations import Rules
-from drillpetsc.case.survey_file import read_survey
 from drillpetsc.cli import main
 from drillpetsc.errors import CaseError
 

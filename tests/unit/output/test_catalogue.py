@@ -12,9 +12,8 @@ from typing import Any
 import pytest
 
 from drillpetsc import Case, run
-from drillpetsc.analysis.job import Job
-from drillpetsc.analysis.modal import run_modes
 from drillpetsc.analysis.statics import run_statics
+from drillpetsc.linear.modal import run_modes
 from drillpetsc.output import conditions as where
 from drillpetsc.output import read_frame, read_series, read_table
 from drillpetsc.output.catalogue import (
@@ -27,6 +26,7 @@ from drillpetsc.output.catalogue import (
     records,
 )
 from drillpetsc.output.files.tables import split_name
+from drillpetsc.output.job import Job
 from drillpetsc.output.summary_keys import STATIC_START, SUMMARY_KEYS, WHIRLS
 from drillpetsc.physics.quantities import BIT
 from tests.helpers.tables import each_row

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from drillpetsc.geometry.well import Well
-from drillpetsc.output.in_hole import measured_depth, offsets
+from drillpetsc.output.measured.in_hole import measured_depth, offsets
 from tests.helpers.tables import each_row
 
 

@@ -79,8 +79,8 @@ def test_a_failing_write_keeps_the_old_summary(tmp_path: Path, monkeypatch: pyte
     [
         "drillpetsc.output",
         "drillpetsc.output.progress",
-        "drillpetsc.plotting.view",
-        "drillpetsc.plotting.plot",
+        "drillpetsc.plotting.run.view",
+        "drillpetsc.plotting.run.plot",
     ],
 )
 def test_importing_brings_no_drawing_package_and_no_mpi(name: str) -> None:

@@ -7,10 +7,10 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from drillpetsc.output import run_writer
+from drillpetsc.output.files import run_writer
 from drillpetsc.output.files.run_folder import RunFolder
+from drillpetsc.output.files.run_writer import RunWriter
 from drillpetsc.output.recorder import Recorder
-from drillpetsc.output.run_writer import RunWriter
 from tests.helpers.motion import beam, straight
 
 

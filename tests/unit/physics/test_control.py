@@ -9,7 +9,7 @@ import pytest
 
 from drillpetsc import Case, top_drive
 from drillpetsc.output import read_table
-from drillpetsc.physics.control import Law, Motor, reflection
+from drillpetsc.physics.top.control import Law, Motor, reflection
 from tests.helpers import top_drive_models as m
 from tests.helpers.tables import each_row
 

@@ -18,10 +18,8 @@ from drillpetsc.geometry.trajectory import angles
 from drillpetsc.geometry.well import Well
 from drillpetsc.output import RunFolder, read_table, write_summary, write_table
 from drillpetsc.output.files.run_folder import SWEEP_PICTURES
-from drillpetsc.plotting import directions, hole_path, style
-from drillpetsc.plotting.directions import direction
-from drillpetsc.plotting.plot import plot
-from drillpetsc.plotting.sweep import (
+from drillpetsc.plotting import style
+from drillpetsc.plotting.command.sweep import (
     build_rates,
     draw_sweep,
     drilled_paths,
@@ -29,6 +27,9 @@ from drillpetsc.plotting.sweep import (
     round_scale,
     trajectories,
 )
+from drillpetsc.plotting.run import directions, hole_path
+from drillpetsc.plotting.run.directions import direction
+from drillpetsc.plotting.run.plot import plot
 from drillpetsc.studies.sweep import sweep as sweep_module
 from drillpetsc.studies.sweep.table import Plan
 

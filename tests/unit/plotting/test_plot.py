@@ -9,7 +9,7 @@ import pytest
 from PIL import Image
 
 from drillpetsc.output import RunFolder, Table, read_table, write_table
-from drillpetsc.plotting.plot import _clearances, _histories, _orbits, grouped, plot, probe_names
+from drillpetsc.plotting.run.plot import _clearances, _histories, _orbits, grouped, plot, probe_names
 from tests.helpers.output_samples import HOLE, PIPE, make_run
 
 

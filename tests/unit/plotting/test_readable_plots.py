@@ -8,12 +8,12 @@ import numpy as np
 import pytest
 
 from drillpetsc import Case, run
-from drillpetsc.analysis.job import Job
-from drillpetsc.analysis.modal import run_modes
-from drillpetsc.plotting.hole_path import well_path
-from drillpetsc.plotting.plot import _along_depth, _histories, _orbits, plot
+from drillpetsc.linear.modal import run_modes
+from drillpetsc.output.job import Job
+from drillpetsc.plotting.run.hole_path import well_path
+from drillpetsc.plotting.run.plot import _along_depth, _histories, _orbits, plot
+from drillpetsc.plotting.run.view import view
 from drillpetsc.plotting.style import is_noise
-from drillpetsc.plotting.view import view
 from tests.helpers.wells import simple_well
 
 PIPE = {"kind": "pipe", "length": 30.0, "od": 0.127, "id": 0.1086, "element_length": 5.0}

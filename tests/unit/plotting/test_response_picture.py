@@ -7,7 +7,7 @@ import pytest
 
 from drillpetsc.output import write_table
 from drillpetsc.output.files.run_folder import RESPONSE_TABLE
-from drillpetsc.plotting.frequency import draw_response
+from drillpetsc.plotting.command.frequency import draw_response
 
 COLUMNS = [
     ("rotary_speed", "rpm"), ("place", "-"), ("lateral_amplitude", "m"), ("axial_amplitude", "m"),

@@ -11,10 +11,10 @@ from PIL import Image
 
 from drillpetsc.output import Frame
 from drillpetsc.output.files.run_folder import RunFolderMissing
-from drillpetsc.plotting import render
-from drillpetsc.plotting.shape import cut, find_field, half_width, shape_of, smooth
+from drillpetsc.plotting.run import render
+from drillpetsc.plotting.run.shape import cut, find_field, half_width, shape_of, smooth
+from drillpetsc.plotting.run.view import TRACK_WIDTH, TRACKS_HEIGHT, _auto_scale, view
 from drillpetsc.plotting.style import color_scale, display_unit
-from drillpetsc.plotting.view import TRACK_WIDTH, TRACKS_HEIGHT, _auto_scale, view
 from tests.helpers.output_samples import AMPLITUDE, HOLE, LENGTH, PIPE, helix_frame, make_pendulum, make_run
 from tests.helpers.tables import each_row
 

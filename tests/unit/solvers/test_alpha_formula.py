@@ -11,7 +11,7 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from drillpetsc.solvers.alpha_formula import AlphaFormula, AlphaHistory, radius_of
+from drillpetsc.solvers.time.alpha_formula import AlphaFormula, AlphaHistory, radius_of
 from tests.helpers.tables import each_row
 
 Rows = Callable[[float, np.ndarray, np.ndarray, np.ndarray], np.ndarray]

@@ -9,8 +9,8 @@ import pytest
 
 from drillpetsc import petsc_compat
 from drillpetsc.kernels.parameters import columns
-from drillpetsc.solvers.block_tridiagonal import Piece
-from drillpetsc.solvers.chain_lu import ChainFactor, ZeroPivot
+from drillpetsc.solvers.chain.block_tridiagonal import Piece
+from drillpetsc.solvers.chain.chain_lu import ChainFactor, ZeroPivot
 from tests.helpers.tables import each_row
 
 SHAPES = {
@@ -262,7 +262,7 @@ def petsc():
 
 
 def ksp_with(petsc, A, node, stop):
-    from drillpetsc.solvers.chain_lu import ChainPC
+    from drillpetsc.solvers.chain.chain_lu import ChainPC
 
     f = factored(A, node)
     rows, columns = np.nonzero(np.abs(node[:, None] - node) <= 1)

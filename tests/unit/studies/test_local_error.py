@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from drillpetsc.solvers.local_error import local_error
+from drillpetsc.solvers.time.local_error import local_error
 from tests.helpers.tables import each_row
 
 

@@ -1,1 +1,0 @@
-"""Analyses over the frequency or the rotary speed: forced response, Campbell map, stability map."""

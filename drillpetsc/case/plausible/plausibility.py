@@ -1,0 +1,193 @@
+"""Warnings about valid but unlikely values, which suggest another unit."""
+
+from __future__ import annotations
+
+import math
+
+from drillpetsc.case.blocks.case_blocks import CaseBlocks
+from drillpetsc.case.blocks.fluid import Bingham, Casson, Newtonian, Rheology
+from drillpetsc.case.blocks.items.tools import ShockSub
+from drillpetsc.case.plausible.plausible_operations import casings, flows, intervals, readings, torques
+from drillpetsc.case.plausible.plausible_string import (
+    beyond_curves,
+    beyond_lower_part,
+    listed_upwards,
+    lumped_masses,
+    pumping_valves,
+    short_of_hole,
+    standing_bit,
+)
+from drillpetsc.case.quantities import largest, said
+from drillpetsc.unit_systems import shown
+
+ROUGHEST = 1.0  # friction factor: 0.1 to 0.5 are usual
+WIDEST_HOLE = 1.2  # [m] 36 in holes and 42 in conductors are below it
+LIGHTEST_MUD, HEAVIEST_MUD = 500.0, 2900.0  # [kg/m3] foam of 4 ppg, 24 ppg
+DEEPEST = 15e3  # [m]
+LARGEST_WEIGHT = 500e3  # [N] on a bit
+STEEPEST = math.radians(120)
+FASTEST_ROTATION = 40.0  # [rad/s] 380 rpm
+LARGEST_FLOW, LARGEST_PUMP_PRESSURE = 0.15, 120e6  # [m3/s], [Pa]
+THICKEST_MUD = 1.0  # [Pa s] of the viscosity at high shear rates
+THINNEST_PIPE = 0.02  # [m]
+SMALLEST_PUMP_PRESSURE = 2e4  # [Pa] of a number that was meant as bar or psi
+
+
+def plausibility(case: CaseBlocks) -> list[str]:
+    """One line for each value that looks like a number in another unit, with the place and the value as read."""
+    checks = (
+        _hole,
+        _string_friction,
+        _preloads,
+        _fluid,
+        _thin_pipe,
+        short_of_hole,
+        listed_upwards,
+        beyond_lower_part,
+        pumping_valves,
+        beyond_curves,
+        torques,
+        flows,
+        intervals,
+        lumped_masses,
+        casings,
+        standing_bit,
+        _measured,
+        _motion,
+    )
+    return [line for check in checks for line in check(case)]
+
+
+def _doubt(at: str, value: str, why: str) -> str:
+    return f"{at} is {value}: {why}"
+
+
+def _hole(case: CaseBlocks) -> list[str]:
+    """Doubts about the hole: width, friction, depth and angles."""
+    if case.well is None:
+        return []
+    out, units = [], case.output.units or "SI"
+    for i, section in enumerate(case.well.sections):
+        if section.diameter > WIDEST_HOLE:
+            inches = f"; {section.diameter:g} in?" if units == "SI" and section.diameter < 50 else ""
+            value = said(section.diameter, "diameter", units)
+            out.append(_doubt(f"well.sections[{i}].diameter", value, f"holes are not that wide{inches}"))
+        if section.friction > ROUGHEST:
+            out.append(
+                _doubt(f"well.sections[{i}].friction", f"{section.friction:g}", _rough(section.friction))
+            )
+    survey = case.well.survey
+    if survey.md[-1] > DEEPEST:
+        why = "deeper than any well" + ("" if units == "field" else "; feet?")
+        out.append(_doubt("well.survey", f"{said(survey.md[-1], 'length', units)} deep", why))
+    steepest, largest_azimuth = max(survey.inclination), max(map(abs, survey.azimuth))
+    if steepest > STEEPEST:
+        why = "the hole climbs there"
+        if units == "SI":
+            why += f"; bare numbers are in rad, were {steepest:g} deg meant?"
+        out.append(_doubt("well.survey.inclination", f"up to {math.degrees(steepest):.4g} deg", why))
+    if steepest > math.radians(30) and 0 < largest_azimuth < math.radians(0.1):
+        value = f"at most {math.degrees(largest_azimuth):.2g} deg"
+        out.append(_doubt("well.survey.azimuth", value, "angles in another unit?"))
+    return out
+
+
+def _string_friction(case: CaseBlocks) -> list[str]:
+    return [
+        _doubt(f"string[{i}].friction", f"{item.friction:g}", _rough(item.friction))
+        for i, item in enumerate(case.string)
+        if item.friction is not None and item.friction > ROUGHEST
+    ]
+
+
+def _preloads(case: CaseBlocks) -> list[str]:
+    """Effect of a preload without an opposite load on a shock sub."""
+    out, units = [], case.output.units or "metric"
+    for i, tool, _ in case.tools:
+        held = tool.held_by if isinstance(tool, ShockSub) else None
+        if held is not None:
+            does = "opens" if held < 0 else "closes"
+            load = f"a {'push' if held < 0 else 'pull'} above {shown(abs(held), 'force', units)}"
+            out.append(f"string[{i}] shock_sub: preload {does} the stroke: acts as rigid without {load}")
+    return out
+
+
+def _fluid(case: CaseBlocks) -> list[str]:
+    """Doubts about density, flow rate, pressure and viscosity of the mud."""
+    f, units = case.fluid, case.output.units or "SI"
+    if f is None:
+        return []
+    out, density = [], f.density
+    if 0.5 < density < LIGHTEST_MUD:
+        unit = "" if units != "SI" else "ppg" if 6 <= density <= 25 else "sg" if density < 3 else ""
+        why = "lighter than any mud" + (f"; {density:g} {unit}?" if unit else "")
+        out.append(_doubt("fluid.density", said(density, "mud_weight", units), why))
+    if density > HEAVIEST_MUD:
+        out.append(_doubt("fluid.density", said(density, "mud_weight", units), "heavier than any mud"))
+    flow, pressure = largest(f.flow_rate), largest(f.pump_pressure)
+    if flow > LARGEST_FLOW:
+        why = "more than rig pumps deliver"
+        out.append(_doubt("fluid.flow_rate", shown(flow, "flow", case.shown_units), why))
+    if pressure > LARGEST_PUMP_PRESSURE or 0 < pressure < SMALLEST_PUMP_PRESSURE:
+        why = "not a usual pump pressure; bar or psi?"
+        out.append(_doubt("fluid.pump_pressure", said(pressure, "pressure", units), why))
+    for key, rheology in (("rheology", f.rheology), ("annulus_rheology", f.annulus_rheology)):
+        viscosity = 0.0 if rheology is None else _viscosity(rheology)
+        if viscosity > THICKEST_MUD:
+            why = "thicker than any mud" + (f"; {viscosity:g} cP?" if units == "SI" else "")
+            value = f"a fluid of {said(viscosity, 'viscosity', units)}"
+            out.append(_doubt(f"fluid.{key}", value, why))
+    return out
+
+
+def _thin_pipe(case: CaseBlocks) -> list[str]:
+    units = case.output.units
+    if units not in ("field", "metric", "metric_t"):
+        return []
+    return [
+        _doubt(f"string[{i}].od", shown(item.od, "diameter", units), "metres without their unit?")
+        for i, item in enumerate(case.string)
+        if item.od is not None and item.od < THINNEST_PIPE
+    ]
+
+
+def _measured(case: CaseBlocks) -> list[str]:
+    if case.roadmap is None or not case.roadmap.measured:
+        return []
+    hole = None if case.well is None else case.well.survey.md[-1]
+    return readings(case.roadmap.measured, hole, case.shown_units)
+
+
+def _motion(case: CaseBlocks) -> list[str]:
+    """Doubts about the weight on bit and the rotation."""
+    out, units, wob = [], case.shown_units, case.initial.wob
+    if wob is not None and wob > LARGEST_WEIGHT:
+        most = f"{shown(LARGEST_WEIGHT, 'force', units)} are the most"
+        why = f"more than bits carry; {most if units != 'field' else 'lbf need their unit'}"
+        out.append(_doubt("initial.wob", shown(wob, "force", units), why))
+    rotation = largest(case.top.rotation)
+    if rotation > FASTEST_ROTATION:
+        why = f"faster than drillstrings turn; {rotation:g} rpm?"
+        out.append(_doubt("top.rotation", f"{rotation * 30 / math.pi:.4g} rpm", why))
+    return out
+
+
+def _rough(friction: float) -> str:
+    return "rougher than steel on rock" + (
+        f"; {friction:g} %?" if friction >= 5 else "; 0.1 to 0.5 are usual"
+    )
+
+
+def _viscosity(rheology: Rheology) -> float:
+    """Viscosity or plastic viscosity [Pa s]; 0 for models of another kind."""
+    if isinstance(rheology, Newtonian):
+        return rheology.viscosity
+    return rheology.plastic_viscosity if isinstance(rheology, (Bingham, Casson)) else 0.0
+
+
+def notes(case: CaseBlocks) -> list[str]:
+    """Lines for the user about how the case was read: warnings first, then remarks of the readers of files."""
+    remarks = list(case.well.survey.remarks) if case.well is not None else []
+    warned = [remark.removeprefix("WARNING: ") for remark in remarks if remark.startswith("WARNING")]
+    lines = [f"WARNING: {text}" for text in (*plausibility(case), *warned)]
+    return lines + [f"survey: {remark}" for remark in remarks if not remark.startswith("WARNING")]

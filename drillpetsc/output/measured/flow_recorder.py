@@ -1,0 +1,158 @@
+"""Measurements of the drilling fluid: pressures and flow rates at its ends and along the string."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from drillpetsc.fem.component import FloatArray
+from drillpetsc.fem.discrete_system import DiscreteSystem
+from drillpetsc.fem.quantity import Quantity, Sample
+from drillpetsc.model.fluid import FluidComponents
+from drillpetsc.output import quantities as declared
+from drillpetsc.output.measured.flows_of_steps import BIT_FLOW, CHAMBER, CUTTINGS, FlowsOfSteps
+from drillpetsc.physics.fluid.annulus_flow import AnnulusFlow
+from drillpetsc.physics.fluid.bore_flow import BoreFlow
+from drillpetsc.physics.fluid.channel_flow import RESULT_NAMES, ChannelFlow
+
+_CONTENT, _SPEED = RESULT_NAMES.index("content"), RESULT_NAMES.index("speed")
+
+
+class FlowRecorder:
+    """The mud as a source of quantities; values are this rank's share.
+
+    fluid: components of the mud; some of bore, annulus and bit may be absent.
+    """
+
+    def __init__(self, system: DiscreteSystem, fluid: FluidComponents) -> None:
+        self.system, self.fluid = system, fluid
+        chain, last = system.chain, system.mesh.nodes - 1
+        local = np.flatnonzero(chain.owned & (chain.vertices == last))
+        self._last = int(local[0]) if len(local) else None
+        self.of_steps = FlowsOfSteps(fluid, self._last)
+
+    def quantities(self) -> tuple[Quantity, ...]:
+        bore, annulus = self.fluid.bore is not None, self.fluid.annulus is not None
+        absent = () if bore else declared.BORE_ONLY
+        ends = tuple(q for q in declared.MUD if q.name not in absent)
+        fields = tuple(q for q in declared.MUD_FIELDS if (bore if q.name.startswith("internal") else annulus))
+        side = (declared.SIDE_FLOW,) if self.fluid.side is not None else ()
+        return ends + side + fields
+
+    # ------------------------------------------------------------------ ends
+    def pump_flow(self, sample: Sample) -> float:
+        """Flow rate into the bore [m3/s]."""
+        bore = self.fluid.bore
+        flow = None if bore is None else sample.once(bore.pumped, sample.time)
+        return 0.0 if flow is None else flow
+
+    def pump_pressure(self, sample: Sample) -> float:
+        """Pressure at the upper end of the bore, plus the loss of the surface line [Pa]."""
+        bore, line = self.fluid.bore, self.fluid.surface_line
+        flow = None if bore is None else sample.once(bore.pumped, sample.time)
+        if bore is None or flow is None:  # another rank has the end
+            return 0.0
+        return bore.upper_pressure(sample.assembly) + (0.0 if line is None else line.loss(flow))
+
+    def bit_pressure(self, sample: Sample) -> float:
+        """Pressure outside the lower end [Pa]: of the annulus, or at the outlet if there is none.
+
+        A closed string without an annulus has no mud outside: the pressure inside its end.
+        """
+        if self._last is None:
+            return 0.0
+        bit = self.fluid.bit
+        if self.fluid.annulus is None and bit is not None and bit.has_link:
+            return bit.end.ambient.value(sample.time)
+        channel = self.fluid.annulus or self.fluid.bore
+        assert channel is not None
+        return channel.pressure_at(self.system, self._last)
+
+    def bit_flow(self, sample: Sample) -> float:
+        """Flow rate out of the string [m3/s]."""
+        bit = self.fluid.bit
+        return 0.0 if bit is None else sample.once(bit.element_results)[BIT_FLOW]
+
+    def side_flow(self, sample: Sample) -> float:
+        """Flow rate through nozzles above the bit [m3/s]."""
+        side = self.fluid.side
+        return 0.0 if side is None else side.outflow(sample.assembly)
+
+    def outlet_flow(self, sample: Sample) -> float:
+        """Flow rate out of the flow line, or out of the string without an annulus [m3/s]."""
+        if self.fluid.annulus is None:
+            return self.bit_flow(sample) + self.side_flow(sample)
+        flow = self.fluid.annulus.outflow(sample.assembly)
+        return 0.0 if flow is None else flow
+
+    def cuttings_flow(self, sample: Sample) -> float:
+        """Rock that the mud takes up [m3/s]."""
+        bit, rings = self.fluid.bit, self.fluid.rings
+        reamed = 0.0 if rings is None else rings.cuttings(sample.assembly)
+        return reamed + (0.0 if bit is None else sample.once(bit.element_results)[CUTTINGS])
+
+    def content(self, sample: Sample) -> float:
+        """Volume of all mud at zero pressure [m3]."""
+        content = 0.0
+        for channel in (self.fluid.bore, self.fluid.annulus):
+            if channel is not None:
+                content += channel.totals(sample.assembly)[_CONTENT]
+        if self.fluid.bit is not None:
+            content += sample.once(self.fluid.bit.element_results)[CHAMBER]
+        if self.fluid.annulus is not None:
+            content += self.fluid.annulus.content_above(sample.assembly)
+        if self.fluid.seals is not None:
+            content += self.fluid.seals.content(sample.assembly)
+        return content
+
+    # ------------------------------------------------------------------ along the string
+    def channels(self) -> dict[str, ChannelFlow]:
+        """The channels that exist, by name: bore, annulus."""
+        both = {"bore": self.fluid.bore, "annulus": self.fluid.annulus}
+        return {name: channel for name, channel in both.items() if channel is not None}
+
+    def pressed_areas(self) -> Iterator[tuple[str, BoreFlow | AnnulusFlow, FloatArray, float]]:
+        """Name, channel, area (n,) [m2] of the tube on which its pressure acts, and 1 (inside) or -1 (outside).
+
+        Between tool joints: the mean areas of a joint, used by the equations, do not belong to any section.
+        """
+        bore, annulus, mesh = self.fluid.bore, self.fluid.annulus, self.system.mesh
+        if bore is not None:
+            yield "bore", bore, mesh.tube_bore_area, 1.0
+        if annulus is not None:
+            yield "annulus", annulus, mesh.tube_outer_area, -1.0
+
+    def pressure(self, name: str) -> FloatArray:
+        """(nv,) pressure [Pa] at the local vertices."""
+        return self.channels()[name].pressures(self.system)
+
+    def flow(self, name: str) -> FloatArray:
+        """(nc,) flow rate [m3/s] in the local elements, towards the bit."""
+        return self.channels()[name].flows(self.system)
+
+    def speed(self, name: str, sample: Sample) -> FloatArray:
+        """(nc,) speed [m/s] in the local elements, towards the bit."""
+        return np.array(sample.once(self.channels()[name].element_results)[:, _SPEED])
+
+    def wall_tension(self) -> FloatArray:
+        """(nc, 2) tension [N] of the pipe's wall beyond EA times strain at both ends of the local elements.
+
+        2 nu (p_i A_i - p_o A_o) with mean areas keeps a pipe under pressure from shortening, and the tube between tool joints
+        has different areas (manual: eq-mud-effective-tension, eq-tubulars-wall-tension).
+        """
+        chain, mesh = self.system.chain, self.system.mesh
+        out, mean = np.zeros((len(chain.cells), 2)), {"bore": mesh.bore_area, "annulus": mesh.outer_area}
+        for name, channel, tube, sign in self.pressed_areas():
+            pressure = channel.pressures(self.system)[chain.ends]
+            area = 2 * channel.poisson * mean[name] + tube - mean[name]
+            out += sign * area[chain.cells][:, None] * pressure
+        return out
+
+    def pressure_force(self) -> FloatArray:
+        """(nc, 2) effective tension less tension of the wall, -p_i A_i + p_o A_o [N], at both ends of the local
+        elements."""
+        chain, out = self.system.chain, np.zeros((len(self.system.chain.cells), 2))
+        for _, channel, area, sign in self.pressed_areas():
+            out += -sign * area[chain.cells][:, None] * channel.pressures(self.system)[chain.ends]
+        return out

@@ -1,0 +1,150 @@
+"""Probes: motion of the string and contact force at given measured depths."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from drillpetsc.fem.component import FloatArray
+from drillpetsc.fem.quantity import Quantity
+from drillpetsc.fem.step_record import StepRecord
+from drillpetsc.model.drilling_model import DrillingModel
+from drillpetsc.output import quantities as declared
+from drillpetsc.output.measured.in_hole import offsets
+
+
+@dataclass(frozen=True)
+class _Probe:
+    """cell: number of the element from the top; share: position in it, 0 at its upper end, 1 at its lower."""
+
+    cell: int
+    share: float
+
+
+class Probes:
+    """The case's probes.  depths: measured depths [m]."""
+
+    def __init__(self, model: DrillingModel) -> None:
+        self.model = model
+        self.depths = tuple(model.case.output.probes) if model.beam is not None else ()
+        self._probes = [self._locate(depth) for depth in self.depths]
+        self._local = {int(c): i for i, c in enumerate(model.system.chain.cells)}
+        here = [k for k, probe in enumerate(self._probes) if probe.cell in self._local]
+        chosen = [self._probes[k] for k in here]
+        #: of the probes in elements of this rank: numbers, elements from the top, upper and lower vertices, shares
+        self._here = np.array(here, dtype=int)
+        self._cells = np.array([p.cell for p in chosen], dtype=int)
+        ends = (
+            model.system.chain.ends[[self._local[p.cell] for p in chosen]]
+            if chosen
+            else np.zeros((0, 2), int)
+        )
+        self._upper, self._lower = ends[:, 0], ends[:, 1]
+        self._share = np.array([p.share for p in chosen])
+        s = self._share[:, None]
+        length = model.mesh.length[self._cells][:, None]
+        #: of upper position and slope, lower position and slope: the cubic shape functions at the probes
+        self._weights = (
+            1 - 3 * s**2 + 2 * s**3,
+            length * (s - 2 * s**2 + s**3),
+            3 * s**2 - 2 * s**3,
+            length * (s**3 - s**2),
+        )
+        self._rigid = model.mesh.rigid_above[self._cells][:, None]
+        self._below_item = bool(self._rigid.any())
+        self._direct = self._direct_places()
+
+    def _locate(self, depth: float) -> _Probe:
+        mesh = self.model.mesh
+        cell = int(np.clip(np.searchsorted(mesh.lower, depth), 0, len(mesh.lower) - 1))
+        if mesh.is_joint[cell]:  # in a rigid item above a joint
+            return _Probe(cell - 1, 1.0) if cell else _Probe(1, 0.0)
+        return _Probe(cell, float(np.clip((depth - mesh.upper[cell]) / mesh.length[cell], 0.0, 1.0)))
+
+    def _direct_places(self) -> tuple[FloatArray, FloatArray, FloatArray] | None:
+        """Positions (4, k, 3) in the unknowns of positions and slopes at both ends, (2, k) of the spins, weights (4, k, 1), of the k probes
+        of this rank; None if the motion between two nodes is not the cubic through them."""
+        beam, dofs = self.model.beam, self.model.system.layout.dofs
+        if beam is None or beam.formulation != "ancf" or self._below_item or not len(self._here):
+            return None
+        ratio = dofs.get("string.ratio")
+        if ratio is not None and ratio[self._upper].max() >= 0:
+            return None
+        ends = (
+            ("position", self._upper),
+            ("tangent", self._upper),
+            ("position", self._lower),
+            ("tangent", self._lower),
+        )
+        places = np.stack([dofs[f"string.{name}"][vertices] for name, vertices in ends])
+        spins = np.stack([dofs["string.spin"][vertices, 0] for vertices in (self._upper, self._lower)])
+        return places, spins, np.stack(self._weights)
+
+    def quantities(self) -> tuple[Quantity, ...]:
+        touches = self.model.contact is not None
+        return tuple(q for q in declared.PROBES if touches or not q.matches("contact_0"))
+
+    def motion(self, state) -> FloatArray:
+        """(probes, 4) position [m] and spin rate [rad/s]; zero on ranks without the element.
+
+        By the element's cubic shape functions, the spin rate linearly (manual: eq-beam-tube).
+        """
+        out = np.zeros((len(self._probes), 4))
+        if not len(self._here):
+            return out
+        if self._direct is not None:
+            places, spins, weights = self._direct
+            upper, slope, lower, other = state.x.take(places) * weights
+            spin0, spin1 = state.y.take(spins)
+            out[self._here, :3] = upper + slope + lower + other
+            out[self._here, 3] = (1 - self._share) * spin0 + self._share * spin1
+            return out
+        beam = self.model.beam
+        assert beam is not None
+        r0, v0, spin0 = beam.section(state, self._upper)
+        r1, v1, spin1 = beam.section(state, self._lower)
+        if self._below_item:
+            r0 = r0 + self._rigid * v0 / np.linalg.norm(v0, axis=1, keepdims=True)
+        ratio = state.layout.dofs.get("string.ratio")
+        if ratio is not None and (at := ratio[self._upper]).max() >= 0:
+            v0 = v0 * np.where(at >= 0, state.x[np.maximum(at, 0)], 1.0)
+        a, b, c, d = self._weights
+        out[self._here, :3] = a * r0 + b * v0 + c * r1 + d * v1
+        out[self._here, 3] = (1 - self._share) * spin0 + self._share * spin1
+        return out
+
+    def motions(self, steps: StepRecord) -> FloatArray | None:
+        """(k, probes, 4) ``motion`` after each of k recorded steps; None if it can only be found step by step."""
+        out = np.zeros((len(steps), len(self._probes), 4))
+        if not len(self._here):
+            return out
+        if self._direct is None:
+            return None
+        places, spins, weights = self._direct
+        at_ends = steps.unknowns(places).reshape(-1, *places.shape) * weights
+        out[:, self._here, :3] = at_ends[:, 0] + at_ends[:, 1] + at_ends[:, 2] + at_ends[:, 3]
+        spin0, spin1 = steps.rates(spins).reshape(-1, *spins.shape).transpose(1, 0, 2)
+        out[:, self._here, 3] = (1 - self._share) * spin0 + self._share * spin1
+        return out
+
+    def contact_forces(self, steps: StepRecord) -> FloatArray:
+        """(k, probes) ``contact_force`` after each of k recorded steps."""
+        contact, cells, out = self.model.contact, self._local, np.zeros((len(steps), len(self._probes)))
+        assert contact is not None
+        for k, probe in enumerate(self._probes):
+            if probe.cell in cells:
+                out[:, k] = contact.normal_force_of(cells[probe.cell], steps)
+        return out
+
+    def contact_force(self) -> FloatArray:
+        """(probes,) normal force [N] on the probes' elements at the last evaluation of the rows."""
+        contact, cells = self.model.contact, self._local
+        assert contact is not None
+        return np.array(
+            [contact.normal_force(cells[p.cell]) if p.cell in cells else 0.0 for p in self._probes]
+        )
+
+    def offset(self, positions: FloatArray) -> FloatArray:
+        """(probes, 2) offsets [m] of the probes at ``positions`` (probes, 3) from the hole's axis."""
+        return offsets(self.model, positions)

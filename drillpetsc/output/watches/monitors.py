@@ -1,0 +1,67 @@
+"""Checks of a run after every step for states that make results doubtful: boiling mud, a free end or a string outside the hole."""
+
+from __future__ import annotations
+
+from typing import Any, Protocol
+
+from drillpetsc.model.drilling_model import DrillingModel
+from drillpetsc.output.watches.boiling import BoilingMonitor
+from drillpetsc.output.watches.free_end import FreeEndWatch
+from drillpetsc.output.watches.outside_hole import HoleMonitor
+
+
+class Monitor(Protocol):
+    """Checks for one such state."""
+
+    def update(self, t: float) -> None:
+        """After an accepted step to ``t`` [s]; not collective."""
+
+    def share(self) -> None:
+        """Combine the findings over all ranks; collective."""
+
+    def warnings(self) -> list[str]:
+        """Sentences for the summary, of all ranks after ``share``."""
+
+    def get_notes(self) -> dict[str, Any]:
+        """For a checkpoint."""
+
+    def set_notes(self, saved: dict[str, Any]) -> None:
+        """Continue from ``get_notes``."""
+
+
+class Monitors:
+    """All monitors of a run of ``model``, as one.
+
+    top: measured depth of the upper end of the unstrained string [m].
+    """
+
+    def __init__(self, model: DrillingModel, top: float) -> None:
+        units = model.case.shown_units
+        self._all: dict[str, Monitor] = {
+            "boiling": BoilingMonitor(model.system, model.fluid, units, top),
+            "free_end": FreeEndWatch(model),
+            "outside": HoleMonitor(model),
+        }
+
+    def update(self, t: float) -> None:
+        """After an accepted step to ``t`` [s]; not collective."""
+        for monitor in self._all.values():
+            monitor.update(t)
+
+    def share(self) -> None:
+        """Combine the findings over all ranks; collective."""
+        for monitor in self._all.values():
+            monitor.share()
+
+    def warnings(self) -> list[str]:
+        """Sentences for the summary."""
+        return [sentence for monitor in self._all.values() for sentence in monitor.warnings()]
+
+    def get_notes(self) -> dict[str, dict[str, Any]]:
+        """For a checkpoint."""
+        return {name: monitor.get_notes() for name, monitor in self._all.items()}
+
+    def set_notes(self, saved: dict[str, Any]) -> None:
+        """Continue from ``get_notes``."""
+        for name, monitor in self._all.items():
+            monitor.set_notes(saved.get(name, {}))

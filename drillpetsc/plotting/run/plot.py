@@ -1,0 +1,467 @@
+"""`drillpetsc plot RUN`: histories, probes, orbits, forces along depth and the well path as PNG files.
+
+The columns of the tables select the pictures: a run without fluid, probes or well has no such pictures.
+"""
+
+from __future__ import annotations
+
+import os
+import re
+import textwrap
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from drillpetsc.output.catalogue import find
+from drillpetsc.output.files.fields import read_frame, read_series
+from drillpetsc.output.files.json_file import read_summary
+from drillpetsc.output.files.run_folder import (
+    CAMPBELL_TABLE,
+    CRITICAL_MAP_TABLE,
+    REFLECTION_TABLE,
+    RESPONSE_TABLE,
+    STABILITY_TABLE,
+    SWEEP_TABLE,
+    RunFolder,
+)
+from drillpetsc.output.files.tables import read_table, split_name
+from drillpetsc.plotting import style
+from drillpetsc.plotting.command.frequency import (
+    draw_campbell,
+    draw_critical_map,
+    draw_response,
+    draw_stability,
+)
+from drillpetsc.plotting.command.hydraulics import hydraulics_drawers, units_of
+from drillpetsc.plotting.command.limits import limits_drawers
+from drillpetsc.plotting.command.modes import draw_modes
+from drillpetsc.plotting.command.sweep import draw_sweep
+from drillpetsc.plotting.command.top_drive import draw_reflection
+from drillpetsc.plotting.command.torque_drag import torque_drag_drawers
+from drillpetsc.plotting.command.vibration import draw_power, draw_waterfall, vibration_drawers
+from drillpetsc.plotting.run.hole_path import new_hole, well_path
+from drillpetsc.plotting.run.signals import signal
+from drillpetsc.plotting.style import GROUND, LINE_COLORS, WALL, display_unit, label, words
+from drillpetsc.unit_systems import System
+from drillpetsc.unit_systems import display_unit as display_unit_of
+
+Table = dict[str, np.ndarray]
+LABEL_WIDTH = 26  # characters in one line below a panel of the pictures along depth
+WIDEST_LEGEND = 66  # characters in one line above a panel
+
+
+def plot(
+    run: str | os.PathLike, out: str | os.PathLike | None = None, units: System | None = None
+) -> list[Path]:
+    """Draw the pictures of a run folder; returns the files written, in `out` or the run's plots folder.
+
+    For the folder of a sweep: the new hole of its members.
+
+    units: field, metric, metric_t or SI; by default the case's.
+    """
+    folder = RunFolder.open(run)
+    token = style.UNITS.set(units or style.units_of_run(folder.case))
+    try:
+        return _plot(folder, out, units)
+    finally:
+        style.UNITS.reset(token)
+
+
+def _plot(folder: RunFolder, out: str | os.PathLike | None, units: System | None) -> list[Path]:
+    """Draw the pictures of a run folder in the units of `style.UNITS`."""
+    if (folder.path / SWEEP_TABLE).is_file():
+        pictures = draw_sweep(folder.path, out)
+        if not pictures:
+            raise FileNotFoundError(
+                f"no member of the sweep {folder.path} drilled new hole or has results: nothing to plot"
+            )
+        return pictures
+    into = Path(out) if out is not None else folder.plots
+    into.mkdir(parents=True, exist_ok=True)
+    files = []
+    with style.look():
+        for name, drawing in drawings(folder, units).items():
+            files.append(into / f"{name}.png")
+            drawing.savefig(files[-1])
+    if not files:
+        raise FileNotFoundError(f"{folder.path} holds no table with rows: nothing to plot")
+    return files
+
+
+def spectra(
+    run: str | os.PathLike,
+    waterfalls: Sequence[str] = (),
+    powers: Sequence[str] = (),
+    *,
+    order: bool = False,
+    segment: float | None = None,
+    units: System | None = None,
+) -> dict[str, Any]:
+    """Waterfalls and power densities of signals of a run folder, as figures of matplotlib by name.
+
+    waterfalls, powers: signals SOURCE:COLUMN, such as mwd:ax or history:bit_speed.
+    order: waterfalls over the order of rotation; segment: length of a segment [s], with ``order`` its revolutions.
+    units: as for `plot`.
+    Raises CaseError for a signal that the folder does not have.
+    """
+    folder = RunFolder.open(run)
+    summary = read_summary(folder.summary) if folder.summary.exists() else {}
+    title = str(summary.get("title") or folder.path.name)
+    token = style.UNITS.set(units or style.units_of_run(folder.case))
+    drawn: dict[str, Any] = {}
+    try:
+        with style.look():
+            for name in waterfalls:
+                found = signal(folder.path, name)
+                kind = "orders" if order else "waterfall"
+                drawn[f"{kind}_{found.file}"] = draw_waterfall(found, title, segment, order)
+            for name in powers:
+                found = signal(folder.path, name, "--psd")
+                drawn[f"psd_{found.file}"] = draw_power(found, title, segment)
+    finally:
+        style.UNITS.reset(token)
+    return drawn
+
+
+def save_figures(drawn: dict[str, Any], into: Path) -> list[Path]:
+    """Save figures by name as PNG files in a folder; returns the files."""
+    into.mkdir(parents=True, exist_ok=True)
+    files = []
+    with style.look():
+        for name, drawing in drawn.items():
+            files.append(into / f"{name}.png")
+            drawing.savefig(files[-1])
+    return files
+
+
+def figures(
+    run: str | os.PathLike,
+    units: System | None = None,
+    names: Sequence[str] | None = None,
+    first: bool = False,
+) -> dict[str, Any]:
+    """The pictures of a run folder by name, as figures of matplotlib; no file is written.
+
+    units: as for `plot`.
+    names: of the pictures; by default all. Names without a picture in the folder are left out.
+    first: the first picture only.
+    """
+    folder = RunFolder.open(run)
+    token = style.UNITS.set(units or style.units_of_run(folder.case))
+    try:
+        with style.look():
+            return drawings(folder, units, names, first)
+    finally:
+        style.UNITS.reset(token)
+
+
+def picture_names(run: str | os.PathLike) -> list[str]:
+    """Names of the pictures that the tables of a run folder may give; a table without rows gives none."""
+    return list(_drawers(RunFolder.open(run), None))
+
+
+def _drawers(folder: RunFolder, units: System | None) -> dict[str, Callable[[], Any]]:
+    """Functions that draw the pictures of a folder, by name; they return None if there is nothing to draw."""
+    summary = read_summary(folder.summary) if folder.summary.exists() else {}
+    title = str(summary.get("title") or folder.path.name)
+    drawers: dict[str, Callable[[], Any]] = {}
+    if folder.history.exists():
+        table = read_table(folder.history)
+        operation, numerics = grouped(list(table))
+        drawers["history"] = lambda: _histories(table, operation, f"{title}: histories")
+        drawers["numerics"] = lambda: _histories(table, numerics, f"{title}: energy and time steps")
+    if folder.probes.exists():
+        probes, clearances = read_table(folder.probes), _clearances(folder)
+        drawers["orbits"] = lambda: _orbits(probes, clearances, title)
+        drawers["probes"] = lambda: _probes(probes, clearances, title)
+    drawers |= vibration_drawers(folder.path, title)
+    if folder.statics.exists():
+        drawers["along_depth"] = lambda: _along_depth(read_table(folder.statics), title)
+    if (folder.path / "modes.csv").exists():
+        drawers["modes"] = lambda: draw_modes(folder.path, title)
+    if (folder.path / CAMPBELL_TABLE).exists():
+        drawers["campbell"] = lambda: draw_campbell(folder.path, title)
+    if (folder.path / CRITICAL_MAP_TABLE).exists():
+        drawers["critical_map"] = lambda: draw_critical_map(folder.path, title)
+    if (folder.path / STABILITY_TABLE).exists():
+        drawers["stability_map"] = lambda: draw_stability(folder.path, title)
+    if (folder.path / RESPONSE_TABLE).exists():
+        drawers["response"] = lambda: draw_response(folder.path, title)
+    if (folder.path / REFLECTION_TABLE).exists():
+        drawers["reflection"] = lambda: draw_reflection(folder.path, title)
+    system = units or units_of(summary)
+    drawers |= hydraulics_drawers(folder.path, title, system)
+    drawers |= torque_drag_drawers(folder.path, title, system)
+    drawers |= limits_drawers(folder.path, title, system)
+    if folder.trajectory.exists():
+        path, drilled = (
+            read_table(folder.trajectory),
+            summary.get("new_hole", {}).get("drilled [m]", 0.0),
+        )
+        drawers["trajectory"] = lambda: well_path(path, title, drilled)
+        drawers["new_hole"] = lambda: new_hole(path, title, drilled)
+    return drawers
+
+
+def drawings(
+    folder: RunFolder, units: System | None = None, names: Sequence[str] | None = None, first: bool = False
+) -> dict[str, Any]:
+    """Figures of a run folder by name, in the units of `style.UNITS`; call it and save them within `style.look()`.
+
+    units: of the pictures of hydraulics, surge, limits, torque and drag; by default their summary's.
+    names, first: as for `figures`.
+    """
+    drawn: dict[str, Any] = {}
+    for name, draw in _drawers(folder, units).items():
+        drawing = draw() if names is None or name in names else None
+        if drawing is not None:
+            drawn[name] = drawing
+            if first:
+                break
+    return drawn
+
+
+def grouped(titles: list[str]) -> tuple[list[list[str]], list[list[str]]]:
+    """Group columns into panels: (panels of the operation, panels of the numerics). The first column is the
+    time.
+
+    Quantities of one panel share it; every other column joins the columns of its unit after them.
+    """
+    panels: dict[int, list[str]] = {}
+    by_unit: dict[str, list[str]] = {}
+    numerics = set()
+    for title in titles[1:]:
+        name, unit = split_name(title)
+        quantity = find(name)
+        if quantity is None or not quantity.panel:
+            by_unit.setdefault(unit, []).append(title)
+            continue
+        panels.setdefault(quantity.panel, []).append(title)
+        if quantity.numerics:
+            numerics.add(quantity.panel)
+    operation = [panels[k] for k in sorted(panels) if k not in numerics]
+    return operation + list(by_unit.values()), [panels[k] for k in sorted(numerics)]
+
+
+def _histories(table: Table, panels: list[list[str]], title: str) -> Any:
+    """Draw one panel per group of columns, in two columns, over a common time axis."""
+    time_title, *_ = table
+    time = table[time_title]
+    panels = [kept for panel in panels if (kept := [c for c in panel if np.isfinite(table[c]).any()])]
+    if not panels or len(time) < 2:
+        return None
+    columns = 1 if len(panels) == 1 else 2
+    rows = -(-len(panels) // columns)
+    drawing = style.figure(13.0, 0.9 + 2.15 * rows, dpi=110)
+    top = style.heading(drawing, title)
+    grid = drawing.subplots(rows, columns, squeeze=False, sharex=True)
+    places = list(grid.T.reshape(-1))
+    for axes, panel in zip(places, panels, strict=False):
+        together = np.concatenate([table[name] for name in panel])
+        size, unit = display_unit(panel[0], together)
+        for name, color in zip(panel, LINE_COLORS * 3, strict=False):
+            count = split_name(name)[0] == "newton"  # whole numbers that jump: dots, not a filled band
+            style_of = {"linestyle": "", "marker": ".", "markersize": 2.5} if count else {"linewidth": 1.1}
+            axes.plot(time, table[name] / size, color=color, label=words(name), **style_of)
+            if count:
+                axes.set_ylim(0, 1.08 * max(float(np.nanmax(table[name])), 1.0))
+                axes.yaxis.get_major_locator().set_params(integer=True)
+        style.level(axes, together / size, style.is_noise(panel[0], together))
+        if len(panel) == 1:
+            axes.set_ylabel(label(panel[0], unit))
+        else:
+            axes.set_ylabel(f"[{unit}]" if unit else "")
+            length = sum(len(words(name)) + 6 for name in panel)  # characters beside the lines
+            rows = 1 + (length > WIDEST_LEGEND)
+            axes.legend(
+                loc="lower left" if rows > 1 else "upper left",
+                bbox_to_anchor=(0.0, 1.02 if rows > 1 else 1.17),
+                ncols=-(-len(panel) // rows),
+                frameon=False,
+                fontsize=8.5,
+                borderaxespad=0.0,
+            )
+        axes.margins(x=0.0)
+    for axes in places[len(panels) :]:
+        axes.remove()
+    for column in range(columns):
+        last = [axes for axes in grid[:, column] if axes.figure is not None][-1]
+        last.set_xlabel("time [s]")
+        last.tick_params(labelbottom=True)
+    drawing.tight_layout(rect=(0, 0, 1, top), h_pad=1.1)
+    return drawing
+
+
+def probe_names(table: Table) -> list[str]:
+    """Measured depths of the probes, as written in the headers, in order."""
+    found = [
+        match.group(1)
+        for title in table
+        if (match := re.fullmatch(r"(?:x|spin)_([\d.]+)", split_name(title)[0]))
+    ]
+    return list(dict.fromkeys(found))
+
+
+def _clearances(folder: RunFolder) -> tuple[np.ndarray, np.ndarray] | None:
+    """Measured depth (n,) [m] and radial clearance (n,) [m] from the last frame; None without a hole."""
+    series = read_series(folder.path)
+    if not series:
+        return None
+    data = read_frame(series[-1][1]).point_data
+    if not {"md [m]", "hole_radius [m]", "outer_radius [m]"} <= set(data):
+        return None
+    return data["md [m]"], data["hole_radius [m]"] - data["outer_radius [m]"]
+
+
+def _orbits(table: Table, clearances: tuple[np.ndarray, np.ndarray] | None, title: str) -> Any:
+    """Draw the path of the string's centre at each probe, late times dark, with the circle of contact."""
+    from matplotlib.collections import LineCollection
+
+    names = [name for name in probe_names(table) if f"x_{name} [m]" in table and f"y_{name} [m]" in table]
+    time = next(iter(table.values()))
+    if not names or len(time) < 2:
+        return None
+    columns = min(len(names), 4)
+    rows = -(-len(names) // columns)
+    drawing = style.figure(max(3.9 * columns, 6.5), 0.7 + 4.1 * rows, dpi=110)
+    top = style.heading(drawing, f"{title}: orbits of the string's centre")
+    lines = None
+    size, _, unit = display_unit_of("diameter", style.UNITS.get() or "metric")
+    length, depth_text = style.depth_unit()
+    digits = 1 if unit == "mm" else 3
+    grid = drawing.subplots(rows, columns, squeeze=False)
+    for axes, name in zip(grid.reshape(-1), names, strict=False):
+        x, y = table[f"x_{name} [m]"] / size, table[f"y_{name} [m]"] / size
+        circle = None if clearances is None else float(np.interp(float(name), *clearances)) / size
+        _clearance_circle(axes, circle, float(np.nanmax(np.hypot(x, y))))
+        points = np.column_stack((y, x))  # looking down the hole with the high side on top
+        lines = LineCollection(
+            list(np.stack((points[:-1], points[1:]), axis=1)), cmap="viridis_r", linewidths=0.8, zorder=3
+        )
+        lines.set_array(time[1:])
+        axes.add_collection(lines, autolim=False)
+        axes.plot(y[-1], x[-1], "o", color="#b03060", markersize=4.5, zorder=4)
+        axes.set_aspect("equal")
+        axes.set(
+            xlabel=f"to the right (east where vertical), y [{unit}]",
+            ylabel=f"to the high side (north where vertical), x [{unit}]",
+            title=f"{round(float(name) / length, 2):g} {depth_text}"
+            + (f", clearance {circle:.{digits}f} {unit}" if circle is not None else ""),
+        )
+    for axes in grid.reshape(-1)[len(names) :]:
+        axes.remove()
+    width = float(drawing.get_size_inches()[0])
+    drawing.tight_layout(rect=(0, 0, 1 - 1.0 / width, top))
+    bar = drawing.add_axes((1 - 0.85 / width, 0.18, 0.13 / width, 0.62))  # 0.7 inches for its numbers
+    drawing.colorbar(lines, cax=bar)
+    bar.set_title("time [s]", fontsize=9)
+    return drawing
+
+
+def _clearance_circle(axes: Any, clearance: float | None, reach: float) -> None:
+    """Draw the rock outside the circle of contact. clearance, reach (largest offset of the orbit): in one unit."""
+    half = 1.15 * max(reach, clearance or 0.0, 1e-6)
+    if clearance is not None and clearance > 0:
+        angle = np.linspace(0, 2 * np.pi, 181)
+        axes.set_facecolor(GROUND)
+        axes.fill(
+            clearance * np.cos(angle),
+            clearance * np.sin(angle),
+            facecolor="white",
+            edgecolor=WALL,
+            linewidth=1.3,
+            zorder=1,
+        )
+    axes.plot(0, 0, "+", color=WALL, markersize=9, zorder=2)
+    axes.set(xlim=(-half, half), ylim=(-half, half))
+
+
+def _probes(table: Table, clearances: tuple[np.ndarray, np.ndarray] | None, title: str) -> Any:
+    """Draw spin, distance from the hole's centre and contact force over time, one line per probe."""
+    names = probe_names(table)
+    shown: dict[str, Table] = {"spin [rad/s]": {}, "distance_from_centre [m]": {}, "contact [N]": {}}
+    for name in names:
+        for kind, unit in (("spin", "rad/s"), ("contact", "N")):
+            if f"{kind}_{name} [{unit}]" in table:
+                shown[f"{kind} [{unit}]"][name] = table[f"{kind}_{name} [{unit}]"]
+        if f"x_{name} [m]" in table and f"y_{name} [m]" in table:
+            shown["distance_from_centre [m]"][name] = np.hypot(table[f"x_{name} [m]"], table[f"y_{name} [m]"])
+    kept = {name: group for name, group in shown.items() if group}
+    time = next(iter(table.values()))
+    if not kept or len(time) < 2:
+        return None
+    drawing = style.figure(13.0, 0.9 + 2.4 * len(kept), dpi=110)
+    top = style.heading(drawing, f"{title}: probes")
+    for axes, (column, group) in zip(
+        drawing.subplots(len(kept), 1, squeeze=False, sharex=True)[:, 0], kept.items(), strict=True
+    ):
+        size, unit = display_unit(column, np.concatenate(list(group.values())))
+        for (name, values), color in zip(group.items(), LINE_COLORS * 3, strict=False):
+            length, depth_text = style.depth_unit()
+            at = f"{round(float(name) / length, 2):g} {depth_text}"
+            axes.plot(time, values / size, color=color, linewidth=1.0, label=at)
+            if column.startswith("distance") and clearances is not None:
+                axes.axhline(
+                    np.interp(float(name), *clearances) / size,
+                    color=color,
+                    linewidth=0.9,
+                    linestyle=(0, (6, 3)),
+                )
+        axes.set_ylabel(
+            label(column, unit)
+            + (("\n(dashed: on the wall)") if column.startswith("distance") and clearances else "")
+        )
+        axes.margins(x=0.0)
+        axes.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0), frameon=False, fontsize=8.5)
+        axes.ticklabel_format(axis="y", useOffset=False)
+        together = np.concatenate(list(group.values()))
+        limits = style.limits_of_level(together / size, style.is_noise(column, together))
+        if limits is not None:
+            axes.set_ylim(*limits)
+    axes.set_xlabel("time [s]")
+    drawing.tight_layout(rect=(0, 0, 1, top))
+    return drawing
+
+
+def _along_depth(table: Table, title: str) -> Any:
+    """Draw every column of statics.csv over depth."""
+    depth_title, *rest = table
+    length, depth_text = style.depth_unit()
+    depth = table[depth_title] / length
+    numbers = [name for name in rest if table[name].dtype.kind == "f" and np.isfinite(table[name]).any()]
+    if not numbers or len(depth) < 2:
+        return None
+    per_row = min(len(numbers), 6)
+    rows = -(-len(numbers) // per_row)
+    drawing = style.figure(max(1.2 + 2.3 * per_row, 6.0), 0.9 + 7.2 * rows, dpi=110)
+    top = style.heading(drawing, f"{title}: static equilibrium along the string")
+    grid = drawing.subplots(rows, per_row, squeeze=False, sharey=True)
+    for axes, name in zip(grid.reshape(-1), numbers, strict=False):
+        size, unit = display_unit(name, table[name])
+        values = table[name] / size
+        axes.plot(values, depth, color=LINE_COLORS[0], linewidth=1.4)
+        if values.min() < 0 < values.max() or values.min() == 0 or values.max() == 0:
+            axes.axvline(0.0, color="0.35", linewidth=0.8)
+        if split_name(name)[0] == "axial_force":
+            axes.fill_betweenx(
+                depth, np.minimum(values, 0.0), 0.0, color=LINE_COLORS[1], alpha=0.35, linewidth=0
+            )
+            # in the panel: the heading is above it
+            axes.text(
+                0.97, 0.01, "compression shaded", fontsize=8.5, color=LINE_COLORS[1], ha="right", transform=axes.transAxes,
+            )  # fmt: skip
+        axes.set_xlabel(textwrap.fill(label(name, unit), LABEL_WIDTH))
+        axes.locator_params(axis="x", nbins=4)
+        axes.ticklabel_format(axis="x", useOffset=False)
+        limits = style.limits_of_level(values, style.is_noise(name, table[name]))
+        if limits is not None:
+            axes.set_xlim(*limits)
+    for axes in grid.reshape(-1)[len(numbers) :]:
+        axes.remove()
+    for axes in grid[:, 0]:
+        axes.set_ylabel(f"{words(depth_title)} [{depth_text}]")
+    grid[0, 0].set_ylim(depth.max(), depth.min())
+    drawing.tight_layout(rect=(0, 0, 1, top))
+    return drawing

@@ -1,0 +1,544 @@
+"""Newton's method for a static equilibrium, with side drag where a step asks for it.
+
+Manual: sec-statics-newton.  Friction acts in the directions that the components impose.  A step with drag is one of
+implicit Euler: the next state of a string that moves slowly across its hole.  Without drag the step is infinitely long.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from drillpetsc.arrays import FloatArray
+from drillpetsc.errors import SolveError
+from drillpetsc.fem.bound_parts import ROW_SCALE, RowReplacement
+from drillpetsc.fem.discrete_system import DiscreteSystem
+from drillpetsc.kernels import function, pointer
+from drillpetsc.parallel import largest, total
+from drillpetsc.solvers.chain.chain_lu import ZeroPivot
+from drillpetsc.solvers.chain.constraint_products import ConstraintProducts
+from drillpetsc.solvers.static.lateral_loads import lateral_loads
+from drillpetsc.solvers.static.search_limit import SearchLimit
+from drillpetsc.solvers.time.newton import shared_factor
+
+_quasi_rows = function("quasi_rows", "iipppp")
+
+CONVERGED_INCREMENT = 2.0e-9  # largest increment of a converged state, in the fields' scales
+ROUNDING_INCREMENT = (
+    1.0e-5  # increment below which a state counts as converged where rounding stops the descent
+)
+ROUNDING_RATIO = 0.1  # an increment below it that is not this much smaller than all before it is rounding
+MAX_STEPS = 40
+FAR_LIMIT = 2.0  # factor of a step without drag below which it would move a node by its clearance
+MORE_STEPS = 10  # beyond the number that is allowed, while each halves what is left
+#: full steps without a smaller increment before the iteration ends; contacts may open and close without end
+STALL_WINDOW = 8
+#: factor below which a step with drag crawls, and such steps in turn before it is given up: a shorter one costs less
+CRAWL, CRAWLS = 0.1, 3
+SLOPE_STEP = 1.0e-4  # share of a step over which its direction is differenced
+#: largest lateral motion of a node in one step, as a share of its clearance: without drag, with drag
+STEP_SHARE, DRAG_STEP_SHARE = 2.0, 0.5
+AXIAL_SHARE = 1e-6  # of the drag along the string; it holds a string that nothing else holds
+MAX_SLOPE_CHANGE = 0.4  # largest change of a node's slope in one step
+#: lateral stiffness [N/m2] below which a motion in a hole is neutral: a helix without weight rolls without work
+NEUTRAL = 0.01
+
+
+NODAL = ("string.position", "string.tangent")  # fields that the drag holds
+
+#: (unknowns, step, factor) -> unknowns after the step
+Advance = Callable[[FloatArray, FloatArray, float], FloatArray]
+
+
+@dataclass
+class Equilibrium:
+    """Results of a static solve.
+
+    iterations: Newton steps; history: (iterations,) increments in the fields' scales, the last one in
+    ``increment``.
+    negative_pivots: negative eigenvalues of the stiffness beyond those of multipliers (manual:
+    eq-statics-stable).
+    residual: largest residual [N, N m].
+    singular: the stiffness has a zero pivot, so that stability is not known.
+    imperfection: relative size of the lateral loads that were added [-].
+    """
+
+    iterations: int = 0
+    negative_pivots: int = 0
+    residual: float = 0.0
+    increment: float = 0.0
+    imperfection: float = 0.0
+    singular: bool = False
+    converged: bool = False
+    history: list[float] = field(default_factory=list)
+
+
+class StaticNewton:
+    """Static solver of one discrete system; the state is the assembly's x, rates are zero.
+
+    system: the discrete system.
+    symmetric: the loads have a potential.  Without one the inertia is that of the symmetric part: no negative
+    pivot still means stable (manual: eq-statics-stable).
+    clearance: (n_nodes,) radial clearance [m], or the same for all; None without a well.
+    t: time at which inputs are evaluated [s].
+    advance: takes a step, equal to x + factor p to first order; None: exactly that.
+
+    The caller may set, with n local dofs:
+    depth(system): depth of the bit below the hole's end [m], its gradient (n,) by the local unknowns, and the
+    depth [m] of the requested weight on bit.  The top's axial position is then an unknown (manual:
+    eq-statics-wob).
+    move_top(step): moves the prescribed position of the top by ``step`` [m].
+    rates: (n+1,) rates of a steady motion [SI of each field per second], None at rest.
+    start_increment: largest increment of a state from which a further solve starts, in the fields' scales.
+    rate_weight: of the derivatives by the rates in the matrix [1/s]; a flow in a closed channel needs some.
+    limit: of the work of a search, None without one.
+    """
+
+    def __init__(
+        self,
+        system: DiscreteSystem,
+        clearance: FloatArray | float | None = None,
+        t: float = 0.0,
+        advance: Advance | None = None,
+        symmetric: bool = True,
+    ):
+        self.system, self.t, self.symmetric = system, t, symmetric
+        self._advanced: Advance = advance or (lambda x, p, factor: x + factor * p)
+        free = 0.2 * float(system.mesh.node_depth[-1])
+        # contacts that open and close overshoot; a rod without a wall may turn far in a full step
+        self._searches = clearance is not None
+        step = free if clearance is None else np.asarray(clearance, dtype=float)
+        self._step_shares = (1.0, 1.0) if clearance is None else (STEP_SHARE, DRAG_STEP_SHARE)
+        self.max_lateral_step = np.broadcast_to(step, (system.mesh.nodes,))[system.chain.vertices]
+        self.factor = shared_factor(system)
+        self.f = system.new_condensed()
+        self.depth: Callable[[DiscreteSystem], tuple[float, FloatArray, float]] | None = None
+        self.move_top: Callable[[float], None] | None = None
+        self.rates: FloatArray | None = None
+        self.rate_weight = 0.0
+        self.start_increment = CONVERGED_INCREMENT
+        self.limit: SearchLimit | None = None
+        self._owned = system.owned_index >= 0
+        self._entries = diagonal_blocks(system, NODAL)
+        #: of the present step: strength [N/m2], unknowns (n,) before it, and the springs of each nodal field
+        self._drag: tuple[float, FloatArray, list[tuple[np.ndarray, FloatArray, np.ndarray]]] | None = None
+        self._constraints = ConstraintProducts(system)
+        self._held_entries = self._couplings_of_held_unknowns()
+        self._top_rows = next(
+            (f for f in system.assembly.row_replacements if f.owned and f.condition.vertex == 0), None
+        )
+
+    # ------------------------------------------------------------------ pieces
+    def sum(self, value: float) -> float:
+        """Sum ``value`` over all ranks; collective."""
+        return sum_of(self.system, value)
+
+    def largest(self, value: float) -> float:
+        """Largest ``value`` of all ranks; collective."""
+        return largest_of(self.system, value)
+
+    def rows(self) -> FloatArray:
+        """Compute the residual (n,) at rest or in the steady motion ``rates``, summed over ranks; collective.
+
+        The array has local numbering with ghosts and is valid at owned unknowns.  Manual: eq-statics-rest.
+        """
+        system, asm = self.system, self.system.assembly
+        asm.y[:], asm.a[:] = 0.0 if self.rates is None else self.rates, 0.0
+        asm.invalidate_prescribed_values()
+        system.sum_residual(self.t, self.f)
+        local = np.zeros(system.layout.size)
+        local[system.layout.local_of_owned] = self.f.getArray(readonly=1)
+        return local
+
+    @contextmanager
+    def drag(self, strength: float) -> Iterator[None]:
+        """Meanwhile side springs hold the free nodes where they are now: a step of implicit Euler of a string with drag.
+
+        strength: drag per length over the length of the step [N/m2] (manual: eq-statics-shift).
+        """
+        self._drag = strength, self.system.assembly.x[: self.system.layout.size].copy(), self._side_springs()
+        try:
+            yield
+        finally:
+            self._drag = None
+
+    def _side_springs(self) -> list[tuple[np.ndarray, FloatArray, np.ndarray]]:
+        """Springs of unit strength by nodal field: unknowns (k, 3), matrices (k, 3, 3), their places (k, 3, 3) in the values."""
+        system, v, h = self.system, self.system.field("string.tangent"), nodal_length(self.system)
+        along = v[:, :, None] * v[:, None, :] / np.sum(v * v, axis=1)[:, None, None]
+        ends = [f.condition.vertex for f in system.assembly.row_replacements]
+        out = []
+        for (vertices, entries), name, scale, share in zip(
+            self._entries, NODAL, (h, h**3 / 100), (AXIAL_SHARE, 0.0), strict=True
+        ):
+            free = ~np.isin(system.chain.vertices[vertices], ends)
+            at = vertices[free]
+            M = scale[at, None, None] * (np.eye(3) - (1 - share) * along[at])
+            out.append((system.layout.dofs[name][at], M, entries[free]))
+        return out
+
+    def _add_springs(self, values: FloatArray, strength: float, springs: list) -> None:
+        for _, M, entries in springs:
+            values[entries] += strength * M
+
+    def _pull(self) -> FloatArray:
+        """Gradient (n,) at x, with the drag of the present step; collective."""
+        g = self._gradient(self.rows())
+        if self._drag is not None:
+            strength, start, springs = self._drag
+            moved = self.system.assembly.x[: self.system.layout.size] - start
+            for dofs, M, _ in springs:
+                g[dofs] += strength * (M @ moved[dofs][:, :, None])[:, :, 0]
+        return g
+
+    def _gradient(self, rows: FloatArray) -> FloatArray:
+        """Compute the derivative (n,) of the energy by (r, v, phi) from the residual ``rows`` (n,).
+
+        The rows of v include the part of the spin coordinate (manual: eq-beam-quasi-rows); prescribed rows
+        are zero.
+        """
+        asm, g = self.system.assembly, rows.copy()
+        for f in asm.row_replacements:
+            if f.leans:
+                f.lean_at(asm.x)
+            g[f.rows] = f.row_complement @ g[f.rows]
+        phi, v = asm.spin_at[:, 0], asm.spin_at[:, 1:2] + np.arange(3)
+        g[v] += self._spin_potential() * g[phi][:, None]
+        return g
+
+    def _spin_potential(self) -> FloatArray:
+        """Compute c(v) (k, 3) at the k local nodes with a spin angle (manual: eq-beam-spin-potential)."""
+        asm = self.system.assembly
+        v = asm.x[asm.spin_at[:, 1:2] + np.arange(3)]
+        n = np.linalg.norm(v, axis=1, keepdims=True)
+        return np.cross(v, asm.reference) / (n * (n + np.sum(v * asm.reference, axis=1, keepdims=True)))
+
+    def _stiffness(self) -> None:
+        """Compute the stiffness at x into the assembly's values.
+
+        It is symmetric where all loads are conservative.
+        """
+        asm = self.system.assembly
+        asm.jacobian(self.t, (1.0, self.rate_weight, 0.0), condensed=False)
+        # (n+1,) derivative of the free rows by the downward motion of the top
+        self._by_top = np.zeros(self.system.layout.size + 1)
+        for f in asm.row_replacements:  # prescribed components do not move, so their columns are removed
+            for item, e, slots in f.elements:
+                K = asm.values[item.span].reshape(item.count, item.width, item.width)[e]
+                if f is self._top_rows:
+                    np.add.at(self._by_top, item.index[e], K[:, slots] @ self._advance(f))
+                K[:, slots] = K[:, slots] @ f.complement
+        c = np.ascontiguousarray(self._spin_potential())
+        number = np.full(self.system.layout.size + 1, -1, dtype=np.int32)
+        number[asm.spin_at[:, 0]] = np.arange(len(asm.spin_at))
+        for item in asm.bound_blocks:
+            if item.count and item.width >= 7:
+                at = pointer(asm.values) + 8 * item.span.start
+                _quasi_rows(item.count, item.width, pointer(item.index), pointer(number), pointer(c), at)
+        self._constraints.add(asm.values)
+        if self._drag is not None:
+            self._add_springs(asm.values, self._drag[0], self._drag[2])
+
+    def _advance(self, f: RowReplacement) -> FloatArray:
+        """Change (7,) of the unknowns of a prescribed end by the length that it is moved down its path."""
+        advance = f.condition.advance
+        return f.D[0] if advance is None else advance(self.system.assembly.x[f.rows])
+
+    def _couplings_of_held_unknowns(self) -> np.ndarray:
+        """Places in the matrix where the unknowns of the rock couple to others (manual: sec-statics-stability).
+
+        Statics holds the rock by rows of its own.  The string's rows depend on it, those rows not on the string: the
+        eigenvalues are those of the string alone, while the symmetric part of the couplings has negative ones.
+        """
+        layout, asm = self.system.layout, self.system.assembly
+        rock = np.array([f.physics == "rock" for f in layout.fields])[layout.field_of]
+        if not rock.any():
+            return np.zeros(0, dtype=int)
+        rows, columns = asm.places()
+        by_row, by_column = (np.append(rock, False)[i] for i in (rows, columns))
+        return np.flatnonzero((by_row | by_column) & (rows != columns))
+
+    def _factor(self) -> None:
+        """Factor the stiffness; raises SolveError where it is singular."""
+        if self.limit is not None:
+            self.limit.count()
+        try:
+            self.factor.factor(self.system.assembly.values)
+        except ZeroPivot:
+            raise SolveError(
+                "singular stiffness matrix",
+                hint="check the end conditions: a rigid-body mode may not be constrained",
+                **self.system.locate_largest_residual(self.t),
+            ) from None
+
+    def negative_pivots(self) -> int:
+        """Count the negative pivots of the stiffness at x beyond those of multipliers; -1 where a pivot is missing.
+
+        Manual: eq-statics-stable.
+
+        The count has a meaning without friction only.  Neutral motions in a hole do not count.
+        """
+        self._stiffness()
+        values = self.system.assembly.values
+        values[self._held_entries] = 0.0
+        count = self._inertia(values)
+        if count > 0 and self._searches:
+            self._add_springs(values, NEUTRAL, self._side_springs())
+            count = self._inertia(values)
+        return count
+
+    def _inertia(self, values: FloatArray) -> int:
+        """Negative pivots of a matrix, or of its symmetric part, beyond those of multipliers; -1 where one is missing."""
+        if self.limit is not None:
+            self.limit.count()
+        try:
+            # each multiplier is a negative eigenvalue in every state (saddle point)
+            count = self.factor.negative_pivots(values if self.symmetric else self._symmetric_part(values))
+            return count - self.system.multipliers
+        except ZeroPivot:
+            return -1
+
+    def _symmetric_part(self, values: FloatArray) -> FloatArray:
+        """Symmetric part of the matrix with entries ``values``; loads without a potential add to the rest."""
+        out = values.copy()
+        for item in self.system.assembly.bound_blocks:
+            K = out[item.span].reshape(item.count, item.width, item.width)
+            K[:] = 0.5 * (K + K.transpose(0, 2, 1))
+        return out
+
+    # ------------------------------------------------------------------ iteration
+    def _step_limit(self, p: FloatArray) -> float:
+        """Compute the largest factor of the step ``p`` (n,) with bounded lateral motion and slope change of every node."""
+        system = self.system
+        r, v = p[system.layout.dofs["string.position"]], p[system.layout.dofs["string.tangent"]]
+        t = system.field("string.tangent")
+        t = t / np.linalg.norm(t, axis=1, keepdims=True)
+        lateral = np.linalg.norm(r - t * np.sum(r * t, axis=1, keepdims=True), axis=1)
+        share = (lateral / self.max_lateral_step).max(initial=0.0)
+        slope = np.linalg.norm(v, axis=1).max(initial=0.0)
+        return min(
+            self._step_shares[self._drag is not None] / max(self.largest(share), 1e-300),
+            MAX_SLOPE_CHANGE / max(self.largest(slope), 1e-300),
+        )
+
+    def _search(
+        self, x0: FloatArray, p: FloatArray, with_top: FloatArray, slope0: float, alpha: float
+    ) -> float:
+        """Shorten a step beyond which the energy rises again, by the slope along it; returns the factor of ``p``.
+
+        x0: (n,) start; p: (n,) step; with_top: (n,) its part that follows the top's own motion, along which the loads at
+        the top do work; slope0: slope at the start without that part [J]; alpha: first factor.
+        """
+        for _ in range(12):
+            slope = self._slope_at(x0, p, with_top, alpha)
+            if np.isfinite(slope) and slope <= 0.8 * abs(slope0):
+                break
+            alpha *= (
+                min(0.7, max(0.1, slope0 / (slope0 - slope))) if np.isfinite(slope) and slope > 0 else 0.3
+            )
+        return alpha
+
+    def _slope_at(self, x0: FloatArray, p: FloatArray, with_top: FloatArray, alpha: float) -> float:
+        """Compute the slope [J] of the energy along ``p`` (n,) less ``with_top`` (n,) at x0 + alpha p; collective."""
+        self.system.assembly.x[: self.system.layout.size] = self._advanced(x0, p, alpha)
+        way = (self._advanced(x0, p, alpha + SLOPE_STEP) - self._advanced(x0, p, alpha - SLOPE_STEP)) / (
+            2 * SLOPE_STEP
+        )
+        way -= with_top
+        return self.sum(float(self._pull()[self._owned] @ way[self._owned]))
+
+    def _bring_to_depth(self, p: FloatArray) -> tuple[float, FloatArray]:
+        """Compute the motion of the top that brings the bit to its depth beside the step ``p`` (n,) (manual: eq-statics-wob).
+
+        Returns the motion of the top [m], and the step (n,) that belongs to it.  Raises SolveError where the top does not
+        move the bit.
+        """
+        system, n = self.system, self.system.layout.size
+        s = np.zeros(n)
+        self.factor.solve(-self._gradient(system.sum_local(self._by_top)), s)
+        if self._top_rows is not None:
+            s[self._top_rows.rows] += self._advance(self._top_rows)
+        depth, gradient, target = self.depth(system)  # type: ignore[misc]
+        by_step = self.sum(float(gradient[self._owned] @ p[self._owned]))
+        by_top = self.sum(float(gradient[self._owned] @ s[self._owned]))
+        if abs(by_top) < 1e-12:
+            raise SolveError(
+                "the top's position does not reach the bit",
+                hint="wob needs a top with a prescribed axial position",
+            )
+        move = (target - self.sum(depth) - by_step) / by_top
+        return move, move * s
+
+    def newton(
+        self,
+        report: Equilibrium,
+        tolerance: float = CONVERGED_INCREMENT,
+        most: int = MAX_STEPS,
+        near: bool = False,
+    ) -> None:
+        """Iterate from the assembly's x to an equilibrium, or to the end of a step with drag; collective.
+
+        Manual: eq-statics-step.
+
+        report: gets iterations, increments, ``converged`` and the largest residual.
+        tolerance: largest increment of a converged state, in the fields' scales.  Of one that a further solve starts from, it
+        may be of a step that the search has shortened since.
+        most: number of steps.
+        near: the start is near its state: give up if two consecutive steps exceed the radial clearance.
+        Raises SolveError where the iteration does not converge; x is then anywhere.
+        """
+        self._begin(report)
+        n, x, weight = self.system.layout.size, self.system.assembly.x, 1.0 / self.system.scale
+        smallest, rounded, far, crawls = np.inf, 0, 0, 0
+        start, full_steps = len(report.history), list[float]()
+        full, shrinks = (
+            np.inf,
+            True,
+        )  # size of the last step before it was shortened: what is left, by Newton's method
+        for count in range(most + MORE_STEPS):
+            if count >= most and not shrinks:
+                break
+            g = self._pull()
+            self._stiffness()
+            self._factor()
+            p = np.zeros(n)
+            self.factor.solve(-self._with_constraints(g), p)
+            slope0 = self.sum(float(g[self._owned] @ p[self._owned]))
+            move, with_top = self._bring_to_depth(p) if self.depth else (0.0, np.zeros(n))
+            p += with_top
+            x0 = x[:n].copy()
+            longest = self._step_limit(p)
+            far = far + 1 if longest < FAR_LIMIT else 0
+            if near and far > 1:
+                break
+            alpha = min(1.0, longest)
+            # near rounding the slope has no sign; beside a saddle it does not say how far to go
+            before, full = full, self.largest(float(np.max(np.abs(p) * weight, initial=0.0)))
+            shrinks = full < 0.5 * before
+            if self._searches and slope0 < 0 and full > ROUNDING_INCREMENT:
+                alpha = self._search(x0, p, with_top, slope0, alpha)
+            x[:n] = self._advanced(x0, p, alpha)
+            if self.depth and self.move_top:
+                self.move_top(alpha * move)
+            size = self.largest(float(np.max(np.abs(alpha * p) * weight, initial=0.0)))
+            report.iterations += 1
+            report.history.append(size)
+            report.increment = size
+            if not np.isfinite(size):
+                raise SolveError(
+                    "the static solution is not finite", **self.system.locate_largest_residual(self.t)
+                )
+            # error left by a linear contraction at the last ratio; Newton's own is smaller
+            last = full_steps[-1] if alpha == 1.0 and full_steps else np.inf
+            left = (
+                size * size / last if size < min(0.1 * last, ROUNDING_INCREMENT) and last < np.inf else np.inf
+            )
+            full_steps = [*full_steps, size] if alpha == 1.0 else []
+            # rounding: a small increment that a further step no longer shrinks
+            rounded = rounded + 1 if size < ROUNDING_INCREMENT and size > ROUNDING_RATIO * smallest else 0
+            if (
+                alpha == 1.0
+                and (size < tolerance or left < 0.1 * tolerance or rounded)
+                or full < tolerance > ROUNDING_INCREMENT
+                or (rounded >= 8 and size < CONVERGED_INCREMENT)
+            ):
+                self._end(report)
+                return
+            smallest = min(smallest, size)
+            crawls = crawls + 1 if self._drag is not None and alpha < CRAWL else 0
+            if crawls >= CRAWLS or self._does_not_shrink(full_steps):
+                break
+        raise SolveError(
+            f"statics did not converge in {len(report.history) - start} iterations "
+            f"(last increment {size:.1e} of the fields' scales)",
+            hint="a stronger initial.imperfection or a finer mesh may help",
+            **self.system.locate_largest_residual(self.t),
+        )
+
+    @staticmethod
+    def _does_not_shrink(sizes: list[float]) -> bool:
+        """Whether the increments ``sizes`` of full steps have not become smaller within ``STALL_WINDOW`` steps."""
+        if len(sizes) <= 2 * STALL_WINDOW:
+            return False
+        return min(sizes[-STALL_WINDOW:]) > 0.5 * min(sizes[:-STALL_WINDOW])
+
+    def _with_constraints(self, g: FloatArray) -> FloatArray:
+        """Return the gradient ``g`` (n,) with the error of the prescribed positions in their rows."""
+        out = g.copy()
+        asm = self.system.assembly
+        for f in asm.row_replacements:
+            if f.owned:
+                f.evaluate(self.t, asm.x)
+                error = f.D @ asm.x[f.rows] - f.value
+                out[f.rows] += f.D.T @ (ROW_SCALE * error)
+        return out
+
+    def _begin(self, report: Equilibrium) -> None:
+        """Put prescribed components at their values."""
+        report.converged = False
+        x = self.system.assembly.x
+        self.system.assembly.invalidate_prescribed_values()
+        for f in self.system.assembly.row_replacements:
+            f.evaluate(self.t, x)
+            x[f.rows] += f.D.T @ (f.value - f.D @ x[f.rows])
+
+    def _end(self, report: Equilibrium) -> None:
+        """Report a converged state; collective."""
+        report.converged = True
+        report.residual = self.largest(
+            float(np.max(np.abs(self._gradient(self.rows())[self._owned]), initial=0.0))
+        )
+
+    def add_imperfection(self, size: FloatArray, spacing: float | None = None) -> None:
+        """Add persistent random lateral loads, see ``lateral_loads``, as the assembly's dead load."""
+        self.system.assembly.dead_load = lateral_loads(self.system, size, spacing=spacing)
+
+
+def sum_of(system: DiscreteSystem, value: float) -> float:
+    """Sum ``value`` over all ranks; collective."""
+    return float(total(system.comm, value))
+
+
+def largest_of(system: DiscreteSystem, value: float) -> float:
+    """Largest ``value`` of all ranks; collective."""
+    return largest(system.comm, value)
+
+
+def nodal_length(system: DiscreteSystem) -> FloatArray:
+    """Compute the length [m] (nv,) that belongs to each local node: half of both neighbouring elements."""
+    mesh = system.mesh
+    size = np.zeros(mesh.nodes)
+    np.add.at(size, np.arange(mesh.nodes - 1), 0.5 * mesh.length)
+    np.add.at(size, np.arange(1, mesh.nodes), 0.5 * mesh.length)
+    return size[system.chain.vertices]
+
+
+def diagonal_blocks(system: DiscreteSystem, fields: tuple[str, ...]) -> list[tuple[np.ndarray, np.ndarray]]:
+    """Find the matrix entries of the diagonal blocks of nodal ``fields``.
+
+    Returns for each field: owned vertices (k,), each once, and the places (k, d, d) in ``Assembly.values`` of one
+    element's entries, for fields of d components.
+    """
+    asm = system.assembly
+    chain, out = system.chain, []
+    for name in fields:
+        dofs = system.layout.dofs[name]
+        vertex, first = np.full(system.layout.size + 1, -1), dofs[:, 0]
+        chosen = (first >= 0) & chain.owned
+        vertex[first[chosen]] = np.flatnonzero(chosen)
+        # vertex, first entry of its diagonal block, and width of the element's matrix
+        found = [np.zeros((0, 3), dtype=int)]
+        for item in asm.bound_blocks:
+            element, slot = np.nonzero(vertex[item.index] >= 0)
+            corner = item.span.start + element * item.width**2 + slot * (item.width + 1)
+            at = vertex[item.index[element, slot]]
+            found.append(np.column_stack([at, corner, np.full(len(at), item.width)]))
+        rows = np.concatenate(found)
+        vertices, once = np.unique(rows[:, 0], return_index=True)
+        _, corner, width = rows[once].T
+        k = np.arange(dofs.shape[1])
+        out.append((vertices, corner[:, None, None] + k[:, None] * width[:, None, None] + k))
+    return out

@@ -1,0 +1,664 @@
+"""Time integration: PETSc's TS around the condensed Newton method, or around the assembled first-order system.
+
+Manual: sec-time-condensed, sec-time-call, sec-time-error, sec-time-jumps.  PETSc options select the
+first-order system.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import Any, Protocol
+
+import numpy as np
+from petsc4py import PETSc
+
+from drillpetsc import petsc_compat
+from drillpetsc.arrays import FloatArray
+from drillpetsc.errors import SolveError
+from drillpetsc.fem.component import Component, Field
+from drillpetsc.fem.discrete_system import DiscreteSystem
+from drillpetsc.kernels.denormals import flushed_denormals
+from drillpetsc.parallel import total
+from drillpetsc.solvers.petsc_options import refused_by_petsc
+from drillpetsc.solvers.time.bdf_history import BdfHistory, State
+from drillpetsc.solvers.time.first_order_system import FirstOrderSystem, refuse_integrator
+from drillpetsc.solvers.time.local_error import BdfOutputErrors, OutputErrors
+from drillpetsc.solvers.time.newton import CondensedNewton
+from drillpetsc.solvers.time.newton_work import SHARE, ResidualWork
+
+MASKED = 1.0e20  # tolerance of a row without error control
+DEFAULTS = {
+    "ts_type": "bdf",
+    # from order 3 on weakly damped vibrations are unstable (manual: sec-time-error)
+    "ts_bdf_order": 2,
+    "ts_adapt_type": "basic",
+    "ts_adapt_clip": "0.2,2.0",
+    # a step ends on each jump of an input (manual: sec-time-jumps)
+    "ts_exact_final_time": "matchstep",
+    "ts_max_snes_failures": -1,  # this module counts consecutive failures; PETSc counts all failures of the run
+    "ts_error_if_step_fails": 0,  # this module raises an error with place and cure
+}
+TOLERANCE = 1.0e-4  # default of -ts_rtol
+CONSECUTIVE_FAILURES = 25
+#: factor of Newton's tolerance with multipliers, whose constraint errors are a misfit of the parts
+CONSTRAINT_TOLERANCE_FACTOR = 1.0e-3
+END_TOLERANCE = 1.0e-11  # a run has ended within this fraction of the time
+EVENT_STEP = 1.0e-6  # longest step over an event, by which it is located in time [s]
+SHORTEST_STEP = 1.0e-11  # a step of this length that fails would fail at any length [s]
+
+
+@dataclass
+class Counters:
+    """Numbers of accepted and of rejected steps."""
+
+    steps: int = 0
+    rejected: int = 0
+
+
+class Sampler(Protocol):
+    """A function called at regular times of a run."""
+
+    period: float
+
+    def __call__(self, t: float) -> None: ...
+
+
+@dataclass
+class TimeIntegrator:
+    """Time integrator of a discrete system, from the state in its assembly.
+
+    system: the discrete system.
+    after_step(t, dt): called after every accepted step, with x, y, a of the assembly at ``t`` [s].
+    at_jump(t): called when the rate of a prescribed motion jumps, before the step that follows.
+    on_failure(): called on all ranks before the error that ends a run.
+    before_event(t), after_event(t): called when a component changes its law, with the state at ``t`` [s].
+    before_solve(t): called before the solve of a step that ends at ``t`` [s].
+    on_step_end(t): called last after a step; here ``get_state`` and ``stop`` may be called.
+    first_step: length of the first step [s].
+    controlled(field): whether a field takes part in the error control.
+    defaults: further PETSc options, below those of the user.
+    after_sample(t): called after a sampler, if the formula assumes that its forces jump at ``t`` [s].
+    sampler(t): called at the multiples of ``sampler.period`` [s], where a step ends, with the state before the step that follows;
+    the formula does not restart there.
+    step_limit(): longest step [s] by the present state, the same on all ranks; generalised-alpha only.
+    inertia: whether the string has inertia; without it, forces have no power to which Newton's remainder could
+    be compared.
+
+    ``max_steps`` is the option -ts_max_steps, for the caller.
+    ``is_bdf`` is true for backward differentiation formulas, of the order ``order``.
+    ``user_options`` are the PETSc options that the user gave, ``options`` the options in effect.
+    ``jumped`` is true in after_step for the steps whose time formula reaches over a jump (manual:
+    sec-time-jumps). ``fresh`` is true for the first step after a restart of the formula.
+    """
+
+    system: DiscreteSystem
+    after_step: list[Callable[[float, float], None]] = field(default_factory=list)
+    at_jump: list[Callable[[float], None]] = field(default_factory=list)
+    before_event: list[Callable[[float], None]] = field(default_factory=list)
+    on_failure: list[Callable[[], None]] = field(default_factory=list)
+    after_event: list[Callable[[float], None]] = field(default_factory=list)
+    after_sample: list[Callable[[float], None]] = field(default_factory=list)
+    before_solve: list[Callable[[float], None]] = field(default_factory=list)
+    on_step_end: list[Callable[[float], None]] = field(default_factory=list)
+    first_step: float = 1.0e-4
+    controlled: Callable[[Field], bool] = field(default=lambda field: True)
+    defaults: dict[str, Any] = field(default_factory=dict)
+    sampler: Sampler | None = None
+    inertia: bool = True
+    step_limit: Callable[[], float] | None = None
+
+    def __post_init__(self) -> None:
+        options = PETSc.Options()
+        petsc_compat.rename_time_step(options)
+        given = set(options.getAll())
+        self.user_options = dict(options.getAll())
+        for key, value in {**DEFAULTS, petsc_compat.max_rejections_option(): 60, **self.defaults}.items():
+            if key not in given:
+                options.setValue(key, value)
+        self.first_step = options.getReal(petsc_compat.time_step_option(), self.first_step)
+        self._fixed = options.getString("ts_adapt_type", "basic") == "none"
+        self.tolerance = options.getReal("ts_rtol", TOLERANCE)
+        self.condensed = (
+            options.getString("ts_type", "bdf") == "bdf"
+            and options.getString("snes_type", "python") == "python"
+        )
+        self.is_bdf = options.getString("ts_type", "bdf") == "bdf"
+        refuse_integrator(options.getString("ts_type", "bdf"), self.system.constrained)
+        # _steps_over_jump: number of coming steps whose formula reaches over a jump
+        self.counters, self._consecutive_failures, self.last_step, self._steps_over_jump = (
+            Counters(),
+            0,
+            0.0,
+            0,
+        )
+        self.max_steps = options.getInt("ts_max_steps", 2**31 - 1)  # the caller of ``run`` ends it
+        self.order, self.fresh = options.getInt("ts_bdf_order", 2), True
+        self._last, self._t, self._jump, self._stop = 0.0, 0.0, np.inf, np.inf
+        self._eventful = [c for c in self.system.components if c.has_events]
+        # formulas whose history can be rebuilt; the others restart at every checkpoint, also in uninterrupted
+        # runs
+        self.keeps_history = self.condensed and options.getString("ts_adapt_type", "basic") in (
+            "basic",
+            "none",
+        )
+        # _step_number: steps in all; _requested_step: requested length of the last solved step [s]
+        self.history, self.stopped, self._step_number, self._requested_step, self._next_step = (
+            BdfHistory(self.order + 1),
+            False,
+            0,
+            0.0,
+            0.0,
+        )
+        # recorded states that ``solve`` returns while a restarted run steps through its history
+        self._replayed: list[State] | None = None
+        self._restored: dict[str, FloatArray] | None = None
+        self.work: ResidualWork | None = None  # limit of the work that Newton's residual leaves
+        self.estimate: Any = None  # of the local errors: has get_state and set_state
+        self._make(options)
+        self.options = dict(options.getAll())  # in effect, defaults included
+        for key in set(self.options) - given:  # the next integrator in this process has other defaults
+            options.delValue(key)
+
+    def _make(self, options: PETSc.Options) -> None:
+        """Create the TS with its callbacks."""
+        system = self.system
+        self.state = system.new_state()
+        self.ts = PETSc.TS().create(comm=system.comm)
+        self.ts.setProblemType(PETSc.TS.ProblemType.NONLINEAR)
+        self._f = system.new_state()
+        if self.condensed:
+            if not options.hasName("snes_type"):
+                options.setValue("snes_type", "python")
+            factor = CONSTRAINT_TOLERANCE_FACTOR if system.multipliers else 1.0
+            if self.inertia:
+                share = options.getReal("drillpetsc_newton_work", SHARE)
+                self.work = ResidualWork(system, share) if share > 0 else None
+            self.newton = CondensedNewton(system, tolerance=0.02 * self.tolerance * factor, work=self.work)
+            # these components restore their constraints within the solve: PETSc restarts the formula where a
+            # solution changes after the step
+            self._restoring = [c for c in system.components if c.restores_constraints]
+            matrix = PETSc.Mat().createPython(
+                (self.state.getSizes(), self.state.getSizes()), context=self, comm=system.comm
+            )
+            matrix.setUp()
+            self.ts.setIFunction(self._catch_rate, self._f)
+            self.ts.setIJacobian(self._catch_shift, matrix)
+            self._matrix = matrix
+            snes = self.ts.getSNES()
+            snes.setType("python")
+            snes.setPythonContext(self)
+        else:
+            self.first_order = FirstOrderSystem(system)
+            self.first_order.default_solver(options)
+            self.ts.setIFunction(
+                lambda ts, t, *rest: self.first_order.function(ts, self.input_time(t), *rest), self._f
+            )
+            self.ts.setIJacobian(
+                lambda ts, t, *rest: self.first_order.jacobian(ts, self.input_time(t), *rest),
+                self.first_order.matrix,
+            )
+            # without this PETSc assumes a unit mass matrix, and arkimex gives wrong results without an error
+            kinds = PETSc.TS.EquationType
+            constrained = kinds.DAE_IMPLICIT_INDEXHI if system.constrained else kinds.DAE_IMPLICIT_INDEX1
+            self.ts.setEquationType(
+                constrained if system.assembly.row_replacements or system.constrained else kinds.IMPLICIT
+            )
+        with refused_by_petsc():
+            self.ts.setFromOptions()
+        self._zero = system.new_state()
+        self._set_tolerances(False)
+        self.ts.setPostStep(self._post_step)
+
+    def _set_tolerances(self, jumped: bool) -> None:
+        """Set the tolerances of the error control; after a jump without tolerances for the mud.
+
+        Manual: sec-time-jumps.
+
+        If a prescribed motion jumps, the flow relative to the pipe jumps as well, and its error control
+        would reject every step length.
+        """
+        self._mud_masked = jumped
+        # no relative tolerance: a share of 2000 m of depth, or of many turns, is of no use (manual: sec-time-error)
+        self.ts.setTolerances(rtol=self._zero, atol=self.tolerance_vector(fluid=not jumped))
+
+    def tolerance_vector(self, fluid: bool = True) -> PETSc.Vec:
+        """Return the absolute tolerance of each row of the state (manual: eq-time-tolerance).
+
+        It is -ts_rtol times the field's scale.  Rates and algebraic rows are masked; without ``fluid`` also
+        the mud.
+        """
+        layout, vector = self.system.layout, self.system.new_state()
+        controlled = np.array(
+            [
+                f.differential and self.controlled(f) and (fluid or f.physics == "string")
+                for f in layout.fields
+            ]
+        )
+        # errors of rates and multipliers follow from the other unknowns; under control, multipliers would reject every step
+        # (manual: sec-time-error)
+        differential = controlled[layout.field_of[layout.local_of_owned]]
+        values = vector.getArray()
+        values[:] = MASKED
+        values[layout.x_owned] = np.where(
+            differential, self.tolerance * self.system.scale[layout.local_of_owned], MASKED
+        )
+        vector.assemble()
+        return vector
+
+    def input_time(self, t: float) -> float:
+        """Return the time [s] at which inputs are evaluated for a step to ``t`` [s].
+
+        A step that ends at a jump of an input uses the value before the jump (manual: sec-time-jumps).
+        """
+        return t if t < self._jump else float(np.nextafter(self._jump, -np.inf))
+
+    # ------------------------------------------------------------------ condensed step, called by the outer SNES
+    def _catch_rate(self, ts, t, x, xdot, f) -> None:
+        self._t = self.input_time(t)
+        self._rate = xdot  # TSBDF keeps it for the next call
+
+    def _catch_shift(self, ts, t, x, xdot, shift, J, P) -> None:
+        self._shift = shift
+
+    def solve(self, snes, b, x) -> None:
+        """Solve a step for the outer python SNES, whose unknown is the whole state (manual: sec-time-call).
+
+        The condensed Newton method computes the unknowns; the rates follow from them.
+        Raises SolveError after too many consecutive failures.
+        """
+        if self._replayed is not None:
+            self._return_recorded_state(snes, x)
+            return
+        # PETSc's time formula gives rate and shift only to these callbacks (see _catch_rate and _catch_shift)
+        snes.computeFunction(x, self._f)
+        snes.computeJacobian(x, self._matrix)
+        self.system.load_step(x, self._rate, self._shift)
+        for call in self.before_solve:
+            call(self._t)
+        reason = self.newton.solve(self._t, self._shift)
+        for component in self._restoring:
+            component.restore_constraints(self.system.assembly)
+        self.system.store_state(x)
+        snes.setIterationNumber(self.newton.last_iterations)
+        snes.setConvergedReason(reason)
+        self._requested_step = self.ts.getTimeStep()
+        if reason > 0 and self._eventful and self.ts.getTimeStep() > EVENT_STEP and self._events():
+            # shorter steps lead up to the event
+            snes.setConvergedReason(PETSc.SNES.ConvergedReason.DIVERGED_FUNCTION_DOMAIN)
+            self._consecutive_failures = 0
+            return
+        if reason > 0:
+            self.history.add_stage(self.system.assembly.x, self.system.assembly.y)
+        self._consecutive_failures = self._consecutive_failures + 1 if reason < 0 else 0
+        if self._consecutive_failures > CONSECUTIVE_FAILURES or (
+            reason < 0 and self.ts.getTimeStep() < SHORTEST_STEP
+        ):
+            raise self.failure(
+                f"Newton's method failed {self._consecutive_failures} times in a row ({_reason(reason, PETSc.SNES)}), "
+                f"at last with a step of {self.ts.getTimeStep():.2g} s"
+            )
+
+    def _events(self) -> list[tuple[Component, FloatArray]]:
+        """Components whose law ends at the present state, with the figures that show it; the same on all ranks, collective."""
+        out = []
+        for component in self._eventful:
+            numbers = component.event_numbers(self.system.assembly)
+            numbers = total(self.system.comm, numbers)
+            if component.event_passed(numbers):
+                out.append((component, numbers))
+        return out
+
+    def _change_laws(self, t: float) -> bool:
+        """Change the laws that end at the present state at ``t`` [s], and restart the formula; True if any does."""
+        passed = self._events()
+        if not passed:
+            return False
+        for call in self.before_event:
+            call(t)
+        for component, numbers in passed:
+            component.change_law(numbers)
+        for call in self.after_event:
+            call(t)
+        self._restart_after_event(t)
+        return True
+
+    def _restart_after_event(self, t: float) -> None:
+        """Restart the formula after a law has changed at ``t`` [s]."""
+        asm = self.system.assembly
+        self._discard_factor()
+        self.ts.restartStep()
+        self.fresh = True
+        self.history.start(t, asm.x, asm.y)
+        self.ts.setTimeStep(max(min(self.first_step, self._stop - t), SHORTEST_STEP))
+
+    def failure(self, what: str) -> SolveError:
+        """Return the error that ends a run, with the place of the largest residual; collective."""
+        for call in self.on_failure:
+            call()
+        place = (
+            self.system.locate_largest_residual(self._t)
+            if self.condensed
+            else self.first_order.locate_largest_residual()
+        )
+        return SolveError(
+            what,
+            time=self.ts.getTime(),
+            hint="check the inputs at this time and place; a smaller -ts_rtol, softer "
+            "contact or -q_snes_linesearch_type bt may help",
+            **place,
+        )
+
+    def newton_iterations(self) -> int:
+        """Number of Newton iterations so far, rejected steps included."""
+        return self.newton.iterations if self.condensed else self.ts.getSNESIterations()
+
+    def jacobian_count(self) -> int:
+        """Number of Jacobians so far."""
+        return self.newton.jacobians if self.condensed else self.first_order.jacobians
+
+    def failure_count(self) -> int:
+        """Number of Newton solves so far that did not converge."""
+        return self.newton.failures if self.condensed else self.ts.getSNESFailures()
+
+    def compiled_seconds(self) -> dict[str, float]:
+        """Wall time so far of the phases of Newton's method in compiled code [s]; PETSc's log has the time of all others."""
+        return self.newton.iteration.seconds if self.condensed else {}
+
+    def linear_iterations(self) -> int:
+        """Number of linear iterations so far."""
+        return self.newton.linear_iterations if self.condensed else self.ts.getKSPIterations()
+
+    def output_errors(self) -> OutputErrors | None:
+        """Return the errors of the formula in outputs; None for formulas without an estimate."""
+        return BdfOutputErrors(self.order) if self.is_bdf else None
+
+    def damped_above(self) -> float | None:
+        """Frequency [Hz] above which the formula damps; None: the estimate of the outputs has it."""
+        return None
+
+    def damped_product(self) -> float | None:
+        """Product of that frequency and the step [-]; None: the estimate of the outputs has it."""
+        return None
+
+    # ------------------------------------------------------------------ run
+    def _post_step(self, ts) -> None:
+        """Finish an accepted step: history, callbacks, reference frames (manual: sec-time-update)."""
+        if ts.getConvergedReason() < 0:  # PETSc also calls this after a step that failed for good
+            self.system.load_state(ts.getSolution())
+            return
+        if not self.condensed:
+            self.first_order.accept(ts)
+        dt = self.last_step = ts.getTime() - self._last
+        self._last = ts.getTime()
+        # a remainder below rounding is not integrated; PETSc has chosen it as the next step
+        if abs(self._stop - self._last) < END_TOLERANCE * max(1.0, abs(self._stop)):
+            ts.setConvergedReason(PETSc.TS.ConvergedReason.CONVERGED_TIME)
+            if ts.getTimeStep() < SHORTEST_STEP:
+                ts.setTimeStep(max(dt, SHORTEST_STEP))
+        self.counters.steps += 1
+        self._step_number += 1
+        if self._fixed and ts.getTimeStep() < self.first_step:  # a fixed step that was shortened grows again
+            remainder = self._stop - self._last
+            ts.setTimeStep(
+                min(self.first_step, 2 * ts.getTimeStep(), remainder if remainder > SHORTEST_STEP else np.inf)
+            )
+        self.system.accept(self._last)
+        with self.system.assembly.unchanged():  # results of the step are shared by all that follows
+            if self.work is not None:
+                rows = self.newton.last_rows()
+                self.work.after_step(self._last, dt, rows, self.input_time(self._last), self.jumped)
+            for call in self.after_step:
+                call(self._last, dt)
+        self._steps_over_jump, self.fresh = max(0, self._steps_over_jump - 1), False
+        if self._mud_masked and not self._steps_over_jump:
+            self._set_tolerances(False)
+        # a tangent far from its reference direction gets a new one, 60 degrees before the singularity; the
+        # formula then restarts (manual: eq-beam-update-criterion)
+        asm = self.system.assembly
+        if self._eventful and self._change_laws(self._last):
+            pass
+        elif self._step_number % 4 == 0 and self.system.renew_reference_frames():
+            self.system.store_state(ts.getSolution())
+            self._discard_factor()
+            ts.restartStep()
+            self.fresh = True
+            self.history.start(self._last, asm.x, asm.y)
+        elif self.keeps_history:
+            self.history.add_step(self._last, self._requested_step, asm.x, asm.y)
+        for finish in self.on_step_end:
+            finish(self._last)
+        if self.stopped:
+            ts.setConvergedReason(PETSc.TS.ConvergedReason.CONVERGED_USER)
+
+    @property
+    def jumped(self) -> bool:
+        """Whether the formula of the current step reaches over a jump of a prescribed velocity."""
+        return self._steps_over_jump > 0
+
+    def _rates_jump(self, t: float) -> bool:
+        """Whether a prescribed velocity jumps at ``t`` [s]; the same on all ranks, collective."""
+        before = float(np.nextafter(t, -np.inf))
+        local = any(
+            not np.allclose(f.condition.rate(before), f.condition.rate(t), rtol=1e-9, atol=1e-12)
+            for f in self.system.assembly.row_replacements
+            if f.owned
+        )
+        return bool(total(self.system.comm, local))
+
+    @flushed_denormals()
+    def run(self, start: float, end: float, breaks: tuple[float, ...] = (), resume: bool = False) -> None:
+        """Integrate from ``start`` to ``end`` [s]; collective.
+
+        resume: go on from the end of the last ``run``, at ``start``, with the formula's history unless an input jumps there.
+
+        breaks: times at which inputs jump or bend [s].  A step ends at each of them, and the formula restarts
+        there (manual: sec-time-jumps).
+
+        Raises SolveError if no step can be taken.  The assembly then contains the last accepted state.
+        """
+        system, ts = self.system, self.ts
+        system.assembly.invalidate_prescribed_values()
+        if not resume:
+            system.accept(start)
+            system.store_state(self.state)
+        # a break this near the start or the end coincides with it (0.1 + 0.2 and 0.3)
+        near = END_TOLERANCE * max(1.0, abs(end))
+        stops = sorted({b for b in breaks if start + near < b < end - near} | {end})
+        jumps = {s for s in stops if any(abs(b - s) <= near for b in breaks)}
+        stops = self._with_samples(start, end, near, stops)
+        if not resume:
+            ts.setTime(start)
+            ts.setTimeStep(self.first_step)
+        ts.setMaxSteps(2**31 - 1)
+        self._last = start
+        if self.work is not None:
+            self.work.start(start)
+        continued = self._restored is not None and not any(abs(b - start) <= near for b in breaks)
+        begin, at_break = start, any(abs(b - start) <= near for b in breaks)
+        for stop in stops:
+            if at_break:
+                self._change_states(begin)
+            self._sample(begin, near)
+            self._stop, self._jump = stop, stop if stop in jumps else np.inf
+            if continued:
+                self._replay_history()
+            elif not resume or at_break:
+                self._restored = None
+                self._start_formula(stop)
+            if ts.getTime() != begin:  # by the remainder that was not integrated; it must not add up
+                ts.setTime(begin)
+            begin, at_break, continued, resume = stop, stop in jumps, False, True
+            ts.setMaxTime(stop)
+            rejected = ts.getStepRejections()
+            with petsc_compat.own_errors():
+                ts.solve(self.state)
+            if ts.getConvergedReason() < 0:
+                raise self.failure(
+                    f"the time integrator stopped: {_reason(ts.getConvergedReason(), PETSc.TS)}"
+                )
+            self.counters.rejected += ts.getStepRejections() - rejected
+            if self.stopped:
+                return
+
+    def _with_samples(self, start: float, end: float, near: float, stops: list[float]) -> list[float]:
+        """The ``stops``, and the samples between start and end [s] that do not coincide with one."""
+        if self.sampler is None:
+            return stops
+        period = self.sampler.period
+        first, last = int(np.floor(start / period)) + 1, int(np.ceil(end / period))
+        samples = [k * period for k in range(first, last)]
+        apart = [s for s in samples if s > start + near and all(abs(s - q) > near for q in stops)]
+        return sorted({*stops, *apart})
+
+    def _sample(self, t: float, near: float) -> None:
+        """Call the sampler where ``t`` [s] is one of its times."""
+        if self.sampler is not None and self._is_sample(t, near):
+            self.sampler(t)
+
+    def _is_sample(self, t: float, near: float) -> bool:
+        if self.sampler is None:
+            return False
+        period = self.sampler.period
+        return abs(t - round(t / period) * period) <= near
+
+    def _change_states(self, t: float) -> None:
+        """Let components change their states where an input jumps or bends at ``t`` [s]."""
+        changed = False
+        for component in self.system.components:
+            changed |= component.at_break(t, self.system.assembly)
+        if changed:
+            self.system.store_state(self.state)
+
+    def _start_formula(self, stop: float) -> None:
+        """Restart the formula without history, e.g. after a discontinuity.
+
+        ``stop``: time of the next break [s].
+        """
+        ts, asm = self.ts, self.system.assembly
+        self._discard_factor()
+        if self._rates_jump(ts.getTime()):
+            # the formulas of these steps reach back over the jump (manual: sec-time-jumps)
+            self._steps_over_jump = 1 + self.order
+            self._set_tolerances(True)
+            for call in self.at_jump:
+                call(ts.getTime())
+        ts.restartStep()
+        self.fresh = True
+        self.history.start(ts.getTime(), asm.x, asm.y)
+        ts.setTimeStep(min(self.first_step, stop - ts.getTime()))
+
+    def close(self) -> None:
+        """Free the solvers and vectors of PETSc; the integrator cannot be used afterwards."""
+        self.ts.destroy()
+        for vector in (self.state, self._f, self._zero):
+            vector.destroy()
+
+    def stop(self) -> None:
+        """End the run after this step; to be called from on_step_end, on all ranks."""
+        self.stopped = True
+
+    # ------------------------------------------------------------------ checkpoints
+    def get_state(self) -> dict[str, FloatArray]:
+        """Return the data that a restart needs besides the state, for use in on_step_end; complete on rank 0; collective.
+
+        clock: next step [s], number of steps, coming steps over a jump, whether the mud has no error control.
+        Further entries: see ``BdfHistory.get_state`` and ``CondensedNewton.get_state``.
+        An integrator whose history cannot be rebuilt has only first_step [s].
+        """
+        if not self.keeps_history:  # the formula restarts here, in this run and in a restarted one
+            self.first_step = max(self.first_step, 0.1 * self.last_step)
+            return {"first_step": np.array(self.first_step)} | self._work_state()
+        clock = np.array(
+            [self.ts.getTimeStep(), self._step_number, self._steps_over_jump, self._mud_masked], dtype=float
+        )
+        return (
+            {"clock": clock}
+            | self.history.get_state(self.system)
+            | self.newton.get_state()
+            | self._work_state()
+        )
+
+    def _work_state(self) -> dict[str, FloatArray]:
+        work = self.work.get_state() if self.work is not None else {}
+        return work | (self.estimate.get_state() if self.estimate is not None else {})
+
+    def set_state(self, state: dict[str, FloatArray]) -> None:
+        """Continue from a checkpoint with the next ``run``: ``state`` as returned by ``get_state``.
+
+        With the checkpoint of another kind of integrator the formula restarts.
+        """
+        if self.work is not None:
+            self.work.set_state(state)
+        if not self.keeps_history:
+            self.first_step = float(state.get("first_step", self.first_step))
+        elif "times" in state:
+            self.history.set_state(self.system, state)
+            self._next_step, self._step_number, self._steps_over_jump = (
+                float(state["clock"][0]),
+                int(state["clock"][1]),
+                int(state["clock"][2]),
+            )
+            self._set_tolerances(bool(state["clock"][3]))
+            self._restored = state
+        if self.estimate is not None:
+            self.estimate.set_state(state)
+
+    def _replay_history(self) -> None:
+        """Rebuild the history of TSBDF: repeat each recorded step, with the recorded state as its solution.
+
+        Manual: sec-time-restart.
+        """
+        ts, system, history = self.ts, self.system, self.history
+        assert self._restored is not None
+        masked = system.new_state()
+        masked.set(MASKED)
+        ts.setTolerances(rtol=self._zero, atol=masked)  # no step is rejected
+        ts.setMaxTime(MASKED)  # no step is shortened
+        self._put(history.states[0])
+        system.store_state(self.state)
+        ts.setSolution(self.state)
+        ts.setTime(history.times[0])
+        ts.restartStep()
+        self.fresh = not history.steps
+        for k, step in enumerate(history.steps):
+            self._replayed = (
+                [history.states[k + 1]] if k else [history.half or history.states[0], history.states[1]]
+            )
+            ts.setTimeStep(step)
+            with petsc_compat.own_errors():
+                ts.step()
+        self._replayed = None
+        if ts.getTime() != history.times[-1]:
+            raise SolveError(
+                f"the history of the checkpoint leads to {ts.getTime()!r} s, not to {history.times[-1]!r} s"
+            )
+        self._put(history.states[-1])
+        ts.setTimeStep(self._next_step)
+        self._set_tolerances(self._mud_masked)
+        # the kept Jacobian too: a restarted run repeats the uninterrupted one to the last bit (manual: sec-time-restart)
+        self.newton.set_state(self._restored)
+        self._restored = None
+
+    def _return_recorded_state(self, snes, x) -> None:
+        """Return the next recorded state as the solution of the step."""
+        assert self._replayed
+        self._put(self._replayed.pop(0))
+        self.system.store_state(x)
+        snes.setIterationNumber(1)
+        snes.setConvergedReason(PETSc.SNES.ConvergedReason.CONVERGED_ITS)
+
+    def _put(self, state: State) -> None:
+        """Copy unknowns and rates into the assembly."""
+        asm = self.system.assembly
+        asm.x[:], asm.y[:] = state
+
+    def _discard_factor(self) -> None:
+        """Discard earlier factorisations, so that a restarted run takes the same steps as an uninterrupted one."""
+        if self.condensed:
+            self.newton.discard_factor()
+
+
+def _reason(value: int, solver: Any) -> str:
+    names = {v: k for k, v in vars(solver.ConvergedReason).items() if isinstance(v, int)}
+    return names.get(value, str(value))
