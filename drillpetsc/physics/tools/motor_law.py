@@ -165,7 +165,7 @@ def monotone_slopes(x: FloatArray, f: FloatArray) -> FloatArray:
     last = (2 * h[:-1] + h[1:]).reshape(-1, *(1,) * (f.ndim - 1))
     rising = d[:-1] * d[1:] > 0
     with np.errstate(divide="ignore", invalid="ignore"):
-        inner = np.where(rising, (first + last) / (last / d[:-1] + first / d[1:]), 0.0)
+        inner = np.where(rising, (first + last) / (first / d[:-1] + last / d[1:]), 0.0)
     return np.concatenate([d[:1], inner, d[-1:]])
 
 

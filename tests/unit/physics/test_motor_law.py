@@ -166,3 +166,12 @@ def test_slopes_keep_a_curve_monotone():
     assert monotone_slopes(x, f)[1] == 0 and monotone_slopes(x, f)[2] == 0
     line = monotone_slopes(x, 2 * x + 1)
     assert line == pytest.approx(2 * np.ones(4))
+
+
+def test_slopes_of_uneven_points_are_those_of_fritsch_and_butland():
+    """Against scipy's PCHIP, whose inner slopes are the same weighted harmonic means (Fritsch and Butland 1984)."""
+    from scipy.interpolate import PchipInterpolator
+
+    x, f = np.array([0.0, 1.0, 4.0, 5.5, 9.0]), np.array([0.0, 1.0, 2.0, 6.0, 7.0])
+    expected = PchipInterpolator(x, f).derivative()(x)
+    assert monotone_slopes(x, f)[1:-1] == pytest.approx(expected[1:-1], rel=1e-12)
