@@ -142,18 +142,31 @@ def _rig(rig: Rig, units: System) -> str:
 
 
 def _lines(model: DrillingModel) -> list[str]:
-    case, mesh, system = model.case, model.mesh, model.system
-    units = case.output.units or "SI"
+    case, units = model.case, model.case.output.units or "SI"
+    return [
+        f"{case.title or 'case'}: valid",
+        *_string_and_hole(model, units),
+        *_operation(model, units),
+        *_contents(model, units),
+        *_cost(model),
+        *(f"  {line}" for line in notes(case)),
+        *(f"  WARNING: {text}" for text in expected_warnings(model)),
+        *_coarse(model, units),
+    ]
+
+
+def _string_and_hole(model: DrillingModel, units: System) -> list[str]:
+    """String, rig and hole."""
+    case, mesh = model.case, model.mesh
     size, _, unit = display_unit("length", units)
-    lines = [f"{case.title or 'case'}: valid"]
     element = ~mesh.is_joint
-    lines.append(
+    lines = [
         f"  string: {len(case.string)} items, {mesh.total_length / size:g} {unit}, {int(element.sum())} elements of "
         f"{mesh.length[element].min() / size:.3g} to {mesh.length.max() / size:.3g} {unit}, {mesh.nodes} nodes, "
-        f"{len(mesh.bodies)} rigid items"
-    )
-    lines += _chosen_lengths(case, model)
-    lines += figure_lines(case, units)
+        f"{len(mesh.bodies)} rigid items",
+        *_chosen_lengths(case, model),
+        *figure_lines(case, units),
+    ]
     if case.rig is not None:
         lines.append(_rig(case.rig, units))
     if case.well is not None:
@@ -162,7 +175,13 @@ def _lines(model: DrillingModel) -> list[str]:
             f"  well: {len(q.survey.md)} survey stations to {q.survey.md[-1] / size:g} {unit}, inclination up to "
             f"{np.degrees(max(q.survey.inclination)):.3g} deg, {len(q.sections)} sections"
         )
-    lines.append(f"  top: {case.top.kind}; bottom: {case.bottom.kind}; start: {case.initial.from_}")
+    return lines
+
+
+def _operation(model: DrillingModel, units: System) -> list[str]:
+    """Ends, start, sensors and machines."""
+    case = model.case
+    lines = [f"  top: {case.top.kind}; bottom: {case.bottom.kind}; start: {case.initial.from_}"]
     for sensor in case.output.sensors:
         depth = float(sensor_depth(case.string, case.item_depths, sensor) or 0.0)
         lines.append(
@@ -170,59 +189,67 @@ def _lines(model: DrillingModel) -> list[str]:
             f"{sensor.finest:g} Hz up to {1e3 / (STEPS_PER_PERIOD * sensor.finest):.3g} ms"
         )
     if _quasi_static(case):
-        lines.append(
-            "  time: quasi-static, in equilibrium at all times"
-            + (", while the hole grows" if case.formation is not None else "")
-        )
-    lines += [f"  {line}" for line in (*drive_lines(model), *hoist_lines(model))]
-    # stress-free curvature is part of the quaternion element, not a component
-    names = {component.name for component in model.components} | (
-        {"curvature"} if mesh.curvature.any() else set()
-    )
-    damped = bool(mesh.stiffness_damping.any() or mesh.mass_damping.any())
-    parts = [
-        (model.beam is not None, "axial, bending, torsion"),
-        (bool(np.any(case.gravity)), "gravity"),
-        (model.beam is not None and not _quasi_static(case), "inertia"),
-        (damped and model.beam is not None, "material damping"),
-    ]
-    parts += [(name in names, text) for name, text in TERMS] + [
-        (case.formation is not None, _cutting(case.formation, units))
-    ]
-    contained, left_out = ([text for present, text in parts if present == kind] for kind in (True, False))
+        grows = ", while the hole grows" if case.formation is not None else ""
+        lines.append(f"  time: quasi-static, in equilibrium at all times{grows}")
+    return lines + [f"  {line}" for line in (*drive_lines(model), *hoist_lines(model))]
+
+
+def _contents(model: DrillingModel, units: System) -> list[str]:
+    """The mud, and the physics that the model contains and leaves out."""
+    case, mesh, lines = model.case, model.mesh, []
     if case.fluid is not None:
         mud = case.fluid
-        lines.append(
-            f"  fluid: {shown(mud.density, 'mud_weight', units, 6)}, {mud.rheology.model}, law {mud.rheology.law}, bulk modulus {shown(mud.bulk_modulus, 'stress', units, plot=True)}"
-        )
-        lines += [
+        lines = [
+            f"  fluid: {shown(mud.density, 'mud_weight', units, 6)}, {mud.rheology.model}, law {mud.rheology.law}, bulk modulus {shown(mud.bulk_modulus, 'stress', units, plot=True)}",
             *_fitted("rheology", mud.rheology, units),
             *_fitted("annulus_rheology", mud.annulus_rheology, units),
         ]
-    lines += [f"  {line}" for line in command_lines(case)]
-    lines.append("  contains: " + "; ".join(contained))
-    lines.append("  leaves out (no unknowns, no cost): " + "; ".join(left_out))
-    counts = field_counts(system)
-    per_node = sum(f.size for f, n in counts if n >= mesh.nodes - 1)
+    names = {component.name for component in model.components}
+    # stress-free curvature is part of the quaternion element, not a component
+    names |= {"curvature"} if mesh.curvature.any() else set()
+    damped = bool(mesh.stiffness_damping.any() or mesh.mass_damping.any())
+    string = model.beam is not None
+    parts = [
+        (string, "axial, bending, torsion"),
+        (bool(np.any(case.gravity)), "gravity"),
+        (string and not _quasi_static(case), "inertia"),
+        (string and damped, "material damping"),
+        *((name in names, text) for name, text in TERMS),
+        (case.formation is not None, _cutting(case.formation, units)),
+    ]
+    contained, left_out = ([text for present, text in parts if present == kind] for kind in (True, False))
+    return [
+        *lines,
+        *(f"  {line}" for line in command_lines(case)),
+        "  contains: " + "; ".join(contained),
+        "  leaves out (no unknowns, no cost): " + "; ".join(left_out),
+    ]
+
+
+def _cost(model: DrillingModel) -> list[str]:
+    """Unknowns, time of a step, ranks and time scales."""
+    counts, time = field_counts(model.system), model.case.time
+    per_node = sum(f.size for f, n in counts if n >= model.mesh.nodes - 1)
     unknowns, rates = sum(f.size * n for f, n in counts), sum(f.size * n for f, n in counts if f.second_order)
-    lines.append(
+    lines = [
         f"  unknowns: {per_node} per node; {unknowns} solved for in a step, {unknowns + rates} in the state"
-    )
+    ]
     for f, n in counts:
         if f.region in REGION_TEXT and n:
             lines.append(f"    {f.name}: {f.size} at {n} nodes ({REGION_TEXT[f.region]})")
-    lines.append(
-        f"  expected cost: about {1e3 * step_counts(model).time(1):.2g} ms per step on one core"
-        + (f"; {case.time.end:g} s to simulate" if case.time is not None else "")
-    )
-    lines += [f"  {line}" for line in (*rank_lines(model), *time_scales(model).lines())]
-    lines += [f"  {line}" for line in notes(case)]
-    lines += [f"  WARNING: {text}" for text in expected_warnings(model)]
-    coarse = coarse_elements(model)
-    if coarse.any():
-        limit = (240 * mesh.bending_stiffness / (mesh.mass * np.linalg.norm(case.gravity))) ** (1 / 3)
-        lines.append(
-            f"  WARNING: {int(coarse.sum())} elements are longer than {shown(limit[coarse].min(), 'length', units, 3)} = (240 EI/w)^(1/3): "
-            "their bending cannot hold their own axial load, statics may report negative pivots; shorten element_length"
-        )
-    return lines
+    to_do = f"; {time.end:g} s to simulate" if time is not None else ""
+    step = 1e3 * step_counts(model).time(1)
+    lines.append(f"  expected cost: about {step:.2g} ms per step on one core{to_do}")
+    return lines + [f"  {line}" for line in (*rank_lines(model), *time_scales(model).lines())]
+
+
+def _coarse(model: DrillingModel, units: System) -> list[str]:
+    """Warning about elements that cannot hold their own axial load."""
+    mesh, coarse = model.mesh, coarse_elements(model)
+    if not coarse.any():
+        return []
+    limit = (240 * mesh.bending_stiffness / (mesh.mass * np.linalg.norm(model.case.gravity))) ** (1 / 3)
+    return [
+        f"  WARNING: {int(coarse.sum())} elements are longer than {shown(limit[coarse].min(), 'length', units, 3)} = (240 EI/w)^(1/3): "
+        "their bending cannot hold their own axial load, statics may report negative pivots; shorten element_length"
+    ]

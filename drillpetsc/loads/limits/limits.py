@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import asdict
 from typing import Any
 
@@ -441,15 +442,28 @@ def _lines(case: Case, summary: dict[str, Any], units: System) -> list[str]:
     """What the command prints."""
     word = summary["operation"]
     doing = words_of(case, word, units) if word in OPERATIONS else word
-    lines = [f"{case.title or 'case'}: limits, {doing}"]
-    lines += [f"  {told(case, plan_of(case), word, units)}"] if word in OPERATIONS else []
+    told_lines = [f"  {told(case, plan_of(case), word, units)}"] if word in OPERATIONS else []
+    rows = [
+        *_load_rows(summary, units),
+        *_weakest_rows(summary, units),
+        *_margin_rows(summary, units),
+        *_contact_rows(summary, units),
+    ]
+    lines = [f"{case.title or 'case'}: limits, {doing}", *told_lines]
+    lines += [f"  {label:<38}{text}" for label, text in rows]
+    lines += [f"  WARNING: {w}" for w in summary["warnings"]]
+    return lines + [f"  note: {note}" for note in summary["notes"]]
 
-    def add(label: str, text: str) -> None:
-        lines.append(f"  {label:<38}{text}")
 
-    def place(row: dict[str, Any]) -> str:
-        return f"at MD {shown(row['md'], 'length', units, 5)} ({row['item']})"
+Row = tuple[str, str]  # label and text of a printed row
 
+
+def _place(row: dict[str, Any], units: System) -> str:
+    return f"at MD {shown(row['md'], 'length', units, 5)} ({row['item']})"
+
+
+def _load_rows(summary: dict[str, Any], units: System) -> Iterator[Row]:
+    """Loads of the state, and where the string is neutral."""
     for key, label, kind in (
         ("hook_load_total", "Hook load with the block", "force"),
         ("hook_load", "Hook load", "force"),
@@ -460,62 +474,64 @@ def _lines(case: Case, summary: dict[str, Any], units: System) -> list[str]:
         value = summary.get(key)
         if value is not None and (key != "bit_torque" or value):
             none = kind == "torque" and abs(value) < NO_TORQUE * abs(summary["hook_load"])
-            add(label, shown(0.0 if none else value, kind, units))
+            yield label, shown(0.0 if none else value, kind, units)
     for key, label in (
         ("effective", "Neutral point, effective tension"),
         ("true", "Neutral point, axial force"),
     ):
         point = summary["neutral_point"][key]
-        add(
-            label,
-            "none"
-            if point is None
-            else f"MD {shown(point['md'], 'length', units, 5)}, {shown(point['above_bit'], 'length', units)} above the lower end",
-        )
+        if point is None:
+            yield label, "none"
+        else:
+            depth, above = shown(point["md"], "length", units, 5), shown(point["above_bit"], "length", units)
+            yield label, f"MD {depth}, {above} above the lower end"
+
+
+def _weakest_rows(summary: dict[str, Any], units: System) -> Iterator[Row]:
+    """The worst place of each limit."""
     for name, _, label in WEAKEST:
         worst = summary["weakest"].get(name)
         least = NO_SHARE if name.endswith("_ratio") else 0.0
         if worst is not None and abs(worst["value"]) >= least:
             of = {"side_force_per_joint": "force", "casing_wear_rate": "wear_rate"}.get(name)
             value = shown(worst["value"], of, units) if of else f"{worst['value']:.3g}"
-            add(label, f"{value} {place(worst)}")
+            yield label, f"{value} {_place(worst, units)}"
+
+
+def _margin_rows(summary: dict[str, Any], units: System) -> Iterator[Row]:
+    """What is left to pull, to push and to slack off."""
     margin = summary["margin_of_overpull"]
     if margin is not None:
-        add("Margin of overpull", f"{shown(margin['margin'], 'force', units)} {place(margin)}")
+        yield "Margin of overpull", f"{shown(margin['margin'], 'force', units)} {_place(margin, units)}"
         if (still := summary.get("margin_of_overpull_still")) is not None:
-            add("Margin of overpull, pumps off", f"{shown(still['margin'], 'force', units)} {place(still)}")
+            text = f"{shown(still['margin'], 'force', units)} {_place(still, units)}"
+            yield "Margin of overpull, pumps off", text
         pull = summary["max_overpull_at_bit"]
         if pull["pull"] is not None:
-            add(
-                "Largest overpull at the bit", f"{shown(pull['pull'], 'force', units)}, limited {place(pull)}"
-            )
+            text = f"{shown(pull['pull'], 'force', units)}, limited {_place(pull, units)}"
+            yield "Largest overpull at the bit", text
     for operation, loads in (summary["max_wob"] or {}).items():
         for which, row in loads.items():
-            text = (
-                "no limit found"
-                if row["wob"] is None
-                else f"{shown(row['wob'], 'force', units)}, first {place(row)}"
-            )
-            add(f"Weight on bit, {operation}, {which}", text)
+            text = "no limit found"
+            if row["wob"] is not None:
+                text = f"{shown(row['wob'], 'force', units)}, first {_place(row, units)}"
+            yield f"Weight on bit, {operation}, {which}", text
     for operation, row in (summary["available_wob"] or {}).items():
         if row["wob"] is not None:
             why = "then it coils" if row["limited_by"] == "helical" else "then no hook load is left"
-            add(f"Available weight on bit, {operation}", f"{shown(row['wob'], 'force', units)}, {why}")
+            yield f"Available weight on bit, {operation}", f"{shown(row['wob'], 'force', units)}, {why}"
     if summary["max_slackoff"] is not None:
-        add("Largest slack-off", shown(summary["max_slackoff"], "force", units))
+        yield "Largest slack-off", shown(summary["max_slackoff"], "force", units)
+
+
+def _contact_rows(summary: dict[str, Any], units: System) -> Iterator[Row]:
+    """Side forces on rigid items."""
     for row in summary["contacts"]:
-        if row["gap"] is not None or row["tilt"] is not None:
-            force = "-" if row["side_force"] is None else shown(row["side_force"], "force", units)
-            if row["side_force"] is not None and row["contact_force_sum"] > 1.01 * row["side_force"]:
-                force += f" and a couple of {shown(row['side_couple'], 'torque', units)}"
-            clock = (
-                ""
-                if row["direction"] is None
-                else f", towards {round(np.degrees(row['direction'])) % 360} deg"
-            )
-            add(
-                f"Side force on {row['item']}",
-                f"{force}{clock}, at MD {shown(row['md'], 'length', units, 5)}",
-            )
-    lines += [f"  WARNING: {w}" for w in summary["warnings"]]
-    return lines + [f"  note: {note}" for note in summary["notes"]]
+        if row["gap"] is None and row["tilt"] is None:
+            continue
+        force = "-" if row["side_force"] is None else shown(row["side_force"], "force", units)
+        if row["side_force"] is not None and row["contact_force_sum"] > 1.01 * row["side_force"]:
+            force += f" and a couple of {shown(row['side_couple'], 'torque', units)}"
+        if row["direction"] is not None:
+            force += f", towards {round(np.degrees(row['direction'])) % 360} deg"
+        yield f"Side force on {row['item']}", f"{force}, at MD {shown(row['md'], 'length', units, 5)}"
