@@ -12,6 +12,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from drillpetsc.analysis.motion.session.session import Session
     from drillpetsc.api import (
         HWDP,
         Agitator,
@@ -55,7 +56,6 @@ if TYPE_CHECKING:
         sweep,
         top_drive,
     )
-    from drillpetsc.motion.session.session import Session
 
 from drillpetsc.version import __version__ as __version__
 
@@ -110,7 +110,7 @@ def __getattr__(name: str) -> Any:
     if name in ("units", "vibration"):
         return import_module(f"drillpetsc.{name}")
     if name == "Session":
-        return import_module("drillpetsc.motion.session.session").Session
+        return import_module("drillpetsc.analysis.motion.session.session").Session
     if name in __all__:
         return getattr(import_module("drillpetsc.api"), name)
     raise AttributeError(f"module 'drillpetsc' has no attribute {name!r}")

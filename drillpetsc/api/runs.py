@@ -34,8 +34,8 @@ def run(case: Case | str | Path, out: str | Path | None = None, **keywords: Any)
     `status` says so. A second one raises KeyboardInterrupt.
     """
     initialise_petsc()
+    from drillpetsc.analysis.motion import transient
     from drillpetsc.errors import Interrupted
-    from drillpetsc.motion import transient
     from drillpetsc.results.result import open_run, result_of
 
     try:

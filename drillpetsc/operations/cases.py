@@ -21,7 +21,7 @@ class Check(CaseOperation):
         """Print nothing: the text has the warnings."""
 
     def compute(self, job: Any) -> Any:
-        from drillpetsc.analysis.check import describe
+        from drillpetsc.analysis.commands.check import describe
 
         return describe(job.case)
 

@@ -9,7 +9,7 @@ from drillpetsc.operations.fields import Names, Numbers, number, numbers, words
 from drillpetsc.operations.operation import DrawnOperation
 
 if TYPE_CHECKING:
-    from drillpetsc.hydraulics.surge import Trips
+    from drillpetsc.analysis.hydraulics.surge import Trips
 
 FLOW = {"above": 0, "at_most": 1}
 DENSITY = {"above": 0, "at_most": 5e3, "kind": "mud_weight"}
@@ -35,7 +35,7 @@ class Hydraulics(DrawnOperation):
     ] = None
 
     def compute(self, job: Any) -> Any:
-        from drillpetsc.hydraulics.hydraulics import run_hydraulics
+        from drillpetsc.analysis.hydraulics.hydraulics import run_hydraulics
 
         if self.flow is not None and self.spp is not None:
             raise CaseError(at="--spp", want="--flow or --spp, not both")
@@ -95,14 +95,14 @@ class Surge(DrawnOperation):
         return read
 
     def compute(self, job: Any) -> Any:
-        from drillpetsc.hydraulics.surge import run_surge
+        from drillpetsc.analysis.hydraulics.surge import run_surge
 
         return run_surge(job, self.trips())
 
     def trips(self) -> Trips:
         """What is computed."""
+        from drillpetsc.analysis.hydraulics.surge import Trips
         from drillpetsc.case.blocks.window import Window
-        from drillpetsc.hydraulics.surge import Trips
 
         window = None
         if self.flow is not None and "pumping" not in self.pipe:

@@ -41,7 +41,7 @@ class Modes(FolderOperation):
     without_control: WithoutControl = False
 
     def compute(self, job: Any) -> Any:
-        from drillpetsc.linear.modal import run_modes
+        from drillpetsc.analysis.linear.modal import run_modes
 
         return run_modes(job, self.count, self.shift, self.kind, self.about, self.without_control)
 
@@ -73,8 +73,8 @@ class Campbell(DrawnOperation):
     without_control: WithoutControl = False
 
     def compute(self, job: Any) -> Any:
+        from drillpetsc.analysis.linear.frequency.campbell_command import run_campbell
         from drillpetsc.case.options.excitation import read_lines
-        from drillpetsc.linear.frequency.campbell_command import run_campbell
 
         lines = None if self.lines is None else read_lines(self.lines)
         return run_campbell(
@@ -113,7 +113,7 @@ class Stability(DrawnOperation):
     without_control: WithoutControl = False
 
     def compute(self, job: Any) -> Any:
-        from drillpetsc.linear.frequency.stability_map import run_stability
+        from drillpetsc.analysis.linear.frequency.stability_map import run_stability
 
         duration = self.duration if self.method == "time" else None
         return run_stability(
@@ -144,8 +144,8 @@ class Response(DrawnOperation):
     without_control: WithoutControl = False
 
     def compute(self, job: Any) -> Any:
+        from drillpetsc.analysis.linear.frequency.response import run_response
         from drillpetsc.case.options.excitation import read_excitation
-        from drillpetsc.linear.frequency.response import run_response
 
         excitation = read_excitation(self.excite, self.amplitude, self.order, job.case)
         return run_response(job, excitation, self.speeds, self.without_control, self.stress)
@@ -176,7 +176,7 @@ class Linearise(FolderOperation):
     ] = None
 
     def compute(self, job: Any) -> Any:
-        from drillpetsc.linear.linearise import run_linearise
+        from drillpetsc.analysis.linear.linearise import run_linearise
 
         if self.order is not None and self.reduce is None:
             raise CaseError(
@@ -210,7 +210,7 @@ class Fmu(CaseOperation):
     name: Annotated[str | None, Mark.PYTHON, "of the model"] = None
 
     def compute(self, job: Any) -> Any:
-        from drillpetsc.linear.fmu import build_fmu
+        from drillpetsc.analysis.linear.fmu import build_fmu
 
         name = self.name or job.name
         return build_fmu(
@@ -228,6 +228,6 @@ class TopDrive(FolderOperation):
     """
 
     def compute(self, job: Any) -> Any:
-        from drillpetsc.linear.top_drive import run_top_drive
+        from drillpetsc.analysis.linear.top_drive import run_top_drive
 
         return run_top_drive(job)

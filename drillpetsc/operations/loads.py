@@ -30,7 +30,7 @@ class Statics(FolderOperation):
     ] = None
 
     def compute(self, job: Any) -> Any:
-        from drillpetsc.analysis.statics import run_statics
+        from drillpetsc.analysis.commands.statics import run_statics
 
         return run_statics(
             job.case,
@@ -64,8 +64,8 @@ class Roadmap(DrawnOperation):
     ] = None
 
     def compute(self, job: Any) -> Any:
+        from drillpetsc.analysis.loads.torque_drag.roadmap import run_roadmap
         from drillpetsc.case.options.measured_option import measured_option
-        from drillpetsc.loads.torque_drag.roadmap import run_roadmap
 
         if self.block:
             job = job.of(job.case.replace({f"roadmap.{key}": value for key, value in self.block.items()}))
@@ -105,9 +105,9 @@ class Limits(DrawnOperation):
     ] = None
 
     def compute(self, job: Any) -> Any:
-        from drillpetsc.loads.limits.limits import run_limits
-        from drillpetsc.loads.limits.sn_curve import read_sn
-        from drillpetsc.loads.limits.table import Choices
+        from drillpetsc.analysis.loads.limits.limits import run_limits
+        from drillpetsc.analysis.loads.limits.sn_curve import read_sn
+        from drillpetsc.analysis.loads.limits.table import Choices
 
         curve = None if self.sn is None else read_sn(self.sn)
         choices = Choices(
@@ -135,8 +135,8 @@ class Freepoint(CaseOperation):
     ]
 
     def compute(self, job: Any) -> Any:
+        from drillpetsc.analysis.loads.limits.free_point import free_points
         from drillpetsc.case.options.free_point_options import read_pairs
-        from drillpetsc.loads.limits.free_point import free_points
 
         return free_points(job.case, read_pairs(self.stretch, self.pull))
 
@@ -156,8 +156,8 @@ class Calibrate(DrawnOperation):
     ] = None
 
     def compute(self, job: Any) -> Any:
+        from drillpetsc.analysis.loads.torque_drag.calibrate import run_calibrate
         from drillpetsc.case.options.measured_option import fit_option, measured_option
-        from drillpetsc.loads.torque_drag.calibrate import run_calibrate
 
         fitted = None if self.fit is None else fit_option(self.fit, job.case)
         points = None if self.measured is None else measured_option(self.measured, job.case)

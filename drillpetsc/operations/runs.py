@@ -59,8 +59,8 @@ class Run(Operation):
         case = in_units(load_case(self.cases[0], self.set), self.units)
         start_job(petsc_options)
         print_warnings(case)
-        from drillpetsc.motion.summary import closing_lines
-        from drillpetsc.motion.transient import run
+        from drillpetsc.analysis.motion.summary import closing_lines
+        from drillpetsc.analysis.motion.transient import run
 
         result = run(
             case,

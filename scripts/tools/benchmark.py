@@ -114,15 +114,15 @@ def call_times(case: Path, folder: Path | None = None, calls: int = 40) -> dict[
 
     The shortest of many calls depends little on what else the machine does.
     """
+    from drillpetsc.analysis.motion import checkpoint
+    from drillpetsc.analysis.statics.find_equilibrium import find_equilibrium
+    from drillpetsc.analysis.statics.placement import move_rigidly, release
     from drillpetsc.case import load_case
     from drillpetsc.model.drilling_model import build_model
-    from drillpetsc.motion import checkpoint
     from drillpetsc.output.files.tables import rows_as_text
     from drillpetsc.output.measured.field_output import FieldOutput
     from drillpetsc.output.recorder import STEPS_AT_ONCE, Recorder
     from drillpetsc.solvers.time.newton import chain_factor
-    from drillpetsc.statics.find_equilibrium import find_equilibrium
-    from drillpetsc.statics.placement import move_rigidly, release
 
     model = build_model(load_case(case))
     if folder is None:

@@ -93,8 +93,8 @@ def free_motion(case, elements: int, times: np.ndarray, tolerance: float) -> np.
     """
     from scipy.integrate import solve_ivp
 
+    from drillpetsc.analysis.statics.placement import move_rigidly, place_along_hole, release
     from drillpetsc.model.drilling_model import build_model
-    from drillpetsc.statics.placement import move_rigidly, place_along_hole, release
 
     item = case.string[0]
     refined = item.model_copy(update={"element_length": item.length / elements})

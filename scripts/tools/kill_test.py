@@ -129,7 +129,7 @@ def last_row(out: Path) -> float | None:
 
 def saved_time(out: Path) -> float | None:
     """Time of the checkpoint [s]."""
-    from drillpetsc.motion import checkpoint
+    from drillpetsc.analysis.motion import checkpoint
 
     return checkpoint.read(out / "checkpoint.h5").time if (out / "checkpoint.h5").exists() else None
 

@@ -15,8 +15,8 @@ from typing import Any
 
 import numpy as np
 
+from drillpetsc.analysis.motion.transient import run
 from drillpetsc.case import load_case
-from drillpetsc.motion.transient import run
 from drillpetsc.output import read_frame, read_series, read_table
 
 ROOT = Path(__file__).parents[2]

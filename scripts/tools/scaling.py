@@ -88,7 +88,7 @@ def draw(stored: dict[str, Any], folder: Path) -> list[Path]:
     matplotlib.use("Agg")
     import matplotlib.pyplot as plt
 
-    from drillpetsc.analysis.rank_model import RANKS, StepCounts
+    from drillpetsc.analysis.commands.rank_model import RANKS, StepCounts
     from drillpetsc.plotting.style import LINE_COLORS
 
     folder.mkdir(parents=True, exist_ok=True)

@@ -74,10 +74,10 @@ def solve(well: str, mud: bool, elements: int) -> dict[str, float] | None:
     from petsc4py import PETSc
 
     from drillpetsc import Case
+    from drillpetsc.analysis.statics.answer import static_summary
+    from drillpetsc.analysis.statics.find_equilibrium import find_equilibrium
     from drillpetsc.model.drilling_model import build_model
     from drillpetsc.solvers.chain.chain_lu import ChainFactor
-    from drillpetsc.statics.answer import static_summary
-    from drillpetsc.statics.find_equilibrium import find_equilibrium
 
     counts: dict[int, int] = {}
 

@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from drillpetsc import cli, statics
-from drillpetsc.analysis.check import describe
+from drillpetsc.analysis.commands.check import describe
 from drillpetsc.case import load_case
 
 CASE = """

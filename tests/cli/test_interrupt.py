@@ -13,7 +13,7 @@ from pathlib import Path
 
 import pytest
 
-from drillpetsc.motion.run_control import NOTHING, SAVE, STOP, WRITE, RunControl
+from drillpetsc.analysis.motion.run_control import NOTHING, SAVE, STOP, WRITE, RunControl
 from drillpetsc.output import read_frame, read_series, read_table
 
 ROOT = Path(__file__).parents[2]

@@ -5,12 +5,12 @@ from __future__ import annotations
 
 import numpy as np
 
+from drillpetsc.analysis.motion.summary import field_counts
+from drillpetsc.analysis.statics.placement import place_along_hole
 from drillpetsc.case import Case
 from drillpetsc.model.drilling_model import build_model
-from drillpetsc.motion.summary import field_counts
 from drillpetsc.output.measured.field_output import FieldOutput
 from drillpetsc.output.recorder import Recorder
-from drillpetsc.statics.placement import place_along_hole
 from tests.helpers.tables import each_row
 from tests.helpers.wells import simple_well
 

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from drillpetsc import load_case, run
+from drillpetsc.analysis.motion.session.session import Session
 from drillpetsc.fem.contact_entries import ContactEntries
-from drillpetsc.motion.session.session import Session
 from drillpetsc.solvers.time.newton import CondensedNewton, shared_factor
 from tests.helpers.component_models import KINDS, SHIFT, build
 from tests.helpers.tables import each_row

@@ -158,9 +158,9 @@ def test_added_mass_follows_the_position_in_the_hole():
 
 def accelerated_aside(outer: float, hole: float, eccentricity: float):
     """(annulus, sum of the rows across the hole per acceleration, mass that the string displaces) of a straight string aside in its hole."""
+    from drillpetsc.analysis.statics.placement import place_along_hole
     from drillpetsc.case import Case
     from drillpetsc.model.drilling_model import build_model
-    from drillpetsc.statics.placement import place_along_hole
 
     well = simple_well(60, hole, kind="casing", friction=0.2)
     fluid = {

@@ -141,7 +141,7 @@ def test_balance_of_a_string_with_mud_closes(name, tmp_path: Path):
 
 def test_a_loss_is_named_as_numerical_damping():
     """2 % lost: removed by numerical damping; 2 % gained or 0.01 % lost: no such word."""
-    from drillpetsc.motion.summary import closing_lines
+    from drillpetsc.analysis.motion.summary import closing_lines
 
     summary = {"title": "", "elements": 1, "unknowns": 1, "ranks": 1, "simulated": 1.0, "wall_seconds": 1.0}
     summary |= {

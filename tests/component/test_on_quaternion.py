@@ -6,12 +6,12 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from drillpetsc.analysis.statics.quaternion_statics import copy_ancf_state
 from drillpetsc.fem.discrete_system import DiscreteSystem
 from drillpetsc.physics.beam import AncfBeam
 from drillpetsc.physics.contact import Contact
 from drillpetsc.physics.end_conditions import TopDrive
 from drillpetsc.physics.quaternion.beam import QuaternionBeam
-from drillpetsc.statics.quaternion_statics import copy_ancf_state
 from tests.component import test_bit, test_hermite_flow
 from tests.component.test_quaternion_beam import on_the_manifold
 from tests.helpers import component_models, flow_models

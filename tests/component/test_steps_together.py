@@ -7,12 +7,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from drillpetsc.analysis.motion.initial_state import initial_state
+from drillpetsc.analysis.motion.integrator_choice import make_integrator
+from drillpetsc.analysis.motion.transient import run
 from drillpetsc.case import load_case
 from drillpetsc.fem.step_record import StepRecord
 from drillpetsc.model.drilling_model import build_model
-from drillpetsc.motion.initial_state import initial_state
-from drillpetsc.motion.integrator_choice import make_integrator
-from drillpetsc.motion.transient import run
 from drillpetsc.output import recorder as recorders
 from drillpetsc.output.recorder import Recorder
 

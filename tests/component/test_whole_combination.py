@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from drillpetsc import Case
+from drillpetsc.analysis.statics.find_equilibrium import find_equilibrium
+from drillpetsc.analysis.statics.placement import move_rigidly, release
 from drillpetsc.model.drilling_model import build_model
-from drillpetsc.statics.find_equilibrium import find_equilibrium
-from drillpetsc.statics.placement import move_rigidly, release
 from tests.helpers.component_models import SHIFT, dense, residual
 from tests.helpers.whole_string import whole_string
 

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from math import log10, pi
 
-from drillpetsc.hydraulics.trade_formulas import (
+from drillpetsc.analysis.hydraulics.trade_formulas import (
     CP,
     FOOT,
     FOOT_PER_MINUTE,

@@ -7,12 +7,12 @@ from collections.abc import Callable
 import numpy as np
 
 from drillpetsc import Case
+from drillpetsc.analysis.statics.placement import move_rigidly, place_along_hole, release
 from drillpetsc.fem.discrete_system import DiscreteSystem
 from drillpetsc.model.drilling_model import DrillingModel, build_model
 from drillpetsc.solvers.petsc_options import applied
 from drillpetsc.solvers.time.generalized_alpha import integrator_class
 from drillpetsc.solvers.time.time_integrator import TimeIntegrator
-from drillpetsc.statics.placement import move_rigidly, place_along_hole, release
 
 
 def fixed(step: float, **more) -> dict:

@@ -6,9 +6,9 @@ from __future__ import annotations
 import numpy as np
 
 from drillpetsc import Case
+from drillpetsc.analysis.statics.find_equilibrium import find_equilibrium
+from drillpetsc.analysis.statics.placement import move_rigidly, release
 from drillpetsc.model.drilling_model import DrillingModel, build_model
-from drillpetsc.statics.find_equilibrium import find_equilibrium
-from drillpetsc.statics.placement import move_rigidly, release
 from tests.helpers.motion import fixed, integrate
 
 OUTER, INNER, HOLE, LENGTH = 0.127, 0.1086, 0.2159, 2000.0  # [m]

@@ -14,8 +14,8 @@ from numpy.polynomial import Legendre, Polynomial
 from scipy.linalg import eigvals
 
 from drillpetsc import Case
+from drillpetsc.analysis.statics.find_equilibrium import find_equilibrium
 from drillpetsc.model.drilling_model import DrillingModel, build_model
-from drillpetsc.statics.find_equilibrium import find_equilibrium
 from tests.helpers.moving import matrices
 
 LENGTH, BENDING, DENSITY, OUTER, INNER = 10.0, 1e4, 1000.0, 0.12, 0.1  # [m], [N m2], [kg/m3], [m], [m]

@@ -6,8 +6,8 @@ import shutil
 from pathlib import Path
 
 from drillpetsc import load_case
-from drillpetsc.motion import checkpoint
-from drillpetsc.motion.transient import run
+from drillpetsc.analysis.motion import checkpoint
+from drillpetsc.analysis.motion.transient import run
 
 
 def files(folder: Path) -> dict[str, bytes]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from drillpetsc.hydraulics.surge import Trips
+from drillpetsc.analysis.hydraulics.surge import Trips
 from drillpetsc.operations import Surge
 
 

@@ -9,8 +9,8 @@ petsc4py.init([])
 import numpy as np  # noqa: E402
 from petsc4py import PETSc  # noqa: E402
 
+from drillpetsc.analysis.motion.transient import run  # noqa: E402
 from drillpetsc.case import load_case  # noqa: E402
-from drillpetsc.motion.transient import run  # noqa: E402
 from drillpetsc.solvers.time.newton_iteration import NewtonIteration  # noqa: E402
 
 comm = PETSc.COMM_WORLD

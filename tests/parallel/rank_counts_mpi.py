@@ -9,10 +9,10 @@ petsc4py.init([])
 from petsc4py import PETSc  # noqa: E402
 
 from drillpetsc import parallel  # noqa: E402
-from drillpetsc.analysis import rank_model  # noqa: E402
+from drillpetsc.analysis.commands import rank_model  # noqa: E402
+from drillpetsc.analysis.motion.transient import TransientRun, run  # noqa: E402
 from drillpetsc.case import load_case  # noqa: E402
 from drillpetsc.fem import end_exchange  # noqa: E402
-from drillpetsc.motion.transient import TransientRun, run  # noqa: E402
 from drillpetsc.solvers.chain import chain_lu  # noqa: E402
 
 CASE = "cases/benchmark/coupled-2000m.yaml"

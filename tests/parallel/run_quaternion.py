@@ -9,10 +9,10 @@ petsc4py.init([sys.argv[0]])
 
 import numpy as np  # noqa: E402
 
+from drillpetsc.analysis.statics.find_equilibrium import find_equilibrium  # noqa: E402
+from drillpetsc.analysis.statics.placement import find_reactions, move_rigidly, release  # noqa: E402
 from drillpetsc.model.drilling_model import build_model  # noqa: E402
 from drillpetsc.output.recorder import Recorder  # noqa: E402
-from drillpetsc.statics.find_equilibrium import find_equilibrium  # noqa: E402
-from drillpetsc.statics.placement import find_reactions, move_rigidly, release  # noqa: E402
 from tests.helpers.motion import fixed, integrate  # noqa: E402
 from tests.verification.test_quaternion_contact import lying  # noqa: E402
 from tests.verification.test_quaternion_models import model as with_everything  # noqa: E402

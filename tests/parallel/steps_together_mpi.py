@@ -9,8 +9,8 @@ petsc4py.init([])
 
 from petsc4py import PETSc  # noqa: E402
 
+from drillpetsc.analysis.motion.transient import run  # noqa: E402
 from drillpetsc.case import load_case  # noqa: E402
-from drillpetsc.motion.transient import run  # noqa: E402
 from drillpetsc.output import recorder  # noqa: E402
 from drillpetsc.output.files import run_writer  # noqa: E402
 

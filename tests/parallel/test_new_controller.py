@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from drillpetsc import load_case
-from drillpetsc.motion.transient import run
+from drillpetsc.analysis.motion.transient import run
 from drillpetsc.output import read_table
 from tests.parallel.matrix import TOP_DRIVE
 

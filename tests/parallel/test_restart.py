@@ -9,16 +9,16 @@ import numpy as np
 import pytest
 from petsc4py import PETSc
 
+from drillpetsc.analysis.motion import checkpoint
+from drillpetsc.analysis.motion.transient import after, run
+from drillpetsc.analysis.statics.placement import place_along_hole
 from drillpetsc.case import load_case
 from drillpetsc.errors import CaseError
 from drillpetsc.model.drilling_model import build_model
-from drillpetsc.motion import checkpoint
-from drillpetsc.motion.transient import after, run
 from drillpetsc.output import read_table
 from drillpetsc.output.files.atomic import remove_leftovers, replace_file
 from drillpetsc.output.recorder import Recorder
 from drillpetsc.solvers.time.time_integrator import TimeIntegrator
-from drillpetsc.statics.placement import place_along_hole
 from tests.helpers.restarts import files, run_with_copies
 from tests.helpers.tables import each_row
 

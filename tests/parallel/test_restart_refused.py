@@ -11,10 +11,10 @@ import pytest
 from petsc4py import PETSc
 
 from drillpetsc import version
+from drillpetsc.analysis.motion import checkpoint, provenance, summary
+from drillpetsc.analysis.motion.transient import run
 from drillpetsc.case import load_case
 from drillpetsc.errors import CaseError
-from drillpetsc.motion import checkpoint, provenance, summary
-from drillpetsc.motion.transient import run
 from drillpetsc.output import read_table
 from tests.helpers.restarts import files
 

@@ -8,16 +8,16 @@ from typing import Literal
 
 import numpy as np
 
-from drillpetsc.analysis.statics import run_statics
+from drillpetsc.analysis.commands.statics import run_statics
+from drillpetsc.analysis.motion import checkpoint
+from drillpetsc.analysis.motion.integrator_choice import make_integrator
+from drillpetsc.analysis.motion.transient import run
+from drillpetsc.analysis.statics.placement import place_along_hole, release
 from drillpetsc.case import Case, load_case
 from drillpetsc.model.drilling_model import DrillingModel, build_model
-from drillpetsc.motion import checkpoint
-from drillpetsc.motion.integrator_choice import make_integrator
-from drillpetsc.motion.transient import run
 from drillpetsc.output import RunFolder
 from drillpetsc.output.recorder import Recorder
 from drillpetsc.output.result import RunResult
-from drillpetsc.statics.placement import place_along_hole, release
 
 PRESSED_DEPTH = 0.02  # initial penetration of the wall in X16 [m]
 PRESSED_SPEED = 5.0  # initial speed into the wall in X16 [m/s]

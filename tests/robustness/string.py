@@ -310,7 +310,7 @@ def few_elements(runs: Runs) -> list[Row]:
 
 
 def _described(run: Run) -> str:
-    from drillpetsc.analysis.check import describe
+    from drillpetsc.analysis.commands.check import describe
 
     return describe(run.case)
 

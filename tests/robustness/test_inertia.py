@@ -11,8 +11,8 @@ import numpy as np
 import pytest
 
 from drillpetsc import Case
+from drillpetsc.analysis.statics.placement import place_along_hole
 from drillpetsc.model.drilling_model import DrillingModel, build_model
-from drillpetsc.statics.placement import place_along_hole
 
 OUTER, INNER, LENGTH, DENSITY = 0.1715, 0.0714, 12.0, 7850.0
 MASS = DENSITY * np.pi / 4 * (OUTER**2 - INNER**2)  # [kg/m]

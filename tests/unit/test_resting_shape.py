@@ -9,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from drillpetsc.statics.start.resting_shape import Beam, resting_shape
+from drillpetsc.analysis.statics.start.resting_shape import Beam, resting_shape
 
 BENDING, BED, CLEARANCE = 1.3e6, 4.0e3, 0.044
 BETA = (BED / (4 * BENDING)) ** 0.25

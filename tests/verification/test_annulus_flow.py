@@ -12,8 +12,8 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq
 
+from drillpetsc.analysis.statics.placement import move_rigidly, release
 from drillpetsc.physics.fluid.rheology import Rheology, wall_shear
-from drillpetsc.statics.placement import move_rigidly, release
 from tests.helpers.motion import fixed, integrate
 from tests.helpers.pipe_with_flow import (
     BENDING,

@@ -15,7 +15,7 @@ import numpy as np
 import pytest
 
 import drillpetsc as dp
-from drillpetsc.loads.torque_drag.circulation import circulation
+from drillpetsc.analysis.loads.torque_drag.circulation import circulation
 from tests.helpers.wells import simple_well
 
 HOLE, PIPE, THICK, BORE, LENGTH = 0.2159, 0.127, 0.2, 0.0889, 9.0

@@ -6,7 +6,11 @@ import numpy as np
 import pytest
 
 from drillpetsc import Case, run, statics
-from drillpetsc.analysis.check import describe
+from drillpetsc.analysis.commands.check import describe
+from drillpetsc.analysis.statics.answer import static_summary
+from drillpetsc.analysis.statics.find_equilibrium import find_equilibrium
+from drillpetsc.analysis.statics.placement import place_along_hole
+from drillpetsc.analysis.statics.relaxation import relax
 from drillpetsc.errors import CaseError, SolveError
 from drillpetsc.fem.component import PrescribedMotion
 from drillpetsc.fem.discrete_system import DiscreteSystem
@@ -17,10 +21,6 @@ from drillpetsc.output import read_table
 from drillpetsc.output.measured.bending import bending_moments
 from drillpetsc.physics.end_conditions import FixedEnd, Loads, NodeLoad
 from drillpetsc.solvers.static.static_newton import Equilibrium, StaticNewton
-from drillpetsc.statics.answer import static_summary
-from drillpetsc.statics.find_equilibrium import find_equilibrium
-from drillpetsc.statics.placement import place_along_hole
-from drillpetsc.statics.relaxation import relax
 
 AREA, BENDING, WEIGHT, CLEARANCE = 3.4047325e-3, 1.2240289e6, 242.0, 0.04445
 PIPE = {"kind": "pipe", "od": 0.127, "id": 0.1086, "material": {"density": WEIGHT / 9.81 / AREA}}

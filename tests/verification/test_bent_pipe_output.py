@@ -5,11 +5,11 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from drillpetsc.analysis.statics.find_equilibrium import find_equilibrium
 from drillpetsc.case import Case
 from drillpetsc.model.drilling_model import build_model
 from drillpetsc.output.measured.field_output import FieldOutput
 from drillpetsc.output.static_table import static_table
-from drillpetsc.statics.find_equilibrium import find_equilibrium
 
 
 def test_a_bent_pipe_at_rest_has_no_bending_moment():

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 from drillpetsc import Case
+from drillpetsc.analysis.statics.answer import static_summary
+from drillpetsc.analysis.statics.equilibrium import MOTIONS
+from drillpetsc.analysis.statics.find_equilibrium import find_equilibrium
 from drillpetsc.model.drilling_model import build_model
-from drillpetsc.statics.answer import static_summary
-from drillpetsc.statics.equilibrium import MOTIONS
-from drillpetsc.statics.find_equilibrium import find_equilibrium
 
 FRICTION = 0.15
 

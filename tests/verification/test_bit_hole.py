@@ -9,13 +9,13 @@ import numpy as np
 import pytest
 
 from drillpetsc import Case, load_case, run
+from drillpetsc.analysis.motion.quasi_static import QuasiStatic
+from drillpetsc.analysis.statics.find_equilibrium import find_equilibrium
 from drillpetsc.geometry.growing_hole import GrowingHole
 from drillpetsc.geometry.well import Well, direction
 from drillpetsc.model.drilling_model import DrillingModel, build_model
-from drillpetsc.motion.quasi_static import QuasiStatic
 from drillpetsc.output import read_table
 from drillpetsc.solvers.petsc_options import applied
-from drillpetsc.statics.find_equilibrium import find_equilibrium
 from tests.helpers.bit_models import RADIUS, TURNING, bit_of, unknowns
 from tests.helpers.motion import beam
 from tests.helpers.wells import simple_well

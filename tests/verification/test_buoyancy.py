@@ -11,12 +11,12 @@ import numpy as np
 import pytest
 
 from drillpetsc import Case
+from drillpetsc.analysis.statics.answer import static_summary
+from drillpetsc.analysis.statics.equilibrium import StaticState
+from drillpetsc.analysis.statics.find_equilibrium import find_equilibrium
 from drillpetsc.model.drilling_model import DrillingModel, build_model
 from drillpetsc.output.static_table import static_table
 from drillpetsc.physics.fluid.rheology import Rheology, wall_shear
-from drillpetsc.statics.answer import static_summary
-from drillpetsc.statics.equilibrium import StaticState
-from drillpetsc.statics.find_equilibrium import find_equilibrium
 
 G, LENGTH, MUD, STEEL = 9.81, 1000.0, 1200.0, 7850.0
 OD, ID, HOLE = 0.127, 0.1086, 0.2159

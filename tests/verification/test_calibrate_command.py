@@ -7,15 +7,15 @@ import json
 import numpy as np
 import pytest
 
+from drillpetsc.analysis.loads.torque_drag.calibrate import run_calibrate
+from drillpetsc.analysis.loads.torque_drag.calibration import Calibration
+from drillpetsc.analysis.statics.start.soft_string import torque_drag
 from drillpetsc.case.blocks.roadmap import MeasuredPoint
 from drillpetsc.case.case import Case
 from drillpetsc.errors import CaseError
 from drillpetsc.geometry.well import Well
-from drillpetsc.loads.torque_drag.calibrate import run_calibrate
-from drillpetsc.loads.torque_drag.calibration import Calibration
 from drillpetsc.output import read_table
 from drillpetsc.output.job import Job
-from drillpetsc.statics.start.soft_string import torque_drag
 
 TRUTH = {"cased": 0.18, "open_hole": 0.27}
 SHOE, END, BLOCK = 1500.0, 2860.0, 100e3

@@ -11,9 +11,9 @@ import yaml
 
 import drillpetsc
 from drillpetsc import Case
+from drillpetsc.analysis.linear.frequency.campbell_command import named_lines
+from drillpetsc.analysis.linear.frequency.tracking import SpeedModes, pair, track
 from drillpetsc.errors import CaseError
-from drillpetsc.linear.frequency.campbell_command import named_lines
-from drillpetsc.linear.frequency.tracking import SpeedModes, pair, track
 from drillpetsc.output import read_table
 from drillpetsc.output.job import Job
 from tests.helpers import frequency_models as m
@@ -361,7 +361,7 @@ def test_the_search_beside_lines_finds_what_a_search_of_all_modes_finds(tmp_path
 
 def test_what_was_searched_is_said(tmp_path, monkeypatch):
     """Once per turn at 600 to 900 rpm is 10 to 15 Hz; the modes of the disc lie at 6 and 60 Hz."""
-    from drillpetsc.linear.frequency import campbell, campbell_command
+    from drillpetsc.analysis.linear.frequency import campbell, campbell_command
 
     rates = tuple(m.RPM * np.array([600.0, 900.0]))
     result = campbell_command.run_campbell(

@@ -6,9 +6,9 @@ import json
 
 import pytest
 
-from drillpetsc.analysis.check import describe
+from drillpetsc.analysis.commands.check import describe
+from drillpetsc.analysis.loads.torque_drag.roadmap import run_roadmap
 from drillpetsc.case.case import Case
-from drillpetsc.loads.torque_drag.roadmap import run_roadmap
 from drillpetsc.output.job import Job
 
 FT = 0.3048

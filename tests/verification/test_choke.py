@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from drillpetsc.analysis.statics.placement import place_along_hole
+from drillpetsc.analysis.statics.steady_flow import steady_flow
 from drillpetsc.errors import CaseError
-from drillpetsc.statics.placement import place_along_hole
-from drillpetsc.statics.steady_flow import steady_flow
 from tests.helpers.component_models import SHIFT, dense, differences, residual
 from tests.helpers.mud import DENSITY, GRAVITY, MUD, RIGID, hole, loop, started
 from tests.verification.test_hydraulics_steady import pressures

@@ -9,14 +9,14 @@ import numpy as np
 import pytest
 
 from drillpetsc import Case, statics
-from drillpetsc.analysis.check import describe
+from drillpetsc.analysis.commands.check import describe
+from drillpetsc.analysis.statics.answer import static_summary
+from drillpetsc.analysis.statics.find_equilibrium import find_equilibrium
+from drillpetsc.analysis.statics.placement import place_along_hole
+from drillpetsc.analysis.statics.start.coarse_mesh import expected_warnings
 from drillpetsc.model.drilling_model import build_model
 from drillpetsc.model.element_length import free_length, step_moment
 from drillpetsc.output.measured.bending import bending_moments
-from drillpetsc.statics.answer import static_summary
-from drillpetsc.statics.find_equilibrium import find_equilibrium
-from drillpetsc.statics.placement import place_along_hole
-from drillpetsc.statics.start.coarse_mesh import expected_warnings
 
 PIPE = {"kind": "pipe", "od": 0.127, "id": 0.1086}
 COLLAR = {"kind": "pipe", "od": 0.165, "id": 0.06}
@@ -182,7 +182,7 @@ def test_fine_meshes_find_the_state_of_coarse_ones(friction):
 
 def test_start_has_the_arc_length_of_its_elements():
     """Marched to the inside of a bend, the start strains no element by more than its tension does and 2e-5."""
-    from drillpetsc.statics.start.march import march
+    from drillpetsc.analysis.statics.start.march import march
 
     model = build_model(build_and_hold(2.0))
     place_along_hole(model)

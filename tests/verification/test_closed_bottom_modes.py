@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from drillpetsc import Case
-from drillpetsc.linear.linearised_model import linearise_model
-from drillpetsc.linear.modal import modes, prepare_state, reference_rate
-from drillpetsc.linear.unresolved_modes import unresolved_growth
+from drillpetsc.analysis.linear.linearised_model import linearise_model
+from drillpetsc.analysis.linear.modal import modes, prepare_state, reference_rate
+from drillpetsc.analysis.linear.unresolved_modes import unresolved_growth
 from drillpetsc.model.drilling_model import build_model
 from drillpetsc.solvers.linear.linearization import linearise
 from drillpetsc.solvers.linear.quadratic_eigenproblem import lowest_eigenvalues

@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 
 from drillpetsc import Case, run, statics
-from drillpetsc.analysis.check import describe
+from drillpetsc.analysis.commands.check import describe
+from drillpetsc.analysis.statics.find_equilibrium import find_equilibrium
+from drillpetsc.analysis.statics.start.coarse_mesh import state_warnings
 from drillpetsc.model.drilling_model import build_model
 from drillpetsc.output.measured.bending import bending_moments
-from drillpetsc.statics.find_equilibrium import find_equilibrium
-from drillpetsc.statics.start.coarse_mesh import state_warnings
 
 BENDING = 1.2240289e6
 PIPE = {"kind": "pipe", "od": 0.127, "id": 0.1086}

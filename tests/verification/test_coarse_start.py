@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 
 from drillpetsc import Case
+from drillpetsc.analysis.statics import flow_coupling
+from drillpetsc.analysis.statics.equilibrium import director_equilibrium
+from drillpetsc.analysis.statics.start import coarse_start
 from drillpetsc.model.drilling_model import DrillingModel, build_model
 from drillpetsc.model.mesh import coarsened
-from drillpetsc.statics import flow_coupling
-from drillpetsc.statics.equilibrium import director_equilibrium
-from drillpetsc.statics.start import coarse_start
 
 FLUID = {
     "density": 1200.0,

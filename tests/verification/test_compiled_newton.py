@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from drillpetsc import load_case
-from drillpetsc.motion.session.session import Session
+from drillpetsc.analysis.motion.session.session import Session
 from drillpetsc.solvers.time.newton import CondensedNewton
 
 CASES = Path(__file__).parents[2] / "cases"

@@ -8,14 +8,14 @@ import numpy as np
 import pytest
 
 from drillpetsc import Case
+from drillpetsc.analysis.motion.integrator_choice import make_integrator
+from drillpetsc.analysis.motion.quasi_static import QuasiStatic
+from drillpetsc.analysis.statics.find_equilibrium import find_equilibrium
+from drillpetsc.analysis.statics.placement import move_rigidly, release
 from drillpetsc.model.drilling_model import DrillingModel, build_model
-from drillpetsc.motion.integrator_choice import make_integrator
-from drillpetsc.motion.quasi_static import QuasiStatic
 from drillpetsc.output.recorder import Recorder
 from drillpetsc.solvers.petsc_options import applied
 from drillpetsc.solvers.time.time_integrator import TimeIntegrator
-from drillpetsc.statics.find_equilibrium import find_equilibrium
-from drillpetsc.statics.placement import move_rigidly, release
 
 GRAVITY, STEEL = 9.80665, 7850.0
 PIPE, COLLAR = (0.127, 0.1086), (0.1715, 0.0714)  # outer and inner diameter [m]

@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 
 from drillpetsc import Case
+from drillpetsc.analysis.hydraulics import dynamic_surge as module
+from drillpetsc.analysis.hydraulics import surge as command
+from drillpetsc.analysis.hydraulics.dynamic_surge import dynamic_surge
+from drillpetsc.analysis.hydraulics.flow_model import string_at
 from drillpetsc.errors import SolveError
-from drillpetsc.hydraulics import dynamic_surge as module
-from drillpetsc.hydraulics import surge as command
-from drillpetsc.hydraulics.dynamic_surge import dynamic_surge
-from drillpetsc.hydraulics.flow_model import string_at
 from drillpetsc.output import read_table
 from drillpetsc.output.job import Job
 from tests.helpers.mud import DENSITY, LENGTH, MUD, OPEN, RIGID, SOLID, hole

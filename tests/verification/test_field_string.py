@@ -7,16 +7,16 @@ import numpy as np
 import pytest
 
 from drillpetsc import Case, run, statics
+from drillpetsc.analysis.loads.torque_drag.circulation import circulation
+from drillpetsc.analysis.statics.answer import static_summary
+from drillpetsc.analysis.statics.find_equilibrium import find_equilibrium
 from drillpetsc.case.pipe.section import ring, tubular_section
-from drillpetsc.loads.torque_drag.circulation import circulation
 from drillpetsc.model.drilling_model import build_model
 from drillpetsc.model.mesh import _section, build_mesh
 from drillpetsc.model.string_forces import estimate_forces
 from drillpetsc.output import read_table
 from drillpetsc.output.static_table import static_table
 from drillpetsc.physics.fluid.rheology import Rheology, pressure_gradient
-from drillpetsc.statics.answer import static_summary
-from drillpetsc.statics.find_equilibrium import find_equilibrium
 
 FOOT, INCH, LBF, G0 = 0.3048, 0.0254, 4.4482216152605, 9.80665
 PPG = 0.45359237 / 0.003785411784

@@ -1,4 +1,4 @@
-"""The weight on bit that rotation frees (drillpetsc/statics/notes/freed_weight.py): closed form of a straight incline.
+"""The weight on bit that rotation frees (drillpetsc/analysis/statics/notes/freed_weight.py): closed form of a straight incline.
 
 A sliding string at the inclination I has mu w sin I of friction per length, a turning one none along the hole.  With top and bit where
 they are, the mean tension stays: the bit takes half of the friction, W + mu w L sin I/2.
@@ -11,8 +11,8 @@ import math
 import pytest
 
 from drillpetsc import Case, run
+from drillpetsc.analysis.statics.notes.freed_weight import freed_weight, weight_warnings
 from drillpetsc.model.drilling_model import build_model
-from drillpetsc.statics.notes.freed_weight import freed_weight, weight_warnings
 
 LENGTH, WEIGHT, ANGLE, FRICTION, WOB = 500.0, 242.0, math.radians(60), 0.3, 5e3
 FREED = WOB + 0.5 * FRICTION * WEIGHT * LENGTH * math.sin(ANGLE)  # 20.7 kN

@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 
 from drillpetsc import roadmap
+from drillpetsc.analysis.loads.torque_drag.calibrate import run_calibrate
+from drillpetsc.analysis.loads.torque_drag.roadmap import run_roadmap
 from drillpetsc.case.case import Case
 from drillpetsc.case.options.measured_option import fit_option
 from drillpetsc.errors import CaseError
-from drillpetsc.loads.torque_drag.calibrate import run_calibrate
-from drillpetsc.loads.torque_drag.roadmap import run_roadmap
 from drillpetsc.output import read_table
 from drillpetsc.output.job import Job
 from tests.helpers.tables import each_row

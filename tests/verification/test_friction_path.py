@@ -10,10 +10,10 @@ from petsc4py import PETSc
 from scipy.special import j0
 
 from drillpetsc import Case, run, statics
+from drillpetsc.analysis.statics.path import friction_path
 from drillpetsc.errors import CaseError
 from drillpetsc.model.drilling_model import build_model
 from drillpetsc.solvers.static.lateral_loads import lateral_loads
-from drillpetsc.statics.path import friction_path
 from tests.verification.test_statics_report import BENDING, CLEARANCE, PIPE, WEIGHT, pushed, straight
 
 FRICTION = 0.25

@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 
 from drillpetsc import Case, run
+from drillpetsc.analysis.motion.initial_state import initial_state
 from drillpetsc.case import load_case
 from drillpetsc.case.blocks.settings import BeamTheory
 from drillpetsc.errors import CaseError
 from drillpetsc.model.drilling_model import build_model
-from drillpetsc.motion.initial_state import initial_state
 from tests.helpers.joint_models import body, chain_of_bodies, place
 from tests.helpers.motion import beam, fixed, integrate, straight
 from tests.helpers.wells import simple_well

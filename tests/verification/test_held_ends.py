@@ -10,11 +10,11 @@ import pytest
 from scipy.optimize import brentq
 
 from drillpetsc import Case
+from drillpetsc.analysis.statics.answer import static_summary
+from drillpetsc.analysis.statics.find_equilibrium import find_equilibrium
+from drillpetsc.analysis.statics.notes.folded_elements import backwards, refuse_folded
 from drillpetsc.errors import SolveError
 from drillpetsc.model.drilling_model import build_model
-from drillpetsc.statics.answer import static_summary
-from drillpetsc.statics.find_equilibrium import find_equilibrium
-from drillpetsc.statics.notes.folded_elements import backwards, refuse_folded
 
 AREA, BENDING, YOUNG = 3.4047325e-3, 1.2240289e6, 206e9  # [m2], [N m2], [Pa]
 WEIGHT, CLEARANCE = 242.0, 0.04445  # [N/m], [m]

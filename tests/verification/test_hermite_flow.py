@@ -7,6 +7,8 @@ import numpy as np
 import pytest
 from scipy.linalg import eigh
 
+from drillpetsc.analysis.statics.find_equilibrium import find_equilibrium
+from drillpetsc.analysis.statics.placement import move_rigidly, release
 from drillpetsc.case import Case
 from drillpetsc.fem.discrete_system import DiscreteSystem
 from drillpetsc.fem.quantity import Sample
@@ -22,8 +24,6 @@ from drillpetsc.physics.fluid.hermite.flow import HermiteBore
 from drillpetsc.physics.fluid.rheology import Rheology
 from drillpetsc.solvers import petsc_options as options
 from drillpetsc.solvers.time.time_integrator import TimeIntegrator
-from drillpetsc.statics.find_equilibrium import find_equilibrium
-from drillpetsc.statics.placement import move_rigidly, release
 from drillpetsc.time_function import Constant
 from tests.helpers.wells import simple_well
 from tests.verification.test_closed_bottom_modes import case as closed_bottom

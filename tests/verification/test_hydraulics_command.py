@@ -11,13 +11,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from drillpetsc.analysis.hydraulics import trade_formulas as trade
+from drillpetsc.analysis.hydraulics.flow_model import FlowModel, string_at, whole_string
+from drillpetsc.analysis.hydraulics.hydraulics import Hydraulics, run_hydraulics
+from drillpetsc.analysis.hydraulics.losses import balance
+from drillpetsc.analysis.hydraulics.trade_formulas import FOOT, FOOT_PER_MINUTE, GPM, INCH, PPG, PSI
 from drillpetsc.case import Case, load_case
 from drillpetsc.errors import CaseError, SolveError
-from drillpetsc.hydraulics import trade_formulas as trade
-from drillpetsc.hydraulics.flow_model import FlowModel, string_at, whole_string
-from drillpetsc.hydraulics.hydraulics import Hydraulics, run_hydraulics
-from drillpetsc.hydraulics.losses import balance
-from drillpetsc.hydraulics.trade_formulas import FOOT, FOOT_PER_MINUTE, GPM, INCH, PPG, PSI
 from drillpetsc.output import read_table
 from drillpetsc.output.job import Job
 from drillpetsc.physics.fluid.rheology import from_dial_readings

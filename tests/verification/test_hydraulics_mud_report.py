@@ -7,12 +7,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from drillpetsc.analysis.hydraulics.flow_model import FlowModel, whole_string
+from drillpetsc.analysis.hydraulics.hydraulics import Hydraulics, run_hydraulics
+from drillpetsc.analysis.hydraulics.losses import balance
+from drillpetsc.analysis.hydraulics.surge import Tripping, run_surge
+from drillpetsc.analysis.hydraulics.trade_formulas import FOOT, GPM, INCH, PPG, PSI
 from drillpetsc.case import Case
-from drillpetsc.hydraulics.flow_model import FlowModel, whole_string
-from drillpetsc.hydraulics.hydraulics import Hydraulics, run_hydraulics
-from drillpetsc.hydraulics.losses import balance
-from drillpetsc.hydraulics.surge import Tripping, run_surge
-from drillpetsc.hydraulics.trade_formulas import FOOT, GPM, INCH, PPG, PSI
 from drillpetsc.operations import Hydraulics as HydraulicsCommand
 from drillpetsc.output import read_table
 from drillpetsc.output.job import Job

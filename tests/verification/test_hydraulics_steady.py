@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
+from drillpetsc.analysis.statics.find_equilibrium import find_equilibrium
 from drillpetsc.case import Case
 from drillpetsc.model.drilling_model import build_model
 from drillpetsc.solvers.time.time_integrator import TimeIntegrator
-from drillpetsc.statics.find_equilibrium import find_equilibrium
 from tests.helpers.moving import matrices
 from tests.helpers.mud import (
     BORE,

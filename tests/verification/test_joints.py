@@ -11,18 +11,18 @@ from scipy.linalg import eigvalsh
 from scipy.optimize import brentq
 
 from drillpetsc import Case
+from drillpetsc.analysis.linear import modal as modes
+from drillpetsc.analysis.statics.find_equilibrium import find_equilibrium
+from drillpetsc.analysis.statics.placement import move_rigidly, release
 from drillpetsc.errors import CaseError
 from drillpetsc.fem.component import Component, PrescribedMotion
 from drillpetsc.fem.string_mesh import StringJoint
-from drillpetsc.linear import modal as modes
 from drillpetsc.model.drilling_model import build_model
 from drillpetsc.output.recorder import Recorder
 from drillpetsc.physics.end_conditions import FixedEnd, TopDrive
 from drillpetsc.physics.joints import RESULT_NAMES, SCALE, STOP_ROUNDING
 from drillpetsc.solvers.linear.linearization import linearise
 from drillpetsc.solvers.linear.quadratic_eigenproblem import eigenvalues_near
-from drillpetsc.statics.find_equilibrium import find_equilibrium
-from drillpetsc.statics.placement import move_rigidly, release
 from drillpetsc.time_function import Constant
 from tests.helpers.joint_models import body, chain_of_bodies, joint_component, place
 from tests.helpers.motion import beam, fixed, integrate, straight

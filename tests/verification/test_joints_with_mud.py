@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 
 from drillpetsc import Case, load_case, run
+from drillpetsc.analysis.statics.find_equilibrium import find_equilibrium
 from drillpetsc.errors import CaseError
 from drillpetsc.model.drilling_model import build_model
 from drillpetsc.output import read_table
 from drillpetsc.physics.joints import RESULT_NAMES
-from drillpetsc.statics.find_equilibrium import find_equilibrium
 from tests.helpers.joint_models import joint_component
 from tests.helpers.wells import simple_well
 

@@ -9,19 +9,19 @@ import numpy as np
 import pytest
 
 from drillpetsc import Case, load_case
-from drillpetsc.analysis.statics import run_statics
+from drillpetsc.analysis.commands.statics import run_statics
+from drillpetsc.analysis.statics.answer import static_summary
+from drillpetsc.analysis.statics.find_equilibrium import find_equilibrium
+from drillpetsc.analysis.statics.placement import place_along_hole, top_depth
+from drillpetsc.analysis.statics.start import lateral_start
+from drillpetsc.analysis.statics.start.march import march, nodal_loads, pressure_tension
+from drillpetsc.analysis.statics.start.soft_string_start import place_marched
+from drillpetsc.analysis.statics.steady_flow import freeze_flow
 from drillpetsc.model.drilling_model import DrillingModel, build_model
 from drillpetsc.output.static_table import static_table
 from drillpetsc.solvers.chain.chain_lu import ChainFactor
 from drillpetsc.solvers.static.lateral_beam import MAX_INNER, ContactPoints, LateralBeam, lateral_state
 from drillpetsc.solvers.static.static_newton import Equilibrium, StaticNewton
-from drillpetsc.statics.answer import static_summary
-from drillpetsc.statics.find_equilibrium import find_equilibrium
-from drillpetsc.statics.placement import place_along_hole, top_depth
-from drillpetsc.statics.start import lateral_start
-from drillpetsc.statics.start.march import march, nodal_loads, pressure_tension
-from drillpetsc.statics.start.soft_string_start import place_marched
-from drillpetsc.statics.steady_flow import freeze_flow
 
 sys.path.insert(0, str(Path(__file__).parents[2] / "scripts" / "tools"))
 import static_wells

@@ -6,7 +6,7 @@ import math
 
 import pytest
 
-from drillpetsc.loads.limits.limits import run_limits
+from drillpetsc.analysis.loads.limits.limits import run_limits
 from drillpetsc.output.job import Job
 from tests.verification.test_limits_command import FT, case, hole, level_pipe
 

@@ -12,13 +12,13 @@ import numpy as np
 import pytest
 
 from drillpetsc import limits, statics
+from drillpetsc.analysis.loads.limits.free_point import free_point, free_points, slope
+from drillpetsc.analysis.loads.limits.limits import run_limits
+from drillpetsc.analysis.loads.limits.table import Choices
 from drillpetsc.case import Case
 from drillpetsc.case.catalogue.sizes import INCH, KSI, LB_PER_FT, LBF
 from drillpetsc.case.options.free_point_options import Pair, read_pairs
 from drillpetsc.errors import CaseError
-from drillpetsc.loads.limits.free_point import free_point, free_points, slope
-from drillpetsc.loads.limits.limits import run_limits
-from drillpetsc.loads.limits.table import Choices
 from drillpetsc.output import read_table
 from drillpetsc.output.job import Job
 from tests.helpers.rules_of_thumb import PPG

@@ -9,11 +9,11 @@ import numpy as np
 import pytest
 
 from drillpetsc import load_case
+from drillpetsc.analysis.loads.limits.limits import run_limits
+from drillpetsc.analysis.loads.limits.side_force import largest_on_joint
+from drillpetsc.analysis.loads.limits.sn_curve import read_sn
+from drillpetsc.analysis.loads.limits.table import Choices
 from drillpetsc.case import Case
-from drillpetsc.loads.limits.limits import run_limits
-from drillpetsc.loads.limits.side_force import largest_on_joint
-from drillpetsc.loads.limits.sn_curve import read_sn
-from drillpetsc.loads.limits.table import Choices
 from drillpetsc.output.job import Job
 from tests.verification.test_limits_command import hole
 

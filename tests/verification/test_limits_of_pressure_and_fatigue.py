@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 
 import drillpetsc as dp
+from drillpetsc.analysis.loads.limits.pressure_strength import burst_pressure
+from drillpetsc.analysis.loads.limits.sn_curve import read_sn
 from drillpetsc.errors import CaseError
-from drillpetsc.loads.limits.pressure_strength import burst_pressure
-from drillpetsc.loads.limits.sn_curve import read_sn
 from tests.helpers.tables import each_row
 
 MPA, RPM = 1e6, math.pi / 30

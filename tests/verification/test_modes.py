@@ -14,9 +14,9 @@ from scipy.optimize import brentq
 from scipy.special import jn_zeros
 
 from drillpetsc import Case
+from drillpetsc.analysis.linear.modal import modes, prepare_state, run_modes
 from drillpetsc.fem.string_mesh import uniform_string
 from drillpetsc.geometry.well import Well
-from drillpetsc.linear.modal import modes, prepare_state, run_modes
 from drillpetsc.model.drilling_model import build_model
 from drillpetsc.output import read_frame, read_table
 from drillpetsc.output.job import Job

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from drillpetsc import Case
-from drillpetsc.linear.modal import modes, prepare_state
+from drillpetsc.analysis.linear.modal import modes, prepare_state
 from drillpetsc.model.drilling_model import build_model
 
 LENGTH, CLEARANCE, YOUNG, POISSON, DENSITY, G = 200.0, 0.04445, 206e9, 0.3, 7850.0, 9.81

@@ -10,9 +10,9 @@ import pytest
 from scipy.optimize import brentq
 
 from drillpetsc import Case
+from drillpetsc.analysis.linear import modes_of_kind
+from drillpetsc.analysis.linear.modal import modes, prepare_state
 from drillpetsc.errors import SolveError
-from drillpetsc.linear import modes_of_kind
-from drillpetsc.linear.modal import modes, prepare_state
 from drillpetsc.model.drilling_model import DrillingModel, build_model
 
 

@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 
 from drillpetsc import Case, load_case, modes, mud_motor, run, statics
+from drillpetsc.analysis.linear.modal import modes as find_modes
+from drillpetsc.analysis.linear.modal import prepare_state
 from drillpetsc.errors import CaseError
-from drillpetsc.linear.modal import modes as find_modes
-from drillpetsc.linear.modal import prepare_state
 from drillpetsc.model.drilling_model import build_model
 from drillpetsc.output import read_table
 from tests.helpers.tables import each_row

@@ -8,10 +8,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from drillpetsc.analysis.hydraulics.hydraulics import Hydraulics
+from drillpetsc.analysis.statics.find_equilibrium import find_equilibrium
 from drillpetsc.case import Case
-from drillpetsc.hydraulics.hydraulics import Hydraulics
 from drillpetsc.model.drilling_model import build_model
-from drillpetsc.statics.find_equilibrium import find_equilibrium
 from tests.helpers.motion import integrate
 from tests.helpers.mud import started
 

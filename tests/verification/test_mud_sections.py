@@ -13,10 +13,10 @@ import numpy as np
 import pytest
 
 import drillpetsc as dp
+from drillpetsc.analysis.statics.find_equilibrium import find_equilibrium
 from drillpetsc.errors import CaseError
 from drillpetsc.model.drilling_model import build_model
 from drillpetsc.physics.fluid.channel_flow import RESULT_NAMES
-from drillpetsc.statics.find_equilibrium import find_equilibrium
 from tests.helpers.tables import each_row
 
 HOLE, LENGTH, BORE, OUTER = 0.2159, 9.0, 0.05, 0.19  # bore and outer diameter that the mud meets [m]

@@ -13,12 +13,12 @@ import numpy as np
 import pytest
 
 import drillpetsc
+from drillpetsc.analysis.statics.placement import place_along_hole
+from drillpetsc.analysis.statics.steady_flow import steady_flow
 from drillpetsc.case import Case
 from drillpetsc.kernels.parameters import parameters_of
 from drillpetsc.model.drilling_model import DrillingModel, build_model
 from drillpetsc.output import read_table
-from drillpetsc.statics.placement import place_along_hole
-from drillpetsc.statics.steady_flow import steady_flow
 from tests.helpers.mud import (
     DENSITY,
     GRAVITY,

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 from drillpetsc import Case, statics
+from drillpetsc.analysis.statics.find_equilibrium import find_equilibrium
 from drillpetsc.model.drilling_model import build_model
 from drillpetsc.output import read_table
 from drillpetsc.output.measured.bending import across_hole, end_forces
-from drillpetsc.statics.find_equilibrium import find_equilibrium
 from tests.helpers.motion import fixed, sampled, straight
 from tests.helpers.wells import simple_well
 

@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from drillpetsc.analysis.statics import run_statics
+from drillpetsc.analysis.commands.statics import run_statics
+from drillpetsc.analysis.loads.limits.limits import run_limits
+from drillpetsc.analysis.loads.torque_drag.roadmap import run_roadmap
 from drillpetsc.case.case import Case
-from drillpetsc.loads.limits.limits import run_limits
-from drillpetsc.loads.torque_drag.roadmap import run_roadmap
 from drillpetsc.output import read_table
 from drillpetsc.output.job import Job
 from drillpetsc.units import to_si

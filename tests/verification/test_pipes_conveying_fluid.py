@@ -14,9 +14,9 @@ import pytest
 from scipy.linalg import eigvals, null_space
 from scipy.optimize import brentq
 
-from drillpetsc.linear.modal import modes, prepare_state
+from drillpetsc.analysis.linear.modal import modes, prepare_state
+from drillpetsc.analysis.statics.placement import move_rigidly, release
 from drillpetsc.model.drilling_model import build_model
-from drillpetsc.statics.placement import move_rigidly, release
 from tests.helpers.motion import fixed, integrate
 from tests.helpers.moving import matrices
 from tests.helpers.pipe_with_flow import (

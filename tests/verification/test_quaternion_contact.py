@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from drillpetsc import Case, run
+from drillpetsc.analysis.statics.find_equilibrium import find_equilibrium
 from drillpetsc.model.drilling_model import build_model
 from drillpetsc.output import read_table
-from drillpetsc.statics.find_equilibrium import find_equilibrium
 from tests.helpers.motion import fixed
 from tests.helpers.wells import simple_well
 

@@ -10,12 +10,12 @@ import numpy as np
 import pytest
 
 from drillpetsc import Case, run
-from drillpetsc.analysis.statics import run_statics
+from drillpetsc.analysis.commands.statics import run_statics
+from drillpetsc.analysis.linear.modal import run_modes
+from drillpetsc.analysis.statics.quaternion_statics import solve_at_rest
 from drillpetsc.errors import CaseError
-from drillpetsc.linear.modal import run_modes
 from drillpetsc.output import read_table
 from drillpetsc.physics.quaternion.beam import spun
-from drillpetsc.statics.quaternion_statics import solve_at_rest
 from tests.helpers.motion import beam, fixed, integrate, straight
 
 FORMS = ("index3", "index2", "stabilized")

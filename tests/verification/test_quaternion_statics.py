@@ -9,9 +9,9 @@ from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
 from drillpetsc import Case
+from drillpetsc.analysis.statics.find_equilibrium import find_equilibrium
+from drillpetsc.analysis.statics.quaternion_statics import solve_at_rest
 from drillpetsc.model.drilling_model import build_model
-from drillpetsc.statics.find_equilibrium import find_equilibrium
-from drillpetsc.statics.quaternion_statics import solve_at_rest
 from tests.helpers.motion import beam, straight
 from tests.helpers.wells import simple_well
 

@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 
 from drillpetsc import Case, run
+from drillpetsc.analysis.statics.find_equilibrium import find_equilibrium
 from drillpetsc.errors import CaseError
 from drillpetsc.model.drilling_model import build_model
 from drillpetsc.output import read_table
 from drillpetsc.physics.tools.reamer import Reamer
-from drillpetsc.statics.find_equilibrium import find_equilibrium
 from tests.helpers.component_models import SHIFT, residual
 from tests.helpers.motion import beam
 from tests.helpers.tables import each_row

@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 
 from drillpetsc import Case, Session, run
+from drillpetsc.analysis.statics.find_equilibrium import find_equilibrium
 from drillpetsc.model.drilling_model import build_model
 from drillpetsc.output import read_table
 from drillpetsc.physics.fluid import moving_hole
-from drillpetsc.statics.find_equilibrium import find_equilibrium
 from tests.verification.test_reamer import LENGTH, PILOT_LENGTH, reaming
 from tests.verification.test_two_of_a_kind import two_reamers
 

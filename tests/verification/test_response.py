@@ -11,8 +11,8 @@ import yaml
 
 import drillpetsc
 from drillpetsc import Case
+from drillpetsc.analysis.linear.modal import modes, prepare_state
 from drillpetsc.errors import CaseError
-from drillpetsc.linear.modal import modes, prepare_state
 from drillpetsc.model.drilling_model import build_model
 from drillpetsc.output import read_table
 from tests.helpers import frequency_models as m

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 from drillpetsc import Case, run, statics
-from drillpetsc.linear.modal import modes, prepare_state
+from drillpetsc.analysis.linear.modal import modes, prepare_state
+from drillpetsc.analysis.statics.find_equilibrium import find_equilibrium
 from drillpetsc.model.drilling_model import build_model
 from drillpetsc.output import read_table
-from drillpetsc.statics.find_equilibrium import find_equilibrium
 from tests.helpers.wells import simple_well
 
 G = 9.81

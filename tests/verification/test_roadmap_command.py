@@ -8,9 +8,9 @@ import time
 import numpy as np
 import pytest
 
+from drillpetsc.analysis.loads.torque_drag.roadmap import run_roadmap
 from drillpetsc.case.case import Case
 from drillpetsc.errors import CaseError
-from drillpetsc.loads.torque_drag.roadmap import run_roadmap
 from drillpetsc.output import read_table
 from drillpetsc.output.job import Job
 from tests.helpers.tables import each_row

@@ -7,12 +7,12 @@ import json
 import numpy as np
 import pytest
 
-from drillpetsc.analysis.commands_report import command_lines
+from drillpetsc.analysis.commands.commands_report import command_lines
+from drillpetsc.analysis.loads.torque_drag.calibration import Calibration
+from drillpetsc.analysis.loads.torque_drag.roadmap import run_roadmap
 from drillpetsc.case.blocks.roadmap import MeasuredPoint
 from drillpetsc.case.case import Case
 from drillpetsc.errors import CaseError
-from drillpetsc.loads.torque_drag.calibration import Calibration
-from drillpetsc.loads.torque_drag.roadmap import run_roadmap
 from drillpetsc.output.job import Job
 from tests.verification.test_roadmap_command import case, rows
 

@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 from drillpetsc import calibrate, load_case, roadmap, statics
+from drillpetsc.analysis.loads.torque_drag.roadmap import run_roadmap
 from drillpetsc.case.case import Case
 from drillpetsc.errors import CaseError
-from drillpetsc.loads.torque_drag.roadmap import run_roadmap
 from drillpetsc.output import read_table
 from drillpetsc.output.job import Job
 from tests.verification.test_roadmap_command import INCLINE, PIPE, case, rows

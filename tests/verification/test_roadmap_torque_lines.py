@@ -7,8 +7,8 @@ import math
 
 import pytest
 
+from drillpetsc.analysis.loads.torque_drag.roadmap import run_roadmap
 from drillpetsc.case.catalogue.sizes import LBF
-from drillpetsc.loads.torque_drag.roadmap import run_roadmap
 from drillpetsc.output import read_table
 from drillpetsc.output.job import Job
 from drillpetsc.plotting.command.torque_drag import torque_drag_drawers

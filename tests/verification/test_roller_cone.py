@@ -11,14 +11,14 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from drillpetsc import Case, run
+from drillpetsc.analysis.linear.frequency.campbell_command import default_lines
+from drillpetsc.analysis.linear.frequency.turning import turning_case
+from drillpetsc.analysis.statics.find_equilibrium import find_equilibrium
+from drillpetsc.analysis.statics.placement import move_rigidly, release
 from drillpetsc.case.blocks.formation import Formation, level_bottom
 from drillpetsc.errors import CaseError
-from drillpetsc.linear.frequency.campbell_command import default_lines
-from drillpetsc.linear.frequency.turning import turning_case
 from drillpetsc.model.drilling_model import build_model
 from drillpetsc.output import read_table
-from drillpetsc.statics.find_equilibrium import find_equilibrium
-from drillpetsc.statics.placement import move_rigidly, release
 from tests.helpers.bit_models import bit_of, drilling
 from tests.helpers.motion import beam, fixed, sampled
 from tests.helpers.tables import each_row

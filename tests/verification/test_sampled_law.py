@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from drillpetsc import Case, load_case, modes, run, top_drive
+from drillpetsc.analysis.motion import transient
 from drillpetsc.errors import CaseError
-from drillpetsc.motion import transient
 from drillpetsc.output import read_table
 from tests.helpers import top_drive_models as m
 from tests.helpers.restarts import files, run_with_copies

@@ -8,15 +8,15 @@ import numpy as np
 import pytest
 
 from drillpetsc import Case, load_case, statics
+from drillpetsc.analysis.statics.answer import static_summary
+from drillpetsc.analysis.statics.equilibrium import MOTIONS
+from drillpetsc.analysis.statics.find_equilibrium import find_equilibrium
+from drillpetsc.analysis.statics.path.friction_path import FrictionPath
 from drillpetsc.errors import SolveError
 from drillpetsc.model.drilling_model import build_model
 from drillpetsc.output.static_table import static_table
 from drillpetsc.solvers.chain.chain_lu import ChainFactor
 from drillpetsc.solvers.static import search_limit
-from drillpetsc.statics.answer import static_summary
-from drillpetsc.statics.equilibrium import MOTIONS
-from drillpetsc.statics.find_equilibrium import find_equilibrium
-from drillpetsc.statics.path.friction_path import FrictionPath
 
 G, HOLE = 9.81, 0.2159
 PIPE = {"kind": "pipe", "od": 0.127, "id": 0.1086}

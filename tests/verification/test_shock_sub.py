@@ -10,12 +10,12 @@ import pytest
 
 import drillpetsc
 from drillpetsc import BumperSub, Case, ShockSub
+from drillpetsc.analysis.statics.find_equilibrium import find_equilibrium
 from drillpetsc.case.plausible.plausibility import plausibility
 from drillpetsc.errors import CaseError
 from drillpetsc.model.drilling_model import build_model
 from drillpetsc.output import read_table
 from drillpetsc.physics.joints import RESULT_NAMES, STOP_ROUNDING
-from drillpetsc.statics.find_equilibrium import find_equilibrium
 from tests.helpers import frequency_models as m
 from tests.helpers.joint_models import joint_component
 

@@ -6,13 +6,13 @@ import numpy as np
 import pytest
 
 from drillpetsc import Case
+from drillpetsc.analysis.loads.limits.along_string import static_state
+from drillpetsc.analysis.loads.limits.contacts import contact_rows, item_forces
+from drillpetsc.analysis.statics.answer import static_summary
+from drillpetsc.analysis.statics.find_equilibrium import find_equilibrium
 from drillpetsc.fem.quantity import Sample
-from drillpetsc.loads.limits.along_string import static_state
-from drillpetsc.loads.limits.contacts import contact_rows, item_forces
 from drillpetsc.model.drilling_model import DrillingModel, build_model
 from drillpetsc.output.measured.string_fields import StringFields
-from drillpetsc.statics.answer import static_summary
-from drillpetsc.statics.find_equilibrium import find_equilibrium
 
 HOLE, STIFFNESS, G = 0.2159, 1e8, 9.81
 

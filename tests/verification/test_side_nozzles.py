@@ -11,13 +11,13 @@ import pytest
 from scipy.optimize import brentq
 
 from drillpetsc import Case, run
+from drillpetsc.analysis.hydraulics.flow_model import FlowModel, whole_string
+from drillpetsc.analysis.hydraulics.hydraulics import Hydraulics, run_hydraulics
+from drillpetsc.analysis.hydraulics.losses import balance
+from drillpetsc.analysis.hydraulics.nozzles import nozzle_groups
+from drillpetsc.analysis.hydraulics.surge import Tripping
+from drillpetsc.analysis.loads.torque_drag.circulation import circulation
 from drillpetsc.errors import CaseError
-from drillpetsc.hydraulics.flow_model import FlowModel, whole_string
-from drillpetsc.hydraulics.hydraulics import Hydraulics, run_hydraulics
-from drillpetsc.hydraulics.losses import balance
-from drillpetsc.hydraulics.nozzles import nozzle_groups
-from drillpetsc.hydraulics.surge import Tripping
-from drillpetsc.loads.torque_drag.circulation import circulation
 from drillpetsc.model.drilling_model import build_model
 from drillpetsc.output import read_table
 from drillpetsc.output.job import Job

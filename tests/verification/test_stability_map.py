@@ -11,8 +11,8 @@ import yaml
 
 import drillpetsc
 from drillpetsc import Case
+from drillpetsc.analysis.linear.frequency.stability_runs import classify
 from drillpetsc.errors import CaseError
-from drillpetsc.linear.frequency.stability_runs import classify
 from drillpetsc.output import read_table
 from tests.helpers import top_drive_models as m
 from tests.helpers.delay_roots import Regenerative
@@ -236,7 +236,7 @@ def test_behaviour_of_a_run():
 
 def test_a_growth_far_below_the_frequency_is_marginal():
     """3e-5 1/s at 0.2 Hz takes 4600 periods to double: neither stable nor unstable; 1e-2 1/s, and any growth without period, is."""
-    from drillpetsc.linear.frequency.stability_map import Point, _lines, _summary, boundaries
+    from drillpetsc.analysis.linear.frequency.stability_map import Point, _lines, _summary, boundaries
 
     def point(growth: float, frequency: float, speed: float = 10.0) -> Point:
         return Point(speed, 1e5, growth, frequency, "torsional", 0.0)

@@ -6,13 +6,13 @@ import numpy as np
 import pytest
 
 from drillpetsc import Case, run
+from drillpetsc.analysis.statics.answer import static_summary
+from drillpetsc.analysis.statics.equilibrium import StaticState
+from drillpetsc.analysis.statics.find_equilibrium import find_equilibrium
 from drillpetsc.model.drilling_model import DrillingModel, build_model
 from drillpetsc.output import read_table
 from drillpetsc.output.static_table import static_table
 from drillpetsc.output.watches.wall_depth import wall_depth_notes
-from drillpetsc.statics.answer import static_summary
-from drillpetsc.statics.equilibrium import StaticState
-from drillpetsc.statics.find_equilibrium import find_equilibrium
 
 SPAN, STABILIZER, HOLE, WEIGHT, MASS, G = 30.0, 0.212, 0.2159, 242.0, 50.0, 9.81
 AREA, BENDING = 3.4047325e-3, 1.2240289e6  # of a pipe of 127 x 108.6 mm [m2], [N m2]

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 from drillpetsc import Case, statics
+from drillpetsc.analysis.statics.placement import place_along_hole
+from drillpetsc.analysis.statics.start.march import axial_compliance, helix_band, march
+from drillpetsc.analysis.statics.steady_flow import freeze_flow
 from drillpetsc.model.drilling_model import build_model
-from drillpetsc.statics.placement import place_along_hole
-from drillpetsc.statics.start.march import axial_compliance, helix_band, march
-from drillpetsc.statics.steady_flow import freeze_flow
 
 G = 9.81
 

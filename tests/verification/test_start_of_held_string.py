@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 
 from drillpetsc import Case, run
+from drillpetsc.analysis.statics.find_equilibrium import find_equilibrium
+from drillpetsc.analysis.statics.flow_coupling import surge_rates
 from drillpetsc.model.drilling_model import build_model
-from drillpetsc.statics.find_equilibrium import find_equilibrium
-from drillpetsc.statics.flow_coupling import surge_rates
 
 YOUNG, POISSON = 206e9, 0.3
 PIPES = ((0.127, 0.1086, 600.0), (0.1714, 0.0714, 200.0))  # od, id, length [m]

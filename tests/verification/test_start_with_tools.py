@@ -6,19 +6,19 @@ import numpy as np
 import pytest
 
 from drillpetsc import Case
+from drillpetsc.analysis.statics.answer import static_summary
+from drillpetsc.analysis.statics.find_equilibrium import find_equilibrium
+from drillpetsc.analysis.statics.notes.slider_travel import travels
+from drillpetsc.analysis.statics.placement import place_along_hole, top_depth
+from drillpetsc.analysis.statics.start import lateral_start
+from drillpetsc.analysis.statics.start.march import march, nodal_loads
+from drillpetsc.analysis.statics.static_problem import StaticState
 from drillpetsc.errors import CaseError
 from drillpetsc.fem.string_mesh import JarLaw, StringJoint
 from drillpetsc.model.drilling_model import build_model
 from drillpetsc.output.static_table import static_table
 from drillpetsc.physics.tools.reamer import Reamer
 from drillpetsc.solvers.static.static_newton import StaticNewton
-from drillpetsc.statics.answer import static_summary
-from drillpetsc.statics.find_equilibrium import find_equilibrium
-from drillpetsc.statics.notes.slider_travel import travels
-from drillpetsc.statics.placement import place_along_hole, top_depth
-from drillpetsc.statics.start import lateral_start
-from drillpetsc.statics.start.march import march, nodal_loads
-from drillpetsc.statics.static_problem import StaticState
 from tests.helpers.whole_string import COLLAR, JAR, MOTOR, SHOCK, combined, whole_string
 from tests.verification.test_lateral_start import MUD, counted
 

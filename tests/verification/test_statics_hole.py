@@ -12,6 +12,10 @@ import numpy as np
 import pytest
 
 from drillpetsc import Case, run
+from drillpetsc.analysis.statics.answer import static_summary
+from drillpetsc.analysis.statics.find_equilibrium import find_equilibrium
+from drillpetsc.analysis.statics.placement import place_along_hole
+from drillpetsc.analysis.statics.relaxation import relax
 from drillpetsc.case import load_case
 from drillpetsc.errors import SolveError
 from drillpetsc.fem.component import PrescribedMotion
@@ -21,10 +25,6 @@ from drillpetsc.output import read_frame, read_series
 from drillpetsc.output.static_table import static_table
 from drillpetsc.physics.end_conditions import FixedEnd, Loads, NodeLoad
 from drillpetsc.solvers.static.static_newton import Equilibrium, StaticNewton
-from drillpetsc.statics.answer import static_summary
-from drillpetsc.statics.find_equilibrium import find_equilibrium
-from drillpetsc.statics.placement import place_along_hole
-from drillpetsc.statics.relaxation import relax
 from tests.helpers.bit_models import DRAG, drilling
 
 AREA, BENDING = 3.4047325e-3, 1.2240289e6  # [m2], [N m2]

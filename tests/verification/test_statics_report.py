@@ -6,14 +6,14 @@ import numpy as np
 import pytest
 
 from drillpetsc import Case, statics
+from drillpetsc.analysis.statics.find_equilibrium import find_equilibrium
+from drillpetsc.analysis.statics.placement import place_along_hole
+from drillpetsc.analysis.statics.start.march import march
 from drillpetsc.errors import SolveError
 from drillpetsc.geometry.hole_steps import HoleSteps
 from drillpetsc.geometry.well import Well
 from drillpetsc.model.drilling_model import build_model
 from drillpetsc.output import read_table
-from drillpetsc.statics.find_equilibrium import find_equilibrium
-from drillpetsc.statics.placement import place_along_hole
-from drillpetsc.statics.start.march import march
 
 BENDING, WEIGHT, CLEARANCE = 1.2240289e6, 242.0, 0.04445
 AREA = 3.4047325e-3

@@ -15,11 +15,11 @@ from scipy.linalg import eigh
 from scipy.optimize import brentq, fsolve
 
 from drillpetsc import Case
+from drillpetsc.analysis.statics.find_equilibrium import find_equilibrium
+from drillpetsc.analysis.statics.placement import place_along_hole
+from drillpetsc.analysis.statics.relaxation import relax
 from drillpetsc.model.drilling_model import build_model
 from drillpetsc.solvers.static.static_newton import Equilibrium, StaticNewton
-from drillpetsc.statics.find_equilibrium import find_equilibrium
-from drillpetsc.statics.placement import place_along_hole
-from drillpetsc.statics.relaxation import relax
 
 HORIZONTAL = {"inclination": np.pi / 2}
 RISE = {"time": [0.0, 1.0], "value": [0.0, 1.0]}

@@ -8,15 +8,15 @@ import pytest
 from scipy.integrate import trapezoid
 
 from drillpetsc import Case, run
+from drillpetsc.analysis.linear.mean_over_turn import mean_over_turn
+from drillpetsc.analysis.statics.find_equilibrium import find_equilibrium
+from drillpetsc.analysis.statics.placement import move_rigidly, release
 from drillpetsc.errors import CaseError
 from drillpetsc.geometry.frames import high_side
-from drillpetsc.linear.mean_over_turn import mean_over_turn
 from drillpetsc.model.drilling_model import build_model
 from drillpetsc.output import read_table
 from drillpetsc.output.measured.bending import curvatures, end_forces
 from drillpetsc.physics.tools.steering import OVERLAP, WINDOW, mean_share
-from drillpetsc.statics.find_equilibrium import find_equilibrium
-from drillpetsc.statics.placement import move_rigidly, release
 from tests.helpers.motion import sampled
 from tests.helpers.tables import each_row
 from tests.helpers.wells import simple_well

@@ -10,10 +10,10 @@ import pytest
 import yaml
 from petsc4py import PETSc
 
+from drillpetsc.analysis.motion.transient import run
 from drillpetsc.case.reader import load_case
 from drillpetsc.errors import CaseError, SolveError
 from drillpetsc.fem.component import Powers
-from drillpetsc.motion.transient import run
 from drillpetsc.output import read_table
 from drillpetsc.physics.beam import AncfBeam
 from drillpetsc.solvers.time.newton import CondensedNewton

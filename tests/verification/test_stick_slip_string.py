@@ -11,9 +11,9 @@ import pytest
 from scipy.optimize import brentq
 
 from drillpetsc import load_case
+from drillpetsc.analysis.statics.find_equilibrium import find_equilibrium
+from drillpetsc.analysis.statics.placement import move_rigidly, release
 from drillpetsc.model.drilling_model import build_model
-from drillpetsc.statics.find_equilibrium import find_equilibrium
-from drillpetsc.statics.placement import move_rigidly, release
 from tests.helpers.motion import sampled
 
 CASES = Path(__file__).parents[2] / "cases"

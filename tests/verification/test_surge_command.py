@@ -8,19 +8,19 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq
 
-from drillpetsc.case import Case, load_case
-from drillpetsc.errors import CaseError, SolveError
-from drillpetsc.hydraulics import trade_formulas as trade
-from drillpetsc.hydraulics.flow_model import FlowModel, string_at, whole_string
-from drillpetsc.hydraulics.open_hole import open_hole
-from drillpetsc.hydraulics.surge import (
+from drillpetsc.analysis.hydraulics import trade_formulas as trade
+from drillpetsc.analysis.hydraulics.flow_model import FlowModel, string_at, whole_string
+from drillpetsc.analysis.hydraulics.open_hole import open_hole
+from drillpetsc.analysis.hydraulics.surge import (
     FASTEST,
     TOLERANCE,
     Tripping,
     Trips,
     run_surge,
 )
-from drillpetsc.hydraulics.trade_formulas import FOOT, FOOT_PER_MINUTE, INCH, PPG, PSI
+from drillpetsc.analysis.hydraulics.trade_formulas import FOOT, FOOT_PER_MINUTE, INCH, PPG, PSI
+from drillpetsc.case import Case, load_case
+from drillpetsc.errors import CaseError, SolveError
 from drillpetsc.output import read_table
 from drillpetsc.output.job import Job
 from tests.helpers import handbook_hydraulics as handbook

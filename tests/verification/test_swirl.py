@@ -7,8 +7,8 @@ import pytest
 from scipy.optimize import root
 
 from drillpetsc import Case, run
-from drillpetsc.linear.modal import modes, prepare_state
-from drillpetsc.linear.unresolved_modes import fed_by_swirl
+from drillpetsc.analysis.linear.modal import modes, prepare_state
+from drillpetsc.analysis.linear.unresolved_modes import fed_by_swirl
 from drillpetsc.model.drilling_model import build_model
 from drillpetsc.output import read_table
 from drillpetsc.physics.fluid.added_mass import stokes_force

@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 from drillpetsc import Case, load_case, run
+from drillpetsc.analysis.motion.summary import closing_lines
 from drillpetsc.errors import SolveError
-from drillpetsc.motion.summary import closing_lines
 from drillpetsc.output import read_table
 from drillpetsc.output.balances.time_error import (
     LOSS,

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from drillpetsc import Case, run
+from drillpetsc.analysis.statics.find_equilibrium import find_equilibrium
 from drillpetsc.model.drilling_model import build_model
-from drillpetsc.statics.find_equilibrium import find_equilibrium
 from tests.helpers.tables import each_row
 
 PIPE = {"kind": "pipe", "od": 0.1, "id": 0.06, "element_length": 2.0}

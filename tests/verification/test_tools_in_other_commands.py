@@ -6,14 +6,14 @@ import numpy as np
 import pytest
 
 from drillpetsc import Case, hydraulics, limits, linearise, roadmap, run, statics, surge
-from drillpetsc.analysis.check import describe
+from drillpetsc.analysis.commands.check import describe
+from drillpetsc.analysis.hydraulics.flow_model import FlowModel, string_at, whole_string
+from drillpetsc.analysis.hydraulics.hydraulics import Hydraulics
+from drillpetsc.analysis.hydraulics.losses import motor_rows
+from drillpetsc.analysis.statics.placement import top_depth
 from drillpetsc.errors import CaseError
-from drillpetsc.hydraulics.flow_model import FlowModel, string_at, whole_string
-from drillpetsc.hydraulics.hydraulics import Hydraulics
-from drillpetsc.hydraulics.losses import motor_rows
 from drillpetsc.model.drilling_model import build_model
 from drillpetsc.output import read_table
-from drillpetsc.statics.placement import top_depth
 
 NO_LOAD = 1.2e6
 BORE = {"od": "171.5 mm", "id": "71.4 mm"}

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from drillpetsc import Case
-from drillpetsc.linear.modal import modes, prepare_state
+from drillpetsc.analysis.linear.modal import modes, prepare_state
 from drillpetsc.model.drilling_model import build_model
 from drillpetsc.physics.top.top_drive import MotorDrive
 from tests.helpers import top_drive_models as m

@@ -11,10 +11,10 @@ import numpy as np
 import pytest
 
 from drillpetsc import Case, Session, run, statics
+from drillpetsc.analysis.statics.answer import static_summary
+from drillpetsc.analysis.statics.find_equilibrium import find_equilibrium
 from drillpetsc.model.drilling_model import build_model
 from drillpetsc.output import read_table
-from drillpetsc.statics.answer import static_summary
-from drillpetsc.statics.find_equilibrium import find_equilibrium
 
 RADIUS = 30 / np.radians(3)  # of the hole: 3 deg/30 m [m]
 WEIGHT, G, BIT = 242.0, 9.81, 60.0  # [N/m], [m/s2], [kg]

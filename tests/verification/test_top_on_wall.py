@@ -7,11 +7,11 @@ import pytest
 from petsc4py import PETSc
 
 from drillpetsc import Case
+from drillpetsc.analysis.statics.equilibrium import MOTIONS
+from drillpetsc.analysis.statics.find_equilibrium import find_equilibrium
 from drillpetsc.geometry.frames import high_side
 from drillpetsc.model.drilling_model import DrillingModel, build_model
 from drillpetsc.output.measured.bending import bending_moments
-from drillpetsc.statics.equilibrium import MOTIONS
-from drillpetsc.statics.find_equilibrium import find_equilibrium
 
 BENDING = 206e9 * np.pi / 64 * (0.127**4 - 0.1086**4)
 REACTIONS = ("top.side_reaction_1", "top.side_reaction_2")
@@ -73,7 +73,7 @@ def test_straight_inclined_hole():
 
 def test_a_place_that_is_not_found_is_said(monkeypatch):
     """The state is then that of the top where the march put it, and a warning says so."""
-    monkeypatch.setattr("drillpetsc.statics.equilibrium.balance_across", lambda *arguments: False)
+    monkeypatch.setattr("drillpetsc.analysis.statics.equilibrium.balance_across", lambda *arguments: False)
     model = build_model(case(10.6, [0.0, 0.0, 48.0, 48.0]), PETSc.COMM_WORLD, MOTIONS["hoist"])
     state = find_equilibrium(model, MOTIONS["hoist"])
     assert any("held on the wall" in line for line in state.warnings)

@@ -12,10 +12,10 @@ import numpy as np
 import pytest
 
 from drillpetsc import Case, run
+from drillpetsc.analysis.statics.answer import static_summary
+from drillpetsc.analysis.statics.find_equilibrium import find_equilibrium
 from drillpetsc.model.drilling_model import DrillingModel, build_model
 from drillpetsc.output.recorder import Recorder
-from drillpetsc.statics.answer import static_summary
-from drillpetsc.statics.find_equilibrium import find_equilibrium
 from tests.helpers.motion import fixed, integrate
 from tests.helpers.mud import (
     DENSITY,

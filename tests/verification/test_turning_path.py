@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 
 from drillpetsc import Case, statics
+from drillpetsc.analysis.loads.torque_drag.roadmap import run_roadmap
+from drillpetsc.analysis.statics import equilibrium
+from drillpetsc.analysis.statics.start import coarse_start
 from drillpetsc.errors import SolveError
-from drillpetsc.loads.torque_drag.roadmap import run_roadmap
 from drillpetsc.output import read_table
 from drillpetsc.output.job import Job
-from drillpetsc.statics import equilibrium
-from drillpetsc.statics.start import coarse_start
 from tests.verification.test_roadmap_command import case
 from tests.verification.test_statics_report import BENDING, CLEARANCE, PIPE, WEIGHT, pushed, straight
 

@@ -13,9 +13,9 @@ import numpy as np
 import pytest
 
 from drillpetsc import statics
+from drillpetsc.analysis.loads.limits.limits import run_limits
+from drillpetsc.analysis.loads.torque_drag.roadmap import run_roadmap
 from drillpetsc.case import Case
-from drillpetsc.loads.limits.limits import run_limits
-from drillpetsc.loads.torque_drag.roadmap import run_roadmap
 from drillpetsc.output import read_table
 from drillpetsc.output.job import Job
 

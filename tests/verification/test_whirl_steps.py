@@ -8,13 +8,13 @@ import re
 import numpy as np
 import pytest
 
+from drillpetsc.analysis.motion.transient import run
+from drillpetsc.analysis.motion.whirl_steps import PRODUCT_BDF, WhirlSteps, product_of_alpha
+from drillpetsc.analysis.statics.placement import move_rigidly, place_along_hole, release
 from drillpetsc.case import Case
 from drillpetsc.model.drilling_model import build_model
-from drillpetsc.motion.transient import run
-from drillpetsc.motion.whirl_steps import PRODUCT_BDF, WhirlSteps, product_of_alpha
 from drillpetsc.output import read_table
 from drillpetsc.solvers.time.alpha_formula import AlphaFormula
-from drillpetsc.statics.placement import move_rigidly, place_along_hole, release
 from tests.helpers import frequency_models as m
 
 HOLE, BLADES, RPM = 0.2159, 0.209, 95.0

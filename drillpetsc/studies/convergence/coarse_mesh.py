@@ -35,7 +35,7 @@ def add_mesh_error(
 
     Returns the summary with `error_estimate.mesh`.
     """
-    from drillpetsc.motion.transient import run
+    from drillpetsc.analysis.motion.transient import run
 
     coarse = run(
         coarsened(case, COARSENING),

@@ -72,7 +72,7 @@ def add_tolerance_check(
 
     Returns the summary with `error_estimate.tolerance` and its warnings.
     """
-    from drillpetsc.motion.transient import run
+    from drillpetsc.analysis.motion.transient import run
 
     with finer(summary["petsc_options"]) as words:
         fine = run(

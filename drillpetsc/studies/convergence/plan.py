@@ -12,10 +12,10 @@ from typing import Any
 
 import numpy as np
 
+from drillpetsc.analysis.motion.integrator_choice import is_alpha
 from drillpetsc.case import Case, case_from_data, override, read_case_file
 from drillpetsc.case.blocks.items.string import Flexible
 from drillpetsc.errors import CaseError
-from drillpetsc.motion.integrator_choice import is_alpha
 
 Options = dict[str, str]
 

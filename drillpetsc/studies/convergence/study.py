@@ -18,8 +18,8 @@ from typing import Any
 import numpy as np
 from petsc4py import PETSc
 
+from drillpetsc.analysis.linear.linearise import refuse_unknown
 from drillpetsc.errors import CaseError
-from drillpetsc.linear.linearise import refuse_unknown
 from drillpetsc.model.drilling_model import build_model
 from drillpetsc.output import RunFolder
 from drillpetsc.output.recorder import Recorder

@@ -17,13 +17,13 @@ from typing import Any
 
 from petsc4py import PETSc
 
+from drillpetsc.analysis.motion.integrator_choice import make_integrator
+from drillpetsc.analysis.motion.quasi_static import QuasiStatic
+from drillpetsc.analysis.motion.transient import run
 from drillpetsc.case import Case, load_case
 from drillpetsc.errors import CaseError, DrillError, Interrupted
 from drillpetsc.model.drilling_model import build_model, is_quasi_static
 from drillpetsc.model.mesh import build_mesh
-from drillpetsc.motion.integrator_choice import make_integrator
-from drillpetsc.motion.quasi_static import QuasiStatic
-from drillpetsc.motion.transient import run
 from drillpetsc.output import RunFolder, read_summary
 from drillpetsc.output.balances.energy_balance import EnergyGainMonitor
 from drillpetsc.output.files.run_folder import SWEEP_TABLE

@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 
 from drillpetsc import Case, run
+from drillpetsc.analysis.statics.imperfection import imperfections
 from drillpetsc.case import load_case
 from drillpetsc.model.drilling_model import build_model
 from drillpetsc.output import read_table
-from drillpetsc.statics.imperfection import imperfections
 
 PIPE = {"kind": "pipe", "length": 30, "od": 0.127, "id": 0.1086, "element_length": 5}
 COLLAR = {"kind": "pipe", "length": 20, "od": 0.1715, "id": 0.0714, "element_length": 5}

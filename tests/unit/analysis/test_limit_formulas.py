@@ -12,8 +12,8 @@ import math
 import numpy as np
 import pytest
 
+from drillpetsc.analysis.loads.limits import buckling_loads, fatigue, strength
 from drillpetsc.case.catalogue.sizes import FT_LBF, INCH, KSI, LB_PER_FT, LBF
-from drillpetsc.loads.limits import buckling_loads, fatigue, strength
 from tests.helpers import rules_of_thumb as trade
 from tests.helpers.tables import each_row
 

@@ -5,13 +5,13 @@ from __future__ import annotations
 import pytest
 
 from drillpetsc import Case
-from drillpetsc.analysis.check import describe
+from drillpetsc.analysis.commands.check import describe
+from drillpetsc.analysis.motion.summary import closing_lines
+from drillpetsc.analysis.statics.answer import without_noise
+from drillpetsc.analysis.statics.placement import place_along_hole
 from drillpetsc.case import load_case
 from drillpetsc.errors import CaseError, Interrupted, SolveError
 from drillpetsc.model.drilling_model import build_model
-from drillpetsc.motion.summary import closing_lines
-from drillpetsc.statics.answer import without_noise
-from drillpetsc.statics.placement import place_along_hole
 
 PIPE = {"kind": "pipe", "length": 30, "od": 0.127, "id": 0.1086, "element_length": 5}
 COLLAR = {

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from drillpetsc.analysis.rank_model import GAIN, RANKS, UNEVEN, StepCounts, lines_of
+from drillpetsc.analysis.commands.rank_model import GAIN, RANKS, UNEVEN, StepCounts, lines_of
 from drillpetsc.solvers.chain.block_tridiagonal import Piece
 from tests.helpers.tables import each_row
 

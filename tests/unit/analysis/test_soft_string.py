@@ -9,10 +9,10 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from drillpetsc import Case
+from drillpetsc.analysis.statics.start.soft_string import slip_direction, torque_drag
+from drillpetsc.analysis.statics.start.soft_string_start import soft_string
 from drillpetsc.geometry.well import Well
 from drillpetsc.model.drilling_model import build_model
-from drillpetsc.statics.start.soft_string import slip_direction, torque_drag
-from drillpetsc.statics.start.soft_string_start import soft_string
 from tests.helpers.tables import each_row
 from tests.helpers.wells import simple_well
 

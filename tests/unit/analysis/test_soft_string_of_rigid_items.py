@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from drillpetsc import Case
-from drillpetsc.loads.torque_drag.string_rows import rows_at
+from drillpetsc.analysis.loads.torque_drag.string_rows import rows_at
+from drillpetsc.analysis.statics.start.soft_string_start import soft_string
 from drillpetsc.model.drilling_model import build_model
-from drillpetsc.statics.start.soft_string_start import soft_string
 from tests.helpers.tables import each_row
 
 G = 9.80665

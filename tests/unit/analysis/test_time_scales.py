@@ -8,10 +8,8 @@ import yaml
 from scipy.integrate import solve_ivp
 from scipy.linalg import eigh, eigvals
 
-from drillpetsc.analysis.check import describe
-from drillpetsc.case.reader import load_case
-from drillpetsc.model.drilling_model import build_model
-from drillpetsc.motion.time_scales import (
+from drillpetsc.analysis.commands.check import describe
+from drillpetsc.analysis.motion.time_scales import (
     AXIAL,
     BENDING,
     MUD,
@@ -21,9 +19,11 @@ from drillpetsc.motion.time_scales import (
     step_warnings,
     time_scales,
 )
+from drillpetsc.analysis.statics.placement import place_along_hole
+from drillpetsc.case.reader import load_case
+from drillpetsc.model.drilling_model import build_model
 from drillpetsc.physics.contact import ContactLaw
 from drillpetsc.solvers.linear.linearization import linearise
-from drillpetsc.statics.placement import place_along_hole
 from tests.helpers.wells import simple_well
 
 ONE = {

@@ -8,8 +8,8 @@ from __future__ import annotations
 
 import pytest
 
-from drillpetsc.hydraulics import trade_formulas as trade
-from drillpetsc.hydraulics.trade_formulas import (
+from drillpetsc.analysis.hydraulics import trade_formulas as trade
+from drillpetsc.analysis.hydraulics.trade_formulas import (
     FOOT,
     FOOT_PER_MINUTE,
     GPM,

@@ -10,7 +10,7 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from drillpetsc.analysis.check import describe
+from drillpetsc.analysis.commands.check import describe
 from drillpetsc.case import Case, load_case
 from drillpetsc.case.blocks.formation import Formation, RockAnisotropy, check_turning, largest_turn_of_bit
 from drillpetsc.case.writer import case_data

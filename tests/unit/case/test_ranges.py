@@ -7,11 +7,11 @@ from pathlib import Path
 import pytest
 
 from drillpetsc import Case
+from drillpetsc.analysis.hydraulics.surge import Trips
 from drillpetsc.case.files.survey_file import FOLDER
 from drillpetsc.case.options.ranges import read_numbers
 from drillpetsc.case.quantities import Quantity
 from drillpetsc.errors import CaseError
-from drillpetsc.hydraulics.surge import Trips
 from drillpetsc.operations import Hydraulics
 from tests.helpers.tables import each_row
 from tests.helpers.trips import trips_of

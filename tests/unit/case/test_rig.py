@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from drillpetsc import Case
-from drillpetsc.analysis.check import describe
+from drillpetsc.analysis.commands.check import describe
 from drillpetsc.errors import CaseError
 from drillpetsc.reporting.inputs import survey_table, well_section
 

@@ -8,8 +8,8 @@ from pathlib import Path
 import pytest
 
 from drillpetsc import load_case, run
+from drillpetsc.analysis.motion import checkpoint
 from drillpetsc.model.drilling_model import build_model
-from drillpetsc.motion import checkpoint
 from drillpetsc.output import catalogue, read_table
 from drillpetsc.physics import quantities
 

@@ -11,7 +11,7 @@ from typing import Any
 import pytest
 
 from drillpetsc import Case, run
-from drillpetsc.analysis.statics import run_statics
+from drillpetsc.analysis.commands.statics import run_statics
 from drillpetsc.output import catalogue, read_frame, read_series, read_table
 from drillpetsc.output.files.tables import split_name
 from tests.helpers.wells import simple_well

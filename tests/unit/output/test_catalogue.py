@@ -12,8 +12,8 @@ from typing import Any
 import pytest
 
 from drillpetsc import Case, run
-from drillpetsc.analysis.statics import run_statics
-from drillpetsc.linear.modal import run_modes
+from drillpetsc.analysis.commands.statics import run_statics
+from drillpetsc.analysis.linear.modal import run_modes
 from drillpetsc.output import conditions as where
 from drillpetsc.output import read_frame, read_series, read_table
 from drillpetsc.output.catalogue import (

@@ -139,7 +139,7 @@ def test_one_of_many_that_start_together_wins(tmp_path: Path, stale: bool) -> No
 
 def test_a_run_lets_go_of_its_folder(tmp_path: Path) -> None:
     from drillpetsc import Case
-    from drillpetsc.motion.transient import run
+    from drillpetsc.analysis.motion.transient import run
 
     pipe = {"kind": "pipe", "length": 9, "od": 0.1, "element_length": 9}
     case = Case(top="clamped", string=[pipe], time={"end": 1e-3}, initial={"from": "rest"})

@@ -9,13 +9,13 @@ import pytest
 from petsc4py import PETSc
 
 from drillpetsc import Case
+from drillpetsc.analysis.statics.placement import place_along_hole
 from drillpetsc.fem.quantity import Quantity, Sample
 from drillpetsc.model.drilling_model import build_model
 from drillpetsc.output.balances.energy_balance import EnergyBalance
 from drillpetsc.output.balances.mass_balance import MassBalance
 from drillpetsc.output.recorder import Recorder
 from drillpetsc.output.table_rows import SampleLayout
-from drillpetsc.statics.placement import place_along_hole
 from tests.helpers.wells import simple_well
 
 PIPE = {"kind": "pipe", "length": 30, "od": 0.127, "id": 0.1086, "element_length": 5.0}

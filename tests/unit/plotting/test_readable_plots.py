@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from drillpetsc import Case, run
-from drillpetsc.linear.modal import run_modes
+from drillpetsc.analysis.linear.modal import run_modes
 from drillpetsc.output.job import Job
 from drillpetsc.plotting.run.hole_path import well_path
 from drillpetsc.plotting.run.plot import _along_depth, _histories, _orbits, plot

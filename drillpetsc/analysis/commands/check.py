@@ -1,0 +1,255 @@
+"""The `check` command: a text on what the model of a case contains and leaves out."""
+
+from __future__ import annotations
+
+from functools import partial
+
+import numpy as np
+
+from drillpetsc.analysis.commands.commands_report import command_lines
+from drillpetsc.analysis.commands.rank_model import rank_lines, step_counts
+from drillpetsc.analysis.commands.string_figures import figure_lines
+from drillpetsc.analysis.motion.drive_report import drive_lines
+from drillpetsc.analysis.motion.hoist_report import hoist_lines
+from drillpetsc.analysis.motion.run_options import options_of
+from drillpetsc.analysis.motion.summary import field_counts
+from drillpetsc.analysis.motion.time_scales import time_scales
+from drillpetsc.analysis.statics.placement import top_depth
+from drillpetsc.analysis.statics.start.coarse_mesh import coarse_elements, expected_warnings
+from drillpetsc.case.blocks.fluid import Rheology, flow_constants, stress_at
+from drillpetsc.case.blocks.formation import Formation
+from drillpetsc.case.blocks.rig import Rig
+from drillpetsc.case.blocks.sensors import STEPS_PER_PERIOD, sensor_depth
+from drillpetsc.case.case import Case
+from drillpetsc.case.files.mud_report import misfit
+from drillpetsc.case.plausible.plausibility import notes
+from drillpetsc.model.drilling_model import DrillingModel, build_model
+from drillpetsc.model.mesh import element_lengths
+from drillpetsc.unit_systems import System, display_unit, shown
+
+MOST_RANGES = 40  # lines on automatic element lengths
+
+TERMS = (
+    ("bodies", "rigid bodies and eccentricity"),
+    ("curvature", "stress-free curvature"),
+    ("contact", "contact with the hole"),
+    ("bit", "bit on the bottom"),
+    ("reamer", "reamer cutting rock"),
+    ("steering", "rotary steerable tool"),
+    ("mud_motor", "downhole motor"),
+    ("agitator", "agitator"),
+    ("loads", "loads"),
+    ("joints", "joints"),
+    ("drive", "rotary drive with spring and damper"),
+    ("top_motor", "motor of the top drive"),
+    ("hoist", "hoist"),
+    ("bore", "drilling fluid in the string"),
+    ("annulus", "drilling fluid in the annulus"),
+    ("side_nozzles", "nozzles above the bit"),
+)
+
+REGION_TEXT = {
+    "junction": "section changes and rigid items",
+    "top": "the upper end",
+    "bottom": "the lower end",
+    "joint": "joints",
+    "stabilised_joint": "joints",
+    "side_nozzles": "nozzles above the bit",
+    "reamer": "the reamer",
+    "motor": "the downhole motor",
+    "agitator": "the agitator",
+}
+
+
+def describe(case: Case) -> str:
+    """Return the text for the user; raises CaseError where the model cannot be built."""
+    with options_of(case):
+        return "\n".join(_lines(build_model(case)))
+
+
+def _quasi_static(case: Case) -> bool:
+    return case.time is not None and case.time.mode == "quasi_static"
+
+
+def _fitted(key: str, rheology: Rheology | None, units: System) -> list[str]:
+    """Describe the fit of a rheology to dial readings; nothing where there are none."""
+    if rheology is None or not rheology.dial:
+        return []
+    consistency, index, stress = flow_constants(rheology)
+    rms = misfit(rheology.dial, partial(stress_at, rheology))
+    return [
+        f"    {key}: {len(rheology.dial)} dial readings ({', '.join(rheology.dial)} rpm), fit {rheology.fit or 'given'}: "
+        f"yield stress {shown(stress, 'yield_point', units)}, consistency {shown(consistency, 'consistency', units)}, "
+        f"index {index:.4g}; misfit {shown(rms, 'yield_point', units, 3)} rms"
+    ]
+
+
+def _cutting(formation: Formation | None, units: System) -> str:
+    """Describe a bit on rock: law, drillabilities, layers."""
+    if formation is None:
+        return "bit cutting rock"
+    values = [formation.drillability, *(layer.drillability for layer in formation.layers)]
+    least, most = (shown(q, "drillability", units) for q in (min(values), max(values)))
+    span = least if least == most else f"{least} to {most}"
+    count = len(formation.layers)
+    layers = f", {count} layer{'s' if count > 1 else ''}" if count else ""
+    law = formation.bit_law
+    lobes = ", ".join(f"{q.order:g} lobes of {shown(q.amplitude, 'diameter', units, 3)}" for q in law.orders)
+    kind = law.kind + (f" on {law.torque_law.kind}: {lobes}" if lobes else "")
+    return f"bit cutting rock (law {kind}, drillability {span}{layers})"
+
+
+def _chosen_lengths(case: Case, model: DrillingModel) -> list[str]:
+    """Lengths of automatic elements and what decided each, from the top down; empty where all are given."""
+    lengths = element_lengths(case, model.well)
+    count = sum(r.count for r in lengths.ranges)
+    if not count:
+        return []
+    units = case.shown_units
+    scale, _, unit = display_unit("length", units)
+    top = top_depth(model)
+    lines = [f"  automatic element lengths, {count} elements:"]
+    for r in lengths.ranges[:MOST_RANGES]:
+        longest = f"{r.longest / scale:.3g}"
+        size = longest if r.longest < 1.02 * r.shortest else f"{r.shortest / scale:.3g} to {longest}"
+        upper, lower = (r.upper + top) / scale, (r.lower + top) / scale
+        place = f"MD {upper:.1f} to {lower:.1f} {unit} ({case.string[r.item].name})"
+        lines.append(f"    {place}: {size} {unit}, {r.reason}")
+    rest = lengths.ranges[MOST_RANGES:]
+    if rest:
+        lines.append(
+            f"    ... and {len(rest)} more ranges below MD {(rest[0].upper + top) / scale:.1f} {unit}"
+        )
+    return lines + [f"  WARNING: {text}" for text in lengths.warnings(units)]
+
+
+def _rig(rig: Rig, units: System) -> str:
+    """Describe the rig, in a system of units."""
+    given = (
+        ("block", rig.block_weight, "force"),
+        ("largest hook load", rig.max_hookload, "force"),
+        ("largest surface torque", rig.max_surface_torque, "torque"),
+        ("largest standpipe pressure", rig.max_spp, "pressure"),
+    )
+    parts = [f"{name} {shown(value, kind, units, 6)}" for name, value, kind in given if value is not None]
+    if rig.elevation is not None:
+        parts.insert(
+            0, f"datum {shown(rig.elevation, 'length', units, 6)} above {rig.elevation_ref or 'MSL'}"
+        )
+    return "  rig: " + "; ".join(
+        [*([f"depths from {rig.datum}"] if rig.datum else []), *parts] or ["nothing given"]
+    )
+
+
+def _lines(model: DrillingModel) -> list[str]:
+    case, units = model.case, model.case.output.units or "SI"
+    return [
+        f"{case.title or 'case'}: valid",
+        *_string_and_hole(model, units),
+        *_operation(model, units),
+        *_contents(model, units),
+        *_cost(model),
+        *(f"  {line}" for line in notes(case)),
+        *(f"  WARNING: {text}" for text in expected_warnings(model)),
+        *_coarse(model, units),
+    ]
+
+
+def _string_and_hole(model: DrillingModel, units: System) -> list[str]:
+    """String, rig and hole."""
+    case, mesh = model.case, model.mesh
+    size, _, unit = display_unit("length", units)
+    element = ~mesh.is_joint
+    lines = [
+        f"  string: {len(case.string)} items, {mesh.total_length / size:g} {unit}, {int(element.sum())} elements of "
+        f"{mesh.length[element].min() / size:.3g} to {mesh.length.max() / size:.3g} {unit}, {mesh.nodes} nodes, "
+        f"{len(mesh.bodies)} rigid items",
+        *_chosen_lengths(case, model),
+        *figure_lines(case, units),
+    ]
+    if case.rig is not None:
+        lines.append(_rig(case.rig, units))
+    if case.well is not None:
+        q = case.well
+        lines.append(
+            f"  well: {len(q.survey.md)} survey stations to {q.survey.md[-1] / size:g} {unit}, inclination up to "
+            f"{np.degrees(max(q.survey.inclination)):.3g} deg, {len(q.sections)} sections"
+        )
+    return lines
+
+
+def _operation(model: DrillingModel, units: System) -> list[str]:
+    """Ends, start, sensors and machines."""
+    case = model.case
+    lines = [f"  top: {case.top.kind}; bottom: {case.bottom.kind}; start: {case.initial.from_}"]
+    for sensor in case.output.sensors:
+        depth = float(sensor_depth(case.string, case.item_depths, sensor) or 0.0)
+        lines.append(
+            f"  sensor {sensor.name}: MD {shown(depth, 'length', units, 6)}, {sensor.rate:g} Hz, {', '.join(sensor.channels)}; steps resolve "
+            f"{sensor.finest:g} Hz up to {1e3 / (STEPS_PER_PERIOD * sensor.finest):.3g} ms"
+        )
+    if _quasi_static(case):
+        grows = ", while the hole grows" if case.formation is not None else ""
+        lines.append(f"  time: quasi-static, in equilibrium at all times{grows}")
+    return lines + [f"  {line}" for line in (*drive_lines(model), *hoist_lines(model))]
+
+
+def _contents(model: DrillingModel, units: System) -> list[str]:
+    """The mud, and the physics that the model contains and leaves out."""
+    case, mesh, lines = model.case, model.mesh, []
+    if case.fluid is not None:
+        mud = case.fluid
+        lines = [
+            f"  fluid: {shown(mud.density, 'mud_weight', units, 6)}, {mud.rheology.model}, law {mud.rheology.law}, bulk modulus {shown(mud.bulk_modulus, 'stress', units, plot=True)}",
+            *_fitted("rheology", mud.rheology, units),
+            *_fitted("annulus_rheology", mud.annulus_rheology, units),
+        ]
+    names = {component.name for component in model.components}
+    # stress-free curvature is part of the quaternion element, not a component
+    names |= {"curvature"} if mesh.curvature.any() else set()
+    damped = bool(mesh.stiffness_damping.any() or mesh.mass_damping.any())
+    string = model.beam is not None
+    parts = [
+        (string, "axial, bending, torsion"),
+        (bool(np.any(case.gravity)), "gravity"),
+        (string and not _quasi_static(case), "inertia"),
+        (string and damped, "material damping"),
+        *((name in names, text) for name, text in TERMS),
+        (case.formation is not None, _cutting(case.formation, units)),
+    ]
+    contained, left_out = ([text for present, text in parts if present == kind] for kind in (True, False))
+    return [
+        *lines,
+        *(f"  {line}" for line in command_lines(case)),
+        "  contains: " + "; ".join(contained),
+        "  leaves out (no unknowns, no cost): " + "; ".join(left_out),
+    ]
+
+
+def _cost(model: DrillingModel) -> list[str]:
+    """Unknowns, time of a step, ranks and time scales."""
+    counts, time = field_counts(model.system), model.case.time
+    per_node = sum(f.size for f, n in counts if n >= model.mesh.nodes - 1)
+    unknowns, rates = sum(f.size * n for f, n in counts), sum(f.size * n for f, n in counts if f.second_order)
+    lines = [
+        f"  unknowns: {per_node} per node; {unknowns} solved for in a step, {unknowns + rates} in the state"
+    ]
+    for f, n in counts:
+        if f.region in REGION_TEXT and n:
+            lines.append(f"    {f.name}: {f.size} at {n} nodes ({REGION_TEXT[f.region]})")
+    to_do = f"; {time.end:g} s to simulate" if time is not None else ""
+    step = 1e3 * step_counts(model).time(1)
+    lines.append(f"  expected cost: about {step:.2g} ms per step on one core{to_do}")
+    return lines + [f"  {line}" for line in (*rank_lines(model), *time_scales(model).lines())]
+
+
+def _coarse(model: DrillingModel, units: System) -> list[str]:
+    """Warning about elements that cannot hold their own axial load."""
+    mesh, coarse = model.mesh, coarse_elements(model)
+    if not coarse.any():
+        return []
+    limit = (240 * mesh.bending_stiffness / (mesh.mass * np.linalg.norm(model.case.gravity))) ** (1 / 3)
+    return [
+        f"  WARNING: {int(coarse.sum())} elements are longer than {shown(limit[coarse].min(), 'length', units, 3)} = (240 EI/w)^(1/3): "
+        "their bending cannot hold their own axial load, statics may report negative pivots; shorten element_length"
+    ]

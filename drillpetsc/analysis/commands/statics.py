@@ -1,0 +1,219 @@
+"""The `statics` command: equilibrium of a case, its table along the string and its summary."""
+
+from __future__ import annotations
+
+import shlex
+from dataclasses import asdict
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from petsc4py import PETSc
+
+from drillpetsc.analysis.loads.limits.operations import OPERATIONS, case_of, motion_of, read_operation
+from drillpetsc.analysis.loads.torque_drag.operations import plan_of, told
+from drillpetsc.analysis.motion.run_options import options_of
+from drillpetsc.analysis.statics.answer import static_summary
+from drillpetsc.analysis.statics.equilibrium import MOTIONS, StaticState
+from drillpetsc.analysis.statics.find_equilibrium import find_equilibrium
+from drillpetsc.analysis.statics.notes.beyond_rig import beyond_rig
+from drillpetsc.analysis.statics.notes.mud_above_top import mud_above_top
+from drillpetsc.analysis.statics.notes.slider_travel import stop_warnings
+from drillpetsc.analysis.statics.notes.swirl_left_out import swirl_left_out
+from drillpetsc.analysis.statics.notes.top_push import top_push
+from drillpetsc.analysis.statics.path.path_answer import PathKind
+from drillpetsc.analysis.statics.path.path_question import has_path
+from drillpetsc.analysis.statics.placement import prescribed_motion
+from drillpetsc.analysis.statics.start.buckling import Buckling, buckling
+from drillpetsc.analysis.statics.start.coarse_mesh import state_warnings
+from drillpetsc.case.case import Case
+from drillpetsc.case.checks.limits import refuse_quaternion
+from drillpetsc.errors import CaseError
+from drillpetsc.fem.component import FloatArray
+from drillpetsc.fem.quantity import Quantity
+from drillpetsc.model.drilling_model import DrillingModel, build_model
+from drillpetsc.model.string_forces import held_at_weight
+from drillpetsc.output import FieldWriter, RunFolder, write_summary, write_table
+from drillpetsc.output.files.case_files import write_case
+from drillpetsc.output.files.run_folder import make_folder
+from drillpetsc.output.files.tables import Column
+from drillpetsc.output.files.well_files import write_well_files
+from drillpetsc.output.measured.field_output import FieldOutput
+from drillpetsc.output.quantities import STATIC_SUMMARY
+from drillpetsc.output.result import RunResult
+from drillpetsc.output.static_table import static_table
+from drillpetsc.output.watches.wall_depth import wall_depth_notes
+from drillpetsc.unit_systems import System, display, kind_of, shown
+
+
+def run_statics(
+    case: Case,
+    out: str | Path | None = None,
+    motion: str | None = None,
+    overwrite: bool = False,
+    name: str = "case",
+    comm: PETSc.Comm | None = None,
+    path: PathKind | None = None,
+    operation: str | None = None,
+) -> RunResult:
+    """Solve for the equilibrium, write statics.csv, string.pvd and summary.json.
+
+    motion: hoist, lower or rotate; None takes the motion that the top prescribes at time 0.  Collective.
+    operation: instead of a motion, a word of OPERATIONS or of the trade, which says whether the bit is on bottom, too.
+    path: sliding or slack_off, the question that a path answers (manual: sec-statics-path).
+    """
+    refuse_quaternion(case, "statics")
+    comm = comm or PETSc.COMM_WORLD
+    if motion is not None and case.well is None:
+        raise CaseError(
+            at="--motion", got=motion, want="a case with a well: without a hole there is no friction"
+        )
+    moving, given = MOTIONS[motion] if motion else None, case
+    word = read_operation(operation)
+    if word is not None:
+        if motion is not None:
+            raise CaseError(at="--motion", got=motion, want="one of --motion and --operation")
+        case, moving = case_of(case, word), motion_of(case, word)
+    case = held_at_weight(case)
+    with options_of(case, given):
+        model = build_model(case, comm, moving)
+        folder = make_folder(comm, name, out, False, overwrite)
+        state = find_equilibrium(model, moving, False, path)
+        columns, values = static_table(model)
+        buckled = buckling(model, columns, values) if values is not None else Buckling()
+        is_buckled = bool(buckled.sinusoidal or buckled.helical)
+        slides = is_buckled and _slides_unfollowed(model, state)
+        state.warnings += buckled.lines(case.shown_units, slides)
+        state.warnings += band_of_theory(model, state) if is_buckled else []
+        state.warnings += [*state_warnings(model, columns, values), *model.mesh.notes]
+        state.warnings += _hoisted_with_weight(model, moving)
+        figures = static_summary(model, state)
+        state.warnings += mud_above_top(model, figures.get("hook_load"))
+        state.warnings += top_push(case, figures.get("hook_load"))
+        state.warnings += swirl_left_out(model, figures.get("surface_torque"))
+        state.warnings += [*stop_warnings(model), *wall_depth_notes(model)]
+        figures["warnings"] = list(state.warnings)
+        summary = {
+            "title": case.title,
+            **figures,
+            "motion": motion or word or "as the top prescribes",
+            **(state.path.as_dict() if state.path is not None else {}),
+            **({"buckling": buckled.as_dict()} if model.beam is not None else {}),
+            **({"helix_band": asdict(state.band)} if is_buckled and state.band is not None else {}),
+        }
+        beyond = beyond_rig(case, summary)
+        if beyond:
+            state.warnings += beyond
+            summary["warnings"] = list(state.warnings)
+        fields = FieldOutput(model).fields(0.0)
+        if comm.rank == 0:
+            write_case(given, folder)  # as the user has it; the summary has the operation
+            _write(model, folder, columns, values, summary, fields)
+    return RunResult(folder.path, summary, _lines(given, folder, state, summary))
+
+
+def band_of_theory(model: DrillingModel, state: StaticState) -> list[str]:
+    """Sentence on the band by theory to which the one state found of a buckled string belongs; none where two were found."""
+    band = state.band
+    if band is None or (state.path is not None and len(state.path.ends) > 1):
+        return []
+    what = {"wob": "weight on bit", "hook_load": "hook load"}[band.name]
+    low, high = (shown(q, "force", model.case.shown_units) for q in (band.low, band.high))
+    other = (
+        "; --path sliding gives the states from a straight string and after an overload"
+        if has_path(model, state.motion)
+        else ""
+    )
+    return [
+        f"the {what} is one of a band: by theory it may lie between {low} and {high}, as the pipe coils at 1.83 or at 1.41 times "
+        f"the load at which it snakes, or has a history between{other}"
+    ]
+
+
+def _slides_unfollowed(model: DrillingModel, state: StaticState) -> bool:
+    """Whether friction opposes a sliding string whose state was found without a path, although one has a meaning."""
+    if (
+        state.path is not None
+        or not state.motion[0]
+        or model.well is None
+        or not has_path(model, state.motion)
+    ):
+        return False
+    return bool(np.any(np.asarray(model.well.friction(model.mesh.node_depth)) > 0))
+
+
+def _hoisted_with_weight(model: DrillingModel, motion: tuple[float, float] | None) -> list[str]:
+    """Remark on a string whose friction is that of hoisting while the bit bears weight.
+
+    motion: axial velocity, positive downward, and spin; None: those of the top at time 0.
+    """
+    case, weight = model.case, model.case.initial.wob
+    down = (prescribed_motion(model) if motion is None else motion)[0]
+    if not weight or down >= 0:
+        return []
+    return [
+        f"the bit bears initial.wob, {shown(weight, 'force', case.output.units or 'metric')}, while friction is that of a string that is hoisted; "
+        "the pick-up load off bottom is that of the case without initial.wob"
+    ]
+
+
+def _write(
+    model: DrillingModel,
+    folder: RunFolder,
+    columns: list[Column],
+    values: FloatArray | None,
+    summary: dict[str, Any],
+    fields: tuple[FloatArray, dict[str, FloatArray]] | None,
+) -> None:
+    if values is not None:
+        write_table(folder.statics, columns, list(values.T))
+    if fields is not None:
+        FieldWriter(folder.path).write(0.0, *fields)
+    if model.well is not None:
+        write_well_files(model, folder)
+    write_summary(folder.summary, summary)
+
+
+def _lines(case: Case, folder: RunFolder, state: StaticState, summary: dict[str, Any]) -> list[str]:
+    units = case.output.units or "SI"
+    lines = [f"{case.title or 'case'}: static equilibrium, motion {summary['motion']}"]
+    lines += (
+        [f"  {told(case, plan_of(case), summary['motion'], units)}"]
+        if summary["motion"] in OPERATIONS
+        else []
+    )
+    for q in STATIC_SUMMARY:
+        if summary.get(q.name) is not None:
+            number, unit = in_units(summary[q.name], q, units)
+            lines.append(f"  {q.label.lower():<15} {number:>14.6g} {unit}")
+    for item in summary.get("rigid_items", ()):
+        force, unit = display(item["side_force [N]"], "force", units)
+        depth, length = display(item["md [m]"], "length", units)
+        couple = ""
+        if item["contact_force_sum [N]"] > 1.01 * item["side_force [N]"]:  # its ends push to different sides
+            couple = f", couple {shown(item['side_couple [N m]'], 'torque', units)}"
+        lines.append(
+            f"  side force      {force:>14.6g} {unit:<3} on {item['name']} at {depth:g} {length}{couple}"
+        )
+    held = state.path is not None and state.path.held_by_friction
+    stable = (
+        "stable"
+        if state.stable
+        else "held by friction"
+        if held
+        else f"UNSTABLE: {state.equilibrium.negative_pivots} negative pivots"
+    )
+    # a path ends in a motion, whose residual is not computed
+    residual = (
+        f", residual {shown(state.equilibrium.residual, 'force', units, 2)}" if state.path is None else ""
+    )
+    lines.append(f"  {stable}; {state.equilibrium.iterations} Newton iterations{residual}")
+    lines += [f"  note: {w}" for w in state.warnings]
+    lines.append(f"  results: {folder.path}   (scripts/drillpetsc plot {shlex.quote(str(folder.path))})")
+    return lines
+
+
+def in_units(value: float, quantity: Quantity, units: System) -> tuple[float, str]:
+    """(number, unit text) of a value [SI] of an output, as a system of units shows it."""
+    kind = kind_of(quantity.unit, quantity.kind)
+    return display(value, kind, units) if kind and units != "SI" else (value, quantity.unit)

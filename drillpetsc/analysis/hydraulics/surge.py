@@ -1,0 +1,458 @@
+"""The `surge` command: steady pressures of tripping, and the largest trip speed within the window of the open hole.
+
+The string moves rigidly along the hole.  The solver's steady flow gives the pressures: mud that the string displaces
+or leaves, dragged along by the string's wall (manual: sec-mud-string-speed).
+"""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from drillpetsc.analysis.hydraulics.dynamic_surge import ACCELERATION, dynamic_surge
+from drillpetsc.analysis.hydraulics.flow_model import (
+    SHORTEST_PIECE,
+    FlowModel,
+    Pipe,
+    PlacedString,
+    need_mud,
+    string_at,
+    whole_string,
+)
+from drillpetsc.analysis.hydraulics.hydraulics import Numbers, default_flow, densities, window_table
+from drillpetsc.analysis.hydraulics.losses import blend_excess, blend_note
+from drillpetsc.analysis.hydraulics.nozzles import bit_flow
+from drillpetsc.analysis.hydraulics.open_hole import (
+    NOT_CHECKED,
+    NOTHING_OPEN,
+    WITHIN,
+    OpenHole,
+    open_hole,
+    shoe_depth,
+)
+from drillpetsc.analysis.motion.run_options import options_of
+from drillpetsc.case.blocks.window import Window
+from drillpetsc.case.case import Case
+from drillpetsc.errors import CaseError, SolveError
+from drillpetsc.model.fluid import build_rheology
+from drillpetsc.output import write_summary, write_table
+from drillpetsc.output.files.run_folder import SURGE_TABLE, TRIP_SPEED_TABLE
+from drillpetsc.output.job import Job
+from drillpetsc.output.quantities.hydraulics import DYNAMIC_SURGE, MAX_TRIP_SPEED, SIDE_SURGE, SURGE
+from drillpetsc.output.result import RunResult
+from drillpetsc.output.shown_units import lengths_shown, shown_unit
+from drillpetsc.physics.fluid.rheology import wall_shear
+from drillpetsc.units import to_si
+
+OPERATIONS = {"trip_in": 1.0, "trip_out": -1.0}  # operation -> sign of the string's speed, down positive
+FASTEST = to_si("600 ft/min", "m/s")  # largest trip speed that is tried [m/s]
+TOLERANCE = to_si("1 ft/min", "m/s")  # of the largest trip speed [m/s]
+FAILED = "failed"  # in place of a limit: there is no steady flow at this speed
+DEPTHS = 6  # bit depths of the table of largest speeds
+
+
+@dataclass(frozen=True)
+class SurgeRow:
+    """One row of surge.csv, SI; None where absent.
+
+    trip_speed, surge_pressure: signs as in the table; warnings: what makes the row invalid.
+    side_flow: through nozzles above the bit; nan without any, and where they are closed with the pipe.
+    dynamic_surge_pressure, dynamic_surge_time: of the start from rest; nan where it was not run or failed.
+    """
+
+    operation: str
+    pipe: str
+    bit_depth: float
+    trip_speed: float
+    bit_pressure: float
+    ecd: Numbers
+    surge_pressure: float
+    pump_flow: float
+    bit_flow: float
+    outlet_flow: float
+    limited_by: str
+    warnings: tuple[str, ...]
+    side_flow: float = np.nan
+    dynamic_surge_pressure: float = np.nan
+    dynamic_surge_time: float = np.nan
+
+    def value(self, name: str) -> Any:
+        """The value of a column."""
+        return self.ecd[name] if name.startswith("ecd_") else getattr(self, name)
+
+
+class Tripping:
+    """One string at one depth with one state of its pipe.
+
+    window: limits of the open hole, None: not compared; flow: rate of the pump while pumping [m3/s].
+    """
+
+    def __init__(
+        self, case: Case, string: PlacedString, pipe: Pipe, window: OpenHole | None = None, flow: float = 0.0
+    ) -> None:
+        self.case, self.pipe, self.window = case, pipe, window
+        self.pump = flow if pipe == "pumping" else 0.0
+        self.flow = FlowModel(case, string, pipe, moving=True)
+        self.shoe, self.end = shoe_depth(case), float(case.well.survey.md[-1])  # type: ignore[union-attr]
+        self._solve("at rest", self.pump, 0.0)
+        self.at_rest = self.flow.bottom_pressure()
+        self.limited_at_rest = self._limited()
+
+    def _limited(self) -> str:
+        return NOT_CHECKED if self.window is None else self.window.limited_by(self.flow)
+
+    def _solve(self, what: str, pump: float, speed: float) -> None:
+        """Solve for the flow; a SolveError names what was tried."""
+        try:
+            self.flow.solve(pump, speed)
+        except SolveError as error:
+            error.what = f"{what}, {self.pipe} pipe, bit at MD {self.flow.string.depth:g} m: {error.what}"
+            raise
+
+    def at(self, operation: str, speed: float) -> SurgeRow:
+        """Solve for a trip at a speed [m/s].
+
+        operation: trip_in or trip_out.
+        """
+        flow = self.flow
+        self._solve(f"{operation}, {speed:g} m/s", self.pump, OPERATIONS[operation] * speed)
+        annulus = flow.fluid.annulus
+        assert annulus is not None
+        state = flow.system.assembly
+        side = flow.fluid.side
+        return SurgeRow(
+            operation,
+            self.pipe,
+            flow.string.depth,
+            speed,
+            flow.bottom_pressure(),
+            densities(flow, self.shoe, self.end),
+            flow.bottom_pressure() - self.at_rest,
+            self.pump,
+            bit_flow(flow),
+            float(annulus.outflow(state) or 0.0),
+            self._limited(),
+            (*flow.warnings(), *blend_note(blend_excess(flow, OPERATIONS[operation] * speed))),
+            np.nan if side is None else side.outflow(state),
+        )
+
+    def failed(self, operation: str, speed: float, error: SolveError) -> SurgeRow:
+        """The row of a speed [m/s] without a steady flow."""
+        ecd: Numbers = {"ecd_bit": None, "ecd_shoe": None, "ecd_td": None}
+        nothing = (np.nan, ecd, np.nan, self.pump, np.nan, np.nan)
+        return SurgeRow(operation, self.pipe, self.flow.string.depth, speed, *nothing, FAILED, (error.what,))
+
+    def fastest(self, operation: str) -> tuple[float, str]:
+        """Find the largest speed [m/s] within the window, by bisection, and the limit that a larger one passes.
+
+        0 where the mud is outside the window with the string at rest; ``FASTEST`` where no speed passes a limit.
+        """
+        if self.limited_at_rest not in (WITHIN, NOT_CHECKED):
+            return 0.0, f"{self.limited_at_rest}, at rest"
+        last = self.at(operation, FASTEST).limited_by
+        if last in (WITHIN, NOT_CHECKED):
+            return FASTEST, last
+        low, high = 0.0, FASTEST
+        while high - low > TOLERANCE:
+            middle = 0.5 * (low + high)
+            found = self.at(operation, middle).limited_by
+            if found == WITHIN:
+                low = middle
+            else:
+                high, last = middle, found
+        return low, last
+
+    def by_area(self, operation: str, speed: float) -> float:
+        """Compute the pressure of an open pipe whose displaced mud goes up bore and annulus by their areas [Pa].
+
+        The rule of Lapeyrouse, section by section with the friction law of the case; without nozzles and without a
+        balance of friction.
+        """
+        flow, law = self.flow, build_rheology(self.case, annulus=True)
+        annulus, mesh = flow.fluid.annulus, flow.mesh
+        assert annulus is not None
+        v, f = OPERATIONS[operation] * speed, flow.fluid.constants
+        hole, outer = annulus.parameter("hole"), annulus.parameter("outer")
+        bore = mesh.bore_area
+        shared = v * (f.clinging + (outer - bore) / (hole - outer + bore))
+        gap = annulus.parameter("gap")
+        return float(np.sum(4 * wall_shear(law, shared, gap, True, f.density) / gap * mesh.length))
+
+
+# ---------------------------------------------------------------------- command
+@dataclass(frozen=True)
+class Trips:
+    """What `surge` computes.
+
+    speeds: [m/s]; operations: trip_in, trip_out; pipes: closed, open, pumping.
+    bit_depths: measured [m], None: the case's own and, with a window, some along the open hole.
+    window: instead of the case's; flow: rate of the pump while pumping [m3/s], None: that of the case.
+    dynamic: a run from rest for each speed, too.
+    """
+
+    speeds: tuple[float, ...]
+    operations: tuple[str, ...] = ("trip_in", "trip_out")
+    pipes: tuple[str, ...] = ("closed", "open")
+    bit_depths: tuple[float, ...] | None = None
+    window: Window | None = None
+    flow: float | None = None
+    dynamic: bool = False
+
+
+def run_surge(job: Job, plan: Trips) -> RunResult:
+    """Solve for the pressures of tripping (collective).
+
+    Every rank computes the same, the first one writes.  Raises CaseError for a case without mud, well or annulus.
+    """
+    case = job.case
+    _check(case, plan)
+    notes: list[str] = []
+    window = plan.window or case.window
+    hole = open_hole(case, window)
+    flow = 0.0
+    if "pumping" in plan.pipes:
+        flow = default_flow(case, notes) if plan.flow is None else plan.flow
+        if not flow:
+            raise CaseError(
+                at="--flow", want="a flow rate for --pipe pumping", hint="the case has a pump_pressure"
+            )
+    notes += _notes(case, plan, hole)
+    side = SIDE_SURGE if case.side_nozzles else ()
+    quantities = (*SURGE, *side, *(DYNAMIC_SURGE if plan.dynamic else ()))
+    rows: list[SurgeRow] = []
+    fastest: list[dict[str, Any]] = []
+    by_area: list[dict[str, Any]] = []
+    with options_of(case):
+        whole = _string_from_rig(case, notes)
+        strings = [whole] if plan.bit_depths is None else [string_at(case, d) for d in plan.bit_depths]
+        for pipe in plan.pipes:
+            for string in strings:
+                trip = Tripping(case, string, pipe, hole, flow)  # type: ignore[arg-type]
+                for operation in plan.operations:
+                    found = [_row(trip, operation, speed) for speed in plan.speeds]
+                    rows += [_with_start(case, trip, row) for row in found] if plan.dynamic else found
+                    if pipe == "open":
+                        by_area.append(_by_area(trip, operation, max(plan.speeds), rows[-1]))
+        if hole is not None:
+            for string in _trip_depths(case, plan, whole):
+                fastest += _fastest(case, string, plan, hole, flow)
+        if all(row.limited_by == FAILED for row in rows):
+            raise SolveError(f"no trip has a steady flow: {rows[0].warnings[0]}")
+        folder = job.make_folder()
+        summary = {
+            "title": case.title,
+            "units": case.shown_units,
+            "window": window_table(window),
+            "window_from": None if window is None else ("--window" if plan.window is not None else "case"),
+            "surge": [
+                {q.name: _plain(row.value(q.name)) for q in quantities} | {"warnings": list(row.warnings)}
+                for row in rows
+            ],
+            "max_trip_speed": [{k: _plain(v) for k, v in row.items()} for row in fastest],
+            "open_pipe_by_area": [{k: _plain(v) for k, v in row.items()} for row in by_area],
+            "notes": notes,
+        }
+        if job.comm.rank == 0:
+            case.dump(folder.case)
+            columns = [[_cell(row.value(q.name)) for row in rows] for q in quantities]
+            write_table(folder.path / SURGE_TABLE, [q.column for q in quantities], columns)
+            if fastest:
+                table = [[row[q.name] for row in fastest] for q in MAX_TRIP_SPEED]
+                write_table(folder.path / TRIP_SPEED_TABLE, [q.column for q in MAX_TRIP_SPEED], table)
+            write_summary(folder.summary, summary)
+    return job.result(folder, summary, _lines(case, rows, summary))
+
+
+def _check(case: Case, plan: Trips) -> None:
+    need_mud(case, "surge")
+    if case.well is None or not case.has_annulus:
+        raise CaseError(
+            at="well" if case.well is None else "fluid.annulus",
+            want="a well with mud in the annulus for surge",
+            hint="surge is the pressure of mud that the string displaces between itself and the hole",
+        )
+    solid = [p for p in plan.pipes if p != "closed"]
+    bare = case.model_copy(update={"bottom": case.bottom.model_copy(update={"plugged": False})})
+    if solid and not bare.has_bore:
+        raise CaseError(at="--pipe", got=solid[0], want="closed: the string has no bore")
+
+
+def _notes(case: Case, plan: Trips, hole: OpenHole | None) -> list[str]:
+    notes = ["steady: the pressure that accelerates the mud is left out"]
+    if plan.dynamic:
+        notes = [
+            f"pressure of the start: from rest with {ACCELERATION:g} m/s2 at the top, elastic string and compressible mud, friction of "
+            "the case; no gels, no stop; window and largest trip speeds are compared with the steady pressure"
+        ]
+    assert case.fluid is not None
+    if "open" in plan.pipes and case.fluid.check_valve:
+        way = "; mud enters through the nozzles above the bit" if case.side_nozzles else ""
+        notes.append(f"open pipe with fluid.check_valve: the valve stays shut while running in{way}")
+    if "open" in plan.pipes and case.fluid.outlet_pressure.value(0.0) > 0:
+        notes.append(
+            "open pipe with an outlet_pressure: the mud flows up the pipe with the string at rest, too"
+        )
+    if case.side_nozzles and "closed" in plan.pipes:
+        notes.append(
+            "closed pipe: full of mud and closed at its top, so nothing flows through the nozzles above the bit on the whole; a float "
+            "below open nozzles is --pipe open with fluid.check_valve: true"
+        )
+    if case.bottom.plugged and not case.side_nozzles and set(plan.pipes) != {"closed"}:
+        notes.append("bottom.plugged holds for a closed pipe only")
+    if hole is None:
+        notes.append(
+            "no window: no largest trip speed; give --window PORE,FRAC, or the key window of the case"
+        )
+    elif not len(hole.md):
+        notes.append(NOTHING_OPEN)
+    return notes
+
+
+def _string_from_rig(case: Case, notes: list[str]) -> PlacedString:
+    """The whole string, lengthened to the rig where its top lies in the hole: a trip moves it from there, which is noted."""
+    whole = whole_string(case)
+    if whole.top <= SHORTEST_PIECE:
+        return whole
+    name = case.string[0].name
+    notes.append(
+        f"the string's top lies at MD {whole.top:.6g} m: for a trip the topmost item ({name}) is lengthened to the rig"
+    )
+    return string_at(case, whole.depth)
+
+
+def _row(trip: Tripping, operation: str, speed: float) -> SurgeRow:
+    """The row of one speed; one without a steady flow is marked, and the others go on."""
+    try:
+        return trip.at(operation, speed)
+    except SolveError as error:
+        return trip.failed(operation, speed, error)
+
+
+def _with_start(case: Case, trip: Tripping, row: SurgeRow) -> SurgeRow:
+    """The row with the pressure of the start; one whose run fails says why."""
+    velocity = OPERATIONS[row.operation] * row.trip_speed
+    try:
+        start = dynamic_surge(case, trip.flow.string, trip.pipe, velocity, trip.pump)
+    except SolveError as error:
+        text = f"{row.operation}, {row.pipe} pipe, {row.trip_speed:g} m/s: no pressure of the start: {error.what}"
+        return replace(row, warnings=(*row.warnings, text))
+    return replace(row, dynamic_surge_pressure=start.pressure, dynamic_surge_time=start.time)
+
+
+def _by_area(trip: Tripping, operation: str, speed: float, row: SurgeRow) -> dict[str, Any]:
+    return {
+        "operation": operation,
+        "bit_depth": row.bit_depth,
+        "trip_speed": speed,
+        "by_area": trip.by_area(operation, speed),
+        "solver": row.surge_pressure,
+    }
+
+
+def _trip_depths(case: Case, plan: Trips, whole: PlacedString) -> list[PlacedString]:
+    """Strings of the table of largest speeds: at the depths given, or along the open hole down to the bit."""
+    if plan.bit_depths is not None:
+        return [string_at(case, d) for d in plan.bit_depths]
+    first = shoe_depth(case) or 0.1 * whole.depth
+    if not first < whole.depth - 1.0:
+        return [whole]
+    strings = []
+    for depth in np.linspace(first, whole.depth, DEPTHS)[:-1]:
+        try:
+            strings.append(string_at(case, float(f"{depth:.6g}")))
+        except CaseError:  # the top of the string would be inside a rigid item
+            continue
+    return [*strings, whole]
+
+
+def _fastest(
+    case: Case, string: PlacedString, plan: Trips, hole: OpenHole, flow: float
+) -> list[dict[str, Any]]:
+    out = []
+    for pipe in plan.pipes:
+        trip = Tripping(case, string, pipe, hole, flow)  # type: ignore[arg-type]
+        for operation in plan.operations:
+            try:
+                speed, limit = trip.fastest(operation)
+            except SolveError:
+                speed, limit = np.nan, FAILED
+            values = (operation, pipe, string.depth, speed, limit)
+            out.append(dict(zip([q.name for q in MAX_TRIP_SPEED], values, strict=True)))
+    return out
+
+
+def _distinct(warnings: list[str]) -> list[str]:
+    """One of the warnings that differ by numbers alone: that with the largest first number."""
+
+    def size(text: str) -> float:
+        found = re.search(r"\d+(\.\d+)?", text)
+        return float(found[0]) if found else 0.0
+
+    kept: dict[str, str] = {}
+    for text in sorted(warnings, key=size):
+        kept[re.sub(r"-?\d+(\.\d+)?", "#", text)] = text
+    return sorted(kept.values())
+
+
+def _plain(value: Any) -> Any:
+    """None for a number that does not exist, as JSON needs it."""
+    return None if isinstance(value, float) and np.isnan(value) else value
+
+
+def _cell(value: Any) -> Any:
+    return np.nan if value is None else value
+
+
+def _lines(case: Case, rows: list[SurgeRow], summary: dict[str, Any]) -> list[str]:
+    system = summary["units"]
+    (d, depth), (v, speed), (p, pressure), (e, density) = (
+        shown_unit(name, unit, system)
+        for name, unit in (
+            ("bit_depth", "m"),
+            ("trip_speed", "m/s"),
+            ("surge_pressure", "Pa"),
+            ("ecd_bit", "kg/m3"),
+        )
+    )
+    head = ("bit depth", "trip speed", "surge", "ECD at bit")
+    lines = [
+        f"{case.title or 'case'}: surge and swab, steady",
+        f"  {'operation':<10}{'pipe':<9}" + "".join(f"{text:>12}" for text in head) + "  limited by",
+        f"  {'':<19}" + "".join(f"{text:>12}" for text in (depth, speed, pressure, density)),
+    ]
+    for row in rows:
+        ecd = row.ecd["ecd_bit"]
+        lines.append(
+            f"  {row.operation:<10}{row.pipe:<9}{row.bit_depth / d:>12.6g}{row.trip_speed / v:>12.4g}"
+            f"{row.surge_pressure / p:>12.5g}{'-' if ecd is None else format(ecd / e, '.5g'):>12}  {lengths_shown(row.limited_by, system)}"
+        )
+    started = [row for row in rows if np.isfinite(row.dynamic_surge_pressure)]
+    if started:
+        lines.append("  while the string starts: surge, at the time")
+    lines += [
+        f"  {row.operation:<10}{row.pipe:<9}{row.bit_depth / d:>12.6g}{row.trip_speed / v:>12.4g}"
+        f"{row.dynamic_surge_pressure / p:>12.5g}{row.dynamic_surge_time:>10.3g} s"
+        for row in started
+    ]
+    if summary["max_trip_speed"]:
+        lines.append("  largest trip speed within the window")
+    for found in summary["max_trip_speed"]:
+        fastest = "-" if found["max_trip_speed"] is None else f"{found['max_trip_speed'] / v:.4g}"
+        fastest = f"> {fastest}" if found["limited_by"] in (WITHIN, NOT_CHECKED) else fastest
+        lines.append(
+            f"  {found['operation']:<10}{found['pipe']:<9}{found['bit_depth'] / d:>12.6g}{fastest:>12}{'':>24}  {lengths_shown(found['limited_by'], system)}"
+        )
+    lines += [
+        f"  {found['operation']}, open pipe, {found['trip_speed'] / v:.4g} {speed}, bit at {found['bit_depth'] / d:.6g} {depth}: "
+        f"{found['solver'] / p:.5g} {pressure}; flow shared by areas (handbook): {found['by_area'] / p:.5g} {pressure}"
+        for found in summary["open_pipe_by_area"]
+        if found["solver"] is not None
+    ]
+    return (
+        lines
+        + [f"  WARNING: {w}" for w in _distinct([w for row in rows for w in row.warnings])]
+        + [f"  note: {lengths_shown(note, system)}" for note in summary["notes"]]
+    )

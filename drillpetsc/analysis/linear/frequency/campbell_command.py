@@ -1,0 +1,256 @@
+"""The `campbell` command: tables, summary and lines of modes over rotary speeds (manual: sec-campbell)."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from drillpetsc.analysis.linear.frequency.campbell import (
+    DEFAULT_LINES,
+    Campbell,
+    Critical,
+    campbell,
+)
+from drillpetsc.analysis.linear.frequency.critical_map import critical_map, demand_wall, map_columns
+from drillpetsc.analysis.linear.frequency.response import RPM, rpm_of, write_case_folder
+from drillpetsc.analysis.linear.frequency.tracking import LEAST_MAC, not_searched, searched_beside
+from drillpetsc.analysis.linear.frequency.turning import TurningModel, turning_case
+from drillpetsc.analysis.motion.run_options import options_of
+from drillpetsc.arrays import FloatArray
+from drillpetsc.case.blocks.formation import DragBit
+from drillpetsc.case.blocks.items.motor import PositiveDisplacementMotor
+from drillpetsc.case.blocks.items.reamer import Reamer
+from drillpetsc.case.case import Case
+from drillpetsc.errors import CaseError
+from drillpetsc.output import write_summary, write_table
+from drillpetsc.output.files.run_folder import CAMPBELL_TABLE, CRITICAL_MAP_TABLE, CRITICAL_TABLE
+from drillpetsc.output.job import Job
+from drillpetsc.output.quantities.frequency import CAMPBELL, CRITICAL, CRITICAL_MAP
+from drillpetsc.output.result import RunResult
+
+SHARP = 0.1  # damping ratio below which a critical speed near the case's speed is warned of
+MARGIN = 15.0  # margin to the case's speed [%] below which a critical speed is warned of
+
+
+def run_campbell(
+    job: Job,
+    speeds: tuple[float, ...],
+    count: int = 20,
+    kind: str | None = None,
+    lines: tuple[float | str, ...] | None = None,
+    without_control: bool = False,
+    frequency: str = "wd",
+    stiffness: tuple[float, ...] = (),
+) -> RunResult:
+    """Compute modes over rotary speeds [rad/s]; collective.
+
+    count, kind: of modes, as in ``modes``.
+    lines: excitation lines in cycles per turn, ``blades`` or ``motor``; None: 1, 2, 3 and the blades of a drag bit.
+    without_control: leave out motor and controller, and hold the top at the rotation.
+    frequency: wd, lines meet damped frequencies; wn, natural ones.
+    stiffness: of the wall [Pa], for critical_map.csv.
+
+    Raises CaseError for wrong arguments, SolveError where no state or mode is found.
+    """
+    case, comm = job.case, job.comm
+    turning = turning_case(case, "campbell", without_control)
+    if len(speeds) < 2:
+        raise CaseError(
+            at="--speeds", got=f"{rpm_of(speeds[0]):g} rpm", want="two speeds or more; `modes` is for one"
+        )
+    lines = named_lines(case, lines) if lines else default_lines(case)
+    if stiffness:
+        demand_wall(case)
+    with options_of(case):
+        states = TurningModel(turning, comm)
+        folder = job.make_folder()
+        found = campbell(states, speeds, count, lines, kind, frequency == "wn")
+        by_wall = critical_map(case, stiffness, speeds, count, lines, kind, without_control, comm)
+    summary = _summary(case, found, speeds, lines, states, kind) | {"frequency": frequency}
+    if comm.rank == 0:
+        write_case_folder(case, folder.path)
+        write_table(folder.path / CAMPBELL_TABLE, [q.column for q in CAMPBELL], _campbell_columns(found))
+        rows = _critical_columns(found, summary["case_speed"])
+        write_table(folder.path / CRITICAL_TABLE, [q.column for q in CRITICAL], rows)
+        if stiffness:
+            columns = [q.column for q in CRITICAL_MAP]
+            write_table(folder.path / CRITICAL_MAP_TABLE, columns, map_columns(by_wall))
+        write_summary(folder.summary, summary)
+    lines_shown = _lines(case, folder.path, found, summary)
+    if stiffness:
+        said = f"  {len(by_wall)} critical speeds without damping at {len(stiffness)} stiffnesses of the wall: {CRITICAL_MAP_TABLE}"
+        lines_shown.insert(-1, said)
+    return RunResult(folder.path, summary, lines_shown)
+
+
+def _blades(case: Case) -> tuple[float, ...]:
+    """Blades of a drag bit and of reamers."""
+    law = case.formation.bit_law if case.formation is not None else None
+    bit = (float(law.blades),) if isinstance(law, DragBit) else ()
+    return bit + tuple(float(item.blades) for item in case.string if isinstance(item, Reamer))
+
+
+def named_lines(case: Case, lines: tuple[float | str, ...]) -> tuple[float | str, ...]:
+    """Excitation lines with the blades of the case; raises CaseError for lines that it has not."""
+    out: set[float | str] = {line for line in lines if line != "blades"}
+    if "blades" in lines:
+        if not (found := _blades(case)):
+            want = "no line blades in a case without a drag bit or a reamer: give their number"
+            raise CaseError(at="--lines", got="blades", want=want)
+        out |= set(found)
+    motors = [item for item in case.string if isinstance(item, PositiveDisplacementMotor)]
+    if "motor" in lines and not any(item.pdm.lobes is not None for item in motors):
+        raise CaseError(at="--lines", got="motor", want="a pdm with lobes: the orbit of its rotor excites")
+    return (*sorted(q for q in out if not isinstance(q, str)), *sorted(q for q in out if isinstance(q, str)))
+
+
+def default_lines(case: Case) -> tuple[float | str, ...]:
+    """Once, twice and three times per turn, the blades of a drag bit, and the lobes under a roller cone."""
+    law = case.formation.bit_law if case.formation is not None else None
+    blades: tuple[float, ...] = (float(law.blades),) if isinstance(law, DragBit) else ()
+    blades += tuple(q.order for q in law.orders) if law is not None else ()
+    return tuple(sorted({*DEFAULT_LINES, *blades}))
+
+
+def _case_speed(case: Case) -> float:
+    """Rotation of the case at time 0 [rpm], 0 without one."""
+    return rpm_of(case.top.rotation.value(0.0)) if case.top.rotation is not None else 0.0
+
+
+def margin(critical: Critical, case_speed: float) -> float:
+    """Distance of a critical speed from that of the case [% of the latter]; nan for a case that does not turn."""
+    return 100.0 * (critical.speed / RPM - case_speed) / case_speed if case_speed else float("nan")
+
+
+def searched_to(found: Campbell) -> FloatArray:
+    """(k,) frequency [rad/s] at each speed up to which all modes are known: that of the highest mode asked for."""
+    return np.array([m.s.imag[m.counted].max(initial=0.0) for m in found.speeds])
+
+
+def _summary(
+    case: Case,
+    found: Campbell,
+    speeds: tuple[float, ...],
+    lines: tuple[float | str, ...],
+    states: TurningModel,
+    kind: str | None,
+) -> dict[str, Any]:
+    case_speed = _case_speed(case)
+    lost = [b for b in found.branches if b.end == "lost"]
+    grows = [rpm_of(m.speed) for m in found.speeds if m.grows.any()]
+    warnings = []
+    if lost:
+        shown = ", ".join(
+            f"{b.number} at {rpm_of(found.speeds[b.points[-1][0]].speed):g} rpm" for b in lost[:6]
+        ) + (f" and {len(lost) - 6} more" if len(lost) > 6 else "")
+        warnings.append(
+            f"branches lost, because no mode at the next speed has a MAC of {LEAST_MAC:g}: {shown}; a finer step may help"
+        )
+    near = [
+        c for c in found.critical
+        if case_speed and abs(margin(c, case_speed)) < MARGIN and c.damping_ratio < SHARP
+    ]  # fmt: skip
+    for c in near[:5]:
+        ratio = "undamped" if np.isinf(c.amplification) else f"damping ratio {c.damping_ratio:.2g}"
+        warnings.append(
+            f"critical speed {rpm_of(c.speed):.4g} rpm ({'motor, ' if c.excitation == 'motor' else ''}{c.line:.4g} per turn, {c.kind} {c.frequency:.4g} Hz, {ratio}) is within "
+            f"{MARGIN:g} % of the case's {case_speed:g} rpm"
+        )
+    if len(near) > 5:
+        warnings.append(f"{len(near) - 5} more critical speeds are within {MARGIN:g} % of the case's speed")
+    if found.speeds[0].stuck:
+        warnings.append(
+            "at 0 rpm the string is at rest without friction; modes there need not continue those above"
+        )
+    warnings += not_searched(found.speeds)
+    if grows:
+        warnings.append(
+            f"a mode grows at {len(grows)} of {len(found.speeds)} speeds, first at {grows[0]:g} rpm"
+        )
+    return {
+        "title": case.title,
+        "speeds": [rpm_of(s) for s in speeds],
+        "added_speeds": [rpm_of(m.speed) for m in found.speeds if m.speed not in speeds],
+        "case_speed": case_speed,
+        "lines": [line for line in lines if not isinstance(line, str)],
+        **(
+            {"motor_line": [None if np.isnan(q) else abs(q) / (2 * np.pi) for q in found.orbit]}
+            if found.orbit is not None
+            else {}
+        ),
+        "searched": kind or "all kinds",
+        "searched_to": [float(q) for q in searched_to(found) / (2 * np.pi)],
+        "searched_beside": [
+            None if np.isnan(q) else float(q) for q in searched_beside(found.speeds) / (2 * np.pi)
+        ],
+        "branches": len(found.branches),
+        "lost": len(lost),
+        "critical_speeds": len(found.critical),
+        "growing_speeds": grows,
+        "static_solutions": states.solved,
+        "warnings": warnings,
+    }
+
+
+def _campbell_columns(found: Campbell) -> list[Any]:
+    rows = []
+    for branch in found.branches:
+        for (k, j), mac in zip(branch.points, branch.mac, strict=True):
+            modes = found.speeds[k]
+            s = modes.s[j]
+            ratio = float(modes.damping_ratio[j])
+            decrement = 2 * np.pi * ratio / np.sqrt(1 - ratio**2) if abs(ratio) < 1 else np.inf
+            last = branch.end if (k, j) == branch.points[-1] and branch.end else "tracked"
+            rows.append([
+                rpm_of(modes.speed), branch.number, s.imag / (2 * np.pi), abs(s) / (2 * np.pi), ratio, decrement, s.real,
+                modes.kind[j], modes.whirl[j], mac, last,
+            ])  # fmt: skip
+    return [np.array(column) for column in zip(*rows, strict=True)] if rows else [np.zeros(0)] * len(CAMPBELL)
+
+
+def _critical_columns(found: Campbell, case_speed: float) -> list[Any]:
+    rows = [
+        [c.branch, c.kind, c.whirl, c.excitation, c.line, rpm_of(c.speed), c.frequency, c.damping_ratio, c.amplification,
+         margin(c, case_speed)]
+        for c in found.critical
+    ]  # fmt: skip
+    return [np.array(column) for column in zip(*rows, strict=True)] if rows else [np.zeros(0)] * len(CRITICAL)
+
+
+def _lines(case: Case, folder: Path, found: Campbell, summary: dict[str, Any]) -> list[str]:
+    first, last = summary["speeds"][0], summary["speeds"][-1]
+    added = f" and {len(summary['added_speeds'])} between" if summary["added_speeds"] else ""
+    lines = [
+        f"{case.title or 'case'}: {summary['branches']} branches at {len(summary['speeds'])} speeds from {first:g} to {last:g} rpm{added}",
+        "  critical speeds, the least damped first:",
+        "    [rpm]        [Hz]   per turn   kind        whirl      damping ratio   amplification   branch",
+    ]
+    shown = sorted(found.critical, key=lambda c: c.damping_ratio)[:SHOWN]
+    for c in shown:
+        lines.append(
+            f"  {c.speed / RPM:>9.3f} {c.frequency:>9.4g} {c.line:>8.4g}     {c.kind:<11} {c.whirl:<9} {c.damping_ratio:>12.3g}   "
+            f"{_amplification(c):>13}   {c.branch:>6}"
+        )
+    if not shown:
+        lines.append("    none among the modes that were searched")
+    if len(found.critical) > SHOWN:
+        lines.append(f"    and {len(found.critical) - SHOWN} more in {CRITICAL_TABLE}")
+    turning = [q for q, m in zip(summary["searched_to"], found.speeds, strict=True) if m.speed]
+    beside = [q for q in summary["searched_beside"] if q is not None]
+    lines.append(
+        f"  searched: all modes up to {min(turning):.3g} Hz"
+        + (f"; above, those within {min(beside):.2g} Hz of the excitation lines" if beside else "")
+    )
+    lines += [f"  note: {w}" for w in summary["warnings"]]
+    lines.append(f"  results: {folder}")
+    return lines
+
+
+SHOWN = 12  # critical speeds that are printed
+
+
+def _amplification(critical: Critical) -> str:
+    value = critical.amplification
+    return "grows" if np.isnan(value) else "infinite" if np.isinf(value) else f"{value:.3g}"

@@ -1,0 +1,543 @@
+"""The `limits` command: stresses, strength, buckling, fatigue and contacts of a static state, with what is left."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import asdict
+from typing import Any
+
+import numpy as np
+
+from drillpetsc.analysis.loads.limits.along_string import State, Surroundings, static_state
+from drillpetsc.analysis.loads.limits.contacts import contact_rows, item_forces
+from drillpetsc.analysis.loads.limits.fatigue import AS_S, rule_of
+from drillpetsc.analysis.loads.limits.operations import (
+    OPERATIONS,
+    case_of,
+    motion_of,
+    read_operation,
+    words_of,
+)
+from drillpetsc.analysis.loads.limits.soft_limits import SoftLimits
+from drillpetsc.analysis.loads.limits.table import Choices, Strength, element_values, rows
+from drillpetsc.analysis.loads.torque_drag.left_out import bends_left_out, cutters_left_out
+from drillpetsc.analysis.loads.torque_drag.operations import (
+    assumed,
+    grades_assumed,
+    plan_of,
+    rotation_note,
+    told,
+    torque_of_bit,
+)
+from drillpetsc.analysis.motion.run_options import options_of
+from drillpetsc.analysis.statics.answer import static_summary
+from drillpetsc.analysis.statics.equilibrium import MOTIONS, StaticState
+from drillpetsc.analysis.statics.find_equilibrium import find_equilibrium
+from drillpetsc.analysis.statics.notes.beyond_rig import beyond_rig
+from drillpetsc.analysis.statics.start.buckling import buckling
+from drillpetsc.analysis.statics.start.coarse_mesh import state_warnings
+from drillpetsc.arrays import FloatArray
+from drillpetsc.case.blocks.ends import BitBottom
+from drillpetsc.case.blocks.items.tubulars import DrillPipe, Jointed, Tubular
+from drillpetsc.case.case import Case
+from drillpetsc.case.checks.limits import refuse_quaternion
+from drillpetsc.errors import CaseError
+from drillpetsc.model.drilling_model import DrillingModel, build_model
+from drillpetsc.model.string_forces import held_at_weight
+from drillpetsc.output import write_summary, write_table
+from drillpetsc.output.files.case_files import write_case
+from drillpetsc.output.files.run_folder import CONTACTS_TABLE, LIMITS_TABLE
+from drillpetsc.output.job import Job
+from drillpetsc.output.quantities.limits import CONTACTS, LIMITS
+from drillpetsc.output.result import RunResult
+from drillpetsc.output.static_table import static_table
+from drillpetsc.physics.bit.bit_on_bottom import bit_torque
+from drillpetsc.unit_systems import System, shown
+
+NO_SOFT_STRING = "no margin of overpull and no largest weight on bit: they need a hole with contact, and gravity that points down"
+NO_FORCE = 1e-5  # share of the largest force below which the end of a string is not in compression
+NO_TORQUE = 1e-5  # over the hook load [m]: the torque of a string that only slides
+NO_SHARE = 1e-4  # of a limit, not worth a line
+#: summary key, column, True for its largest value, words
+WEAKEST = (
+    ("safety_factor", False, "Safety factor"),
+    ("tension_ratio", True, "Tension over limit"),
+    ("torque_ratio", True, "Torque over limit"),
+    ("make_up_ratio", True, "Torque over make-up torque"),
+    ("fatigue_ratio", True, "Dogleg over permissible"),
+    ("side_force_per_joint", True, "Side force per joint"),
+    ("burst_ratio", True, "Inside pressure over burst"),
+    ("collapse_ratio", True, "Outside pressure over collapse"),
+    ("damage_per_hour", True, "Miner's damage per hour"),
+    ("casing_wear_rate", True, "Rate of casing wear"),
+)
+
+
+def run_limits(job: Job, operation: str | None = None, choices: Choices | None = None) -> RunResult:
+    """Solve for the equilibrium of a case in an operation (collective).
+
+    operation: a word of OPERATIONS or of the trade; None: the case as it is, moving as its top prescribes.
+    Raises CaseError where the case cannot be in the operation, SolveError without equilibrium.
+    """
+    given, comm = job.case, job.comm
+    choices, units = choices or Choices(), given.shown_units
+    refuse_quaternion(given, "limits")
+    if given.hold_string:
+        raise CaseError(
+            at="hold_string", got=True, want="a string that is free to move: a held one has no forces"
+        )
+    word = read_operation(operation)
+    case = held_at_weight(given if word is None else case_of(given, word))
+    motion = None if word is None else motion_of(case, word)
+    with options_of(case, given):
+        model = build_model(case, comm, motion)
+        folder = job.make_folder()
+        state = find_equilibrium(model, motion, False)
+        columns, nodal = static_table(model)
+        buckled = buckling(model, columns, nodal) if nodal is not None else None
+        coarse = [*state_warnings(model, columns, nodal), *model.mesh.notes]
+        statics = static_summary(model, state)
+        found, forces = static_state(model), item_forces(model)
+        answer: Any = None
+        if comm.rank == 0:
+            assert found is not None
+            hole, pipe = Surroundings(model), Strength(model, choices)
+            turning = _rotation(case, word)
+            values = element_values(model, found, hole, pipe, choices, turning)
+            table = rows(model, values)
+            contacts = [] if forces is None else contact_rows(model, found.nodes, found.tangent, forces)
+            summary = _summary(model, word, choices, statics, table, contacts, units)
+            summary["notes"] += _torque_notes(given, word)
+            if choices.sn is not None and not turning:
+                summary["notes"].append(
+                    "no rotation at time 0 in this operation: no cycles and no damage (key top.rotation)"
+                )
+            if word is None and case.initial.wob is None and statics.get("wob", 0.0) > 0:
+                summary["notes"].append(
+                    "initial.wob is not given: the weight on bit is what a top at the rig leaves on the bottom"
+                )
+            summary |= _margins(model, found, pipe, choices, summary["notes"])
+            summary["buckling"] = {} if buckled is None else buckled.as_dict()
+            summary["warnings"] = [
+                *_state_warnings(state, word),
+                *beyond_rig(case, statics, units),
+                *_flags(table, summary, choices, units),
+                *coarse,
+            ]
+            write_case(given, folder)  # as the user has it; the summary has the operation
+            present = [q for q in LIMITS if q.name in table]
+            write_table(
+                folder.path / LIMITS_TABLE, [q.column for q in present], [table[q.name] for q in present]
+            )
+            cells = [[row[q.name] for row in contacts] for q in CONTACTS]
+            write_table(folder.path / CONTACTS_TABLE, [q.column for q in CONTACTS], cells)
+            write_summary(folder.summary, summary)
+            answer = summary
+        summary = comm.tompi4py().bcast(answer)
+    return job.result(folder, summary, _lines(given, summary, units))
+
+
+def _rotation(case: Case, word: str | None) -> float:
+    """Rotation of the string in an operation [rad/s]; 0 where it slides.
+
+    word: the operation; None: the case as it is, with the rotation of its top at time 0.
+    """
+    if word is None:
+        return 0.0 if case.top.rotation is None else float(case.top.rotation.value(0.0))
+    return motion_of(case, word)[1]
+
+
+# ---------------------------------------------------------------------- summary
+def _summary(
+    model: DrillingModel,
+    word: str | None,
+    choices: Choices,
+    statics: dict[str, Any],
+    table: dict[str, Any],
+    contacts: list[dict[str, Any]],
+    units: System,
+) -> dict[str, Any]:
+    case = model.case
+    keep = ("motion", "hook_load", "hook_load_total", "surface_torque", "wob", "bit_torque", "stable")
+    out: dict[str, Any] = {
+        "title": case.title,
+        "operation": word or "as the case",
+        **{key: statics[key] for key in keep if key in statics},
+        "choices": asdict(choices),
+        "units": units,
+        "neutral_point": {
+            "effective": _neutral_point(table, "effective_tension"),
+            "true": _neutral_point(table, "axial_force"),
+        },
+        "weakest": {name: _worst(table, name, largest) for name, largest, _ in WEAKEST if name in table},
+        "contacts": [{k: _plain(v) for k, v in row.items()} for row in contacts],
+        "rig": None if case.rig is None else case.rig.model_dump(),
+        "notes": _notes(model),
+    }
+    return out
+
+
+def _plain(value: Any) -> Any:
+    if isinstance(value, float | np.floating):
+        return None if np.isnan(value) else float(value)
+    return value
+
+
+def _notes(model: DrillingModel) -> list[str]:
+    """What the table leaves out."""
+    case, out = model.case, []
+    unknown = sorted({case.string[i].name for i in model.mesh.item if np.isnan(_yield(case, i))})
+    if unknown:
+        out.append(
+            f"no yield strength, so no strength limits: {', '.join(unknown)} (give a kind of pipe with a grade, or yield_strength)"
+        )
+    out += grades_assumed(case)
+    drill_pipe = [item for item in case.string if isinstance(item, DrillPipe)]
+    other = sorted({item.grade for item in drill_pipe if item.grade and rule_of(item.grade) is None})
+    if other:
+        out.append(f"no permissible dogleg for grade {', '.join(other)}: API RP 7G has E and S")
+    as_s = sorted({i.grade for i in drill_pipe if i.grade and i.grade.upper().replace(" ", "") in AS_S})
+    if as_s:
+        out.append(f"permissible dogleg of {', '.join(as_s)} by the rule of grade S")
+    if not drill_pipe:
+        out.append("no drill pipe: no permissible doglegs")
+    if model.fluid is None:
+        out.append("no mud: no pressures and no buoyancy")
+    elif model.fluid.bore is not None and case.fluid is not None and case.fluid.flow_rate is not None:
+        flow = case.fluid.flow_rate.value(0.0)
+        out.append(
+            "pressures are those of still mud"
+            if not flow
+            else f"pressures are those of {shown(flow, 'flow', case.output.units or 'metric')}, in the margin of overpull, too; "
+            "beside it that of still mud"
+        )
+    if model.contact is not None and any(isinstance(item, Jointed) for item in case.string):
+        of = {item.clearance for item in case.string if isinstance(item, Jointed)}
+        words = {"tool_joint": "the tool joints", "body": "the body of the pipe"}
+        out.append(
+            f"clearance of the buckling limits: from {' or '.join(words[word] for word in sorted(of))}"
+        )
+    if model.contact is None:
+        out.append("no wall: no side forces and no buckling limits")
+    joints = [item for item in case.string if isinstance(item, Jointed)]
+    loose = [item for item in joints if item.tool_joint.make_up_torque is None]
+    if loose:
+        names = ", ".join(sorted({item.name for item in loose}))
+        out.append(f"no make-up torque of {names}: give tool_joint.make_up_torque")
+    out.append(
+        "torque limits are those of the tube; of the connections only the make-up torque of tool joints is compared"
+        if len(loose) < len(joints)
+        else "connections are not checked: torque limits are those of the tube"
+    )
+    return out
+
+
+def _torque_notes(case: Case, word: str | None) -> list[str]:
+    """Where the torque on bit and the speeds of the operation come from, where the case does not give them."""
+    bottom, bit = case.bottom, case.string[-1]
+    plan = plan_of(case)
+    if word in ("drilling", "backreaming"):
+        return [note for note in (assumed(case, plan, word), rotation_note(case, plan)) if note]
+    if word is not None or case.formation is not None or not isinstance(bottom, BitBottom):
+        return []
+    if bit.od is None or not case.initial.wob:
+        return []
+    units = case.shown_units
+    own, other = bit_torque(case.initial.wob, bottom.friction, 0.5 * bit.od), torque_of_bit(case, plan)
+    given = "" if "friction" in bottom.model_fields_set else ", the default"
+    more = (
+        ""
+        if abs(own - other) < 0.01 * other
+        else f"; --operation drilling takes that of the roadmap, {shown(other, 'torque', units)}"
+    )
+    if not given and not more:
+        return []
+    return [
+        f"torque on bit where the string turns: {shown(own, 'torque', units)} from bottom.friction {bottom.friction:g}{given}{more}"
+    ]
+
+
+def _yield(case: Case, item: int) -> float:
+    strong = (
+        getattr(case.string[item], "yield_strength", None) if isinstance(case.string[item], Tubular) else None
+    )
+    return np.nan if strong is None else float(strong)
+
+
+def _worst(table: dict[str, Any], name: str, largest: bool) -> dict[str, Any] | None:
+    """Value, measured depth [m] and item of the largest or smallest entry of a column; None where it is empty."""
+    values = table[name]
+    known = np.isfinite(values)
+    if name == "side_force_per_joint":  # the trade's limit is for tool joints
+        known &= table["jointed"] > 0
+    if not known.any():
+        return None
+    at = np.flatnonzero(known)[int((np.argmax if largest else np.argmin)(values[known]))]
+    return {"value": float(values[at]), "md": float(table["md"][at]), "item": str(table["item"][at])}
+
+
+def _neutral_point(table: dict[str, Any], name: str) -> dict[str, float] | None:
+    """Lowest measured depth [m] at which a force changes from tension above to compression below, and its height
+    above the string's lower end [m]; None where there is none."""
+    known = np.isfinite(table[name])
+    md, force = table["md"][known], table[name][known]
+    least = NO_FORCE * float(np.abs(force).max(initial=0.0))
+    change = np.flatnonzero((force[:-1] > 0) & (force[1:] <= 0))
+    if not len(change) or not (force[change[-1] + 1 :] < -least).any():  # a free end carries nothing
+        return None
+    k = int(change[-1])
+    depth = md[k] + (md[k + 1] - md[k]) * force[k] / (force[k] - force[k + 1])
+    return {"md": float(depth), "above_bit": float(table["md"].max() - depth)}
+
+
+def _margins(
+    model: DrillingModel, found: State, pipe: Strength, choices: Choices, notes: list[str]
+) -> dict[str, Any]:
+    """Margin of overpull, largest weights on bit and largest slack-off, by the soft string."""
+    none: dict[str, Any] = dict.fromkeys(
+        ("margin_of_overpull", "max_overpull_at_bit", "max_wob", "max_slackoff", "available_wob"), None
+    )
+    soft = SoftLimits(model, choices.helical)
+    if not soft.works:
+        notes.append(NO_SOFT_STRING)
+        return none
+    out = dict(none)
+    limit, pressure = pipe.tension_limit[:, None] * np.ones((1, 2)), found.axial - found.effective
+    if np.isfinite(limit).any():
+        out |= _overpull(soft, limit, pressure)
+        if (still := _still_pressure(model)) is not None:
+            out["margin_of_overpull_still"] = _overpull(soft, limit, still)["margin_of_overpull"]
+    else:
+        notes.append("no margin of overpull: no yield strength is known")
+    out["max_wob"] = {
+        operation: {
+            which: soft.max_wob(operation, which == "helical").as_dict("wob")
+            for which in ("sinusoidal", "helical")
+        }
+        for operation in ("drilling", "sliding")
+    }
+    most = out["max_wob"]["sliding"]["helical"]["wob"]
+    if most is not None:
+        lower = motion_of(model.case, "sliding")
+        out["max_slackoff"] = soft.run(lower, 0.0).hook_load - soft.run(lower, most).hook_load
+    rig = model.case.rig
+    block = (rig.block_weight if rig is not None else None) or 0.0
+    out["available_wob"] = {word: soft.available_wob(word, block) for word in ("drilling", "sliding")}
+    notes.append("margin of overpull, max_wob, max_slackoff and available_wob are those of the soft string")
+    notes += bends_left_out(model.case) + cutters_left_out(model.case)
+    return out
+
+
+def _still_pressure(model: DrillingModel) -> FloatArray | None:
+    """(n, 2) tension of the wall less effective tension [N] in still mud; None where no mud is pumped."""
+    fluid, case, mesh = model.fluid, model.case, model.mesh
+    if (
+        fluid is None
+        or case.fluid is None
+        or case.fluid.flow_rate is None
+        or not case.fluid.flow_rate.value(0.0)
+    ):
+        return None
+    gravity = float(np.linalg.norm(np.array(case.gravity, dtype=float)))
+    pressure = case.fluid.density * gravity * np.maximum(Surroundings(model).tvd, 0.0)
+    inside = 0.0 if fluid.bore is None else mesh.tube_bore_area[:, None]
+    outside = 0.0 if fluid.annulus is None else mesh.tube_outer_area[:, None]
+    return np.asarray(pressure * (inside - outside))
+
+
+def _overpull(soft: SoftLimits, limit: FloatArray, pressure: FloatArray) -> dict[str, Any]:
+    """Margin of overpull along the string at pick-up, and the pull at the bit that uses it up with friction."""
+    lift = MOTIONS["hoist"]
+    tension = soft.tension(lift, 0.0) + pressure
+    left = np.where(np.isfinite(limit), limit - tension, np.inf)
+    md, item = soft.place(-left)
+    at = np.unravel_index(int(np.argmin(left)), left.shape)
+    margin = {
+        "margin": float(left.min()),
+        "ratio": float(limit[at] / tension[at]) if tension[at] > 0 else None,
+        "md": md,
+        "item": item,
+        "hook_load": soft.run(lift, 0.0).hook_load,
+    }
+    return {
+        "margin_of_overpull": margin,
+        "max_overpull_at_bit": soft.max_overpull(limit, pressure).as_dict("pull"),
+    }
+
+
+# ---------------------------------------------------------------------- words
+def _state_warnings(state: StaticState, word: str | None) -> list[str]:
+    """Warnings of the static state; one off bottom may reach below the end of the hole by its stretch."""
+    off_bottom = word is not None and not OPERATIONS[word].on_bottom
+    return [w for w in state.warnings if not (off_bottom and w.startswith("the string's end lies"))]
+
+
+def _flags(table: dict[str, Any], summary: dict[str, Any], choices: Choices, units: System) -> list[str]:
+    """Warnings about limits that are passed, each with its worst place."""
+    weakest, out = summary["weakest"], []
+
+    def flag(name: str, passed: bool, text: str) -> None:
+        if passed:
+            worst = weakest[name]
+            out.append(f"{text} at MD {shown(worst['md'], 'length', units, 5)} ({worst['item']})")
+
+    value = {name: np.nan if worst is None else worst["value"] for name, worst in weakest.items()}
+    flag(
+        "safety_factor",
+        value["safety_factor"] < choices.design_factor,
+        f"safety factor {value['safety_factor']:.3g}, below the design factor {choices.design_factor:g},",
+    )
+    factor = choices.tension_fraction / value["tension_ratio"] if value["tension_ratio"] > 0 else np.inf
+    flag(
+        "tension_ratio",
+        factor < choices.tension_design_factor,
+        f"pull at yield over tension {factor:.3g}, below {choices.tension_design_factor:g},",
+    )
+    flag("torque_ratio", value["torque_ratio"] > 1, f"torque {value['torque_ratio']:.3g} times its limit")
+    made_up = value.get("make_up_ratio", np.nan)
+    flag(
+        "make_up_ratio",
+        made_up > 1,
+        f"torque {made_up:.3g} times the make-up torque, connections make up further in the hole,",
+    )
+    flag(
+        "fatigue_ratio",
+        value["fatigue_ratio"] > 1,
+        f"dogleg {value['fatigue_ratio']:.3g} times the permissible one of API RP 7G",
+    )
+    flag(
+        "burst_ratio",
+        value["burst_ratio"] > 1,
+        f"inside pressure {value['burst_ratio']:.3g} times that of burst",
+    )
+    flag(
+        "collapse_ratio",
+        value["collapse_ratio"] > 1,
+        f"outside pressure {value['collapse_ratio']:.3g} times that of collapse",
+    )
+    if choices.sn is not None:
+        damage = value["damage_per_hour"]
+        if damage > 0:
+            flag(
+                "damage_per_hour", damage > 0.01, f"fatigue life of {1 / damage:.3g} h by {choices.sn.source}"
+            )
+        stress, damaged = table["worst_bending_stress"], table["damage_per_hour"]
+        if (np.isfinite(stress) & np.isnan(damaged)).any():
+            out.append(f"bending stress above the largest of {choices.sn.source}: no life is given there")
+    most = choices.side_force_per_joint
+    flag(
+        "side_force_per_joint",
+        value["side_force_per_joint"] > most,
+        f"side force of {shown(value['side_force_per_joint'], 'force', units)} a joint, above {shown(most, 'force', units)},",
+    )
+    for state in ("sinusoidal", "helical"):
+        there = table["buckling_state"] == state
+        if there.any():
+            md = table["md"][there]
+            out.append(
+                f"compression beyond the {state} limit between MD {shown(float(md.min()), 'length', units, 5)} "
+                f"and {shown(float(md.max()), 'length', units, 5)}"
+            )
+    flexible = np.isfinite(table["curvature"])  # rows of rigid items have none
+    if ((table["buckling_state"] == "-") & flexible).any():
+        out.append("the string is in compression where no wall holds it: no buckling limit there")
+    return out
+
+
+def _lines(case: Case, summary: dict[str, Any], units: System) -> list[str]:
+    """What the command prints."""
+    word = summary["operation"]
+    doing = words_of(case, word, units) if word in OPERATIONS else word
+    told_lines = [f"  {told(case, plan_of(case), word, units)}"] if word in OPERATIONS else []
+    rows = [
+        *_load_rows(summary, units),
+        *_weakest_rows(summary, units),
+        *_margin_rows(summary, units),
+        *_contact_rows(summary, units),
+    ]
+    lines = [f"{case.title or 'case'}: limits, {doing}", *told_lines]
+    lines += [f"  {label:<38}{text}" for label, text in rows]
+    lines += [f"  WARNING: {w}" for w in summary["warnings"]]
+    return lines + [f"  note: {note}" for note in summary["notes"]]
+
+
+Row = tuple[str, str]  # label and text of a printed row
+
+
+def _place(row: dict[str, Any], units: System) -> str:
+    return f"at MD {shown(row['md'], 'length', units, 5)} ({row['item']})"
+
+
+def _load_rows(summary: dict[str, Any], units: System) -> Iterator[Row]:
+    """Loads of the state, and where the string is neutral."""
+    for key, label, kind in (
+        ("hook_load_total", "Hook load with the block", "force"),
+        ("hook_load", "Hook load", "force"),
+        ("surface_torque", "Surface torque", "torque"),
+        ("wob", "Weight on bit", "force"),
+        ("bit_torque", "Torque on bit", "torque"),
+    ):
+        value = summary.get(key)
+        if value is not None and (key != "bit_torque" or value):
+            none = kind == "torque" and abs(value) < NO_TORQUE * abs(summary["hook_load"])
+            yield label, shown(0.0 if none else value, kind, units)
+    for key, label in (
+        ("effective", "Neutral point, effective tension"),
+        ("true", "Neutral point, axial force"),
+    ):
+        point = summary["neutral_point"][key]
+        if point is None:
+            yield label, "none"
+        else:
+            depth, above = shown(point["md"], "length", units, 5), shown(point["above_bit"], "length", units)
+            yield label, f"MD {depth}, {above} above the lower end"
+
+
+def _weakest_rows(summary: dict[str, Any], units: System) -> Iterator[Row]:
+    """The worst place of each limit."""
+    for name, _, label in WEAKEST:
+        worst = summary["weakest"].get(name)
+        least = NO_SHARE if name.endswith("_ratio") else 0.0
+        if worst is not None and abs(worst["value"]) >= least:
+            of = {"side_force_per_joint": "force", "casing_wear_rate": "wear_rate"}.get(name)
+            value = shown(worst["value"], of, units) if of else f"{worst['value']:.3g}"
+            yield label, f"{value} {_place(worst, units)}"
+
+
+def _margin_rows(summary: dict[str, Any], units: System) -> Iterator[Row]:
+    """What is left to pull, to push and to slack off."""
+    margin = summary["margin_of_overpull"]
+    if margin is not None:
+        yield "Margin of overpull", f"{shown(margin['margin'], 'force', units)} {_place(margin, units)}"
+        if (still := summary.get("margin_of_overpull_still")) is not None:
+            text = f"{shown(still['margin'], 'force', units)} {_place(still, units)}"
+            yield "Margin of overpull, pumps off", text
+        pull = summary["max_overpull_at_bit"]
+        if pull["pull"] is not None:
+            text = f"{shown(pull['pull'], 'force', units)}, limited {_place(pull, units)}"
+            yield "Largest overpull at the bit", text
+    for operation, loads in (summary["max_wob"] or {}).items():
+        for which, row in loads.items():
+            text = "no limit found"
+            if row["wob"] is not None:
+                text = f"{shown(row['wob'], 'force', units)}, first {_place(row, units)}"
+            yield f"Weight on bit, {operation}, {which}", text
+    for operation, row in (summary["available_wob"] or {}).items():
+        if row["wob"] is not None:
+            why = "then it coils" if row["limited_by"] == "helical" else "then no hook load is left"
+            yield f"Available weight on bit, {operation}", f"{shown(row['wob'], 'force', units)}, {why}"
+    if summary["max_slackoff"] is not None:
+        yield "Largest slack-off", shown(summary["max_slackoff"], "force", units)
+
+
+def _contact_rows(summary: dict[str, Any], units: System) -> Iterator[Row]:
+    """Side forces on rigid items."""
+    for row in summary["contacts"]:
+        if row["gap"] is None and row["tilt"] is None:
+            continue
+        force = "-" if row["side_force"] is None else shown(row["side_force"], "force", units)
+        if row["side_force"] is not None and row["contact_force_sum"] > 1.01 * row["side_force"]:
+            force += f" and a couple of {shown(row['side_couple'], 'torque', units)}"
+        if row["direction"] is not None:
+            force += f", towards {round(np.degrees(row['direction'])) % 360} deg"
+        yield f"Side force on {row['item']}", f"{force}, at MD {shown(row['md'], 'length', units, 5)}"

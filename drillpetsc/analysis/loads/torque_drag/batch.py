@@ -1,0 +1,253 @@
+"""Soft strings of many bit depths, operations and friction factors, integrated together from the bit up.
+
+The equations are those of `soft_string`, with the extra wall force r F^2/(4 EI) where the compression F is above the
+helical buckling load (manual: sec-soft-string-helical).  One step of all strings is one step of numpy, so that hundreds
+of strings cost little more than one.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from drillpetsc.analysis.loads.torque_drag.string_rows import StringRows
+from drillpetsc.analysis.statics.start.soft_string import _A11, _A12, _A21, _A22, _GAUSS, MAX_STEP
+from drillpetsc.arrays import FloatArray
+from drillpetsc.geometry.well import Well
+
+#: load of a string in a hole with side load, over sqrt(EI q/r): Dawson and Paslay (SPE 11167), Chen, Lin and Cheatham
+SINUSOIDAL, HELICAL = 2.0, 2.0 * np.sqrt(2.0)
+#: load of a string in a vertical hole over (w^2 EI)^(1/3), Lubinski (1950); taken where it is larger
+VERTICAL_SINUSOIDAL, VERTICAL_HELICAL = 1.94, 3.75
+VERTICAL = np.radians(3.0)  # inclination below which a hole is vertical
+LARGEST_FORCE = 5e7  # compression beyond that of any string: the force would grow without bound [N]
+PASSED = 0.01  # share of a change of the hook load that must reach the bit
+SMALLEST_CLEARANCE = 1e-6  # [m]
+RIGID = 1e30  # stiffness of rigid items, in place of infinity [N], [N m2]
+
+
+@dataclass(frozen=True)
+class Columns:
+    """Loads of c soft strings, (c,) each unless stated.
+
+    placed: number of the string's `StringRows`.
+    friction: (c, m) friction coefficients of the hole's sections.
+    item_factor: by which friction coefficients of items are multiplied.
+    wob: force of the rock [N]; torque: of the rock on the string [N m].
+    axial_velocity: [m/s], positive when hoisting; rotation: [rad/s].
+    weight_factor: by which the buoyed weight is multiplied.
+    lift: (k, c) force per length that lifts the string in each step of the hole [N/m], None without flow.
+    thrust: of jets on the bit, up [N], None without flow.
+    """
+
+    placed: np.ndarray
+    friction: FloatArray
+    item_factor: FloatArray
+    wob: FloatArray
+    torque: FloatArray
+    axial_velocity: FloatArray
+    rotation: FloatArray
+    weight_factor: FloatArray
+    lift: FloatArray | None = None
+    thrust: FloatArray | None = None
+
+
+@dataclass(frozen=True)
+class Batch:
+    """Soft strings: (k,) steps from the top down with k + 1 edges, c strings; nan below the lower end of a string.
+
+    md: (k+1,) measured depths of the edges [m].
+    tension: (k+1, c) effective axial force [N]; torque: (k+1, c) [N m].
+    contact: (k, c) mean wall force per length, the helix's included [N/m].
+    state: (k, c) 0 straight, 1 sinusoidal, 2 helical.
+    elongation, twist: (c,) of the whole string [m], [rad].
+    locked: (c,) deepest measured depth that a change of the hook load reaches, nan: it reaches the bit [m].
+    broken: (c,) mask of strings that cannot bear the weight on bit: hook load and torque do not exist.
+    inside: (k, c) mask of the steps in the string; item: (k, c) number of the item.
+    """
+
+    md: FloatArray
+    tension: FloatArray
+    torque: FloatArray
+    contact: FloatArray
+    state: np.ndarray
+    elongation: FloatArray
+    twist: FloatArray
+    locked: FloatArray
+    broken: np.ndarray
+    inside: np.ndarray
+    item: np.ndarray
+
+
+class Hole:
+    """Steps along the hole for some strings, with the geometry at their Gauss points.
+
+    edges: (k+1,) [m]; section: (k,) number of the hole's section; placed: the strings.
+    max_step: longest step [m].
+    """
+
+    def __init__(self, well: Well, placed: Sequence[StringRows], max_step: float = MAX_STEP) -> None:
+        self.well, self.placed = well, tuple(placed)
+        end = max(rows.depth for rows in placed)
+        marks = np.concatenate([well.node_md, well.section_to, *(rows.edges for rows in placed), [0.0, end]])
+        marks = np.unique(marks[(marks >= 0) & (marks <= end)])
+        keep = np.append(True, np.diff(marks) > 1e-7)
+        marks = marks[keep]
+        marks[-1] = end
+        pieces = np.ceil(np.diff(marks) / max_step).astype(int)
+        first = np.repeat(np.cumsum(pieces) - pieces, pieces)
+        fraction = (np.arange(pieces.sum()) - first) / np.repeat(pieces, pieces)
+        self.edges = np.append(
+            np.repeat(marks[:-1], pieces) + fraction * np.repeat(np.diff(marks), pieces), marks[-1]
+        )
+        self.h = np.diff(self.edges)
+        middle = self.edges[:-1] + 0.5 * self.h
+        self.section = np.minimum(np.searchsorted(well.section_to, middle), len(well.section_to) - 1)
+        points = self.edges[:-1, None] + self.h[:, None] * _GAUSS
+        _, tangent, curvature = well.at(points)
+        self.down = tangent[..., 2]  # (k, 2) cos I
+        across = -self.down[..., None] * tangent
+        across[..., 2] += 1.0
+        self.kk = (curvature * curvature).sum(-1)
+        self.kz = (curvature * across).sum(-1)
+        self.zz = (across * across).sum(-1)
+        self.vertical = self.down.mean(1) > np.cos(VERTICAL)
+        self.curvature = np.sqrt(self.kk)
+        radius = np.asarray(well.section_radius)[self.section]
+        count, k = len(self.placed), len(self.h)
+        self.item = np.empty((k, count), dtype=int)
+        self.inside = np.empty((k, count), dtype=bool)
+        self.of: dict[str, FloatArray] = {}
+        names = (
+            "weight",
+            "contact_radius",
+            "axial_stiffness",
+            "bending_stiffness",
+            "torsional_stiffness",
+            "friction",
+        )
+        for name in (*names, "clearance"):
+            self.of[name] = np.empty((k, count))
+        for p, rows in enumerate(self.placed):
+            i = np.clip(np.searchsorted(rows.edges, middle) - 1, 0, len(rows.weight) - 1)
+            self.item[:, p], self.inside[:, p] = i, middle < rows.depth
+            for name in names:
+                self.of[name][:, p] = np.minimum(getattr(rows, name)[i], RIGID)
+            self.of["clearance"][:, p] = np.maximum(radius - rows.clearance_radius[i], SMALLEST_CLEARANCE)
+
+    def item_values(self, name: str) -> FloatArray:
+        """(k, strings) values of a column of `StringRows`."""
+        return np.stack([getattr(rows, name)[self.item[:, p]] for p, rows in enumerate(self.placed)], axis=1)
+
+
+def soft_strings(hole: Hole, loads: Columns) -> Batch:
+    """Integrate all strings from the bit up.
+
+    Within a step whether the string is helical follows from the force at the step's lower end, so that the stage
+    equations are smooth.
+    """
+    with np.errstate(over="ignore", invalid="ignore"):  # of strings whose force grows without bound
+        return _soft_strings(hole, loads)
+
+
+def _soft_strings(hole: Hole, loads: Columns) -> Batch:
+    k, placed, of = len(hole.h), loads.placed, hole.of
+    own = of["friction"][:, placed] * loads.item_factor
+    mu = np.where(np.isnan(own), loads.friction.T[hole.section], own)
+    around = loads.rotation * of["contact_radius"][:, placed]
+    speed = np.hypot(loads.axial_velocity, around)
+    scale = np.divide(1.0, speed, out=np.zeros_like(speed), where=speed > 0)
+    along, hoop = loads.axial_velocity * scale, around * scale
+    weight = of["weight"][:, placed] * loads.weight_factor
+    inside = hole.inside[:, placed]
+    stiffness, clearance = of["bending_stiffness"][:, placed], of["clearance"][:, placed]
+    extra = clearance / (4 * stiffness)
+    root = np.sqrt(stiffness / clearance)
+    hanging = np.where(hole.vertical[:, None], np.cbrt(weight**2 * stiffness), 0.0)
+    h_inside = np.where(inside, hole.h[:, None], 0.0)
+
+    end_weight = np.array([rows.end_weight for rows in hole.placed])[placed] * loads.weight_factor
+    lower_end = np.array([rows.depth for rows in hole.placed])
+    at_end = np.asarray(hole.well.at(lower_end)[1])[:, 2][placed]
+    count = len(placed)
+    tension = np.empty((k + 1, count))
+    tension[-1] = t = end_weight * at_end - loads.wob - (0.0 if loads.thrust is None else loads.thrust)
+    contact, state = np.zeros((k, count)), np.zeros((k, count), dtype=np.int8)
+    mean, slope = np.zeros((k, count)), np.zeros((k, count))
+    broken, stop = np.zeros(count, dtype=bool), np.full(count, np.nan)
+    for i in range(k - 1, -1, -1):
+        step, w, drag = h_inside[i], weight[i], along[i] * mu[i]
+        lift = 0.0 if loads.lift is None else loads.lift[i]
+        (k1, k2), (g1, g2) = hole.kk[i], (w * hole.down[i, 0] - lift, w * hole.down[i, 1] - lift)
+        c1, c2 = 2 * w * hole.kz[i, 0], 2 * w * hole.kz[i, 1]
+        w1, w2 = w * w * hole.zz[i, 0], w * w * hole.zz[i, 1]
+        push = np.maximum(-t, 0.0)
+        side = np.sqrt(np.maximum((t * k2 + c2) * t + w2, 0.0))
+        load = root[i] * np.sqrt(side)
+        helical = push > np.maximum(HELICAL * load, VERTICAL_HELICAL * hanging[i])
+        buckled = push > np.maximum(SINUSOIDAL * load, VERTICAL_SINUSOIDAL * hanging[i])
+        e = np.where(helical, extra[i], 0.0)
+        upper = lower = t
+        for _ in range(50):
+            n2 = np.sqrt(np.maximum((lower * k2 + c2) * lower + w2, 0.0)) + e * lower * lower
+            n1 = np.sqrt(np.maximum((upper * k1 + c1) * upper + w1, 0.0)) + e * upper * upper
+            f2, f1 = g2 + drag * n2, g1 + drag * n1
+            new_lower, new_upper = t + step * (_A11 * f2 + _A12 * f1), t + step * (_A21 * f2 + _A22 * f1)
+            change = np.abs(new_lower - lower) + np.abs(new_upper - upper)
+            lower, upper = new_lower, new_upper
+            if (change <= 1e-12 * (np.abs(t) + step * (np.abs(f1) + np.abs(f2))) + 1e-300).all():
+                break
+        t = t + 0.5 * step * (f1 + f2)
+        lost = ~broken & ~(np.abs(t) < LARGEST_FORCE)
+        if lost.any() or broken.any():
+            broken |= lost
+            stop = np.where(lost, hole.edges[i + 1], stop)
+            t = np.where(broken, -LARGEST_FORCE, t)
+            h_inside[: i + 1, broken] = 0.0
+        tension[i] = t
+        contact[i] = 0.5 * (n1 + n2)
+        mean[i] = 0.5 * (lower + upper)
+        state[i] = np.where(helical, 2, buckled)
+        middle = mean[i]
+        dn = np.divide(
+            middle * k2 + 0.5 * c2, side, out=np.zeros(count), where=side > 1e-9
+        )  # dN/dT without the helix
+        slope[i] = step * drag * (dn + 2 * e * middle)
+    h = np.where(inside, hole.h[:, None], 0.0)
+    torque_step = h * hoop * of["contact_radius"][:, placed] * mu * contact
+    torque = loads.torque + np.vstack([np.cumsum(torque_step[::-1], axis=0)[::-1], np.zeros((1, count))])
+    elongation = (h * mean / of["axial_stiffness"][:, placed]).sum(0)
+    twist = (h * 0.5 * (torque[:-1] + torque[1:]) / of["torsional_stiffness"][:, placed]).sum(0)
+    locked = np.where(broken, stop, _locked(hole, slope, loads.axial_velocity < 0))
+    for values in (elongation, twist):
+        values[broken] = np.nan
+    below = np.vstack([np.ones((1, count), dtype=bool), inside])
+    tension = np.where(below, tension, np.nan)
+    torque = np.where(below, torque, np.nan)
+    above = np.isnan(stop) | (hole.edges[:, None] >= stop)
+    return Batch(
+        hole.edges,
+        np.where(above, tension, np.nan),
+        np.where(above, torque, np.nan),
+        np.where(inside, contact, np.nan),
+        np.where(inside & above[:-1], state, 0),
+        elongation,
+        twist,
+        locked,
+        broken,
+        inside,
+        hole.item[:, placed],
+    )
+
+
+def _locked(hole: Hole, slope: FloatArray, lowered: np.ndarray) -> FloatArray:
+    """(c,) measured depth below which less than `PASSED` of a change of the hook load arrives; nan where there is none.
+
+    slope: (k, c) growth of a change of the force over a step, upwards.
+    """
+    passed = np.cumsum(slope, axis=0)  # from the top down to the lower end of each step
+    less = passed > -np.log(PASSED)
+    found = less.any(0) & lowered & less[-1]
+    return np.where(found, hole.edges[1:][np.argmax(less, axis=0)], np.nan)

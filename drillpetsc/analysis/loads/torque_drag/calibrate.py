@@ -1,0 +1,228 @@
+"""The `calibrate` command: friction factors from measured hook loads and torques, with intervals, as files and text."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from drillpetsc.analysis.loads.torque_drag.calibration import (
+    AT_BOUND,
+    BOUNDS,
+    FACTOR_BOUNDS,
+    WEIGHT_ERROR,
+    Calibration,
+    Fit,
+)
+from drillpetsc.analysis.loads.torque_drag.left_out import bends_left_out, cutters_left_out
+from drillpetsc.analysis.loads.torque_drag.operations import KINDS, plan_of
+from drillpetsc.analysis.motion.run_options import options_of
+from drillpetsc.case.blocks.roadmap import MeasuredPoint
+from drillpetsc.case.case import Case
+from drillpetsc.case.plausible.plausible_operations import readings
+from drillpetsc.errors import CaseError
+from drillpetsc.output import write_summary, write_table
+from drillpetsc.output.files.run_folder import CALIBRATION_TABLE
+from drillpetsc.output.job import Job
+from drillpetsc.output.quantities.torque_drag import MEASURED
+from drillpetsc.output.result import RunResult
+from drillpetsc.output.shown_units import shown_unit
+from drillpetsc.unit_systems import System, shown
+
+
+def run_calibrate(
+    job: Job,
+    points: tuple[MeasuredPoint, ...] | None,
+    parameters: tuple[str, ...] | None = None,
+) -> RunResult:
+    """Fit friction factors to measured points (collective).
+
+    points: measured; None: those of the case.
+    parameters: names of groups of sections, block_weight, weight_factor: what is fitted; None: all friction factors.
+    Every rank computes the same, the first one writes.
+    """
+    case = job.case
+    plan, system = plan_of(case), case.shown_units
+    points = plan.measured if points is None else points
+    if not points:
+        raise CaseError(at="--measured", want="a file of measured points, or roadmap.measured in the case")
+    with options_of(case):
+        work = Calibration(case, points, plan.hookload_excludes_block)
+    if parameters is None:
+        parameters = work.factors
+    unknown = [name for name in parameters if name not in (*KINDS, *work.factors, *BOUNDS)]
+    if unknown:
+        raise CaseError(at="--fit", got=unknown[0], want=", ".join([*work.factors, *BOUNDS]))
+    notes = _notes(case, work, parameters)
+    fit = work.fit(parameters)
+    alone = work.alone(fit)
+    warnings = _warnings(work, fit, parameters)
+    summary = _summary(case, work, fit, system, warnings, notes)
+    folder = job.make_folder()
+    if job.comm.rank == 0:
+        case.dump(folder.case)
+        d = work.data
+        columns: dict[str, Any] = {
+            "bit_depth": [points[i].bit_depth for i in d.point],
+            "operation": [points[i].operation for i in d.point],
+            "compared": ["hook_load" if hook else "surface_torque" for hook in d.hook],
+            "measured": d.value,
+            "computed": fit.computed,
+            "residual": fit.computed - d.value,
+            "sigma": d.sigma,
+            "ff_open_hole_alone": alone,
+        }
+        write_table(
+            folder.path / CALIBRATION_TABLE, [q.column for q in MEASURED], [columns[q.name] for q in MEASURED]
+        )
+        write_summary(folder.summary, summary)
+    return job.result(folder, summary, _lines(case, work, fit, summary, system))
+
+
+def _notes(case: Case, work: Calibration, parameters: tuple[str, ...]) -> list[str]:
+    notes = []
+    block = None if case.rig is None else case.rig.block_weight
+    if (
+        block is None
+        and not work.excludes_block
+        and "block_weight" not in parameters
+        and work.data.hook.any()
+    ):
+        notes.append("no rig.block_weight: measured hook loads are taken as those of the string alone")
+    if case.fluid is not None and work.still:
+        where = f" in {', '.join(work.still)}" if work.pumped else ""
+        notes.append(f"the mud stands still{where}: forces of the flow on the string are left out")
+    idle = [
+        p
+        for p, turns in zip(work.points, work.loads[:, 3], strict=True)
+        if p.torque is not None and not turns
+    ]
+    if idle:
+        which = ", ".join(dict.fromkeys(p.operation for p in idle))
+        notes.append(
+            f"{len(idle)} torques without rotation ({which}) are no readings: they do not depend on friction"
+        )
+    some = [p for p in work.points if p.operation in ("drilling", "sliding")]
+    if any(p.wob is None for p in some):
+        notes.append("drilling or sliding points without wob have that of the roadmap")
+    if any(p.torque is not None and p.tob is None for p in some):
+        notes.append(
+            "torque while drilling or sliding without tob: the torque on bit of the roadmap is taken"
+        )
+    if any(item.friction is not None for item in case.string):
+        notes.append("items with a friction of their own keep it")
+    return notes + cutters_left_out(case) + bends_left_out(case)
+
+
+def _warnings(work: Calibration, fit: Fit, parameters: tuple[str, ...]) -> list[str]:
+    out = []
+    for name, reason in fit.reasons.items():
+        held = work.default(name)
+        also = not np.isnan(fit.value).all() and np.isfinite(held)
+        words = f"{shown(held, 'force', work.units)}" if name == "block_weight" else f"{held:.4g}"
+        out.append(
+            f"{name} is not determined: {reason}"
+            + (f"; the others are found with {words} of the case" if also else "")
+        )
+    if not {"block_weight", "weight_factor"} & set(parameters):
+        out += _weight_error(work)
+    for name, value in zip(fit.parameters, fit.value, strict=True):
+        low, high = BOUNDS.get(name, FACTOR_BOUNDS)
+        if value - low < AT_BOUND * (high - low) or high - value < AT_BOUND * (high - low):
+            out.append(
+                f"{name} is at its bound {value:g}: the points ask for a value beyond it, and its interval does not hold"
+            )
+    end = None if work.case.well is None else float(work.case.well.survey.md[-1])
+    out += readings(work.points, end, work.units)
+    if fit.chi2 > 4:
+        out.append(
+            f"the misfit is {np.sqrt(fit.chi2):.1f} standard errors: the model does not explain the points"
+        )
+    return out
+
+
+def _weight_error(work: Calibration) -> list[str]:
+    """Warn where the hook loads of rotating off bottom, which no friction changes, are not those computed."""
+    off = [(point, point.hook_load or 0.0, computed) for point, computed in work.weight_misfit()]
+    weights = np.array([[read - work.block, computed - work.block] for _, read, computed in off])
+    if not off or abs(weights[:, 1].sum() / max(weights[:, 0].sum(), 1.0) - 1) <= WEIGHT_ERROR:
+        return []
+    point, read, computed = max(off, key=lambda row: abs(row[2] - row[1]))
+    share, more = computed / read - 1 if read else np.inf, "above" if computed > read else "below"
+    block = f", {abs(weight_share(work, read, computed)):.1%} of the string's weight" if work.block else ""
+    text = (
+        f"rotating off bottom at {shown(point.bit_depth, 'length', work.units, 5)} the computed hook load, "
+        f"{shown(computed, 'force', work.units)}, is {abs(share):.1%} {more} the measured one, "
+        f"{shown(read, 'force', work.units)}{block}: an error of the weight (mud, pipe, block), which friction factors must not "
+        "absorb; --fit weight_factor or block_weight fits it"
+    )
+    gaps = weights[:, 1] - weights[:, 0]
+    if work.block and np.abs(gaps - work.block).max() < 0.5 * np.abs(gaps).min():
+        text += (
+            f"; the difference is about rig.block_weight, {shown(work.block, 'force', work.units)}: were the hook loads read "
+            "without the block (roadmap.hookload_excludes_block: true)?"
+        )
+    return [text]
+
+
+def weight_share(work: Calibration, read: float, computed: float) -> float:
+    """Difference of two hook loads [N] over the measured weight of the string without the block [-]."""
+    return (computed - read) / max(abs(read - work.block), 1.0)
+
+
+def _summary(
+    case: Case, work: Calibration, fit: Fit, system: System, warnings: list[str], notes: list[str]
+) -> dict[str, Any]:
+    def plain(x: float) -> float | None:
+        return None if np.isnan(x) else float(x)
+
+    return {
+        "title": case.title,
+        "units": system,
+        "fit": {
+            name: {
+                "value": plain(value),
+                "interval": None if np.isnan(width) else [float(value - width), float(value + width)],
+                "status": f"not determined: {fit.reasons[name]}" if name in fit.reasons else "determined",
+            }
+            for name, value, width in zip(fit.parameters, fit.value, fit.interval, strict=True)
+        },
+        "parameters": list(fit.parameters),
+        "correlation": [[plain(x) for x in row] for row in fit.correlation],
+        "reduced_chi2": plain(fit.chi2),
+        "readings": len(work.data.value),
+        "warnings": warnings,
+        "notes": notes,
+    }
+
+
+def _lines(case: Case, work: Calibration, fit: Fit, summary: dict[str, Any], system: System) -> list[str]:
+    lines = [
+        f"{case.title or 'case'}: calibration with {len(work.data.value)} readings of {len(work.points)} points"
+    ]
+    size, force = shown_unit("hook_load", "N", system)
+    for name, value, width in zip(fit.parameters, fit.value, fit.interval, strict=True):
+        scale, unit = (size, f" {force}") if name == "block_weight" else (1.0, "")
+        words = {"cased": "friction, cased", "open_hole": "friction, open hole"}.get(
+            name, name.replace("_", " ") if name in BOUNDS else f"friction, {name}"
+        )
+        if np.isnan(value):
+            lines.append(f"  {words:<22} not determined: {fit.reasons[name]}")
+        elif np.isnan(width):
+            lines.append(
+                f"  {words:<22} {value / scale:10.4g}{unit}   no interval: as many unknowns as readings"
+            )
+        else:
+            a, b = (value - width) / scale, (value + width) / scale
+            lines.append(f"  {words:<22} {value / scale:10.4g}{unit}   95 % interval {a:.4g} to {b:.4g}")
+    if not np.isnan(fit.chi2):
+        lines.append(f"  reduced chi2 {fit.chi2:.3g}")
+    kept = [i for i, value in enumerate(fit.value) if not np.isnan(value)]
+    for a, i in enumerate(kept):
+        for j in kept[a + 1 :]:
+            lines.append(
+                f"  correlation of {fit.parameters[i]} and {fit.parameters[j]}: {fit.correlation[i, j]:.3f}"
+            )
+    return (
+        lines + [f"  WARNING: {w}" for w in summary["warnings"]] + [f"  note: {n}" for n in summary["notes"]]
+    )

@@ -1,0 +1,438 @@
+"""Friction factors from measured hook loads and torques: the fit, its intervals, and what the points do not determine.
+
+Bounded nonlinear least squares of all points at once with the soft string (manual: sec-soft-string-calibration).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from drillpetsc.analysis.loads.torque_drag.batch import Columns, Hole, soft_strings
+from drillpetsc.analysis.loads.torque_drag.circulation import Circulation, circulation
+from drillpetsc.analysis.loads.torque_drag.operations import KINDS, groups_of, load_of, plan_of
+from drillpetsc.analysis.loads.torque_drag.string_rows import gravity_of, need_well, rows_at
+from drillpetsc.arrays import FloatArray
+from drillpetsc.case.blocks.roadmap import MeasuredPoint
+from drillpetsc.case.case import Case
+from drillpetsc.errors import CaseError, SolveError
+from drillpetsc.unit_systems import shown
+
+FACTOR_BOUNDS, FACTOR_STEP = (0.0, 1.0), 1e-4  # of every friction factor
+BOUNDS = {"block_weight": (0.0, 5e6), "weight_factor": (0.5, 1.5)}
+START = {"cased": 0.25, "open_hole": 0.3, "weight_factor": 1.0}
+STEP = {"block_weight": 10.0, "weight_factor": 1e-5}
+RELATIVE_SIGMA, SMALLEST_SIGMA = 0.02, {"hook_load": 10e3, "surface_torque": 500.0}  # [N], [N m]
+SOFT_SCALE = 3.0  # of soft_l1, in standard errors
+LARGEST_CONDITION = 1e3  # of the scaled Jacobian
+SMALLEST_SPREAD = 3.0  # of hook loads with friction against those without, in standard errors
+WEIGHT_ERROR = 0.02  # misfit of rotating off bottom that is reported as an error of the weight
+AT_BOUND = 1e-6
+#: half width of a 95 % interval beyond which a parameter is not determined: friction factors are between 0.1 and 0.5
+WIDEST_FACTOR, WIDEST = 0.25, {"weight_factor": 0.1}
+BLOCK_SHARE = 0.25  # that of the block weight, of the largest hook load read
+LONGEST_STEP = 25.0  # of the integration where the hole is straight: there it is exact without a helix [m]
+MOST_COLUMNS = 600  # soft strings that are integrated together, for the memory they need
+ALONE_GRID = 41  # friction factors from 0 to 1 between which a point alone is solved
+
+
+@dataclass(frozen=True)
+class Data:
+    """Readings as rows, (n,) each.
+
+    point: number of the measured point; hook: whether a hook load, else a torque.
+    value: hook load of the string with the block where it was read so, torque [N], [N m]; sigma: standard error.
+    """
+
+    point: np.ndarray
+    hook: np.ndarray
+    value: FloatArray
+    sigma: FloatArray
+
+
+@dataclass
+class Fit:
+    """Result of a calibration.
+
+    parameters: names that were fitted.
+    value: best values; interval: half widths of the 95 % intervals; nan where not determined, (k,) each.
+    correlation: (k, k); chi2: reduced; computed: (n,) readings with the best values.
+    reasons: name -> why it is not determined.
+    """
+
+    parameters: tuple[str, ...]
+    value: FloatArray
+    interval: FloatArray
+    correlation: FloatArray
+    chi2: float
+    computed: FloatArray
+    reasons: dict[str, str] = field(default_factory=dict)
+
+
+class Calibration:
+    """Soft strings of measured points.
+
+    case: with a well; points: measured; excludes_block: hook loads were read without the block.
+    Raises CaseError for points that the string cannot reach.
+    """
+
+    def __init__(
+        self,
+        case: Case,
+        points: tuple[MeasuredPoint, ...],
+        excludes_block: bool = False,
+    ) -> None:
+        well = need_well(case, "calibrate")
+        self.case, self.points = case, points
+        self.units = case.shown_units
+        gravity_of(case, "calibrate")
+        end = float(case.well.survey.md[-1])  # type: ignore[union-attr]
+        for i, point in enumerate(points):
+            if point.bit_depth > end + 1e-6:
+                want = f"at most {shown(end, 'length', self.units, 6)}, the end of the hole"
+                raise CaseError(
+                    at=f"measured[{i}].bit_depth",
+                    got=shown(point.bit_depth, "length", self.units, 6),
+                    want=want,
+                )
+        depths = sorted({point.bit_depth for point in points})
+        at = f"measured[{next(i for i, p in enumerate(points) if p.bit_depth == depths[0])}].bit_depth"
+        strings = [rows_at(case, depth, at) for depth in depths]
+        for i, point in enumerate(points):
+            unfit = strings[depths.index(point.bit_depth)].misfit
+            if unfit:
+                got, want = (
+                    shown(point.bit_depth, "length", self.units, 6),
+                    "a depth at which the string fits the hole",
+                )
+                raise CaseError(at=f"measured[{i}].bit_depth", got=got, want=want, hint=unfit)
+        self.hole = Hole(well, strings, LONGEST_STEP)
+        self.placed = np.array([depths.index(point.bit_depth) for point in points])
+        self.group = groups_of(case)
+        #: names of the groups of sections, each with one friction factor
+        self.factors = tuple(
+            dict.fromkeys([*(k for k in KINDS if (self.group == k).any()), *map(str, self.group)])
+        )
+        self.own = np.array([s.friction for s in case.well.sections])  # type: ignore[union-attr]
+        plan = plan_of(case)
+        loads: list[tuple[float, ...]] = []
+        flows: list[tuple[float | None, str]] = []
+        for point in points:
+            load = load_of(case, plan, point.operation)
+            speed = abs(load.axial_velocity) if point.speed is None else point.speed
+            if not speed:
+                speed = abs(
+                    load.axial_velocity
+                )  # a reading of 0 while tripping: the direction is what counts
+            on_bottom = point.operation in ("drilling", "sliding")
+            loads.append(
+                (
+                    point.wob if on_bottom and point.wob is not None else load.wob,
+                    load.torque if point.tob is None else point.tob,
+                    np.sign(load.axial_velocity) * speed,
+                    load.rotation if point.rpm is None else point.rpm,
+                )
+            )
+            key = f"measured[{len(flows)}].flow_rate"
+            own = point.flow_rate is not None
+            flows.append(
+                (
+                    point.flow_rate if own else load.flow,
+                    key if own else f"roadmap.{point.operation}.flow_rate",
+                )
+            )
+        self.loads = np.array(loads, dtype=float).reshape(-1, 4)
+        self.pumped = any(flow for flow, _ in flows)
+        #: operations of points with the pumps off
+        self.still = tuple(
+            dict.fromkeys(p.operation for p, (flow, _) in zip(points, flows, strict=True) if not flow)
+        )
+        self._set_flow(flows)
+        self.excludes_block = excludes_block
+        block = None if case.rig is None else case.rig.block_weight
+        self.block = 0.0 if excludes_block else (block or 0.0)
+        self.data = self._data()
+
+    def _set_flow(self, flows: Sequence[tuple[float | None, str]]) -> None:
+        """Forces of flowing mud on the string of each point.
+
+        flows: rate [m3/s] of each point, and the key that gives it.
+        """
+        self.lift, self.thrust = np.zeros((len(self.hole.h), len(flows))), np.zeros(len(flows))
+        found: dict[tuple[int, float], Circulation] = {}
+        for i, (flow, at) in enumerate(flows):
+            if flow:
+                key = int(self.placed[i]), flow
+                if key not in found:
+                    found[key] = circulation(self.case, self.points[i].bit_depth, flow, at)
+                self.lift[:, i], self.thrust[i] = found[key].lift(self.hole.edges), found[key].thrust
+
+    def _data(self) -> Data:
+        rows = []
+        for i, point in enumerate(self.points):
+            if point.hook_load is not None:
+                sigma = point.sigma or max(RELATIVE_SIGMA * abs(point.hook_load), SMALLEST_SIGMA["hook_load"])
+                rows.append((i, True, point.hook_load, sigma))
+            if point.torque is not None and self.loads[i, 3]:  # without rotation no friction turns the string
+                sigma = max(RELATIVE_SIGMA * abs(point.torque), SMALLEST_SIGMA["surface_torque"])
+                rows.append((i, False, point.torque, sigma))
+        if not rows:
+            want = (
+                "a hook load, or a torque while the string turns: without rotation friction makes no torque"
+            )
+            raise CaseError(at="measured", got=f"{len(self.points)} points with neither", want=want)
+        point_, hook, value, sigma_ = zip(*rows, strict=True)
+        return Data(np.array(point_), np.array(hook), np.array(value, float), np.array(sigma_, float))
+
+    # ------------------------------------------------------------------ soft strings
+    def default(self, name: str) -> float:
+        """Value of a parameter that is not fitted: of the case."""
+        if name == "block_weight":
+            return self.block
+        if name == "weight_factor":
+            return 1.0
+        some = self.own[self.group == name]
+        return float(some[-1]) if len(some) else np.nan
+
+    def computed(self, sets: list[dict[str, float]]) -> FloatArray:
+        """(s, n) readings for s sets of parameters; those not in a set are the case's."""
+        count, n = len(sets), len(self.points)
+        friction = np.empty((count, len(self.own)))
+        factor, block = np.ones(count), np.empty(count)
+        for j, values in enumerate(sets):
+            friction[j] = self.own
+            for name in self.factors:
+                if name in values:
+                    friction[j, self.group == name] = values[name]
+            factor[j] = values.get("weight_factor", 1.0)
+            block[j] = values.get("block_weight", self.block)
+        string, which = np.tile(np.arange(n), count), np.repeat(np.arange(count), n)
+        ends = []
+        for first in range(0, count * n, MOST_COLUMNS):
+            i, k = string[first : first + MOST_COLUMNS], which[first : first + MOST_COLUMNS]
+            wob, torque, velocity, rotation = self.loads[i].T
+            columns = Columns(
+                self.placed[i],
+                friction[k],
+                np.ones(len(i)),
+                wob,
+                torque,
+                velocity,
+                rotation,
+                factor[k],
+                self.lift[:, i] if self.pumped else None,
+                self.thrust[i] if self.pumped else None,
+            )
+            batch = soft_strings(self.hole, columns)
+            ends.append((batch.tension[0], batch.torque[0]))
+        hook = np.concatenate([t for t, _ in ends]).reshape(count, n) + block[:, None]
+        moment = np.concatenate([m for _, m in ends]).reshape(count, n)
+        d = self.data
+        out = np.where(d.hook, hook[:, d.point], moment[:, d.point])
+        return np.where(np.isfinite(out), out, 1e9)  # a locked string fits nothing
+
+    # ------------------------------------------------------------------ fit
+    def fit(self, parameters: tuple[str, ...]) -> Fit:
+        """Fit parameters; those that the points do not determine are nan, with the reason."""
+        reasons = self._not_identifiable(parameters)
+        kept = tuple(name for name in parameters if name not in reasons)
+        size = len(parameters)
+        fit = Fit(
+            parameters,
+            np.full(size, np.nan),
+            np.full(size, np.nan),
+            np.full((size, size), np.nan),
+            np.nan,
+            self.data.value,
+        )
+        fit.reasons = reasons
+        while kept:
+            best, jacobian = self._solve(kept)
+            bad = self._unclear(kept, jacobian)
+            if bad is not None:
+                reasons[bad] = "the points do not distinguish it from the others (condition above 1000)"
+            else:
+                fit.computed = self.computed([dict(zip(kept, best, strict=True))])[0]
+                residual = (fit.computed - self.data.value) / self.data.sigma
+                width, covariance = self._intervals(residual, jacobian)
+                bad = self._widest(kept, width)
+                if bad is None:
+                    break
+                i = kept.index(bad)
+                reasons[bad] = (
+                    f"its 95 % interval, {self._words(bad, best[i] - width[i])} to {self._words(bad, best[i] + width[i])}, is "
+                    f"too wide{self._alike(kept, i, covariance)}"
+                )
+            kept = tuple(name for name in kept if name != bad)
+        if not kept:
+            fit.computed = self.computed([{}])[0]
+            return fit
+        freedom = len(residual) - len(kept)
+        fit.chi2 = float(residual @ residual / freedom) if freedom > 0 else np.nan
+        place = [parameters.index(name) for name in kept]
+        fit.value[place], fit.interval[place] = best, width
+        scale = np.sqrt(np.diag(covariance))
+        fit.correlation[np.ix_(place, place)] = covariance / np.outer(scale, scale)
+        return fit
+
+    def _intervals(self, residual: FloatArray, jacobian: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """(half widths of the 95 % intervals (k,), nan without a reading to spare; covariance over s^2 (k, k)).
+
+        residual: (n,) and jacobian: (n, k), weighted.
+        """
+        from scipy.stats import t as student
+
+        freedom, covariance = len(residual) - jacobian.shape[1], np.linalg.inv(jacobian.T @ jacobian)
+        if freedom <= 0:
+            return np.full(jacobian.shape[1], np.nan), covariance
+        spread = np.sqrt(np.diag(covariance) * self._variance(residual, freedom))
+        return np.asarray(student.ppf(0.975, freedom) * spread), covariance
+
+    def _widest(self, names: tuple[str, ...], width: FloatArray) -> str | None:
+        """The parameter whose interval is widest against the largest one that still tells something; None where all do."""
+        hook = np.abs(self.data.value[self.data.hook])
+        largest = {**WIDEST, "block_weight": BLOCK_SHARE * float(hook.max(initial=0.0))}
+        over = np.array([w / largest.get(name, WIDEST_FACTOR) for name, w in zip(names, width, strict=True)])
+        return names[int(np.nanargmax(over))] if np.nanmax(over, initial=0.0) > 1 else None
+
+    @staticmethod
+    def _alike(names: tuple[str, ...], i: int, covariance: FloatArray) -> str:
+        """Words on the parameter that acts most like the i-th one; empty where none does."""
+        scale = np.sqrt(np.diag(covariance))
+        like = np.abs(covariance[i] / scale[i] / scale)
+        like[i] = 0.0
+        j = int(np.argmax(like))
+        sign = np.sign(covariance[i, j])
+        return (
+            f": the points do not tell it from {names[j]} (correlation {sign * like[j]:.3f})"
+            if like[j] > 0.9
+            else ""
+        )
+
+    def _words(self, name: str, value: float) -> str:
+        """A value of a parameter as text."""
+        return shown(value, "force", self.units) if name == "block_weight" else f"{value:.3g}"
+
+    @staticmethod
+    def _variance(residual: FloatArray, freedom: int) -> float:
+        """s^2 of weighted residuals (n,)."""
+        return float(residual @ residual / freedom)
+
+    def _solve(self, names: tuple[str, ...]) -> tuple[FloatArray, FloatArray]:
+        """(best values (k,), Jacobian of the weighted residuals there (n, k))."""
+        from scipy.optimize import least_squares
+
+        d = self.data
+        units = np.array([STEP.get(name, FACTOR_STEP) / FACTOR_STEP for name in names])  # scaled unknowns
+
+        def parameters(x: FloatArray) -> dict[str, float]:
+            return dict(zip(names, map(float, x * units), strict=True))
+
+        def residual(x: FloatArray) -> FloatArray:
+            return (self.computed([parameters(x)])[0] - d.value) / d.sigma
+
+        def jacobian(x: FloatArray) -> FloatArray:
+            h = FACTOR_STEP
+            upper, lower = (
+                np.tile(x, (len(x), 1)) + h * np.eye(len(x)),
+                np.tile(x, (len(x), 1)) - h * np.eye(len(x)),
+            )
+            lower = np.maximum(lower, low)
+            values = self.computed([parameters(row) for row in (*upper, *lower)])
+            change = values[: len(x)] - values[len(x) :]
+            return (change / np.diag(upper - lower)[:, None] / d.sigma).T
+
+        low, high = np.array([BOUNDS.get(name, FACTOR_BOUNDS) for name in names]).T / units
+        start = np.array([START.get(name, self.default(name)) for name in names]) / units
+        start = np.clip(start, low + 1e-9 * (high - low), high - 1e-9 * (high - low))
+        found = least_squares(
+            residual, start, jac=jacobian, bounds=(low, high), method="trf", loss="soft_l1", f_scale=SOFT_SCALE,
+            xtol=1e-7, ftol=1e-9, gtol=1e-9, max_nfev=60,
+        )  # fmt: skip
+        if not found.success:
+            raise SolveError(f"the friction factors were not found: {found.message}")
+        at = AT_BOUND * (high - low)
+        best = np.where(found.x - low < at, low, np.where(high - found.x < at, high, found.x))
+        return best * units, jacobian(best) / units
+
+    @staticmethod
+    def _unclear(names: tuple[str, ...], jacobian: FloatArray) -> str | None:
+        """The parameter that takes most part in a combination which the points do not determine; None if all are clear."""
+        scaled = jacobian * np.array([STEP.get(name, FACTOR_STEP) / FACTOR_STEP for name in names])
+        _, s, v = np.linalg.svd(scaled, full_matrices=False)
+        if s[0] > LARGEST_CONDITION * s[-1]:
+            return names[int(np.argmax(np.abs(v[-1])))]
+        return None
+
+    def _not_identifiable(self, parameters: tuple[str, ...]) -> dict[str, str]:
+        """Parameters that no point can determine, with the reason."""
+        out: dict[str, str] = {}
+        d = self.data
+        names = [name for name in parameters if name not in BOUNDS]
+        base = dict.fromkeys(names, 0.0)
+        sets = [base, *({**base, name: 0.5} for name in names)]
+        values = self.computed(sets)
+        sections = self.case.well.sections  # type: ignore[union-attr]
+        deepest = max(point.bit_depth for point in self.points)
+        for k, name in enumerate(names, 1):
+            if name not in self.factors:
+                out[name] = "the well has no such section"
+                continue
+            above = 0.0
+            reached = False
+            for section, group in zip(sections, self.group, strict=True):
+                reached |= bool(group == name) and deepest > above + 1.0
+                above = section.to
+            if not reached:
+                out[name] = "no point has the bit in such a section"
+            elif not (np.abs(values[k] - values[0]) > SMALLEST_SPREAD * d.sigma).any():
+                out[name] = "a friction factor of 0.5 changes no reading by more than 3 standard errors"
+        if "block_weight" in parameters and not d.hook.any():
+            out["block_weight"] = "no hook load was read"
+        elif "block_weight" in parameters and self.excludes_block:
+            out["block_weight"] = "the hook loads are those of the string, without the block"
+        for name in parameters[max(0, len(d.value)) :]:
+            out.setdefault(name, "fewer readings than parameters")
+        return out
+
+    # ------------------------------------------------------------------ checks
+    def weight_misfit(self) -> list[tuple[MeasuredPoint, float]]:
+        """Points rotating off bottom with their hook load as computed with the factors of the case, as it was read [N]."""
+        values, d, out = self.computed([{}])[0], self.data, []
+        for i, hook, computed in zip(d.point, d.hook, values, strict=True):
+            if hook and self.points[i].operation == "rotate_off_bottom":
+                out.append((self.points[i], float(computed)))
+        return out
+
+    def alone(self, fit: Fit) -> FloatArray:
+        """(n,) open-hole factor at which each reading alone is met, nan where there is none in 0..1.
+
+        Brent's method on a monotone cubic through the readings at ``ALONE_GRID`` factors.
+        """
+        from scipy.interpolate import PchipInterpolator
+        from scipy.optimize import brentq
+
+        d = self.data
+        out = np.full(len(d.value), np.nan)
+        if "open_hole" not in self.factors:
+            return out
+        values = {
+            name: float(value)
+            for name, value in zip(fit.parameters, fit.value, strict=True)
+            if not np.isnan(value)
+        }
+        values.pop("open_hole", None)
+        grid = np.linspace(0.0, 1.0, ALONE_GRID)
+        table = self.computed([{**values, "open_hole": float(mu)} for mu in grid]) - d.value
+        for i in range(len(d.value)):
+            known = np.abs(table[:, i]) < 1e8  # the string is not locked up
+            change = np.flatnonzero(
+                (np.sign(table[:-1, i]) != np.sign(table[1:, i])) & known[1:] & known[:-1]
+            )
+            if not len(change) or np.ptp(table[known, i]) < 1e-6 * abs(d.value[i]):
+                continue
+            curve = PchipInterpolator(grid[known], table[known, i])
+            out[i] = float(brentq(curve, grid[change[0]], grid[change[0] + 1]))
+        return out

@@ -1,0 +1,92 @@
+"""What circulating mud does to the axial force of a string: drag of the annulus and thrust of the jets.
+
+The friction of the annulus drags the string up, and its pressure gradient lifts it; the jets push the bit up.  Friction in
+the bore and the pressure of the pump cancel in the effective tension less the momentum of the mud in the bore, which is
+what the hook carries and what buckles (manual: sec-roadmap-flow).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from drillpetsc.analysis.hydraulics.flow_model import FlowModel, string_at
+from drillpetsc.analysis.hydraulics.losses import annulus_stress, element_losses
+from drillpetsc.arrays import FloatArray
+from drillpetsc.case.case import Case
+from drillpetsc.errors import CaseError
+from drillpetsc.model.fluid import build_rheology
+
+
+@dataclass(frozen=True)
+class Circulation:
+    """Forces of the mud on a string at a bit depth.
+
+    md: (n+1,) measured depths [m]; below: (n+1,) force that lifts the string below them [N].
+    thrust: of the jets on the bit, up [N].
+    inside, outside: (n+1,) pressures [Pa]; momentum: (n+1,) density times the square of the flow in the bore [N m2].
+    """
+
+    md: FloatArray
+    below: FloatArray
+    thrust: float
+    inside: FloatArray
+    outside: FloatArray
+    momentum: FloatArray
+
+    def lift(self, edges: FloatArray) -> FloatArray:
+        """(k,) lift per length [N/m] between measured depths ``edges`` (k+1,) [m]."""
+        below = np.interp(edges, self.md, self.below)
+        return np.asarray(-np.diff(below) / np.diff(edges))
+
+
+def circulation(case: Case, depth: float, flow: float, at: str) -> Circulation:
+    """Forces of the mud that a pump drives with ``flow`` [m3/s] through a string whose bit is at ``depth`` [m].
+
+    at: key of the flow rate, for messages.
+    Raises CaseError without mud or a bore, SolveError where there is no steady flow.
+    """
+    if case.fluid is None or not case.has_bore:
+        raise CaseError(at=at, got=f"{flow:g} m3/s", want="a fluid in the bore, through which it flows")
+    model = FlowModel(case, string_at(case, depth), "pumping")
+    model.solve(flow)
+    count = len(model.md) - 1
+    force, channel, mesh = np.zeros(count), model.fluid.annulus, model.mesh
+    if channel is not None:
+        law = build_rheology(model.case, annulus=True)
+        losses = element_losses(model, channel, law)
+        pressure = np.diff(channel.pressures(model.system)) - losses.weight  # by friction and velocity head
+        stress = annulus_stress(channel, law, losses.speed, losses.density)[1]
+        drag = np.abs(stress) * mesh.length
+        # as in kernels/fluid/annulus_flow.hpp: of the element, of the rigid item above it, of the shoulders
+        outer, above = channel.parameter("outer"), channel.parameter("outer_above")
+        force = (pressure + losses.above) * outer + drag * np.pi * channel.parameter("diameter")
+        around = np.pi * np.sqrt(4 / np.pi * above) * channel.parameter("gap_above") / 4
+        force -= losses.above * (above + around)
+        mass_flow = channel.flows(model.system) * model.fluid.constants.density
+        force += mass_flow**2 / losses.density * channel.parameter("shoulder")
+    below = np.append(np.cumsum(force[::-1])[::-1], 0.0)
+    still = np.zeros(count + 1)
+    bore, annulus = (model.pressure(name) for name in ("bore", "annulus"))
+    flows = model.flow_rate("bore")
+    through = np.zeros(count + 1) if flows is None else np.append(flows, flows[-1])  # below each node
+    return Circulation(
+        model.md,
+        below,
+        _thrust(model, float(through[-1])),
+        still if bore is None else bore,
+        still if annulus is None else annulus,
+        model.fluid.constants.density * through**2,
+    )
+
+
+def _thrust(model: FlowModel, flow: float) -> float:
+    """Momentum of the mud that leaves the bit [N]; jets above it point outward and give no thrust.
+
+    flow: through the bit [m3/s].
+    """
+    bit = model.fluid.bit
+    if bit is None or not bit.has_link or not flow:
+        return 0.0
+    return float(model.fluid.constants.density * flow**2 / (bit.end.nozzle or bit.end.bore))

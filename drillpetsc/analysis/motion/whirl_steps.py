@@ -1,0 +1,241 @@
+"""Steps that keep the energy of parts that may whirl, and the warning of a run if they do not (manual: sec-time-whirl-steps).
+
+A part of the string of radius R that turns at the rate w and rolls on the wall with the radial clearance c goes round the hole
+backward at the rate w R/c (Jansen, 1991). It is the fastest motion that friction feeds.  The formula of a time integrator takes
+energy from it in each period. If this is more than ``LOST``, the formula may decide whether the part whirls.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from math import pi
+
+import numpy as np
+
+from drillpetsc.analysis.statics.placement import top_depth
+from drillpetsc.arrays import FloatArray
+from drillpetsc.fem.string_mesh import RigidItem
+from drillpetsc.model.drilling_model import DrillingModel
+from drillpetsc.output.measured.rigid_items import RigidItems
+from drillpetsc.unit_systems import shown
+
+SLOWEST = 0.1  # rotation [rad/s] below which nothing whirls
+#: clearance over radius below which an item fills its hole: the bit does not roll on the wall
+SMALLEST_CLEARANCE = 2e-3
+LOST = 1e-3  # energy that a formula may take from a whirl in a period, over its energy [-]
+LARGEST_PRODUCT = (
+    0.3  # of angular frequency and step of generalised-alpha: 21 steps a period, frequency 0.8 % too low
+)
+#: the same of a turning unbalance, whose orbit is then within 1 % away from resonance: generalised-alpha, BDF of order 2
+UNBALANCE_PRODUCT, UNBALANCE_PRODUCT_BDF = 0.2, 0.1
+
+
+def product_of_alpha(radius: float) -> float:
+    """Largest product of angular frequency and step [-] with generalised-alpha of a spectral radius.
+
+    The energy lost in a period is 2 pi ((1 - radius)/(1 + radius))^3 product^3 (manual: eq-time-energy-lost).
+    """
+    damping = (1 - radius) / (1 + radius)
+    # at radius 0.8 the energy alone would allow 0.49; the frequency sets the limit (manual: sec-time-whirl-steps)
+    return LARGEST_PRODUCT if damping == 0 else min(LARGEST_PRODUCT, (LOST / (2 * pi)) ** (1 / 3) / damping)
+
+
+PRODUCT_BDF = (LOST / pi) ** (1 / 3)  # the same for BDF of order 2, which takes pi product^3
+
+
+def unbalanced(model: DrillingModel) -> bool:
+    """Whether mass or shape of the string turn with it."""
+    m = model.mesh
+    return bool(np.any(m.eccentricity) or np.any(m.curvature) or any(np.any(b.offset) for b in m.bodies))
+
+
+def _rolling(ratio: float, fastest: float) -> Callable[[float], float]:
+    """Rate of a part of radius over clearance ``ratio`` that rolls on the wall, at most ``fastest`` [rad/s]."""
+    return lambda spin: min(ratio * spin, fastest)
+
+
+@dataclass(frozen=True)
+class _Part:
+    """A rigid item, or elements of one section of pipe, that may roll on the wall.
+
+    name: for the user; cells: (k,) local elements, or body: number of the rigid item; node: local node with its spin, -1 on other
+    ranks; rate(spin): at which it whirls [rad/s] at a spin [rad/s]; depth: measured, in the hole [m]; clearance: radial [m].
+    """
+
+    name: str
+    cells: np.ndarray
+    body: int
+    node: int
+    rate: Callable[[float], float]
+    depth: float
+    clearance: float
+
+
+class WhirlSteps:
+    """The parts of a string that may whirl, and the steps that keep their energy; all ranks create and call it.
+
+    model: the drilling model, in the state from which the run starts; product: largest product of angular frequency and step [-].
+    """
+
+    def __init__(self, model: DrillingModel, product: float) -> None:
+        self.model, self.product = model, product
+        self._parts: list[_Part] | None = None
+        #: (parts,) steps that a part has limited, and the shortest limit [s]
+        self._limited: np.ndarray = np.zeros(0, dtype=int)
+        self._shortest: FloatArray = np.zeros(0)
+
+    @property
+    def parts(self) -> list[_Part]:
+        """The parts, at the clearances that they have at the start."""
+        if self._parts is None:
+            self._parts = (
+                self._find() if self.model.beam is not None and self.model.contact is not None else []
+            )
+            self._limited, self._shortest = (
+                np.zeros(len(self._parts), dtype=int),
+                np.full(len(self._parts), np.inf),
+            )
+        return self._parts
+
+    def _find(self) -> list[_Part]:
+        model, mesh = self.model, self.model.mesh
+        assert model.well is not None
+        chain, out = model.system.chain, []
+        local = {int(v): i for i, v in enumerate(chain.vertices) if chain.owned[i]}
+        # the initial place of the string in the hole of the case: a restarted run finds the same parts
+        place = mesh.node_depth + top_depth(model)
+        for k in RigidItems(model).items:
+            body = mesh.bodies[k]
+            md = float(place[body.node])
+            clearance = float(np.asarray(model.well.radius(md))) - body.radius
+            if clearance >= SMALLEST_CLEARANCE * body.radius:
+                node = local.get(body.node, -1)
+                rolling = _rolling(body.radius / clearance, self._fastest(body))
+                out.append(_Part(body.name, np.zeros(0, int), int(k), node, rolling, md, clearance))
+            # a bit in gauge does not roll, but its side may drive it round the hole (manual: eq-bit-whirl)
+            elif body.kind == "bit" and not body.guided:
+                out.append(
+                    _Part(
+                        body.name,
+                        np.zeros(0, int),
+                        int(k),
+                        local.get(body.node, -1),
+                        self._of_bit(body),
+                        md,
+                        0.0,
+                    )
+                )
+        radius = 0.5 * mesh.contact_diameter
+        middle = 0.5 * (place[:-1] + place[1:])
+        clearance = np.asarray(model.well.radius(middle)) - radius
+        rolls = (radius > 0) & ~mesh.is_joint & (clearance > SMALLEST_CLEARANCE * radius)
+        ratio = np.where(rolls, radius / np.maximum(clearance, 1e-9), 0.0)
+        # one part for each item and clearance, however many elements it has
+        for key in np.unique(np.column_stack([mesh.item, np.round(ratio, 6)])[rolls], axis=0):
+            chosen = np.flatnonzero(rolls & (mesh.item == key[0]) & (np.round(ratio, 6) == key[1]))
+            cells = np.flatnonzero(np.isin(chain.cells, chosen))
+            k = int(chosen[0])
+            name = model.case.string[int(key[0])].name
+            out.append(
+                _Part(
+                    name,
+                    cells,
+                    -1,
+                    -1,
+                    _rolling(float(ratio[k]), np.inf),
+                    float(middle[chosen].mean()),
+                    float(clearance[k]),
+                )
+            )
+        return out
+
+    def _fastest(self, body: RigidItem) -> float:
+        """Rate [rad/s] at which a body vibrates on its contact with the wall: no whirl that lasts is faster."""
+        contact = self.model.contact
+        assert contact is not None
+        mass = sum(b.mass for b in self.model.mesh.bodies if b.node == body.node)
+        return float(np.sqrt(contact.law.stiffness * body.contact_span / mass))
+
+    def _of_bit(self, body: RigidItem) -> Callable[[float], float]:
+        """Whirl rate of a bit in gauge whose side may drive it round the hole (manual: eq-bit-whirl)."""
+        fastest = self._fastest(body)
+        strength = None if self.model.drilling is None else self.model.drilling.side_strength
+        if strength is None:
+            return lambda spin: fastest if spin > SLOWEST else 0.0
+        mass = sum(b.mass for b in self.model.mesh.bodies if b.node == body.node)
+        return lambda spin: min(fastest, strength / (mass * spin * body.radius)) if spin > SLOWEST else 0.0
+
+    def _rates(self) -> FloatArray:
+        """(parts,) whirl rates [rad/s] of the parts that turn and touch the wall, at present; the same on all ranks."""
+        parts, asm, contact = self.parts, self.model.system.assembly, self.model.contact
+        out = np.zeros(len(parts))
+        if not parts or contact is None:
+            return out
+        cells, _ = contact.element_results(asm)
+        # a part off the wall cannot roll, so it does not limit the step (manual: sec-time-choice)
+        touching, bodies = cells[:, 0] > 0.0, contact.item_results(asm)[:, 0] > 0.0
+        spin, ends = np.abs(asm.y[asm.dofs_of("string.spin")][:, 0]), self.model.system.chain.ends
+        for k, part in enumerate(parts):
+            if part.body >= 0:
+                if part.node >= 0 and (bodies[part.body] or part.clearance == 0.0):
+                    out[k] = part.rate(float(spin[part.node]))
+            else:
+                on = part.cells[touching[part.cells]]
+                if len(on):
+                    out[k] = part.rate(float(spin[ends[on]].max()))
+        comm = self.model.system.comm
+        if comm.size > 1:
+            from mpi4py import MPI
+
+            # a part may have elements on several ranks, and all ranks take the same step
+            found = np.empty_like(out)
+            comm.tompi4py().Allreduce(out, found, op=MPI.MAX)
+            out = found
+        return np.where(out > SLOWEST, out, 0.0)
+
+    def __call__(self) -> float:
+        """Longest step [s] that keeps the energy of all parts that turn and touch the wall at present; collective."""
+        rates = self._rates()
+        k = int(rates.argmax()) if len(rates) else 0
+        if not len(rates) or rates[k] == 0.0:
+            return np.inf
+        step = self.product / float(rates[k])
+        self._limited[k] += 1
+        self._shortest[k] = min(self._shortest[k], step)
+        return step
+
+    def summary(self, steps: int) -> dict[str, object] | None:
+        """Part that limits most of the ``steps`` of a run, for summary.json; None if none does."""
+        if not self._limited.any():
+            return None
+        k = int(self._limited.argmax())
+        part = self.parts[k]
+        return {
+            "name": part.name,
+            "md [m]": part.depth,
+            "share": float(self._limited[k] / max(1, steps)),
+            "shortest [s]": float(self._shortest[k]),
+        }
+
+    def warnings(self, step: float, turned: float) -> list[str]:
+        """Sentence on the part whose whirl is the fastest, if steps that this object has not limited take more of its energy.
+
+        step: median step of the run [s]; turned: largest rotation of the string [rad/s].  Collective.
+        """
+        touched = self._rates()
+        lost = [
+            (part.rate(turned), part)
+            for part, rate in zip(self.parts, touched, strict=True)
+            if turned > SLOWEST and part.rate(turned) * step > self.product and (part.body >= 0 or rate > 0.0)
+        ]
+        if not lost:
+            return []
+        rate, part = max(lost, key=lambda pair: pair[0])
+        units = self.model.case.shown_units
+        return [
+            f"torque, weight on bit and side forces are unreliable with the steps of this run: {part.name} at MD "
+            f"{shown(part.depth, 'length', units, 5)} would roll along the wall at {rate / (2 * pi):.2g} Hz ({60 * turned / (2 * pi):.3g} "
+            f"rpm, radial clearance {shown(part.clearance, 'diameter', units, 3)}). These steps remove more than {100 * LOST:g} % of the energy "
+            f"of that whirl in each period; time.integrator: auto, or -ts_adapt_dt_max {self.product / rate:.2g}, keeps it"
+        ]

@@ -1,0 +1,364 @@
+"""Static equilibrium of the ANCF string with friction against a given motion, coupled with the steady flow.
+
+Manual: sec-statics-sequence, eq-statics-rest, eq-statics-imposed-friction.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from drillpetsc.analysis.statics.flow_coupling import couple_flow_and_string, surge_rates
+from drillpetsc.analysis.statics.friction_newton import START_INCREMENT, reach
+from drillpetsc.analysis.statics.notes.folded_elements import refuse_folded
+from drillpetsc.analysis.statics.path.path_answer import PathKind
+from drillpetsc.analysis.statics.path.path_question import has_path, refuse_path
+from drillpetsc.analysis.statics.path.paths_of_problem import answer_by_path, node_clearance, steps_in_hole
+from drillpetsc.analysis.statics.placement import place_along_hole, prescribed_motion, top_depth
+from drillpetsc.analysis.statics.snapshot import Snapshot
+from drillpetsc.analysis.statics.start.coarse_mesh import coarse_elements, too_coarse
+from drillpetsc.analysis.statics.start.coarse_start import coarse_factor, coarse_model, place_like
+from drillpetsc.analysis.statics.start.march import CRUSHING_STRAIN, March, helix_band, march
+from drillpetsc.analysis.statics.start.soft_string_start import place_marched, soft_string
+from drillpetsc.analysis.statics.static_problem import StaticProblem, StaticState
+from drillpetsc.analysis.statics.steady_flow import fluid_unknowns, freeze_flow, steady_flow
+from drillpetsc.analysis.statics.top_on_wall import balance_across
+from drillpetsc.case.quantities import said
+from drillpetsc.errors import CaseError, SolveError
+from drillpetsc.model.drilling_model import DrillingModel
+from drillpetsc.output.watches.free_end import BEYOND, FreeEnd, end_is_free
+from drillpetsc.output.watches.outside_hole import HINT, may_leave_hole, static_warnings
+from drillpetsc.physics.tools.mud_motor import MudMotor
+from drillpetsc.solvers.static.search_limit import SearchEnded, SearchLimit
+from drillpetsc.solvers.static.static_newton import CONVERGED_INCREMENT, Equilibrium, StaticNewton, sum_of
+from drillpetsc.unit_systems import System, display, display_unit, shown
+
+SLANTED = 1e-3  # horizontal part of the string's direction from which on a string without contact may fall out of its hole
+FIRST_FLOW_INCREMENT = 1e-2  # of the flow from which flow and string are solved together
+#: axial direction (down positive) and rotation of each motion of the `statics` command
+MOTIONS = {"hoist": (-1.0, 0.0), "lower": (1.0, 0.0), "rotate": (0.0, 1.0)}
+
+
+def director_equilibrium(
+    model: DrillingModel,
+    motion: tuple[float, float] | None = None,
+    lateral_friction: bool = True,
+    path: PathKind | None = None,
+    may_follow_path: bool = True,
+) -> StaticState:
+    """Find the static equilibrium with friction against ``motion``; collective.
+
+    Manual: sec-statics-sequence.
+
+    motion: axial velocity [m/s, down positive] and rotation [rad/s]; by default what the top prescribes at
+    time 0.
+    lateral_friction: friction across the pipe pushes a turning pipe up the wall; without it only its torque
+    acts, as in torque-and-drag models.
+    path: the question that is answered by following the string's history; None: Newton's method answers, and a
+    path of steady sliding where it finds no state of a string that coils, if ``may_follow_path``.
+
+    Raises SolveError where no equilibrium is found, CaseError where the weight on bit cannot be met.
+    """
+    lowering = prescribed_motion(model)[0] if motion is None else 0.0
+    motion = prescribed_motion(model) if motion is None else motion
+    place_along_hole(model, top_depth(model))
+    if model.beam is None:
+        flow = steady_flow(model.system)
+        return StaticState(
+            (0.0, 0.0), Equilibrium(iterations=flow.iterations, increment=flow.increment, converged=True)
+        )
+    if path is not None:
+        refuse_path(model, motion, path)
+    surge = surge_rates(model, lowering)
+    if surge is not None:
+        model.system.assembly.y[:] = surge
+    freeze_flow(model, tolerance=FIRST_FLOW_INCREMENT)
+    soft, found = soft_string(model, motion), march(model, motion, rates=surge)
+    straight = found
+    start = Snapshot(model)
+    band = helix_band(model, motion, surge) if found is not None else None
+    if found is not None:
+        if found.locked_at is not None and path != "slack_off":
+            raise _lock_up(model, found)
+        if found.helical.any():
+            straight = march(model, motion, coils=False, rates=surge)
+        if path is None:
+            place_marched(model, found)
+    solver = _solver(model)
+    solver.rates = surge
+    if path is None:
+        solver.limit = SearchLimit(model.mesh.nodes)
+    wob = model.case.initial.wob
+    if wob is not None:
+        _set_weight_on_bit(model, solver, wob)
+    problem = StaticProblem(
+        model,
+        solver,
+        StaticState(motion, Equilibrium(), soft, band=band),
+        tuple(r for r in (model.contact, model.bit) if r is not None),
+        1.0 if lateral_friction else 0.0,
+        lowering,
+        found,
+        straight,
+        start,
+        may_follow_path,
+    )
+    state, report = problem.state, problem.state.equilibrium
+    problem.set_friction_aside()
+    if path is not None:
+        answer_by_path(problem, path)
+    else:
+        try:
+            reached = _newton_with_flow(problem)
+        except SolveError as error:
+            slanted = float(np.abs(model.tangent[:, :2]).max()) > SLANTED
+            fallen = HINT if slanted and may_leave_hole(model) else ""
+            error.hint = fallen or _free_end_hint(model, found) or error.hint
+            raise
+    if state.path is None:
+        placed = found is None or not found.top_on_wall or model.top is None
+        placed = placed or balance_across(model, solver, report)
+        problem.set_friction_aside()  # stability is counted without it
+        count = solver.negative_pivots()
+        if not placed:
+            state.warnings.append(
+                "the place of the top across the hole was not found: it is held on the wall, and long elements below it "
+                "may carry its side force as contact (side force, torque and moment near the top)"
+            )
+        if lateral_friction and problem.moves and not reached:
+            state.warnings.append(
+                "no equilibrium with lateral friction (a turning pipe may whirl here): "
+                "the torque of friction acts, its lateral force is left out"
+            )
+        report.negative_pivots, report.singular = max(0, count), count < 0
+        problem.impose(reached)
+    refuse_folded(model)
+    state.warnings += static_warnings(model)
+    _reactions(model, solver)
+    model.system.assembly.freeze(None)
+    beyond = _beyond_bottom(model)
+    if beyond > BEYOND:
+        distance, unit = display(beyond, "length", _units(model))
+        state.warnings.append(
+            f"the string's end lies {distance:.3g} {unit} below the end of the hole, which its stretch makes it reach; "
+            "bottom: {kind: bit} stands on it, and a shorter string hangs above it"
+        )
+    if report.negative_pivots and (state.path is None or state.path.kind == "without_friction"):
+        state.warnings.append(_instability_warning(model, report.negative_pivots))
+    elif report.singular:
+        state.warnings.append(
+            "the stiffness is singular: part of the string may move freely, or it is about to buckle"
+        )
+    return state
+
+
+def _newton_with_flow(problem: StaticProblem) -> float:
+    """Find the state of string and flow; result and errors as of ``_answer_by_newton``.
+
+    A rough state of the string suffices to solve for both.  Where it does not, an exact one comes first.
+    """
+    model, solver, state = problem.model, problem.solver, problem.state
+    restore, asm = problem.save(), model.system.assembly
+    for increment in (
+        (START_INCREMENT, CONVERGED_INCREMENT) if model.fluid is not None else (CONVERGED_INCREMENT,)
+    ):
+        solver.start_increment = increment
+        reached = _answer_by_newton(problem)
+        if state.path is not None:  # it ends with the flow about its last state
+            return reached
+        problem.impose(reached)
+        try:
+            couple_flow_and_string(model, solver, state.equilibrium, problem.lowering)
+            return reached
+        except SolveError:
+            if increment == CONVERGED_INCREMENT:
+                raise
+        restore()
+        asm.freeze(fluid_unknowns(model.system))
+    return reached
+
+
+def _answer_by_newton(problem: StaticProblem) -> float:
+    """Find the state by Newton's method and the relaxation, else by a path; returns the lateral friction fraction.
+
+    Raises SolveError where no equilibrium is found.
+    """
+    model, state, found = problem.model, problem.state, problem.found
+    coils = found is not None and bool(found.helical.any())
+    reached = None
+    if found is not None and problem.moves and not coils and not model.parts(MudMotor):
+        reached = _from_coarse_mesh(problem)
+    if reached is None:
+        try:
+            reached = reach(problem)
+        except SolveError as error:
+            ended = isinstance(error, SearchEnded)
+            if found is not None and coils:
+                hint = _helix_hint(model, found, problem.moves)
+                error.hint = f"{hint}; {error.hint}" if ended else hint
+                if not ended:
+                    error.what = (
+                        f"no static state was found of a string that coils in its hole ({error.what})"
+                    )
+            if found is None or ended or not problem.paths or not has_path(model, state.motion):
+                raise
+            problem.origin.restore()
+            answer_by_path(problem, "sliding" if any(state.motion) else "without_friction")
+            return state.lateral_fraction
+    state.lateral_fraction = reached
+    return reached
+
+
+def _beyond_bottom(model: DrillingModel) -> float:
+    """Distance [m] of a free end below the end of the hole; not above zero where it hangs free, or stands; collective."""
+    return sum_of(model.system, FreeEnd(model).below_bottom())
+
+
+def _free_end_hint(model: DrillingModel, found: March | None) -> str:
+    """What to do about a string without a static state whose free end reaches the end of the hole by the march; else empty."""
+    if found is None or model.well is None or not end_is_free(model):
+        return ""
+    mesh, most = model.mesh, float(model.well.depth)
+    if float(found.measured_depth[-1]) + mesh.total_length - float(mesh.node_depth[-1]) < most:
+        return ""
+    return (
+        f"the free end of the string reaches the end of the hole, MD {shown(most, 'length', _units(model), 6)}, where nothing holds "
+        "it and no mud flows past: a shorter string, or a deeper hole; bottom: {kind: bit} stands on it"
+    )
+
+
+def _helix_hint(model: DrillingModel, found: March, moves: bool) -> str:
+    """What to do about a string without a static state that coils by the march."""
+    depth = model.mesh.node_depth[found.helical] + top_depth(model)
+    largest = -float(found.axial_force.min())
+    pitch = 2 * np.pi * np.sqrt(2 * float(model.mesh.bending_stiffness[~model.mesh.is_joint].min()) / largest)
+    scale, _, unit = display_unit("length", _units(model))
+    push, force = display(largest, "force", _units(model))
+    hint = (
+        f"by the march the string coils from MD {depth[0] / scale:.0f} to {depth[-1] / scale:.0f} {unit} under a push of "
+        f"{push:.3g} {force}; elements of {pitch / 4 / scale:.2g} {unit} or less show it"
+    )
+    if moves:
+        hint += "; with friction a coiled string has many states: `run` finds the one of a given motion"
+    return hint
+
+
+def _units(model: DrillingModel) -> System:
+    return model.case.shown_units
+
+
+def _lock_up(model: DrillingModel, found: March) -> SolveError | CaseError:
+    """The error that no push reaches the bit: what friction takes grows faster than the push."""
+    mesh, case = model.mesh, model.case
+    most, wob = CRUSHING_STRAIN * float(mesh.axial_stiffness[~mesh.is_joint][-1]), case.initial.wob
+    if wob is not None and wob > most:
+        return CaseError(
+            at="initial.wob",
+            got=shown(wob, "force", _units(model), 6),
+            want=f"less than {shown(most, 'force', _units(model), 3)}, which compresses the pipe above the bit by 1 %",
+        )
+    assert found.locked_at is not None
+    item = case.string[int(mesh.item[max(found.locked_node - 1, 0)])]
+    what = "no weight" if case.initial.wob else "no push"
+    scale, _, unit = display_unit("length", _units(model))
+    return SolveError(
+        f"locked up: {what} passes MD {found.locked_at / scale:.0f} {unit} ({item.name or item.kind}); "
+        "below it the string coils in the hole, and friction takes any further push",
+        hint="a stiffer or lighter string below that depth, less friction, rotation, or less weight",
+    )
+
+
+def _from_coarse_mesh(problem: StaticProblem) -> float | None:
+    """Try Newton's method with friction from the equilibrium on a coarse mesh; manual: sec-statics-coarse-start.
+
+    Returns the lateral friction fraction reached; None, with the state restored, where the mesh is not fine, or no
+    stable equilibrium is found.
+    """
+    model, solver, state = problem.model, problem.solver, problem.state
+    factor = coarse_factor(model)
+    if factor is None:
+        return None
+    start, report = Snapshot(model), state.equilibrium
+    try:
+        coarse = coarse_model(model, factor, state.motion)
+        if 2 * coarse.mesh.nodes > model.mesh.nodes:  # each item keeps an element
+            return None
+        below = director_equilibrium(coarse, state.motion, problem.fraction > 0, may_follow_path=False)
+        if not below.stable:
+            return None
+        report.iterations += below.equilibrium.iterations
+        place_like(model, coarse)
+        asked = problem.fraction if state.motion[1] else 1.0
+        for trial in sorted(
+            {below.lateral_fraction, asked}
+        ):  # a fine mesh may reach what the coarse one did not
+            problem.impose(trial)
+            solver.newton(report, START_INCREMENT if trial != asked else solver.start_increment)
+    except (SolveError, CaseError):
+        start.restore()
+        return None
+    finally:
+        problem.set_friction_aside()
+    if solver.negative_pivots():
+        start.restore()
+        return None
+    return asked
+
+
+def _solver(model: DrillingModel) -> StaticNewton:
+    return StaticNewton(
+        model.system,
+        symmetric=_conservative(model),
+        clearance=node_clearance(model),
+        advance=steps_in_hole(model),
+    )
+
+
+def _conservative(model: DrillingModel) -> bool:
+    """Whether all loads have a potential; moments in space and loads that turn with the section have none."""
+    return all(component.conservative for component in model.components)
+
+
+def _set_weight_on_bit(model: DrillingModel, solver: StaticNewton, wob: float) -> None:
+    """Make the top's axial position an unknown that meets the weight ``wob`` [N] (manual: eq-statics-wob)."""
+    bit, top = model.bit, model.top
+    if bit is None:
+        raise CaseError(
+            at="initial.wob",
+            got=said(wob, "force", model.case.output.units or "SI"),
+            want="a bottom of kind bit, which carries the weight",
+        )
+    if top is None or model.case.top.force is not None:
+        raise CaseError(
+            at="initial.wob",
+            got=said(wob, "force", model.case.output.units or "SI"),
+            want="a top with a prescribed axial position (top_drive, driven, clamped, pinned)",
+        )
+    target = bit.depth_for(wob)
+
+    def depth(system):
+        present, gradient = bit.depth_of_face(system.assembly)
+        return present, gradient, target
+
+    solver.depth, solver.move_top = depth, top.shift
+
+
+def _instability_warning(model: DrillingModel, count: int) -> str:
+    """Text on ``count`` negative pivots: a coarse mesh, or an unstable state."""
+    if too_coarse(model):
+        n = int(coarse_elements(model).sum())
+        return (
+            f"{count} negative pivots: the mesh is too coarse ({n} elements longer than (240 EI/w)^(1/3)), "
+            "which is not buckling; "
+            "shorten element_length"
+        )
+    if not _conservative(model):
+        return (
+            f"the state is not shown to be stable ({count} negative pivots of the symmetric stiffness; "
+            "a moment or a load that turns with the section has no potential)"
+        )
+    return f"the static state is unstable ({count} negative pivots)"
+
+
+def _reactions(model: DrillingModel, solver: StaticNewton) -> None:
+    """Compute one residual at the final state, which updates the reactions in the assembly."""
+    solver.rows()

@@ -1,0 +1,89 @@
+"""The static equilibrium of a model: which search answers, by what the string has."""
+
+from __future__ import annotations
+
+from drillpetsc.analysis.statics.equilibrium import StaticState, director_equilibrium
+from drillpetsc.analysis.statics.motor_statics import motor_equilibrium
+from drillpetsc.analysis.statics.path.path_answer import PathKind
+from drillpetsc.analysis.statics.path.path_question import nothing_holds
+from drillpetsc.analysis.statics.placement import align_top, place_along_hole
+from drillpetsc.analysis.statics.quaternion_statics import quaternion_equilibrium
+from drillpetsc.errors import SolveError
+from drillpetsc.model.drilling_model import DrillingModel, build_model
+from drillpetsc.model.string_forces import held_at_weight
+from drillpetsc.physics.tools.mud_motor import MudMotor
+from drillpetsc.unit_systems import shown
+
+TOLERATED_JUMP = 0.01  # of the hook load, at the start of a run with a top force and a given weight on bit
+
+
+def find_equilibrium(
+    model: DrillingModel,
+    motion: tuple[float, float] | None = None,
+    lateral_friction: bool = True,
+    path: PathKind | None = None,
+) -> StaticState:
+    """Find the static equilibrium with friction against ``motion``; the state is left in the model's system.
+
+    motion: axial velocity [m/s, down positive] and rotation [rad/s]; by default what the top prescribes at
+    time 0.
+    lateral_friction: the lateral friction force pushes a turning pipe up the wall; without it only its torque
+    acts, as in torque-and-drag models.
+    path: the motion whose history the string follows, see ``director_equilibrium``.
+    Raises SolveError if no equilibrium is found.
+    """
+    if model.beam is not None and model.beam.needs_ancf_equilibrium:
+        return quaternion_equilibrium(model, motion, lateral_friction)
+    # the weight on bit sets the static state, although the force of the top acts from time 0 on
+    if model.case.top.force is not None and model.case.initial.wob is not None:
+        return _equilibrium_at_weight(model, motion, lateral_friction, path)
+    motor = model.part(MudMotor)
+    if motor is not None:
+        return motor_equilibrium(model, motor, motion, lateral_friction, path)
+    try:
+        return director_equilibrium(model, motion, lateral_friction, path)
+    except SolveError as error:
+        if nothing_holds(model):
+            error.what = (
+                f"the string is not held along the hole: it falls, or only friction holds it ({error.what})"
+            )
+            error.hint = "initial: {from: rest} with time: {..} lets it fall; another kind of top, or a bottom, holds it"
+        raise
+
+
+def _equilibrium_at_weight(
+    model: DrillingModel,
+    motion: tuple[float, float] | None,
+    lateral_friction: bool,
+    path: PathKind | None,
+) -> StaticState:
+    """Hold the top of a model with a top force at the depth where the bit carries ``initial.wob``; the force acts from time 0 on.
+
+    Parameters and errors are the same as in ``find_equilibrium``.  Collective.
+    """
+    held = build_model(held_at_weight(model.case), model.system.comm)
+    state = director_equilibrium(held, motion, lateral_friction, path)
+    place_along_hole(model)
+    system, other = model.system, held.system
+    system.frames.reference[:], system.frames.second_director[:] = (
+        other.frames.reference,
+        other.frames.second_director,
+    )
+    system.frames.twist0[:] = other.frames.twist0
+    system.assembly.reference[:] = other.assembly.reference
+    system.assembly.x[:] = other.assembly.x
+    system.assembly.dead_load = other.assembly.dead_load
+    for component in system.components:
+        component.update_reference_frames()
+        component.locate_hole(system.assembly)
+    model.copy_sliding_direction(held)
+    align_top(model)
+    force, hook_load = model.case.top.force, -other.reaction("top.axial_reaction")
+    assert force is not None
+    if abs(force.value(0.0) - hook_load) > TOLERATED_JUMP * abs(hook_load):
+        units = model.case.shown_units
+        state.warnings.append(
+            f"the top pulls with {shown(force.value(0.0), 'force', units)} from time 0 on, and with initial.wob the string "
+            f"hangs on {shown(hook_load, 'force', units)}: it starts to move"
+        )
+    return state

@@ -1,0 +1,170 @@
+"""Static equilibrium with friction by Newton's method, from a start that contains friction or from a state without it.
+
+Manual: sec-statics-sequence.
+"""
+
+from __future__ import annotations
+
+from drillpetsc.analysis.statics.imperfection import item_imperfection, nodal_weight
+from drillpetsc.analysis.statics.path.paths_of_problem import answer_by_path, has_two_paths, slides_on
+from drillpetsc.analysis.statics.relaxation import helix_load, relax, relax_with_drag
+from drillpetsc.analysis.statics.snapshot import Snapshot
+from drillpetsc.analysis.statics.start.coarse_mesh import too_coarse
+from drillpetsc.analysis.statics.start.lateral_start import SPACING, lateral_starts
+from drillpetsc.analysis.statics.start.soft_string_start import place_marched
+from drillpetsc.analysis.statics.static_problem import StaticProblem
+from drillpetsc.errors import SolveError
+
+START_INCREMENT = 0.1  # of a state from which a further solve with more friction, or with the flow, starts
+LATERAL_STEPS = 15  # of Newton's method from a lateral equilibrium, which is close to the state
+NEAR_STEPS, NEAR_INCREMENT = 6, 10.0  # of its first steps, and the increment that they reach from there
+#: steps of a relaxation from there that may fail, and the same of a string that may follow its paths instead
+LATERAL_FAILED, FAILED_BEFORE_PATHS = 10, 4
+STRONGER_LOAD = 10.0  # factor of the side loads where the requested ones do not lead to a stable state
+
+
+def reach(problem: StaticProblem) -> float:
+    """Find an equilibrium with friction from the present state; returns the lateral friction fraction reached.
+
+    Raises SolveError where no equilibrium is found.
+    """
+    reached = from_lateral_start(problem)
+    if reached is not None:
+        return reached
+    if problem.moves and problem.straight is not None and _follows_paths(problem):
+        return problem.state.lateral_fraction
+    return _by_relaxation(problem)
+
+
+def _follows_paths(problem: StaticProblem) -> bool:
+    """Follow the paths of a small string that slides and has several states, where its lateral equilibrium leads to none; collective.
+
+    Returns whether the first one has an end; the state is the former one where it has none.
+    """
+    if problem.turns or not has_two_paths(problem):
+        return False
+    restore = problem.save()
+    problem.origin.restore()
+    try:
+        answer_by_path(problem, "sliding")
+    except SolveError:
+        restore()
+        return False
+    return True
+
+
+def from_lateral_start(problem: StaticProblem) -> float | None:
+    """Try Newton's method from the lateral equilibrium of a pushed string; manual: sec-statics-lateral-start.
+
+    Returns the lateral friction fraction reached, or None with the state restored where nothing pushes the string, or no
+    stable equilibrium is found.
+    """
+    model, solver, report, straight = (
+        problem.model,
+        problem.solver,
+        problem.state.equilibrium,
+        problem.straight,
+    )
+    if straight is None:
+        return None
+    restore = problem.save()
+    most_failed = FAILED_BEFORE_PATHS if has_two_paths(problem) else LATERAL_FAILED
+    for start in lateral_starts(model, straight, problem.state.motion, problem.fraction > 0, problem.found):
+        fraction = problem.fraction if start.with_friction else 0.0
+        problem.origin.restore()
+        place_marched(model, start.march)
+        if start.side_loads is not None:
+            solver.add_imperfection(start.side_loads, SPACING)
+            report.imperfection = model.case.initial.imperfection
+        placed = Snapshot(model)
+        for near in (True, False):
+            problem.impose(fraction)
+            try:
+                if near:
+                    solver.newton(report, NEAR_INCREMENT, NEAR_STEPS)
+                    solver.newton(report, solver.start_increment, LATERAL_STEPS, near=True)
+                else:
+                    relax_with_drag(model, solver, report, solver.start_increment, most_failed)
+                reached = True
+            except SolveError:
+                reached = False
+            problem.set_friction_aside()
+            if reached and not solver.negative_pivots():
+                return fraction
+            placed.restore()
+            # a helix may creep along the wall for ever: it has no state, and a relaxation would not end
+            if near and start.with_friction and start.side_loads is not None and slides_on(problem):
+                return fraction
+    restore()
+    return None
+
+
+def _by_relaxation(problem: StaticProblem) -> float:
+    """Relax the string from the march; returns the lateral friction fraction reached.
+
+    A state that is unstable is a saddle, on which no force is lateral: the string then relaxes again under small random side
+    loads, which stay.  On a coarse mesh the instability is that of the elements.  Raises SolveError where no equilibrium is found.
+    """
+    model, solver, report = problem.model, problem.solver, problem.state.equilibrium
+    fraction, found, saddle = model.case.initial.imperfection, problem.found, None
+    if found is not None:
+        problem.origin.restore()
+        place_marched(model, found)
+    start = Snapshot(model)
+    strengths = (0.0,) if not fraction or too_coarse(model) else (0.0, fraction, STRONGER_LOAD * fraction)
+    failure = SolveError("no static state was found")
+    for strength in strengths:
+        load = found.usual_contact_force if found is not None else 0.0
+        if strength:
+            start.restore()
+            solver.add_imperfection(
+                strength * nodal_weight(model) * item_imperfection(model, fraction), SPACING
+            )
+            load = helix_load(model, found) if found is not None else 0.0
+        report.imperfection = strength
+        try:
+            reached = _relaxed(problem, load)
+            if strength and not problem.moves and solver.negative_pivots():
+                # a free column leans further than any Newton step from straight: follow it down
+                start.restore()
+                relax_with_drag(model, solver, report, solver.start_increment, downhill=True)
+        except SolveError as error:
+            failure = error
+            continue
+        if not solver.negative_pivots() or len(strengths) == 1:
+            return reached
+        saddle = saddle or (Snapshot(model), reached)
+    model.system.assembly.dead_load, report.imperfection = None, 0.0
+    if saddle is None:
+        raise failure
+    saddle[0].restore()  # it says so
+    return saddle[1]
+
+
+def _relaxed(problem: StaticProblem, load: float) -> float:
+    """Relax the string with friction, of one that turns first without its side force; returns the fraction of that force reached.
+
+    load: as for ``relax``.
+    """
+    model, solver, report = problem.model, problem.solver, problem.state.equilibrium
+    full = problem.fraction if problem.state.motion[1] else 1.0
+    first = 0.0 if problem.state.motion[1] else 1.0
+    try:
+        if problem.moves:
+            problem.impose(first)
+        # what a further solve starts from, with more friction or with the flow, need not be exact
+        relax(model, solver, report, START_INCREMENT if full != first else solver.start_increment, load)
+        if full == first:
+            return full if problem.moves else problem.fraction
+        last = Snapshot(model)
+        problem.impose(full)
+        try:
+            solver.newton(report, solver.start_increment)
+            return full
+        except SolveError:
+            last.restore()
+            problem.impose(first)
+            solver.newton(report)
+            return first
+    finally:
+        problem.set_friction_aside()

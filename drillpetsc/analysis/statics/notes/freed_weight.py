@@ -1,0 +1,55 @@
+"""The weight on bit after a string that was lowered without rotation begins to turn."""
+
+from __future__ import annotations
+
+from scipy.optimize import brentq
+
+from drillpetsc.analysis.statics.placement import prescribed_motion
+from drillpetsc.analysis.statics.start.soft_string_start import soft_string
+from drillpetsc.case.quantities import largest
+from drillpetsc.model.drilling_model import DrillingModel
+from drillpetsc.unit_systems import shown
+
+WORTH_SAYING = 0.05  # change of the weight on bit over initial.wob
+MOST = 100.0  # largest weight that is tried, over initial.wob
+ACCURACY = 1e-4
+
+
+def freed_weight(model: DrillingModel) -> float | None:
+    """Weight on bit [N] at which the turning string is as long as the sliding one of the start, with its top where it was.
+
+    By the soft string.  None where the start does not slide, the top never turns, or no such weight is found.
+    """
+    case, (lowering, rotation) = model.case, prescribed_motion(model)
+    top = case.top.rotation
+    later = 0.0 if top is None else largest(top)
+    if not case.initial.wob or not lowering > 0 or rotation or not later > 0 or case.top.force is not None:
+        return None
+    sliding = soft_string(model, (lowering, 0.0))
+    if sliding is None:
+        return None
+
+    def longer(wob: float) -> float:
+        turning = soft_string(model, (lowering, later), wob)
+        assert turning is not None
+        return turning.stretch - sliding.stretch
+
+    low, high = case.initial.wob, 2 * case.initial.wob
+    while longer(high) > 0:
+        low, high = high, 2 * high
+        if high > MOST * case.initial.wob:
+            return None
+    return float(brentq(longer, low, high, rtol=ACCURACY)) if longer(low) > 0 else None
+
+
+def weight_warnings(model: DrillingModel) -> list[str]:
+    """Say to what weight initial.wob grows when rotation frees the friction."""
+    weight, given = freed_weight(model), model.case.initial.wob
+    if weight is None or not given or weight - given < WORTH_SAYING * given:
+        return []
+    units = model.case.shown_units
+    return [
+        f"initial.wob, {shown(given, 'force', units)}, is that of a string which slides at time 0: when it turns, rotation frees its "
+        f"friction and the bit carries about {shown(weight, 'force', units, 2)}, until it is drilled off; with top.rotation at time 0 "
+        "the weight is met while turning"
+    ]

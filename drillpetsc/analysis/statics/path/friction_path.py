@@ -1,0 +1,641 @@
+"""Static states of buckled strings with friction: the end of a path on which the string is loaded and slides.
+
+Manual: sec-statics-path.  With friction a buckled string has many states; which one it is depends on its history.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, nullcontext
+from dataclasses import dataclass
+
+import numpy as np
+
+from drillpetsc.analysis.statics.imperfection import nodal_weight
+from drillpetsc.analysis.statics.path.path_answer import OVERLOAD, STEADY, AnyPath, PathAnswer, PathEnd
+from drillpetsc.analysis.statics.path.path_question import may_slack_off
+from drillpetsc.analysis.statics.placement import end_is_held, place_along_hole, top_depth
+from drillpetsc.analysis.statics.snapshot import Snapshot
+from drillpetsc.analysis.statics.start.march import March, march
+from drillpetsc.analysis.statics.start.march_shape import CROSSING
+from drillpetsc.analysis.statics.start.soft_string_start import place_marched
+from drillpetsc.analysis.statics.steady_flow import fluid_unknowns, freeze_flow, steady_flow
+from drillpetsc.arrays import FloatArray
+from drillpetsc.case.blocks.ends import ForcedBottom
+from drillpetsc.errors import SolveError
+from drillpetsc.model.drilling_model import DrillingModel
+from drillpetsc.physics.interfaces import Drive
+from drillpetsc.physics.tools.mud_motor import MudMotor
+from drillpetsc.solvers.static.lateral_loads import lateral_loads
+from drillpetsc.solvers.static.overdamped import SPIN_ARM, Drag, OverdampedMotion
+from drillpetsc.solvers.static.static_newton import Advance, Equilibrium, StaticNewton, sum_of
+from drillpetsc.unit_systems import shown
+
+SEED = 1e-3  # random side loads, as a share of the weight
+SEED_SPACING = (
+    3.0  # of independent side loads along the string, the same on all meshes: part of the history [m]
+)
+SPEED = 1.0  # of the string past the hole while it slides [m/s]
+SETTLE, HOLD, START = 0.5, 0.5, 1.0  # times of: the string lies down; its load stays; it begins to slide [s]
+SLIDE, LONGEST_SLIDE = 30.0, 60.0  # distance that the string slides [m]
+LONGEST_STEP = 0.4  # distance that it slides in one step [m]; longer implicit steps damp a growing buckle
+RAMP_STEPS = 50  # least steps in which a top force rises on a bit that stands
+#: from a state near its own, where no buckle has to grow: distances that the string slides on, the second one where it has
+#: not settled; longest and first step [m, s]
+SLIDES_ON, LONGEST_STEP_ON, FIRST_STEP_ON = (2.0, 8.0), 1.0, 2e-2
+SLIP_SHARE = 5e-3  # rounding velocity over that of the top, where the push is given
+RUN_IN = 5.0  # distance that the string is run in before it is slacked off [m]
+LIFT = 0.2  # height of the bit over the bottom from which the string is slacked off [m]
+LOWERING = 0.2  # speed at which the top is lowered onto the bit that stands [m/s]
+MOST_LOWERING = 3.0  # largest way of the top in the hole, over the shortening of a straight string
+WEIGHT_TOLERANCE = 1e-3  # of the weight on bit, over the weight, where the lowering ends
+REST, LONGEST_REST = (
+    100.0,
+    10.0,
+)  # time in which a string without friction comes to rest, and its longest step [s]
+FIRST_STEP, SHORTEST_STEP = 1e-3, 1e-9  # [s]
+MOST_STEPS, MOST_STEPS_ON = 4000, 100
+#: near an equilibrium a step that failed limits those after it to this share, which is lifted by a factor after some steps: each failure
+#: costs as much as ten steps
+SHARE_OF_FAILED, STEPS_TO_LIFT, LIFT_OF_STEP = 0.5, 6, 1.5
+FLOW_STEPS = 10  # steps after which the steady flow is solved again
+FARTHEST_SLIDE = 5e-3  # of the string at the end of a path to where its bit carries its weight [m]
+FREE_BIT = 1e-3  # weight on the spring in place of a bit that carries a given force [N]
+LEAST_WEIGHT = 1.0  # on the bit before it is loaded [N]
+
+
+@dataclass(frozen=True)
+class Settings:
+    """Artificial constants of a path.
+
+    ramp: time in which the load rises [s]; slip: velocity that rounds off Coulomb's law [m/s].
+    drag: across the hole [N s/m2]; along: its share along the hole [-]; arm: its lever on the spin [m].
+    """
+
+    ramp: float
+    slip: float
+    drag: float
+    along: float
+    arm: float = SPIN_ARM
+
+
+#: slack-off is slow against drag and friction's creep (docs: sec-statics-path has the figures)
+SETTINGS = {
+    "sliding": Settings(ramp=1.0, slip=0.01 * SPEED, drag=1000.0, along=0.03),
+    # the torque of kilometres of turning string settles within the slide
+    "turning": Settings(ramp=1.0, slip=0.01 * SPEED, drag=1000.0, along=0.03, arm=0.1 * SPIN_ARM),
+    "slack_off": Settings(ramp=4.0, slip=1e-3, drag=75.0, along=1e-3),
+    "without_friction": Settings(ramp=1.0, slip=1.0, drag=1000.0, along=0.03),
+}
+
+
+class FrictionPath:
+    """Paths of one model.
+
+    kind: the question.
+    solver: its static solver, with the weight on bit as its constraint where one is given.
+    velocity: of the steady motion that friction opposes: along the hole [m/s, down positive] and spin [rad/s].
+    clearance: (n_nodes,) [m]; advance: as for ``OverdampedMotion``.
+    surge: (n+1,) rates of the steady motion that the mud sees [SI of each field per second]; None: at rest.
+    """
+
+    def __init__(
+        self,
+        model: DrillingModel,
+        kind: AnyPath,
+        solver: StaticNewton,
+        velocity: tuple[float, float],
+        clearance: FloatArray,
+        advance: Advance,
+        surge: FloatArray | None = None,
+    ):
+        assert model.well is not None
+        self.model, self.kind, self.solver, self.velocity = model, kind, solver, velocity
+        self.sign, self.turns = float(np.sign(velocity[0])) or 1.0, kind == "sliding" and bool(velocity[1])
+        self.settings, self._surge = SETTINGS["turning" if self.turns else kind], surge
+        self._slip = self.settings.slip
+        self.components = model.components
+        tangent = np.asarray(model.well.at(model.mesh.node_depth + top_depth(model))[1])
+        self._motions = {
+            q: OverdampedMotion(model.system, Drag(q.drag, q.along, tangent, q.arm), clearance, advance)
+            for q in {self.settings, SETTINGS["sliding"]}
+        }
+        for motion in self._motions.values():
+            motion.limit = solver.limit
+        self.motion = self._motions[self.settings]
+        self._tangent = tangent
+        if kind == "slack_off" and model.case.top.force is not None:
+            mesh, force = model.mesh, abs(model.case.top.force.value(0.0))
+            pipe = ~mesh.is_joint
+            speed = force * float(np.sum(mesh.length[pipe] / mesh.axial_stiffness[pipe])) / self.settings.ramp
+            self._slip = min(self.settings.slip, SLIP_SHARE * speed)
+        self._wob = model.case.initial.wob if solver.depth is not None else None
+        self.seeds = lateral_loads(model.system, SEED * nodal_weight(model), spacing=SEED_SPACING)
+        self._push, self._rock = self._end_load(), self._bit_torque()
+        #: push that changes of the force are compared with [N]: the given one, or the largest of the straight string
+        self._scale = (
+            abs(model.case.top.force.value(0.0)) if model.case.top.force is not None else self._wob or 0.0
+        )
+        self._anchor = None if model.top is None else model.top.anchor.copy()
+        self.steps, self.most_steps, self._depth_shift = 0, MOST_STEPS, 0.0
+        self._longest_done = 0.0  # of the steps so far [s]
+        #: (n,) push at the lower end of a string that nothing pushes there, of the largest push of the straight one [N]
+        self._obstacle = np.zeros(model.system.layout.size)
+
+    def _end_load(self) -> FloatArray:
+        """Given forces (n,) on the ends of the string by the local unknowns [N]: those that rise along a path."""
+        model = self.model
+        out, force, bottom = np.zeros(model.system.layout.size), model.case.top.force, model.case.bottom
+        if force is not None:
+            out[self._of_node("string.position", 0)] = -force.value(0.0) * model.tangent[0]
+        if isinstance(bottom, ForcedBottom):
+            out[self._of_node("string.position", model.mesh.nodes - 1)] += np.array(bottom.force)
+        return out
+
+    def _bit_torque(self) -> FloatArray:
+        """Torque (n,) of the rock on a bit that turns under a given weight, by the local unknowns [N m]."""
+        bit, spin, out = self.model.bit, self.velocity[1], np.zeros(self.model.system.layout.size)
+        if self.turns and bit is not None and self._wob is not None:
+            torque = bit.torque_for(self._wob, spin) - bit.torque_for(FREE_BIT, spin)
+            out[self._of_node("string.spin", self.model.mesh.nodes - 1)] = -np.sign(spin) * torque
+        return out
+
+    def _of_node(self, field: str, node: int) -> np.ndarray:
+        """Local unknowns (k,) or (1, k) of a node that this rank owns, else none."""
+        chain = self.model.system.chain
+        here = np.flatnonzero(chain.owned & (chain.vertices == node))
+        return np.asarray(self.model.system.layout.dofs[field][here])
+
+    def _set_load(self, share: float) -> None:
+        """Let ``share`` of the ends' forces, and of the weight on a bit that does not stand, act."""
+        asm = self.model.system.assembly
+        asm.dead_load = self.seeds + (share - 1.0) * self._push + max(0.0, share - 1.0) * self._obstacle
+        if self._wob is not None and self.kind != "slack_off":
+            assert self.model.bit is not None
+            _, gradient = self.model.bit.depth_of_face(asm)
+            asm.dead_load += share * (self._rock - self._wob * gradient)
+
+    def _friction(self, speed: float) -> None:
+        for component in self.components:
+            if self.kind == "without_friction":
+                component.impose_sliding_direction(0.0, 0.0)
+            elif (
+                self.turns
+            ):  # across the hole only the drag acts: the side force would roll the string for ever
+                component.impose_sliding_direction(
+                    abs(self.velocity[0]) * speed / SPEED, self.velocity[1], 0.0
+                )
+            elif not self.model.parts(MudMotor) or component is not self.model.bit:
+                component.follow_overdamped_motion(speed, self._slip)
+
+    # ------------------------------------------------------------------ path
+    def follow(self, start: str) -> PathEnd:
+        """Load the string, let it slide where that is the question, and close on the state it reaches; collective.
+
+        start: ``straight``, the load rises to its value, or ``overload``, it comes back from ``OVERLOAD`` of it.
+        Raises SolveError where a step collapses.
+        """
+        model, self.steps = self.model, 0
+        for motion in self._motions.values():
+            motion.iterations = 0
+        if model.top is not None:
+            model.top.anchor[:] = self._anchor
+        place_along_hole(model, top_depth(model))
+        freeze_flow(model)
+        along = self.velocity if self.turns else (self.sign, 0.0)
+        straight = march(model, along, coils=False, wob=LEAST_WEIGHT)
+        assert straight is not None
+        # a small weight may stand below a long level string, which friction alone pushes
+        pushed, largest_push = self._scale > 0.0, -float(straight.axial_force.min())
+        self._scale = max(self._scale, largest_push, 1.0)
+        if not pushed:
+            last = model.mesh.nodes - 1
+            self._obstacle[self._of_node("string.position", last)] = -self._scale * model.tangent[-1]
+        self._lay_down(straight)
+
+        def move() -> tuple[float, float]:
+            slid, change = 0.0, 0.0
+            if self.kind == "without_friction":
+                self._come_to_rest()
+            elif self.kind == "sliding":
+                slid, change = self._slide(OVERLOAD if start == "overload" else 1.0)
+            else:
+                self._slack_off()
+            return slid, change
+
+        return self._moved(start, move)
+
+    def follow_on(self, largest_push: float) -> PathEnd:
+        """Let the string slide on from its present state, near an equilibrium under its whole load; collective.
+
+        The side loads that act now stay, or small ones are added where none act.  The string slides further where it has
+        not settled, or friction alone holds it.
+        largest_push: along the string [N], with which changes of the force are compared.
+        Raises SolveError where a step collapses.
+        """
+        asm = self.model.system.assembly
+        if asm.dead_load is not None:
+            self.seeds = asm.dead_load.copy()
+        self._scale = max(self._scale, largest_push, 1.0)
+        self.most_steps, slid = MOST_STEPS_ON, 0.0
+        freeze_flow(self.model)
+
+        def move() -> tuple[float, float]:
+            self._friction(self.sign * SPEED)
+            first = FIRST_STEP_ON if not slid else min(LONGEST_STEP_ON / SPEED, 2 * self._longest_done)
+            log = self._advance(
+                way / SPEED, lambda t: 1.0, LONGEST_STEP_ON / SPEED, bit_to_bottom=True, first=first
+            )
+            t, force, _ = np.array(log).T
+            return slid + way, abs(float(force[-1] - np.interp(0.5 * t[-1], t, force))) / self._scale
+
+        end = None
+        for way in SLIDES_ON:
+            before, load, y = Snapshot(self.model), asm.dead_load, asm.y.copy()
+            try:
+                end = self._moved("buckled", move)
+            except SolveError:
+                if end is None or not end.steady:
+                    raise
+                before.restore()  # that end is an answer: friction alone holds it
+                asm.dead_load, asm.y[:] = load, y
+                self._friction_at_end()
+                self.solver.rows()
+                break
+            slid += way
+            if end.steady and not end.negative_pivots:
+                break
+        assert end is not None
+        return end
+
+    def _moved(self, start: str, move: Callable[[], tuple[float, float]]) -> PathEnd:
+        """Let ``move`` move the string, and close on the state that it reaches; returns the end of the path.
+
+        move() returns the distance that the string slid [m] and the change of what it transmits.
+        """
+        model = self.model
+        asm = model.system.assembly
+        if model.fluid is not None:
+            asm.hold_rates(fluid_unknowns(model.system), self._surge)
+        try:
+            with self._free_bit() if self.kind != "slack_off" else nullcontext():
+                slid, change = move()
+                if model.fluid is not None:
+                    self._renew_flow()
+                held = self._held()
+        finally:
+            asm.hold_rates(None)
+        negative = self._close(held)
+        hook, wob = self._end_forces()
+        return PathEnd(
+            start,
+            hook,
+            wob,
+            self._torque() if self.turns else 0.0,
+            negative,
+            change,
+            slid,
+            self.steps,
+            sum(q.iterations for q in self._motions.values()),
+        )
+
+    def _lay_down(self, found: March) -> None:
+        """Put the string on the wall as ``found`` has it; under a given top force it is unstrained.
+
+        From an item of little clearance the pipe reaches the wall over ``CROSSING``: on short elements a step would be a
+        kink of many times the strength of the pipe.
+        """
+        model, system = self.model, self.model.system
+        depth, forced = model.mesh.node_depth, self.model.case.top.force is not None
+        if forced and not found.top_on_wall:
+            return
+        size = np.linalg.norm(found.offset, axis=1)
+        reach = size.copy()
+        for order in (range(1, len(size)), range(len(size) - 2, -1, -1)):
+            for i in order:
+                j = i - 1 if order.step > 0 else i + 1
+                reach[i] = min(reach[i], reach[j] + size[i] * abs(depth[i] - depth[j]) / CROSSING)
+        share = np.divide(reach, size, out=np.zeros_like(size), where=size > 0)
+        offset = (share**2 * (3 - 2 * share))[:, None] * found.offset
+        centre, tangent = found.position - found.offset, found.tangent
+        if not forced:
+            place_marched(model, found)
+        elif model.top is not None:
+            model.top.displace(offset[0])
+            centre, tangent = model.position, model.tangent
+        system.set_field("string.position", centre + offset)
+        if not model.mesh.is_joint.any():
+            system.set_field("string.tangent", tangent + np.gradient(offset, depth, axis=0))
+
+    @contextmanager
+    def _free_bit(self) -> Iterator[None]:
+        """Meanwhile a bit with a given weight stands on nothing: the weight is a dead load."""
+        bit, asm = self.model.bit, self.model.system.assembly
+        if self._wob is None or bit is None:
+            yield
+            return
+        outside = bit.depth_of_face(asm)[0]
+        with bit.preloaded(FREE_BIT, 1.0):
+            self._depth_shift = (
+                bit.depth_of_face(asm)[0] - outside
+            )  # of a bit whose hole the spring displaces
+            yield
+
+    def _ramp(self, low: float, high: float) -> None:
+        """Change the load from ``low`` to ``high``, shares of its value, and hold it."""
+        ramp = self.settings.ramp
+        self._advance(ramp, lambda t: low + (high - low) * t / ramp, ramp / 20)
+        self._advance(HOLD, lambda t: high, ramp / 20)
+
+    def _slide(self, peak: float) -> tuple[float, float]:
+        """Let the string slide under its load; returns the distance [m] and the change of what it transmits."""
+        # under a given top force the string slides once the load exceeds what friction carries off
+        speed, pushed = self.sign * SPEED, self.model.case.top.force is not None
+        self._settle(0.0 if pushed else speed)
+        self._ramp(0.0, 1.0)
+        if pushed:
+            self._advance(START, lambda t: 1.0, START / 20, past=lambda t: speed * t / START)
+        if peak > 1.0:
+            self._ramp(1.0, peak)
+            self._ramp(peak, 1.0)
+        slid, change, log = 0.0, np.inf, []
+        while slid < LONGEST_SLIDE - 1e-9 and change > STEADY:
+            part = self._advance(SLIDE / SPEED, lambda t: 1.0, LONGEST_STEP / SPEED, bit_to_bottom=True)
+            log += [(slid + SPEED * t, force, torque) for t, force, torque in part]
+            slid += SLIDE
+            change = self._change(log)
+        return slid, change
+
+    def _settle(self, speed: float) -> None:
+        """Let the string lie down while it slides with ``speed`` [m/s].
+
+        On the first touch friction may swing between two directions in every Newton iteration, however short the step.
+        The string then lies down with friction along the hole alone, and again with that of its motion.
+        """
+        start = Snapshot(self.model)
+        self._friction(speed)
+        try:
+            self._advance(SETTLE, lambda t: 0.0, SETTLE / 10)
+        except SolveError:
+            start.restore()
+            for component in self.components:
+                component.impose_sliding_direction(self.sign * SPEED if speed else 0.0, 0.0, 0.0)
+            self._advance(SETTLE, lambda t: 0.0, SETTLE / 10)
+            self._friction(speed)
+            self._advance(SETTLE, lambda t: 0.0, SETTLE / 10)
+
+    def _come_to_rest(self) -> None:
+        """Raise the load, and let the string without friction come to rest."""
+        self._friction(0.0)
+        self._advance(SETTLE, lambda t: 0.0, SETTLE / 10)
+        self._ramp(0.0, 1.0)
+        self._advance(REST, lambda t: 1.0, LONGEST_REST, bit_to_bottom=True)
+
+    def _slack_off(self) -> None:
+        """Lower the top onto the bit that stands, or raise the top's force."""
+        if self._wob is None:
+            self._settle(0.0)
+            ramp = self.settings.ramp  # the load is not held: friction would creep
+            self._advance(ramp, lambda t: t / ramp, ramp / RAMP_STEPS)
+            return
+        self._run_in()
+        self._friction(0.0)
+        self._lower(self._wob)
+
+    def _run_in(self) -> None:
+        """Let the string slide with its bit above the bottom."""
+        model, system, own = self.model, self.model.system, (self.settings, self.motion, self._slip)
+        assert model.top is not None
+        dofs = system.layout.dofs["string.position"]
+        system.assembly.x[dofs] -= LIFT * self._tangent[system.chain.vertices]
+        model.top.shift(-LIFT)
+        self.settings = SETTINGS["sliding"]
+        self.motion, self._slip = self._motions[self.settings], self.settings.slip
+        self._settle(SPEED)
+        self._advance(RUN_IN / SPEED, lambda t: 0.0, LONGEST_STEP / SPEED)
+        self.settings, self.motion, self._slip = own
+
+    def _lower(self, target: float) -> None:
+        """Lower the top until the bit carries ``target`` [N]; raises SolveError where it does not."""
+        mesh = self.model.mesh
+        pipe = ~mesh.is_joint
+        straight = target * float(np.sum(mesh.length[pipe] / mesh.axial_stiffness[pipe]))
+        way = LIFT + MOST_LOWERING * straight + 1.0
+        log = self._advance(way / LOWERING, lambda t: 1.0, 0.02 / LOWERING, speed=LOWERING, target=target)
+        wob = self._end_forces()[1]
+        if abs(wob - target) > 10 * WEIGHT_TOLERANCE * target:
+            units = self.model.case.shown_units
+            raise SolveError(
+                f"locked up: the bit carries {shown(wob, 'force', units)} after the top was lowered by {shown(log[-1][0] * LOWERING, 'length', units, 3)}, "
+                f"not {shown(target, 'force', units)}; friction takes the rest",
+                hint="less weight, less friction, rotation, or a stiffer string",
+            )
+
+    def _advance(
+        self,
+        duration: float,
+        load: Callable[[float], float],
+        longest: float,
+        speed: float = 0.0,
+        target: float | None = None,
+        bit_to_bottom: bool = False,
+        past: Callable[[float], float] | None = None,
+        first: float = FIRST_STEP,
+    ) -> list[tuple[float, float, float]]:
+        """Advance by ``duration`` [s] under ``load(t)`` with steps of ``longest`` [s] at most.
+
+        speed: of the top [m/s, down]; target: weight on bit [N] at which the advance ends.
+        bit_to_bottom: the top moves so that the free bit comes to where it carries its weight.
+        past(t): speed of the string past the hole [m/s]; None: it does not change.  first: length of the first step [s].
+        Returns (time, transmitted force, surface torque) after each step.  Raises SolveError where the steps collapse.
+        """
+        model, system = self.model, self.model.system
+        asm, n, top = system.assembly, system.layout.size, model.top
+        t, dt, last, last_dt, log = 0.0, first, None, 1.0, [(0.0, *self._transmitted())]
+        most, since = np.inf, 0  # step that a failed one allows, and steps since
+        if speed:  # friction is that of a string that moves with its top
+            last = np.zeros(n)
+            last[system.layout.dofs["string.position"]] = speed * self._tangent[system.chain.vertices]
+        while t < duration - 1e-9:
+            d = min(dt, longest, duration - t)
+            d = duration - t if d > 0.9 * (duration - t) else d
+            before, moved = Snapshot(model), speed * d
+            if bit_to_bottom and self._wob is not None:
+                moved = self._miss() * min(1.0, d)
+            self._set_load(load(t + d))
+            if past is not None:
+                self._friction(past(t + d))
+            guess = last * (d / last_dt) if last is not None and d <= 2 * last_dt else None
+            iterations = None
+            on = self.most_steps == MOST_STEPS_ON
+            for guessed in (guess, None) if guess is not None and not on else (guess,):
+                before.restore()
+                if moved and top is not None:
+                    top.shift(moved)
+                iterations = self.motion.step(d, guessed)
+                if iterations is not None:
+                    break
+            wob = self._end_forces()[1] if target and iterations is not None else 0.0
+            beyond = target is not None and wob > (1 + WEIGHT_TOLERANCE) * target
+            if iterations is None or beyond:
+                before.restore()
+                dt, last = d / (2 if beyond else 4), (last if beyond else None)
+                if on:
+                    most, since = SHARE_OF_FAILED * d, 0
+                if dt < SHORTEST_STEP:
+                    raise SolveError(
+                        "the path of the buckled string ends: its steps collapse",
+                        hint="shorter elements, or a smaller load",
+                        **system.locate_largest_residual(0.0),
+                    )
+                continue
+            t, last, last_dt = t + d, asm.x[:n] - before.x[:n], d
+            self.steps, self._longest_done = self.steps + 1, max(self._longest_done, d)
+            log.append((t, *self._transmitted()))  # the flow's solve leaves no reactions
+            if model.fluid is not None and self.steps % FLOW_STEPS == 0:
+                self._renew_flow()
+            if target is not None and wob >= (1 - WEIGHT_TOLERANCE) * target:
+                break
+            if self.steps > self.most_steps:
+                raise SolveError(f"the path of the buckled string did not end in {self.most_steps} steps")
+            factor = 2.0 if iterations <= 6 else 1.5 if iterations <= 10 else 1.0 if iterations <= 18 else 0.7
+            since += 1
+            if since >= STEPS_TO_LIFT:
+                most, since = LIFT_OF_STEP * most, 0
+            if d >= 0.5 * min(dt, longest):
+                dt = min(d * factor, longest, most)
+        return log
+
+    def _renew_flow(self) -> None:
+        """Solve for the steady flow about the present string, and freeze it."""
+        system, rates = self.model.system, self.model.system.assembly.y
+        before = rates.copy()
+        rates[:] = 0.0 if self._surge is None else self._surge
+        fluid = fluid_unknowns(system)
+        system.assembly.hold_rates(None)
+        steady_flow(system, 0.0)
+        system.assembly.freeze(fluid)
+        system.assembly.hold_rates(fluid, self._surge)
+        rates[:] = before
+
+    def _miss(self) -> float:
+        """Distance [m] from the bit's face to the depth at which it carries its weight."""
+        bit = self.model.bit
+        assert bit is not None and self._wob is not None
+        depth = bit.depth_of_face(self.model.system.assembly)[0] - self._depth_shift
+        return bit.depth_for(self._wob) - sum_of(self.model.system, depth)
+
+    def _transmitted(self) -> tuple[float, float]:
+        """What depends on the path: the weight on bit under a given top force, else the hook load [N]; and the torque
+        at the top of a string that turns [N m], else 0."""
+        hook, wob = self._end_forces()
+        return wob if self.model.case.top.force is not None else hook, self._torque() if self.turns else 0.0
+
+    def _torque(self) -> float:
+        """Torque at the top [N m]."""
+        system, drive = self.model.system, self.model.part(Drive)
+        own = drive.torque(0.0, system.assembly) if drive is not None else 0.0
+        return float(system.reaction("top.torque_reaction")) + sum_of(system, float(own))
+
+    def _end_forces(self) -> tuple[float, float]:
+        """Hook load and weight on bit [N]."""
+        model, force = self.model, self.model.case.top.force
+        hook = force.value(0.0) if force is not None else -model.system.reaction("top.axial_reaction")
+        wob = model.bit.weight_and_torque(model.system.assembly)[0] if model.bit is not None else 0.0
+        return float(hook), sum_of(model.system, wob)
+
+    def _change(self, log: list[tuple[float, float, float]]) -> float:
+        """Change of the means of what the string transmits from the third to the last quarter of ``log``: of the force
+        over the push, or of the torque over itself, whichever is larger."""
+        t, *values = np.array(log).T
+        step = np.diff(np.concatenate([[0.0], t]))
+        end, means = t[-1], []
+        for low, high in ((0.5, 0.75), (0.75, 1.0)):
+            there = (t > low * end) & (t <= high * end + 1e-9)
+            means.append([float(np.average(v[there], weights=step[there])) for v in values])
+        (force, torque), (last_force, last_torque) = means
+        return max(
+            abs(last_force - force) / self._scale, abs(last_torque - torque) / max(abs(last_torque), 1.0)
+        )
+
+    # ------------------------------------------------------------------ closing
+    def _held(self) -> FloatArray:
+        """Forces (n,) that the equilibrium lacks at the end of a path, by the local unknowns.
+
+        Those of drag and friction, which is set aside; of a string that turns the drag's alone.
+        """
+        self._friction_at_end()
+        return self._missing_forces()
+
+    def _missing_forces(self) -> FloatArray:
+        """Forces (n,) on free unknowns that the state lacks to be an equilibrium."""
+        out = self.solver.rows()
+        for f in self.model.system.assembly.row_replacements:
+            out[f.rows] = f.row_complement @ out[f.rows]
+        return out
+
+    def _close(self, held: FloatArray) -> int:
+        """Make the state an equilibrium with ``held`` as the assembly's dead load; returns its negative pivots.
+
+        It is one already, where the bit carries its weight; Newton's method would leave a state that friction alone
+        holds.
+        """
+        asm, solver = self.model.system.assembly, self.solver
+        asm.dead_load = self.seeds + held
+        self._friction_at_end()  # the bit has lost it with its spring
+        if self._wob is not None:
+            solver.rows()
+            if self._misses_weight(self._wob):
+                self._slide_to_depth(self._wob)
+            if self._misses_weight(self._wob):
+                solver.newton(Equilibrium())
+        for component in self.components:  # stability is counted with friction as a dead load
+            component.impose_sliding_direction(0.0, 0.0)
+        negative = solver.negative_pivots()
+        self._friction_at_end()
+        solver.rows()
+        return negative
+
+    def _misses_weight(self, wob: float) -> bool:
+        return abs(self._end_forces()[1] - wob) > WEIGHT_TOLERANCE * wob
+
+    def _slide_to_depth(self, wob: float) -> None:
+        """Move the whole string, whose buckles still travel, along the hole to where its bit carries its weight.
+
+        Its shape and its place on the wall stay, but in a hole that changes within millimetres; what is missing joins
+        the dead load.  A state that is further away is left as it is.
+        """
+        model, asm, bit, top = self.model, self.model.system.assembly, self.model.bit, self.model.top
+        assert bit is not None and top is not None
+        miss = bit.depth_for(wob) - sum_of(model.system, bit.depth_of_face(asm)[0])
+        if abs(miss) > FARTHEST_SLIDE or asm.dead_load is None:
+            return
+        dofs = model.system.layout.dofs["string.position"]
+        asm.x[dofs] += miss * self._tangent[model.system.chain.vertices]
+        top.shift(miss)
+        asm.dead_load = asm.dead_load + self._missing_forces()
+        self.solver.rows()
+
+    def _friction_at_end(self) -> None:
+        """Friction of the state that a path ends in: of a string that turns against the imposed motion, else a dead load."""
+        for component in self.components:
+            component.impose_sliding_direction(*(self.velocity if self.turns else (0.0, 0.0)), 0.0)
+
+
+def follow_paths(path: FrictionPath, starts: tuple[str, ...]) -> PathAnswer:
+    """Follow a path from each of ``starts``; the system is left in the state of the first; collective.
+
+    Raises SolveError where the first has no end.
+    """
+    ends, failed = [], []
+    for start in starts[:0:-1]:  # the first one last, so that its state stays
+        try:
+            ends.append(path.follow(start))
+        except SolveError as error:
+            failed.append((start, str(error).splitlines()[0]))
+    ends.append(path.follow(starts[0]))
+    force_given = path.model.case.top.force is not None
+    also = {"held_end": end_is_held(path.model), "may_slack_off": may_slack_off(path.model, path.velocity)}
+    return PathAnswer(
+        path.kind, tuple(ends[::-1]), path.seeds, force_given, path.turns, tuple(failed), **also
+    )

@@ -1,0 +1,139 @@
+"""Paths of a static problem: the string's steps in its hole, and the state at the end of a path as the problem's result.
+
+Manual: sec-statics-path.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from drillpetsc.analysis.statics.flow_coupling import surge_rates
+from drillpetsc.analysis.statics.path.friction_path import SEED, FrictionPath, follow_paths
+from drillpetsc.analysis.statics.path.path_answer import AnyPath, PathAnswer
+from drillpetsc.analysis.statics.path.path_question import has_path, may_slack_off
+from drillpetsc.analysis.statics.placement import end_is_held, top_depth
+from drillpetsc.analysis.statics.start.march import stands
+from drillpetsc.analysis.statics.static_problem import StaticProblem
+from drillpetsc.arrays import FloatArray
+from drillpetsc.errors import SolveError
+from drillpetsc.geometry.hole_steps import HoleSteps
+from drillpetsc.model.drilling_model import DrillingModel
+from drillpetsc.physics.tools.reamer import Reamer
+
+LEAST_CLEARANCE = 1e-3  # [m]
+NODES_OF_BAND = 500  # of a string whose band of states is found by itself, in seconds
+
+
+def answer_by_path(problem: StaticProblem, kind: AnyPath) -> None:
+    """Find the state of a string with friction at the end of a path, and what other starts give.
+
+    Raises SolveError where the path has no end.
+    """
+    path = _path(problem, kind)
+    _take(problem, follow_paths(path, ("straight", "overload") if kind == "sliding" else ("straight",)), SEED)
+
+
+def has_two_paths(problem: StaticProblem) -> bool:
+    """Whether the string has several states, and is small enough to be followed from two starts."""
+    model, state = problem.model, problem.state
+    several = state.band is not None or (state.motion[1] and not stands(model))
+    small = model.mesh.nodes <= NODES_OF_BAND
+    return bool(problem.paths and several and small and any(state.motion)) and has_path(model, state.motion)
+
+
+def slides_on(problem: StaticProblem) -> bool:
+    """Let a string that slides move on from the present state, which friction along the hole alone does not hold; collective.
+
+    A buckle may roll along the wall for ever, slowly, while the string slides: with friction exactly along the hole it has
+    no equilibrium, although force and shape stay.  Returns whether the string slides steadily; the state is the former one
+    where it does not.
+    """
+    model, state = problem.model, problem.state
+    assert problem.straight is not None
+    largest_push = -float(problem.straight.axial_force.min())
+    if (
+        not (problem.paths and any(state.motion))
+        or problem.motor_speed
+        or largest_push <= 0
+        or model.parts(Reamer)
+    ):
+        return False  # the shares of bit and reamer are not those of a path
+    if state.motion[1] and problem.fraction > 0:
+        return False  # a turning string has no path with friction across the hole
+    if has_two_paths(problem):
+        return False
+    restore = problem.save()
+    path = _path(problem, "sliding")
+    try:
+        end = path.follow_on(largest_push)
+        steady = end.steady
+    except SolveError:
+        steady = False
+    if steady:
+        answer = PathAnswer(
+            "sliding",
+            (end,),
+            path.seeds,
+            model.case.top.force is not None,
+            held_end=end_is_held(model),
+            may_slack_off=may_slack_off(model, state.motion),
+        )
+        _take(problem, answer, state.equilibrium.imperfection)
+        return True
+    restore()
+    return False
+
+
+def _path(problem: StaticProblem, kind: AnyPath) -> FrictionPath:
+    model = problem.model
+    clearance, steps = node_clearance(model), steps_in_hole(model)
+    assert clearance is not None and steps is not None
+    surge = surge_rates(model, problem.lowering)
+    problem.solver.rates, model.system.assembly.y[:] = None, 0.0  # the path has its own surge
+    return FrictionPath(model, kind, problem.solver, problem.state.motion, clearance, steps, surge)
+
+
+def _take(problem: StaticProblem, answer: PathAnswer, imperfection: float) -> None:
+    """Make the answer of a path the result of the problem."""
+    state, end = problem.state, answer.ends[0]
+    state.path, report = answer, state.equilibrium
+    report.imperfection, report.converged = imperfection, True
+    report.negative_pivots, report.singular = max(0, end.negative_pivots), end.negative_pivots < 0
+    report.iterations += end.iterations
+    state.lateral_fraction = 0.0 if answer.turns else 1.0
+    state.warnings += answer.lines(problem.model.case.shown_units)
+
+
+def _gap(model: DrillingModel) -> FloatArray:
+    """Radial clearance (n_nodes,) [m] of the thicker pipe at each node, not below zero."""
+    mesh, well = model.mesh, model.well
+    assert well is not None
+    outer = np.zeros(mesh.nodes)
+    np.maximum.at(outer, np.arange(mesh.nodes - 1), mesh.contact_diameter)
+    np.maximum.at(outer, np.arange(1, mesh.nodes), mesh.contact_diameter)
+    return np.maximum(np.asarray(well.radius(mesh.node_depth + top_depth(model))) - 0.5 * outer, 0.0)
+
+
+def node_clearance(model: DrillingModel) -> FloatArray | None:
+    """Clearance (n_nodes,) [m] that limits steps, ``LEAST_CLEARANCE`` at least; None without contact."""
+    if model.well is None or model.contact is None:
+        return None
+    return np.maximum(_gap(model), LEAST_CLEARANCE)
+
+
+def steps_in_hole(model: DrillingModel) -> HoleSteps | None:
+    """Create the steps in the hole's coordinates of this rank's nodes; None without contact.
+
+    Ends with prescribed positions take plain steps; rigid items, joints and their neighbours do not move
+    about the axis.
+    """
+    if model.well is None or model.contact is None:
+        return None
+    system, mesh = model.system, model.mesh
+    gap = _gap(model)
+    gap[[b.node for b in mesh.bodies]] = 0.0
+    vertices, dofs = system.chain.vertices, system.layout.dofs
+    at = np.column_stack([dofs["string.position"][:, 0], dofs["string.tangent"][:, 0]])
+    prescribed = {f.condition.vertex for f in system.assembly.row_replacements}
+    free = np.array([v not in prescribed for v in vertices], dtype=bool)
+    return HoleSteps(model.well, at[free], gap[vertices[free]])

@@ -1,0 +1,139 @@
+"""Relaxation of a string to its static state: steps of implicit Euler with side drag, which become infinitely long.
+
+Manual: sec-statics-relaxation.  Friction has the direction that the components impose.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from drillpetsc.analysis.statics.placement import top_depth
+from drillpetsc.analysis.statics.snapshot import Snapshot
+from drillpetsc.analysis.statics.start.march import March
+from drillpetsc.errors import SolveError
+from drillpetsc.model.drilling_model import DrillingModel
+from drillpetsc.solvers.static.static_newton import CONVERGED_INCREMENT, Equilibrium, StaticNewton
+
+FIRST_DRAG, LAST_DRAG = 1e3, 1e-2  # over the length of the step [N/m2]
+MOST_DRAG = 1e12  # beyond it no step is short enough
+MOST_STEPS, MOST_FAILED = 300, 20
+STEP_INCREMENT = 1e-2  # largest last increment of a step with drag
+STEP_ITERATIONS = 25  # of a step with drag
+#: (most iterations of a step, factor by which the next one is longer)
+GROWTH = ((2, 100.0), (4, 10.0), (7, 4.0), (12, 1.5), (np.inf, 0.7))
+SHORTER = 4.0  # factor of a step's drag where it fails
+#: largest growth after a failed step, and the factor on it with each further one
+AFTER_FAILURE, LIFT = 2.0, 1.5
+BACK = 100.0  # factor of the drag where Newton's method fails after the last step
+SOFT_PENETRATION = 0.05  # penetration of the softest wall, as a share of the clearance
+SOFT_INCREMENT = 1.0  # largest last increment on a wall that is still soft
+
+
+def relax(
+    model: DrillingModel,
+    solver: StaticNewton,
+    report: Equilibrium,
+    tolerance: float = CONVERGED_INCREMENT,
+    load: float = 0.0,
+) -> None:
+    """Relax the string from its present state while the wall becomes stiff; collective.
+
+    On a stiff wall the region where a pipe crosses from one side of the hole to the other grows by a node in each step; on a
+    soft wall all of it moves at once (manual: sec-statics-stiffening).
+
+    report: gets iterations and increments.
+    tolerance: largest increment of the last solve.
+    load: contact force per length [N/m] that presses the string into the softest wall by ``SOFT_PENETRATION`` of its
+    clearance; 0: the wall keeps its stiffness.
+    Raises SolveError where no equilibrium is found.
+    """
+    if model.contact is not None:
+        try:
+            for factor in _softening(model, load):
+                model.contact.set_stiffness(factor)
+                _relax(model, solver, report, SOFT_INCREMENT)
+        finally:
+            model.contact.set_stiffness(1.0)
+    _relax(model, solver, report, tolerance)
+
+
+def _relax(model: DrillingModel, solver: StaticNewton, report: Equilibrium, tolerance: float) -> None:
+    """Newton's method, the one infinite step; where it fails, steps with drag that grow to it; collective."""
+    start = Snapshot(model)
+    try:
+        solver.newton(report, tolerance)
+        return
+    except SolveError:
+        start.restore()
+    relax_with_drag(model, solver, report, tolerance)
+
+
+def relax_with_drag(
+    model: DrillingModel,
+    solver: StaticNewton,
+    report: Equilibrium,
+    tolerance: float,
+    most_failed: int = MOST_FAILED,
+    downhill: bool = False,
+) -> None:
+    """Let the string move to its state by steps with drag that grow; collective.
+
+    report, tolerance: as for ``relax``; most_failed: steps that fail before the string is given up.
+    downhill: the loads have an energy, and no step is so long that it passes over a hill to an unstable state.
+    Raises SolveError where no equilibrium is found.
+    """
+    drag, most, failed, failure = FIRST_DRAG, np.inf, 0, SolveError("the string did not come to rest")
+    for _ in range(MOST_STEPS):
+        start, before = Snapshot(model), report.iterations
+        try:
+            with solver.drag(drag):
+                solver.newton(report, STEP_INCREMENT, STEP_ITERATIONS)
+                if downhill and solver.negative_pivots():
+                    raise SolveError("the step passes over a hill of the energy")
+            if drag > LAST_DRAG:
+                count = report.iterations - before
+                growth = next(factor for limit, factor in GROWTH if count <= limit)
+                drag, most = max(drag / min(growth, most), LAST_DRAG), LIFT * most
+                continue
+            start = Snapshot(model)
+            solver.newton(report, tolerance)
+            return
+        except SolveError as error:
+            failure = error
+            start.restore()
+            # a failed step costs several good ones, so that the next ones grow slowly
+            drag, most, failed = drag * (SHORTER if drag > LAST_DRAG else BACK), AFTER_FAILURE, failed + 1
+            if failed > most_failed or drag > MOST_DRAG:
+                break
+    raise failure
+
+
+def _softening(model: DrillingModel, load: float) -> tuple[float, ...]:
+    """Factors of the contact stiffness before 1; none where the wall is soft."""
+    gap = _clearance(model)
+    if model.contact is None or model.contact.law.law != "linear" or gap is None:
+        return ()
+    softest = load / (SOFT_PENETRATION * gap * model.contact.law.stiffness)
+    if not 0 < softest < 0.1:
+        return ()
+    return tuple(np.geomspace(softest, 1.0, int(np.ceil(-np.log10(softest) / 2)) + 1)[:-1])
+
+
+def _clearance(model: DrillingModel) -> float | None:
+    """Smallest radial clearance [m], 1 mm at least; None without contact."""
+    if model.well is None or model.contact is None:
+        return None
+    middle = 0.5 * (model.mesh.upper + model.mesh.lower) + top_depth(model)
+    gap = np.asarray(model.well.radius(middle)) - 0.5 * model.mesh.contact_diameter
+    return float(max(1e-3, np.min(gap[model.mesh.contact_diameter > 0], initial=0.1)))
+
+
+def helix_load(model: DrillingModel, found: March) -> float:
+    """Largest contact force r F^2/4EI [N/m] of a helix with the clearance r under the largest push F on the string.
+
+    found: march of the string, in which a push at the top may not pass.
+    Source: Lubinski, Althouse and Logan, JPT 14(6), 1962.
+    """
+    force, pipe = model.case.top.force, ~model.mesh.is_joint
+    push = max(-float(found.effective_tension.min()), 0.0 if force is None else -force.value(0.0), 0.0)
+    return (_clearance(model) or 0.0) * push**2 / (4 * float(np.min(model.mesh.bending_stiffness[pipe])))

@@ -1,0 +1,131 @@
+"""What a static state says of buckling: where the string is buckled, and whether the mesh can show it.
+
+Manual: sec-statics-report.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from drillpetsc.analysis.statics.placement import top_depth
+from drillpetsc.arrays import FloatArray
+from drillpetsc.model.drilling_model import DrillingModel
+from drillpetsc.model.element_length import instead_of_length
+from drillpetsc.output.files.tables import Column
+from drillpetsc.output.static_table import at_nodes
+from drillpetsc.unit_systems import System, display_unit
+
+#: helical over sinusoidal buckling load in a hole with side load (Chen, Lin and Cheatham, SPEDE 1990)
+HELICAL_RATIO = np.sqrt(2.0)
+#: first buckling of a vertical string with the weight w per length, F/(EI w^2)^(1/3) (Lubinski, 1950)
+VERTICAL_LOAD = 1.94
+ELEMENTS_PER_PITCH = 4.0  # with fewer, the shape of a helix is wrong
+FEW_RANGES = 3  # that are reported one by one
+WINDING = 1.5 * np.pi  # rotation of the offset within a pitch from which a string counts as a helix [rad]
+
+
+@dataclass(frozen=True)
+class Buckling:
+    """Buckling of a static state: ranges (from, to) of measured depth in the hole [m].
+
+    sinusoidal: the compression exceeds the sinusoidal load but the string does not coil.
+    helical: the string coils about the axis of the hole.
+    coarse: (from, to, element length, length that would do) [m] of buckled ranges with too long elements.
+    instead: what the case may say instead of a shorter length.
+    """
+
+    sinusoidal: tuple[tuple[float, float], ...] = ()
+    helical: tuple[tuple[float, float], ...] = ()
+    coarse: tuple[tuple[float, float, float, float], ...] = ()
+    instead: str = "or auto"
+
+    def as_dict(self) -> dict[str, list[list[float]]]:
+        """Ranges for summary.json [m]."""
+        return {"sinusoidal": [list(q) for q in self.sinusoidal], "helical": [list(q) for q in self.helical]}
+
+    def lines(self, units: System = "metric", slides: bool = False) -> list[str]:
+        """Sentences for the user, with depths in a system of units.
+
+        slides: the state is one of steady sliding with friction that no path was followed to.
+        """
+        size, _, unit = display_unit("length", units)
+
+        def between(a: float, b: float) -> str:
+            return f"from MD {a / size:.0f} to {b / size:.0f} {unit}"
+
+        out = []
+        for what, ranges in (("sinusoidally", self.sinusoidal), ("helically", self.helical)):
+            if len(ranges) <= FEW_RANGES:
+                out += [f"{what} buckled {between(a, b)}" for a, b in ranges]
+            else:
+                total, whole = sum(b - a for a, b in ranges), between(ranges[0][0], ranges[-1][1])
+                out.append(
+                    f"{what} buckled in {len(ranges)} pieces {whole}, {total / size:.0f} {unit} in all"
+                )
+        if self.sinusoidal or self.helical:
+            out.append(
+                "a buckled string may have other stable states; which one it is depends on its history"
+                + (" (this one is of steady sliding; --path sliding gives a band)" if slides else "")
+            )
+        return out + self.coarse_lines(units)
+
+    def coarse_lines(self, units: System = "metric") -> list[str]:
+        """Sentences on elements that are too long for the buckled shape, in a system of units."""
+        size, _, unit = display_unit("length", units)
+        return [
+            f"elements of {length / size:.3g} {unit} from MD {a / size:.0f} to {b / size:.0f} {unit} are too long for "
+            f"the buckled shape: element_length of {enough / size:.2g} {unit} or less ({self.instead})"
+            for a, b, length, enough in self.coarse
+        ]
+
+
+def buckling(model: DrillingModel, columns: list[Column], values: FloatArray) -> Buckling:
+    """Find where the string of a static table is buckled.
+
+    columns, values: of ``static_table``, (n_nodes, columns) on rank 0.
+    """
+    table = dict(zip([c[0] for c in columns], values.T, strict=True))
+    if model.beam is None or model.contact is None or model.well is None or "buckling_load" not in table:
+        return Buckling()
+    mesh = model.mesh
+    push = -table.get("effective_tension", table["axial_force"])
+    stiffness = at_nodes(mesh.bending_stiffness, mesh.bending_stiffness)
+    weight = at_nodes(model.effective_mass, model.effective_mass) * float(np.linalg.norm(model.case.gravity))
+    vertical = VERTICAL_LOAD * np.cbrt(stiffness * weight**2)
+    load = np.fmax(table["buckling_load"], vertical)
+    buckled = push > load
+    if not buckled.any():
+        return Buckling()
+    depth = mesh.node_depth + top_depth(model)
+    pitch = 2 * np.pi * np.sqrt(2 * stiffness / np.maximum(push, 1.0))
+    helical = (
+        buckled & _winds(model, table, pitch) & (push > HELICAL_RATIO * np.nan_to_num(table["buckling_load"]))
+    )
+    length = np.maximum(np.append(mesh.length, 0.0), np.append(0.0, mesh.length))
+    coarse = buckled & (length > pitch / ELEMENTS_PER_PITCH * (1 + 1e-9))
+    ranges = []
+    for a, b in _ranges(depth, coarse):
+        there = coarse & (depth >= a) & (depth <= b)
+        ranges.append((a, b, float(length[there].max()), float(pitch[there].min() / ELEMENTS_PER_PITCH)))
+    instead = instead_of_length(model.case)
+    return Buckling(_ranges(depth, buckled & ~helical), _ranges(depth, helical), tuple(ranges), instead)
+
+
+def _winds(model: DrillingModel, table: dict[str, FloatArray], pitch: FloatArray) -> np.ndarray:
+    """Mask of nodes (n,) whose offset from the axis rotates one way by ``WINDING`` within a pitch."""
+    x, y, md = table["offset_x"], table["offset_y"], model.mesh.node_depth
+    step = np.arctan2(x[:-1] * y[1:] - y[:-1] * x[1:], x[:-1] * x[1:] + y[:-1] * y[1:])
+    angle = np.concatenate([[0.0], np.cumsum(step)])
+    low, high = np.maximum(md - 0.5 * pitch, md[0]), np.minimum(md + 0.5 * pitch, md[-1])
+    share = np.where(pitch > 0, (high - low) / pitch, 1.0)
+    return np.asarray(np.abs(np.interp(high, md, angle) - np.interp(low, md, angle)) > WINDING * share)
+
+
+def _ranges(md: FloatArray, mask: np.ndarray) -> tuple[tuple[float, float], ...]:
+    """Ranges (from, to) [m] of neighbouring nodes in ``mask`` (n,), of more than one node."""
+    edges = np.flatnonzero(np.diff(np.concatenate([[0], mask.astype(int), [0]])))
+    return tuple(
+        (float(md[a]), float(md[b - 1])) for a, b in zip(edges[::2], edges[1::2], strict=True) if b - a > 1
+    )

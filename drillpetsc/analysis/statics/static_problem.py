@@ -1,0 +1,106 @@
+"""A static problem and its result: what the steps of the search for an equilibrium share (manual: sec-statics-sequence)."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+from drillpetsc.analysis.statics.path.path_answer import PathAnswer
+from drillpetsc.analysis.statics.snapshot import Snapshot
+from drillpetsc.analysis.statics.start.march import HelixBand, March
+from drillpetsc.analysis.statics.start.soft_string import TorqueDrag
+from drillpetsc.model.drilling_model import DrillingModel
+from drillpetsc.physics.interfaces import Bit, WallContact
+from drillpetsc.solvers.static.static_newton import Equilibrium, StaticNewton
+
+
+@dataclass
+class StaticState:
+    """Result of ``find_equilibrium``; the state itself is in the model's system.
+
+    motion: axial velocity [m/s, down positive] and rotation [rad/s] that friction opposes.
+    equilibrium: results of the solver.
+    soft_string: results of the soft string, None without one.
+    warnings: texts for the user.
+    lateral_fraction: fraction of the lateral friction force in the equilibrium [-] (chi in the manual:
+    eq-statics-imposed-friction).
+    path: answer of the paths of a buckled string with friction, None where Newton's method found the state.
+    band: by theory, of what a buckled string that slides transmits; None where it is the same early and late.
+    """
+
+    motion: tuple[float, float]
+    equilibrium: Equilibrium
+    soft_string: TorqueDrag | None = None
+    warnings: list[str] = field(default_factory=list)
+    lateral_fraction: float = 1.0
+    path: PathAnswer | None = None
+    band: HelixBand | None = None
+
+    @property
+    def stable(self) -> bool:
+        """Whether the state has neither a negative nor a zero pivot (manual: eq-statics-stable)."""
+        return self.equilibrium.negative_pivots == 0 and not self.equilibrium.singular
+
+
+@dataclass
+class StaticProblem:
+    """One search for an equilibrium.
+
+    model, solver: see there; state: gets the result.
+    components: those with friction, the wall and the bit.
+    fraction: lateral friction fraction that is asked for [-].
+    lowering: speed at which the top lowers the string [m/s].
+    found, straight: the march where the string coils, and where it does not; None without contact.
+    origin: the string along the hole.
+    paths: a path may be followed where Newton's method finds no state.
+    """
+
+    model: DrillingModel
+    solver: StaticNewton
+    state: StaticState
+    components: tuple[WallContact | Bit, ...]
+    fraction: float
+    lowering: float
+    found: March | None
+    straight: March | None
+    origin: Snapshot
+    paths: bool = True
+
+    @property
+    def moves(self) -> bool:
+        """Whether friction acts."""
+        return bool(self.components) and (self.state.motion != (0.0, 0.0) or self.motor_speed != 0)
+
+    @property
+    def turns(self) -> bool:
+        """Whether any part of the string turns."""
+        return bool(self.state.motion[1] or self.motor_speed)
+
+    @property
+    def motor_speed(self) -> float:
+        """What a downhole motor adds to the spin below it [rad/s]."""
+        return self.model.motor_speed
+
+    def save(self) -> Callable[[], None]:
+        """Copy all that a search changes; the function returned puts it back, with friction set aside."""
+        asm, solver, report = self.model.system.assembly, self.solver, self.state.equilibrium
+        before, load, y = Snapshot(self.model), asm.dead_load, asm.y.copy()
+        rates, imperfection = solver.rates, report.imperfection
+
+        def restore() -> None:
+            before.restore()
+            asm.dead_load, asm.y[:] = load, y
+            solver.rates, report.imperfection = rates, imperfection
+            self.set_friction_aside()
+
+        return restore
+
+    def impose(self, fraction: float) -> None:
+        """Let friction oppose the motion, with a ``fraction`` of its lateral force."""
+        for component in self.model.components:
+            component.impose_sliding_direction(*self.state.motion, fraction, self.motor_speed)
+
+    def set_friction_aside(self) -> None:
+        """No friction acts from now on."""
+        for component in self.model.components:
+            component.impose_sliding_direction(0.0, 0.0)
