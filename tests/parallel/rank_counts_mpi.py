@@ -14,6 +14,7 @@ from drillpetsc.analysis.motion.transient import TransientRun, run  # noqa: E402
 from drillpetsc.case import load_case  # noqa: E402
 from drillpetsc.fem import end_exchange  # noqa: E402
 from drillpetsc.solvers.chain import chain_lu  # noqa: E402
+from drillpetsc.solvers.time.newton_iteration import NewtonIteration  # noqa: E402
 
 CASE = "cases/benchmark/coupled-2000m.yaml"
 calls = {"sum": 0, "exchange": 0}
@@ -24,6 +25,11 @@ _reduced, _pass, _exchange = parallel._reduced, end_exchange.EndExchange._pass, 
 def reduced(comm, *rest):
     calls["sum"] += comm.size > 1
     return _reduced(comm, *rest)
+
+
+def over_ranks(self, *rest):
+    calls["sum"] += 1
+    return _over_ranks(self, *rest)
 
 
 def passed(self, to, sent, of, received):
@@ -37,6 +43,7 @@ def exchanged(self, comm):
     return _exchange(self, comm)
 
 
+_over_ranks, NewtonIteration._over_ranks = NewtonIteration._over_ranks, over_ranks
 parallel._reduced, end_exchange.EndExchange._pass, chain_lu._Message.exchange = reduced, passed, exchanged
 _move = TransientRun._move
 found = {}

@@ -105,6 +105,6 @@ def test_an_fmu_is_written_on_one_rank(tmp_path):
     """Refused before anything is written, by all ranks."""
     (tmp_path / "case.yaml").write_text(DRILLING + LOOP)
     with pytest.raises(AssertionError) as error:
-        run_mpi(2, COMMAND, ["fmu", str(tmp_path / "case.yaml"), "-o", str(tmp_path / "well.fmu")])
+        run_mpi(2, COMMAND, ["fmu", str(tmp_path / "case.yaml"), "--out", str(tmp_path / "well.fmu")])
     assert "one rank: an FMU" in str(error.value)
     assert not (tmp_path / "well.fmu").exists()

@@ -93,7 +93,7 @@ def test_the_mud_is_that_around_a_pipe_with_these_diameters(command: str, tmp_pa
     rheology = {"pv": "20 cP", "yp": "10 lbf/100ft2"}
     keys = {"fluid": {"flow_rate": 0.03, "rheology": rheology}, "hold_string": command == "hydraulics"}
     other = {"od": OUTER, "id": BORE}
-    trip = {"speed": [0.5]} if command == "surge" else {}
+    trip = {"speeds": [0.5]} if command == "surge" else {}
     first, second = (
         getattr(dp, command)(case(tool, **keys), tmp_path / name, **trip).tables[command]
         for name, tool in (("tool", SECTIONS), ("pipe", other))

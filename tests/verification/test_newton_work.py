@@ -54,7 +54,7 @@ def energy_of_whirl(folder, **petsc) -> dict:
         bottom="pinned",
         time={"end": 0.5},
         output={"history_every": 0.02, "checkpoint_every": 100},
-        petsc={"ts_adapt_type": "none", "ts_dt": 5e-4, "ts_rtol": 1e-3, **petsc},
+        petsc={"ts_adapt_type": "none", "ts_dt": 5e-4, "ts_rtol": 5e-3, **petsc},
     )
     return run(case, folder, progress="silent").summary["energy"]
 

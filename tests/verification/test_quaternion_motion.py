@@ -15,6 +15,7 @@ from drillpetsc.analysis.linear.modal import run_modes
 from drillpetsc.analysis.statics.quaternion_statics import solve_at_rest
 from drillpetsc.errors import CaseError
 from drillpetsc.output import read_table
+from drillpetsc.output.job import Job
 from drillpetsc.physics.quaternion.beam import spun
 from tests.helpers.motion import beam, fixed, integrate, straight
 
@@ -299,7 +300,7 @@ def test_the_end_of_a_run_with_the_other_element_is_refused(tmp_path):
         run(case, tmp_path / "other", progress="silent")
 
 
-@pytest.mark.parametrize("command", [run_statics, run_modes])
+@pytest.mark.parametrize("command", [run_statics, lambda case: run_modes(Job(case))])
 def test_commands_for_the_ancf_element_only(command):
     with pytest.raises(CaseError, match="not with quaternion yet"):
         command(Case(string=[PIPE], top="clamped", beam=quaternion()))

@@ -254,7 +254,7 @@ def test_too_few_rows_and_too_many_windows(tmp_path, capsys):
     """A run with one row of history is done without indices, and says so; windows without end are refused before it."""
     result = dp.run(turning(10.0, 0.5, indices=True, history_every=1.0), tmp_path / "r", progress="silent")
     assert result.status == "done" and "vibration" not in result.summary
-    assert any("there are none" in text and "at least 2" in text for text in result.summary["warnings"])
+    assert any("indices: none" in text and "at least 2" in text for text in result.summary["warnings"])
     with pytest.raises(CaseError, match="windows in the run"):
         turning(10.0, 5.0, indices={"window": 1.0, "every": 1e-6})
     dp.run(turning(10.0, 2.0), tmp_path / "s", progress="silent")

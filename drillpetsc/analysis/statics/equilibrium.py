@@ -168,7 +168,9 @@ def _newton_with_flow(problem: StaticProblem) -> float:
         problem.impose(reached)
         try:
             couple_flow_and_string(model, solver, state.equilibrium, problem.lowering)
-            return reached
+            # a rough state may lie before the weight that makes the string buckle, which the flow's solve then adds
+            if increment == CONVERGED_INCREMENT or problem.moves or solver.negative_pivots() <= 0:
+                return reached
         except SolveError:
             if increment == CONVERGED_INCREMENT:
                 raise
@@ -202,10 +204,24 @@ def _answer_by_newton(problem: StaticProblem) -> float:
             if found is None or ended or not problem.paths or not has_path(model, state.motion):
                 raise
             problem.origin.restore()
-            answer_by_path(problem, "sliding" if any(state.motion) else "without_friction")
+            moves = any(state.motion)
+            answer_by_path(problem, "sliding" if moves else "without_friction")
+            if not moves:
+                _end_at_rest(problem)
             return state.lateral_fraction
     state.lateral_fraction = reached
     return reached
+
+
+def _end_at_rest(problem: StaticProblem) -> None:
+    """Replace the end of a path without friction, which still creeps, by the equilibrium beside it, if Newton's method finds it."""
+    assert problem.state.path is not None
+    restore, asm = problem.save(), problem.model.system.assembly
+    asm.dead_load = problem.state.path.persistent_load
+    try:
+        problem.solver.newton(problem.state.equilibrium)
+    except SolveError:
+        restore()
 
 
 def _beyond_bottom(model: DrillingModel) -> float:

@@ -229,6 +229,8 @@ class NewtonIteration:
 
     def can_reuse(self, iteration: int) -> bool:
         """Whether the last factorisation may be used in an iteration."""
+        if self._signature is not None:  # a restart: the first rows are known now
+            self._take_flags(self.system.contact_signature() == self._signature)
         self.record.factored = 1
         return bool(_reusable(self._at, iteration))
 
