@@ -371,7 +371,7 @@ def run_hydraulics(
         at = SPP
         if pump_pressure is None and not flows:
             own = default_flow(case, hydraulics.notes)
-            given = case.fluid.pump_pressure  # type: ignore[union-attr]
+            given = case.given_fluid.pump_pressure
             if given is None:
                 flows = [own]
             else:
@@ -386,7 +386,7 @@ def run_hydraulics(
         summary = _summary(case, hydraulics, results) | {"units": case.shown_units}
         if job.comm.rank == 0:
             case.dump(folder.case)
-            _write(folder.path, case, results, curve, case.fluid.rheology)  # type: ignore[union-attr]
+            _write(folder.path, case, results, curve, case.given_fluid.rheology)
             write_summary(folder.summary, summary)
     return job.result(folder, summary, _lines(case, results, summary))
 
@@ -472,12 +472,12 @@ def _summary(case: Case, hydraulics: Hydraulics, results: list[FlowResult]) -> d
         if hydraulics.shoe is None
         else float(vertical_depth(case, np.array([hydraulics.shoe]))[0]),
         "window": window_table(case.window),
-        "outlet_pressure": case.fluid.outlet_pressure.value(0.0),  # type: ignore[union-attr]
+        "outlet_pressure": case.given_fluid.outlet_pressure.value(0.0),
         "flows": [
             {**r.summary, **_nozzles(case, r), "limited_by": r.limited_by, "warnings": r.warnings}
             for r in results
         ],
-        "rheology": rheology_fits.figures(case.fluid.rheology) or None,  # type: ignore[union-attr]
+        "rheology": rheology_fits.figures(case.given_fluid.rheology) or None,
         "warnings": hydraulics.warnings,
         "notes": hydraulics.notes,
     }

@@ -96,7 +96,7 @@ class Tripping:
         self.case, self.pipe, self.window = case, pipe, window
         self.pump = flow if pipe == "pumping" else 0.0
         self.flow = FlowModel(case, string, pipe, moving=True)
-        self.shoe, self.end = shoe_depth(case), float(case.well.survey.md[-1])  # type: ignore[union-attr]
+        self.shoe, self.end = shoe_depth(case), float(case.given_well.survey.md[-1])
         self._solve("at rest", self.pump, 0.0)
         self.at_rest = self.flow.bottom_pressure()
         self.limited_at_rest = self._limited()

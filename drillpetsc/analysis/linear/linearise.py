@@ -75,7 +75,7 @@ class LinearResult:
         Raises ImportError without it, and ValueError if an output follows the rate of an input.
         """
         try:
-            import control  # type: ignore
+            import control
         except ImportError:
             raise ImportError("to_control needs python-control: pip install control") from None
         q = self.reduced.system if reduced and self.reduced is not None else self.system

@@ -33,7 +33,7 @@ def write_animation(
         drawing.canvas.draw()
         images.append(np.asarray(drawing.canvas.buffer_rgba())[..., :3].copy())
     if path.suffix.lower() == ".gif":
-        from PIL import Image  # type: ignore[import-untyped,unused-ignore]
+        from PIL import Image
 
         palette = _palette(images, colormap)
         pages = [
@@ -44,7 +44,7 @@ def write_animation(
             path, save_all=True, append_images=pages[1:], duration=round(1000 / rate), loop=0, disposal=1
         )
         return
-    import imageio.v3 as imageio  # type: ignore[import-not-found,unused-ignore]
+    import imageio.v3 as imageio
 
     imageio.imwrite(
         path, [image[: image.shape[0] // 2 * 2, : image.shape[1] // 2 * 2] for image in images], fps=rate
@@ -57,7 +57,7 @@ def _palette(images: list[np.ndarray], colormap: Any) -> Any:
     The latter are chosen from an image in which each colour occurs once; otherwise the wide background would
     get all of them.
     """
-    from PIL import Image  # type: ignore[import-untyped,unused-ignore]
+    from PIL import Image
 
     seen = np.zeros(0, dtype=np.int32)
     for image in images[:: max(len(images) // 8, 1)]:

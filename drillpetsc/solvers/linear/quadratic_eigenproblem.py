@@ -190,7 +190,7 @@ def _slepc(apply, size: int, count: int, kind: type, seed: int) -> np.ndarray:
     SLEPc options have the prefix ``modes_``.
     """
     from petsc4py import PETSc
-    from slepc4py import SLEPc  # type: ignore
+    from slepc4py import SLEPc
 
     class Shell:
         def mult(self, matrix, x, y) -> None:

@@ -87,7 +87,7 @@ class NewtonIteration:
         work: ResidualWork | None,
     ):
         self.system, self.factor, self.q, self.rows = system, factor, q, rows
-        self._residual = weakref.WeakMethod(residual)
+        self._residual: Any = weakref.WeakMethod(residual)  # of its owner, which solves
         self.apart, self.work = apart, work
         self.t, self.weights, self.compiled = 0.0, (1.0, 0.0, 0.0), True
         self.scale, self.increment = system.scale[system.layout.local_of_owned], np.zeros(len(q))
@@ -173,18 +173,17 @@ class NewtonIteration:
     def _guarded(self, part: Callable[..., Any]) -> Callable[..., int]:
         """The ``part`` for compiled code: 0, 1 without a pivot, -1 for any other exception, which is raised after the solve."""
 
-        own, method = (
-            weakref.ref(self),
-            weakref.WeakMethod(part),
-        )  # the system ends with its last user, not with the process
+        # the system ends with its last user, not with the process; both live as long as the solve
+        own: Any = weakref.ref(self)
+        method: Any = weakref.WeakMethod(part)
 
         def call(*arguments: Any) -> int:
             try:
-                method()(*arguments)  # type: ignore[misc]  # it lives as long as the solve
+                method()(*arguments)
             except ZeroPivot:
                 return 1
             except BaseException as error:
-                own()._error = error  # type: ignore[union-attr]
+                own()._error = error
                 return -1
             return 0
 
@@ -313,7 +312,7 @@ class NewtonIteration:
             not compiled or self._signature is not None
         ):  # motion along a path needs the state once, a restart its contacts
             self.q[:] = asm.x[self.system.layout.local_of_owned]
-            self._residual()()  # type: ignore[misc]  # its owner solves
+            self._residual()()
             compiled, r.rows_known = self._can_be_compiled(), 1
         if self._signature is not None:
             self._take_flags(self.system.contact_signature() == self._signature)

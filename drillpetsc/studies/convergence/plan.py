@@ -142,7 +142,8 @@ def read_base(
         chosen = {"ts_type": "alpha2"} | ({} if radius is None else {"ts_alpha_radius": radius})
     time = {k: v for k, v in data["time"].items() if k != "spectral_radius"} | {"integrator": "bdf"}
     data = {**data, "time": time, "petsc": {**data.get("petsc", {}), **chosen}}
-    every = float(case.output.with_intervals(end).history_every)  # type: ignore[arg-type]
+    every = case.output.with_intervals(end).history_every
+    assert every is not None
     petsc = {**case.petsc, **options}
     return Base(
         path,

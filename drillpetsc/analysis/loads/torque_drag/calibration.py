@@ -88,7 +88,7 @@ class Calibration:
         self.case, self.points = case, points
         self.units = case.shown_units
         gravity_of(case, "calibrate")
-        end = float(case.well.survey.md[-1])  # type: ignore[union-attr]
+        end = float(case.given_well.survey.md[-1])
         for i, point in enumerate(points):
             if point.bit_depth > end + 1e-6:
                 want = f"at most {shown(end, 'length', self.units, 6)}, the end of the hole"
@@ -115,7 +115,7 @@ class Calibration:
         self.factors = tuple(
             dict.fromkeys([*(k for k in KINDS if (self.group == k).any()), *map(str, self.group)])
         )
-        self.own = np.array([s.friction for s in case.well.sections])  # type: ignore[union-attr]
+        self.own = np.array([s.friction for s in case.given_well.sections])
         plan = plan_of(case)
         loads: list[tuple[float, ...]] = []
         flows: list[tuple[float | None, str]] = []
@@ -374,7 +374,7 @@ class Calibration:
         base = dict.fromkeys(names, 0.0)
         sets = [base, *({**base, name: 0.5} for name in names)]
         values = self.computed(sets)
-        sections = self.case.well.sections  # type: ignore[union-attr]
+        sections = self.case.given_well.sections
         deepest = max(point.bit_depth for point in self.points)
         for k, name in enumerate(names, 1):
             if name not in self.factors:
