@@ -177,3 +177,16 @@ def test_an_end_that_friction_holds_stays_where_the_string_slides_no_further(mon
     assert state.path is not None and state.path.ends[0] is ends[0] and not state.stable
     assert static_summary(model, state)["hook_load"] == pytest.approx(ends[0].hook_load, rel=1e-9)
     assert any("held by friction only" in text for text in state.warnings)
+
+
+def test_a_coiled_state_does_not_hang_on_the_size_of_the_imperfection():
+    """Side loads of 1e-4 of the weight ended on the straight saddle, with 18 negative pivots and no torque."""
+    torque = []
+    for imperfection in (1e-4, 1e-2):
+        model = build_model(
+            load_case("cases/benchmark/buckled-collar.yaml", [f"initial.imperfection={imperfection}"])
+        )
+        state = find_equilibrium(model, None, False)
+        assert state.stable
+        torque.append(static_summary(model, state)["surface_torque"])
+    assert torque[0] == pytest.approx(torque[1], rel=1e-6) and torque[0] > 100.0

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from drillpetsc import Case, statics
+from drillpetsc import Case, load_case, statics
 from drillpetsc.analysis.statics.find_equilibrium import find_equilibrium
 from drillpetsc.analysis.statics.placement import place_along_hole
 from drillpetsc.analysis.statics.start.march import march
@@ -350,3 +350,10 @@ def test_an_end_below_the_hole_in_the_units_of_the_case(tmp_path, units, unit, s
     number, found = line.split("lies ")[1].split()[:2]
     assert found == unit
     assert float(number) * size == pytest.approx(7850 * 9.81 * 2999.0**2 / 2 / 2.06e11 - 1.0, rel=0.01)
+
+
+@pytest.mark.parametrize(("motion", "told"), [(None, True), ("rotate", True), ("hoist", False)])
+def test_swirl_is_named_for_a_string_that_turns(motion, told, tmp_path):
+    """A string that is hoisted without rotation was told of a torque that the swirl would add to 0.3 N m (1e5 %)."""
+    found = statics(load_case("cases/field/metric.yaml"), tmp_path / "out", motion=motion)
+    assert any("mud that swirls" in text for text in found.summary["warnings"]) is told

@@ -90,7 +90,7 @@ def run_statics(
         figures = static_summary(model, state)
         state.warnings += mud_above_top(model, figures.get("hook_load"))
         state.warnings += top_push(case, figures.get("hook_load"))
-        state.warnings += swirl_left_out(model, figures.get("surface_torque"))
+        state.warnings += swirl_left_out(model, bool(state.motion[1]), figures.get("surface_torque"))
         state.warnings += [*stop_warnings(model), *wall_depth_notes(model)]
         figures["warnings"] = list(state.warnings)
         summary = {

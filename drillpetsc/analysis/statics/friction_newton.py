@@ -20,7 +20,7 @@ LATERAL_STEPS = 15  # of Newton's method from a lateral equilibrium, which is cl
 NEAR_STEPS, NEAR_INCREMENT = 6, 10.0  # of its first steps, and the increment that they reach from there
 #: steps of a relaxation from there that may fail, and the same of a string that may follow its paths instead
 LATERAL_FAILED, FAILED_BEFORE_PATHS = 10, 4
-STRONGER_LOAD = 10.0  # factor of the side loads where the requested ones do not lead to a stable state
+STRONG_LOAD = 0.01  # side loads over the weight if the requested ones do not lead to a stable state
 
 
 def reach(problem: StaticProblem) -> float:
@@ -111,7 +111,10 @@ def _by_relaxation(problem: StaticProblem) -> float:
         problem.origin.restore()
         place_marched(model, found)
     start = Snapshot(model)
-    strengths = (0.0,) if not fraction or too_coarse(model) else (0.0, fraction, STRONGER_LOAD * fraction)
+    strengths: tuple[float, ...] = (0.0,)
+    if fraction and not too_coarse(model):
+        # weaker loads than these may end on the saddle again, so that the state would hang on the imperfection
+        strengths = (0.0, fraction, *((STRONG_LOAD,) if fraction < STRONG_LOAD else ()))
     failure = SolveError("no static state was found")
     for strength in strengths:
         load = found.usual_contact_force if found is not None else 0.0

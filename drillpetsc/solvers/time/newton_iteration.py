@@ -88,7 +88,7 @@ class NewtonIteration:
     ):
         self.system, self.factor, self.q, self.rows = system, factor, q, rows
         self._residual: Any = weakref.WeakMethod(residual)  # of its owner, which solves
-        self.apart, self.work = apart, work
+        self.work = work
         self.t, self.weights, self.compiled = 0.0, (1.0, 0.0, 0.0), True
         self.scale, self.increment = system.scale[system.layout.local_of_owned], np.zeros(len(q))
         self.contacts = ContactEntries(system) if apart else None
@@ -130,7 +130,12 @@ class NewtonIteration:
             "sum": _Reduction(self._guarded(self._sum)),
             "largest": _Reduction(self._guarded(self._largest)),
         }
+        self._addresses = {
+            name: ctypes.cast(call, ctypes.c_void_p).value for name, call in self._python.items()
+        }
         self._parts = _PartsCall()
+        self._chosen: tuple[str, ...] = ()
+        self._use_python(*self._sums)
         record = _NewtonCall(
             flags=ctypes.addressof(self._flags),
             reasons=ctypes.addressof(self._reasons),
@@ -167,12 +172,14 @@ class NewtonIteration:
 
     def _use_python(self, *names: str) -> None:
         """Assign these parts to Python, and all others to the compiled record."""
-        for name, call in self._python.items():
-            setattr(self._parts, name, ctypes.cast(call, ctypes.c_void_p).value if name in names else None)
+        if names == self._chosen:  # as in almost every solve
+            return
+        self._chosen = names
+        for name, address in self._addresses.items():
+            setattr(self._parts, name, address if name in names else None)
 
     def _guarded(self, part: Callable[..., Any]) -> Callable[..., int]:
         """The ``part`` for compiled code: 0, 1 without a pivot, -1 for any other exception, which is raised after the solve."""
-
         # the system ends with its last user, not with the process; both live as long as the solve
         own: Any = weakref.ref(self)
         method: Any = weakref.WeakMethod(part)
@@ -301,7 +308,6 @@ class NewtonIteration:
         r.work_limit = 0.0 if self.work is None else self.work.limit
         r.factored, r.current = self.has_factor, self._version == asm.version
         r.contacts_apart = self.contacts is not None and asm.plain
-        self._use_python(*self._sums)
 
     def solve(self) -> int:
         """Iterate from the assembly's x, after ``begin``; returns PETSc's reason to end, negative without convergence."""

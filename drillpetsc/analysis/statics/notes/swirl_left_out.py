@@ -14,16 +14,16 @@ from drillpetsc.unit_systems import shown
 SMALL = 0.02  # share of the surface torque below which nothing is said
 
 
-def swirl_left_out(model: DrillingModel, torque: float | None) -> list[str]:
+def swirl_left_out(model: DrillingModel, turns: bool, torque: float | None) -> list[str]:
     """Sentence on the torque that swirling mud adds where pipe lies on the wall; collective.
 
-    torque: at the surface, in the equilibrium [N m].  An element on the wall, with the clearance c, is pressed to it by M_a Omega_s^2 c
+    turns: the string turns in the equilibrium; torque: at the surface, in the equilibrium [N m].  An element on the wall, with the clearance c, is pressed to it by M_a Omega_s^2 c
     per length and braked by share k_v Omega_s c^2.
     """
     fluid, contact = model.case.fluid, model.contact
     annulus = None if model.fluid is None else model.fluid.annulus
     rotation = abs(prescribed_motion(model)[1])
-    if fluid is None or annulus is None or contact is None or not rotation or fluid.swirl == 0.0:
+    if fluid is None or annulus is None or contact is None or not (turns and rotation) or fluid.swirl == 0.0:
         return []
     cells, _ = contact.element_results(model.system.assembly)
     own, mesh = model.system.chain.cells, model.mesh
