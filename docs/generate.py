@@ -82,7 +82,7 @@ def commands_page() -> str:
         f"{HEAD}(commands-options)=\n# Commands and options\n",
         "`drillpetsc COMMAND --help` shows the same. Options of PETSc have one dash ({doc}`/guide/solver-options`).\n",
         "Lists of numbers may hold ranges: `400,500 gpm`, `20..200 ft/min` for ten values in equal steps, `0:240:10 rpm` for those from "
-        "0 to 240 in steps of 10. A number without a unit has that of the next number that has one.\n",
+        "0 to 240 in steps of 10. A number without a unit takes the unit of the next number that has one.\n",
         "| command | does |\n| --- | --- |",
     ]
     out += [

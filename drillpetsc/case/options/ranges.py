@@ -27,7 +27,7 @@ WITH_UNIT = re.compile(r".*\d\.?\s*[a-zA-Z].*")
 def read_numbers(
     text: Numbers, quantity: Quantity, at: str, example: str, units: System = "SI"
 ) -> tuple[float, ...]:
-    """Read numbers [SI] from text; one without a unit has that of the next number that has one.
+    """Read numbers [SI] from text; one without a unit takes the unit of the next number that has one.
 
     text: numbers with commas between them; `a..b` stands for ten values in equal steps from a to b, `a:b:step` for those from a to b in
     steps.  From Python also a number in SI, or a list of numbers and texts.
