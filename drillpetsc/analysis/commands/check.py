@@ -15,7 +15,6 @@ from drillpetsc.analysis.motion.run_options import options_of
 from drillpetsc.analysis.motion.summary import field_counts
 from drillpetsc.analysis.motion.time_scales import time_scales
 from drillpetsc.analysis.statics.placement import top_depth
-from drillpetsc.analysis.statics.start.coarse_mesh import coarse_elements, expected_warnings
 from drillpetsc.case.blocks.fluid import Rheology, flow_constants, stress_at
 from drillpetsc.case.blocks.formation import Formation
 from drillpetsc.case.blocks.rig import Rig
@@ -23,6 +22,8 @@ from drillpetsc.case.blocks.sensors import STEPS_PER_PERIOD, sensor_depth
 from drillpetsc.case.case import Case
 from drillpetsc.case.files.mud_report import misfit
 from drillpetsc.case.plausible.plausibility import notes
+from drillpetsc.doubts import doubts_at
+from drillpetsc.doubts.moments import Built
 from drillpetsc.model.drilling_model import DrillingModel, build_model
 from drillpetsc.model.mesh import element_lengths
 from drillpetsc.unit_systems import System, display_unit, shown
@@ -120,7 +121,7 @@ def _chosen_lengths(case: Case, model: DrillingModel) -> list[str]:
         lines.append(
             f"    ... and {len(rest)} more ranges below MD {(rest[0].upper + top) / scale:.1f} {unit}"
         )
-    return lines + [f"  WARNING: {text}" for text in lengths.warnings(units)]
+    return lines
 
 
 def _rig(rig: Rig, units: System) -> str:
@@ -150,8 +151,7 @@ def _lines(model: DrillingModel) -> list[str]:
         *_contents(model, units),
         *_cost(model),
         *(f"  {line}" for line in notes(case)),
-        *(f"  WARNING: {text}" for text in expected_warnings(model)),
-        *_coarse(model, units),
+        *(f"  WARNING: {text}" for text in doubts_at(Built(model=model))),
     ]
 
 
@@ -241,15 +241,3 @@ def _cost(model: DrillingModel) -> list[str]:
     step = 1e3 * step_counts(model).time(1)
     lines.append(f"  expected cost: about {step:.2g} ms per step on one core{to_do}")
     return lines + [f"  {line}" for line in (*rank_lines(model), *time_scales(model).lines())]
-
-
-def _coarse(model: DrillingModel, units: System) -> list[str]:
-    """Warning about elements that cannot hold their own axial load."""
-    mesh, coarse = model.mesh, coarse_elements(model)
-    if not coarse.any():
-        return []
-    limit = (240 * mesh.bending_stiffness / (mesh.mass * np.linalg.norm(model.case.gravity))) ** (1 / 3)
-    return [
-        f"  WARNING: {int(coarse.sum())} elements are longer than {shown(limit[coarse].min(), 'length', units, 3)} = (240 EI/w)^(1/3): "
-        "their bending cannot hold their own axial load, statics may report negative pivots; shorten element_length"
-    ]

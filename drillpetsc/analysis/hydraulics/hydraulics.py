@@ -32,7 +32,6 @@ from drillpetsc.analysis.hydraulics.open_hole import (
     window_in_measured_depth,
 )
 from drillpetsc.analysis.motion.run_options import options_of
-from drillpetsc.analysis.statics.notes.beyond_rig import beyond_rig
 from drillpetsc.arrays import FloatArray
 from drillpetsc.case.blocks.fluid import Rheology
 from drillpetsc.case.blocks.items.string import Bit, Flexible
@@ -40,6 +39,8 @@ from drillpetsc.case.blocks.window import Window
 from drillpetsc.case.case import Case
 from drillpetsc.case.plausible.plausible_string import beyond_curves, short_of_hole
 from drillpetsc.case.quantities import largest
+from drillpetsc.doubts import doubts_at
+from drillpetsc.doubts.moments import Flowing
 from drillpetsc.errors import CaseError
 from drillpetsc.model.tools.mud_motor import motor_item
 from drillpetsc.output import write_summary, write_table
@@ -246,7 +247,7 @@ class Hydraulics:
             warnings.append(f"the pressure passes the window: {limited}")
         rows = loss_rows(flow)
         groups, summary = nozzle_groups(flow), self._summary(rate, rows)
-        warnings += beyond_rig(case, summary, self.units)
+        warnings += doubts_at(Flowing(case, summary, self.units))
         return FlowResult(rate, summary, rows, self._profile(), limited, warnings, groups)
 
     def _summary(self, rate: float, rows: list[Loss]) -> Numbers:

@@ -11,7 +11,7 @@ from typing import Any
 from petsc4py import PETSc
 
 from drillpetsc.analysis.motion.drive_report import control_summary
-from drillpetsc.analysis.motion.hoist_report import hoist_summary, slack_warnings
+from drillpetsc.analysis.motion.hoist_report import hoist_summary
 from drillpetsc.analysis.motion.provenance import digest, versions
 from drillpetsc.analysis.statics.equilibrium import StaticState
 from drillpetsc.analysis.statics.placement import top_depth
@@ -107,7 +107,6 @@ def outcome(
         result["top_drive"] = control_summary(drive.described, drive.motor, drive.impedance)
     for hoist in model.parts(Hoist):
         result["hoist"] = hoist_summary(model, hoist)
-        result["warnings"] += slack_warnings(hoist)
     if recorder.energy is not None:
         result["energy"] = recorder.energy.summary(newton_work)
     if recorder.mass is not None:

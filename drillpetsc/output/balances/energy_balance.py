@@ -215,6 +215,10 @@ class EnergyBalance:
         self._keep_state()
 
 
+#: sentence on the energy that the time integration created
+GAINED = "the time integration generated {energy} without input, {percent:.2g} % of the energy exchanged"
+
+
 class EnergyGainMonitor:
     """Checks, at every row of the history, how much energy the time integration created.
 
@@ -236,7 +240,7 @@ class EnergyGainMonitor:
         self.rows = self.rows + 1 if above else 0
         if self.rows >= ROWS_ABOVE_LIMIT:
             raise SolveError(
-                self.message(),
+                GAINED.format(**self.figures()),
                 time=t,
                 hint="a smaller -ts_rtol, -ts_bdf_order 1 or contact.energy_strict: true may help",
             )
@@ -253,8 +257,11 @@ class EnergyGainMonitor:
             "flag": bool(share > self.limit),
         }
 
-    def message(self) -> str:
-        """Warning for the user."""
+    def figures(self) -> dict[str, Any]:
+        """Values of ``GAINED``."""
         b = self.balance
         assert b is not None
-        return f"the time integration generated {shown(b.gained, 'energy', b.system.units, 3)} without input, {100 * b.gained / b.exchanged:.2g} % of the energy exchanged"
+        return {
+            "energy": shown(b.gained, "energy", b.system.units, 3),
+            "percent": 100 * b.gained / b.exchanged,
+        }

@@ -33,14 +33,14 @@ from drillpetsc.analysis.motion.run_options import options_of
 from drillpetsc.analysis.statics.answer import static_summary
 from drillpetsc.analysis.statics.equilibrium import MOTIONS, StaticState
 from drillpetsc.analysis.statics.find_equilibrium import find_equilibrium
-from drillpetsc.analysis.statics.notes.beyond_rig import beyond_rig
-from drillpetsc.analysis.statics.start.buckling import buckling
-from drillpetsc.analysis.statics.start.coarse_mesh import state_warnings
+from drillpetsc.analysis.statics.placement import prescribed_motion
 from drillpetsc.arrays import FloatArray
 from drillpetsc.case.blocks.ends import BitBottom
 from drillpetsc.case.blocks.items.tubulars import DrillPipe, Jointed, Tubular
 from drillpetsc.case.case import Case
 from drillpetsc.case.checks.limits import refuse_quaternion
+from drillpetsc.doubts import doubts_at
+from drillpetsc.doubts.moments import Answer
 from drillpetsc.errors import CaseError
 from drillpetsc.model.drilling_model import DrillingModel, build_model
 from drillpetsc.model.string_forces import held_at_weight
@@ -51,6 +51,7 @@ from drillpetsc.output.job import Job
 from drillpetsc.output.quantities.limits import CONTACTS, LIMITS
 from drillpetsc.output.result import RunResult
 from drillpetsc.output.static_table import static_table
+from drillpetsc.output.watches.buckling import buckling
 from drillpetsc.physics.bit.bit_on_bottom import bit_torque
 from drillpetsc.unit_systems import System, shown
 
@@ -95,8 +96,9 @@ def run_limits(job: Job, operation: str | None = None, choices: Choices | None =
         state = find_equilibrium(model, motion, False)
         columns, nodal = static_table(model)
         buckled = buckling(model, columns, nodal) if nodal is not None else None
-        coarse = [*state_warnings(model, columns, nodal), *model.mesh.notes]
         statics = static_summary(model, state)
+        rotation = state.motion[1] and prescribed_motion(model)[1]
+        doubts = doubts_at(Answer(model=model, figures=statics, rotation=rotation, table=(columns, nodal)))
         found, forces = static_state(model), item_forces(model)
         answer: Any = None
         if comm.rank == 0:
@@ -120,9 +122,8 @@ def run_limits(job: Job, operation: str | None = None, choices: Choices | None =
             summary["buckling"] = {} if buckled is None else buckled.as_dict()
             summary["warnings"] = [
                 *_state_warnings(state, word),
-                *beyond_rig(case, statics, units),
                 *_flags(table, summary, choices, units),
-                *coarse,
+                *doubts,
             ]
             write_case(given, folder)  # as the user has it; the summary has the operation
             present = [q for q in LIMITS if q.name in table]
