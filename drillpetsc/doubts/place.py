@@ -100,7 +100,7 @@ class Singular(Doubt):
 
     about = (Solved,)
     sentence = "the stiffness is singular: part of the string may move freely, or it is about to buckle"
-    remedy = "Check the ends: is the string held along its axis and in rotation?"
+    remedy = "Check that the ends hold the string along its axis and in rotation."
 
     def look(self, at: Solved) -> Values:
         if at.singular and not at.negative_pivots:
