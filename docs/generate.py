@@ -18,6 +18,7 @@ from __future__ import annotations
 import argparse
 import importlib.util
 import inspect
+import pkgutil
 import re
 import sys
 from itertools import groupby
@@ -152,8 +153,6 @@ def messages_page() -> str:
 # warnings
 def warnings_page() -> str:
     """Every doubt about a result: its sentence, when it appears, what it means, and what to do."""
-    from drillpetsc.doubts import DOUBTS
-
     out = [
         f"{HEAD}(warnings-table)=\n# Warnings and remarks\n",
         "A result that may be wrong is never printed without saying so. This page has every sentence that a command may add to a "
@@ -161,10 +160,13 @@ def warnings_page() -> str:
         "may be wrong; a remark says what it contains or leaves out. Words in italics stand for values, which are "
         "shown in the units of the case.\n",
     ]
-    for module, doubts in groupby(DOUBTS, lambda q: type(q).__module__):
+    for module, doubts in groupby(all_doubts(), module_of):
         title = (sys.modules[module].__doc__ or "").splitlines()[0].removeprefix("Doubts about ").rstrip(".")
         out.append(f"## {title[0].upper()}{title[1:]}\n")
-        for doubt in doubts:
+        together = list(doubts)
+        for doubt in together:
+            if doubt.weight == "remark" and not doubt.remedy:
+                continue
             name = re.sub(r"(?<=[a-z])(?=[A-Z])", " ", type(doubt).__name__).lower()
             meaning = with_references(markdown(" ".join((inspect.getdoc(type(doubt)) or "").split())))
             when = "; ".join(moment_text(kind) for kind in doubt.about)
@@ -175,7 +177,29 @@ def warnings_page() -> str:
                 f"*What to do:* {doubt.remedy}\n" if doubt.remedy else "",
                 f"*When:* {when}.{' A remark.' if doubt.weight == 'remark' else ''}\n",
             ]
+        remarks = [q for q in together if q.weight == "remark" and not q.remedy]
+        for about in dict.fromkeys(q.about for q in remarks):
+            out.append(f"### Remarks: {moment_text(about[0])}\n")
+            out += [f"- {sentence_text(q.sentence)}" for q in remarks if q.about == about]
+            out.append("")
     return "\n".join(out)
+
+
+def all_doubts() -> list[Any]:
+    """Every doubt, by module: those of many commands first, then those that stand beside their commands."""
+    import drillpetsc
+    from drillpetsc.doubts import DOUBTS
+
+    for found in pkgutil.walk_packages(drillpetsc.__path__, "drillpetsc."):
+        if found.name.endswith(".doubts"):
+            importlib.import_module(found.name)
+    beside = "drillpetsc.analysis"
+    return sorted(DOUBTS, key=lambda q: module_of(q) if module_of(q).startswith(beside) else "")
+
+
+def module_of(doubt: Any) -> str:
+    """The module in which a doubt is declared."""
+    return getattr(doubt, "module", type(doubt).__module__)
 
 
 def moment_text(kind: type) -> str:
@@ -189,7 +213,7 @@ def sentence_text(sentence: str) -> str:
     parts = []
     for text, name, _, _ in Formatter().parse(sentence):
         parts.append(markdown(text) + (f" *{name.replace('_', ' ')}* " if name else ""))
-    return re.sub(r" +([,.;:)%]|$)", r"\1", re.sub(r"(?<=[(=]) +| +(?= )", "", "".join(parts))).strip()
+    return re.sub(r" +([,.;:)]|$)", r"\1", re.sub(r"(?<=[(=]) +| +(?= )", "", "".join(parts))).strip()
 
 
 # ---------------------------------------------------------------------------------------------------- what

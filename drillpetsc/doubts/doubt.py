@@ -12,12 +12,13 @@
                 yield {"push": -at.hook_load}
 
 The docstring says when the doubt appears and what it means; with ``sentence`` and ``remedy`` it is the doubt's entry in the
-manual. Defining the class registers it.
+manual. Defining the class registers it. A remark on what a result contains or leaves out is one call of ``remark``.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass
 from string import Formatter
 from typing import Any, ClassVar, Literal
 
@@ -37,10 +38,10 @@ class Doubt:
     weight: a remark says what a result contains or leaves out; a warning says that it may be wrong.
     """
 
-    about: ClassVar[tuple[type, ...]]
-    sentence: ClassVar[str]
-    remedy: ClassVar[str] = ""
-    weight: ClassVar[Weight] = "warning"
+    about: tuple[type, ...]
+    sentence: str
+    remedy: str = ""
+    weight: Weight = "warning"
 
     def __init_subclass__(cls) -> None:
         DOUBTS.append(cls())
@@ -54,8 +55,32 @@ class Doubt:
         return [written(self.sentence, values, at.units) for values in self.look(at)]
 
 
+@dataclass(frozen=True)
+class Remark:
+    """What a result contains or leaves out, in one sentence that needs no explanation (``remark``)."""
+
+    about: tuple[type, ...]
+    sentence: str
+    holds: Callable[[Any], Any]
+    module: str
+    remedy: ClassVar[str] = ""
+    weight: ClassVar[Weight] = "remark"
+
+    def sentences(self, at: Any) -> list[str]:
+        """What the user reads at a moment."""
+        values = self.holds(at)
+        if not values:
+            return []
+        return [written(self.sentence, values if isinstance(values, Mapping) else {}, at.units)]
+
+
+def remark(about: type, sentence: str, holds: Callable[[Any], Any]) -> None:
+    """Register a remark about a moment: ``holds`` returns nothing or False if it does not appear, else True or the values."""
+    DOUBTS.append(Remark((about,), sentence, holds, holds.__module__))
+
+
 #: every doubt, in the order in which the user reads them
-DOUBTS: list[Doubt] = []
+DOUBTS: list[Doubt | Remark] = []
 
 
 class _InUnits(Formatter):

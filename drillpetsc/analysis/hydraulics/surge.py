@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 
+from drillpetsc.analysis.hydraulics.doubts import Tripped, TripPlan
 from drillpetsc.analysis.hydraulics.dynamic_surge import ACCELERATION, dynamic_surge
 from drillpetsc.analysis.hydraulics.flow_model import (
     SHORTEST_PIECE,
@@ -23,11 +24,10 @@ from drillpetsc.analysis.hydraulics.flow_model import (
     whole_string,
 )
 from drillpetsc.analysis.hydraulics.hydraulics import Numbers, default_flow, densities, window_table
-from drillpetsc.analysis.hydraulics.losses import blend_excess, blend_note
+from drillpetsc.analysis.hydraulics.losses import blend_excess
 from drillpetsc.analysis.hydraulics.nozzles import bit_flow
 from drillpetsc.analysis.hydraulics.open_hole import (
     NOT_CHECKED,
-    NOTHING_OPEN,
     WITHIN,
     OpenHole,
     open_hole,
@@ -36,6 +36,7 @@ from drillpetsc.analysis.hydraulics.open_hole import (
 from drillpetsc.analysis.motion.run_options import options_of
 from drillpetsc.case.blocks.window import Window
 from drillpetsc.case.case import Case
+from drillpetsc.doubts import doubts_at
 from drillpetsc.errors import CaseError, SolveError
 from drillpetsc.model.fluid import build_rheology
 from drillpetsc.output import write_summary, write_table
@@ -135,7 +136,7 @@ class Tripping:
             bit_flow(flow),
             float(annulus.outflow(state) or 0.0),
             self._limited(),
-            (*flow.warnings(), *blend_note(blend_excess(flow, OPERATIONS[operation] * speed))),
+            tuple(doubts_at(Tripped(self.case, flow, blend_excess(flow, OPERATIONS[operation] * speed)))),
             np.nan if side is None else side.outflow(state),
         )
 
@@ -219,14 +220,15 @@ def run_surge(job: Job, plan: Trips) -> RunResult:
             raise CaseError(
                 at="--flow", want="a flow rate for --pipe pumping", hint="the case has a pump_pressure"
             )
-    notes += _notes(case, plan, hole)
+    top = whole_string(case).top
+    notes += doubts_at(TripPlan(case, plan.pipes, ACCELERATION if plan.dynamic else None, hole, top))
     side = SIDE_SURGE if case.side_nozzles else ()
     quantities = (*SURGE, *side, *(DYNAMIC_SURGE if plan.dynamic else ()))
     rows: list[SurgeRow] = []
     fastest: list[dict[str, Any]] = []
     by_area: list[dict[str, Any]] = []
     with options_of(case):
-        whole = _string_from_rig(case, notes)
+        whole = _string_from_rig(case)
         strings = [whole] if plan.bit_depths is None else [string_at(case, d) for d in plan.bit_depths]
         for pipe in plan.pipes:
             for string in strings:
@@ -280,46 +282,11 @@ def _check(case: Case, plan: Trips) -> None:
         raise CaseError(at="--pipe", got=solid[0], want="closed: the string has no bore")
 
 
-def _notes(case: Case, plan: Trips, hole: OpenHole | None) -> list[str]:
-    notes = ["steady: the pressure that accelerates the mud is left out"]
-    if plan.dynamic:
-        notes = [
-            f"pressure of the start: from rest with {ACCELERATION:g} m/s2 at the top, elastic string and compressible mud, friction of "
-            "the case; no gels, no stop; window and largest trip speeds are compared with the steady pressure"
-        ]
-    assert case.fluid is not None
-    if "open" in plan.pipes and case.fluid.check_valve:
-        way = "; mud enters through the nozzles above the bit" if case.side_nozzles else ""
-        notes.append(f"open pipe with fluid.check_valve: the valve stays shut while running in{way}")
-    if "open" in plan.pipes and case.fluid.outlet_pressure.value(0.0) > 0:
-        notes.append(
-            "open pipe with an outlet_pressure: the mud flows up the pipe with the string at rest, too"
-        )
-    if case.side_nozzles and "closed" in plan.pipes:
-        notes.append(
-            "closed pipe: full of mud and closed at its top, so nothing flows through the nozzles above the bit on the whole; a float "
-            "below open nozzles is --pipe open with fluid.check_valve: true"
-        )
-    if case.bottom.plugged and not case.side_nozzles and set(plan.pipes) != {"closed"}:
-        notes.append("bottom.plugged holds for a closed pipe only")
-    if hole is None:
-        notes.append(
-            "no window: no largest trip speed; give --window PORE,FRAC, or the key window of the case"
-        )
-    elif not len(hole.md):
-        notes.append(NOTHING_OPEN)
-    return notes
-
-
-def _string_from_rig(case: Case, notes: list[str]) -> PlacedString:
-    """The whole string, lengthened to the rig where its top lies in the hole: a trip moves it from there, which is noted."""
+def _string_from_rig(case: Case) -> PlacedString:
+    """The whole string, lengthened to the rig where its top lies in the hole: a trip moves it from there."""
     whole = whole_string(case)
     if whole.top <= SHORTEST_PIECE:
         return whole
-    name = case.string[0].name
-    notes.append(
-        f"the string's top lies at MD {whole.top:.6g} m: for a trip the topmost item ({name}) is lengthened to the rig"
-    )
     return string_at(case, whole.depth)
 
 
