@@ -44,7 +44,8 @@ class Doubt:
     weight: Weight = "warning"
 
     def __init_subclass__(cls) -> None:
-        DOUBTS.append(cls())
+        if hasattr(cls, "sentence"):  # not of a base class that several share
+            DOUBTS.append(cls())
 
     def look(self, at: Any) -> Iterable[Mapping[str, Any]]:
         """Values of the sentence, once for each place where the doubt appears; collective, and equal on all ranks."""

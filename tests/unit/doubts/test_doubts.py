@@ -11,7 +11,7 @@ from pathlib import Path
 from string import Formatter
 
 from drillpetsc.doubts.doubt import Doubt, Remark, written
-from drillpetsc.unit_systems import KINDS, SYSTEMS
+from drillpetsc.unit_systems import KINDS, SYSTEMS, display_unit
 
 ROOT = Path(__file__).parents[3]
 sys.path.insert(0, str(ROOT / "docs"))
@@ -33,7 +33,7 @@ def test_sentences_can_be_formed_in_all_units() -> None:
             values = {name: 2.0 if spec else "text" for name, spec in fields(doubt).items()}
             text = written(doubt.sentence, values, units)
             kinds = [spec.partition(" ")[0] for spec in fields(doubt).values()]
-            missing = [k for k in kinds if k in KINDS and KINDS[k].unit(units) not in text]
+            missing = [k for k in kinds if k in KINDS and display_unit(k, units)[2] not in text]
             if missing or text.endswith("."):
                 wrong.append((doubt.sentence, units, missing))
     assert wrong == []
