@@ -6,11 +6,8 @@ the files that the commands write.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 from drillpetsc.output.conditions import (
     AUTODRILLER,
-    BLOCK,
     CONTACT,
     CUTTINGS,
     DRILLS,
@@ -23,23 +20,15 @@ from drillpetsc.output.conditions import (
     SENSOR,
     STRING,
 )
-
-
-@dataclass(frozen=True)
-class SummaryKey:
-    """One key of summary.json.
-
-    name: path of the key, ``energy.error`` for ``error`` in the block ``energy``; a path may name a whole block.
-    unit: as in ``Quantity``; empty for text, blocks and truth values.
-    doc: one sentence.
-    condition: what the case or the run must contain for the key to exist; empty: always.
-    """
-
-    name: str
-    unit: str
-    doc: str
-    condition: str = ""
-
+from drillpetsc.output.summaries.flow import HydraulicsSummary, SurgeSummary
+from drillpetsc.output.summaries.linear import (
+    CampbellSummary,
+    ModesSummary,
+    ResponseSummary,
+    StabilitySummary,
+)
+from drillpetsc.output.summaries.loads import LimitsSummary
+from drillpetsc.output.summaries.summary import SummaryKey
 
 STATIC_START = "static start"
 STATIC_PATH = "path of a buckled string"
@@ -326,136 +315,6 @@ STATICS: tuple[SummaryKey, ...] = (
     SummaryKey("soft_string.stretch", "m", "Stretch by the soft-string model.", CONTACT),
 )
 
-MODES: tuple[SummaryKey, ...] = (
-    SummaryKey("title", "", "Title of the case."),
-    SummaryKey("searched", "", "Which modes were computed."),
-    SummaryKey("about", "", "The state: 'rest', or its motion."),
-    SummaryKey("lowering", "m/s", "Axial velocity of the state, positive down."),
-    SummaryKey("rotation", "rad/s", "Rotation of the state, positive clockwise."),
-    SummaryKey("modes", "-", "Number of modes found."),
-    SummaryKey("stable", "", "True if all modes decay and all eigenvalues differ from zero."),
-    SummaryKey("margin", "1/s", "Largest growth rate; negative if all computed modes decay."),
-    SummaryKey("unstable", "-", "Number of modes that grow."),
-    SummaryKey("diverging", "-", "Number of modes that grow without oscillation."),
-    SummaryKey("fluttering", "-", "Number of modes that grow with oscillation."),
-    SummaryKey(
-        "zero_roots",
-        "-",
-        "Number of zero eigenvalues: free motions, or a load at which the string just buckles.",
-    ),
-    SummaryKey("smallest_eigenvalue", "rad/s", "Smallest magnitude of an eigenvalue."),
-    SummaryKey("largest_error", "-", "Largest backward error of an eigenvalue."),
-    SummaryKey("imbalance", "N", "Largest unbalanced force on a node in the state."),
-    SummaryKey("frequency", "Hz", "List: frequency of each mode."),
-    SummaryKey("damping_ratio", "-", "List: damping ratio of each mode."),
-    SummaryKey("growth", "1/s", "List: growth rate of each mode."),
-    SummaryKey("kind", "", "List: kind of each mode."),
-    SummaryKey("negative_pivots", "-", "As in the summary of statics."),
-    SummaryKey("warnings", "", "Warnings for the user."),
-    SummaryKey("time_scales", "", "Periods and travel times of waves, as text."),
-)
-
-CAMPBELL: tuple[SummaryKey, ...] = (
-    SummaryKey("title", "", "Title of the case."),
-    SummaryKey("speeds", "rpm", "List: rotary speeds requested."),
-    SummaryKey(
-        "added_speeds",
-        "rpm",
-        "List: speeds added between them because shapes changed too much to be followed.",
-    ),
-    SummaryKey("case_speed", "rpm", "Rotation of the case at time 0."),
-    SummaryKey("lines", "-", "List: excitation lines in cycles per turn."),
-    SummaryKey("searched", "", "Kind of the modes, or all kinds."),
-    SummaryKey(
-        "searched_to",
-        "Hz",
-        "Frequency up to which all modes are known, at each speed, speeds between included.",
-    ),
-    SummaryKey(
-        "searched_beside",
-        "Hz",
-        "Distance from excitation lines above up to which modes are known, at each speed; null without a line above.",
-    ),
-    SummaryKey("branches", "-", "Number of modes that were followed."),
-    SummaryKey("lost", "-", "Number of branches lost."),
-    SummaryKey("critical_speeds", "-", "Number of crossings of branches and lines."),
-    SummaryKey("growing_speeds", "rpm", "List: speeds at which a mode grows."),
-    SummaryKey("static_solutions", "-", "Number of static equilibria that were solved for."),
-    SummaryKey("warnings", "", "Warnings for the user."),
-)
-
-STABILITY: tuple[SummaryKey, ...] = (
-    SummaryKey("title", "", "Title of the case."),
-    SummaryKey("speeds", "rpm", "List: rotary speeds."),
-    SummaryKey("weights", "N", "List: weights on bit."),
-    SummaryKey("searched", "", "Kind of the modes, or all kinds."),
-    SummaryKey("unstable", "-", "Number of points at which a mode grows."),
-    SummaryKey(
-        "marginal", "-", "Number of points whose largest growth is within 1e-4 of the angular frequency."
-    ),
-    SummaryKey("boundaries", "-", "Number of speeds found at which stability changes."),
-    SummaryKey("warnings", "", "Warnings for the user."),
-)
-
-RESPONSE: tuple[SummaryKey, ...] = (
-    SummaryKey("title", "", "Title of the case."),
-    SummaryKey("excitation", "", "The excitation, in words."),
-    SummaryKey("order", "-", "Cycles of the excitation per turn."),
-    SummaryKey("speeds", "rpm", "List: rotary speeds."),
-    SummaryKey("validity", "", "List: linear, touches, lifts or infinite at each speed, as in the table."),
-    SummaryKey(
-        "peaks",
-        "",
-        "List: by place its md [m] and the largest amplitude of each column with its speed [rpm].",
-    ),
-    SummaryKey("static_solutions", "-", "Number of static equilibria that were solved for."),
-    SummaryKey("warnings", "", "Warnings for the user."),
-)
-
-HYDRAULICS: tuple[SummaryKey, ...] = (
-    SummaryKey("title", "", "Title of the case."),
-    SummaryKey("bit_depth", "m", "Measured depth of the string's lower end."),
-    SummaryKey("hole_depth", "m", "Measured depth of the end of the hole; null without a well."),
-    SummaryKey("shoe_depth", "m", "Measured depth of the last casing shoe; null without casing."),
-    SummaryKey("shoe_tvd", "m", "Vertical depth of the last casing shoe; null without casing."),
-    SummaryKey("outlet_pressure", "Pa", "Gauge pressure at the outlet."),
-    SummaryKey(
-        "window", "", "Window of the case: tvd [m] (null: one pair), pore and frac [kg/m3]; null without one."
-    ),
-    SummaryKey("units", "", "Units of printed and plotted figures; files are in SI."),
-    SummaryKey(
-        "flows",
-        "",
-        "List: for each flow rate the quantities of this page (null if absent), `limited_by` and `warnings`; `nozzles`, the rows of nozzles.csv, if there are nozzles above the bit.",
-    ),
-    SummaryKey(
-        "rheology",
-        "",
-        "From dial readings: plastic_viscosity [Pa s], yield_point [Pa], index [-] and consistency [Pa s^n] by API in pipe and annulus; null without.",
-    ),
-    SummaryKey(
-        "warnings",
-        "",
-        "Warnings on the string and its hole; warnings of a flow rate are in `flows`.",
-    ),
-    SummaryKey("notes", "", "Omissions of the results, and choices made."),
-)
-
-SURGE: tuple[SummaryKey, ...] = (
-    SummaryKey("title", "", "Title of the case."),
-    SummaryKey("window", "", "Window: tvd [m] (null: one pair), pore and frac [kg/m3]; null without one."),
-    SummaryKey("window_from", "", "Source of the window: `case`, `--window`, or null."),
-    SummaryKey("units", "", "Units of printed and plotted figures; files are in SI."),
-    SummaryKey("surge", "", "List: the rows of surge.csv by name, each with its `warnings`."),
-    SummaryKey("max_trip_speed", "", "List: the rows of max_trip_speed.csv by name."),
-    SummaryKey(
-        "open_pipe_by_area",
-        "",
-        "List: for the largest speed with an open pipe, the pressure with the handbook's split of the flow by areas, and the solver's pressure [Pa].",
-    ),
-    SummaryKey("notes", "", "Omissions of the results, and choices made."),
-)
-
 ROADMAP: tuple[SummaryKey, ...] = (
     SummaryKey("title", "", "Title of the case."),
     SummaryKey("units", "", "Units of printed and plotted figures; files are in SI."),
@@ -466,69 +325,6 @@ ROADMAP: tuple[SummaryKey, ...] = (
     SummaryKey(
         "notes", "", "Values assumed because the case did not give them, and omissions of the results."
     ),
-)
-
-LIMITS: tuple[SummaryKey, ...] = (
-    SummaryKey("title", "", "Title of the case."),
-    SummaryKey("operation", "", "Operation of the string, or 'as the case'."),
-    SummaryKey("motion", "", "Motion that friction opposes: lowering [m/s], rotation [rad/s]."),
-    SummaryKey("hook_load", "N", "Hook load of the string."),
-    SummaryKey("hook_load_total", "N", "Hook load with the block.", BLOCK),
-    SummaryKey("surface_torque", "N m", "Torque at the top."),
-    SummaryKey("wob", "N", "Weight on bit."),
-    SummaryKey("bit_torque", "N m", "Torque of the bit."),
-    SummaryKey("stable", "", "True if the state is stable."),
-    SummaryKey(
-        "choices",
-        "",
-        "Law of the helical limit, design factors, share of the pull at yield, largest side force on a tool joint [N].",
-    ),
-    SummaryKey("units", "", "Units of printed and plotted figures; files are in SI."),
-    SummaryKey(
-        "neutral_point",
-        "",
-        "Places at which effective tension (effective) and axial force (true) change to compression: md [m], above_bit [m]; or null.",
-    ),
-    SummaryKey(
-        "weakest",
-        "",
-        "For safety factor, ratios of tension, torque and dogleg, side force on tool joints: worst value, md [m], item; or null.",
-    ),
-    SummaryKey("contacts", "", "List: the rows of contacts.csv by name."),
-    SummaryKey("rig", "", "Limits of the rig; null without them."),
-    SummaryKey(
-        "margin_of_overpull",
-        "",
-        "Smallest margin between tension limit and tension at pick-up: margin [N], ratio, md [m], item, hook_load [N]; null if unknown.",
-    ),
-    SummaryKey("margin_of_overpull_still", "", "The same with the mud at rest, if mud is pumped."),
-    SummaryKey(
-        "max_overpull_at_bit",
-        "",
-        "Pull at the lower end that reaches a tension limit, with friction: pull [N], md [m], item; null if unknown.",
-    ),
-    SummaryKey(
-        "max_wob",
-        "",
-        "For drilling and sliding: largest weight before the string passes the sinusoidal and the helical limit: wob [N] "
-        "(null: no limit found), md [m], item; null without a soft string.",
-    ),
-    SummaryKey(
-        "available_wob",
-        "",
-        "For drilling and sliding: largest weight on bit that the string and the block bring down before the string becomes "
-        "helical (limited_by: helical) or the hook load is zero (hook_load): wob [N], md [m], item; null without a soft string.",
-    ),
-    SummaryKey(
-        "max_slackoff", "N", "Fall of the hook load from the free string to the helical limit when sliding."
-    ),
-    SummaryKey(
-        "buckling", "", "Ranges of measured depth [m] that are sinusoidal or helical by the state found."
-    ),
-    SummaryKey(
-        "warnings", "", "Limits that are passed, each with its worst place, and what statics warns of."
-    ),
-    SummaryKey("notes", "", "Omissions of the results."),
 )
 
 CALIBRATE: tuple[SummaryKey, ...] = (
@@ -555,13 +351,13 @@ CALIBRATE: tuple[SummaryKey, ...] = (
 SUMMARY_KEYS = {
     "summary.json of run": RUN,
     "summary.json of statics": STATICS,
-    "summary.json of modes": MODES,
-    "summary.json of campbell": CAMPBELL,
-    "summary.json of stability": STABILITY,
-    "summary.json of response": RESPONSE,
-    "summary.json of hydraulics": HYDRAULICS,
-    "summary.json of surge": SURGE,
+    "summary.json of modes": ModesSummary.described(),
+    "summary.json of campbell": CampbellSummary.described(),
+    "summary.json of stability": StabilitySummary.described(),
+    "summary.json of response": ResponseSummary.described(),
+    "summary.json of hydraulics": HydraulicsSummary.described(),
+    "summary.json of surge": SurgeSummary.described(),
     "summary.json of roadmap": ROADMAP,
-    "summary.json of limits": LIMITS,
+    "summary.json of limits": LimitsSummary.described(),
     "summary.json of calibrate": CALIBRATE,
 }

@@ -61,6 +61,7 @@ from drillpetsc.output.quantities.hydraulics import (
 )
 from drillpetsc.output.result import RunResult
 from drillpetsc.output.shown_units import lengths_shown, shown_unit
+from drillpetsc.output.summaries.flow import HydraulicsSummary
 from drillpetsc.physics.fluid.channel_flow import RESULT_NAMES
 from drillpetsc.time_function import Constant
 from drillpetsc.unit_systems import System
@@ -329,7 +330,7 @@ def run_hydraulics(
         rates = np.unique(np.append(np.minimum(max(flows) * CURVE, 2 * LARGEST_FLOW), flows))
         curve = [_curve_row(hydraulics, rate) for rate in rates]
         folder = job.make_folder()
-        summary = _summary(case, hydraulics, results) | {"units": case.shown_units}
+        summary = _summary(case, hydraulics, results).as_dict()
         if job.comm.rank == 0:
             case.dump(folder.case)
             _write(folder.path, case, results, curve, case.given_fluid.rheology)
@@ -408,25 +409,26 @@ def _write(
     write_table(path / FLOW_CURVE_TABLE, [q.column for q in FLOW_CURVE], table)
 
 
-def _summary(case: Case, hydraulics: Hydraulics, results: list[FlowResult]) -> dict[str, Any]:
-    return {
-        "title": case.title,
-        "bit_depth": hydraulics.flow.string.depth,
-        "hole_depth": hydraulics.end,
-        "shoe_depth": hydraulics.shoe,
-        "shoe_tvd": None
+def _summary(case: Case, hydraulics: Hydraulics, results: list[FlowResult]) -> HydraulicsSummary:
+    return HydraulicsSummary(
+        title=case.title,
+        bit_depth=hydraulics.flow.string.depth,
+        hole_depth=hydraulics.end,
+        shoe_depth=hydraulics.shoe,
+        shoe_tvd=None
         if hydraulics.shoe is None
         else float(vertical_depth(case, np.array([hydraulics.shoe]))[0]),
-        "window": window_table(case.window),
-        "outlet_pressure": case.given_fluid.outlet_pressure.value(0.0),
-        "flows": [
+        window=window_table(case.window),
+        outlet_pressure=case.given_fluid.outlet_pressure.value(0.0),
+        flows=[
             {**r.summary, **_nozzles(case, r), "limited_by": r.limited_by, "warnings": r.warnings}
             for r in results
         ],
-        "rheology": rheology_fits.figures(case.given_fluid.rheology) or None,
-        "warnings": hydraulics.warnings,
-        "notes": hydraulics.notes,
-    }
+        rheology=rheology_fits.figures(case.given_fluid.rheology) or None,
+        warnings=hydraulics.warnings,
+        notes=hydraulics.notes,
+        units=case.shown_units,
+    )
 
 
 def _nozzles(case: Case, result: FlowResult) -> dict[str, Any]:

@@ -45,6 +45,7 @@ from drillpetsc.output.job import Job
 from drillpetsc.output.quantities.hydraulics import DYNAMIC_SURGE, MAX_TRIP_SPEED, SIDE_SURGE, SURGE
 from drillpetsc.output.result import RunResult
 from drillpetsc.output.shown_units import lengths_shown, shown_unit
+from drillpetsc.output.summaries.flow import SurgeSummary
 from drillpetsc.physics.fluid.rheology import wall_shear
 from drillpetsc.units import to_si
 
@@ -244,19 +245,19 @@ def run_surge(job: Job, plan: Trips) -> RunResult:
         if all(row.limited_by == FAILED for row in rows):
             raise SolveError(f"no trip has a steady flow: {rows[0].warnings[0]}")
         folder = job.make_folder()
-        summary = {
-            "title": case.title,
-            "units": case.shown_units,
-            "window": window_table(window),
-            "window_from": None if window is None else ("--window" if plan.window is not None else "case"),
-            "surge": [
+        summary = SurgeSummary(
+            title=case.title,
+            units=case.shown_units,
+            window=window_table(window),
+            window_from=None if window is None else ("--window" if plan.window is not None else "case"),
+            surge=[
                 {q.name: _plain(row.value(q.name)) for q in quantities} | {"warnings": list(row.warnings)}
                 for row in rows
             ],
-            "max_trip_speed": [{k: _plain(v) for k, v in row.items()} for row in fastest],
-            "open_pipe_by_area": [{k: _plain(v) for k, v in row.items()} for row in by_area],
-            "notes": notes,
-        }
+            max_trip_speed=[{k: _plain(v) for k, v in row.items()} for row in fastest],
+            open_pipe_by_area=[{k: _plain(v) for k, v in row.items()} for row in by_area],
+            notes=notes,
+        ).as_dict()
         if job.comm.rank == 0:
             case.dump(folder.case)
             columns = [[_cell(row.value(q.name)) for row in rows] for q in quantities]

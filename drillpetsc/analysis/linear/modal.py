@@ -55,6 +55,7 @@ from drillpetsc.output.quantities import MODE_KINDS as KINDS
 from drillpetsc.output.quantities import MODES
 from drillpetsc.output.quantities.modes import STOKES_NUMBER
 from drillpetsc.output.result import RunResult
+from drillpetsc.output.summaries.linear import ModesSummary
 from drillpetsc.physics.tools.mud_motor import MudMotor
 from drillpetsc.solvers.linear.linearization import Linearised
 from drillpetsc.solvers.linear.quadratic_eigenproblem import (
@@ -62,7 +63,7 @@ from drillpetsc.solvers.linear.quadratic_eigenproblem import (
     eigenvalues_near,
     lowest_eigenvalues,
 )
-from drillpetsc.unit_systems import System, shown
+from drillpetsc.unit_systems import shown
 
 STATES = ("steady", "rest")
 FREE_SPIN = 1e3  # spin over way above which a vector of a root zero turns freely [rad/m]
@@ -386,41 +387,43 @@ def run_modes(
         ):
             left_out = "the controller in Python is left out: its torque stays constant"
             state = replace(state, warnings=[*state.warnings, left_out])
-        summary = {
-            "title": case.title,
-            "searched": searched,
-            **mode_summary(found, state, case.shown_units),
-            "time_scales": time_scales(model).lines(),
-        }
-        summary["warnings"] += [*unresolved_growth(model, found), *fed_by_swirl(model, found)]
+        summary = _summary(model, found, state, searched).as_dict()
         if comm.rank == 0:
             _write(model, folder, found, summary, fields)
     return RunResult(folder.path, summary, _lines(case, folder, found, summary))
 
 
-def mode_summary(found: Modes, state: StaticState, units: System) -> dict[str, Any]:
-    """Return the entries of summary.json: results of all modes together; sentences in a system of units."""
-    return {
-        "about": motion_text(found.lowering, found.rotation, units),
-        "lowering": found.lowering,
-        "rotation": found.rotation,
-        "modes": found.count,
-        "stable": found.unstable == 0 and found.zeros == 0,
-        "margin": found.margin,
-        "unstable": found.unstable,
-        "diverging": found.diverging,
-        "fluttering": found.fluttering,
-        "zero_roots": found.zeros,
-        "smallest_eigenvalue": found.smallest,
-        "largest_error": float(found.error.max(initial=0.0)),
-        "imbalance": found.imbalance,
-        "frequency": found.frequency,
-        "damping_ratio": found.damping_ratio,
-        "growth": found.growth,
-        "kind": list(found.kind),
-        "negative_pivots": state.equilibrium.negative_pivots,
-        "warnings": list(state.warnings) + _reference_warning(found),
-    }
+def _summary(model: DrillingModel, found: Modes, state: StaticState, searched: str) -> ModesSummary:
+    """Results of all modes together; collective."""
+    return ModesSummary(
+        title=model.case.title,
+        searched=searched,
+        about=motion_text(found.lowering, found.rotation, model.case.shown_units),
+        lowering=found.lowering,
+        rotation=found.rotation,
+        modes=found.count,
+        stable=found.unstable == 0 and found.zeros == 0,
+        margin=found.margin,
+        unstable=found.unstable,
+        diverging=found.diverging,
+        fluttering=found.fluttering,
+        zero_roots=found.zeros,
+        smallest_eigenvalue=found.smallest,
+        largest_error=float(found.error.max(initial=0.0)),
+        imbalance=found.imbalance,
+        frequency=found.frequency,
+        damping_ratio=found.damping_ratio,
+        growth=found.growth,
+        kind=list(found.kind),
+        negative_pivots=state.equilibrium.negative_pivots,
+        warnings=[
+            *state.warnings,
+            *_reference_warning(found),
+            *unresolved_growth(model, found),
+            *fed_by_swirl(model, found),
+        ],
+        time_scales=time_scales(model).lines(),
+    )
 
 
 def _reference_warning(found: Modes) -> list[str]:

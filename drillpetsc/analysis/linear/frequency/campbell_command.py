@@ -29,6 +29,8 @@ from drillpetsc.output.files.run_folder import CAMPBELL_TABLE, CRITICAL_MAP_TABL
 from drillpetsc.output.job import Job
 from drillpetsc.output.quantities.frequency import CAMPBELL, CRITICAL, CRITICAL_MAP
 from drillpetsc.output.result import RunResult
+from drillpetsc.output.summaries.linear import CampbellSummary
+from drillpetsc.output.summaries.summary import MISSING
 
 SHARP = 0.1  # damping ratio below which a critical speed near the case's speed is warned of
 MARGIN = 15.0  # margin to the case's speed [%] below which a critical speed is warned of
@@ -68,7 +70,7 @@ def run_campbell(
         folder = job.make_folder()
         found = campbell(states, speeds, count, lines, kind, frequency == "wn")
         by_wall = critical_map(case, stiffness, speeds, count, lines, kind, without_control, comm)
-    summary = _summary(case, found, speeds, lines, states, kind) | {"frequency": frequency}
+    summary = _summary(case, found, speeds, lines, states, kind, frequency).as_dict()
     if comm.rank == 0:
         write_case_folder(case, folder.path)
         write_table(folder.path / CAMPBELL_TABLE, [q.column for q in CAMPBELL], _campbell_columns(found))
@@ -136,7 +138,8 @@ def _summary(
     lines: tuple[float | str, ...],
     states: TurningModel,
     kind: str | None,
-) -> dict[str, Any]:
+    frequency: str,
+) -> CampbellSummary:
     case_speed = _case_speed(case)
     lost = [b for b in found.branches if b.end == "lost"]
     grows = [rpm_of(m.speed) for m in found.speeds if m.grows.any()]
@@ -169,29 +172,28 @@ def _summary(
         warnings.append(
             f"a mode grows at {len(grows)} of {len(found.speeds)} speeds, first at {grows[0]:g} rpm"
         )
-    return {
-        "title": case.title,
-        "speeds": [rpm_of(s) for s in speeds],
-        "added_speeds": [rpm_of(m.speed) for m in found.speeds if m.speed not in speeds],
-        "case_speed": case_speed,
-        "lines": [line for line in lines if not isinstance(line, str)],
-        **(
-            {"motor_line": [None if np.isnan(q) else abs(q) / (2 * np.pi) for q in found.orbit]}
-            if found.orbit is not None
-            else {}
-        ),
-        "searched": kind or "all kinds",
-        "searched_to": [float(q) for q in searched_to(found) / (2 * np.pi)],
-        "searched_beside": [
+    return CampbellSummary(
+        title=case.title,
+        speeds=[rpm_of(s) for s in speeds],
+        added_speeds=[rpm_of(m.speed) for m in found.speeds if m.speed not in speeds],
+        case_speed=case_speed,
+        lines=[line for line in lines if not isinstance(line, str)],
+        motor_line=MISSING
+        if found.orbit is None
+        else [None if np.isnan(q) else abs(q) / (2 * np.pi) for q in found.orbit],
+        searched=kind or "all kinds",
+        searched_to=[float(q) for q in searched_to(found) / (2 * np.pi)],
+        searched_beside=[
             None if np.isnan(q) else float(q) for q in searched_beside(found.speeds) / (2 * np.pi)
         ],
-        "branches": len(found.branches),
-        "lost": len(lost),
-        "critical_speeds": len(found.critical),
-        "growing_speeds": grows,
-        "static_solutions": states.solved,
-        "warnings": warnings,
-    }
+        branches=len(found.branches),
+        lost=len(lost),
+        critical_speeds=len(found.critical),
+        growing_speeds=grows,
+        static_solutions=states.solved,
+        warnings=warnings,
+        frequency=frequency,
+    )
 
 
 def _campbell_columns(found: Campbell) -> list[Any]:

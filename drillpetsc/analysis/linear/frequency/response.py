@@ -40,6 +40,7 @@ from drillpetsc.output.job import Job
 from drillpetsc.output.measured.flow_recorder import FlowRecorder
 from drillpetsc.output.quantities.frequency import RESPONSE, RESPONSE_STRESS
 from drillpetsc.output.result import RunResult
+from drillpetsc.output.summaries.linear import ResponseSummary
 from drillpetsc.physics.tools.mud_motor import MudMotor
 from drillpetsc.solvers.linear.linearization import Linearised
 from drillpetsc.unit_systems import display_unit, shown
@@ -366,16 +367,16 @@ def run_response(
         table, notes, valid = (
             comm.tompi4py().bcast((table, notes, valid)) if comm.size > 1 else (table, notes, valid)
         )
-        summary = {
-            "title": case.title,
-            "excitation": excitation.words(case.output.units or "SI"),
-            "order": None if excitation.kind == "motor" else excitation.order,
-            "speeds": [rpm_of(s) for s in speeds],
-            "validity": [word for word, _ in valid],
-            "peaks": _peaks(table),
-            "static_solutions": states.solved,
-            "warnings": [*notes, *warnings],
-        }
+        summary = ResponseSummary(
+            title=case.title,
+            excitation=excitation.words(case.output.units or "SI"),
+            order=None if excitation.kind == "motor" else excitation.order,
+            speeds=[rpm_of(s) for s in speeds],
+            validity=[word for word, _ in valid],
+            peaks=_peaks(table),
+            static_solutions=states.solved,
+            warnings=[*notes, *warnings],
+        ).as_dict()
         if comm.rank == 0:
             write_summary(folder.summary, summary)
     return RunResult(folder.path, summary, _lines(case, folder.path, summary))

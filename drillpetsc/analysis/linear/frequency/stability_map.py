@@ -29,6 +29,8 @@ from drillpetsc.output.files.run_folder import (
 from drillpetsc.output.job import Job
 from drillpetsc.output.quantities.frequency import STABILITY_BOUNDARY, STABILITY_MAP, STABILITY_RUNS
 from drillpetsc.output.result import RunResult
+from drillpetsc.output.summaries.linear import StabilitySummary
+from drillpetsc.output.summaries.summary import MISSING
 from drillpetsc.unit_systems import System, display_unit, shown
 
 SPEED_TOLERANCE = 0.05 * RPM  # of a boundary [rad/s]
@@ -186,9 +188,22 @@ def run_stability(
                 for speed in speeds:
                     lowering = penetration(growth.states.model, weight, speed)
                     runs.append(run_point(run_case, speed, weight, lowering, duration, comm))
-    summary = _summary(case, points, edges, speeds, weights, kind)
+    said = _warnings_of(points, case.shown_units)
+    compared: dict[str, Any] | None = None
     if duration is not None:
-        _compare(summary, points, runs, duration, case.shown_units)
+        compared, differ = _compared(points, runs, duration, case.shown_units)
+        said += differ
+    summary = StabilitySummary(
+        title=case.title,
+        speeds=[rpm_of(s) for s in speeds],
+        weights=list(weights),
+        searched=kind or "all kinds",
+        unstable=sum(p.unstable for p in points),
+        marginal=sum(p.marginal for p in points),
+        boundaries=len(edges),
+        warnings=said,
+        runs=MISSING if compared is None else compared,
+    ).as_dict()
     if comm.rank == 0:
         write_case_folder(case, folder.path)
         rows = [[rpm_of(p.speed), p.weight, p.growth, p.frequency, p.kind, p.imbalance] for p in points]
@@ -204,42 +219,37 @@ def run_stability(
     return RunResult(folder.path, summary, _lines(case, folder.path, points, edges, summary))
 
 
-def _compare(
-    summary: dict[str, Any], points: list[Point], runs: list[RunPoint], duration: float, units: System
-) -> None:
-    """Add to the summary what the runs did, and where they differ from the eigenvalues."""
+def _compared(
+    points: list[Point], runs: list[RunPoint], duration: float, units: System
+) -> tuple[dict[str, Any], list[str]]:
+    """What the runs did, and warnings where they differ from the eigenvalues."""
     counts = {name: sum(r.behaviour == name for r in runs) for name in BEHAVIOURS}
-    summary["runs"] = {"duration": duration, **{name: n for name, n in counts.items() if n}}
     differ = [
         (p, r)
         for p, r in zip(points, runs, strict=True)
         if r.behaviour != "failed" and np.isfinite(p.growth) and not p.marginal and p.unstable != r.unstable
     ]
-    summary["runs"]["differ"] = len(differ)
+    warnings = []
     if counts["failed"]:
-        summary["warnings"].append(f"{counts['failed']} of {len(runs)} runs failed: nan in the table")
+        warnings.append(f"{counts['failed']} of {len(runs)} runs failed: nan in the table")
     for p, r in differ[:5]:
-        summary["warnings"].append(
+        warnings.append(
             f"at {rpm_of(p.speed):g} rpm and {shown(p.weight, 'force', units)} the run {SAYS[r.behaviour]}, and the largest growth is {p.growth:.3g} 1/s "
             f"({p.kind}, {p.frequency:.3g} Hz)"
         )
     if len(differ) > 5:
-        summary["warnings"].append(f"runs and eigenvalues differ at {len(differ) - 5} more points")
+        warnings.append(f"runs and eigenvalues differ at {len(differ) - 5} more points")
+    did = {"duration": duration, **{name: n for name, n in counts.items() if n}, "differ": len(differ)}
+    return did, warnings
 
 
 def _columns(rows: list[list[Any]], count: int) -> list[np.ndarray]:
     return [np.array(column) for column in zip(*rows, strict=True)] if rows else [np.zeros(0)] * count
 
 
-def _summary(
-    case: Case,
-    points: list[Point],
-    edges: list[Boundary],
-    speeds: tuple[float, ...],
-    weights: tuple[float, ...],
-    kind: str | None,
-) -> dict[str, Any]:
-    warnings, units = list[str](), case.shown_units
+def _warnings_of(points: list[Point], units: System) -> list[str]:
+    """Warnings about points without a result, and about states that are not steady."""
+    warnings = list[str]()
     missing = [p for p in points if not np.isfinite(p.growth)]
     if missing:
         warnings.append(
@@ -252,16 +262,7 @@ def _summary(
             f"the state is not steady at {len(rough)} of {len(points)} points: unbalanced force up to {shown(worst.imbalance, 'force', units)} "
             f"at {rpm_of(worst.speed):g} rpm and {shown(worst.weight, 'force', units)}"
         )
-    return {
-        "title": case.title,
-        "speeds": [rpm_of(s) for s in speeds],
-        "weights": list(weights),
-        "searched": kind or "all kinds",
-        "unstable": sum(p.unstable for p in points),
-        "marginal": sum(p.marginal for p in points),
-        "boundaries": len(edges),
-        "warnings": warnings,
-    }
+    return warnings
 
 
 def _lines(

@@ -30,7 +30,7 @@ class Judged:
 
     model: DrillingModel
     table: Mapping[str, Any]
-    weakest: Mapping[str, Any]
+    weakest: dict[str, Any]
     choices: Choices
     word: str | None
     turning: float

@@ -50,6 +50,7 @@ from drillpetsc.output.job import Job
 from drillpetsc.output.quantities.limits import CONTACTS, LIMITS
 from drillpetsc.output.result import RunResult
 from drillpetsc.output.static_table import static_table
+from drillpetsc.output.summaries.loads import LimitsSummary
 from drillpetsc.output.watches.buckling import buckling
 from drillpetsc.physics.bit.bit_on_bottom import bit_torque
 from drillpetsc.unit_systems import System, shown
@@ -57,6 +58,8 @@ from drillpetsc.unit_systems import System, shown
 NO_FORCE = 1e-5  # share of the largest force below which the end of a string is not in compression
 NO_TORQUE = 1e-5  # over the hook load [m]: the torque of a string that only slides
 NO_SHARE = 1e-4  # of a limit, not worth a line
+#: keys of the summary that are figures of the static state
+OF_STATE = ("motion", "hook_load", "hook_load_total", "surface_torque", "wob", "bit_torque", "stable")
 #: summary key, column, True for its largest value, words
 WEAKEST = (
     ("safety_factor", False, "Safety factor"),
@@ -106,12 +109,11 @@ def run_limits(job: Job, operation: str | None = None, choices: Choices | None =
             values = element_values(model, found, hole, pipe, choices, turning)
             table = rows(model, values)
             contacts = [] if forces is None else contact_rows(model, found.nodes, found.tangent, forces)
-            summary = _summary(model, word, choices, statics, table, contacts, units)
             soft = SoftLimits(model, choices.helical)
             judged = Judged(
                 model=model,
                 table=table,
-                weakest=summary["weakest"],
+                weakest={name: _worst(table, name, most) for name, most, _ in WEAKEST if name in table},
                 choices=choices,
                 word=word,
                 turning=turning,
@@ -119,19 +121,29 @@ def run_limits(job: Job, operation: str | None = None, choices: Choices | None =
                 soft=soft.works,
                 strength=bool(np.isfinite(pipe.tension_limit).any()),
             )
-            summary["notes"] = [
-                *doubts_at(judged, "remark"),
-                *grades_assumed(case),
-                *_torque_notes(given, word),
-                *(bends_left_out(case) + cutters_left_out(case) if soft.works else ()),
-            ]
-            summary |= _margins(model, found, pipe, soft)
-            summary["buckling"] = {} if buckled is None else buckled.as_dict()
-            summary["warnings"] = [
-                *_state_warnings(state, word),
-                *doubts_at(judged, "warning"),
-                *doubts,
-            ]
+            summary = LimitsSummary(
+                title=case.title,
+                operation=word or "as the case",
+                **{key: statics[key] for key in OF_STATE if key in statics},
+                choices=asdict(choices),
+                units=units,
+                neutral_point={
+                    "effective": _neutral_point(table, "effective_tension"),
+                    "true": _neutral_point(table, "axial_force"),
+                },
+                weakest=judged.weakest,
+                contacts=[{k: _plain(v) for k, v in row.items()} for row in contacts],
+                rig=None if case.rig is None else case.rig.model_dump(),
+                notes=[
+                    *doubts_at(judged, "remark"),
+                    *grades_assumed(case),
+                    *_torque_notes(given, word),
+                    *(bends_left_out(case) + cutters_left_out(case) if soft.works else ()),
+                ],
+                **_margins(model, found, pipe, soft),
+                buckling={} if buckled is None else buckled.as_dict(),
+                warnings=[*_state_warnings(state, word), *doubts_at(judged, "warning"), *doubts],
+            ).as_dict()
             write_case(given, folder)  # as the user has it; the summary has the operation
             present = [q for q in LIMITS if q.name in table]
             write_table(
@@ -156,34 +168,6 @@ def _rotation(case: Case, word: str | None) -> float:
 
 
 # ---------------------------------------------------------------------- summary
-def _summary(
-    model: DrillingModel,
-    word: str | None,
-    choices: Choices,
-    statics: dict[str, Any],
-    table: dict[str, Any],
-    contacts: list[dict[str, Any]],
-    units: System,
-) -> dict[str, Any]:
-    case = model.case
-    keep = ("motion", "hook_load", "hook_load_total", "surface_torque", "wob", "bit_torque", "stable")
-    out: dict[str, Any] = {
-        "title": case.title,
-        "operation": word or "as the case",
-        **{key: statics[key] for key in keep if key in statics},
-        "choices": asdict(choices),
-        "units": units,
-        "neutral_point": {
-            "effective": _neutral_point(table, "effective_tension"),
-            "true": _neutral_point(table, "axial_force"),
-        },
-        "weakest": {name: _worst(table, name, largest) for name, largest, _ in WEAKEST if name in table},
-        "contacts": [{k: _plain(v) for k, v in row.items()} for row in contacts],
-        "rig": None if case.rig is None else case.rig.model_dump(),
-    }
-    return out
-
-
 def _plain(value: Any) -> Any:
     if isinstance(value, float | np.floating):
         return None if np.isnan(value) else float(value)
