@@ -21,6 +21,7 @@ from typing import Any
 
 import numpy as np
 
+from drillpetsc.analysis.linear.doubts import Modal
 from drillpetsc.analysis.linear.frequency.stokes import (
     at_own_frequencies,
     frequency_dependent,
@@ -30,7 +31,6 @@ from drillpetsc.analysis.linear.linearised_model import linearise_model, settle
 from drillpetsc.analysis.linear.mean_over_turn import mean_over_turn
 from drillpetsc.analysis.linear.modes import Modes
 from drillpetsc.analysis.linear.modes_of_kind import lowest_of_kind
-from drillpetsc.analysis.linear.unresolved_modes import fed_by_swirl, unresolved_growth
 from drillpetsc.analysis.motion.run_options import options_of
 from drillpetsc.analysis.motion.time_scales import time_scales
 from drillpetsc.analysis.statics.equilibrium import StaticState
@@ -40,6 +40,7 @@ from drillpetsc.analysis.statics.steady_flow import release_flow
 from drillpetsc.arrays import FloatArray
 from drillpetsc.case.case import Case
 from drillpetsc.case.checks.limits import refuse_quaternion
+from drillpetsc.doubts import doubts_at
 from drillpetsc.errors import CaseError, DrillError
 from drillpetsc.fem.component import DRIVE
 from drillpetsc.model.drilling_model import DrillingModel, build_model
@@ -393,6 +394,11 @@ def run_modes(
     return RunResult(folder.path, summary, _lines(case, folder, found, summary))
 
 
+def moment_of(model: DrillingModel, found: Modes) -> Modal:
+    """What there is to doubt about modes."""
+    return Modal(model=model, frequency=found.frequency, kind=found.kind, grows=found.grows, kept=found.kept)
+
+
 def _summary(model: DrillingModel, found: Modes, state: StaticState, searched: str) -> ModesSummary:
     """Results of all modes together; collective."""
     return ModesSummary(
@@ -416,22 +422,9 @@ def _summary(model: DrillingModel, found: Modes, state: StaticState, searched: s
         growth=found.growth,
         kind=list(found.kind),
         negative_pivots=state.equilibrium.negative_pivots,
-        warnings=[
-            *state.warnings,
-            *_reference_warning(found),
-            *unresolved_growth(model, found),
-            *fed_by_swirl(model, found),
-        ],
+        warnings=[*state.warnings, *doubts_at(moment_of(model, found))],
         time_scales=time_scales(model).lines(),
     )
-
-
-def _reference_warning(found: Modes) -> list[str]:
-    if not found.kept:
-        return []
-    return [
-        f"{found.kept} modes use the mud's force at the reference frequency, because their own frequency was not found"
-    ]
 
 
 def _write(model: DrillingModel, folder: RunFolder, found: Modes, summary: dict[str, Any], fields) -> None:
@@ -505,7 +498,7 @@ def _lines(case: Case, folder: RunFolder, found: Modes, summary: dict[str, Any])
     ]
     for m in range(found.count):
         mark = (
-            "  <- grows" if found._grows[m] else "  <- zero" if abs(found.eigenvalue[m]) <= found.zero else ""
+            "  <- grows" if found.grows[m] else "  <- zero" if abs(found.eigenvalue[m]) <= found.zero else ""
         )
         lines.append(
             f"  {m + 1:>4}   {found.frequency[m]:>14.6g} {60 * found.frequency[m]:>12.5g}   {found.damping_ratio[m]:>13.4g}   "

@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 
+from drillpetsc.analysis.linear.doubts import Responded
 from drillpetsc.analysis.linear.frequency.harmonic import (
     Response,
     SectionForces,
@@ -30,6 +31,7 @@ from drillpetsc.analysis.motion.run_options import options_of
 from drillpetsc.arrays import FloatArray
 from drillpetsc.case.case import Case
 from drillpetsc.case.options.excitation import Excitation
+from drillpetsc.doubts import doubts_at
 from drillpetsc.errors import CaseError, DrillError, SolveError
 from drillpetsc.fem.string_mesh import StringMesh
 from drillpetsc.model.drilling_model import DrillingModel, build_model
@@ -48,7 +50,6 @@ from drillpetsc.unit_systems import display_unit, shown
 RPM = 2 * np.pi / 60
 PHASES = np.exp(2j * np.pi * np.arange(48) / 48)  # of a period, at which clearances are checked
 LEAST_ORBIT = 1e-3  # angular frequency of a rotor's orbit that is none [rad/s]
-NO_LOSS = 1e-9  # dissipated over exchanged power below which the response is called undamped
 LEAST = 1e-10  # amplitude that is shown as 0 [SI]
 SMALL = 1e-6  # share of the largest amplitude below which a motion is rounding
 
@@ -362,7 +363,16 @@ def run_response(
             )
         closed = _closed_contacts(model)
         if comm.rank == 0:
-            notes = _notes(excitation, speeds, valid, losses, closed, model)
+            notes = doubts_at(
+                Responded(
+                    model=model,
+                    excitation=excitation,
+                    speeds=speeds,
+                    validity=valid,
+                    losses=losses,
+                    closed=closed,
+                )
+            )
             _write(case, folder.path, table)
         table, notes, valid = (
             comm.tompi4py().bcast((table, notes, valid)) if comm.size > 1 else (table, notes, valid)
@@ -441,48 +451,6 @@ def _closed_contacts(model: DrillingModel) -> int:
         touching = np.linalg.norm(shape.gaps.offset, axis=1) > shape.gaps.gap
         count = int((touching | (shape.gaps.gap <= 0)).sum())
     return count
-
-
-def _notes(excitation, speeds, valid, losses, closed: int, model: DrillingModel) -> list[str]:
-    """What the user should know."""
-    notes, units = [], model.case.shown_units
-    for word, text in (
-        (
-            "infinite",
-            "an undamped natural frequency is met: the amplitude is infinite, and grows with time until something limits it",
-        ),
-        ("touches", "the amplitude closes an open gap to the wall: the linear result does not hold there"),
-        (
-            "lifts",
-            "the amplitude opens a closed contact, at the wall or at the bit: the linear result does not hold there",
-        ),
-    ):
-        at = [(s, md) for s, (w, md) in zip(speeds, valid, strict=True) if w == word]
-        if at:
-            first = f" (first at MD {shown(at[0][1], 'length', units)})" if np.isfinite(at[0][1]) else ""
-            notes.append(f"at {_rpm_list([s for s, _ in at])} rpm {text}{first}")
-    if losses and max(losses) < NO_LOSS:
-        notes.append("nothing dissipates energy: resonances between these speeds have infinite amplitudes")
-    if closed:
-        notes.append(
-            f"closed contacts ({closed}) are springs at the stiffness of the state; friction has its slope at the sliding speed"
-        )
-    if excitation.kind == "place":
-        depth = model.mesh.node_depth
-        nearest = float(depth[np.argmin(np.abs(depth - excitation.md))])
-        notes.append(
-            f"{excitation.place}: the excitation acts on the node at MD {shown(nearest, 'length', units, 6)}"
-        )
-    if excitation.kind == "bit" and excitation.what == "displacement" and model.bit is not None:
-        notes.append("the bottom of the hole moves; the bit follows it through its contact")
-    if excitation.kind == "bit" and model.bit is None:
-        notes.append("the lower end does not stand on bottom: the excitation acts on a hanging string")
-    return notes
-
-
-def _rpm_list(speeds: list[float]) -> str:
-    shown = [f"{rpm_of(s):g}" for s in speeds[:6]]
-    return ", ".join(shown) + (f" and {len(speeds) - 6} more" if len(speeds) > 6 else "")
 
 
 STRESSES = (len(RESPONSE), len(RESPONSE) + 1)  # columns of stress amplitudes
