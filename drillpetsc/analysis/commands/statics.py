@@ -37,6 +37,7 @@ from drillpetsc.output.measured.field_output import FieldOutput
 from drillpetsc.output.quantities import STATIC_SUMMARY
 from drillpetsc.output.result import RunResult
 from drillpetsc.output.static_table import static_table
+from drillpetsc.output.summaries.statics import StaticsSummary
 from drillpetsc.output.watches.buckling import Buckling, buckling
 from drillpetsc.unit_systems import System, display, kind_of, shown
 
@@ -90,15 +91,17 @@ def run_statics(
                 lowering=(prescribed_motion(model) if moving is None else moving)[0],
             )
         )
-        figures["warnings"] = list(state.warnings)
-        summary = {
-            "title": case.title,
-            **figures,
-            "motion": motion or word or "as the top prescribes",
-            **(state.path.as_dict() if state.path is not None else {}),
-            **({"buckling": buckled.as_dict()} if model.beam is not None else {}),
-            **({"helix_band": asdict(state.band)} if buckled and state.band is not None else {}),
-        }
+        summary = StaticsSummary.of(
+            {
+                **figures,
+                "title": case.title,
+                "motion": motion or word or "as the top prescribes",
+                "warnings": list(state.warnings),
+                **(state.path.as_dict() if state.path is not None else {}),
+                **({"buckling": buckled.as_dict()} if model.beam is not None else {}),
+                **({"helix_band": asdict(state.band)} if buckled and state.band is not None else {}),
+            }
+        ).as_dict()
         fields = FieldOutput(model).fields(0.0)
         if comm.rank == 0:
             write_case(given, folder)  # as the user has it; the summary has the operation

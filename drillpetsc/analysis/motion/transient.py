@@ -46,6 +46,7 @@ from drillpetsc.output.measured.motion_classes import MotionClasses
 from drillpetsc.output.progress import Progress, Receiver, check_progress
 from drillpetsc.output.recorder import Recorder
 from drillpetsc.output.result import RunResult
+from drillpetsc.output.summaries.run import RunSummary
 from drillpetsc.output.watches.monitors import Monitors
 from drillpetsc.parallel import first_rank_does
 from drillpetsc.solvers import petsc_options as options
@@ -463,8 +464,7 @@ class TransientRun:
             )
         )
         self._warn(said)
-        result["warnings"] = [*result["warnings"], *said]
-        return result
+        return RunSummary(**result | {"warnings": [*result["warnings"], *said]}).as_dict()
 
     def _take_time_error(self, result: dict[str, Any]) -> float | None:
         """Write the known errors in time into the summary; returns the length of the steps [s] that damp short motions,

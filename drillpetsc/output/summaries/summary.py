@@ -22,6 +22,8 @@ class Missing(Enum):
 
 
 MISSING = Missing.MISSING
+QUANTITIES = "quantities"
+"""Metadata of a field whose values are keys of the result itself: quantities, which the catalogue describes."""
 
 
 @dataclass(frozen=True)
@@ -50,12 +52,14 @@ class Summary:
 
     def as_dict(self) -> dict[str, Any]:
         """Keys and values for summary.json, in the order of the fields."""
-        values = ((q.name, getattr(self, q.name)) for q in fields(self))
-        return {
-            name: value.as_dict() if isinstance(value, Summary) else value
-            for name, value in values
-            if value is not MISSING
-        }
+        out: dict[str, Any] = {}
+        for name in (q.name for q in fields(self)):
+            value = getattr(self, name)
+            if name == QUANTITIES:
+                out |= value
+            elif value is not MISSING:
+                out[name] = value.as_dict() if isinstance(value, Summary) else value
+        return out
 
     @classmethod
     def described(cls, path: str = "", condition: str = "") -> tuple[SummaryKey, ...]:
@@ -63,6 +67,8 @@ class Summary:
         out: list[SummaryKey] = []
         for name, hint in get_type_hints(cls, include_extras=True).items():
             kind, *metadata = get_args(hint)
+            if name == QUANTITIES:
+                continue
             blocks = [q for q in (kind, *get_args(kind)) if isinstance(q, type) and issubclass(q, Summary)]
             if blocks:
                 out += blocks[0].described(f"{path}{name}.", metadata[0] if metadata else condition)
