@@ -144,9 +144,13 @@ def _element_ends(
     given: dict[int, list[float]] = {}
     marks: dict[int, list[float]] = {}
     flexible = {i: item for i, item in enumerate(case.string) if isinstance(item, Flexible)}
-    depths = case.item_depths  # worked out at every call
+    depths = (
+        case.item_depths
+    )  # worked out at every call, as are the places at which all items may have to end
+    at_loads = [load.at for load in case.loads if isinstance(load, PointLoad)]
+    places = at_loads + [joint.at for joint in case.all_joints]
     for number, item in flexible.items():
-        ends = _edges(case, number, item, *depths[number])
+        ends = _edges(case, number, item, depths[number], places)
         (marks if isinstance(item.element_length, str) else given)[number] = ends
     if not marks:
         return given, ElementLengths({})
@@ -260,12 +264,17 @@ def _bent_after(items: Iterable[Item]) -> bool:
     return any(_bend_of(q) for q in takewhile(lambda q: isinstance(q, Rigid), items))
 
 
-def _edges(case: Case, number: int, item: Flexible, top: float, bottom: float) -> list[float]:
-    """Compute the measured depths [m] of the element ends of a flexible item between ``top`` and ``bottom`` [m].
+def _edges(
+    case: Case, number: int, item: Flexible, ends: tuple[float, float], places: list[float]
+) -> list[float]:
+    """Compute the measured depths [m] of the element ends of a flexible item between its ``ends`` [m].
 
     Depths at which elements of an item with automatic lengths must end.
+
+    places: of loads and joints of the whole string [m].
     """
-    count, string = max(1, element_count(item)), case.string
+    (top, bottom), string = ends, case.string
+    count = max(1, element_count(item))
     edges = [top, bottom] if count == 1 else list(np.linspace(top, bottom, count + 1))
     extra: list[float] = []
     if _bend_of(item) and item.length > 2 * BEND_LENGTH:
@@ -276,10 +285,7 @@ def _edges(case: Case, number: int, item: Flexible, top: float, bottom: float) -
     first = not any(isinstance(string[k], Flexible) for k in range(number))
     if first and _bent_after(string[:number]) and item.length > 2 * BEND_LENGTH:
         extra.append(top + BEND_LENGTH)
-    for load in case.loads:
-        if isinstance(load, PointLoad) and top < load.at < bottom:
-            extra.append(load.at)
-    extra += [joint.at for joint in case.all_joints if top < joint.at < bottom]
+    extra += [at for at in places if top < at < bottom]
     if isinstance(item, RotarySteerable):
         extra += [at for at in steering_zone(item, top, bottom) if top < at < bottom]
     # a depth at an existing element end adds no node; elements may be as short as the case gives them

@@ -31,6 +31,7 @@ from drillpetsc.physics.roots import bracketed_root
 
 _Law = structure("contact_law")  # ContactLaw of kernels/contact/contact.hpp
 RESULTS = columns("contact_results")
+_NORMAL = RESULTS["normal"]
 _STORED, _DAMPED, _RUBBED = (RESULTS[name] for name in ("stored", "damping_power", "friction_power"))
 
 
@@ -401,6 +402,17 @@ class Contact(WallContact):
             else:
                 bodies.append(results.table.copy())
         return cells, bodies[-1] if len(bodies) == 2 else np.vstack(bodies)
+
+    def normal_forces(self, state) -> tuple[FloatArray, FloatArray]:
+        cells, bodies = np.zeros(len(self._part.cells)), np.zeros(len(self.mesh.bodies))
+        items = iter(self._items)
+        for b, results in zip(self._blocks, self._block_results(state), strict=True):
+            normal = results.table[:, _NORMAL]
+            if b.on == "cell":
+                cells[b.points] = normal
+            else:
+                bodies[next(items)] = normal
+        return cells, bodies
 
     def item_results(self, state) -> FloatArray:
         """(bodies, columns) results of each rigid item of the mesh, in the columns of ``RESULTS``; zero on ranks without the item."""

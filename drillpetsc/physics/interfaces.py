@@ -162,13 +162,21 @@ class Bit(Component):
     def weight_and_torque(self, state: Any) -> tuple[float, float]:
         """Compute weight on bit [N] and torque on bit [N m], zero on ranks without the bit."""
 
-    def weight_and_torque_of(self, steps: Any) -> FloatArray | None:
-        """(k, 2) ``weight_and_torque`` after each of k recorded steps; None if they are found one by one only."""
-        return None
+    @abstractmethod
+    def weight_and_torque_of(self, steps: Any) -> FloatArray:
+        """(k, 2) ``weight_and_torque`` after each of k recorded steps."""
 
     def element_results(self, state: Any) -> FloatArray:
         """Results of the bit, zero on ranks without it: weight [N] and torque [N m] first."""
         return np.array(self.weight_and_torque(state))
+
+    def element_results_of(self, steps: Any) -> FloatArray:
+        """(k, columns) ``element_results`` after each of k recorded steps."""
+        return self.weight_and_torque_of(steps)
+
+    def direction_of(self, steps: Any) -> FloatArray:
+        """(k, 3) direction of the hole that the bit drills, at its end, after each of k recorded steps."""
+        raise NotImplementedError("this bit drills no hole")
 
     @abstractmethod
     def depth_of_face(self, state: Any) -> tuple[float, FloatArray]:
@@ -210,6 +218,10 @@ class Bit(Component):
         """Length drilled since the start [m] and rate of penetration [m/s], zero on ranks without the bit."""
         return 0.0, 0.0
 
+    def progress_of(self, steps: Any) -> FloatArray:
+        """(k, 2) ``progress`` after each of k recorded steps."""
+        return np.zeros((len(steps), 2))
+
     @property
     def side_strength(self) -> float | None:
         """Force at which the rock beside the bit yields [N]; None if it does not."""
@@ -238,6 +250,10 @@ class WallContact(Component):
     @abstractmethod
     def element_results(self, state: Any) -> tuple[FloatArray, FloatArray]:
         """(nc, columns) per local cell and (nb, columns) per local rigid item: results of ``physics.contact.RESULTS``."""
+
+    @abstractmethod
+    def normal_forces(self, state: Any) -> tuple[FloatArray, FloatArray]:
+        """Sums of the normal forces [N]: (nc,) of each local cell, (bodies,) of each rigid item, zero if another rank has it."""
 
     @abstractmethod
     def item_results(self, state: Any) -> FloatArray:

@@ -22,7 +22,7 @@ from drillpetsc.errors import CaseError
 from drillpetsc.output import catalogue
 from drillpetsc.output.files.atomic import replace_text
 from drillpetsc.output.files.run_folder import SWEEP_TABLE, WELLS_TABLE
-from drillpetsc.output.files.tables import read_table, split_name
+from drillpetsc.output.files.tables import read_titles, split_name
 from drillpetsc.output.shown_units import lengths_shown
 from drillpetsc.plotting import style
 from drillpetsc.reporting.inputs import mud_section, rig_rows, string_section, well_section
@@ -261,7 +261,7 @@ def _signs(runs: Sequence[Run], system: System) -> Grid:
             for table in kind.tables:
                 file = run.folder.path / table
                 if file.is_file():
-                    titles |= dict.fromkeys(read_table(file))
+                    titles |= dict.fromkeys(read_titles(file))
     rows: dict[str, tuple[str, str, str, str]] = {}
     for title in titles:
         quantity = catalogue.find(split_name(title)[0])

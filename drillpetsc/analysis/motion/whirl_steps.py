@@ -171,9 +171,8 @@ class WhirlSteps:
         out = np.zeros(len(parts))
         if not parts or contact is None:
             return out
-        cells, _ = contact.element_results(asm)
         # a part off the wall cannot roll, so it does not limit the step (manual: sec-time-choice)
-        touching, bodies = cells[:, 0] > 0.0, contact.item_results(asm)[:, 0] > 0.0
+        touching, bodies = (forces > 0.0 for forces in contact.normal_forces(asm))
         spin, ends = np.abs(asm.y[asm.dofs_of("string.spin")][:, 0]), self.model.system.chain.ends
         for k, part in enumerate(parts):
             if part.body >= 0:

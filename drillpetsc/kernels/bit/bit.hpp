@@ -384,20 +384,22 @@ struct Bit {
     }
 };
 
-// Results of one bit: out is a BitResults.
+// Results of n bits: out is a BitResults for each.
 template <class Kernel>
-void bit_results(const int* idx, const double* par, void* context, const double* x, const double* y, double* out) {
+void bit_results(int n, const int* idx, const double* par, void* context, const double* x, const double* y, double* out) {
     constexpr int D = Kernel::D;
-    double X[D], Y[D], R[D];
-    for (int i = 0; i < D; ++i) { X[i] = x[idx[i]]; Y[i] = y[idx[i]]; }
-    BitResults now{};
-    Kernel::template evaluate<double>(X, Y, par, *static_cast<BitLaw*>(context), R, &now);
-    *reinterpret_cast<BitResults*>(out) = now;
+    for (int e = 0; e < n; ++e) {
+        double X[D], Y[D], R[D];
+        for (int i = 0; i < D; ++i) { X[i] = x[idx[e * D + i]]; Y[i] = y[idx[e * D + i]]; }
+        BitResults now{};
+        Kernel::template evaluate<double>(X, Y, par + e * Kernel::NP, *static_cast<BitLaw*>(context), R, &now);
+        reinterpret_cast<BitResults*>(out)[e] = now;
+    }
 }
 
-#define DP_BIT_RESULTS(name, Kernel)                                                                                                \
-    extern "C" void name##_results(const int* idx, const double* par, void* context, const double* x, const double* y, double* out) { \
-        bit_results<Kernel>(idx, par, context, x, y, out);                                                                          \
+#define DP_BIT_RESULTS(name, Kernel)                                                                                                               \
+    extern "C" void name##_results(int n, int, const int* idx, const double* par, void* context, const double* x, const double* y, double* out) { \
+        bit_results<Kernel>(n, idx, par, context, x, y, out);                                                                                      \
     }
 
 }  // namespace dp

@@ -60,26 +60,29 @@ class RigidItems:
         """
         assert self.model.contact is not None
         out: FloatArray = sample.once(self.model.contact.item_results).copy()
-        if self.model.drilling is not None and self._bit is not None:  # it has a separate contact
-            out[self._bit] += self._of_drilling_bit(sample)
+        bit = self.model.drilling
+        if bit is not None and bit.hole is not None and self._bit is not None:  # it has a separate contact
+            out[self._bit] += self._of_drilling_bit(
+                sample.once(bit.element_results)[None], bit.hole.direction
+            )[0]
         return out
 
-    def _of_drilling_bit(self, sample: Sample) -> FloatArray:
-        """(columns,) results of the side of a bit that cuts."""
-        bit, out = self.model.drilling, np.zeros(RESULTS.width)
-        assert bit is not None and bit.hole is not None and self._bit is not None
-        side = bit.side_contact
+    def _of_drilling_bit(self, found: FloatArray, axis: FloatArray) -> FloatArray:
+        """(k, columns) results of the side of a bit that cuts: from its own results (k, columns), in a hole of direction ``axis``
+        (3,) or (k, 3)."""
+        assert self.model.drilling is not None and self._bit is not None
+        side, out = self.model.drilling.side_contact, np.zeros((len(found), RESULTS.width))
         assert side is not None
-        found, axis = sample.once(bit.element_results), bit.hole.direction
         body = self.model.mesh.bodies[self._bit]
+        axis = np.broadcast_to(axis, (len(found), 3))
         arm = (side.below - body.contact_above - 0.5 * body.contact_length) * axis
-        force = found[BIT_RESULTS["force"]]
-        out[RESULTS["normal"]] = found[BIT_RESULTS["side"]]
-        out[RESULTS["push"]], out[RESULTS["force"]] = found[BIT_RESULTS["push"]], force
-        out[RESULTS["couple"]] = found[BIT_RESULTS["couple"]] + np.cross(arm, force)
+        force, normal = found[:, BIT_RESULTS["force"]], found[:, BIT_RESULTS["side"]]
+        out[:, RESULTS["normal"]] = normal
+        out[:, RESULTS["push"]], out[:, RESULTS["force"]] = found[:, BIT_RESULTS["push"]], force
+        out[:, RESULTS["couple"]] = found[:, BIT_RESULTS["couple"]] + cross(arm, force)
         if side.stiffness > 0:
-            out[RESULTS["penetration"]] = found[BIT_RESULTS["side"]] / side.stiffness
-        out[RESULTS["along"]] = found[BIT_RESULTS["side"]] * axis
+            out[:, RESULTS["penetration"]] = normal / side.stiffness
+        out[:, RESULTS["along"]] = normal[:, None] * axis
         return out
 
     def loads(self, sample: Sample) -> FloatArray:
@@ -88,13 +91,15 @@ class RigidItems:
             return np.zeros((0, declared.WALL_NUMBERS))
         return np.asarray(self.wall_results(sample)[np.ix_(self.items, _LOADS)])
 
-    def loads_of(self, steps: StepRecord) -> FloatArray | None:
-        """(k, items, 13) ``loads`` after each of k recorded steps; None if they can only be found step by step."""
+    def loads_of(self, steps: StepRecord) -> FloatArray:
+        """(k, items, 13) ``loads`` after each of k recorded steps."""
         if self.model.contact is None:
             return np.zeros((len(steps), 0, declared.WALL_NUMBERS))
-        if self.model.drilling is not None and self._bit is not None:
-            return None
-        return np.asarray(self.model.contact.item_results_of(steps)[:, self.items[:, None], _LOADS])
+        results, bit = self.model.contact.item_results_of(steps), self.model.drilling
+        if bit is not None and self._bit is not None:
+            found = bit.element_results_of(steps)
+            results[:, self._bit] += self._of_drilling_bit(found, bit.direction_of(steps))
+        return np.asarray(results[:, self.items[:, None], _LOADS])
 
     def resultants(self, loads: FloatArray) -> FloatArray:
         """(7,) or (k, 7) ``resultants`` of ``loads`` (13,) or (k, 13)."""

@@ -15,7 +15,7 @@ from drillpetsc.model.drilling_model import DrillingModel
 from drillpetsc.model.hole import hole_depth
 from drillpetsc.output import quantities as declared
 from drillpetsc.output.measured.in_hole import along_hole, measured_depth, measured_depths
-from drillpetsc.physics.interfaces import Bit, Drive
+from drillpetsc.physics.interfaces import Drive
 from drillpetsc.physics.top.hoist import Hoist
 from drillpetsc.time_function import Constant
 
@@ -158,10 +158,10 @@ class DrilledHole:
         self.model, self.bit = model, model.bit
         self.start = hole_depth(model.case) if self.bit is not None else 0.0
 
-    def progress(self, steps: StepRecord) -> FloatArray | None:
-        """(k, 2) ``Bit.progress`` after each of k recorded steps: zero without drilling; else None, since it is found one by one."""
+    def progress(self, steps: StepRecord) -> FloatArray:
+        """(k, 2) ``Bit.progress`` after each of k recorded steps."""
         assert self.bit is not None
-        return np.zeros((len(steps), 2)) if type(self.bit).progress is Bit.progress else None
+        return self.bit.progress_of(steps)
 
     def quantities(self) -> tuple[Quantity, ...]:
         if self.bit is None:

@@ -328,7 +328,7 @@ class RockBit(Bit):
         )
         kernel = "bit_rock_profile" if self.profiled else "bit_rock_pattern" if self.pattern else "bit_rock"
         kernel += c.side.kernel
-        self._results = function(f"{kernel}_results", "pppppp")
+        self._results = f"{kernel}_results"
         self._block = ElementBlock(
             "bit_rock",
             kernel,
@@ -556,20 +556,10 @@ class RockBit(Bit):
         """(columns,) of ``RESULTS``: weight [N], torque [N m], rate [m/s], side force [N], stored
         energy [J], power into the rock [W], depth [m], offset of the bit's centre from the hole's axis [m],
         rate of penetration in space (3) [m/s], forces and couple of the side; zero without the bit; not to be changed."""
-        return state.evaluate_once(self._evaluate_results, state)
+        return np.asarray(state.results(self._block, self._results, RESULTS.width).sums)
 
-    def _evaluate_results(self, state) -> FloatArray:
-        out = np.zeros(RESULTS.width)
-        if self._mine:
-            self._results(
-                pointer(state.index_of(self._block)),
-                pointer(self.params.array),
-                ctypes.addressof(self._made),
-                pointer(state.x),
-                pointer(state.y),
-                pointer(out),
-            )
-        return out
+    def element_results_of(self, steps) -> FloatArray:
+        return np.asarray(steps.sums(self._block, self._results, RESULTS.width))
 
     @property
     def side_contact(self) -> SideContact:
@@ -580,6 +570,14 @@ class RockBit(Bit):
         """Weight on bit [N] and torque on bit [N m], zero on ranks without the bit."""
         results = self.element_results(state)
         return float(results[RESULTS["weight"]]), float(results[RESULTS["torque"]])
+
+    def weight_and_torque_of(self, steps) -> FloatArray:
+        return self.element_results_of(steps)[:, [RESULTS["weight"], RESULTS["torque"]]]
+
+    def direction_of(self, steps) -> FloatArray:
+        return (
+            np.asarray(steps.parameters(self._block, "axis", 0)) if self._mine else np.zeros((len(steps), 3))
+        )
 
     def progress(self, state) -> tuple[float, float]:
         """Return the length drilled since the start [m] and the rate of penetration [m/s].
@@ -592,6 +590,15 @@ class RockBit(Bit):
             self.params["hold"][0, 3] if self.rock.post_step else state.x[state.index_of(self._block)[0, 10]]
         )
         return float(drilled), float(self.element_results(state)[RESULTS["rate"]])
+
+    def progress_of(self, steps) -> FloatArray:
+        if not self._mine:
+            return np.zeros((len(steps), 2))
+        if self.rock.post_step:
+            drilled = steps.parameters(self._block, "hold", 0)[:, 3]
+        else:
+            drilled = steps.unknowns(int(steps.assembly.index_of(self._block)[0, 10]))
+        return np.column_stack([drilled, self.element_results_of(steps)[:, RESULTS["rate"]]])
 
     @property
     def side_strength(self) -> float | None:
@@ -623,6 +630,12 @@ class RockBit(Bit):
 
     def powers(self, t: float, state) -> Powers:
         return Powers(float(self.element_results(state)[RESULTS["dissipated"]]))
+
+    def energies_of(self, steps) -> tuple[Any, Any, Any]:
+        return 0.0, self.element_results_of(steps)[:, RESULTS["stored"]], 0.0
+
+    def powers_of(self, steps) -> tuple[Any, Any]:
+        return self.element_results_of(steps)[:, RESULTS["dissipated"]], 0.0
 
     def quantities(self) -> tuple[Quantity, ...]:
         return declared.BIT if self.contact.side.gauge is None else declared.BIT + declared.BIT_SIDE

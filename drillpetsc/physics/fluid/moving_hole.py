@@ -28,15 +28,17 @@ from drillpetsc.physics.fluid.channels import Annulus, AnnulusWalls, HoleVolume
 from drillpetsc.physics.tools.reamer import Reamer
 
 _moved_along = function("moved_along", "ipppdd", ctypes.c_int)
-REFRESH = 0.01  # motion of a node after which the hole is re-evaluated [m]; 3 deg/30 m turn the hole by 2e-5 over it
+#: when any node may have moved by SURELY_NEAR, the hole is re-evaluated at all nodes that have moved further than this [m]; 3 deg/30 m turn
+#: the hole by 2e-5 over it.  With one bound for both, one of hundreds of nodes would be beside it at every step, and all be projected
+REFRESH = 0.007
 REAMED = 2e-4  # metres reamed after which the hole is re-evaluated at all nodes; they may differ from the metres moved by the string [m]
 AHEAD = 0.5  # [m], as long as the shortest transition of a hole between two diameters
 OTHER_SIZE = 0.01  # relative change of the hole's diameter after which added mass and damping are recomputed
 
 
-#: a node that has moved less than this along the hole, and less than the second in all, has not reached REFRESH: measured depth differs from
-#: the way along the tangent by its curvature times the squared way [m]
-SURELY_NEAR = 0.8 * REFRESH, 0.1
+#: a node that has moved less than this along the hole, and less than the second in all, has not moved by much more than REFRESH: measured
+#: depth differs from the way along the tangent by its curvature times the squared way [m]
+SURELY_NEAR = 0.008, 0.1
 
 
 @dataclass(frozen=True)
@@ -134,7 +136,7 @@ class MovingHole:
         return self._from[2][:, :3]
 
     def _stays(self, state) -> bool:
-        """Whether certainly no local node has moved by REFRESH; found without a projection."""
+        """Whether no local node has moved by SURELY_NEAR; found without a projection."""
         if self._from is None or self._from[0] is not self.current_well():
             return False
         _, places, nodes = self._from

@@ -17,7 +17,11 @@ import numpy as np
 
 from drillpetsc.arrays import FloatArray
 from drillpetsc.fem.component import ElementBlock
+from drillpetsc.kernels import function, pointer
+from drillpetsc.kernels.parameters import columns
 
+_at, _set_parameters = function("swirl_at", "idp"), function("swirl_parameters", "ipipipip")
+_ROWS = columns("swirl_rows")  # of the state of all elements
 _NAMES = "share", "swirl", "swirl_rate", "spin_rate"  # of the parameters
 OTHER_FLOW = 0.02  # relative change of the flow after which the rates of following are recomputed
 
@@ -42,13 +46,17 @@ class Swirl:
     STATE = 6  #: columns of ``get_state``
 
     def __init__(self, share: FloatArray) -> None:
-        count = len(share)
-        self.share = share
-        self.spin, self.swirl, self.trend = np.zeros((3, count))
-        self.follow, self.flow = np.full(count, np.inf), np.zeros(count)
+        self._count = len(share)
+        self._state = np.zeros((_ROWS.width, self._count))
+        self._state_at = pointer(self._state)
+        rows = [self._state[_ROWS[name]] for name in _ROWS.names]
+        self.share, self.spin, self.swirl, self.trend, self.follow, self._now, self._rate = rows
+        self.share[:], self.follow[:] = share, np.inf
+        self.flow = np.zeros(self._count)
         self._start: float | None = None  # of the trend: time of the last step [s]; None: before a motion
         self._written = np.nan  # time to which the parameters of the blocks belong [s]
-        self._writers: list[Callable[[FloatArray, FloatArray, FloatArray], None]] = []
+        self._blocks: list[tuple[int, ...]] = []  # arguments of the calls that set their parameters
+        self._kept: list[np.ndarray] = []  # whose addresses are among them
 
     # ------------------------------------------------------------------ parameters
     def attach(
@@ -61,12 +69,13 @@ class Swirl:
 
         rows: (m,) places of its elements in the arrays of this object, None: the block's points.
         """
-        rows = block.points if rows is None else rows
-        p = block.named
-
-        def write(share: FloatArray, swirl: FloatArray, rate: FloatArray) -> None:
-            for name, value in zip(_NAMES, (share, swirl, rate, self.trend), strict=True):
-                p[name] = value[rows]
+        named = block.named
+        places = np.ascontiguousarray(block.points if rows is None else rows, dtype=np.int32)
+        at = np.array([named.columns[name] for name in _NAMES], dtype=np.int32)
+        self._kept += [places, at, block.params]
+        self._blocks.append(
+            (len(places), pointer(places), pointer(block.params), named.columns.width, pointer(at))
+        )
 
         def update(t: float) -> None:
             if others is not None:
@@ -74,15 +83,15 @@ class Swirl:
             if t != self._written:
                 self._write(t)
 
-        self._writers.append(write)
         block.update = update
 
     def _write(self, t: float) -> None:
         """Set the parameters of all blocks for time ``t`` [s]."""
-        swirl, rate = self.at(t)
-        share = self.share if self._start is not None else np.zeros_like(self.share)
-        for write in self._writers:
-            write(share, swirl, rate)
+        moves = self._start is not None
+        if moves:
+            self.at(t)
+        for count, places, parameters, width, at in self._blocks:
+            _set_parameters(count, places, self._count, self._state_at, moves, parameters, width, at)
         self._written = t
 
     # ------------------------------------------------------------------ steps
@@ -117,15 +126,8 @@ class Swirl:
         if self._start is None:
             still = np.zeros_like(self.spin)
             return still, still
-        step, share = max(0.0, t - self._start), self.share
-        at_once = np.isinf(self.follow)
-        k = np.where(at_once, 0.0, self.follow)
-        waited = np.divide(-np.expm1(-k * step), k, out=np.full_like(k, step), where=k > 0)
-        behind = (self.swirl - share * self.spin) * np.exp(-k * step) - share * self.trend * waited
-        behind[at_once] = 0.0
-        return share * (self.spin + self.trend * step) + behind, np.where(
-            at_once, share * self.trend, -k * behind
-        )
+        _at(self._count, max(0.0, t - self._start), self._state_at)
+        return self._now, self._rate
 
     # ------------------------------------------------------------------ checkpoints
     def get_state(self) -> FloatArray:
@@ -135,6 +137,8 @@ class Swirl:
 
     def set_state(self, saved: FloatArray) -> None:
         """Continue from the result of ``get_state``."""
-        self.spin, self.swirl, self.trend, self.follow, self.flow, time = np.array(saved.T, order="C")
+        self.spin[:], self.swirl[:], self.trend[:], self.follow[:], self.flow, time = np.array(
+            saved.T, order="C"
+        )
         self._start = float(time[0]) if len(time) and not np.isnan(time[0]) else None
         self._written = np.nan

@@ -9,6 +9,7 @@ import os
 import re
 import textwrap
 from collections.abc import Callable, Sequence
+from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
@@ -26,7 +27,7 @@ from drillpetsc.output.files.run_folder import (
     SWEEP_TABLE,
     RunFolder,
 )
-from drillpetsc.output.files.tables import read_table, split_name
+from drillpetsc.output.files.tables import read_table, read_titles, split_name
 from drillpetsc.plotting import style
 from drillpetsc.plotting.command.frequency import (
     draw_campbell,
@@ -44,6 +45,7 @@ from drillpetsc.plotting.command.vibration import draw_power, draw_waterfall, vi
 from drillpetsc.plotting.run.hole_path import new_hole, well_path
 from drillpetsc.plotting.run.signals import signal
 from drillpetsc.plotting.style import GROUND, LINE_COLORS, WALL, display_unit, label, words
+from drillpetsc.plotting.thinning import envelope, last_passages
 from drillpetsc.unit_systems import System
 from drillpetsc.unit_systems import display_unit as display_unit_of
 
@@ -167,15 +169,17 @@ def _drawers(folder: RunFolder, units: System | None) -> dict[str, Callable[[], 
     summary = read_summary(folder.summary) if folder.summary.exists() else {}
     title = str(summary.get("title") or folder.path.name)
     drawers: dict[str, Callable[[], Any]] = {}
+    read = lru_cache(maxsize=1)(read_table)  # tables of long runs would not fit side by side
     if folder.history.exists():
-        table = read_table(folder.history)
-        operation, numerics = grouped(list(table))
-        drawers["history"] = lambda: _histories(table, operation, f"{title}: histories")
-        drawers["numerics"] = lambda: _histories(table, numerics, f"{title}: energy and time steps")
+        operation, numerics = grouped(read_titles(folder.history))
+        drawers["history"] = lambda: _histories(read(folder.history), operation, f"{title}: histories")
+        drawers["numerics"] = lambda: _histories(
+            read(folder.history), numerics, f"{title}: energy and time steps"
+        )
     if folder.probes.exists():
-        probes, clearances = read_table(folder.probes), _clearances(folder)
-        drawers["orbits"] = lambda: _orbits(probes, clearances, title)
-        drawers["probes"] = lambda: _probes(probes, clearances, title)
+        clearances = _clearances(folder)
+        drawers["orbits"] = lambda: _orbits(read(folder.probes), clearances, title)
+        drawers["probes"] = lambda: _probes(read(folder.probes), clearances, title)
     drawers |= vibration_drawers(folder.path, title)
     if folder.statics.exists():
         drawers["along_depth"] = lambda: _along_depth(read_table(folder.statics), title)
@@ -264,7 +268,7 @@ def _histories(table: Table, panels: list[list[str]], title: str) -> Any:
         for name, color in zip(panel, LINE_COLORS * 3, strict=False):
             count = split_name(name)[0] == "newton"  # whole numbers that jump: dots, not a filled band
             style_of = {"linestyle": "", "marker": ".", "markersize": 2.5} if count else {"linewidth": 1.1}
-            axes.plot(time, table[name] / size, color=color, label=words(name), **style_of)
+            axes.plot(*envelope(time, table[name] / size), color=color, label=words(name), **style_of)
             if count:
                 axes.set_ylim(0, 1.08 * max(float(np.nanmax(table[name])), 1.0))
                 axes.yaxis.get_major_locator().set_params(integer=True)
@@ -337,10 +341,11 @@ def _orbits(table: Table, clearances: tuple[np.ndarray, np.ndarray] | None, titl
         circle = None if clearances is None else float(np.interp(float(name), *clearances)) / size
         _clearance_circle(axes, circle, float(np.nanmax(np.hypot(x, y))))
         points = np.column_stack((y, x))  # looking down the hole with the high side on top
+        seen = last_passages(points, float(axes.get_xlim()[1]))
         lines = LineCollection(
-            list(np.stack((points[:-1], points[1:]), axis=1)), cmap="viridis_r", linewidths=0.8, zorder=3
+            np.stack((points[seen], points[seen + 1]), axis=1), cmap="viridis_r", linewidths=0.8, zorder=3
         )
-        lines.set_array(time[1:])
+        lines.set_array(time[seen + 1])
         axes.add_collection(lines, autolim=False)
         axes.plot(y[-1], x[-1], "o", color="#b03060", markersize=4.5, zorder=4)
         axes.set_aspect("equal")
@@ -401,7 +406,7 @@ def _probes(table: Table, clearances: tuple[np.ndarray, np.ndarray] | None, titl
         for (name, values), color in zip(group.items(), LINE_COLORS * 3, strict=False):
             length, depth_text = style.depth_unit()
             at = f"{round(float(name) / length, 2):g} {depth_text}"
-            axes.plot(time, values / size, color=color, linewidth=1.0, label=at)
+            axes.plot(*envelope(time, values / size), color=color, linewidth=1.0, label=at)
             if column.startswith("distance") and clearances is not None:
                 axes.axhline(
                     np.interp(float(name), *clearances) / size,

@@ -14,7 +14,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from drillpetsc.output import Table, read_table, write_table
-from drillpetsc.output.files.tables import rows_as_text
+from drillpetsc.output.files.tables import read_titles, rows_as_text
 from tests.helpers.tables import each_row
 
 COLUMNS = [("time", "s"), ("hook_load", "N"), ("newton", "-")]
@@ -188,3 +188,26 @@ def test_rows_by_compiled_code_are_the_shortest_digits() -> None:
     words = [[repr(v).removesuffix(".0") for v in row] for row in rows.tolist()]
     assert text == "".join(",".join(row) + "\n" for row in words)
     assert rows_as_text(rows[:0]) == b""
+
+
+def test_numbers_are_read_as_python_reads_them(tmp_path):
+    """Rows of numbers have a reader of their own, which gives the same doubles, and leaves the same rows out."""
+    rng = np.random.default_rng(3)
+    values = rng.standard_normal((500, 3)) * 10.0 ** rng.integers(-300, 300, (500, 3))
+    values[7] = np.nan, np.inf, -0.0
+    path = tmp_path / "numbers.csv"
+    rows = [",".join(map(repr, row)) for row in values.tolist()]
+    for end, whole in (("\n", 500), ("", 499), ("\n1.5,2", 500), ("\n1.5,2\n", 500)):
+        path.write_text("a [N],b [-],c [m]\n" + "\n".join(rows) + end)
+        table = read_table(path)
+        assert read_titles(path) == list(table) == ["a [N]", "b [-]", "c [m]"]
+        for k, column in enumerate(table.values()):
+            np.testing.assert_array_equal(column, values[:whole, k])
+    path.write_text("a [N],b [-]\n")
+    assert [len(column) for column in read_table(path).values()] == [0, 0]
+    path.write_text("a [N],b [-]\n1,2\n3\n4,5\n")
+    with pytest.raises(ValueError, match="a row has not 2 values"):
+        read_table(path)
+    path.write_text("a [N],b [-]\n1,2,3\n4,5,6\n")
+    with pytest.raises(ValueError, match="a row has not 2 values"):
+        read_table(path)
