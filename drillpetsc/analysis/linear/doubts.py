@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -20,6 +20,7 @@ ELEMENTS_PER_WAVE = 4.0  # with fewer, the growth of a mode may come from the me
 NO_LOSS = 1e-9  # dissipated over exchanged power below which a resonance has no bound
 FEW = 5  # that are reported one by one
 RPM = 30 / np.pi
+REPORTED_IMBALANCE = 1.0  # unbalanced force above which a note is shown [N]
 
 
 # ---------------------------------------------------------------------- moments
@@ -28,12 +29,14 @@ class Modal(Moment):
     """Modes have been found (modes).
 
     frequency: (k,) [Hz]; kind: of each; grows: (k,).  kept: number of modes with the mud's force at the reference frequency.
+    imbalance: largest unbalanced force on a node [N].
     """
 
     frequency: np.ndarray
     kind: Sequence[str]
     grows: np.ndarray
     kept: int
+    imbalance: float
 
     @property
     def lateral(self) -> np.ndarray:
@@ -96,6 +99,41 @@ class Responded(Moment):
     validity: Sequence[tuple[str, float]]
     losses: Sequence[float]
     closed: int
+
+
+@dataclass(frozen=True, kw_only=True)
+class Linear(Moment):
+    """The model has been linearised about its steady state (linearise).
+
+    imbalance: largest unbalanced force on a node [N].  varying: (key, value at time 0) of inputs that vary.
+    closed: number of closed contacts, None without a wall.  moves, turns: the string, in the steady state.
+    on_bottom: whether the bit has weight, None without a bit whose weight is an output.
+    """
+
+    imbalance: float
+    varying: Sequence[tuple[str, float]]
+    closed: int | None
+    moves: bool
+    turns: bool
+    on_bottom: bool | None
+
+
+@dataclass(frozen=True, kw_only=True)
+class Reduction(Moment):
+    """The state space has been formed, and reduced if that was asked for (linearise).
+
+    rigid: kinds of unrestrained motions.  rising: kind, frequency [Hz] and growth [1/s] of motions that grow; constant: number of those
+    that neither grow nor decay.  apart: outputs that do not depend on the inputs; follows: (output, input) whose rate it follows.
+    order: number of states asked for, None without a reduction; states: of the whole model.
+    """
+
+    rigid: Sequence[str]
+    rising: Sequence[Mapping[str, Any]]
+    constant: int
+    apart: Sequence[str]
+    follows: Sequence[tuple[str, str]]
+    order: int | None
+    states: int
 
 
 # ---------------------------------------------------------------------- modes
@@ -429,4 +467,132 @@ remark(
     Responded,
     "the lower end does not stand on bottom: the excitation acts on a hanging string",
     lambda at: at.excitation.kind == "bit" and not _bit(at.model),
+)
+
+
+# ---------------------------------------------------------------------- linearise
+class NotBalanced(Doubt):
+    """Unbalanced forces remain in the state about which the model is linearised."""
+
+    about = (Linear, Modal)
+    sentence = "unbalanced forces up to {force:force 3} remain: the state is not exactly steady"
+    remedy = "Read slow motions of the linear model as estimates."
+
+    def look(self, at: Any) -> Values:
+        if at.imbalance > REPORTED_IMBALANCE:
+            yield {"force": at.imbalance}
+
+
+class FreeMotions(Doubt):
+    """Parts of the model move without resistance, so that constant inputs have no steady answer."""
+
+    about = (Reduction,)
+    sentence = "unrestrained rigid-body motions: {kinds}"
+    remedy = "Hold the string along its axis and in rotation, or leave these motions out of the outputs."
+
+    def look(self, at: Reduction) -> Values:
+        if at.rigid:
+            yield {"kinds": ", ".join(sorted(set(at.rigid)))}
+
+
+class UnstableState(Doubt):
+    """The steady state is unstable: small motions grow."""
+
+    about = (Reduction,)
+    sentence = "the steady state is unstable: motions that grow: {count}, the fastest ({kind}, {frequency:.4g} Hz) by {growth:.4g} 1/s"
+    remedy = "Control the drive, or change rotary speed or weight on bit."
+
+    def look(self, at: Reduction) -> Values:
+        if at.rising:
+            worst = max(at.rising, key=lambda q: q["growth"])
+            yield {"count": len(at.rising), **{k: worst[k] for k in ("kind", "frequency", "growth")}}
+
+
+class Undamped(Doubt):
+    """Some motions neither grow nor decay."""
+
+    about = (Reduction,)
+    sentence = "undamped motions of constant amplitude: {count}"
+    remedy = "Give `material.damping`, mud or friction."
+
+    def look(self, at: Reduction) -> Values:
+        if at.constant:
+            yield {"count": at.constant}
+
+
+class ConstantOutput(Doubt):
+    """An output does not depend on any of the inputs."""
+
+    about = (Reduction,)
+    sentence = "{output} does not depend on the inputs: its rows of C and D are zero"
+    remedy = "Leave the output out, or add the input that moves it."
+
+    def look(self, at: Reduction) -> Values:
+        for output in at.apart:
+            yield {"output": output}
+
+
+class FollowsRate(Doubt):
+    """An output follows the rate of an input, which the matrix F contains."""
+
+    about = (Reduction,)
+    weight = "remark"
+    sentence = "{output} also follows the rate of {input}: y = C x + D u + F u'"
+    remedy = "Use F beside C and D."
+
+    def look(self, at: Reduction) -> Values:
+        for output, given in at.follows:
+            yield {"output": output, "input": given}
+
+
+class VaryingInput(Doubt):
+    """An input of the case varies over time, and the linear model holds for its value at time 0."""
+
+    about = (Linear,)
+    weight = "remark"
+    sentence = "{key} varies over time: the state uses its value at time 0, {value:g}"
+    remedy = "Give the value about which the model is to be linearised as a constant."
+
+    def look(self, at: Linear) -> Values:
+        for key, value in at.varying:
+            yield {"key": key, "value": value}
+
+
+def _closed(at: Linear) -> dict[str, Any] | None:
+    friction = (
+        "friction is linearised at the present sliding speed" if at.moves else "without friction at rest"
+    )
+    return {"closed": at.closed, "friction": friction} if at.closed else None
+
+
+remark(
+    Linear,
+    "the controller in Python is left out: its torque stays constant",
+    lambda at: any(getattr(q, "kind", "") == "python" for q in getattr(at.case.top, "control", ())),
+)
+remark(
+    Linear,
+    "{closed} contacts with the wall are closed and act as springs; open contacts stay open; {friction}",
+    _closed,
+)
+remark(Linear, "all contacts with the wall are open and stay open", lambda at: at.closed == 0)
+remark(
+    Linear,
+    "the bit stays on the bottom, and its law is linearised at the present speed",
+    lambda at: at.on_bottom is True,
+)
+remark(
+    Linear,
+    "the bit is off the bottom and stays there, without rock or bit law",
+    lambda at: at.on_bottom is False,
+)
+remark(
+    Linear,
+    "a bent or eccentric string that rotates is linearised at one angle of rotation",
+    lambda at: at.turns and at.case.string and at.model.contact is not None,
+)
+remark(
+    Reduction,
+    "--order {order}: the whole model has {states} states, and all are kept",
+    lambda at: at.order is not None and at.states <= at.order and {"order": at.order, "states": at.states},
 )

@@ -64,7 +64,6 @@ from drillpetsc.solvers.linear.quadratic_eigenproblem import (
     eigenvalues_near,
     lowest_eigenvalues,
 )
-from drillpetsc.unit_systems import shown
 
 STATES = ("steady", "rest")
 FREE_SPIN = 1e3  # spin over way above which a vector of a root zero turns freely [rad/m]
@@ -72,7 +71,6 @@ ZERO_FRACTION = 1e-3  # eigenvalues below this fraction of the reference rate ar
 PAYING = 1e-3  # share of the pay-out in the shape of a free drum, over the share in any other mode about zero
 #: weights of the fluid's rows [per m3/s] and [per Pa] (kernels/fluid/flow.hpp)
 ROW_WEIGHT = {"pressure": 1e6, "flow": 1e-2}
-REPORTED_IMBALANCE = 1.0  # unbalanced force above which a note is shown [N]
 LATERAL = 1e-6  # share of lateral motion from which the mud's force across the hole matters
 SHAPE_PRESSURE = 1e5  # largest pressure in the shape of a mode of the fluid [Pa]
 
@@ -396,7 +394,14 @@ def run_modes(
 
 def moment_of(model: DrillingModel, found: Modes) -> Modal:
     """What there is to doubt about modes."""
-    return Modal(model=model, frequency=found.frequency, kind=found.kind, grows=found.grows, kept=found.kept)
+    return Modal(
+        model=model,
+        frequency=found.frequency,
+        kind=found.kind,
+        grows=found.grows,
+        kept=found.kept,
+        imbalance=found.imbalance,
+    )
 
 
 def _summary(model: DrillingModel, found: Modes, state: StaticState, searched: str) -> ModesSummary:
@@ -512,10 +517,6 @@ def _lines(case: Case, folder: RunFolder, found: Modes, summary: dict[str, Any])
     lines.append(
         f"  {stability}; largest growth {found.margin:.4g} 1/s, smallest |s| {found.smallest:.4g} 1/s"
     )
-    if found.imbalance > REPORTED_IMBALANCE:
-        lines.append(
-            f"  note: unbalanced forces up to {shown(found.imbalance, 'force', case.output.units or 'metric', 3)} remain: the state is not exactly steady"
-        )
     lines += [f"  {line}" for line in summary["time_scales"]]
     if found.stokes_number is not None:
         known = found.stokes_number[np.isfinite(found.stokes_number)]
