@@ -118,6 +118,17 @@ class Solved(Moment):
     singular: bool = False
 
 
+@dataclass(frozen=True, kw_only=True)
+class Freed(Moment):
+    """A string with a weight on bit is let go by statics, and its top pulls with a given force (all commands).
+
+    force: of the top at time 0 [N]; hook_load: of the equilibrium [N].
+    """
+
+    force: float
+    hook_load: float
+
+
 class Answer(Rest):
     """A static state is the result (statics, limits)."""
 

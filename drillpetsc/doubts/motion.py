@@ -9,7 +9,7 @@ import numpy as np
 
 from drillpetsc.case.blocks.top_drive import PythonController
 from drillpetsc.doubts.doubt import Doubt
-from drillpetsc.doubts.moments import Built, End, Moment, Start, Tuned
+from drillpetsc.doubts.moments import Built, End, Freed, Moment, Start, Tuned
 from drillpetsc.model.drilling_model import is_quasi_static
 from drillpetsc.model.top.hoist import autodriller_of
 from drillpetsc.output.balances.energy_balance import GAINED
@@ -21,6 +21,7 @@ from drillpetsc.physics.top.top_drive import MotorDrive
 
 Values = Iterable[dict[str, Any]]
 
+TOLERATED_JUMP = 0.01  # of the hook load, at the start of a run with a top force and a given weight on bit
 RESOLVED_FRACTION = 0.3  # of an impact's duration: with longer steps BDF of order 2 gains or loses energy
 COARSE_SAMPLE = 0.1  # of the tuned period
 FREED_WEIGHT = 0.05  # change of the weight on bit over initial.wob from which it is reported
@@ -30,6 +31,18 @@ CREPT = 1e-3  # of the weight: friction below it holds nothing worth a message
 
 
 # ---------------------------------------------------------------------- start
+class TopPulls(Doubt):
+    """The force of the top differs from the hook load of the start, so the string moves at once."""
+
+    about = (Freed,)
+    sentence = "the top pulls with {force:force} from time 0 on, and with initial.wob the string hangs on {hook_load:force}: it starts to move"
+    remedy = "Give the top the hook load of the start, or leave out `initial.wob`."
+
+    def look(self, at: Freed) -> Values:
+        if abs(at.force - at.hook_load) > TOLERATED_JUMP * abs(at.hook_load):
+            yield {"force": at.force, "hook_load": at.hook_load}
+
+
 class StepsBeyondImpacts(Doubt):
     """Fixed steps are longer than impacts on the wall, so rebounds and their energy are wrong (manual: sec-contact-impact)."""
 

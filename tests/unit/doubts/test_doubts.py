@@ -69,8 +69,6 @@ OUTSIDE = {
     "analysis/loads/torque_drag/calibrate.py": 6,
     "analysis/loads/torque_drag/operations.py": 10,
     "analysis/loads/torque_drag/roadmap.py": 1,
-    "analysis/statics/find_equilibrium.py": 1,
-    "analysis/statics/motor_statics.py": 1,
     "output/indices.py": 2,
 }
 
