@@ -214,31 +214,15 @@ def run_surge(job: Job, plan: Trips) -> RunResult:
     notes: list[str] = []
     window = plan.window or case.window
     hole = open_hole(case, window)
-    flow = 0.0
-    if "pumping" in plan.pipes:
-        flow = default_flow(case, notes) if plan.flow is None else plan.flow
-        if not flow:
-            raise CaseError(
-                at="--flow", want="a flow rate for --pipe pumping", hint="the case has a pump_pressure"
-            )
+    flow = _pump_rate(case, plan, notes) if "pumping" in plan.pipes else 0.0
     top = whole_string(case).top
     notes += doubts_at(TripPlan(case, plan.pipes, ACCELERATION if plan.dynamic else None, hole, top))
     side = SIDE_SURGE if case.side_nozzles else ()
     quantities = (*SURGE, *side, *(DYNAMIC_SURGE if plan.dynamic else ()))
-    rows: list[SurgeRow] = []
     fastest: list[dict[str, Any]] = []
-    by_area: list[dict[str, Any]] = []
     with options_of(case):
         whole = _string_from_rig(case)
-        strings = [whole] if plan.bit_depths is None else [string_at(case, d) for d in plan.bit_depths]
-        for pipe in plan.pipes:
-            for string in strings:
-                trip = Tripping(case, string, pipe, hole, flow)  # type: ignore[arg-type]
-                for operation in plan.operations:
-                    found = [_row(trip, operation, speed) for speed in plan.speeds]
-                    rows += [_with_start(case, trip, row) for row in found] if plan.dynamic else found
-                    if pipe == "open":
-                        by_area.append(_by_area(trip, operation, max(plan.speeds), rows[-1]))
+        rows, by_area = _trips(case, plan, whole, hole, flow)
         if hole is not None:
             for string in _trip_depths(case, plan, whole):
                 fastest += _fastest(case, string, plan, hole, flow)
@@ -267,6 +251,34 @@ def run_surge(job: Job, plan: Trips) -> RunResult:
                 write_table(folder.path / TRIP_SPEED_TABLE, [q.column for q in MAX_TRIP_SPEED], table)
             write_summary(folder.summary, summary)
     return job.result(folder, summary, _lines(case, rows, summary))
+
+
+def _pump_rate(case: Case, plan: Trips, notes: list[str]) -> float:
+    """Flow rate of the pump while pumping [m3/s]; notes one that the case gives over time."""
+    flow = default_flow(case, notes) if plan.flow is None else plan.flow
+    if not flow:
+        raise CaseError(
+            at="--flow", want="a flow rate for --pipe pumping", hint="the case has a pump_pressure"
+        )
+    return flow
+
+
+def _trips(
+    case: Case, plan: Trips, whole: PlacedString, hole: OpenHole | None, flow: float
+) -> tuple[list[SurgeRow], list[dict[str, Any]]]:
+    """Rows of all trips, and for an open pipe the pressures with the flow shared by areas."""
+    rows: list[SurgeRow] = []
+    by_area: list[dict[str, Any]] = []
+    strings = [whole] if plan.bit_depths is None else [string_at(case, d) for d in plan.bit_depths]
+    for pipe in plan.pipes:
+        for string in strings:
+            trip = Tripping(case, string, pipe, hole, flow)  # type: ignore[arg-type]
+            for operation in plan.operations:
+                found = [_row(trip, operation, speed) for speed in plan.speeds]
+                rows += [_with_start(case, trip, row) for row in found] if plan.dynamic else found
+                if pipe == "open":
+                    by_area.append(_by_area(trip, operation, max(plan.speeds), rows[-1]))
+    return rows, by_area
 
 
 def _check(case: Case, plan: Trips) -> None:
