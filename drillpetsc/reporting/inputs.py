@@ -14,7 +14,7 @@ from drillpetsc.case.case import Case
 from drillpetsc.case.importers.stations import dogleg, minimum_curvature_step
 from drillpetsc.case.pipe.section import tubular_section
 from drillpetsc.output.files.tables import Column
-from drillpetsc.plotting.run.well_views import Path, Piece, schematic, three_views
+from drillpetsc.plotting.run.well_views import Path, Piece, schematic, section_and_plan
 from drillpetsc.reporting.page import Grid, Section, drawn_title, facts, grid_of, picture
 from drillpetsc.reporting.units import number, texts
 from drillpetsc.time_function import Constant
@@ -49,7 +49,7 @@ def survey_table(case: Case) -> dict[str, np.ndarray]:
 
 
 def well_section(case: Case, system: System, title: str) -> Section:
-    """Hole sections, three views and the survey."""
+    """Hole sections, vertical section and plan, and the survey."""
     section = Section("well", "Well")
     if case.well is None:
         section.missing = "no well in this case"
@@ -82,7 +82,7 @@ def well_section(case: Case, system: System, title: str) -> Section:
     shoes = [s.to for s in case.well.sections if s.kind == "casing"]
     path = Path(md, table["north [m]"], table["east [m]"], table["tvd [m]"])
     words = f"{drawn_title(title)}: path of the well" + ("; casing shoes are marked" if shoes else "")
-    section.pictures.append(picture(three_views(path, shoes, words), words, "survey of the case"))
+    section.pictures.append(picture(section_and_plan(path, shoes, words), words, "survey of the case"))
     section.grids.append(
         grid_of(
             table,

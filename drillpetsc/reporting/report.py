@@ -25,6 +25,7 @@ from drillpetsc.output.files.run_folder import SWEEP_TABLE, WELLS_TABLE
 from drillpetsc.output.files.tables import read_titles, split_name
 from drillpetsc.output.shown_units import lengths_shown
 from drillpetsc.plotting import style
+from drillpetsc.reporting.answer import answer
 from drillpetsc.reporting.inputs import mud_section, rig_rows, string_section, well_section
 from drillpetsc.reporting.page import MIXED, Grid, Section, pictures_that_zoom
 from drillpetsc.reporting.results import KINDS, NOTE, Run, result_sections, solver_section, warnings_of
@@ -150,6 +151,7 @@ def html(source: Source, system: System, wanted: Sequence[str], interactive: boo
         title=title,
         version=__version__,
         head=_head(source, system),
+        answer=answer(source.runs, case, system),
         warnings=_said(source, system, False),
         notes=_said(source, system, True),
         agreed=AGREED,

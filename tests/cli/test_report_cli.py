@@ -14,8 +14,12 @@ from xml.etree import ElementTree
 import numpy as np
 import pytest
 
+from drillpetsc.case import load_case
 from drillpetsc.cli import main
+from drillpetsc.output.files.tables import read_table
 from drillpetsc.output.shown_units import lengths_shown
+from drillpetsc.reporting.answer import answer, checks
+from drillpetsc.reporting.results import Run
 from drillpetsc.reporting.units import in_units, texts, unit_of
 
 CASE = """
@@ -333,3 +337,83 @@ def test_a_wrong_interval_of_view(runs: Path, words: list[str], capsys: pytest.C
 )
 def test_lengths_in_texts_have_the_units_of_the_page(text: str, field: str) -> None:
     assert lengths_shown(text, "field") == field and lengths_shown(text, "metric") == text
+
+
+def test_the_box_compares_with_the_limits_of_rig_string_and_hole(tmp_path: Path) -> None:
+    """Each figure is the worst of its table; its word follows the limits of the case: exceeded, close, within, none given."""
+    rig = "rig: {block_weight: 10 klb, max_hookload: HOOK klbf, max_surface_torque: 60 kft-lbf}\n"
+    extra = (
+        MUD + "roadmap: {operations: [pickup, drilling], bit_depth: [900, 1801], trip_speed: 100 ft/min}\n"
+    )
+    text = re.sub(r"rig: .*\n", "", CASE) + extra
+    pipe = "{kind: drill_pipe, name: drill pipe, length: 1800, pipe: 5in 19.50 S-135 NC50 premium}"
+    text = re.sub(r"- {kind: pipe.*", f"- {pipe}", text)
+    (tmp_path / "case.yaml").write_text(rig.replace("HOOK", "900") + text)
+    for command in ("roadmap", "limits", "hydraulics"):
+        assert main([command, str(tmp_path / "case.yaml"), "--out", str(tmp_path / command)]) == 0
+    surge = ["--speeds", "60", "--window", "9.5,11", "--out", str(tmp_path / "surge")]
+    assert main(["surge", str(tmp_path / "case.yaml"), *surge]) == 0
+    runs = [Run.open(tmp_path / name) for name in ("roadmap", "limits", "hydraulics", "surge")]
+    table = read_table(tmp_path / "roadmap" / "roadmap.csv")
+    heaviest = float(table["hook_load_total [N]"].max())
+    for hook, state in (
+        ("900", "within"),
+        (f"{heaviest * FACTOR / 0.95:.6g}", "close"),
+        (f"{heaviest * FACTOR * 0.99:.6g}", "exceeded"),
+    ):
+        (tmp_path / "case.yaml").write_text(rig.replace("HOOK", hook) + text)
+        case = load_case(tmp_path / "case.yaml")
+        found = {check.name: check for check in checks(runs, case)}
+        assert (found["Hook load"].value, found["Hook load"].state) == (heaviest, state)
+        assert found["Hook load"].margin == pytest.approx(float(hook) / FACTOR - heaviest)
+        shown = answer(runs, case, "field")
+        assert shown is not None
+        if state != "within":
+            assert shown.rows[0][0] == "Hook load" and "Hook load" in shown.sentence
+            assert "friction factors" in shown.rows[0][5] and " ft" in shown.rows[0][5]
+    torque, twisted = found["Surface torque"], float(table["surface_torque [N m]"].max())
+    assert torque.value == twisted and torque.share == pytest.approx(twisted / (60e3 * 1.3558179483314004))
+    weakest = runs[1].summary["weakest"]["safety_factor"]
+    assert found["Safety factor against yield"].share == pytest.approx(1.25 / weakest["value"])
+    assert found["Pump pressure"].state == "not compared" and found["Pump pressure"].missing == "rig.max_spp"
+    # the fastest trips of surge are those within its window; the plan is the roadmap's
+    fastest = min(
+        row["max_trip_speed"] for row in runs[3].summary["max_trip_speed"] if row["operation"] == "trip_out"
+    )
+    pulled = found["Trip speed, pulling out"]
+    assert pulled.limit == fastest and pulled.value == pytest.approx(100 * 0.3048 / 60)
+    assert pulled.state == ("exceeded" if pulled.value > fastest else pulled.state)
+    page = tmp_path / "page.html"
+    assert (
+        main(
+            [
+                "report",
+                str(tmp_path / "case.yaml"),
+                *[str(run.folder.path) for run in runs],
+                "--out",
+                str(page),
+            ]
+        )
+        == 0
+    )
+    assert "Limit exceeded: Hook load" in Page(page.read_text(encoding="utf-8")).words
+
+
+def test_ecd_is_compared_within_the_window_of_the_open_hole(tmp_path: Path) -> None:
+    """The share of the window is 0 at pore and 1 at fracture pressure, the worst of all depths below the shoe."""
+    window = "window: {tvd: [400, 1600], pore: [9.5, 9.8], frac: [FRAC, FRAC]}\n"
+    states = {}
+    for frac in (11.5, 10.2):
+        (tmp_path / "case.yaml").write_text(CASE + MUD + window.replace("FRAC", str(frac)))
+        out = tmp_path / f"flow{frac}"
+        assert main(["hydraulics", str(tmp_path / "case.yaml"), "--out", str(out)]) == 0
+        found = {c.name: c for c in checks([Run.open(out)], load_case(tmp_path / "case.yaml"))}
+        table, ppg, ft = read_table(out / "pressure_profile.csv"), 0.45359237 / 3.785411784e-3, 0.3048
+        below = (table["md [m]"] >= 500 * ft - 1e-6) & np.isfinite(table["ecd [kg/m3]"])
+        ecd, tvd = table["ecd [kg/m3]"][below] / ppg, table["tvd [m]"][below] / ft
+        pore = np.interp(tvd, [400, 1600], [9.5, 9.8])
+        place = (ecd - pore) / (frac - pore)
+        assert found["ECD below fracture gradient"].share == pytest.approx(place.max(), rel=1e-6)
+        assert found["ECD above pore pressure"].share == pytest.approx(1 - place.min(), rel=1e-6)
+        states[frac] = found["ECD below fracture gradient"].state
+    assert states == {11.5: "within", 10.2: "exceeded"}

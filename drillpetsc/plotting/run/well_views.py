@@ -1,4 +1,4 @@
-"""Pictures of a well and its string from the data of a case: three views of the path, and the string to scale."""
+"""Pictures of a well and its string from the data of a case: section and plan of the path, and the string to scale."""
 
 from __future__ import annotations
 
@@ -42,34 +42,53 @@ class Piece:
     bore: float = 0.0
 
 
-def three_views(path: Path, shoes: Sequence[float], title: str) -> Any:
-    """The path seen from the south, from the west and from above, each true to scale.
+def section_and_plan(path: Path, shoes: Sequence[float], title: str) -> Any:
+    """The vertical section in the plane through the well head and the farthest point of the well, and the plan; both true to scale.
 
     shoes: measured depths of casing shoes [m]
     """
     size, unit = style.depth_unit()
     north, east, down = (values / size for values in (path.north, path.east, path.tvd))
-    at = [[np.interp(shoe, path.md, values) for values in (north, east, down)] for shoe in shoes]
-    drawing = style.figure(11.0, 4.9, dpi=110)
+    farthest = int(np.hypot(north - north[0], east - east[0]).argmax())
+    azimuth = float(np.arctan2(east[farthest] - east[0], north[farthest] - north[0]))
+    along = (north - north[0]) * np.cos(azimuth) + (east - east[0]) * np.sin(azimuth)
+    shown = round(float(np.degrees(azimuth))) % 360
+    drawing = style.figure(11.0, 5.6, dpi=110)
     top = style.heading(drawing, title)
     reach = max(float(np.ptp(values)) for values in (north, east, down)) or 1.0
     views = (
-        ("from the south", east, down, "east", "true vertical depth", 1, 2),
-        ("from the west", north, down, "north", "true vertical depth", 0, 2),
-        ("from above", east, north, "east", "north", 1, 0),
+        (
+            f"vertical section along {shown} deg",
+            along,
+            down,
+            "distance from the well head in this plane",
+            "true vertical depth",
+        ),
+        ("plan", east, north, "east", "north"),
     )
-    for axes, (name, x, y, across, along, i, j) in zip(drawing.subplots(1, 3), views, strict=True):
+    for axes, (name, x, y, across, upward) in zip(drawing.subplots(1, 2), views, strict=True):
+        plan = y is north
         axes.plot(x, y, color=LINE_COLORS[0], linewidth=1.8)
+        if plan:  # the plane of the section
+            ends = np.array([0.0, along[farthest]])
+            axes.plot(
+                east[0] + ends * np.sin(azimuth),
+                north[0] + ends * np.cos(azimuth),
+                color="0.6",
+                linewidth=0.8,
+                linestyle="--",
+            )
         axes.plot(x[0], y[0], "o", color="black", markersize=4)
-        for shoe in at:
-            axes.plot(shoe[i], shoe[j], marker=7 if j == 2 else "s", color=CASING, markersize=6)
-        half = 0.54 * (max(float(np.ptp(x)), float(np.ptp(y))) if j == 0 else reach)
+        for shoe in shoes:
+            at = [np.interp(shoe, path.md, values) for values in (x, y)]
+            axes.plot(*at, marker="s" if plan else 7, color=CASING, markersize=6)
+        half = 0.54 * (max(float(np.ptp(x)), float(np.ptp(y))) if plan else reach)
         half = max(half, 0.02 * reach)
         middle = 0.5 * (x.max() + x.min()), 0.5 * (y.max() + y.min())
         axes.set(xlim=(middle[0] - half, middle[0] + half), ylim=(middle[1] - half, middle[1] + half))
-        if j == 2:
+        if not plan:
             axes.invert_yaxis()
-        axes.set(title=name, xlabel=f"{across} [{unit}]", ylabel=f"{along} [{unit}]")
+        axes.set(title=name, xlabel=f"{across} [{unit}]", ylabel=f"{upward} [{unit}]")
         axes.set_aspect("equal")
         axes.locator_params(nbins=5)
     drawing.tight_layout(rect=(0, 0, 1, top))
