@@ -52,8 +52,8 @@ class BandOfTheory(Doubt):
 
     about = (StaticAnswer,)
     sentence = (
-        "the {what} is one of a band: by theory it may lie between {low:force} and {high:force}, as the pipe coils at 1.83 or at 1.41 "
-        "times the load at which it snakes, or has a history between{other}"
+        "the {what} is not unique: by theory it lies between {low:force} and {high:force}, depending on whether the pipe becomes helical "
+        "at 1.83 or at 1.41 times the sinusoidal buckling load{other}"
     )
     remedy = "Plan with the unfavourable end of the band."
 
@@ -70,8 +70,8 @@ class HoistedWithWeight(Doubt):
 
     about = (StaticAnswer,)
     sentence = (
-        "the bit bears initial.wob, {wob:force}, while friction is that of a string that is hoisted; the pick-up load off bottom is "
-        "that of the case without initial.wob"
+        "the bit bears initial.wob, {wob:force}, while friction acts as in hoisting; for the pick-up load off bottom leave out "
+        "initial.wob"
     )
     remedy = "Leave out `initial.wob`, or use `--operation trip_out`."
 

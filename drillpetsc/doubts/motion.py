@@ -64,8 +64,8 @@ class FreedWeight(Doubt):
 
     about = (Start,)
     sentence = (
-        "initial.wob, {given:force}, is that of a string which slides at time 0: when it turns, rotation frees its friction and the "
-        "bit carries about {weight:force 2}, until it is drilled off; with top.rotation at time 0 the weight is met while turning"
+        "the string slides at time 0 with initial.wob, {given:force}. When it turns later, rotation frees its friction and the bit carries "
+        "about {weight:force 2} until it is drilled off; with top.rotation at time 0 the weight is met while turning"
     )
     remedy = "Turn the string at time 0 to meet `initial.wob` while turning."
 

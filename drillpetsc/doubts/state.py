@@ -35,9 +35,8 @@ class MudAboveTop(Doubt):
 
     about = (Answer, Start)
     sentence = (
-        "the string's top stands in mud, {depth:length} below the flow line: the hook load is the force on the string there, without "
-        "the mud's push on its upper face, {push:force}; a rig above sees this force, that push{both}, and the buoyed weight of "
-        "what carries the string"
+        "the string's top stands in mud, {depth:length} below the flow line. The hook load is the force on the string there, without the "
+        "mud's push on its upper face, {push:force}. A rig sees both{both}, and the buoyed weight of what carries the string"
     )
     remedy = "To compare with a rig, add the push and the buoyed weight of the running string, or model it as an item."
 

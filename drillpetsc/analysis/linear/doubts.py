@@ -159,7 +159,7 @@ class GrowthOfMesh(Doubt):
     about = (Modal,)
     sentence = (
         "{count} of the growing modes, from {frequency:.4g} Hz, have {waves} waves shorter than {few:g} elements of {length:length 3}: "
-        "their growth may come from the mesh; it is one of the model where it stays with element_length below {enough:length 2}"
+        "their growth may come from the mesh. It is real if it remains with element_length below {enough:length 2}"
     )
     remedy = "Repeat with the shorter `element_length` of the message."
 
@@ -195,9 +195,9 @@ class FedBySwirl(Doubt):
 
     about = (Modal,)
     sentence = (
-        "forward whirls that grow: {count}; the mud swirls with the string at up to {fastest:.3g} Hz and feeds whirls that are slower; "
-        "campbell finds the rotary speed from which on, and --set fluid.swirl=NUMBER what hangs on the swirl (by default 0.26 of the "
-        "spin about 5 in pipe in 8 1/2 in hole; rough walls and turbulence halve it)"
+        "{count} forward whirls grow: the mud swirls with the string at up to {fastest:.3g} Hz and feeds slower whirls. campbell finds the "
+        "rotary speed at which this begins; --set fluid.swirl=NUMBER shows how it depends on the swirl (0.26 of the spin by default about "
+        "5 in pipe in 8 1/2 in hole; rough walls and turbulence halve it)"
     )
     remedy = "Compare with a smaller `fluid.swirl`."
 

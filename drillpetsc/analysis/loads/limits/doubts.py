@@ -137,7 +137,7 @@ class Bursts(_Passed):
     """The pressure inside exceeds the burst pressure of the pipe."""
 
     column = "burst_ratio"
-    sentence = "inside pressure {value:.3g} times that of burst at MD {md:length 5} ({item})"
+    sentence = "inside pressure {value:.3g} times the burst pressure at MD {md:length 5} ({item})"
     remedy = "Use pipe of a higher grade or a thicker wall, or pump less."
 
 
@@ -145,7 +145,7 @@ class Collapses(_Passed):
     """The pressure outside exceeds the collapse pressure of the pipe."""
 
     column = "collapse_ratio"
-    sentence = "outside pressure {value:.3g} times that of collapse at MD {md:length 5} ({item})"
+    sentence = "outside pressure {value:.3g} times the collapse pressure at MD {md:length 5} ({item})"
     remedy = "Fill the pipe, or use a thicker wall."
 
 
@@ -211,7 +211,7 @@ class FreeCompression(Doubt):
     """The string is in compression where no wall holds it, so that there is no buckling limit to compare with."""
 
     about = (Judged,)
-    sentence = "the string is in compression where no wall holds it: no buckling limit there"
+    sentence = "the string is in compression outside the hole, where no buckling limit applies"
     remedy = (
         "Keep the string above the rotary table in tension, or describe its guide as a section of the well."
     )
@@ -275,10 +275,10 @@ remark(
 remark(Judged, "permissible dogleg of {names} by the rule of grade S", _as_s)
 remark(Judged, "no drill pipe: no permissible doglegs", lambda at: not at.drill_pipe)
 remark(Judged, "no mud: no pressures and no buoyancy", lambda at: at.model.fluid is None)
-remark(Judged, "pressures are those of still mud", lambda at: _pumped(at) == 0.0)
+remark(Judged, "pressures are computed for still mud", lambda at: _pumped(at) == 0.0)
 remark(
     Judged,
-    "pressures are those of {flow:flow}, in the margin of overpull, too; beside it that of still mud",
+    "pressures are computed for {flow:flow}, also in the margin of overpull; beside it stands the margin in still mud",
     lambda at: _pumped(at) and {"flow": _pumped(at)},
 )
 remark(Judged, "clearance of the buckling limits: from {which}", _clearance)
@@ -290,12 +290,12 @@ remark(
 )
 remark(
     Judged,
-    "torque limits are those of the tube; of the connections only the make-up torque of tool joints is compared",
+    "torque limits hold for the tube; of the connections only the make-up torque of tool joints is compared",
     lambda at: len(_loose(at)) < len(at.jointed),
 )
 remark(
     Judged,
-    "connections are not checked: torque limits are those of the tube",
+    "connections are not checked: torque limits hold for the tube",
     lambda at: len(_loose(at)) == len(at.jointed),
 )
 remark(
@@ -320,6 +320,6 @@ remark(
 )
 remark(
     Judged,
-    "margin of overpull, max_wob, max_slackoff and available_wob are those of the soft string",
+    "margin of overpull, max_wob, max_slackoff and available_wob are computed with the soft string",
     lambda at: at.soft,
 )
