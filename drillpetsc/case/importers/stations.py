@@ -338,6 +338,39 @@ def minimum_curvature_step(
     return step * north, step * east, step * down
 
 
+def cut_stations(
+    md: Sequence[float], inclination: Sequence[float], azimuth: Sequence[float], depth: float
+) -> tuple[tuple[float, ...], tuple[float, ...], tuple[float, ...]]:
+    """Stations down to a measured depth [m], the last one on the arc between the stations around it (minimum curvature).
+
+    md [m], inclination, azimuth [rad] of the stations. Directions on an arc are u = (sin((1 - f) D) u1 + sin(f D) u2)/sin D,
+    with the angle D between the stations' and the share f of the length.
+    """
+    last = next(i for i, value in enumerate(md) if value >= depth - SAME_DEPTH)
+    if abs(md[last] - depth) <= SAME_DEPTH:
+        return (*md[:last], depth), tuple(inclination[: last + 1]), tuple(azimuth[: last + 1])
+    share = (depth - md[last - 1]) / (md[last] - md[last - 1])
+    angle = dogleg(inclination[last - 1], azimuth[last - 1], inclination[last], azimuth[last])
+    a, b = 1 - share, share
+    if angle > 1e-6:
+        a, b = math.sin((1 - share) * angle) / math.sin(angle), math.sin(share * angle) / math.sin(angle)
+    north, east, down = (
+        a * part(last - 1) + b * part(last)
+        for part in (
+            lambda i: math.sin(inclination[i]) * math.cos(azimuth[i]),
+            lambda i: math.sin(inclination[i]) * math.sin(azimuth[i]),
+            lambda i: math.cos(inclination[i]),
+        )
+    )
+    across = math.hypot(north, east)
+    turned = math.atan2(east, north) if across > 1e-9 else azimuth[last]
+    return (
+        (*md[:last], depth),
+        (*inclination[:last], math.atan2(across, down)),
+        (*azimuth[:last], turned),
+    )
+
+
 def _positions(
     table: Table,
     numbers: list[int],

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from drillpetsc.case.importers.components import Component, Kind, Piece, item_of, narrowest
+from drillpetsc.case.importers.components import Component, Kind, Piece, items_of, narrowest
 from drillpetsc.case.importers.stations import number_of
 from drillpetsc.case.importers.table import Table
 from drillpetsc.case.importers.xml_tree import Element, first_element, read_xml
@@ -149,16 +149,21 @@ def _string(tubular: Element, file: Path, out: Imported) -> None:
             file=file,
             line=component.line,
         )
-    for component in reversed(components):
-        out.string.append(_item(component, file, out.remarks))
+    out.string += items_of([_component(component, file) for component in reversed(components)], out.remarks)
+    out.remarks += [f"{_name(q)}: its bend is left out" for q in components if q.first("bend") is not None]
 
 
 def _is_bit(component: Element) -> bool:
     return component.word("typeTubularComp").casefold().startswith("bit")
 
 
-def _item(component: Element, file: Path, remarks: list[str]) -> dict[str, Any]:
-    """The item of a component."""
+def _name(component: Element) -> str:
+    name = component.word("name") or component.word("description") or component.word("typeTubularComp")
+    return (name or "unknown")[:60]
+
+
+def _component(component: Element, file: Path) -> Component:
+    """The component in SI."""
     kind = component.word("typeTubularComp") or "unknown"
     words = kind.casefold()
 
@@ -167,31 +172,24 @@ def _item(component: Element, file: Path, remarks: list[str]) -> dict[str, Any]:
 
     bit = _is_bit(component)
     od = (size("odMx") or size("od")) if bit else (size("od") or size("odMx"))
-    name = component.word("name") or component.word("description") or kind
-    item = item_of(
-        Component(
-            kind="bit" if bit else _kind(words),
-            words=kind,
-            name=name[:60],
-            length=size("len"),
-            od=od,
-            bore=size("id") or 0.0,
-            weight=size("wtPerLen", unit="kg/m"),
-            blade=size("stabilizer", "odBladeMx") or size("odMx"),
-            bit_od=size("bitRecord", "diaBit"),
-            nozzle_area=_nozzles(component, file) if bit else None,
-            tool_joint=_tool_joint(component, file, od) if "drill pipe" in words and od else None,
-            nonmagnetic="non-mag" in words or "nonmag" in words,
-            tube="casing" in words or "tubing" in words,
-            keys=KEYS,
-            file=file,
-            line=component.line,
-        ),
-        remarks,
+    return Component(
+        kind="bit" if bit else _kind(words),
+        words=kind,
+        name=_name(component),
+        length=size("len"),
+        od=od,
+        bore=size("id") or 0.0,
+        weight=size("wtPerLen", unit="kg/m"),
+        blade=size("stabilizer", "odBladeMx") or size("odMx"),
+        bit_od=size("bitRecord", "diaBit"),
+        nozzle_area=_nozzles(component, file) if bit else None,
+        tool_joint=_tool_joint(component, file, od) if "drill pipe" in words and od else None,
+        nonmagnetic="non-mag" in words or "nonmag" in words,
+        tube="casing" in words or "tubing" in words,
+        keys=KEYS,
+        file=file,
+        line=component.line,
     )
-    if component.first("bend") is not None:
-        remarks.append(f"{name[:60]}: its bend is left out")
-    return item
 
 
 def _kind(words: str) -> Kind:

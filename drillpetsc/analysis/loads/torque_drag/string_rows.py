@@ -8,7 +8,7 @@ import numpy as np
 
 from drillpetsc.analysis.hydraulics.flow_model import string_at
 from drillpetsc.arrays import FloatArray
-from drillpetsc.case.blocks.items.string import Beam, Flexible, Item, Rigid, Stabilizer, Tube
+from drillpetsc.case.blocks.items.string import Beam, Flexible, Item, Rigid, Stabilizer, Tool, Tube
 from drillpetsc.case.blocks.items.tubulars import Jointed, Tubular
 from drillpetsc.case.case import Case
 from drillpetsc.case.checks.fit import misfit
@@ -197,6 +197,8 @@ def _of(case: Case, item: Item, middle: float) -> tuple[float, float, float, dic
         metal = area if item.annulus_od is None and item.bore_volume is None else item.outer_section - bore
         row |= {"axial_stiffness": m.young * area, "bending_stiffness": m.young * moment}
         row["torsional_stiffness"] = m.young / (1 + m.poisson) * moment
+        if isinstance(item, Tool):
+            row |= item.given_stiffness
     else:
         assert isinstance(item, Beam)
         per_length, bore = item.mass, np.pi / 4 * inner**2
