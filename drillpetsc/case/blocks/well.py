@@ -39,6 +39,10 @@ class SurveyFile(Block):
     file: str = Field(
         description="CSV and other text tables, xlsx (`well.xlsx#Sheet2`), LAS, WITSML trajectory; or a run folder"
     )
+    columns: dict[Literal["md", "inclination", "azimuth", "tvd", "ns", "ew", "dls"], str] | None = Field(
+        default=None,
+        description="titles of columns that the reader does not know: {md: MD_ft, inclination: Neigung, azimuth: Azimut}",
+    )
     tie_in: TieIn | None = Field(default=None, description="station above the first one of the file")
     allow_dogleg: bool = Field(default=False, strict=True, description="true: accept bends above 30 deg/30 m")
     north: Literal["grid", "true", "magnetic"] | None = Field(
@@ -168,6 +172,7 @@ def _survey(value: Any, read: ValidatorFunctionWrapHandler) -> Survey:
         units=BARE_NUMBERS.get(),
         tie_in=None if tie is None else (tie.md, tie.inclination, tie.azimuth),
         allow_dogleg=given.allow_dogleg,
+        columns=given.columns or {},  # type: ignore[arg-type]  # words of a Literal
     )
     try:
         found = read_survey(given.file, rules)
@@ -256,7 +261,7 @@ class Well(Block):
 
     survey: Annotated[Survey, WrapValidator(_survey, json_schema_input_type=str | SurveyFile | Survey)] = (
         Field(
-            description="stations md, inclination, azimuth; or the name of a file with these columns; or {file, tie_in, allow_dogleg, north, convergence, "
+            description="stations md, inclination, azimuth; or the name of a file with these columns; or {file, columns, tie_in, allow_dogleg, north, convergence, "
             "declination, azimuth_from} for such a file; or the folder of a run that drilled this hole"
         )
     )

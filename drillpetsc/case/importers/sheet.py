@@ -6,6 +6,7 @@ import io
 import math
 import warnings
 import zipfile
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -24,7 +25,7 @@ MAX_UNPACKED = 400_000_000  # bytes of the tables of a workbook
 INSTALL = "pip install 'drillpetsc[files]'"
 
 
-def table_of_sheet(file: Path, sheet: str = "") -> Table:
+def table_of_sheet(file: Path, sheet: str = "", given: Mapping[str, str] | None = None) -> Table:
     """The table of a sheet; without a name, of the only sheet that has a survey's columns."""
     try:
         import openpyxl
@@ -53,7 +54,7 @@ def table_of_sheet(file: Path, sheet: str = "") -> Table:
         found = [
             table
             for name in ([sheet] if sheet else names)
-            for table in [_table(file, _rows(book[name]))]
+            for table in [_table(file, _rows(book[name]), given)]
             if table
         ]
     except CaseError:
@@ -93,11 +94,11 @@ def _text(cell: Any) -> str:
     )
 
 
-def _table(file: Path, cells: list[list[Any]]) -> Table | None:
+def _table(file: Path, cells: list[list[Any]], given: Mapping[str, str] | None) -> Table | None:
     rows = [[_text(cell) for cell in row] for row in cells]
     remarks: list[str] = []
     for number, heads in enumerate(rows[:HEADER_ROWS], 1):
-        columns = columns_of([head[:200] for head in heads], file, number, remarks)
+        columns = columns_of([head[:200] for head in heads], file, number, remarks, given)
         if columns:
             break
     else:
