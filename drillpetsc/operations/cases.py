@@ -49,16 +49,16 @@ class Catalogue(Operation):
 
 
 class Import(Operation):
-    """Write a part of a case from a survey, WITSML documents or an EDM export: survey, string, hole."""
+    """Write a part of a case from a survey, a tally, WITSML documents or an EDM export: survey, string, hole."""
 
     files: Annotated[
         tuple[str, ...],
         Mark.ARGUMENT,
         "FILE",
-        "WITSML 1.4.1 trajectory, tubular, wbGeometry (.xml), an EDM export (.xml), or a survey in CSV, xlsx, LAS",
+        "WITSML 1.4.1 trajectory, tubular, wbGeometry (.xml), an EDM export (.xml), a tally in CSV or xlsx, or a survey in CSV, xlsx, LAS",
     ]
     wellbore: Annotated[str | None, "NAME", "the wellbore of an EDM export that has several"] = None
-    assembly: Annotated[str | None, "NAME", "the drill string of an EDM export that has several"] = None
+    assembly: Annotated[str | None, "NAME", "the string of an EDM export or a tally that has several"] = None
     hole: Annotated[
         str | None,
         "NAME",

@@ -15,6 +15,7 @@ from drillpetsc.case.blocks.items.tubulars import StringItem
 from drillpetsc.case.files.survey_file import read_survey
 from drillpetsc.case.importers.edm import Wanted, import_edm
 from drillpetsc.case.importers.stations import Rules
+from drillpetsc.case.importers.tally import import_tally, is_tally
 from drillpetsc.case.importers.witsml import EDM_ROOT, Imported, import_witsml, read_witsml
 from drillpetsc.case.importers.xml_tree import first_element
 from drillpetsc.case.messages import case_error
@@ -36,7 +37,7 @@ class Survey:
 def fragment(
     files: Sequence[str | Path], folder: Path, wanted: Wanted | None = None
 ) -> tuple[str, list[str]]:
-    """(YAML text, remarks) of survey files, WITSML documents and EDM exports.
+    """(YAML text, remarks) of survey files, tallies, WITSML documents and EDM exports.
 
     files: at most one of each kind: survey, tubular, geometry of the wellbore; an EDM export may have all three
     folder: of the case file, in which the survey is named relative to it
@@ -65,7 +66,7 @@ def fragment(
             ("--hole", wanted.hole),
         ):
             if value is not None:
-                raise CaseError(at=option, got=value, want="an EDM export among the files")
+                raise CaseError(at=option, got=value, want="an EDM export or a tally among the files")
     data: dict[str, Any] = {}
     titles = [content.title for _, content in found.values() if content.title]
     if titles:
@@ -96,7 +97,7 @@ def fragment(
 def _read(
     path: Path, folder: Path, wanted: Wanted
 ) -> tuple[list[tuple[str, Imported | Survey]], list[str], bool]:
-    """(kinds and contents, remarks, whether it is an EDM export) of a file."""
+    """(kinds and contents, remarks, whether it may have several strings) of a file."""
     if path.suffix.casefold() == ".xml":
         if first_element(path) == EDM_ROOT:
             content, survey, end = import_edm(path, wanted)
@@ -114,6 +115,10 @@ def _read(
             content = import_witsml(path)
             _check_items(path, content)
             return [("tubular" if kind == "tubular" else "geometry", content)], content.remarks, False
+    if is_tally(path):
+        content = import_tally(path, wanted.assembly)
+        _check_items(path, content)
+        return [("tubular", content)], content.remarks, True
     try:
         stations = read_survey(str(path), Rules())
     except CaseError:

@@ -27,26 +27,7 @@ INSTALL = "pip install 'drillpetsc[files]'"
 
 def table_of_sheet(file: Path, sheet: str = "", given: Mapping[str, str] | None = None) -> Table:
     """The table of a sheet; without a name, of the only sheet that has a survey's columns."""
-    try:
-        import openpyxl
-    except ImportError:
-        want = "a CSV file, unless the package openpyxl is installed"
-        raise CaseError(got=file.name, want=want, hint=INSTALL, file=file, line=1) from None
-    with file.open("rb") as opened:
-        raw = opened.read(MAX_BYTES + 1)
-    if len(raw) > MAX_BYTES:
-        raise CaseError(
-            got="a larger one", want=f"a file of at most {MAX_BYTES // 10**6} MB", file=file, line=1
-        )
-    try:
-        size = sum(part.file_size for part in zipfile.ZipFile(io.BytesIO(raw)).infolist())
-        if size > MAX_UNPACKED:
-            raise ValueError(f"{size // 10**6} MB once unpacked")
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore")
-            book = openpyxl.load_workbook(io.BytesIO(raw), read_only=True, data_only=True)
-    except Exception as error:  # of zipfile, xml and openpyxl
-        raise _unreadable(file, error) from None
+    book = _book(file)
     try:
         names = [name for name in book.sheetnames if hasattr(book[name], "iter_rows")]
         if sheet and sheet not in names:
@@ -70,6 +51,43 @@ def table_of_sheet(file: Path, sheet: str = "", given: Mapping[str, str] | None 
         want = f"the name of one sheet: {file.name}#{names[0]}"
         raise CaseError(at="sheet", got=f"{len(found)} sheets with a survey", want=want, file=file, line=1)
     return found[0]
+
+
+def _book(file: Path) -> Any:
+    """An open workbook; CaseError without openpyxl, and for a file that is none."""
+    try:
+        import openpyxl
+    except ImportError:
+        want = "a CSV file, unless the package openpyxl is installed"
+        raise CaseError(got=file.name, want=want, hint=INSTALL, file=file, line=1) from None
+    with file.open("rb") as opened:
+        raw = opened.read(MAX_BYTES + 1)
+    if len(raw) > MAX_BYTES:
+        raise CaseError(
+            got="a larger one", want=f"a file of at most {MAX_BYTES // 10**6} MB", file=file, line=1
+        )
+    try:
+        size = sum(part.file_size for part in zipfile.ZipFile(io.BytesIO(raw)).infolist())
+        if size > MAX_UNPACKED:
+            raise ValueError(f"{size // 10**6} MB once unpacked")
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            book = openpyxl.load_workbook(io.BytesIO(raw), read_only=True, data_only=True)
+    except Exception as error:  # of zipfile, xml and openpyxl
+        raise _unreadable(file, error) from None
+    return book
+
+
+def rows_of_sheets(file: Path) -> list[list[list[str]]]:
+    """Cells of each sheet as texts."""
+    book = _book(file)
+    try:
+        sheets = [book[name] for name in book.sheetnames if hasattr(book[name], "iter_rows")]
+        return [[[_text(cell) for cell in row] for row in _rows(sheet)] for sheet in sheets]
+    except Exception as error:  # of openpyxl: the sheets are read only now
+        raise _unreadable(file, error) from None
+    finally:
+        book.close()
 
 
 def _unreadable(file: Path, error: Exception) -> CaseError:
