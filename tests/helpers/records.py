@@ -1,4 +1,4 @@
-"""Measured records of public wells: not in the project, beside it in `../shared/data`, or where DRILLPETSC_DATA points."""
+"""Public records of rigs, which stay beside the project: tests that need them skip with that reason elsewhere."""
 
 from __future__ import annotations
 
@@ -7,12 +7,13 @@ from pathlib import Path
 
 import pytest
 
-FOLDER = Path(os.environ.get("DRILLPETSC_DATA") or Path(__file__).parents[2].parent / "shared" / "data")
+ROOT = Path(__file__).resolve().parents[2]
 
 
 def record(name: str) -> Path:
-    """A file of the records; skips the test without them."""
-    path = FOLDER / name
-    if not path.is_file():
-        pytest.skip(f"no record {name} in {FOLDER}: set DRILLPETSC_DATA")
+    """A file of the records, `volve-f5/measured-12in.csv`; skips the test where they are not at hand."""
+    given = os.environ.get("DRILLPETSC_DATA")
+    path = (Path(given) if given else ROOT.parent / "shared" / "data") / name
+    if not path.exists():
+        pytest.skip(f"needs the public record {name}: ../shared/data or DRILLPETSC_DATA")
     return path

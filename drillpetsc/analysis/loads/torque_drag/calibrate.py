@@ -16,6 +16,7 @@ from drillpetsc.analysis.loads.torque_drag.calibration import (
 )
 from drillpetsc.analysis.loads.torque_drag.left_out import bends_left_out, cutters_left_out
 from drillpetsc.analysis.loads.torque_drag.operations import KINDS, plan_of
+from drillpetsc.analysis.loads.torque_drag.reading import corrected_points
 from drillpetsc.analysis.motion.run_options import options_of
 from drillpetsc.case.blocks.roadmap import MeasuredPoint
 from drillpetsc.case.case import Case
@@ -46,6 +47,7 @@ def run_calibrate(
     points = plan.measured if points is None else points
     if not points:
         raise CaseError(at="--measured", want="a file of measured points, or roadmap.measured in the case")
+    points = corrected_points(case, points, plan.hookload_excludes_block)
     with options_of(case):
         work = Calibration(case, points, plan.hookload_excludes_block)
     if parameters is None:

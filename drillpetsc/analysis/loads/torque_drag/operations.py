@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from drillpetsc.analysis.loads.torque_drag.circulation import running_speed
 from drillpetsc.analysis.loads.torque_drag.string_rows import StringRows, rows_at
 from drillpetsc.arrays import FloatArray
 from drillpetsc.case.blocks.ends import BitBottom
@@ -65,7 +66,10 @@ def assumptions(case: Case, plan: Roadmap) -> list[str]:
     used = plan.operations
     if any(word.startswith("trip") for word in used) and "trip_speed" not in given:
         speed = shown(plan.trip_speed, "trip_speed", units)
-        notes.append(f"trip_speed {speed} assumed (without rotation it changes nothing)")
+        drags = case.rig is not None and case.rig.running_drag
+        notes.append(
+            f"trip_speed {speed} assumed" + ("" if drags else " (without rotation it changes nothing)")
+        )
     if {"rotate_off_bottom", "drilling"} & set(used):
         notes.append(rotation_note(case, plan))
     for word in ("drilling", "sliding"):
@@ -82,7 +86,12 @@ def assumptions(case: Case, plan: Roadmap) -> list[str]:
         notes.append(assumed(case, plan, "backreaming"))
     notes = [note for note in notes if note]
     if case.fluid is not None:
-        still = [word for word in used if not load_of(case, plan, word).flow]
+        loads = {word: load_of(case, plan, word) for word in used}
+        still = [
+            word
+            for word, load in loads.items()
+            if not load.flow and not running_speed(case, word, load.axial_velocity)
+        ]
         if still:
             notes.append(
                 f"the mud stands still in {', '.join(still)}: forces of the flow on the string are left out"

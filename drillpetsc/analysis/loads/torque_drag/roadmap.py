@@ -10,9 +10,10 @@ import numpy as np
 from petsc4py import PETSc
 
 from drillpetsc.analysis.loads.torque_drag.batch import Columns, Hole, soft_strings
-from drillpetsc.analysis.loads.torque_drag.circulation import Circulation, circulation
+from drillpetsc.analysis.loads.torque_drag.circulation import Circulation, circulation, running_speed
 from drillpetsc.analysis.loads.torque_drag.left_out import bends_left_out, cutters_left_out
 from drillpetsc.analysis.loads.torque_drag.measured import beside_curves, measured_lines, measured_warnings
+from drillpetsc.analysis.loads.torque_drag.measured_table import beside_points
 from drillpetsc.analysis.loads.torque_drag.operations import (
     MOST_ROWS,
     Load,
@@ -25,6 +26,7 @@ from drillpetsc.analysis.loads.torque_drag.operations import (
     strings_of,
     told,
 )
+from drillpetsc.analysis.loads.torque_drag.reading import DIRECTION, Sensor, corrected_points, sensor_of
 from drillpetsc.analysis.loads.torque_drag.string_rows import StringRows, gravity_of, need_well
 from drillpetsc.analysis.loads.torque_drag.table import OK, Pressures, failed, rows_of, still_mud
 from drillpetsc.analysis.loads.torque_drag.torque_lines import passed, torque_lines
@@ -34,9 +36,9 @@ from drillpetsc.case.case import Case
 from drillpetsc.errors import CaseError, SolveError
 from drillpetsc.geometry.well import Well
 from drillpetsc.output import write_summary, write_table
-from drillpetsc.output.files.run_folder import ROADMAP_FILE, ROADMAP_TABLE
+from drillpetsc.output.files.run_folder import MEASURED_TABLE, ROADMAP_FILE, ROADMAP_TABLE
 from drillpetsc.output.job import Job
-from drillpetsc.output.quantities.torque_drag import ROADMAP
+from drillpetsc.output.quantities.torque_drag import BESIDE, ROADMAP
 from drillpetsc.output.result import RunResult
 from drillpetsc.output.shown_units import lengths_shown, shown_unit
 from drillpetsc.unit_systems import System
@@ -76,7 +78,7 @@ def soft_rows(
     )
     hole = Hole(well, strings)
     mud = still_mud(hole, len(keys), densities_of(case), gravity_of(case, "roadmap"))
-    found = [flows.get((d, loads[o].flow)) for o, _, d in keys]
+    found = [flows.get((o, d)) for o, _, d in keys]
     if flows:
         columns, mud = _with_flow(hole, columns, mud, found)
     block = (case.rig.block_weight if case.rig is not None else None) or 0.0
@@ -100,18 +102,24 @@ def _rows_asked(
 
 def circulations(
     case: Case, strings: list[StringRows], loads: dict[str, Load]
-) -> dict[tuple[int, float], Circulation | SolveError]:
-    """Forces of the mud by string and flow rate [m3/s]; the error where there is no steady flow."""
-    out: dict[tuple[int, float], Circulation | SolveError] = {}
+) -> dict[tuple[str, int], Circulation | SolveError]:
+    """Forces of the mud by operation and string; the error where there is no steady flow."""
+    found: dict[tuple[int, float, float], Circulation | SolveError] = {}
+    out: dict[tuple[str, int], Circulation | SolveError] = {}
     for operation, load in loads.items():
+        speed = running_speed(case, operation, load.axial_velocity)
         for d, rows in enumerate(strings):
-            if load.flow and (d, load.flow) not in out and not rows.misfit:
+            if rows.misfit or not (load.flow or speed):
+                continue
+            key = d, load.flow, speed
+            if key not in found:
                 try:
                     given = getattr(getattr(plan_of(case), operation, None), "flow_rate", None)
                     at = "fluid.flow_rate" if given is None else f"roadmap.{operation}.flow_rate"
-                    out[d, load.flow] = circulation(case, rows.depth, load.flow, at)
+                    found[key] = circulation(case, rows.depth, load.flow, at, speed)
                 except SolveError as error:
-                    out[d, load.flow] = error
+                    found[key] = error
+            out[operation, d] = found[key]
     return out
 
 
@@ -145,7 +153,7 @@ def stiff_rows(
     flows = circulations(case, strings, loads)
     block = (case.rig.block_weight if case.rig is not None else None) or 0.0
     jobs = [
-        stiff.Job(strings[d], pairs[p], loads[o], block, densities_of(case), flows.get((d, loads[o].flow)))
+        stiff.Job(strings[d], pairs[p], loads[o], block, densities_of(case), flows.get((o, d)))
         for o, p, d in keys
     ]
     found = stiff.solve_jobs(case, well, jobs, comm)
@@ -212,14 +220,22 @@ def run_roadmap(
     if block is not None:
         for row in rows:
             row["hook_load_total"] = row["hook_load"] + block
-    points = plan.measured if measured is None else measured
+    excludes = plan.hookload_excludes_block
+    read = (plan.measured if measured is None else measured) or ()
+    points = corrected_points(case, read, excludes)
+    sensor = sensor_of(case)
+    if sensor != Sensor():
+        for row in rows:
+            total = row.get("hook_load_total", row["hook_load"])
+            row["hook_load_reading"] = total / sensor.factor(DIRECTION[row["operation"]])
     system: System = case.shown_units
     lines_of_torque = torque_lines(case, strings, rows)
     warnings = _warnings(case, rows, lines_of_torque, system)
-    excludes = plan.hookload_excludes_block
-    found = beside_curves(rows, points or (), 0.0 if excludes else (block or 0.0))
+    found = beside_curves(rows, points, 0.0 if excludes else (block or 0.0))
     end = None if case.well is None else float(case.well.survey.md[-1])
-    warnings += measured_warnings(found, points or (), end, block, excludes, system)
+    warnings += measured_warnings(found, points, end, block, excludes, system)
+    with options_of(case):
+        table = beside_points(case, read, points, pairs, excludes) if points else None
     folder = job.make_folder()
     summary = {
         "title": case.title,
@@ -231,9 +247,21 @@ def run_roadmap(
         "warnings": warnings,
         "notes": notes,
     }
+    if table is not None:
+        summary["measured"] = table.summary
     if comm.rank == 0:
         case.dump(folder.case)
-        absent = {"hook_load_total": block is None, "ff_groups": not pairs[0].groups}
+        if table is not None:
+            write_table(
+                folder.path / MEASURED_TABLE,
+                [q.column for q in BESIDE],
+                [[row[q.name] for row in table.rows] for q in BESIDE],
+            )
+        absent = {
+            "hook_load_total": block is None,
+            "hook_load_reading": sensor == Sensor(),
+            "ff_groups": not pairs[0].groups,
+        }
         quantities = [q for q in ROADMAP if not absent.get(q.name, False)]
         write_table(
             folder.path / ROADMAP_TABLE,
@@ -250,6 +278,7 @@ def run_roadmap(
     lines += [f"  {told(case, plan, word, system)}" for word in plan.operations]
     lines += _lines(rows, pairs, plan.operations, strings[-1].depth, system, block is not None)
     lines += measured_lines(found, system)
+    lines += table.lines(system) if table is not None else []
     if stiff:
         lines += _compared(stiff, len(rows))
     lines += [f"  WARNING: {w}" for w in warnings] + [f"  note: {lengths_shown(n, system)}" for n in notes]
@@ -261,7 +290,7 @@ def _inputs(
     well: Well,
     strings: list[StringRows],
     pairs: list[Pair],
-    points: tuple[MeasuredPoint, ...] | None,
+    points: tuple[MeasuredPoint, ...],
     block: float | None,
 ) -> dict[str, Any]:
     """Contents of roadmap.json: everything that the rows come from, and what pictures draw beside them."""
@@ -283,8 +312,7 @@ def _inputs(
         "max_surface_torque [N m]": None if rig is None else rig.max_surface_torque,
         "lines [m, N]": lines_of(case, well, strings),
         "measured": [
-            {key: value for key, value in point.model_dump().items() if value is not None}
-            for point in points or ()
+            {key: value for key, value in point.model_dump().items() if value is not None} for point in points
         ],
         "hookload_excludes_block": plan.hookload_excludes_block,
         "hole_grows": plan.hole_grows,
