@@ -17,13 +17,17 @@ if TYPE_CHECKING:
 class Check(CaseOperation):
     """Read and validate a case, and say what the model contains and leaves out."""
 
+    verbose: Annotated[
+        bool, "also element lengths, the source of each figure, numbers of unknowns, ranks and time scales"
+    ] = False
+
     def warn(self, case: Case) -> None:
         """Print nothing: the text has the warnings."""
 
     def compute(self, job: Any) -> Any:
         from drillpetsc.analysis.commands.check import describe
 
-        return describe(job.case)
+        return describe(job.case, self.verbose)
 
 
 class Catalogue(Operation):

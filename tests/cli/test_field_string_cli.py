@@ -84,3 +84,26 @@ def test_a_run_folder_has_the_sources(tmp_path: Path) -> None:
 def test_plain_pipe_lists_nothing() -> None:
     case = load_case(Path(__file__).parents[2] / "cases" / "vertical-2000m-dry.yaml")
     assert "figures of the string" not in describe(case)
+
+
+def test_check_says_its_verdict_first_and_briefly(capsys) -> None:
+    """The string sheet of Volve F-5 in at most 25 lines (contract A1); --verbose gives sources and element lengths."""
+    case = str(Path(__file__).parents[2] / "cases" / "measured" / "volve-f5" / "case.yaml")
+    assert cli.main(["check", case]) == 0
+    lines = capsys.readouterr().out.splitlines()
+    assert lines[0].endswith(": valid") and len(lines) <= 25
+    assert any("length 2265.49 m" in line for line in lines)  # of the pipe that fills the string
+    assert cli.main(["check", case, "--verbose"]) == 0
+    text = capsys.readouterr().out
+    assert "automatic element lengths" in text and "bit_depth, 2400 m, less the other items, 134.51 m" in text
+
+
+def test_check_counts_its_warnings_in_the_verdict(capsys, tmp_path: Path) -> None:
+    sheet = tmp_path / "swapped.yaml"
+    item = "{kind: pipe, length: 90 m, od: 127 mm, id: 108.6 mm, weight: 73 kg/m}"
+    sheet.write_text(f"units: metric\nstring:\n  - {item}\ntop: clamped\n")
+    assert cli.main(["check", str(sheet)]) == 0
+    lines = capsys.readouterr().out.splitlines()
+    assert lines[0] == "case: valid, 1 warning" and lines[1].startswith(
+        "  WARNING: string[0] pipe weighs 2.7 times"
+    )

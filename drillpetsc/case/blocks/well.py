@@ -16,7 +16,7 @@ from drillpetsc.case.importers.stations import Rules
 from drillpetsc.case.key_paths import refuse
 from drillpetsc.case.quantities import BARE_NUMBERS, InSI, Quantity, said
 
-DEFAULT_FRICTION = {"casing": 0.2, "open_hole": 0.3}
+DEFAULT_FRICTION = {"casing": 0.2, "riser": 0.2, "open_hole": 0.3}
 
 
 class TieIn(Block):
@@ -223,12 +223,14 @@ class Section(Block):
             "measured depth of the lower end; for the last section `end`, or nothing: the last station of the survey"
         )
     )
-    kind: Literal["casing", "open_hole"] = Field(description="cased or open hole")
+    kind: Literal["casing", "riser", "open_hole"] = Field(
+        description="cased hole, riser between rig and seabed, or open hole"
+    )
     diameter: Annotated[float, Quantity("m", above=0, at_most=10, kind="diameter")] = Field(
         description="inner diameter"
     )
     friction: Friction = derived_default(
-        "friction coefficient; 0.2 in casing, 0.3 in open hole when not given"
+        "friction coefficient; 0.2 in casing and riser, 0.3 in open hole when not given"
     )
     ff_group: str | None = Field(
         default=None,
@@ -266,7 +268,7 @@ class Well(Block):
         )
     )
     sections: tuple[Section, ...] = Field(
-        min_length=1, description="casing and open hole, from the surface down"
+        min_length=1, description="riser, casing and open hole, from the surface down"
     )
 
     @model_validator(mode="after")

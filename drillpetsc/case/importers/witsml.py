@@ -269,7 +269,8 @@ def _sections(geometry: Element, file: Path, out: Imported) -> None:
             want = "mdBottom below mdTop, idSection above 0"
             raise CaseError(at="wbGeometrySection", got=got, want=want, file=file, line=section.line)
         friction = number_of(section.word("factFric") or "x", "")
-        found.append(Piece(top, bottom, inner, "casing" if cased else "open_hole", friction))
+        kind = "riser" if "riser" in words else "casing" if cased else "open_hole"
+        found.append(Piece(top, bottom, inner, kind, friction))
     if not found:
         raise CaseError(
             at="wbGeometry", got="no wbGeometrySection", want="at least one", file=file, line=geometry.line

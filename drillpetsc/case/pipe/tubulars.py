@@ -190,7 +190,7 @@ class _Completion:
             given = set() if item.material is None else item.material.model_fields_set
             base = overlaid(base, NONMAGNETIC)
             for key, unit in (("density", "kg/m^3"), ("young", "Pa")):
-                if key not in given:
+                if key not in given and not (key == "density" and item.weight is not None):
                     self.note(
                         f"material.{key}", getattr(NONMAGNETIC, key), unit, "default of nonmagnetic collars"
                     )

@@ -42,17 +42,6 @@ class Circulation:
         return np.asarray(-np.diff(below) / np.diff(edges))
 
 
-def running_speed(case: Case, operation: str, axial_velocity: float) -> float:
-    """Speed of the string in its mud [m/s], positive down; 0 unless it is run or pulled and the case has rig.running_drag.
-
-    axial_velocity: positive up [m/s].
-    """
-    moved = (
-        operation in ("trip_in", "trip_out", "backreaming") and case.fluid is not None and case.has_annulus
-    )
-    return -axial_velocity if moved and case.rig is not None and case.rig.running_drag else 0.0
-
-
 def circulation(case: Case, depth: float, flow: float, at: str, speed: float = 0.0) -> Circulation:
     """Forces of the mud that a pump drives with ``flow`` [m3/s] through a string whose bit is at ``depth`` [m].
 

@@ -7,7 +7,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from drillpetsc.analysis.loads.torque_drag.circulation import running_speed
 from drillpetsc.analysis.loads.torque_drag.string_rows import StringRows, rows_at
 from drillpetsc.arrays import FloatArray
 from drillpetsc.case.blocks.ends import BitBottom
@@ -222,6 +221,17 @@ def load_of(case: Case, plan: Roadmap, operation: str) -> Load:
     return Load(
         wob, slide.tob, -1.0, 0.0, flow_of(case, slide.flow_rate)
     )  # all friction is axial, whatever the speed
+
+
+def running_speed(case: Case, operation: str, axial_velocity: float) -> float:
+    """Speed of the string in its mud [m/s], positive down; 0 unless it is run or pulled and the case has rig.running_drag.
+
+    axial_velocity: positive up [m/s].
+    """
+    moved = (
+        operation in ("trip_in", "trip_out", "backreaming") and case.fluid is not None and case.has_annulus
+    )
+    return -axial_velocity if moved and case.rig is not None and case.rig.running_drag else 0.0
 
 
 def groups_of(case: Case) -> np.ndarray:

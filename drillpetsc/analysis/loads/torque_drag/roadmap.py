@@ -10,7 +10,7 @@ import numpy as np
 from petsc4py import PETSc
 
 from drillpetsc.analysis.loads.torque_drag.batch import Columns, Hole, soft_strings
-from drillpetsc.analysis.loads.torque_drag.circulation import Circulation, circulation, running_speed
+from drillpetsc.analysis.loads.torque_drag.circulation import Circulation, circulation
 from drillpetsc.analysis.loads.torque_drag.left_out import bends_left_out, cutters_left_out
 from drillpetsc.analysis.loads.torque_drag.measured import beside_curves, measured_lines, measured_warnings
 from drillpetsc.analysis.loads.torque_drag.measured_table import beside_points
@@ -22,6 +22,7 @@ from drillpetsc.analysis.loads.torque_drag.operations import (
     load_of,
     pairs_of,
     plan_of,
+    running_speed,
     shoes_of,
     strings_of,
     told,
