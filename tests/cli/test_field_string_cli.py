@@ -9,6 +9,7 @@ from pathlib import Path
 
 import pytest
 
+import drillpetsc
 from drillpetsc import cli, statics
 from drillpetsc.analysis.commands.check import describe
 from drillpetsc.case import load_case
@@ -107,3 +108,21 @@ def test_check_counts_its_warnings_in_the_verdict(capsys, tmp_path: Path) -> Non
     assert lines[0] == "case: valid, 1 warning" and lines[1].startswith(
         "  WARNING: string[0] pipe weighs 2.7 times"
     )
+
+
+@pytest.mark.parametrize("command", ["hydraulics", "surge", "roadmap", "calibrate", "limits"])
+def test_every_command_writes_the_sources(command: str, tmp_path: Path) -> None:
+    """As the manual promises of case.resolved.yaml (*Files of a run folder*)."""
+    (tmp_path / "case.yaml").write_text(CASE)
+    fluid = {"density": "10 ppg", "flow_rate": "300 gpm", "rheology": {"pv": "15 cP", "yp": "12 lbf/100ft2"}}
+    points = [
+        {"bit_depth": "1000 ft", "operation": word, "hook_load": load}
+        for word, load in (("trip_out", "110 klbf"), ("trip_in", "100 klbf"))
+    ]
+    case = load_case(tmp_path / "case.yaml").replace(
+        {"fluid": fluid, "roadmap": {"bit_depth": ["1000 ft"], "measured": points}}
+    )
+    options = {"surge": {"speeds": "30 ft/min"}}.get(command, {})
+    folder = getattr(drillpetsc, command)(case, tmp_path / "run", **options).folder
+    assert "# from: catalogue tool_joint.csv line 23" in (folder / "case.resolved.yaml").read_text()
+    assert load_case(folder / "case.resolved.yaml") == load_case(folder / "case.yaml")

@@ -23,6 +23,7 @@ from drillpetsc.case.case import Case
 from drillpetsc.case.plausible.plausible_operations import readings
 from drillpetsc.errors import CaseError
 from drillpetsc.output import write_summary, write_table
+from drillpetsc.output.files.case_files import write_case
 from drillpetsc.output.files.run_folder import CALIBRATION_TABLE
 from drillpetsc.output.job import Job
 from drillpetsc.output.quantities.torque_drag import MEASURED
@@ -62,7 +63,7 @@ def run_calibrate(
     summary = _summary(case, work, fit, system, warnings, notes)
     folder = job.make_folder()
     if job.comm.rank == 0:
-        case.dump(folder.case)
+        write_case(case, folder)
         d = work.data
         columns: dict[str, Any] = {
             "bit_depth": [points[i].bit_depth for i in d.point],

@@ -37,6 +37,7 @@ from drillpetsc.case.case import Case
 from drillpetsc.errors import CaseError, SolveError
 from drillpetsc.geometry.well import Well
 from drillpetsc.output import write_summary, write_table
+from drillpetsc.output.files.case_files import write_case
 from drillpetsc.output.files.run_folder import MEASURED_TABLE, ROADMAP_FILE, ROADMAP_TABLE
 from drillpetsc.output.job import Job
 from drillpetsc.output.quantities.torque_drag import BESIDE, ROADMAP
@@ -251,7 +252,7 @@ def run_roadmap(
     if table is not None:
         summary["measured"] = table.summary
     if comm.rank == 0:
-        case.dump(folder.case)
+        write_case(case, folder)
         if table is not None:
             write_table(
                 folder.path / MEASURED_TABLE,
