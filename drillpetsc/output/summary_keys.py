@@ -489,6 +489,7 @@ LIMITS: tuple[SummaryKey, ...] = (
         "",
         "Law of the helical limit, design factors, share of the pull at yield, largest side force on a tool joint [N].",
     ),
+    SummaryKey("helical_law", "", "Law of the helical limit in words, with its ratio to the sinusoidal one."),
     SummaryKey("units", "", "Units of printed and plotted figures; files are in SI."),
     SummaryKey(
         "neutral_point",
