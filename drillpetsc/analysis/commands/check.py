@@ -67,8 +67,17 @@ def describe(case: Case, verbose: bool = True) -> str:
     verbose: with element lengths, each figure's source, numbers of unknowns and times; otherwise what an engineer reads
     before a computation.
     """
+    fluid, level = case.fluid, None
+    if fluid is not None and fluid.level_in_string is not None:
+        level = shown(fluid.level_in_string, "length", case.shown_units, 6)
+        case = case.model_copy(update={"fluid": fluid.model_copy(update={"level_in_string": None})})
     with options_of(case):
-        return "\n".join(_lines(build_model(case), verbose))
+        lines = _lines(build_model(case), verbose)
+    if level is not None:
+        lines.append(
+            f"  fluid: the string is empty above MD {level}, in roadmap and calibrate; other commands refuse"
+        )
+    return "\n".join(lines)
 
 
 def _quasi_static(case: Case) -> bool:

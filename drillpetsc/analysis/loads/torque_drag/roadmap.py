@@ -28,7 +28,7 @@ from drillpetsc.analysis.loads.torque_drag.operations import (
     told,
 )
 from drillpetsc.analysis.loads.torque_drag.reading import DIRECTION, Sensor, corrected_points, sensor_of
-from drillpetsc.analysis.loads.torque_drag.string_rows import StringRows, gravity_of, need_well
+from drillpetsc.analysis.loads.torque_drag.string_rows import StringRows, gravity_of, mud_level, need_well
 from drillpetsc.analysis.loads.torque_drag.table import OK, Pressures, failed, rows_of, still_mud
 from drillpetsc.analysis.loads.torque_drag.torque_lines import passed, torque_lines
 from drillpetsc.analysis.motion.run_options import options_of
@@ -66,7 +66,8 @@ def columns_of(loads: list[Load], placed: list[int], pairs: list[Pair]) -> Colum
 def densities_of(case: Case) -> tuple[float, float]:
     """Density of the mud in and around the string [kg/m3], 0 where there is none."""
     density = 0.0 if case.fluid is None else case.fluid.density
-    return (density if case.has_bore else 0.0, density if case.has_annulus else 0.0)
+    filled = case.has_bore or mud_level(case) is not None
+    return (density if filled else 0.0, density if case.has_annulus else 0.0)
 
 
 def soft_rows(
@@ -79,7 +80,7 @@ def soft_rows(
         [loads[o] for o, _, _ in keys], [d for _, _, d in keys], [pairs[p] for _, p, _ in keys]
     )
     hole = Hole(well, strings)
-    mud = still_mud(hole, len(keys), densities_of(case), gravity_of(case, "roadmap"))
+    mud = still_mud(hole, len(keys), densities_of(case), gravity_of(case, "roadmap"), mud_level(case))
     found = [flows.get((o, d)) for o, _, d in keys]
     if flows:
         columns, mud = _with_flow(hole, columns, mud, found)
