@@ -189,3 +189,18 @@ def test_running_drag_of_roadmap_and_points(tmp_path: Path) -> None:
     for row in table(c, tmp_path, "measured.csv"):
         other = next(q for q in found if q["operation"] == row["operation"])
         assert row["computed"] == pytest.approx(other["hook_load_total"], rel=1e-9)
+
+
+def test_torque_of_zero_in_a_trip_is_no_reading(tmp_path: Path) -> None:
+    """Rows of pick-up and slack-off with a torque of 0, as logs have them: the same interval as with empty cells (contract A1)."""
+    i = np.radians(60)
+    loads = [WEIGHT * (np.cos(i) + s * 0.3 * np.sin(i)) + BLOCK + d for s, d in ((1, 4e3), (-1, -3e3))]
+    fits = []
+    for k, torque in enumerate(({"torque": 0.0}, {})):
+        read = [
+            {"bit_depth": LENGTH, "operation": word, "hook_load": load} | torque
+            for word, load in zip(("trip_out", "trip_in"), loads, strict=True)
+        ]
+        found = run_calibrate(Job(case(inclination=i, roadmap={"measured": read}), tmp_path / str(k)), None)
+        fits.append(found.summary["fit"]["open_hole"])
+    assert fits[0] == fits[1] and fits[0]["value"] == pytest.approx(0.3, abs=0.02)

@@ -70,7 +70,7 @@ def short_of_hole(case: CaseBlocks) -> list[str]:
         shown(v, "length", units, 5) for v in (case.string_length, case.well.survey.md[-1], missing)
     )
     where = (
-        f"with initial.wob it stands on the bottom, and its top is {gap} below the rig"
+        f"with initial.wob it stands on the bottom, and its top is {gap} below the rig (bit_depth: {length} puts its top at the rig)"
         if case.initial.wob is not None
         else f"without initial.wob it hangs from the rig, and its bit is {gap} above the bottom"
     )

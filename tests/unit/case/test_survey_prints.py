@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import csv
 import math
+import random
 from pathlib import Path
 
 import pytest
@@ -162,3 +163,20 @@ def test_version_2_is_refused_by_name(tmp_path: Path) -> None:
     (tmp_path / "t.xml").write_text(f"<Trajectory {space}/>")
     with pytest.raises(CaseError, match="WITSML 2.0[\\s\\S]*WITSML 1.4.1"):
         trajectory_table(tmp_path / "t.xml")
+
+
+def test_mutants_of_a_print_are_read_or_refused(tmp_path: Path) -> None:
+    """No traceback, and no station that is not in the file."""
+    rng = random.Random(7)
+    depths = {0.0, 1000 * FOOT, 2000 * FOOT, 3000 * FOOT}
+    for _ in range(300):
+        letters = list(PRINT)
+        for _ in range(rng.randint(1, 4)):
+            letters[rng.randrange(len(letters))] = rng.choice("x-.,;\n\t ")
+        try:
+            found = read(tmp_path, "".join(letters))
+        except CaseError:
+            continue
+        except Exception as error:
+            raise AssertionError("".join(letters)) from error
+        assert len(found.md) <= len(depths) + 2
