@@ -16,6 +16,7 @@ from drillpetsc.analysis.loads.torque_drag.circulation import circulation
 from drillpetsc.analysis.loads.torque_drag.reading import weight_over_line
 from drillpetsc.analysis.loads.torque_drag.roadmap import run_roadmap
 from drillpetsc.case.case import Case
+from drillpetsc.case.writer import case_data
 from drillpetsc.errors import CaseError
 from drillpetsc.output import read_table
 from drillpetsc.output.job import Job
@@ -204,3 +205,19 @@ def test_torque_of_zero_in_a_trip_is_no_reading(tmp_path: Path) -> None:
         found = run_calibrate(Job(case(inclination=i, roadmap={"measured": read}), tmp_path / str(k)), None)
         fits.append(found.summary["fit"]["open_hole"])
     assert fits[0] == fits[1] and fits[0]["value"] == pytest.approx(0.3, abs=0.02)
+
+
+def test_weight_on_bit_of_an_indicator_zeroed_higher_up(tmp_path: Path) -> None:
+    """Vertical hole: zeroed at 600 m, 400 m of pipe later the indicator lacks their weight in mud."""
+    wob, more = 150e3, WEIGHT * 0.4
+    read = {"bit_depth": LENGTH, "operation": "drilling", "hook_load": WEIGHT + BLOCK - wob, "rpm": 10.0}
+    plan = {"operations": ["drilling"], "drilling": {"rop": 0.0, "tob": 0.0}}
+    for rig, shown in (
+        ({"wob_zero": {"bit_depth": 600.0}}, wob - more),
+        ({"wob_zero": "off_bottom"}, wob),
+        ({}, wob),
+    ):
+        c = case(rig, roadmap=plan | {"measured": [read | {"wob": shown}]})
+        assert Case(**case_data(c)) == c
+        (row,) = table(c, tmp_path, "measured.csv")
+        assert row["residual"] == pytest.approx(0.0, abs=1e-6 * wob)

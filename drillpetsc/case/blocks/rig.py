@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
-from pydantic import Field, model_validator
+from pydantic import BeforeValidator, Field, model_validator
 
 from drillpetsc.case.block import Block
 from drillpetsc.case.key_paths import refuse
@@ -59,6 +59,22 @@ class HookloadSensor(Block):
         return self
 
 
+class WobZero(Block):
+    """Where the indicator of the weight on bit was set to zero, off bottom."""
+
+    bit_depth: Annotated[float, Quantity("m", above=0, at_most=50e3)] = Field(
+        description="measured depth of the bit at zeroing"
+    )
+    flow_rate: Annotated[float, Quantity("m^3/s", at_least=0, at_most=1)] = Field(
+        default=0.0, description="flow rate of the pump at zeroing"
+    )
+
+
+def _zero(value: Any) -> Any:
+    """None for off_bottom: zeroed before each reading."""
+    return None if value == "off_bottom" else value
+
+
 class Rig(Block):
     """The rig: weight on the hook in addition to the string, and the limits of the rig."""
 
@@ -77,6 +93,13 @@ class Rig(Block):
     )
     hookload_sensor: HookloadSensor | None = Field(
         default=None, description="where the hook load is read; at the hook when not given"
+    )
+    wob_zero: Annotated[
+        WobZero | None, BeforeValidator(_zero, json_schema_input_type=Literal["off_bottom"] | WobZero)
+    ] = Field(
+        default=None,
+        description="zero of the weights on bit of measured points: off_bottom (default), zeroed before each reading, or the depth and flow rate "
+        "of one zeroing, {bit_depth: 1935 m, flow_rate: 3517 l/min}",
     )
     running_drag: bool = Field(
         default=False,

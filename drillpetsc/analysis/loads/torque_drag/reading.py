@@ -8,6 +8,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+from drillpetsc.analysis.loads.torque_drag.calibration import Calibration
 from drillpetsc.case.blocks.rig import HookloadSensor
 from drillpetsc.case.blocks.roadmap import MeasuredPoint
 from drillpetsc.case.case import Case
@@ -69,11 +70,13 @@ def sensor_of(case: Case) -> Sensor:
 def corrected_points(
     case: Case, points: Sequence[MeasuredPoint], excludes_block: bool
 ) -> tuple[MeasuredPoint, ...]:
-    """Points with the weight on the hook in place of the readings, and their standard errors with it.
+    """Points with the weight on the hook in place of the readings, and their standard errors with it; the weight on bit of one
+    zeroing is that of a zeroing at each point.
 
     excludes_block: the instrument subtracts the block, whose weight is on the line all the same.
     """
     sensor, out = sensor_of(case), []
+    points = _zeroed(case, points)
     block = (case.rig.block_weight if case.rig is not None else None) or 0.0
     hidden = block if excludes_block else 0.0
     for point in points:
@@ -84,3 +87,29 @@ def corrected_points(
             point = point.model_copy(update={"hook_load": weight, "sigma": sigma})
         out.append(point)
     return tuple(out)
+
+
+def _zeroed(case: Case, points: Sequence[MeasuredPoint]) -> Sequence[MeasuredPoint]:
+    """Points whose weight on bit is the hook load off bottom at their own depth and flow rate less the hook load on bottom.
+
+    The indicator subtracts the hook load from that at the zeroing, so what the string weighs more now is missing in it.
+    """
+    zero = None if case.rig is None else case.rig.wob_zero
+    number = [i for i, p in enumerate(points) if p.operation in ("drilling", "sliding") and p.wob is not None]
+    if zero is None or not number:
+        return points
+    off = [
+        MeasuredPoint(
+            bit_depth=depth, operation="rotate_off_bottom", hook_load=0.0, rpm=rpm, flow_rate=flow or 0.0
+        )
+        for depth, rpm, flow in [
+            (zero.bit_depth, None, zero.flow_rate),
+            *((points[i].bit_depth, points[i].rpm, points[i].flow_rate) for i in number),
+        ]
+    ]
+    weight = Calibration(case, tuple(off)).computed([{}])[0]
+    out = list(points)
+    for i, now in zip(number, weight[1:], strict=True):
+        wob = max((points[i].wob or 0.0) + float(now - weight[0]), 0.0)
+        out[i] = points[i].model_copy(update={"wob": wob})
+    return out
