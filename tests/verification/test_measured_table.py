@@ -9,9 +9,9 @@ from typing import Any
 import numpy as np
 import pytest
 
+import drillpetsc as dp
 from drillpetsc.analysis.hydraulics.flow_model import whole_string
 from drillpetsc.analysis.hydraulics.surge import Tripping
-from drillpetsc.analysis.loads.torque_drag.calibrate import run_calibrate
 from drillpetsc.analysis.loads.torque_drag.circulation import circulation
 from drillpetsc.analysis.loads.torque_drag.reading import weight_over_line
 from drillpetsc.analysis.loads.torque_drag.roadmap import run_roadmap
@@ -117,7 +117,7 @@ def test_readings_are_corrected_to_the_hook(tmp_path: Path) -> None:
     assert at_rest["sigma"] == pytest.approx(sigma)
     wide = (WEIGHT + BLOCK) * (hoisting / 16 - 1) + 1.645 * sigma
     assert at_rest["corrected"] - at_rest["band_low"] == pytest.approx(wide)
-    with_block = run_calibrate(Job(c, tmp_path / "fit"), None, ("block_weight",))
+    with_block = dp.calibrate(c, tmp_path / "fit", fit="block_weight")
     assert with_block.summary["fit"]["block_weight"]["value"] == pytest.approx(BLOCK, rel=1e-6)
 
 
@@ -202,7 +202,7 @@ def test_torque_of_zero_in_a_trip_is_no_reading(tmp_path: Path) -> None:
             {"bit_depth": LENGTH, "operation": word, "hook_load": load} | torque
             for word, load in zip(("trip_out", "trip_in"), loads, strict=True)
         ]
-        found = run_calibrate(Job(case(inclination=i, roadmap={"measured": read}), tmp_path / str(k)), None)
+        found = dp.calibrate(case(inclination=i, roadmap={"measured": read}), tmp_path / str(k))
         fits.append(found.summary["fit"]["open_hole"])
     assert fits[0] == fits[1] and fits[0]["value"] == pytest.approx(0.3, abs=0.02)
 
