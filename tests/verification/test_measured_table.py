@@ -33,7 +33,7 @@ def case(rig: dict[str, Any] | None = None, inclination: float = 0.0, **keys: An
     roadmap = {"bit_depth": [LENGTH], "friction_factor": {"open_hole": [0.2, 0.3]}, "trip_speed": 0.5}
     return Case(
         well={"survey": survey, "sections": [{"kind": "open_hole", "diameter": 0.2159, "friction": 0.25}]},
-        string=[{"kind": "pipe", "length": LENGTH, "od": 0.127, "id": 0.1086}],
+        string=keys.pop("string", [{"kind": "pipe", "length": LENGTH, "od": 0.127, "id": 0.1086}]),
         top={"kind": "top_drive", "rotation": 10.0},
         fluid={"density": MUD, "bulk_modulus": 1e14, "rheology": {"model": "newtonian", "viscosity": 0.05}},
         rig={"block_weight": BLOCK} | (rig or {}),
@@ -221,3 +221,32 @@ def test_weight_on_bit_of_an_indicator_zeroed_higher_up(tmp_path: Path) -> None:
         assert Case(**case_data(c)) == c
         (row,) = table(c, tmp_path, "measured.csv")
         assert row["residual"] == pytest.approx(0.0, abs=1e-6 * wob)
+
+
+def test_weight_on_bit_without_the_pressure_drop_of_the_bit(tmp_path: Path) -> None:
+    """Vertical hole: the weight read lacks rho Q^2/(2 A_n^2) times the area; the hook load is that of the whole weight."""
+    nozzle, flow, area, wob = 4e-4, 0.02, 12e-4, 80e3
+    drop = MUD * flow**2 / (2 * 0.95**2 * nozzle**2)
+    bit = {"kind": "bit", "length": 0.3, "od": 0.2159, "id": 0.0, "mass": 50.0, "nozzle_area": nozzle}
+    pipe = {"kind": "pipe", "length": LENGTH - 0.3, "od": 0.127, "id": 0.1086}
+    keys = {
+        "string": [pipe, bit],
+        "roadmap": {"bit_depth": [LENGTH], "operations": ["drilling"], "drilling": {"rop": 0.0}},
+    }
+    point = {
+        "bit_depth": LENGTH,
+        "operation": "drilling",
+        "hook_load": 5e5,
+        "rpm": 10.0,
+        "flow_rate": flow,
+        "tob": 0.0,
+    }
+    found = []
+    for pump_off, read in ((0.0, wob), (area, wob - drop * area)):
+        bottom = {"kind": "bit", "pump_off_area": pump_off}
+        plan = keys["roadmap"] | {"measured": [point | {"wob": read}]}
+        c = case(**{"bottom": bottom, "string": keys["string"], "roadmap": plan})
+        (row,) = table(c, tmp_path, "measured.csv")
+        found.append(row["computed"])
+    assert drop * area > 1e3
+    assert found[1] == pytest.approx(found[0], abs=1e-3 * drop * area)

@@ -8,7 +8,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+from drillpetsc.analysis.hydraulics.flow_model import FlowModel, string_at
+from drillpetsc.analysis.hydraulics.losses import balance
 from drillpetsc.analysis.loads.torque_drag.calibration import Calibration
+from drillpetsc.analysis.loads.torque_drag.operations import load_of, plan_of
+from drillpetsc.case.blocks.ends import BitBottom
 from drillpetsc.case.blocks.rig import HookloadSensor
 from drillpetsc.case.blocks.roadmap import MeasuredPoint
 from drillpetsc.case.case import Case
@@ -70,13 +74,13 @@ def sensor_of(case: Case) -> Sensor:
 def corrected_points(
     case: Case, points: Sequence[MeasuredPoint], excludes_block: bool
 ) -> tuple[MeasuredPoint, ...]:
-    """Points with the weight on the hook in place of the readings, and their standard errors with it; the weight on bit of one
-    zeroing is that of a zeroing at each point.
+    """Points with the weight on the hook in place of the readings, and their standard errors with it; weights on bit
+    without the errors of an old zero and of the pressure drop of the bit.
 
     excludes_block: the instrument subtracts the block, whose weight is on the line all the same.
     """
     sensor, out = sensor_of(case), []
-    points = _zeroed(case, points)
+    points = _with_pump_off(case, _zeroed(case, points))
     block = (case.rig.block_weight if case.rig is not None else None) or 0.0
     hidden = block if excludes_block else 0.0
     for point in points:
@@ -112,4 +116,26 @@ def _zeroed(case: Case, points: Sequence[MeasuredPoint]) -> Sequence[MeasuredPoi
     for i, now in zip(number, weight[1:], strict=True):
         wob = max((points[i].wob or 0.0) + float(now - weight[0]), 0.0)
         out[i] = points[i].model_copy(update={"wob": wob})
+    return out
+
+
+def _with_pump_off(case: Case, points: Sequence[MeasuredPoint]) -> Sequence[MeasuredPoint]:
+    """Points whose weight on bit is the weight read plus the pressure drop of the bit times `bottom.pump_off_area`."""
+    bottom = case.bottom
+    if not isinstance(bottom, BitBottom) or not bottom.pump_off_area:
+        return points
+    drops: dict[float, float] = {}
+    out = []
+    for point in points:
+        flow = point.flow_rate
+        if flow is None and point.operation in ("drilling", "sliding"):
+            flow = load_of(case, plan_of(case), point.operation).flow
+        if flow and point.wob is not None:
+            if flow not in drops:
+                model = FlowModel(case, string_at(case, point.bit_depth), "pumping")
+                model.solve(flow)
+                drops[flow] = balance(model)["bit_loss"]
+            wob = point.wob + drops[flow] * bottom.pump_off_area
+            point = point.model_copy(update={"wob": wob})
+        out.append(point)
     return out
