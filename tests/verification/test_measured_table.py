@@ -35,7 +35,10 @@ def case(rig: dict[str, Any] | None = None, inclination: float = 0.0, **keys: An
         well={"survey": survey, "sections": [{"kind": "open_hole", "diameter": 0.2159, "friction": 0.25}]},
         string=keys.pop("string", [{"kind": "pipe", "length": LENGTH, "od": 0.127, "id": 0.1086}]),
         top={"kind": "top_drive", "rotation": 10.0},
-        fluid={"density": MUD, "bulk_modulus": 1e14, "rheology": {"model": "newtonian", "viscosity": 0.05}},
+        fluid=keys.pop(
+            "fluid",
+            {"density": MUD, "bulk_modulus": 1e14, "rheology": {"model": "newtonian", "viscosity": 0.05}},
+        ),
         rig={"block_weight": BLOCK} | (rig or {}),
         roadmap=roadmap | keys.pop("roadmap", {}),
         **keys,
@@ -250,3 +253,17 @@ def test_weight_on_bit_without_the_pressure_drop_of_the_bit(tmp_path: Path) -> N
         found.append(row["computed"])
     assert drop * area > 1e3
     assert found[1] == pytest.approx(found[0], abs=1e-3 * drop * area)
+
+
+def test_points_that_cannot_be_computed_leave_the_curves(tmp_path: Path) -> None:
+    """A flow rate at a point of a dry string: the roadmap stands, and says why measured.csv is missing."""
+    read = points({"trip_out": 1.0}, flow_rate=0.02)
+    dry = case(fluid=None, roadmap={"measured": read, "operations": ["trip_out"]})
+    found = run_roadmap(Job(dry, tmp_path / "out"))
+    assert (found.folder / "roadmap.csv").exists() and not (found.folder / "measured.csv").exists()
+    assert any(
+        "measured.csv is left out" in text and "flow_rate" in text for text in found.summary["warnings"]
+    )
+    still = [{"bit_depth": LENGTH, "operation": "drilling", "torque": 5e3, "rpm": 0.0}]
+    found = run_roadmap(Job(case(roadmap={"measured": still}), tmp_path / "still"))
+    assert (found.folder / "measured.csv").exists() and not found.summary["measured"]

@@ -10,7 +10,7 @@ import numpy as np
 
 from drillpetsc.analysis.loads.torque_drag.calibration import Calibration
 from drillpetsc.analysis.loads.torque_drag.circulation import circulation
-from drillpetsc.analysis.loads.torque_drag.operations import Pair, running_speed
+from drillpetsc.analysis.loads.torque_drag.operations import Pair, load_of, plan_of, running_speed
 from drillpetsc.analysis.loads.torque_drag.reading import DIRECTION, sensor_of
 from drillpetsc.analysis.loads.torque_drag.string_rows import rows_at
 from drillpetsc.arrays import FloatArray
@@ -82,8 +82,9 @@ def _can_be_there(case: Case, point: MeasuredPoint) -> bool:
     """Whether the string can be at the depth of a point; the roadmap warns of points where it cannot."""
     if point.bit_depth > case.given_well.survey.md[-1] + 1e-6:
         return False
-    if point.hook_load is None and point.operation in ("trip_in", "trip_out", "sliding"):
-        return False  # a torque without rotation is no reading
+    rotation = load_of(case, plan_of(case), point.operation).rotation if point.rpm is None else point.rpm
+    if point.hook_load is None and not rotation:
+        return False  # a torque without rotation is not a reading
     try:
         return not rows_at(case, point.bit_depth).misfit
     except CaseError:

@@ -237,8 +237,14 @@ def run_roadmap(
     found = beside_curves(rows, points, 0.0 if excludes else (block or 0.0))
     end = None if case.well is None else float(case.well.survey.md[-1])
     warnings += measured_warnings(found, points, end, block, excludes, system)
-    with options_of(case):
-        table = beside_points(case, read, points, pairs, excludes) if points else None
+    table = None
+    if points:
+        try:
+            with options_of(case):
+                table = beside_points(case, read, points, pairs, excludes)
+        except (CaseError, SolveError) as error:  # the curves stand without it
+            reason = " ".join(str(error).split())
+            warnings.append(f"{MEASURED_TABLE} is left out, the points cannot be computed: {reason}")
     folder = job.make_folder()
     summary = {
         "title": case.title,
