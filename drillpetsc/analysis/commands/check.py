@@ -158,9 +158,9 @@ def _lines(model: DrillingModel, verbose: bool) -> list[str]:
     case, units = model.case, model.case.output.units or "SI"
     said = [f"  {line}" for line in notes(case)]
     warnings = [line for line in said if line.startswith("  WARNING")]
-    warnings += [
-        f"  WARNING: {text}" for text in element_lengths(case, model.well).warnings(case.shown_units)
-    ]
+    lengths = element_lengths(case, model.well)
+    if any(r.count for r in lengths.ranges):
+        warnings += [f"  WARNING: {text}" for text in lengths.warnings(case.shown_units)]
     warnings += [f"  WARNING: {text}" for text in expected_warnings(model)]
     warnings += _coarse(model, units)
     count = f", {len(warnings)} warning{'s' if len(warnings) > 1 else ''}" if warnings else ""

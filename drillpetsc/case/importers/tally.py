@@ -73,7 +73,7 @@ def _column(title: str) -> tuple[str, int, str] | None:
 
 
 def _unit(text: str, quantity: str) -> str | None:
-    """The unit of a title as `to_si` reads it, "" without one; None for a text that is no unit of the quantity."""
+    """The unit of a title as `to_si` reads it, "" without one; None for a text that is not a unit of the quantity."""
     text = text.strip().replace(" per ", "/").replace(" ", "/") if text else ""
     text = _UNITS.get(text.replace("/", "").casefold(), unit_text(text))
     if not text or quantity not in UNIT:

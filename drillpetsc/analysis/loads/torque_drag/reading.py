@@ -31,9 +31,9 @@ DIRECTION = {
 def weight_over_line(lines: int, efficiency: float, dead_sheave: str) -> tuple[float, float]:
     """Weight on the hook over the force in the dead line, while hoisting and while lowering [-].
 
-    Each sheave passes the share ``efficiency`` of the force of the line that pulls it on: hoisting the force falls from the
-    fast line to the dead line, so that W/F = (1 - e^n)/((1 - e) e^(n-1)), lowering it rises, (1 - e^n)/(1 - e)
-    (manual: eq-roadmap-dead-line). A dead-line sheave that turns adds its loss.
+    Each sheave passes the share e = ``efficiency`` of the force of the line that pulls it (manual: eq-roadmap-dead-line).
+    Hoisting, the force falls from the fast line to the dead line: W/F = (1 - e^n)/((1 - e) e^(n-1)). Lowering, it rises:
+    (1 - e^n)/(1 - e). A dead-line sheave that turns adds its loss.
     """
     e, n = efficiency, lines
     lowering = float(n) if e == 1.0 else (1 - e**n) / (1 - e)
@@ -74,8 +74,8 @@ def sensor_of(case: Case) -> Sensor:
 def corrected_points(
     case: Case, points: Sequence[MeasuredPoint], excludes_block: bool
 ) -> tuple[MeasuredPoint, ...]:
-    """Points with the weight on the hook in place of the readings, and their standard errors with it; weights on bit
-    without the errors of an old zero and of the pressure drop of the bit.
+    """Points with the weight on the hook in place of the readings, and their standard errors with it. Weights on bit are
+    corrected for an old zero and for the pressure drop of the bit.
 
     excludes_block: the instrument subtracts the block, whose weight is on the line all the same.
     """
@@ -96,7 +96,7 @@ def corrected_points(
 def _zeroed(case: Case, points: Sequence[MeasuredPoint]) -> Sequence[MeasuredPoint]:
     """Points whose weight on bit is the hook load off bottom at their own depth and flow rate less the hook load on bottom.
 
-    The indicator subtracts the hook load from that at the zeroing, so what the string weighs more now is missing in it.
+    The indicator subtracts the hook load from the one at zeroing. It lacks what the string has gained in weight since.
     """
     zero = None if case.rig is None else case.rig.wob_zero
     number = [i for i, p in enumerate(points) if p.operation in ("drilling", "sliding") and p.wob is not None]
