@@ -22,6 +22,7 @@ from drillpetsc.case.messages import case_error
 from drillpetsc.errors import CaseError
 
 SAME_END = 1.0  # [m] between the last section and the last station
+ONE_JOINT = 10.0  # [m] by which a tally may be short of its hole
 TODO = ("string", "well.survey", "well.sections", "top", "bottom", "fluid", "time")
 
 
@@ -89,6 +90,9 @@ def fragment(
         content = found["tubular"][1]
         assert isinstance(content, Imported)
         data["string"] = content.string
+        if "survey" in found:
+            assert isinstance(survey, Survey)
+            remarks += _short_string(content.string, survey.end)
     here = {"string": "string" in data, "well.survey": "survey" in well, "well.sections": "sections" in well}
     missing = [key for key in TODO if not here.get(key)]
     return _text(data, files, remarks, missing), remarks
@@ -143,6 +147,17 @@ def _check_items(path: Path, content: Imported) -> None:
         for each in (wrong, *wrong.also):
             each.file, each.line, each.at = str(path), 1, f"string{each.at}"
         raise wrong from None
+
+
+def _short_string(string: list[dict[str, Any]], end: float) -> list[str]:
+    """A remark on a string that does not reach from the rig to the end of the survey [m]."""
+    length = sum(float(str(item["length"]).split()[0]) for item in string)
+    if length > end - ONE_JOINT:
+        return []
+    return [
+        f"the string is {length:.6g} m long, the survey ends at {end:.6g} m: bit_depth is where the bit is, and length: fill lets "
+        "the topmost pipe reach the rig"
+    ]
 
 
 def _fitted(sections: list[dict[str, Any]], end: float) -> list[str]:

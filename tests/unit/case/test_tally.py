@@ -131,3 +131,14 @@ def test_the_sheet_of_volve_f5() -> None:
     assert len(items) == 10 and items[0].length == 1481 and items[3].name == "jar"
     ring = 3.141592653589793 / 4 * (0.212725**2 - 0.08255**2)
     assert items[3].material.density * ring * G == pytest.approx(1824.04, rel=1e-5)  # type: ignore[union-attr]
+
+
+def test_a_string_that_does_not_reach_the_rig_is_named() -> None:
+    Path("survey.csv").write_text("md_ft,inc_deg,azi_deg\n0,0,0\n12000,0,0\n")
+    Path("tally.csv").write_text(SHEET)
+    text, said = fragment(["survey.csv", "tally.csv"], Path())
+    assert any(
+        "2990.39 m long, the survey ends at 3657.6 m" in line and "length: fill" in line for line in said
+    )
+    Path("survey.csv").write_text("md_ft,inc_deg,azi_deg\n0,0,0\n9820,0,0\n")
+    assert not any("length: fill" in line for line in fragment(["survey.csv", "tally.csv"], Path())[1])
