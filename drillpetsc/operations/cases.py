@@ -17,13 +17,17 @@ if TYPE_CHECKING:
 class Check(CaseOperation):
     """Read and validate a case, and say what the model contains and leaves out."""
 
+    verbose: Annotated[
+        bool, "also element lengths, the source of each figure, numbers of unknowns, ranks and time scales"
+    ] = False
+
     def warn(self, case: Case) -> None:
         """Print nothing: the text has the warnings."""
 
     def compute(self, job: Any) -> Any:
         from drillpetsc.analysis.commands.check import describe
 
-        return describe(job.case)
+        return describe(job.case, self.verbose)
 
 
 class Catalogue(Operation):
@@ -49,16 +53,16 @@ class Catalogue(Operation):
 
 
 class Import(Operation):
-    """Write a part of a case from a survey, WITSML documents or an EDM export: survey, string, hole."""
+    """Write a part of a case from a survey, a tally, WITSML documents or an EDM export: survey, string, hole."""
 
     files: Annotated[
         tuple[str, ...],
         Mark.ARGUMENT,
         "FILE",
-        "WITSML 1.4.1 trajectory, tubular, wbGeometry (.xml), an EDM export (.xml), or a survey in CSV, xlsx, LAS",
+        "WITSML 1.4.1 trajectory, tubular, wbGeometry (.xml), an EDM export (.xml), a tally in CSV or xlsx, or a survey in CSV, xlsx, LAS",
     ]
     wellbore: Annotated[str | None, "NAME", "the wellbore of an EDM export that has several"] = None
-    assembly: Annotated[str | None, "NAME", "the drill string of an EDM export that has several"] = None
+    assembly: Annotated[str | None, "NAME", "the string of an EDM export or a tally that has several"] = None
     hole: Annotated[
         str | None,
         "NAME",

@@ -5,10 +5,10 @@ from __future__ import annotations
 from typing import Annotated, Any, Literal
 
 from drillpetsc.operations.fields import Numbers, holds
-from drillpetsc.operations.operation import CaseOperation, DrawnOperation, FolderOperation, Mark
+from drillpetsc.operations.operation import AtBitDepth, CaseOperation, DrawnOperation, FolderOperation, Mark
 
 
-class Statics(FolderOperation):
+class Statics(AtBitDepth, FolderOperation):
     """Static equilibrium: torque and drag, contact forces, buckling state.
 
     Writes statics.csv and string.pvd.
@@ -73,7 +73,7 @@ class Roadmap(DrawnOperation):
         return run_roadmap(job, points, self.model)
 
 
-class Limits(DrawnOperation):
+class Limits(AtBitDepth, DrawnOperation):
     """Stresses, safety factors, buckling and fatigue limits along the string, margin of overpull, largest weight on bit.
 
     Writes limits.csv and contacts.csv.

@@ -462,6 +462,12 @@ ROADMAP: tuple[SummaryKey, ...] = (
     SummaryKey("model", "", "Model of the string: soft, without bending stiffness."),
     SummaryKey("rows", "-", "Number of rows of roadmap.csv."),
     SummaryKey("rows_not_ok", "-", "Number of rows whose status is not ok."),
+    SummaryKey(
+        "measured",
+        "",
+        "Measured points beside the case, by kind of reading: number, bias, rms and largest residual (SI, and over the reading), share in the band.",
+        "measured points",
+    ),
     SummaryKey("warnings", "", "Unreliable rows, and limits of the rig that are exceeded."),
     SummaryKey(
         "notes", "", "Values assumed because the case did not give them, and omissions of the results."
@@ -483,6 +489,7 @@ LIMITS: tuple[SummaryKey, ...] = (
         "",
         "Law of the helical limit, design factors, share of the pull at yield, largest side force on a tool joint [N].",
     ),
+    SummaryKey("helical_law", "", "Law of the helical limit in words, with its ratio to the sinusoidal one."),
     SummaryKey("units", "", "Units of printed and plotted figures; files are in SI."),
     SummaryKey(
         "neutral_point",

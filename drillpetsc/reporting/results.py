@@ -374,6 +374,8 @@ def _margins(run: Run, system: System, source: str) -> list[Grid]:
         if not isinstance(value, int | float):
             continue
         words = " ".join(path.replace("_", " ").split(".")).capitalize().replace("wob", "weight on bit")
+        if path.endswith(".helical") and "helical_law" in run.summary:
+            words += f": {run.summary['helical_law']}"
         md = summary.get(f"{path}.md") if key != "md" else None
         place = number(md, "md [m]", system)[0] if isinstance(md, int | float) else ""
         rows.append(

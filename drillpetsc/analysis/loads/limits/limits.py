@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from drillpetsc.analysis.loads.limits.along_string import State, Surroundings, static_state
+from drillpetsc.analysis.loads.limits.buckling_loads import law_words
 from drillpetsc.analysis.loads.limits.contacts import contact_rows, item_forces
 from drillpetsc.analysis.loads.limits.fatigue import AS_S, rule_of
 from drillpetsc.analysis.loads.limits.operations import (
@@ -164,6 +165,7 @@ def _summary(
         "operation": word or "as the case",
         **{key: statics[key] for key in keep if key in statics},
         "choices": asdict(choices),
+        "helical_law": law_words(choices.helical),
         "units": units,
         "neutral_point": {
             "effective": _neutral_point(table, "effective_tension"),
@@ -434,8 +436,9 @@ def _flags(table: dict[str, Any], summary: dict[str, Any], choices: Choices, uni
         there = table["buckling_state"] == state
         if there.any():
             md = table["md"][there]
+            law = f" ({summary['helical_law']})" if state == "helical" else ""
             out.append(
-                f"compression beyond the {state} limit between MD {shown(float(md.min()), 'length', units, 5)} "
+                f"compression beyond the {state} limit{law} between MD {shown(float(md.min()), 'length', units, 5)} "
                 f"and {shown(float(md.max()), 'length', units, 5)}"
             )
     flexible = np.isfinite(table["curvature"])  # rows of rigid items have none
@@ -526,6 +529,8 @@ def _margin_rows(summary: dict[str, Any], units: System) -> Iterator[Row]:
         if row["wob"] is not None:
             why = "then it coils" if row["limited_by"] == "helical" else "then no hook load is left"
             yield f"Available weight on bit, {operation}", f"{shown(row['wob'], 'force', units)}, {why}"
+    if summary["max_wob"]:
+        yield "Law of the helical limit", summary["helical_law"]
     if summary["max_slackoff"] is not None:
         yield "Largest slack-off", shown(summary["max_slackoff"], "force", units)
 

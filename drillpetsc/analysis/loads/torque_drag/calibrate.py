@@ -16,12 +16,14 @@ from drillpetsc.analysis.loads.torque_drag.calibration import (
 )
 from drillpetsc.analysis.loads.torque_drag.left_out import bends_left_out, cutters_left_out
 from drillpetsc.analysis.loads.torque_drag.operations import KINDS, plan_of
+from drillpetsc.analysis.loads.torque_drag.reading import corrected_points
 from drillpetsc.analysis.motion.run_options import options_of
 from drillpetsc.case.blocks.roadmap import MeasuredPoint
 from drillpetsc.case.case import Case
 from drillpetsc.case.plausible.plausible_operations import readings
 from drillpetsc.errors import CaseError
 from drillpetsc.output import write_summary, write_table
+from drillpetsc.output.files.case_files import write_case
 from drillpetsc.output.files.run_folder import CALIBRATION_TABLE
 from drillpetsc.output.job import Job
 from drillpetsc.output.quantities.torque_drag import MEASURED
@@ -46,6 +48,7 @@ def run_calibrate(
     points = plan.measured if points is None else points
     if not points:
         raise CaseError(at="--measured", want="a file of measured points, or roadmap.measured in the case")
+    points = corrected_points(case, points, plan.hookload_excludes_block)
     with options_of(case):
         work = Calibration(case, points, plan.hookload_excludes_block)
     if parameters is None:
@@ -60,7 +63,7 @@ def run_calibrate(
     summary = _summary(case, work, fit, system, warnings, notes)
     folder = job.make_folder()
     if job.comm.rank == 0:
-        case.dump(folder.case)
+        write_case(case, folder)
         d = work.data
         columns: dict[str, Any] = {
             "bit_depth": [points[i].bit_depth for i in d.point],
