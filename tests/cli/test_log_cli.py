@@ -1,0 +1,66 @@
+"""`drillpetsc import log`: a planted log to states, points and a page, and points to `calibrate`."""
+
+from __future__ import annotations
+
+import json
+
+import numpy as np
+import pytest
+
+from drillpetsc.case.files.measured_file import read_measured
+from drillpetsc.cli import main
+from drillpetsc.output.files.tables import read_table
+
+
+@pytest.fixture
+def log(tmp_path):
+    """A log of drilling, 1000 to 1020 m, a hook load of 100 t and a torque of 12 kN m."""
+    rows = ["md_m,hookload_t,torque_kNm,rpm,flow_in_lpm,rop_m_per_h,who"]
+    rows += [f"{1000 + 0.1 * i},{100 + 0.1 * (i % 3)},12,120,2000,20,me" for i in range(200)]
+    path = tmp_path / "rig.csv"
+    path.write_text("\n".join(rows))
+    return path
+
+
+def test_import_log_writes_its_folder(log, tmp_path, capsys):
+    out = tmp_path / "out"
+    assert main(["import", "log", str(log), "--out", str(out), "--every", "5m"]) == 0
+    text = capsys.readouterr().out
+    assert "200 rows by depth" in text and "not used: who" in text and "drilling 200" in text
+    assert {q.name for q in out.iterdir()} == {
+        "log.csv",
+        "states.csv",
+        "points.csv",
+        "quality.json",
+        "log.html",
+    }
+    table = read_table(out / "log.csv")
+    np.testing.assert_allclose(table["hook_load [N]"][:3], np.array([100, 100.1, 100.2]) * 9806.65)
+    readings, _ = read_measured(str(out / "points.csv"))
+    assert [round(q.values["bit_depth"]) for q in readings] == [1002, 1007, 1012, 1017]
+    assert (
+        readings[0].values["torque"] == pytest.approx(12e3) and readings[0].values["operation"] == "drilling"
+    )
+    quality = json.loads((out / "quality.json").read_text())
+    assert quality["states"] == {"drilling": 200} and quality["unused"] == ["who"]
+    page = (out / "log.html").read_text()
+    assert "data:image/png;base64," in page and "http" not in page.replace("http-equiv", "")
+    assert main(["import", "log", str(log), "--out", str(out)]) == 2
+    assert "--overwrite" in capsys.readouterr().err
+
+
+def test_refusals_name_the_option(log, tmp_path, capsys):
+    wrong = []
+    for words, text in (
+        (["--every", "10"], "--every"),
+        (["--map", "hook=who"], "--map"),
+        (["--states", "x=1"], "--states"),
+        (["--between", "1 kg,2 kg"], "--between"),
+        (["--case", str(tmp_path / "none.yaml")], "a case file that exists"),
+    ):
+        status = main(["import", "log", str(log), "--out", str(tmp_path / "new"), *words])
+        shown = capsys.readouterr().err
+        if status != 2 or text not in shown or (tmp_path / "new").exists():
+            wrong.append((words, shown))
+    assert not wrong
+    assert main(["import", "log", str(tmp_path / "no.csv")]) == 2
