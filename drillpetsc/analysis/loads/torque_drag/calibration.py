@@ -10,9 +10,10 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from drillpetsc.analysis.loads.torque_drag.batch import Columns, Hole, soft_strings
-from drillpetsc.analysis.loads.torque_drag.circulation import Circulation, circulation
+from drillpetsc.analysis.loads.torque_drag.batch import Columns
+from drillpetsc.analysis.loads.torque_drag.circulation import Circulation, circulation, flow_table
 from drillpetsc.analysis.loads.torque_drag.operations import KINDS, groups_of, load_of, plan_of
+from drillpetsc.analysis.loads.torque_drag.soft_ends import SoftEnds
 from drillpetsc.analysis.loads.torque_drag.string_rows import gravity_of, need_well, rows_at
 from drillpetsc.arrays import FloatArray
 from drillpetsc.case.blocks.roadmap import MeasuredPoint
@@ -21,9 +22,9 @@ from drillpetsc.errors import CaseError, SolveError
 from drillpetsc.unit_systems import shown
 
 FACTOR_BOUNDS, FACTOR_STEP = (0.0, 1.0), 1e-4  # of every friction factor
-BOUNDS = {"block_weight": (0.0, 5e6), "weight_factor": (0.5, 1.5)}
+BOUNDS = {"block_weight": (0.0, 5e6), "weight_factor": (0.5, 1.5), "running_drag": (0.0, 1e6)}
 START = {"cased": 0.25, "open_hole": 0.3, "weight_factor": 1.0}
-STEP = {"block_weight": 10.0, "weight_factor": 1e-5}
+STEP = {"block_weight": 10.0, "weight_factor": 1e-5, "running_drag": 10.0}
 RELATIVE_SIGMA, SMALLEST_SIGMA = 0.02, {"hook_load": 10e3, "surface_torque": 500.0}  # [N], [N m]
 SOFT_SCALE = 3.0  # of soft_l1, in standard errors
 LARGEST_CONDITION = 1e3  # of the scaled Jacobian
@@ -34,7 +35,8 @@ AT_BOUND = 1e-6
 WIDEST_FACTOR, WIDEST = 0.25, {"weight_factor": 0.1}
 BLOCK_SHARE = 0.25  # that of the block weight, of the largest hook load read
 LONGEST_STEP = 25.0  # of the integration where the hole is straight: there it is exact without a helix [m]
-MOST_COLUMNS = 600  # soft strings that are integrated together, for the memory they need
+MOST_FLOWS, FLOW_SPACING = 60, 20.0  # steady flows beyond which they are interpolated; between bit depths [m]
+FLOW_RANGE = 1.5  # ratio of the rates between which they are
 ALONE_GRID = 41  # friction factors from 0 to 1 between which a point alone is solved
 
 
@@ -108,7 +110,7 @@ class Calibration:
                     "a depth at which the string fits the hole",
                 )
                 raise CaseError(at=f"measured[{i}].bit_depth", got=got, want=want, hint=unfit)
-        self.hole = Hole(well, strings, LONGEST_STEP)
+        self.strings = SoftEnds(well, strings, LONGEST_STEP)
         self.placed = np.array([depths.index(point.bit_depth) for point in points])
         self.group = groups_of(case)
         #: names of the groups of sections, each with one friction factor
@@ -160,14 +162,27 @@ class Calibration:
 
         flows: rate [m3/s] of each point, and the key that gives it.
         """
-        self.lift, self.thrust = np.zeros((len(self.hole.h), len(flows))), np.zeros(len(flows))
+        edges = [self.strings.edges[p] for p in self.placed]
+        self.lift = [np.zeros(len(q) - 1) for q in edges]
+        self.thrust = np.zeros(len(flows))
+        pumped = [(i, flow, at) for i, (flow, at) in enumerate(flows) if flow]
+        distinct = {(int(self.placed[i]), flow) for i, flow, _ in pumped}
+        if len(distinct) > MOST_FLOWS:
+            depth = np.array([self.points[i].bit_depth for i, _, _ in pumped])
+            rate = np.array([flow for _, flow, _ in pumped])
+            for low, high in _rates(rate):
+                some = [k for k, q in enumerate(rate) if low <= q <= high]
+                table = flow_table(self.case, depth[some], rate[some], FLOW_SPACING, pumped[some[0]][2])
+                for k in some:
+                    i = pumped[k][0]
+                    self.lift[i], self.thrust[i] = table.forces(depth[k], rate[k], edges[i])
+            return
         found: dict[tuple[int, float], Circulation] = {}
-        for i, (flow, at) in enumerate(flows):
-            if flow:
-                key = int(self.placed[i]), flow
-                if key not in found:
-                    found[key] = circulation(self.case, self.points[i].bit_depth, flow, at)
-                self.lift[:, i], self.thrust[i] = found[key].lift(self.hole.edges), found[key].thrust
+        for i, flow, at in pumped:
+            key = int(self.placed[i]), flow
+            if key not in found:
+                found[key] = circulation(self.case, self.points[i].bit_depth, flow, at)
+            self.lift[i], self.thrust[i] = found[key].lift(edges[i]), found[key].thrust
 
     def _data(self) -> Data:
         rows = []
@@ -209,26 +224,22 @@ class Calibration:
             factor[j] = values.get("weight_factor", 1.0)
             block[j] = values.get("block_weight", self.block)
         string, which = np.tile(np.arange(n), count), np.repeat(np.arange(count), n)
-        ends = []
-        for first in range(0, count * n, MOST_COLUMNS):
-            i, k = string[first : first + MOST_COLUMNS], which[first : first + MOST_COLUMNS]
-            wob, torque, velocity, rotation = self.loads[i].T
-            columns = Columns(
-                self.placed[i],
-                friction[k],
-                np.ones(len(i)),
-                wob,
-                torque,
-                velocity,
-                rotation,
-                factor[k],
-                self.lift[:, i] if self.pumped else None,
-                self.thrust[i] if self.pumped else None,
-            )
-            batch = soft_strings(self.hole, columns)
-            ends.append((batch.tension[0], batch.torque[0]))
-        hook = np.concatenate([t for t, _ in ends]).reshape(count, n) + block[:, None]
-        moment = np.concatenate([m for _, m in ends]).reshape(count, n)
+        wob, torque, velocity, rotation = self.loads[string].T
+        columns = Columns(
+            self.placed[string],
+            friction[which],
+            np.ones(len(string)),
+            wob,
+            torque,
+            velocity,
+            rotation,
+            factor[which],
+            thrust=self.thrust[string],
+        )
+        tension, moment = self.strings.ends(columns, self.lift * count if self.pumped else None)
+        drag = np.array([values.get("running_drag", 0.0) for values in sets])
+        hook = tension.reshape(count, n) + block[:, None] + drag[:, None] * self.loads[:, 2]
+        moment = moment.reshape(count, n)
         d = self.data
         out = np.where(d.hook, hook[:, d.point], moment[:, d.point])
         return np.where(np.isfinite(out), out, 1e9)  # a locked string fits nothing
@@ -436,3 +447,14 @@ class Calibration:
             curve = PchipInterpolator(grid[known], table[known, i])
             out[i] = float(brentq(curve, grid[change[0]], grid[change[0] + 1]))
         return out
+
+
+def _rates(rate: FloatArray) -> list[tuple[float, float]]:
+    """Ranges of the rates [m3/s], each so narrow that forces between its ends can be interpolated."""
+    out: list[tuple[float, float]] = []
+    for q in np.unique(rate):
+        if out and q <= FLOW_RANGE * out[-1][0]:
+            out[-1] = out[-1][0], float(q)
+        else:
+            out.append((float(q), float(q)))
+    return out
