@@ -12,7 +12,9 @@ import numpy as np
 
 from drillpetsc.analysis.loads.torque_drag.string_rows import need_well, rows_at
 from drillpetsc.arrays import FloatArray
+from drillpetsc.case.blocks.roadmap import MeasuredPoint
 from drillpetsc.case.case import Case
+from drillpetsc.case.quantities import InSI
 from drillpetsc.errors import CaseError
 from drillpetsc.logs.channels import CHANNELS
 from drillpetsc.logs.log import Log, between, read_log, read_map
@@ -67,11 +69,25 @@ def import_log(
     out: folder, None: one beside the first file, named after it; mapping, every, limits, part: texts of the options.
     Raises CaseError for what cannot be understood without a guess; nothing is written then.
     """
-    figures = read_limits(limits)
-    log = between(read_log(files, read_map(mapping)), part)
     folder = Path(out) if out else Path(f"{Path(files[0]).stem}-log")
     if folder.exists() and not overwrite:
         raise CaseError(at="--out", got=folder, want="a folder that does not exist, or --overwrite")
+    log, states, points, checks, far = read_and_divide(files, case, mapping, every, limits, part)
+    _write(folder, log, states, points, checks, far)
+    return LogResult(folder, log, states, points, checks, _lines(folder, log, states, points, checks, case))
+
+
+def read_and_divide(
+    files: Sequence[str],
+    case: Case | None,
+    mapping: Sequence[str],
+    every: str | None,
+    limits: Sequence[str],
+    part: str | None,
+) -> tuple[Log, States, list[Point], list[Check], np.ndarray]:
+    """(log without its jumps, states, points, checks, mask of rows after a gap) of the files of a log, as `import_log`."""
+    figures = read_limits(limits)
+    log = between(read_log(files, read_map(mapping)), part)
     size = read_every(every, log.by_time)
     checks = held_values(log)
     log, jumps = without_jumps(log)
@@ -80,14 +96,11 @@ def import_log(
     block = None if case is None or case.rig is None else case.rig.block_weight
     weigh = None if case is None else weights(case, log.column("bit_depth"))
     expected = None if weigh is None else (lambda depth: weigh(depth) + (block or 0.0))
-    warnings = [*log.warnings, *check_sizes(log, expected)]
+    log = replace(log, warnings=(*log.warnings, *check_sizes(log, expected)))
     weight = np.full(len(log), np.nan) if weigh is None else weigh(log.column("bit_depth"))
     states = states_of(log, weight, block, figures, far)
     checks += dead_flag(log, states.in_slips)
-    points = points_of(log, states, weight, size, far)
-    log = replace(log, warnings=tuple(warnings))
-    _write(folder, log, states, points, checks, far)
-    return LogResult(folder, log, states, points, checks, _lines(folder, log, states, points, checks, case))
+    return log, states, points_of(log, states, weight, size, far), checks, far
 
 
 def weights(case: Case, depth: FloatArray) -> Callable[[FloatArray], FloatArray]:
@@ -109,6 +122,38 @@ def weights(case: Case, depth: FloatArray) -> Callable[[FloatArray], FloatArray]
         found.append((float(place), float(rows.weight @ np.diff(down)) + rows.end_weight))
     at, weight = np.array(found).T
     return lambda depth: np.where(depth <= end + 1.0, np.interp(depth, at, weight), np.nan)
+
+
+def points_of_log(file: str, case: Case, every: str | None) -> tuple[MeasuredPoint, ...]:
+    """Points for `calibrate` of a raw log, as `import log` would write them; nothing is written."""
+    found = read_and_divide([file], case, (), every, (), None)
+    points = tuple(measured_point(point) for point in found[2])
+    if not points:
+        counts = ", ".join(f"{word} {count}" for word, count in found[1].count().items())
+        raise CaseError(
+            at="--log",
+            got=f"{file}: {counts}",
+            want="a log with trips, drilling or rotation that makes points",
+        )
+    return points
+
+
+def measured_point(point: Point) -> MeasuredPoint:
+    """A point of a log as one of a case; a reading that a case does not have is left out."""
+    names = {
+        "hook_load": "hook_load",
+        "torque": "torque",
+        "wob": "wob",
+        "torque_downhole": "tob",
+        "rpm": "rpm",
+        "flow_rate": "flow_rate",
+    }
+    keys = {key: InSI(max(point.values[name], 0.0)) for name, key in names.items() if name in point.values}
+    if point.speed == point.speed:
+        keys["speed"] = InSI(point.speed)
+    return MeasuredPoint.model_validate(
+        {"bit_depth": InSI(point.bit_depth), "operation": point.operation, **keys}
+    )
 
 
 # ---------------------------------------------------------------------- files

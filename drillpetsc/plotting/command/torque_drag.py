@@ -70,6 +70,18 @@ def _calibration(table: Table, summary: dict[str, Any], title: str, system: Syst
     for word, (text, color) in OPERATIONS.items():
         for reading, (mark, kind) in marks.items():
             part = (operation == word) & (table["compared [-]"] == reading)
+            held = part & (np.asarray(table["part [-]"]) == "held_out")
+            if held.any():
+                left.plot(
+                    residual[held],
+                    md[held],
+                    mark,
+                    mfc="none",
+                    color=color,
+                    label=f"{text}, {kind}, predicted",
+                    markersize=6,
+                )
+            part &= ~held
             if part.any():
                 left.plot(residual[part], md[part], mark, color=color, label=f"{text}, {kind}", markersize=6)
                 right.plot(table["ff_open_hole_alone [-]"][part], md[part], mark, color=color, markersize=6)

@@ -45,7 +45,9 @@ class SoftEnds:
         self._section = np.concatenate(sections).astype(np.int32)
         self._end = np.array(ends, dtype=float)
 
-    def ends(self, loads: Columns, lifts: Sequence[FloatArray] | None = None) -> tuple[FloatArray, FloatArray]:
+    def ends(
+        self, loads: Columns, lifts: Sequence[FloatArray] | None = None
+    ) -> tuple[FloatArray, FloatArray]:
         """(tension [N], torque [N m]) at the top, (c,) each; nan for a string that cannot bear its weight on bit.
 
         loads: of c strings, without `lift`; lifts: (k,) force per length [N/m] in the steps of the string of each column.
