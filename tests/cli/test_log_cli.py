@@ -71,7 +71,7 @@ def test_calibrate_reads_a_log_and_its_points(tmp_path, capsys):
     case = tmp_path / "case.yaml"
     case.write_text(
         """
-well: {survey: {md: [0, 600, 900, 1100], inclination: [0 deg, 0 deg, 30 deg, 30 deg], azimuth: [0 deg, 0 deg, 0 deg, 0 deg]},
+well: {survey: {md: [0, 600, 900, 1100], inclination: [0 deg, 0 deg, 60 deg, 60 deg], azimuth: [0 deg, 0 deg, 0 deg, 0 deg]},
   sections: [{to: 700 m, kind: casing, diameter: 224 mm, friction: 0.2}, {to: end, kind: open_hole, diameter: 216 mm, friction: 0.3}]}
 string: [{kind: pipe, length: 1100 m, od: 127 mm, id: 108.6 mm}]
 top: clamped
@@ -81,16 +81,50 @@ rig: {block_weight: 300 kN}
     rng = np.random.default_rng(3)
     rows = ["md_m,hookload_kN,torque_kNm,rpm,rop_m_per_h,wob_kN,tob_kNm"]
     for i in range(400):
-        torque = 4.0 + 0.004 * i + 0.05 * rng.standard_normal()
+        torque = 2.2 + 0.001 * i + 0.02 * rng.standard_normal()
         rows.append(f"{1000 + 0.2 * i:.1f},{520 + 0.03 * i:.2f},{torque:.3f},120,20,20,1")
     log = tmp_path / "rig.csv"
     log.write_text("\n".join(rows))
     out = [tmp_path / name for name in ("points", "a", "b")]
     assert main(["import", "log", str(log), "--case", str(case), "--out", str(out[0]), "--every", "2m"]) == 0
-    assert main(["calibrate", str(case), "--log", str(log), "--every", "2m", "--out", str(out[1])]) == 0
-    assert main(["calibrate", str(case), "--measured", str(out[0] / "points.csv"), "--out", str(out[2])]) == 0
+    assert (
+        main(
+            [
+                "calibrate",
+                str(case),
+                "--log",
+                str(log),
+                "--every",
+                "2m",
+                "--fit",
+                "open_hole",
+                "--out",
+                str(out[1]),
+            ]
+        )
+        == 0
+    )
+    assert (
+        main(
+            [
+                "calibrate",
+                str(case),
+                "--measured",
+                str(out[0] / "points.csv"),
+                "--fit",
+                "open_hole",
+                "--out",
+                str(out[2]),
+            ]
+        )
+        == 0
+    )
     first, second = (json.loads((folder / "summary.json").read_text()) for folder in out[1:])
-    assert first["fit"] == second["fit"] and first["errors"] == "correlated"
+    assert (
+        first["fit"] == second["fit"]
+        and first["fit"]["open_hole"]["value"] is not None
+        and first["errors"] == "correlated"
+    )
     capsys.readouterr()
     wrong = []
     for words, text in (
