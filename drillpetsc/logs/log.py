@@ -231,7 +231,7 @@ def _numbers(sheets: list[Sheet], channel: str, cells: list[str], unit: str) -> 
     out = np.full(len(cells), np.nan)
     for i in np.flatnonzero(~gone):
         try:
-            out[i] = np.nan if "_" in some[i] else float(some[i])
+            out[i] = float(some[i]) if some[i].isascii() and "_" not in some[i] else np.nan
         except ValueError:
             pass
         if not np.isfinite(out[i]):

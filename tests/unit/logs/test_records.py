@@ -231,3 +231,59 @@ def test_trips_of_a_day_show_running_drag():
         for kind in ("trip_in", "trip_out")
     }
     assert not abs(one["trip_in"] - one["trip_out"]) < 0.15
+
+
+def _stretches(label, step):
+    """(first, last) row of each stretch of equal labels without a gap in time; label: of the intervals between rows."""
+    first = 0
+    for k in range(1, len(label) + 1):
+        if k == len(label) or label[k] != label[first] or step[k] > 45:
+            yield str(label[first]), first, k
+            first = k
+
+
+def test_states_of_stretches_that_are_labelled_otherwise(trip):
+    """Stretches labelled from the height of the travelling block, which the states do not use, and the contractor's stages of flow.
+
+    The block moves by itself: slips; with the bit: a trip; neither moves during a stage of flow: circulation. Rows at least 20 s
+    inside a stretch are compared. `edge` is no recognition but says that there is none: it is counted apart.
+    """
+    log, states = trip
+    noted = between(read_log([record("volve-f4/trip-time.csv")]), DAY)
+    at = noted.values["time"] + (noted.start - log.start).total_seconds()
+    step, block, bit = (
+        np.diff(at),
+        np.diff(noted.column("block_position")),
+        np.diff(noted.column("bit_depth")),
+    )
+    together = (np.abs(bit) > 2) & (np.abs(np.abs(block) - np.abs(bit)) < 0.15 * np.abs(bit))
+    label = np.select(
+        [
+            step > 45,
+            (np.abs(block) > 1) & (np.abs(bit) < 0.02),
+            together & (bit > 0),
+            together & (bit < 0),
+            (np.abs(block) < 0.02) & (np.abs(bit) < 0.02),
+        ],
+        ["", "in_slips", "trip_in", "trip_out", "still"],
+        "",
+    )
+    rows = np.genfromtxt(record("volve-f4/circulation.csv"), delimiter=",", skip_header=1, dtype=str)[:, :2]
+    stages = [
+        [(datetime.fromisoformat(q).replace(tzinfo=UTC) - log.start).total_seconds() for q in row]
+        for row in rows
+    ]
+    time, true, found = log.values["time"], [], []
+    for name, first, last in _stretches(label, np.append(step, 0.0)):
+        low, high = at[first] + 20, at[last] - 20
+        for a, b in stages if name == "still" else [(low, high)] * (name != ""):
+            inside = (time >= max(a, low)) & (time <= min(b, high))
+            true += [name.replace("still", "circulate")] * int(inside.sum())
+            found += np.where(states.word[inside] == "connection", "in_slips", states.word[inside]).tolist()
+    true, found = np.array(true), np.array(found)
+    assert {name: (true == name).sum() > 60 for name in np.unique(true)} == dict.fromkeys(
+        ("circulate", "in_slips", "trip_in", "trip_out"), True
+    )
+    said = found != "edge"
+    assert np.mean(true[said] == found[said]) >= 0.97
+    assert np.mean(said) >= 0.95
