@@ -89,7 +89,7 @@ _WINDOW = re.compile(r"(?:avg|average)?(\d+)(ft|m|s|sec|min)(?:avg|average)?$")
 _GAUGE = re.compile(r"[\s_]*(of[\s_]+)?gauge$", re.IGNORECASE)
 #: units as logs spell them -> as `to_si` reads them; a weight in tonnes or kkgf is a force, standard gravity 9.80665 m/s2
 _SPELLED = {
-    "kkgf": "tf", "1000 kgf": "tf", "tonf": "tf", "mton": "tf", "metric ton": "tf", "metric tons": "tf", "te": "tf", "mt": "tf",
+    "kkgf": "tf", "1000 kgf": "tf", "tonf": "tf", "mton": "tf", "metric ton": "tf", "metric tons": "tf", "mt": "tf",
     "1000 lbf": "klbf", "klbm": "klbf", "1000 lb": "klbf", "kft.lbf": "kft lbf", "kft.lb": "kft lb", "kft-lb": "kft lb",
     "1000 ft lbf": "kft lbf", "knm": "kN m", "kn.m": "kN m", "1/min": "rpm", "c/min": "rpm", "f": "ft", "usft": "ftUS",
     "m3/min": "m^3/min", "galus/min": "gal/min", "gal/mn": "gal/min", "feet": "ft", "meters": "m", "metres": "m", "ftus": "ftUS",
