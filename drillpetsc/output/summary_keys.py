@@ -552,15 +552,16 @@ CALIBRATE: tuple[SummaryKey, ...] = (
     SummaryKey(
         "correlation_length",
         "",
-        "By operation and quantity: readings, correlation length along depth raw and detrended, effective number of readings.",
+        "By operation and quantity: readings, correlation length along depth raw and detrended, effective number of readings; null if "
+        "errors are independent, as are `block` and `resamples`.",
     ),
     SummaryKey("block", "m", "Length of the blocks that the bootstrap draws."),
     SummaryKey("resamples", "-", "Number of resamples of the bootstrap."),
-    SummaryKey("drift", "", "Friction factor by windows of depth, its slope, and whether it drifts."),
+    SummaryKey("drift", "", "Friction factor by windows of depth, its slope, whether it drifts; or null."),
     SummaryKey(
         "hold_out",
         "",
-        "By quantity: readings that were predicted, bias, rms, 95th percentile and largest error over the reading, share in the band.",
+        "By quantity: readings that were predicted, bias, rms, 95th percentile and largest error over the reading, share in the band; null without --hold-out.",
     ),
     SummaryKey("warnings", "", "Why a result is unreliable."),
     SummaryKey("notes", "", "Assumptions, and omissions of the model."),

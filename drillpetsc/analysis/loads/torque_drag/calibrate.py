@@ -121,7 +121,8 @@ def _rows(work: Calibration, computed: Any, band: Any, alone: Any, part: str) ->
 
 def _of_depth(fit: Fit, drift: Drift | None, prediction: Prediction | None) -> dict[str, Any]:
     """What is along depth, for `summary.json`: correlation of the errors, drift, points that were held out."""
-    out: dict[str, Any] = {"errors": "independent" if fit.lengths is None else "correlated"}
+    out: dict[str, Any] = dict.fromkeys(("correlation_length", "block", "resamples", "drift", "hold_out"))
+    out["errors"] = "independent" if fit.lengths is None else "correlated"
     if fit.lengths is not None:
         found = fit.lengths
         out["correlation_length"] = {
@@ -133,7 +134,7 @@ def _of_depth(fit: Fit, drift: Drift | None, prediction: Prediction | None) -> d
             }
             for name in found.raw
         }
-        out["block [m]"], out["resamples"] = fit.block, RESAMPLES
+        out["block"], out["resamples"] = fit.block, RESAMPLES
     if drift is not None:
         out["drift"] = {
             "parameter": drift.name,
@@ -308,12 +309,12 @@ def _lines(case: Case, work: Calibration, fit: Fit, summary: dict[str, Any], sys
             lines.append(
                 f"  correlation of {fit.parameters[i]} and {fit.parameters[j]}: {fit.correlation[i, j]:.3f}"
             )
-    for name, row in summary.get("correlation_length", {}).items():
+    for name, row in (summary["correlation_length"] or {}).items():
         lines.append(
             f"  {name}: errors correlated over {row['raw [m]']:.3g} m, {row['detrended [m]']:.3g} m without their trend; "
             f"{row['readings']} readings count as {row['effective']:.2g}"
         )
-    for name, row in summary.get("hold_out", {}).items():
+    for name, row in (summary["hold_out"] or {}).items():
         lines.append(
             f"  held out, {name.replace('_', ' ')}: {row['readings']} readings, bias {row['bias']:+.2%}, rms {row['rms']:.2%}, 95 % "
             f"within {row['p95']:.2%}, largest {row['largest']:.2%}; {row['in_band']:.0%} inside the 90 % band"

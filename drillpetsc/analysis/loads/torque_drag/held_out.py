@@ -13,6 +13,7 @@ from drillpetsc.case.blocks.roadmap import MeasuredPoint
 from drillpetsc.errors import CaseError
 from drillpetsc.units import UnitError, bare_number, to_si
 
+TINY = 1e-6
 BAND, BAND_SIGMAS = 0.90, 1.645  # share of readings that the band of a prediction is to hold
 
 
@@ -35,7 +36,7 @@ class Prediction:
             if not rows.any():
                 continue
             error = (self.computed - d.value)[rows]
-            share = error / np.abs(d.value[rows])
+            share = error / np.maximum(np.abs(d.value[rows]), TINY * np.abs(d.value[rows]).max())
             out[name] = {
                 "readings": int(rows.sum()),
                 "bias": float(share.mean()),
@@ -83,6 +84,6 @@ def predict(fitted: Calibration, fit: Fit, held: Calibration) -> Prediction:
         variance = np.einsum("in,ij,jn->n", slope, covariance, slope)
     for rows, mine in ((held.data.hook, fitted.data.hook), (~held.data.hook, ~fitted.data.hook)):
         if rows.any() and mine.any():
-            relative = (fit.computed - fitted.data.value)[mine] / np.abs(fitted.data.value[mine])
-            variance[rows] += np.mean(relative**2) * held.data.value[rows] ** 2
+            error, read = (fit.computed - fitted.data.value)[mine], fitted.data.value[mine]
+            variance[rows] += np.sum(error**2) / max(np.sum(read**2), TINY) * held.data.value[rows] ** 2
     return Prediction(held, computed, BAND_SIGMAS * np.sqrt(variance))
