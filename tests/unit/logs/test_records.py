@@ -287,3 +287,50 @@ def test_states_of_stretches_that_are_labelled_otherwise(trip):
     said = found != "edge"
     assert np.mean(true[said] == found[said]) >= 0.97
     assert np.mean(said) >= 0.95
+
+
+def test_doubtful_string_determines_no_friction():
+    """The published string of an unnamed well: its rotating weight drifts away with depth, so that no friction is given.
+
+    The collar's published 1267 lb/ft cannot be right; with 147 lb/ft, its steel, the weight still drifts by 8 klbf per 1000 ft.
+    """
+    from drillpetsc.analysis.loads.torque_drag.calibration import Calibration
+    from drillpetsc.case.blocks.roadmap import MeasuredPoint
+    from drillpetsc.case.case import Case
+
+    survey = np.genfromtxt(record("td-field-dogleg/survey.csv"), delimiter=";", skip_header=1)
+    rows = np.genfromtxt(record("td-field-dogleg/ActualTnD.csv"), delimiter=",", skip_header=1)
+    foot, klbf = 0.3048, 4448.2216152605
+    end = float(survey[-1, 0])
+    pipe = {"kind": "pipe", "od": "5 in", "id": "4.276 in", "length": (end - 1011 - 64) * foot}
+    case = Case(
+        well={
+            "survey": {
+                "md": (survey[:, 0] * foot).tolist(),
+                "inclination": np.radians(survey[:, 1]).tolist(),
+                "azimuth": np.radians(survey[:, 2]).tolist(),
+            },
+            "sections": [
+                {"to": 1312 * foot, "kind": "casing", "diameter": "8.692 in", "friction": 0.2},
+                {"to": "end", "kind": "open_hole", "diameter": "8.5 in", "friction": 0.3},
+            ],
+        },
+        string=[
+            pipe,
+            {"kind": "pipe", "od": "5 in", "id": "2.75 in", "length": 1011 * foot},
+            {"kind": "drill_collar", "od": "8 in", "id": "3 in", "length": 64 * foot},
+        ],
+        top="clamped",
+        fluid={"density": "1100 kg/m3", "rheology": {"model": "newtonian", "viscosity": "1 mPa s"}},
+        rig={"block_weight": 25 * klbf},
+    )
+    points = tuple(
+        MeasuredPoint(bit_depth=row[0] * foot, operation=operation, hook_load=row[1 + k] * klbf)
+        for row in rows[rows[:, 0] <= end]
+        for k, operation in enumerate(("trip_out", "trip_in", "rotate_off_bottom"))
+    )
+    fit = Calibration(case, points).fit(("cased", "open_hole"))
+    assert np.isnan(fit.value).all() and "weight wrong" in fit.reasons["open_hole"]
+    read = np.array([point.hook_load for point, _ in Calibration(case, points).weight_misfit()])
+    gap = read - np.array([computed for _, computed in Calibration(case, points).weight_misfit()])
+    assert gap[0] / klbf == pytest.approx(13, abs=5) and gap[-1] / klbf == pytest.approx(53, abs=10)

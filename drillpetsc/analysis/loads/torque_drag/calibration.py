@@ -22,7 +22,8 @@ from drillpetsc.analysis.loads.torque_drag.along_depth import (
     windows,
 )
 from drillpetsc.analysis.loads.torque_drag.batch import Columns
-from drillpetsc.analysis.loads.torque_drag.circulation import Circulation, circulation, flow_table
+from drillpetsc.analysis.loads.torque_drag.circulation import Circulation, circulation
+from drillpetsc.analysis.loads.torque_drag.flow_table import flow_table
 from drillpetsc.analysis.loads.torque_drag.operations import KINDS, groups_of, load_of, plan_of
 from drillpetsc.analysis.loads.torque_drag.soft_ends import SoftEnds
 from drillpetsc.analysis.loads.torque_drag.string_rows import gravity_of, need_well, rows_at
