@@ -27,7 +27,7 @@ def test_import_log_writes_its_folder(log, tmp_path, capsys):
     assert main(["import", "log", str(log), "--out", str(out), "--every", "5m"]) == 0
     text = capsys.readouterr().out
     assert "200 rows by depth" in text and "not used: who" in text and "drilling 200" in text
-    assert {q.name for q in out.iterdir()} == {
+    assert {q.name for q in out.iterdir() if q.suffix != ".parquet"} == {
         "log.csv",
         "states.csv",
         "points.csv",
@@ -47,6 +47,14 @@ def test_import_log_writes_its_folder(log, tmp_path, capsys):
     assert "data:image/png;base64," in page and "http" not in page.replace("http-equiv", "")
     assert main(["import", "log", str(log), "--out", str(out)]) == 2
     assert "--overwrite" in capsys.readouterr().err
+
+
+def test_a_data_frame_of_the_log(log, tmp_path):
+    parquet = pytest.importorskip("pyarrow.parquet")
+    assert main(["import", "log", str(log), "--out", str(tmp_path / "out")]) == 0
+    table = parquet.read_table(tmp_path / "out" / "log.parquet")
+    np.testing.assert_array_equal(table["torque [N m]"].to_numpy(), np.full(200, 12e3))
+    assert set(table["state [-]"].to_pylist()) == {"drilling"}
 
 
 def test_refusals_name_the_option(log, tmp_path, capsys):

@@ -163,6 +163,7 @@ def _write(
     try:
         folder.mkdir(parents=True, exist_ok=True)
         write_table(folder / LOG_TABLE, *_log_table(log, states))
+        _write_parquet(folder, *_log_table(log, states))
         write_table(folder / LOG_STATES, *_spell_table(log, states, far))
         cells = cells_of(points)
         write_table(
@@ -173,6 +174,19 @@ def _write(
         raise CaseError(
             at="--out", got=folder, want=f"a folder that can be written ({error.strerror})"
         ) from None
+
+
+def _write_parquet(folder: Path, columns: list[tuple[str, str]], cells: list[Any]) -> None:
+    """The table of the log for data frames, if the package pyarrow is installed."""
+    try:
+        import pyarrow
+        from pyarrow import parquet
+    except ImportError:
+        return
+    table = {
+        f"{name} [{unit}]": pyarrow.array(values) for (name, unit), values in zip(columns, cells, strict=True)
+    }
+    parquet.write_table(pyarrow.table(table), folder / f"{Path(LOG_TABLE).stem}.parquet")
 
 
 def _log_table(log: Log, states: States) -> tuple[list[tuple[str, str]], list[Any]]:

@@ -191,6 +191,18 @@ def test_clocks():
         clock_times(["31/12/2020 10:00", "12/31/2020 10:00"])
 
 
+def test_chunks_in_several_files_are_one_log(tmp_path):
+    head = "time,bit_md_m,hookload_t\n"
+    names = [
+        _write(tmp_path, head + f"2020-01-01T00:00:{second},{1000 + second},100\n", f"{second}.csv")
+        for second in (40, 10, 20)
+    ]
+    log = read_log(names)
+    np.testing.assert_allclose(log.values["bit_depth"], [1010, 1020, 1040])
+    with pytest.raises(CaseError, match="the columns of 40.csv"):
+        read_log([names[0], _write(tmp_path, "time,bit_md_m,hookload_kN\n2020-01-01,1,2\n", "other.csv")])
+
+
 def test_a_part_of_a_log(tmp_path):
     log = read_log([_write(tmp_path, "md_m,hookload_t\n" + "\n".join(f"{1000 + i},100" for i in range(9)))])
     np.testing.assert_allclose(between(log, "1002 m,1005 m").values["bit_depth"], [1002, 1003, 1004])
