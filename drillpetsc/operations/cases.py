@@ -120,21 +120,13 @@ class ImportLog(Operation):
     overwrite: Annotated[bool, "replace an existing --out"] = False
 
     def compute(self, job: Any) -> Any:
-        from drillpetsc.analysis.commands.import_log import import_log
+        from drillpetsc.analysis.commands.import_log import Choices, import_log
         from drillpetsc.case import load_case
         from drillpetsc.plotting.command.log import log_page
 
         case = None if self.case is None else load_case(self.case)
-        result = import_log(
-            self.files,
-            case,
-            self.out,
-            self.overwrite,
-            mapping=self.map,
-            every=self.every,
-            limits=self.states,
-            part=self.between,
-        )
+        choices = Choices(self.map, self.every, self.states, self.between)
+        result = import_log(self.files, case, self.out, self.overwrite, choices)
         log_page(result.folder)
         return result
 

@@ -22,7 +22,7 @@ import numpy as np
 from fuzz_judge import Failure, guarded
 from fuzz_mutations import mutate_text
 
-from drillpetsc.analysis.commands.import_log import read_and_divide
+from drillpetsc.analysis.commands.import_log import Choices, read_and_divide
 from drillpetsc.errors import CaseError
 from drillpetsc.logs.log import Log, read_log
 
@@ -290,7 +290,7 @@ def try_one(number: int, seed: int, folder: Path) -> str:
         if made is not None:
             judge(made, log)
         if number % 10 == 1:
-            guarded(lambda: read_and_divide([str(path)], None, (), None, (), None), 20.0)
+            guarded(lambda: read_and_divide([str(path)], None, Choices()), 20.0)
     except CaseError as error:
         for each in (error, *error.also):
             if not each.want:

@@ -53,42 +53,52 @@ class LogResult:
     lines: list[str]
 
 
+@dataclass(frozen=True)
+class Choices:
+    """Texts of the options of the command.
+
+    mapping: `--map`; every: `--every`; limits: `--states`; part: `--between`.
+    """
+
+    mapping: Sequence[str] = ()
+    every: str | None = None
+    limits: Sequence[str] = ()
+    part: str | None = None
+
+
 def import_log(
-    files: Sequence[str],
-    case: Case | None,
-    out: str | Path | None,
-    overwrite: bool,
-    mapping: Sequence[str] = (),
-    every: str | None = None,
-    limits: Sequence[str] = (),
-    part: str | None = None,
+    files: Sequence[str], case: Case | None, out: str | Path | None, overwrite: bool, choices: Choices
 ) -> LogResult:
     """Read, check and divide a log, and write its folder.
 
-    case: for the weight of the string, which tells slips and units; None: states that need it are unknown.
-    out: folder, None: one beside the first file, named after it; mapping, every, limits, part: texts of the options.
+    case: for the weight of the string, which reveals slips and wrong units; None: states that need it are unknown.
+    out: folder, None: one named after the first file.
     Raises CaseError for what cannot be understood without a guess; nothing is written then.
     """
     folder = Path(out) if out else Path(f"{Path(files[0]).stem}-log")
     if folder.exists() and not overwrite:
         raise CaseError(at="--out", got=folder, want="a folder that does not exist, or --overwrite")
-    log, states, points, checks, far = read_and_divide(files, case, mapping, every, limits, part)
-    _write(folder, log, states, points, checks, far)
-    return LogResult(folder, log, states, points, checks, _lines(folder, log, states, points, checks, case))
+    found = read_and_divide(files, case, choices)
+    _write(folder, found)
+    return LogResult(folder, found.log, found.states, found.points, found.checks, _lines(folder, found, case))
 
 
-def read_and_divide(
-    files: Sequence[str],
-    case: Case | None,
-    mapping: Sequence[str],
-    every: str | None,
-    limits: Sequence[str],
-    part: str | None,
-) -> tuple[Log, States, list[Point], list[Check], np.ndarray]:
-    """(log without its jumps, states, points, checks, mask of rows after a gap) of the files of a log, as `import_log`."""
-    figures = read_limits(limits)
-    log = between(read_log(files, read_map(mapping)), part)
-    size = read_every(every, log.by_time)
+@dataclass(frozen=True)
+class Divided:
+    """A log without its depth jumps, with states, points, checks, and the (n,) mask of rows after a gap."""
+
+    log: Log
+    states: States
+    points: list[Point]
+    checks: list[Check]
+    far: np.ndarray
+
+
+def read_and_divide(files: Sequence[str], case: Case | None, choices: Choices) -> Divided:
+    """Read the files of a log, check it, and divide it into states and points; writes nothing."""
+    figures = read_limits(choices.limits)
+    log = between(read_log(files, read_map(choices.mapping)), choices.part)
+    size = read_every(choices.every, log.by_time)
     checks = held_values(log)
     log, jumps = without_jumps(log)
     far, gap = gaps(log)
@@ -100,7 +110,7 @@ def read_and_divide(
     weight = np.full(len(log), np.nan) if weigh is None else weigh(log.column("bit_depth"))
     states = states_of(log, weight, block, figures, far)
     checks += dead_flag(log, states.in_slips)
-    return log, states, points_of(log, states, weight, size, far), checks, far
+    return Divided(log, states, points_of(log, states, weight, size, far), checks, far)
 
 
 def weights(case: Case, depth: FloatArray) -> Callable[[FloatArray], FloatArray]:
@@ -126,10 +136,10 @@ def weights(case: Case, depth: FloatArray) -> Callable[[FloatArray], FloatArray]
 
 def points_of_log(file: str, case: Case, every: str | None) -> tuple[MeasuredPoint, ...]:
     """Points for `calibrate` of a raw log, as `import log` would write them; nothing is written."""
-    found = read_and_divide([file], case, (), every, (), None)
-    points = tuple(measured_point(point) for point in found[2])
+    found = read_and_divide([file], case, Choices(every=every))
+    points = tuple(measured_point(point) for point in found.points)
     if not points:
-        counts = ", ".join(f"{word} {count}" for word, count in found[1].count().items())
+        counts = ", ".join(f"{word} {count}" for word, count in found.states.count().items())
         raise CaseError(
             at="--log",
             got=f"{file}: {counts}",
@@ -157,19 +167,18 @@ def measured_point(point: Point) -> MeasuredPoint:
 
 
 # ---------------------------------------------------------------------- files
-def _write(
-    folder: Path, log: Log, states: States, points: list[Point], checks: list[Check], far: np.ndarray
-) -> None:
+def _write(folder: Path, found: Divided) -> None:
+    log, states = found.log, found.states
     try:
         folder.mkdir(parents=True, exist_ok=True)
         write_table(folder / LOG_TABLE, *_log_table(log, states))
         _write_parquet(folder, *_log_table(log, states))
-        write_table(folder / LOG_STATES, *_spell_table(log, states, far))
-        cells = cells_of(points)
+        write_table(folder / LOG_STATES, *_spell_table(log, states, found.far))
+        cells = cells_of(found.points)
         write_table(
             folder / LOG_POINTS, [(name, unit or "-") for name, unit, _ in COLUMNS], list(cells.values())
         )
-        write_summary(folder / LOG_QUALITY, _summary(log, states, points, checks))
+        write_summary(folder / LOG_QUALITY, _summary(found))
     except OSError as error:
         raise CaseError(
             at="--out", got=folder, want=f"a folder that can be written ({error.strerror})"
@@ -230,25 +239,25 @@ def _spell_table(log: Log, states: States, far: np.ndarray) -> tuple[list[tuple[
     ]
 
 
-def _summary(log: Log, states: States, points: list[Point], checks: list[Check]) -> dict[str, Any]:
+def _summary(found: Divided) -> dict[str, Any]:
+    log, states = found.log, found.states
     return {
         "rows": len(log),
         "index": "time" if log.by_time else "depth",
         "start": None if log.start is None else log.start.isoformat(),
         "columns": log.titles,
         "unused": list(log.unused),
-        "checks": [check.record() for check in checks],
+        "checks": [check.record() for check in found.checks],
         "states": states.count(),
         "block_weight": states.block,
-        "points": len(points),
+        "points": len(found.points),
         "warnings": list(log.warnings),
         "notes": list(log.remarks),
     }
 
 
-def _lines(
-    folder: Path, log: Log, states: States, points: list[Point], checks: list[Check], case: Case | None
-) -> list[str]:
+def _lines(folder: Path, found: Divided, case: Case | None) -> list[str]:
+    log, states, points, checks = found.log, found.states, found.points, found.checks
     lines = [
         f"{len(log)} rows by {'time' if log.by_time else 'depth'}: {', '.join(f'{q} = {t}' for q, t in log.titles.items())}"
     ]

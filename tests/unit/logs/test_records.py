@@ -136,6 +136,7 @@ def test_every_log_reads_without_a_false_alarm():
     assert not wrong
 
 
+@pytest.mark.slow
 def test_calibration_of_a_drilling_log():
     """F-5 as counted beforehand by other means: correlation, intervals by blocks, drift and the half that was held out.
 
@@ -192,6 +193,7 @@ def test_calibration_of_a_drilling_log():
     )
 
 
+@pytest.mark.slow
 def test_two_frictions_and_weight_act_alike_in_a_drilling_log():
     """F-5 with cased, open hole and weight factor: both frictions not determined; with a prior of one it is kept."""
     from drillpetsc.analysis.commands.import_log import points_of_log
@@ -208,13 +210,12 @@ def test_two_frictions_and_weight_act_alike_in_a_drilling_log():
 
 def test_trips_of_a_day_show_running_drag():
     """F-4: running drag 82 +- 24 kN per m/s and 1.1 % rms beforehand; without it running and pulling disagree on friction."""
-    from drillpetsc.analysis.commands.import_log import measured_point, read_and_divide
+    from drillpetsc.analysis.commands.import_log import Choices, measured_point, read_and_divide
     from drillpetsc.analysis.loads.torque_drag.calibration import Calibration
 
     case = load_case(record("volve-f4/f4.yaml"))
-    _, _, found, _, _ = read_and_divide(
-        [str(record("volve-f4/rig-15s.csv"))], case, (), None, ("edge_time=14 s",), DAY
-    )
+    choices = Choices(limits=("edge_time=14 s",), part=DAY)
+    found = read_and_divide([str(record("volve-f4/rig-15s.csv"))], case, choices).points
     kinds = [p.operation for p in found]
     assert kinds.count("trip_in") == pytest.approx(22, abs=2) and kinds.count("trip_out") == pytest.approx(
         25, abs=2

@@ -55,7 +55,7 @@ WIDEST_FACTOR, WIDEST = 0.25, {"weight_factor": 0.1, "running_drag": 1e5}
 BLOCK_SHARE = 0.25  # that of the block weight, of the largest hook load read
 LONGEST_STEP = 25.0  # of the integration where the hole is straight: there it is exact without a helix [m]
 MOST_FLOWS, FLOW_SPACING = 60, 20.0  # steady flows beyond which they are interpolated; between bit depths [m]
-FLOW_RANGE = 1.5  # ratio of the rates between which they are
+FLOW_RANGE = 2.0  # ratio of the rates between which they are
 ALONE_GRID = 41  # friction factors from 0 to 1 between which a point alone is solved
 
 
