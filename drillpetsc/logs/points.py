@@ -169,10 +169,10 @@ def _point(log: Log, states: States, weight: FloatArray, rows: np.ndarray, word:
     speed = np.nan
     if trip:
         speed = abs(float(np.mean(states.speed[rows])))
-        lifted = states.block is None or not values.get("hook_load", np.inf) <= states.block + LIFTED * float(
-            np.mean(weight[rows])
-        )
-        if not speed >= SLOWEST_TRIP or not lifted:
+        if states.block is None:  # slips are not recognised, nor how near to them these rows are
+            return []
+        least = states.block + LIFTED * float(np.mean(weight[rows]))
+        if not speed >= SLOWEST_TRIP or values.get("hook_load", np.inf) <= least:
             return []
     return [Point(operation, float(np.median(depth)), values, scatter, speed, len(rows))]
 

@@ -275,7 +275,7 @@ def _lines(folder: Path, found: Divided, case: Case | None) -> list[str]:
         lines.append(f"  hook load in slips (block): {states.block / 1e3:.4g} kN")
     elif log.by_time:
         reason = "without --case" if case is None else "the log shows no block weight"
-        lines.append(f"  note: {reason}, slips are not recognised")
+        lines.append(f"  note: {reason}, slips are not recognised, and trips make no points")
     kinds = {p.operation: sum(q.operation == p.operation for q in points) for p in points}
     lines.append(
         f"  {len(points)} points for calibrate"

@@ -106,6 +106,15 @@ def test_edges_are_never_points():
     assert speeds["trip_in"] == pytest.approx(0.5) and speeds["backreaming"] == pytest.approx(0.2)
 
 
+def test_trips_make_no_points_where_slips_are_not_recognised():
+    log, _ = planted()
+    far, _ = gaps(log)
+    nothing = np.full(len(log), np.nan)
+    states = states_of(log, nothing, None, Limits(), far)
+    assert states.block is None and (states.word == "trip_in").any() and not states.in_slips.any()
+    assert {p.operation for p in points_of(log, states, nothing, Every(), far)} == {"rotate_off_bottom"}
+
+
 def test_block_is_found_without_a_case_value():
     log, _ = planted()
     assert _states(log, None)[0].block == pytest.approx(BLOCK, rel=0.005)
@@ -133,6 +142,9 @@ def test_drilling_and_sliding_on_bottom():
     log.values["wob"] = np.full(60, 50e3)
     words = _states(log)[0].word
     assert set(words[:30]) == {"drilling"} and set(words[30:]) == {"slide"}
+    turns = log.values.pop("rpm")
+    assert set(_states(log)[0].word) == {"unknown"}  # it drills or slides
+    log.values["rpm"] = turns
     log.values["hole_depth"] = log.values["bit_depth"] + 1.0
     assert not set(_states(log)[0].word) & {"drilling", "slide"}
 
