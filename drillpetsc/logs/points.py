@@ -164,6 +164,9 @@ def _point(log: Log, states: States, weight: FloatArray, rows: np.ndarray, word:
         values["wob"] = float(np.nanmedian(wob))
     if np.nanmax(log.column("hole_depth")[rows] - depth, initial=-np.inf) > OFF_BOTTOM:
         values.pop("wob", None)
+    if values.get("rpm", np.inf) < RPM_BAND:  # without rotation friction makes no torque
+        values["rpm"] = 0.0
+        values.pop("torque", None)
     if "hook_load" not in values and not values.get("torque"):
         return []
     speed = np.nan

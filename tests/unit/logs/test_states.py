@@ -94,6 +94,7 @@ def test_states_of_a_planted_trip():
 
 def test_edges_are_never_points():
     log, words = planted()
+    log.values["torque"] = np.full(len(log), 5.0)  # what a drive at rest shows
     states, far = _states(log)
     change = np.flatnonzero((words[1:] == "in_slips") != (words[:-1] == "in_slips"))
     assert (states.word == "edge").sum() > 20 and len(change)
@@ -102,6 +103,7 @@ def test_edges_are_never_points():
     for point in points:
         true = next(load for word, _, _, load, _, _ in TRIP if point.operation.startswith(word))
         assert point.values["hook_load"] == pytest.approx(true, rel=0.005)
+    assert all("torque" not in p.values and p.values["rpm"] == 0 for p in points if p.operation == "trip_in")
     speeds = {p.operation: p.speed for p in points}
     assert speeds["trip_in"] == pytest.approx(0.5) and speeds["backreaming"] == pytest.approx(0.2)
 
