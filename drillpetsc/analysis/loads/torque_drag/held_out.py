@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from drillpetsc.analysis.loads.torque_drag.along_depth import walk_of
 from drillpetsc.analysis.loads.torque_drag.calibration import FACTOR_STEP, STEP, Calibration, Fit
 from drillpetsc.arrays import FloatArray
 from drillpetsc.case.blocks.roadmap import MeasuredPoint
@@ -68,10 +69,16 @@ def hold_out_depth(text: str, points: tuple[MeasuredPoint, ...]) -> float:
     return at
 
 
+def _depths(work: Calibration) -> FloatArray:
+    """(n,) bit depth of each reading [m]."""
+    return np.array([work.points[i].bit_depth for i in work.data.point])
+
+
 def predict(fitted: Calibration, fit: Fit, held: Calibration) -> Prediction:
     """Predict points with the result of a fit to others.
 
-    The band has the errors of the parameters and the scatter of the fitted residuals, relative to the reading, by quantity.
+    The band has the errors of the parameters and, relative to the reading and by quantity, the scatter of the fitted residuals and
+    their walk: beyond the fitted depths it grows by as much as they change along the fitted ones.
     """
     best, held.fixed = fit.best, fitted.fixed
     computed = held.computed([best])[0]
@@ -85,5 +92,9 @@ def predict(fitted: Calibration, fit: Fit, held: Calibration) -> Prediction:
     for rows, mine in ((held.data.hook, fitted.data.hook), (~held.data.hook, ~fitted.data.hook)):
         if rows.any() and mine.any():
             error, read = (fit.computed - fitted.data.value)[mine], fitted.data.value[mine]
-            variance[rows] += np.sum(error**2) / max(np.sum(read**2), TINY) * held.data.value[rows] ** 2
+            size = max(float(np.sqrt(np.mean(read**2))), TINY)
+            depth, away = _depths(fitted)[mine], _depths(held)[rows]
+            beyond = np.maximum(np.maximum(away - depth.max(), depth.min() - away), 0.0)
+            share = np.mean(error**2) / size**2 + walk_of(depth, error / size) * beyond
+            variance[rows] += share * held.data.value[rows] ** 2
     return Prediction(held, computed, BAND_SIGMAS * np.sqrt(variance))
