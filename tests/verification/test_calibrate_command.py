@@ -9,6 +9,7 @@ import pytest
 
 from drillpetsc.analysis.loads.torque_drag.along_depth import walk_of
 from drillpetsc.analysis.loads.torque_drag.batch import Columns, Hole, soft_strings
+from drillpetsc.analysis.loads.torque_drag.by_depth import drift_by_windows
 from drillpetsc.analysis.loads.torque_drag.calibrate import Choices, run_calibrate
 from drillpetsc.analysis.loads.torque_drag.calibration import Calibration
 from drillpetsc.analysis.loads.torque_drag.circulation import circulation
@@ -256,12 +257,12 @@ def test_drift_is_named_and_noise_is_not():
         p.model_copy(update={"torque": float(t)}) for p, t in zip(work.points, torque, strict=True)
     )
     work.data = work._data()
-    drift = work.drift(work.fit(("open_hole",), correlated=True))
+    drift = drift_by_windows(work, work.fit(("open_hole",), correlated=True))
     assert drift.drifts and drift.slope == pytest.approx(0.1 / 500, rel=0.15)
     assert drift.value == pytest.approx(TRUTH["open_hole"] + 0.1 * (drift.middle - 1900) / 500, abs=0.005)
     work.points = tuple(_clean(np.arange(1900.0, 2400.0, 2.0)))
     work.data = work._data()
-    clean = work.drift(work.fit(("open_hole",), correlated=True))
+    clean = drift_by_windows(work, work.fit(("open_hole",), correlated=True))
     assert np.ptp(clean.value) < 1e-4
 
 

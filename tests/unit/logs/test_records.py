@@ -146,6 +146,7 @@ def test_calibration_of_a_drilling_log():
     """
     from drillpetsc.analysis.commands.import_log import points_of_log
     from drillpetsc.analysis.loads.torque_drag.along_depth import changes, moving_blocks
+    from drillpetsc.analysis.loads.torque_drag.by_depth import drift_by_windows
     from drillpetsc.analysis.loads.torque_drag.calibration import SOFT_SCALE, Calibration
     from drillpetsc.analysis.loads.torque_drag.held_out import hold_out_depth, predict
 
@@ -170,7 +171,7 @@ def test_calibration_of_a_drilling_log():
     ]
     assert widths == pytest.approx([0.0098, 0.0127, 0.0188, 0.0228], rel=0.35)
     assert fit.independent[0] == pytest.approx(0.0025, rel=0.1) and widths[3] > 8 * fit.independent[0]
-    drift = work.drift(fit)
+    drift = drift_by_windows(work, fit)
     before = np.array([0.274, 0.248, 0.246, 0.244, 0.220, 0.210, 0.179, 0.170, 0.190, 0.178])
     assert drift.drifts and drift.value - drift.value.mean() == pytest.approx(
         before - before.mean(), abs=0.012

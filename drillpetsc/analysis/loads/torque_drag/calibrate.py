@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from drillpetsc.analysis.loads.torque_drag.along_depth import RESAMPLES, Drift
+from drillpetsc.analysis.loads.torque_drag.by_depth import alone_by_reading, drift_by_windows
 from drillpetsc.analysis.loads.torque_drag.calibration import (
     BOUNDS,
     WEIGHT_ERROR,
@@ -83,14 +84,16 @@ def run_calibrate(
         correlated = len({point.bit_depth for point in points}) >= FEWEST_DEPTHS
     notes = _notes(case, work, parameters)
     fit = work.fit(parameters, correlated, choices.priors)
-    drift, prediction = work.drift(fit), None if rest is None else predict(work, fit, rest)
+    drift, prediction = drift_by_windows(work, fit), None if rest is None else predict(work, fit, rest)
     warnings = _warnings(work, fit, parameters, drift)
     summary = _summary(case, fit, system, warnings, notes) | {"readings": len(work.data.value)}
     summary |= _of_depth(fit, drift, prediction)
     folder = job.make_folder()
     if job.comm.rank == 0:
         case.dump(folder.case)
-        columns = _rows(work, fit.computed, np.full(len(fit.computed), np.nan), work.alone(fit), "fitted")
+        columns = _rows(
+            work, fit.computed, np.full(len(fit.computed), np.nan), alone_by_reading(work, fit), "fitted"
+        )
         if prediction is not None:
             alone = np.full(len(prediction.computed), np.nan)
             more = _rows(prediction.work, prediction.computed, prediction.band, alone, "held_out")

@@ -11,15 +11,12 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from drillpetsc.analysis.loads.torque_drag.along_depth import (
-    Drift,
     Lengths,
     block_length,
     changes,
-    drift_of,
     lengths,
     moving_blocks,
     small_sample,
-    windows,
 )
 from drillpetsc.analysis.loads.torque_drag.batch import Columns
 from drillpetsc.analysis.loads.torque_drag.circulation import Circulation, circulation
@@ -48,7 +45,6 @@ ALIKE, WIDEST_ALIKE = (
     0.1,
 )  # correlation of two parameters of which neither is determined; half width from which
 FEWEST_WEIGHTS, SLOPE_BY_CHANCE = 4, 0.01  # rotating weights that show a slope with depth; probability of one
-FEWEST_WINDOWS, DRIFT_STEPS = 5, 4  # of a drift; steps of Newton's method in each window
 PRIOR_KEPT = 0.8  # share of the prior's interval that is left, above which the points have added nothing
 #: half width of a 95 % interval beyond which a parameter is not determined: friction factors are between 0.1 and 0.5
 WIDEST_FACTOR, WIDEST = 0.25, {"weight_factor": 0.1, "running_drag": 1e5}
@@ -56,7 +52,6 @@ BLOCK_SHARE = 0.25  # that of the block weight, of the largest hook load read
 LONGEST_STEP = 25.0  # of the integration where the hole is straight: there it is exact without a helix [m]
 MOST_FLOWS, FLOW_SPACING = 60, 20.0  # steady flows beyond which they are interpolated; between bit depths [m]
 FLOW_RANGE = 2.0  # ratio of the rates between which they are
-ALONE_GRID = 41  # friction factors from 0 to 1 between which a point alone is solved
 
 
 @dataclass(frozen=True)
@@ -569,67 +564,12 @@ class Calibration:
         return out
 
     # ------------------------------------------------------------------ checks
-    def drift(self, fit: Fit) -> Drift | None:
-        """The deepest friction factor window by window of depth, the others as fitted; None where there are too few readings."""
-        names = [name for name in fit.kept if name not in BOUNDS]
-        if fit.lengths is None or not names:
-            return None
-        name = "open_hole" if "open_hole" in names else names[-1]
-        d = self.data
-        depth = np.array([self.points[i].bit_depth for i in d.point])
-        parts = windows(depth)
-        if len(parts) < FEWEST_WINDOWS:
-            return None
-        value = np.full(len(parts), fit.best[name])
-        for _ in range(DRIFT_STEPS):
-            sets = [{**fit.best, name: float(v) + h} for v in value for h in (0.0, FACTOR_STEP)]
-            found = self.computed(sets)
-            for k, rows in enumerate(parts):
-                slope = (found[2 * k + 1, rows] - found[2 * k, rows]) / FACTOR_STEP / d.sigma[rows]
-                away = (d.value[rows] - found[2 * k, rows]) / d.sigma[rows]
-                power = float(slope @ slope)
-                value[k] = np.clip(value[k] + (float(slope @ away) / power if power else 0.0), *FACTOR_BOUNDS)
-        middle = np.array([depth[rows].mean() for rows in parts])
-        sigma = float(fit.interval[fit.parameters.index(name)]) / 1.96
-        return drift_of(name, middle, value, sigma)
-
     def weight_misfit(self, best: dict[str, float] | None = None) -> list[tuple[MeasuredPoint, float]]:
         """Points rotating off bottom with their hook load as computed, as it was read [N].  best: factors, the case's without."""
         values, d, out = self.computed([best or {}])[0], self.data, []
         for i, hook, computed in zip(d.point, d.hook, values, strict=True):
             if hook and self.points[i].operation == "rotate_off_bottom":
                 out.append((self.points[i], float(computed)))
-        return out
-
-    def alone(self, fit: Fit) -> FloatArray:
-        """(n,) open-hole factor at which each reading alone is met, nan where there is none in 0..1.
-
-        Brent's method on a monotone cubic through the readings at ``ALONE_GRID`` factors.
-        """
-        from scipy.interpolate import PchipInterpolator
-        from scipy.optimize import brentq
-
-        d = self.data
-        out = np.full(len(d.value), np.nan)
-        if "open_hole" not in self.factors:
-            return out
-        values = {
-            name: float(value)
-            for name, value in zip(fit.parameters, fit.value, strict=True)
-            if not np.isnan(value)
-        }
-        values.pop("open_hole", None)
-        grid = np.linspace(0.0, 1.0, ALONE_GRID)
-        table = self.computed([{**values, "open_hole": float(mu)} for mu in grid]) - d.value
-        for i in range(len(d.value)):
-            known = np.abs(table[:, i]) < 1e8  # the string is not locked up
-            change = np.flatnonzero(
-                (np.sign(table[:-1, i]) != np.sign(table[1:, i])) & known[1:] & known[:-1]
-            )
-            if not len(change) or np.ptp(table[known, i]) < 1e-6 * abs(d.value[i]):
-                continue
-            curve = PchipInterpolator(grid[known], table[known, i])
-            out[i] = float(brentq(curve, grid[change[0]], grid[change[0] + 1]))
         return out
 
 
