@@ -87,6 +87,54 @@ class Import(Operation):
         return [f"{out}: written", *(f"  {remark}" for remark in remarks)]
 
 
+class ImportLog(Operation):
+    """Read a rig's log (`import log FILE`): channels in SI, quality, rig states, points for `calibrate`.
+
+    Writes log.csv, states.csv, points.csv, quality.json and log.html.
+    """
+
+    files: Annotated[
+        tuple[str, ...],
+        Mark.ARGUMENT,
+        "FILE",
+        "the log: CSV or another text table, LAS, WITSML 1.4.1.1 log (.xml), xlsx; several files of the same columns are joined",
+    ]
+    case: Annotated[
+        str | None, "CASE.yaml", "the case, whose string tells slips and the units of the hook load"
+    ] = None
+    out: Annotated[str | None, "DIR", "folder of the results (default: named after the log)"] = None
+    map: Annotated[
+        tuple[str, ...],
+        "CHANNEL=TITLE:UNIT",
+        "the column of a channel, such as hook_load=HKLD:t; may be given several times",
+    ] = ()
+    between: Annotated[
+        str | None,
+        "A,B",
+        "a part of the log: two clock times, as 2020-12-31T01:00,2020-12-31T15:00, or two depths with units",
+    ] = None
+    every: Annotated[
+        str | None, "LENGTH", "length of a point while drilling, such as 1m or 10s (default: 10 m)"
+    ] = None
+    states: Annotated[
+        tuple[str, ...],
+        "KEY=VALUE",
+        "a figure of the rig states, such as 'edge_time=14 s'; may be given several times",
+    ] = ()
+    overwrite: Annotated[bool, "replace an existing --out"] = False
+
+    def compute(self, job: Any) -> Any:
+        from drillpetsc.analysis.commands.import_log import Choices, import_log
+        from drillpetsc.case import load_case
+        from drillpetsc.plotting.command.log import log_page
+
+        case = None if self.case is None else load_case(self.case)
+        choices = Choices(self.map, self.every, self.states, self.between)
+        result = import_log(self.files, case, self.out, self.overwrite, choices)
+        log_page(result.folder)
+        return result
+
+
 class Schema(Operation):
     """Write the JSON schema of case files, for editors, or the list of outputs."""
 

@@ -544,7 +544,8 @@ CALIBRATE: tuple[SummaryKey, ...] = (
     SummaryKey(
         "fit",
         "",
-        "By parameter: value, 95 % interval, and status: `determined`, or `not determined` with the reason; block weight in N.",
+        "By parameter: value, 95 % interval, that of independent errors, and status: `determined`, `prior kept`, or `not determined` "
+        "with the reason; block weight in N, running drag in N s/m.",
     ),
     SummaryKey("parameters", "", "Names of the parameters, in the order of `correlation`."),
     SummaryKey(
@@ -554,6 +555,21 @@ CALIBRATE: tuple[SummaryKey, ...] = (
         "reduced_chi2", "-", "Sum of squares of the weighted residuals over their degrees of freedom."
     ),
     SummaryKey("readings", "-", "Number of hook loads and torques that were fitted."),
+    SummaryKey("errors", "", "`correlated` or `independent`: how the intervals were computed."),
+    SummaryKey(
+        "correlation_length",
+        "",
+        "By operation and quantity: readings, correlation length along depth raw and detrended, effective number of readings; null if "
+        "errors are independent, as are `block` and `resamples`.",
+    ),
+    SummaryKey("block", "m", "Length of the blocks that the bootstrap draws."),
+    SummaryKey("resamples", "-", "Number of resamples of the bootstrap."),
+    SummaryKey("drift", "", "Friction factor by windows of depth, its slope, whether it drifts; or null."),
+    SummaryKey(
+        "hold_out",
+        "",
+        "By quantity: readings that were predicted, bias, rms, 95th percentile and largest error over the reading, share in the band; null without --hold-out.",
+    ),
     SummaryKey("warnings", "", "Why a result is unreliable."),
     SummaryKey("notes", "", "Assumptions, and omissions of the model."),
 )

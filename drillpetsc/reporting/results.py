@@ -100,7 +100,11 @@ _NO_ROWS = ("history.csv", "probes.csv", INDICES_TABLE)  # tables too long for a
 
 
 NOTE = "note: "  # precedes assumptions and omissions of a run, which are not warnings
-_NO_FRICTION = ("block_weight", "weight_factor")  # parameters of a calibration that are not friction factors
+_NO_FRICTION = (
+    "block_weight",
+    "weight_factor",
+    "running_drag",
+)  # parameters of a calibration that are not friction factors
 
 
 @dataclass(frozen=True)

@@ -40,6 +40,9 @@ MEASURED_TABLE = "measured.csv"  # measured points beside what the roadmap's cas
 TORQUE_DRAG_FILES = (ROADMAP_TABLE, ROADMAP_FILE, CALIBRATION_TABLE, MEASURED_TABLE)
 INDICES_TABLE = "indices.csv"  # indices of drilling dynamics over windows of time
 REFLECTION_TABLE = "reflection.csv"  # of torsional waves at a controlled top
+#: files of `import log`
+LOG_TABLE, LOG_STATES, LOG_POINTS, LOG_QUALITY = "log.csv", "states.csv", "points.csv", "quality.json"
+LOG_PAGE = "log.html"
 RESPONSE_TABLE = "response.csv"  # forced harmonic response by speed and place
 CAMPBELL_TABLE = "campbell.csv"  # modes by rotary speed
 CRITICAL_TABLE = "critical.csv"  # critical speeds: intersections of excitation lines and modes

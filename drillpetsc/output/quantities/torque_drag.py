@@ -134,6 +134,15 @@ MEASURED: tuple[Quantity, ...] = (
         "Standard error of the reading.",
         "not negative",
     ),
+    _row("part", "-", "Part", "PART", "Whether the reading was fitted or held_out, and then predicted."),
+    _row(
+        "band",
+        "N or N m",
+        "Half width of the band",
+        "BAND",
+        "Half width of the 90 % band of a prediction; empty for a reading that was fitted.",
+        "not negative",
+    ),
     _row(
         "ff_open_hole_alone",
         "-",
