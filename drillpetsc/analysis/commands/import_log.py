@@ -144,6 +144,7 @@ def points_of_log(file: str, case: Case, every: str | None) -> tuple[MeasuredPoi
             at="--log",
             got=f"{file}: {counts}",
             want="a log with trips, drilling or rotation that makes points",
+            hint="points that are made already, such as points.csv of import log, are given with --measured",
         )
     return points
 
