@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 from drillpetsc.errors import CaseError
-from drillpetsc.operations.operation import CaseOperation, Mark, Operation
+from drillpetsc.operations.operation import CaseOperation, Changes, Mark, Operation
 
 if TYPE_CHECKING:
     from drillpetsc.case import Case
@@ -102,6 +102,7 @@ class ImportLog(Operation):
     case: Annotated[
         str | None, "CASE.yaml", "the case, whose string tells slips and the units of the hook load"
     ] = None
+    set: Changes = ()
     out: Annotated[str | None, "DIR", "folder of the results (default: named after the log)"] = None
     map: Annotated[
         tuple[str, ...],
@@ -128,7 +129,9 @@ class ImportLog(Operation):
         from drillpetsc.case import load_case
         from drillpetsc.plotting.command.log import log_page
 
-        case = None if self.case is None else load_case(self.case)
+        if self.set and self.case is None:
+            raise CaseError(at="--set", got=self.set[0], want="--case, the case that is changed")
+        case = None if self.case is None else load_case(self.case, self.set)
         choices = Choices(self.map, self.every, self.states, self.between)
         result = import_log(self.files, case, self.out, self.overwrite, choices)
         log_page(result.folder)

@@ -61,6 +61,7 @@ def test_refusals_name_the_option(log, tmp_path, capsys):
     wrong = []
     for words, text in (
         (["--every", "10"], "--every"),
+        (["--set", "fluid=off"], "--case"),
         (["--map", "hook=who"], "--map"),
         (["--states", "x=1"], "--states"),
         (["--between", "1 kg,2 kg"], "--between"),
