@@ -12,7 +12,7 @@ from drillpetsc.analysis.statics.snapshot import Snapshot
 from drillpetsc.analysis.statics.start.march import March
 from drillpetsc.errors import SolveError
 from drillpetsc.model.drilling_model import DrillingModel
-from drillpetsc.solvers.static.static_newton import CONVERGED_INCREMENT, Equilibrium, StaticNewton
+from drillpetsc.solvers.static.static_newton import CONVERGED_INCREMENT, Drag, Equilibrium, StaticNewton
 
 FIRST_DRAG, LAST_DRAG = 1e3, 1e-2  # over the length of the step [N/m2]
 MOST_DRAG = 1e12  # beyond it no step is short enough
@@ -86,7 +86,7 @@ def relax_with_drag(
     for _ in range(MOST_STEPS):
         start, before = Snapshot(model), report.iterations
         try:
-            with solver.drag(drag):
+            with solver.drag(Drag(drag)):
                 solver.newton(report, STEP_INCREMENT, STEP_ITERATIONS)
                 if downhill and solver.negative_pivots():
                     raise SolveError("the step passes over a hill of the energy")

@@ -86,11 +86,9 @@ def slides_on(problem: StaticProblem) -> bool:
 
 def _path(problem: StaticProblem, kind: AnyPath) -> FrictionPath:
     model = problem.model
-    clearance, steps = node_clearance(model), steps_in_hole(model)
-    assert clearance is not None and steps is not None
     surge = surge_rates(model, problem.lowering)
     problem.solver.rates, model.system.assembly.y[:] = None, 0.0  # the path has its own surge
-    return FrictionPath(model, kind, problem.solver, problem.state.motion, clearance, steps, surge)
+    return FrictionPath(model, kind, problem.solver, problem.state.motion, surge)
 
 
 def _take(problem: StaticProblem, answer: PathAnswer, imperfection: float) -> None:
