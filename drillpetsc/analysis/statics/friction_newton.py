@@ -6,7 +6,7 @@ Manual: sec-statics-sequence.
 from __future__ import annotations
 
 from drillpetsc.analysis.statics.imperfection import item_imperfection, nodal_weight
-from drillpetsc.analysis.statics.path.paths_of_problem import answer_by_path, has_two_paths, slides_on
+from drillpetsc.analysis.statics.path.paths_of_problem import slides_on
 from drillpetsc.analysis.statics.relaxation import helix_load, relax, relax_with_drag
 from drillpetsc.analysis.statics.snapshot import Snapshot
 from drillpetsc.analysis.statics.start.coarse_mesh import too_coarse
@@ -18,8 +18,7 @@ from drillpetsc.errors import SolveError
 START_INCREMENT = 0.1  # of a state from which a further solve with more friction, or with the flow, starts
 LATERAL_STEPS = 15  # of Newton's method from a lateral equilibrium, which is close to the state
 NEAR_STEPS, NEAR_INCREMENT = 6, 10.0  # of its first steps, and the increment that they reach from there
-#: steps of a relaxation from there that may fail, and the same of a string that may follow its paths instead
-LATERAL_FAILED, FAILED_BEFORE_PATHS = 10, 4
+LATERAL_FAILED = 10  # steps of a relaxation from there that may fail
 STRONG_LOAD = 0.01  # side loads over the weight if the requested ones do not lead to a stable state
 
 
@@ -31,26 +30,7 @@ def reach(problem: StaticProblem) -> float:
     reached = from_lateral_start(problem)
     if reached is not None:
         return reached
-    if problem.moves and problem.straight is not None and _follows_paths(problem):
-        return problem.state.lateral_fraction
     return _by_relaxation(problem)
-
-
-def _follows_paths(problem: StaticProblem) -> bool:
-    """Follow the paths of a small string that slides and has several states, where its lateral equilibrium leads to none; collective.
-
-    Returns whether the first one has an end; the state is the former one where it has none.
-    """
-    if problem.turns or not has_two_paths(problem):
-        return False
-    restore = problem.save()
-    problem.origin.restore()
-    try:
-        answer_by_path(problem, "sliding")
-    except SolveError:
-        restore()
-        return False
-    return True
 
 
 def from_lateral_start(problem: StaticProblem) -> float | None:
@@ -68,7 +48,6 @@ def from_lateral_start(problem: StaticProblem) -> float | None:
     if straight is None:
         return None
     restore = problem.save()
-    most_failed = FAILED_BEFORE_PATHS if has_two_paths(problem) else LATERAL_FAILED
     for start in lateral_starts(model, straight, problem.state.motion, problem.fraction > 0, problem.found):
         fraction = problem.fraction if start.with_friction else 0.0
         problem.origin.restore()
@@ -84,7 +63,7 @@ def from_lateral_start(problem: StaticProblem) -> float | None:
                     solver.newton(report, NEAR_INCREMENT, NEAR_STEPS)
                     solver.newton(report, solver.start_increment, LATERAL_STEPS, near=True)
                 else:
-                    relax_with_drag(model, solver, report, solver.start_increment, most_failed)
+                    relax_with_drag(model, solver, report, solver.start_increment, LATERAL_FAILED)
                 reached = True
             except SolveError:
                 reached = False
