@@ -142,7 +142,7 @@ def director_equilibrium(
             f"the string's end lies {distance:.3g} {unit} below the end of the hole, which its stretch makes it reach; "
             "bottom: {kind: bit} stands on it, and a shorter string hangs above it"
         )
-    if report.negative_pivots and (state.path is None or state.path.kind == "without_friction"):
+    if report.negative_pivots and state.path is None:
         state.warnings.append(_instability_warning(model, report.negative_pivots))
     elif report.singular:
         state.warnings.append(
@@ -201,27 +201,19 @@ def _answer_by_newton(problem: StaticProblem) -> float:
                     error.what = (
                         f"no static state was found of a string that coils in its hole ({error.what})"
                     )
-            if found is None or ended or not problem.paths or not has_path(model, state.motion):
+            if (
+                found is None
+                or ended
+                or not problem.paths
+                or not any(state.motion)
+                or not has_path(model, state.motion)
+            ):
                 raise
             problem.origin.restore()
-            moves = any(state.motion)
-            answer_by_path(problem, "sliding" if moves else "without_friction")
-            if not moves:
-                _end_at_rest(problem)
+            answer_by_path(problem, "sliding")
             return state.lateral_fraction
     state.lateral_fraction = reached
     return reached
-
-
-def _end_at_rest(problem: StaticProblem) -> None:
-    """Replace the end of a path without friction, which still creeps, by the equilibrium beside it, if Newton's method finds it."""
-    assert problem.state.path is not None
-    restore, asm = problem.save(), problem.model.system.assembly
-    asm.dead_load = problem.state.path.persistent_load
-    try:
-        problem.solver.newton(problem.state.equilibrium)
-    except SolveError:
-        restore()
 
 
 def _beyond_bottom(model: DrillingModel) -> float:

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from drillpetsc.analysis.statics.imperfection import nodal_weight
-from drillpetsc.analysis.statics.path.path_answer import OVERLOAD, STEADY, AnyPath, PathAnswer, PathEnd
+from drillpetsc.analysis.statics.path.path_answer import OVERLOAD, STEADY, PathAnswer, PathEnd, PathKind
 from drillpetsc.analysis.statics.path.path_question import may_slack_off
 from drillpetsc.analysis.statics.placement import end_is_held, place_along_hole, top_depth
 from drillpetsc.analysis.statics.snapshot import Snapshot
@@ -49,10 +49,6 @@ LIFT = 0.2  # height of the bit over the bottom from which the string is slacked
 LOWERING = 0.2  # speed at which the top is lowered onto the bit that stands [m/s]
 MOST_LOWERING = 3.0  # largest way of the top in the hole, over the shortening of a straight string
 WEIGHT_TOLERANCE = 1e-3  # of the weight on bit, over the weight, where the lowering ends
-REST, LONGEST_REST = (
-    100.0,
-    10.0,
-)  # time in which a string without friction comes to rest, and its longest step [s]
 FIRST_STEP, SHORTEST_STEP = 1e-3, 1e-9  # [s]
 MOST_STEPS, MOST_STEPS_ON = 4000, 100
 STEP_INCREMENT, STEP_ITERATIONS = 1e-6, 25  # of Newton's method in a step
@@ -82,7 +78,6 @@ SETTINGS = {
     # the torque of kilometres of turning string settles within the slide
     "turning": Settings(ramp=1.0, slip=0.01 * SPEED, drag=1000.0, along=0.03, arm=0.1 * SPIN_ARM),
     "slack_off": Settings(ramp=4.0, slip=1e-3, drag=75.0, along=1e-3),
-    "without_friction": Settings(ramp=1.0, slip=1.0, drag=1000.0, along=0.03),
 }
 
 
@@ -98,7 +93,7 @@ class FrictionPath:
     def __init__(
         self,
         model: DrillingModel,
-        kind: AnyPath,
+        kind: PathKind,
         solver: StaticNewton,
         velocity: tuple[float, float],
         surge: FloatArray | None = None,
@@ -160,9 +155,7 @@ class FrictionPath:
 
     def _friction(self, speed: float) -> None:
         for component in self.components:
-            if self.kind == "without_friction":
-                component.impose_sliding_direction(0.0, 0.0)
-            elif (
+            if (
                 self.turns
             ):  # across the hole only the drag acts: the side force would roll the string for ever
                 component.impose_sliding_direction(
@@ -196,9 +189,7 @@ class FrictionPath:
 
         def move() -> tuple[float, float]:
             slid, change = 0.0, 0.0
-            if self.kind == "without_friction":
-                self._come_to_rest()
-            elif self.kind == "sliding":
+            if self.kind == "sliding":
                 slid, change = self._slide(OVERLOAD if start == "overload" else 1.0)
             else:
                 self._slack_off()
@@ -350,13 +341,6 @@ class FrictionPath:
             self._advance(SETTLE, lambda t: 0.0, SETTLE / 10)
             self._friction(speed)
             self._advance(SETTLE, lambda t: 0.0, SETTLE / 10)
-
-    def _come_to_rest(self) -> None:
-        """Raise the load, and let the string without friction come to rest."""
-        self._friction(0.0)
-        self._advance(SETTLE, lambda t: 0.0, SETTLE / 10)
-        self._ramp(0.0, 1.0)
-        self._advance(REST, lambda t: 1.0, LONGEST_REST)
 
     def _slack_off(self) -> None:
         """Lower the top onto the bit that stands, or raise the top's force."""

@@ -9,7 +9,7 @@ import numpy as np
 
 from drillpetsc.analysis.statics.flow_coupling import surge_rates
 from drillpetsc.analysis.statics.path.friction_path import SEED, FrictionPath, follow_paths
-from drillpetsc.analysis.statics.path.path_answer import AnyPath, PathAnswer
+from drillpetsc.analysis.statics.path.path_answer import PathAnswer, PathKind
 from drillpetsc.analysis.statics.path.path_question import may_slack_off
 from drillpetsc.analysis.statics.placement import end_is_held, top_depth
 from drillpetsc.analysis.statics.static_problem import StaticProblem
@@ -22,7 +22,7 @@ from drillpetsc.physics.tools.reamer import Reamer
 LEAST_CLEARANCE = 1e-3  # [m]
 
 
-def answer_by_path(problem: StaticProblem, kind: AnyPath) -> None:
+def answer_by_path(problem: StaticProblem, kind: PathKind) -> None:
     """Find the state of a string with friction at the end of a path, and what other starts give.
 
     Raises SolveError where the path has no end.
@@ -72,7 +72,7 @@ def slides_on(problem: StaticProblem) -> bool:
     return False
 
 
-def _path(problem: StaticProblem, kind: AnyPath) -> FrictionPath:
+def _path(problem: StaticProblem, kind: PathKind) -> FrictionPath:
     model = problem.model
     surge = surge_rates(model, problem.lowering)
     problem.solver.rates, model.system.assembly.y[:] = None, 0.0  # the path has its own surge
