@@ -39,7 +39,6 @@ SPACING = 3.0  # of independent side loads, the same on all meshes [m]
 LYING_SHARE = 0.01  # of the push: a side load on the string above the buckle that holds it on the wall
 GROWTH, LONGEST = 1.3, 60.0  # of the elements above the buckle: ratio of neighbours, length [m]
 MARGIN = 6.0  # of (EI/w)^(1/3) above the uppermost push, over which a buckle dies out
-ROUGH_SHARE = 0.25  # length of rough elements over the pitch of a helix
 BIT_DEPTH = 1e-4  # of a bit in the side of its hole, where the law of Hertz has the force of its spring [m]
 NO_LENGTH = 1e-9  # of an element that is a joint [m]
 MAX_ROUNDS = 10  # of lateral equilibrium and tension
@@ -91,12 +90,12 @@ def lateral_starts(
     loads, turns, last = _side_loads(model, found), _turns(model, motion), None
     bent = bool(np.abs(np.diff(found.direction, axis=0)).max() > STRAIGHT)
     state: LateralState | None = None
-    for number in range(MAX_ROUNDS):
+    for _ in range(MAX_ROUNDS):
         buckling = _first_node(model, found)
         if buckling is None:
             return []
         frame = _directors(model, found)
-        parts = _Parts(model, found, buckling, 0.0 if last is not None else _rough_length(model, found))
+        parts = _Parts(model, found, buckling)
         beam = _beam(model, found, parts, motion, frame)
         state = _solved(model, found, beam, parts, frame, loads, lateral and turns, last)
         if state is None:
@@ -117,7 +116,7 @@ def lateral_starts(
         else:
             moved = 0.0
         enough = change <= settled * -found.axial_force.min() and moved <= SETTLED_PLACE
-        if (number or not parts.rough) and enough:
+        if enough:
             break
     assert state is not None  # MAX_ROUNDS is at least 1
     out = []
@@ -188,13 +187,6 @@ def _ties_slope(joint: StringJoint) -> bool | None:
     return True if along or joint.kind != "revolute" else None
 
 
-def _rough_length(model: DrillingModel, found: March) -> float:
-    """Length [m] of elements that show a buckle: a share of the pitch 2 pi sqrt(2 EI/F) under the largest push F."""
-    pipe = ~model.mesh.is_joint
-    push = np.maximum(-found.effective_tension[pipe], 1e-9)
-    return ROUGH_SHARE * 2 * np.pi * float(np.sqrt(np.min(2 * model.mesh.bending_stiffness[pipe] / push)))
-
-
 def _beam(
     model: DrillingModel,
     found: March,
@@ -258,10 +250,10 @@ class _Parts:
     """Elements of the lateral problem: those of the model from node ``buckling`` on, longer ones above it.
 
     Above it they reach up to where the string lies on the wall, or to its top: a string that hangs free passes a side
-    force over kilometres.  Elements of the model are merged up to the length ``least`` [m]; rough: some are.
+    force over kilometres.
     """
 
-    def __init__(self, model: DrillingModel, found: March, buckling: int, least: float = 0.0):
+    def __init__(self, model: DrillingModel, found: March, buckling: int):
         mesh, depth = model.mesh, model.mesh.node_depth
         self.model, self.md = model, found.measured_depth
         lying = np.cumsum(np.linalg.norm(found.side_load, axis=1)[:buckling][::-1])
@@ -269,8 +261,7 @@ class _Parts:
         free = not (len(lying) and lying[-1] > share)
         joints = np.flatnonzero(mesh.is_joint)
         marks = {b.node for b in mesh.bodies} | set(joints) | set(joints + 1)
-        self.rough = bool((2 * mesh.length[buckling:] <= least)[~mesh.is_joint[buckling:]].any())
-        nodes, length = [mesh.nodes - 1], least
+        nodes, length = [mesh.nodes - 1], 0.0
         while nodes[-1] > 0:
             at = nodes[-1]
             if at <= buckling and free:
