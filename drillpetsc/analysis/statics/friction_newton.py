@@ -16,10 +16,10 @@ from drillpetsc.analysis.statics.static_problem import StaticProblem
 from drillpetsc.errors import SolveError
 
 START_INCREMENT = 0.1  # of a state from which a further solve with more friction, or with the flow, starts
+STRONG_LOAD = 0.01  # side loads over the weight if the requested ones do not lead to a stable state
 LATERAL_STEPS = 15  # of Newton's method from a lateral equilibrium, which is close to the state
 NEAR_STEPS, NEAR_INCREMENT = 6, 10.0  # of its first steps, and the increment that they reach from there
 LATERAL_FAILED = 10  # steps of a relaxation from there that may fail
-STRONG_LOAD = 0.01  # side loads over the weight if the requested ones do not lead to a stable state
 
 
 def reach(problem: StaticProblem) -> float:
@@ -82,38 +82,35 @@ def _by_relaxation(problem: StaticProblem) -> float:
     """Relax the string from the march; returns the lateral friction fraction reached.
 
     A state that is unstable is a saddle, on which no force is lateral: the string then relaxes again under small random side
-    loads, which stay.  On a coarse mesh the instability is that of the elements.  Raises SolveError where no equilibrium is found.
+    loads, which are taken away again if the state is stable without them.  On a coarse mesh the instability is that of the
+    elements.  Raises SolveError where no equilibrium is found.
     """
     model, solver, report = problem.model, problem.solver, problem.state.equilibrium
     fraction, found, saddle = model.case.initial.imperfection, problem.found, None
     if found is not None:
         problem.origin.restore()
         place_marched(model, found)
-    start = Snapshot(model)
-    strengths: tuple[float, ...] = (0.0,)
-    if fraction and not too_coarse(model):
-        # weaker loads than these may end on the saddle again, so that the state would hang on the imperfection
-        strengths = (0.0, fraction, *((STRONG_LOAD,) if fraction < STRONG_LOAD else ()))
-    failure = SolveError("no static state was found")
+    start, failure = Snapshot(model), SolveError("no static state was found")
+    strengths = (0.0,) if not fraction or too_coarse(model) else (0.0, fraction, max(fraction, STRONG_LOAD))
     for strength in strengths:
         load = found.usual_contact_force if found is not None else 0.0
-        if strength:
-            start.restore()
-            solver.add_imperfection(
-                strength * nodal_weight(model) * item_imperfection(model, fraction), SPACING
-            )
-            load = helix_load(model, found) if found is not None else 0.0
-        report.imperfection = strength
         try:
-            reached = _relaxed(problem, load)
-            if strength and not problem.moves and solver.negative_pivots():
-                # a free column leans further than any Newton step from straight: follow it down
+            if strength:
                 start.restore()
-                relax_with_drag(model, solver, report, solver.start_increment, downhill=True)
+                size = strength * nodal_weight(model) * item_imperfection(model, fraction)
+                solver.add_imperfection(size, SPACING)
+                report.imperfection = strength
+                # without friction the loads have an energy, down which a column leans further than any Newton step from straight
+                helix = helix_load(model, found) if found is not None else 0.0
+                relax(model, solver, report, START_INCREMENT, helix, downhill=True)
+                load = 0.0  # it has found its wall
+            reached = _relaxed(problem, load)
         except SolveError as error:
             failure = error
             continue
         if not solver.negative_pivots() or len(strengths) == 1:
+            if strength:
+                _take_side_loads_away(problem, reached)
             return reached
         saddle = saddle or (Snapshot(model), reached)
     model.system.assembly.dead_load, report.imperfection = None, 0.0
@@ -121,6 +118,27 @@ def _by_relaxation(problem: StaticProblem) -> float:
         raise failure
     saddle[0].restore()  # it says so
     return saddle[1]
+
+
+def _take_side_loads_away(problem: StaticProblem, reached: float) -> None:
+    """Find the state without the side loads beside the present one; they stay if there is none, or it is unstable."""
+    restore = problem.save()
+    problem.model.system.assembly.dead_load, problem.state.equilibrium.imperfection = None, 0.0
+    problem.impose(reached)
+    try:
+        relax_with_drag(
+            problem.model,
+            problem.solver,
+            problem.state.equilibrium,
+            problem.solver.start_increment,
+            LATERAL_FAILED,
+        )
+        stable = True
+    except SolveError:
+        stable = False
+    problem.set_friction_aside()
+    if not stable or problem.solver.negative_pivots():
+        restore()
 
 
 def _relaxed(problem: StaticProblem, load: float) -> float:

@@ -21,6 +21,7 @@ STEP_INCREMENT = 1e-2  # largest last increment of a step with drag
 STEP_ITERATIONS = 25  # of a step with drag
 #: (most iterations of a step, factor by which the next one is longer)
 GROWTH = ((2, 100.0), (4, 10.0), (7, 4.0), (12, 1.5), (np.inf, 0.7))
+CONVEX = 2.0  # factor of the drag until a step begins convex
 SHORTER = 4.0  # factor of a step's drag where it fails
 #: largest growth after a failed step, and the factor on it with each further one
 AFTER_FAILURE, LIFT = 2.0, 1.5
@@ -35,6 +36,7 @@ def relax(
     report: Equilibrium,
     tolerance: float = CONVERGED_INCREMENT,
     load: float = 0.0,
+    downhill: bool = False,
 ) -> None:
     """Relax the string from its present state while the wall becomes stiff; collective.
 
@@ -45,27 +47,32 @@ def relax(
     tolerance: largest increment of the last solve.
     load: contact force per length [N/m] that presses the string into the softest wall by ``SOFT_PENETRATION`` of its
     clearance; 0: the wall keeps its stiffness.
+    downhill: as for ``relax_with_drag``.
     Raises SolveError where no equilibrium is found.
     """
     if model.contact is not None:
         try:
             for factor in _softening(model, load):
                 model.contact.set_stiffness(factor)
-                _relax(model, solver, report, SOFT_INCREMENT)
+                _relax(model, solver, report, SOFT_INCREMENT, downhill)
         finally:
             model.contact.set_stiffness(1.0)
-    _relax(model, solver, report, tolerance)
+    _relax(model, solver, report, tolerance, downhill)
 
 
-def _relax(model: DrillingModel, solver: StaticNewton, report: Equilibrium, tolerance: float) -> None:
+def _relax(
+    model: DrillingModel, solver: StaticNewton, report: Equilibrium, tolerance: float, downhill: bool
+) -> None:
     """Newton's method, the one infinite step; where it fails, steps with drag that grow to it; collective."""
     start = Snapshot(model)
     try:
         solver.newton(report, tolerance)
-        return
+        if not downhill or not solver.negative_pivots():
+            return
     except SolveError:
-        start.restore()
-    relax_with_drag(model, solver, report, tolerance)
+        pass
+    start.restore()
+    relax_with_drag(model, solver, report, tolerance, downhill=downhill)
 
 
 def relax_with_drag(
@@ -79,16 +86,18 @@ def relax_with_drag(
     """Let the string move to its state by steps with drag that grow; collective.
 
     report, tolerance: as for ``relax``; most_failed: steps that fail before the string is given up.
-    downhill: the loads have an energy, and no step is so long that it passes over a hill to an unstable state.
+    downhill: the loads have an energy.  A step begins with so much drag that its energy is convex there, so that it passes over no
+    hill; the last one ends in a stable state.
     Raises SolveError where no equilibrium is found.
     """
     drag, most, failed, failure = FIRST_DRAG, np.inf, 0, SolveError("the string did not come to rest")
     for _ in range(MOST_STEPS):
         start, before = Snapshot(model), report.iterations
         try:
+            drag = _convex(solver, drag) if downhill else drag
             with solver.drag(Drag(drag)):
                 solver.newton(report, STEP_INCREMENT, STEP_ITERATIONS)
-                if downhill and solver.negative_pivots():
+                if downhill and drag <= LAST_DRAG and solver.negative_pivots():
                     raise SolveError("the step passes over a hill of the energy")
             if drag > LAST_DRAG:
                 count = report.iterations - before
@@ -106,6 +115,16 @@ def relax_with_drag(
             if failed > most_failed or drag > MOST_DRAG:
                 break
     raise failure
+
+
+def _convex(solver: StaticNewton, drag: float) -> float:
+    """The drag, or as much more that the energy of a step is convex where it begins; collective."""
+    while drag < MOST_DRAG:
+        with solver.drag(Drag(drag)):
+            if solver.negative_pivots() <= 0:
+                break
+        drag *= CONVEX
+    return drag
 
 
 def _softening(model: DrillingModel, load: float) -> tuple[float, ...]:

@@ -128,7 +128,20 @@ class StaticNewton:
         self.start_increment = CONVERGED_INCREMENT
         self.limit: SearchLimit | None = None
         self._owned = system.owned_index >= 0
-        self._entries = diagonal_blocks(system, NODAL)
+        ends = [f.condition.vertex for f in system.assembly.row_replacements]
+        #: of each nodal field: local nodes (k,) that move with drag, and the places (k, d, d) of their entries
+        self._free = [
+            (nodes[moves], entries[moves])  # a prescribed end moves without drag
+            for nodes, entries in diagonal_blocks(system, NODAL)
+            for moves in [~np.isin(system.chain.vertices[nodes], ends)]
+        ]
+        spin = system.assembly.spin_at
+        self._phi, self._slope = (
+            spin[:, 0],
+            spin[:, 1:2] + np.arange(3),
+        )  # unknowns of the nodes with a spin angle
+        self._spin_number = np.full(system.layout.size + 1, -1, dtype=np.int32)
+        self._spin_number[self._phi] = np.arange(len(spin))
         #: of the present step: drag, unknowns (n,) before it, and the springs of each nodal field
         self._drag: tuple[Drag, FloatArray, list[tuple[np.ndarray, FloatArray, np.ndarray]]] | None = None
         self._constraints = ConstraintProducts(system)
@@ -193,13 +206,10 @@ class StaticNewton:
             (h**3 / 100)[:, None, None] * across,
             (h * drag.arm**2)[:, None, None],
         )
-        ends = [f.condition.vertex for f in system.assembly.row_replacements]
-        out = []
-        for (vertices, entries), name, M in zip(self._entries, NODAL, matrices, strict=True):
-            free = ~np.isin(system.chain.vertices[vertices], ends)  # a prescribed end moves without drag
-            at = vertices[free]
-            out.append((system.layout.dofs[name][at], drag.across * M[at], entries[free]))
-        return out
+        fields = zip(self._free, NODAL, matrices, strict=True)
+        return [
+            (system.layout.dofs[name][at], drag.across * M[at], entries) for (at, entries), name, M in fields
+        ]
 
     def _pull(self) -> FloatArray:
         """Gradient (n,) at x, with the drag of the present step; collective."""
@@ -226,14 +236,13 @@ class StaticNewton:
             if f.leans:
                 f.lean_at(asm.x)
             g[f.rows] = f.row_complement @ g[f.rows]
-        phi, v = asm.spin_at[:, 0], asm.spin_at[:, 1:2] + np.arange(3)
-        g[v] += self._spin_potential() * g[phi][:, None]
+        g[self._slope] += self._spin_potential() * g[self._phi][:, None]
         return g
 
     def _spin_potential(self) -> FloatArray:
         """Compute c(v) (k, 3) at the k local nodes with a spin angle (manual: eq-beam-spin-potential)."""
         asm = self.system.assembly
-        v = asm.x[asm.spin_at[:, 1:2] + np.arange(3)]
+        v = asm.x[self._slope]
         n = np.linalg.norm(v, axis=1, keepdims=True)
         return cross(v, asm.reference) / (n * (n + np.sum(v * asm.reference, axis=1, keepdims=True)))
 
@@ -253,12 +262,12 @@ class StaticNewton:
                     np.add.at(self._by_top, item.index[e], K[:, slots] @ self._advance(f))
                 K[:, slots] = K[:, slots] @ f.complement
         c = np.ascontiguousarray(self._spin_potential())
-        number = np.full(self.system.layout.size + 1, -1, dtype=np.int32)
-        number[asm.spin_at[:, 0]] = np.arange(len(asm.spin_at))
         for item in asm.bound_blocks:
             if item.count and item.width >= 7:
                 at = pointer(asm.values) + 8 * item.span.start
-                _quasi_rows(item.count, item.width, pointer(item.index), pointer(number), pointer(c), at)
+                _quasi_rows(
+                    item.count, item.width, pointer(item.index), pointer(self._spin_number), pointer(c), at
+                )
         self._constraints.add(asm.values)
         for _, M, entries in self._drag[2] if self._drag is not None else ():
             asm.values[entries] += M

@@ -13,7 +13,6 @@ import numpy as np
 from drillpetsc.analysis.statics.imperfection import item_imperfection, nodal_weight
 from drillpetsc.analysis.statics.start.march import (
     March,
-    axial_compliance,
     friction_factors,
     moved_along,
     stands,
@@ -42,8 +41,6 @@ MARGIN = 6.0  # of (EI/w)^(1/3) above the uppermost push, over which a buckle di
 BIT_DEPTH = 1e-4  # of a bit in the side of its hole, where the law of Hertz has the force of its spring [m]
 NO_LENGTH = 1e-9  # of an element that is a joint [m]
 MAX_ROUNDS = 10  # of lateral equilibrium and tension
-NEAR_BRACKET = 0.05  # least distance of a trial of the push of a string that stands from the ends of its bracket, over it
-SETTLED_STANDING = 2e-2  # the same of a string that stands, whose buckles give way
 STRAIGHT = 1e-9  # change of the hole's direction from node to node that is none
 SETTLED_PLACE = 1e-3  # way of the nodes along a bent hole in the last round [m]
 SETTLED_PUSH = 1e-3  # change of the tension, over the largest push, with which the rounds end
@@ -83,9 +80,9 @@ def lateral_starts(
         return []
     if any(_ties_slope(joint) is None for joint in mesh.joints):
         return []
-    bottom = _Bottom(model, found) if stands(model) else None
-    if coiled is not None and (motion[0] or bottom is not None):
-        push = -float(coiled.axial_force[-1]) if bottom is not None else None
+    standing = stands(model)
+    if coiled is not None and (motion[0] or standing):
+        push = -float(coiled.axial_force[-1]) if standing else None
         found = with_contact(model, found, motion, coiled.contact_force, push)
     loads, turns, last = _side_loads(model, found), _turns(model, motion), None
     bent = bool(np.abs(np.diff(found.direction, axis=0)).max() > STRAIGHT)
@@ -103,19 +100,14 @@ def lateral_starts(
         last = state.disturbed, *parts.spread(state.alone)
         before, contact = found, parts.contact(beam, state.alone, found)
         found = with_contact(model, before, motion, contact)
-        if bottom is not None:
-            drawn_up = _drawn_up(model, found, parts.nodes[0], *last[1:])[0][-1]
-            push = bottom.next_push(found, float(drawn_up))
-            found = with_contact(model, before, motion, contact, push)
         change = np.abs(found.axial_force - before.axial_force).max()
-        settled = SETTLED_PUSH if bottom is None else SETTLED_STANDING
-        if bottom is None and bent:  # the beam lay on the wall of another part of the hole
+        if bent and not standing:  # the beam lay on the wall of another part of the hole
             placed = _placed(model, found, parts.nodes[0], *last[1:])
             moved = np.abs(placed.measured_depth - before.measured_depth).max()
             found = placed if moved > SETTLED_PLACE else found
         else:
             moved = 0.0
-        enough = change <= settled * -found.axial_force.min() and moved <= SETTLED_PLACE
+        enough = change <= SETTLED_PUSH * -found.axial_force.min() and moved <= SETTLED_PLACE
         if enough:
             break
     assert state is not None  # MAX_ROUNDS is at least 1
@@ -140,43 +132,6 @@ def _directors(model: DrillingModel, found: March) -> tuple[FloatArray, FloatArr
 def _turns(model: DrillingModel, motion: tuple[float, float]) -> bool:
     """Whether any part of the string turns."""
     return bool(motion[1] or model.motor_speed)
-
-
-class _Bottom:
-    """Push of the bottom on a string whose top is held: as large as the length of the bent string asks for.
-
-    found: the string before it bends, whose bit stands at the depth of its weight.
-    """
-
-    def __init__(self, model: DrillingModel, found: March):
-        assert model.bit is not None
-        self.bit, self.start = model.bit, found
-        self.compliance = axial_compliance(model.mesh)
-        #: pushes between which it lies [N], and the last one and by how much the string under it asks for more
-        self.low, self.high = 0.0, max(-float(found.axial_force[-1]), 0.0)
-        self.last: tuple[float, float] | None = None
-
-    def next_push(self, found: March, drawn_up: float) -> float:
-        """Push [N] under which the bent string ends on the bottom: by the secant, between the pushes that are too small and too large.
-
-        found: with the tension of the bent string under the present push; drawn_up: way [m] by which its bends lift the bit.
-        """
-        push = max(-float(found.axial_force[-1]), 0.0)
-        end = float(found.measured_depth[-1] - self.start.measured_depth[-1]) - drawn_up
-        before = self.bit.depth_for(max(-float(self.start.axial_force[-1]), 0.0))
-        miss = end - (self.bit.depth_for(push) - before)
-        more = miss / (self.compliance + self.bit.depth_for(1.0 + push) - self.bit.depth_for(push))
-        if more > 0:
-            self.low, self.high = max(self.low, push), max(self.high, push)
-        else:
-            self.low, self.high = min(self.low, push), min(self.high, push)
-        step = more
-        if self.last is not None and push != self.last[0]:
-            slope = (more - self.last[1]) / (push - self.last[0])
-            step = more / max(-slope, 1.0)
-        self.last = push, more
-        margin = NEAR_BRACKET * (self.high - self.low)
-        return min(max(push + step, self.low + margin), self.high - margin)
 
 
 def _ties_slope(joint: StringJoint) -> bool | None:
