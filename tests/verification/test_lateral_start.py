@@ -37,7 +37,7 @@ def column(force: float, length: float, stiffness: float, weight: float, element
     L = np.full(elements, length / elements)
     middle = length - (np.arange(elements) + 0.5) * L
     none = np.zeros(0)
-    points = ContactPoints(none.astype(int), np.zeros((0, 4)), none, none, none, np.zeros((0, 2)), none)
+    points = ContactPoints(none.astype(int), np.zeros((0, 4)), none, none, np.zeros((0, 2)), none)
     held = np.zeros((elements + 1, 4), dtype=bool)
     held[[0, -1], :2] = True
     return LateralBeam(
@@ -55,7 +55,7 @@ def test_euler_load(share, stable):
 
 
 def test_matrix_against_differences():
-    """The matrix is the derivative of the rows, with a wall, friction and displacements of all kinds."""
+    """The matrix is the derivative of the rows, with a wall and displacements of all kinds."""
     random, n = np.random.default_rng(3), 6
     cell = np.arange(n).repeat(2)
     shape = random.uniform(0.1, 1.0, (2 * n, 4))
@@ -64,7 +64,6 @@ def test_matrix_against_differences():
         shape,
         np.full(2 * n, 0.02),
         np.full(2 * n, 1.5),
-        np.full(2 * n, 0.3),
         random.normal(0, 0.01, (2 * n, 2)),
         np.zeros(2 * n),
     )
@@ -74,32 +73,32 @@ def test_matrix_against_differences():
         np.zeros((n + 1, 4), dtype=bool), np.full(n + 1, 0.02),
     )  # fmt: skip
     U, p = random.normal(0, 0.1, (n + 1, 4)), random.normal(0, 1, (n + 1, 4))
-    _, band = beam.rows(U, 1.0)
+    _, band = beam.rows(U)
     product = np.zeros(4 * (n + 1))
     for k in range(-7, 8):
         for c in range(max(0, -k), min(len(product), len(product) - k)):
             product[c + k] += band[7 + k, c] * p.ravel()[c]
     step = 1e-6
-    difference = (beam.rows(U + step * p, 1.0)[0] - beam.rows(U - step * p, 1.0)[0]) / (2 * step)
+    difference = (beam.rows(U + step * p)[0] - beam.rows(U - step * p)[0]) / (2 * step)
     assert product == pytest.approx(difference.ravel(), rel=1e-6, abs=1e-6 * np.abs(product).max())
 
 
 def test_a_beam_under_tension_on_the_axis():
     """A pinned beam under tension T and the load q: deflection of Timoshenko and Gere (Theory of Elastic Stability,
-    1.11), 1e-4 with 40 elements; no friction asked for, none found, not disturbed."""
+    1.11), 1e-4 with 40 elements; not disturbed."""
     length, stiffness, tension, q, elements = 50.0, 1.2e6, 2e4, 10.0, 40
     beam = column(-tension, length, stiffness, 0.0, elements)
     h = length / elements
     beam.load[:, 0] = q * h
     beam.load[[0, -1], 0] = 0.5 * q * h
     beam.load[0, 2], beam.load[-1, 2] = q * h**2 / 12, -q * h**2 / 12
-    state = lateral_state(beam, np.zeros((elements + 1, 4)), np.zeros((elements + 1, 4)), friction=False)
+    state = lateral_state(beam, np.zeros((elements + 1, 4)), np.zeros((elements + 1, 4)))
     u = 0.5 * length * np.sqrt(tension / stiffness)
     exact = q * length**4 / (16 * stiffness * u**4) * (1 / np.cosh(u) - 1) + q * length**4 / (
         32 * stiffness * u**2
     )
-    assert state is not None and not state.disturbed and state.with_friction is None
-    assert state.alone[elements // 2, 0] == pytest.approx(exact, rel=1e-4)
+    assert state is not None and not state.disturbed
+    assert state.place[elements // 2, 0] == pytest.approx(exact, rel=1e-4)
 
 
 @pytest.mark.parametrize("hinged", [True, False])
@@ -111,7 +110,7 @@ def test_a_joint_in_the_middle_of_a_beam_under_tension(hinged):
     L = np.full(2 * half + 1, 0.5 * length / half)
     L[half] = 0.0
     none = np.zeros(0)
-    points = ContactPoints(none.astype(int), np.zeros((0, 4)), none, none, none, np.zeros((0, 2)), none)
+    points = ContactPoints(none.astype(int), np.zeros((0, 4)), none, none, np.zeros((0, 2)), none)
     held = np.zeros((len(L) + 1, 4), dtype=bool)
     held[[0, -1], :2] = True
     rows = np.zeros((len(L) + 1, 4))
@@ -120,11 +119,11 @@ def test_a_joint_in_the_middle_of_a_beam_under_tension(hinged):
         L, np.full(len(L), stiffness), np.full(len(L), tension), 0 * L, rows, points, lambda d, c: (0 * d, 0 * d),
         held, np.full(len(L) + 1, 0.05), np.arange(len(L)) == half if hinged else None,
     )  # fmt: skip
-    state = lateral_state(beam, 0 * rows, 0 * rows, friction=False)
+    state = lateral_state(beam, 0 * rows, 0 * rows)
     assert state is not None
     k = 0.5 * length * np.sqrt(tension / stiffness)
     expected = load * length / (4 * tension) * (1.0 if hinged else 1 - np.tanh(k) / k)
-    assert state.alone[half : half + 2, 0] == pytest.approx([expected] * 2, rel=2e-4)
+    assert state.place[half : half + 2, 0] == pytest.approx([expected] * 2, rel=2e-4)
 
 
 def deep(
@@ -184,13 +183,13 @@ def counted(
     ],
 )
 def test_factorisations_of_pushed_strings(inclination, wob, element, mud, bore, monkeypatch):
-    """A stable state within 30 factorisations, straight, buckled or lying, on any mesh; 200 to 1356 before where the
-    collars were buckled.  The string stays in the hole, and of a vertical one the weight is carried in full."""
+    """A stable state within 60 factorisations, straight, buckled or lying, on any mesh; 200 to 1356 before where the
+    collars were buckled.  Those that a side force would make whirl take 40 of them to find that out.  The string stays in the hole, and of a vertical one the weight is carried in full."""
     case = deep(inclination, wob, element, mud, bore)
     model, figures, count = counted(case, monkeypatch)
     assert figures["stable"] and figures["negative_pivots"] == 0
     assert figures["wob"] == pytest.approx(wob, rel=1e-6)
-    assert count <= 30
+    assert count <= 60
     if not inclination and not mud:
         mesh = model.mesh
         weight = G * (float(mesh.mass @ mesh.length) + sum(b.mass for b in mesh.bodies))

@@ -10,7 +10,7 @@ from drillpetsc.analysis.statics.path.paths_of_problem import slides_on
 from drillpetsc.analysis.statics.relaxation import helix_load, relax, relax_with_drag
 from drillpetsc.analysis.statics.snapshot import Snapshot
 from drillpetsc.analysis.statics.start.coarse_mesh import too_coarse
-from drillpetsc.analysis.statics.start.lateral_start import SPACING, lateral_starts
+from drillpetsc.analysis.statics.start.lateral_start import SPACING, lateral_start
 from drillpetsc.analysis.statics.start.soft_string_start import place_marched
 from drillpetsc.analysis.statics.static_problem import StaticProblem
 from drillpetsc.errors import SolveError
@@ -34,46 +34,42 @@ def reach(problem: StaticProblem) -> float:
 
 
 def from_lateral_start(problem: StaticProblem) -> float | None:
-    """Try Newton's method from the lateral equilibrium of a pushed string; manual: sec-statics-lateral-start.
+    """Try to reach a state from the lateral equilibrium of a pushed string; manual: sec-statics-lateral-start.
 
     Returns the lateral friction fraction reached, or None with the state restored where nothing pushes the string, or no
     stable equilibrium is found.
     """
-    model, solver, report, straight = (
-        problem.model,
-        problem.solver,
-        problem.state.equilibrium,
-        problem.straight,
-    )
-    if straight is None:
+    model, solver, report, state = problem.model, problem.solver, problem.state.equilibrium, problem.state
+    start = None
+    if problem.straight is not None:
+        start = lateral_start(model, problem.straight, state.motion, problem.found)
+    if start is None:
         return None
     restore = problem.save()
-    for start in lateral_starts(model, straight, problem.state.motion, problem.fraction > 0, problem.found):
-        fraction = problem.fraction if start.with_friction else 0.0
-        problem.origin.restore()
-        place_marched(model, start.march)
-        if start.side_loads is not None:
-            solver.add_imperfection(start.side_loads, SPACING)
-            report.imperfection = model.case.initial.imperfection
-        placed = Snapshot(model)
-        for near in (True, False):
-            problem.impose(fraction)
-            try:
-                if near:
-                    solver.newton(report, NEAR_INCREMENT, NEAR_STEPS)
-                    solver.newton(report, solver.start_increment, LATERAL_STEPS, near=True)
-                else:
-                    relax_with_drag(model, solver, report, solver.start_increment, LATERAL_FAILED)
-                reached = True
-            except SolveError:
-                reached = False
+    problem.origin.restore()
+    place_marched(model, start.march)
+    if start.side_loads is not None:
+        solver.add_imperfection(start.side_loads, SPACING)
+        report.imperfection = model.case.initial.imperfection
+    placed = Snapshot(model)
+    first, full = _fractions(problem, problem.turns)
+    for near in (True, False):
+        problem.impose(first)
+        try:
+            if near:
+                solver.newton(report, NEAR_INCREMENT, NEAR_STEPS)
+                solver.newton(report, solver.start_increment, LATERAL_STEPS, near=True)
+            else:
+                relax_with_drag(model, solver, report, solver.start_increment, LATERAL_FAILED)
             problem.set_friction_aside()
-            if reached and not solver.negative_pivots():
-                return fraction
-            placed.restore()
-            # a helix may creep along the wall for ever: it has no state, and a relaxation would not end
-            if near and start.with_friction and start.side_loads is not None and slides_on(problem):
-                return fraction
+            if not solver.negative_pivots():
+                return _with_side_force(problem, first, full)
+        except SolveError:
+            problem.set_friction_aside()
+        placed.restore()
+        # a helix may creep along the wall for ever: it has no state, and a relaxation would not end
+        if near and start.side_loads is not None and slides_on(problem):
+            return first
     restore()
     return None
 
@@ -147,24 +143,36 @@ def _relaxed(problem: StaticProblem, load: float) -> float:
     load: as for ``relax``.
     """
     model, solver, report = problem.model, problem.solver, problem.state.equilibrium
-    full = problem.fraction if problem.state.motion[1] else 1.0
-    first = 0.0 if problem.state.motion[1] else 1.0
+    first, full = _fractions(problem, bool(problem.state.motion[1]))
+    problem.impose(first)
+    # what a further solve starts from, with more friction or with the flow, need not be exact
+    increment = solver.start_increment if first == full else START_INCREMENT
     try:
-        if problem.moves:
-            problem.impose(first)
-        # what a further solve starts from, with more friction or with the flow, need not be exact
-        relax(model, solver, report, START_INCREMENT if full != first else solver.start_increment, load)
-        if full == first:
-            return full if problem.moves else problem.fraction
-        last = Snapshot(model)
+        relax(model, solver, report, increment, load)
+    finally:
+        problem.set_friction_aside()
+    return _with_side_force(problem, first, full)
+
+
+def _fractions(problem: StaticProblem, turns: bool) -> tuple[float, float]:
+    """Lateral friction fractions with which a search begins and ends: a string that turns climbs the wall at the end."""
+    return (0.0, problem.fraction) if turns else (1.0, 1.0)
+
+
+def _with_side_force(problem: StaticProblem, first: float, full: float) -> float:
+    """Add the side force of friction between the fractions ``first``, of the present state, and ``full``; returns the one reached."""
+    model, solver, report = problem.model, problem.solver, problem.state.equilibrium
+    if full == first:
+        return full if problem.moves else problem.fraction
+    last = Snapshot(model)
+    try:
         problem.impose(full)
-        try:
-            solver.newton(report, solver.start_increment)
-            return full
-        except SolveError:
-            last.restore()
-            problem.impose(first)
-            solver.newton(report)
-            return first
+        solver.newton(report, solver.start_increment)
+        return full
+    except SolveError:
+        last.restore()
+        problem.impose(first)
+        solver.newton(report)
+        return first
     finally:
         problem.set_friction_aside()

@@ -47,7 +47,7 @@ class ContactPoints:
     """Points where the string may touch the wall, (m,) each unless said otherwise.
 
     cell: element; shape: (m, 4) factors of its lateral displacements and slopes u, u', at the upper and lower end.
-    clearance [m]; length: that the point stands for [m]; friction: force about the axis over contact force [-].
+    clearance [m]; length: that the point stands for [m].
     offset: (m, 2) place from the axis of the hole where all displacements vanish [m].
     at: depth along the string [m].
     """
@@ -56,7 +56,6 @@ class ContactPoints:
     shape: FloatArray
     clearance: FloatArray
     length: FloatArray
-    friction: FloatArray
     offset: FloatArray
     at: FloatArray
 
@@ -165,7 +164,7 @@ class LateralBeam:
         ends = np.concatenate([U[e].reshape(-1, 2, 2), U[e + 1].reshape(-1, 2, 2)], axis=1)
         return self.points.offset + np.einsum("ma,map->mp", self.points.shape, ends)
 
-    def rows(self, U: FloatArray, friction: float = 0.0) -> tuple[FloatArray, FloatArray]:
+    def rows(self, U: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Rows (n+1, 4) of the equilibrium and the banded matrix."""
         q, n, elements = self.points, self.nodes, self.nodes - 1
         x = self.place(U)
@@ -180,16 +179,15 @@ class LateralBeam:
         dN = factor * slope[touching] * q.length[touching]
         N[on_axis] = 0.0
         mean = np.where(on_axis, dN, N / rho)
-        mu = friction * q.friction[touching]
         out, inward = x.T / rho, np.stack([-x[:, 1], x[:, 0]]) / rho  # directions off the axis and about it
         band, rows = self._band.copy(), self._times(U) - self.load
         for p in range(2):
-            f = N * (out[p] + mu * inward[p])
+            f = N * out[p]
             for a in range(4):
                 sums = np.bincount(e, shape[:, a] * f, elements)
                 rows[a // 2 : a // 2 + elements, 2 * (a % 2) + p] += sums
             for r in range(2):
-                K = dN * (out[p] + mu * inward[p]) * out[r] + mean * (inward[p] - mu * out[p]) * inward[r]
+                K = dN * out[p] * out[r] + mean * inward[p] * inward[r]
                 for a in range(4):
                     left = shape[:, a] * K
                     for b in range(4):
@@ -223,7 +221,7 @@ class LateralBeam:
         rows[self.held] = 0.0
 
     def stable(self, U: FloatArray) -> bool:
-        """Whether the matrix without friction is positive definite."""
+        """Whether the matrix is positive definite."""
         return self._definite(self.rows(U)[1], 0.0)
 
     def _definite(self, band: FloatArray, shift: float) -> bool:
@@ -296,20 +294,19 @@ class LateralBeam:
         return float(np.max(np.hypot(d[:, 0], d[:, 1]) / self.clearance))
 
     def solve_step(
-        self, start: FloatArray, U: FloatArray, shift: float, friction: float, plain: bool = False
+        self, start: FloatArray, U: FloatArray, shift: float, plain: bool = False
     ) -> FloatArray | None:
         """Solve rows + shift M (U - start) = 0 from ``U`` by Newton's method; None where it does not converge.
 
-        friction: factor on the friction about the axis; without it the energy falls in each step, unless ``plain`` asks for
-        Newton's own steps, which converge to a saddle, too.
+        The energy falls in each step, unless ``plain`` chooses Newton's own steps, which converge to a saddle, too.
         """
         import scipy.linalg
 
         best, since, extra = np.inf, 0, 0.0
-        g, band = self._shifted_rows(start, U, shift, friction)
+        g, band = self._shifted_rows(start, U, shift)
         for _ in range(MAX_INNER):
             self.iterations += 1
-            if friction or plain:
+            if plain:
                 try:
                     p = scipy.linalg.solve_banded((WIDTH, WIDTH), band, -g.ravel(), check_finite=False)
                 except np.linalg.LinAlgError:  # nothing holds a motion across the hole
@@ -323,7 +320,7 @@ class LateralBeam:
             alpha, slope0, before = self._limit(U, p), float(np.sum(g * p)), U
             for _ in range(MAX_CUTS):
                 U = self._advance(before, alpha * p)
-                g, band = self._shifted_rows(start, U, shift, friction)
+                g, band = self._shifted_rows(start, U, shift)
                 slope = float(np.sum(g * self._way(before, p, alpha)))
                 if slope0 >= 0 or (size < CONVERGED) or slope <= MOST_OVERSHOOT * abs(slope0):
                     break
@@ -360,11 +357,9 @@ class LateralBeam:
             return p.reshape(-1, 4), extra
         return np.full(g.shape, np.nan), 0.0
 
-    def _shifted_rows(
-        self, start: FloatArray, U: FloatArray, shift: float, friction: float
-    ) -> tuple[FloatArray, FloatArray]:
+    def _shifted_rows(self, start: FloatArray, U: FloatArray, shift: float) -> tuple[FloatArray, FloatArray]:
         """Rows (n+1, 4) and banded matrix at ``U`` with a side spring to ``start``, and the held unknowns' own rows."""
-        g, band = self.rows(U, friction)
+        g, band = self.rows(U)
         g = g + shift * self._weight * (U - start)
         band[WIDTH] += shift * self._weight.ravel()
         self._hold(band, g)
@@ -411,19 +406,17 @@ def element_matrices(
 
 @dataclass(frozen=True)
 class LateralState:
-    """Equilibrium of a ``LateralBeam``: displacements and slopes (n+1, 4).
+    """Equilibrium of a ``LateralBeam``.
 
-    alone: without friction; with_friction: with friction about the axis, None where there is none, or none was asked for.
-    disturbed: the string buckles, and the disturbance acts.
+    place: displacements and slopes (n+1, 4); disturbed: the string buckles, and the disturbance acts.
     """
 
-    alone: FloatArray
-    with_friction: FloatArray | None
+    place: FloatArray
     disturbed: bool
 
 
 def lateral_state(
-    beam: LateralBeam, start: FloatArray, disturbance: FloatArray, friction: bool, disturbed: bool = False
+    beam: LateralBeam, start: FloatArray, disturbance: FloatArray, disturbed: bool = False
 ) -> LateralState | None:
     """Find a stable state of ``beam``; None where none is found.
 
@@ -433,11 +426,10 @@ def lateral_state(
 
     disturbed: ``start`` is a buckled state under the disturbance, of almost the same loads.
     start: (n+1, 4) otherwise the string as it lies without buckling; disturbance: (n+1, 4) loads that lead it off a saddle, and stay.
-    friction: the state with the friction of ``ContactPoints`` is asked for, too.
     """
     if disturbed:
         beam.load += disturbance
-    U = beam.solve_step(start, start, 0.0, 0.0, plain=True)
+    U = beam.solve_step(start, start, 0.0, plain=True)
     if disturbed:
         if U is None or not beam.stable(U):
             U = _settle(beam, start)
@@ -448,12 +440,7 @@ def lateral_state(
         if disturbed:
             beam.load += disturbance
             U = _settle(beam, start)
-    if U is None:
-        return None
-    turned = beam.solve_step(U, U, 0.0, 1.0) if friction else None
-    if turned is not None and not beam.stable(turned):
-        turned = None
-    return LateralState(U, turned, disturbed)
+    return None if U is None else LateralState(U, disturbed)
 
 
 def _settle(beam: LateralBeam, U: FloatArray, most: int | None = None) -> FloatArray | None:
@@ -480,7 +467,7 @@ def _descend(beam: LateralBeam, U: FloatArray, most: int) -> FloatArray | None:
     least, floor, first, failed = beam.least_shift(U, beam.first_shift), 0.0, beam.first_shift, 0.0
     for _ in range(MAX_STEPS):
         shift, before = max(SHIFT_MARGIN * least, floor), beam.iterations
-        V = beam.solve_step(U, U, shift, 0.0)
+        V = beam.solve_step(U, U, shift)
         taken = beam.iterations - before
         if beam.iterations > most:
             return None
