@@ -66,42 +66,8 @@ def director_equilibrium(
         return StaticState(
             (0.0, 0.0), Equilibrium(iterations=flow.iterations, increment=flow.increment, converged=True)
         )
-    if path is not None:
-        refuse_path(model, motion, path)
-    surge = surge_rates(model, lowering)
-    if surge is not None:
-        model.system.assembly.y[:] = surge
-    freeze_flow(model, tolerance=FIRST_FLOW_INCREMENT)
-    soft, found = soft_string(model, motion), march(model, motion, rates=surge)
-    straight = found
-    start = Snapshot(model)
-    band = helix_band(model, motion, surge) if found is not None else None
-    if found is not None:
-        if found.locked_at is not None and path != "slack_off":
-            raise _lock_up(model, found)
-        if found.helical.any():
-            straight = march(model, motion, coils=False, rates=surge)
-        if path is None:
-            place_marched(model, found)
-    solver = _solver(model)
-    solver.rates = surge
-    if path is None:
-        solver.limit = SearchLimit(model.mesh.nodes)
-    wob = model.case.initial.wob
-    if wob is not None:
-        _set_weight_on_bit(model, solver, wob)
-    problem = StaticProblem(
-        model,
-        solver,
-        StaticState(motion, Equilibrium(), soft, band=band),
-        tuple(r for r in (model.contact, model.bit) if r is not None),
-        1.0 if lateral_friction else 0.0,
-        lowering,
-        found,
-        straight,
-        start,
-        may_follow_path,
-    )
+    problem = _posed(model, motion, lowering, lateral_friction, path, may_follow_path)
+    solver, found = problem.solver, problem.found
     state, report = problem.state, problem.state.equilibrium
     problem.set_friction_aside()
     if path is not None:
@@ -149,6 +115,55 @@ def director_equilibrium(
             "the stiffness is singular: part of the string may move freely, or it is about to buckle"
         )
     return state
+
+
+def _posed(
+    model: DrillingModel,
+    motion: tuple[float, float],
+    lowering: float,
+    lateral_friction: bool,
+    path: PathKind | None,
+    may_follow_path: bool,
+) -> StaticProblem:
+    """Pose the problem of ``director_equilibrium``: the string at its march, or along the hole for a path; collective.
+
+    lowering: speed at which the top lowers the string [m/s].  Raises SolveError if the string is locked up.
+    """
+    if path is not None:
+        refuse_path(model, motion, path)
+    surge = surge_rates(model, lowering)
+    if surge is not None:
+        model.system.assembly.y[:] = surge
+    freeze_flow(model, tolerance=FIRST_FLOW_INCREMENT)
+    soft, found = soft_string(model, motion), march(model, motion, rates=surge)
+    straight = found
+    start = Snapshot(model)
+    band = helix_band(model, motion, surge) if found is not None else None
+    if found is not None:
+        if found.locked_at is not None and path != "slack_off":
+            raise _lock_up(model, found)
+        if found.helical.any():
+            straight = march(model, motion, coils=False, rates=surge)
+        if path is None:
+            place_marched(model, found)
+    solver = _solver(model)
+    solver.rates = surge
+    if path is None:  # a user who asks for a path waits for it
+        solver.limit = SearchLimit(model.mesh.nodes)
+    if model.case.initial.wob is not None:
+        _set_weight_on_bit(model, solver, model.case.initial.wob)
+    return StaticProblem(
+        model,
+        solver,
+        StaticState(motion, Equilibrium(), soft, band=band),
+        tuple(r for r in (model.contact, model.bit) if r is not None),
+        1.0 if lateral_friction else 0.0,
+        lowering,
+        found,
+        straight,
+        start,
+        may_follow_path,
+    )
 
 
 def _newton_with_flow(problem: StaticProblem) -> float:
