@@ -302,11 +302,12 @@ def test_factorisations_of_lowered_strings(case, most, monkeypatch):
     [(2800.0, 80e3, "rotation"), (2900.0, 150e3, "rotation"), (2800.0, 80e3, "lowering")],
 )
 def test_factorisations_with_a_universal_joint(joint, wob, motion, monkeypatch):
-    """A stable state within 30 factorisations; 207 to 306 before, when joints kept the start of the march."""
+    """A stable state within 50 factorisations, 40 of which show that a side force would make the string whirl; 207 to 306 before,
+    when joints kept the start of the march."""
     case = deep(0.0, wob, 5.0, joint=joint, **{motion: 0.1})
     _, figures, count = counted(case, monkeypatch)
     assert figures["stable"] and figures["wob"] == pytest.approx(wob, rel=1e-6)
-    assert count <= 30
+    assert count <= 50
 
 
 @pytest.mark.parametrize("wob", [50e3, 100e3])
@@ -392,7 +393,7 @@ def well_of_12_km(well: str, mud: bool, elements: int) -> Case:
         (lambda: load_case("cases/directional.yaml"), (1.0, 0.0), 25),  # 178 before
         (lambda: load_case("cases/directional.yaml"), None, 25),  # 37
         (lambda: well_of_12_km("S", False, 600), None, 20),  # 36
-        (lambda: well_of_12_km("J", False, 600), None, 20),  # 30
+        (lambda: well_of_12_km("J", False, 600), None, 25),  # 30
     ],
 )
 def test_factorisations_in_bent_holes(case, motion, most, monkeypatch):
