@@ -1,6 +1,6 @@
-"""Static equilibrium with friction by Newton's method, from a start that contains friction or from a state without it.
+"""Static equilibrium with friction: from the lateral equilibrium of a pushed string, else by relaxation from the march.
 
-Manual: sec-statics-sequence.
+Manual: sec-statics-sequence, whose table is read from top to bottom.
 """
 
 from __future__ import annotations

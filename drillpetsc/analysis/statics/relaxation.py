@@ -1,6 +1,7 @@
 """Relaxation of a string to its static state: steps of implicit Euler with side drag, which become infinitely long.
 
-Manual: sec-statics-relaxation.  Friction has the direction that the components impose.
+Manual: sec-statics-relaxation.  Friction has the direction that the components impose.  Side loads are needed by
+`buckled-collar.yaml` and by free columns beyond their buckling load; a soft wall by long strings that cross their hole.
 """
 
 from __future__ import annotations
@@ -54,16 +55,21 @@ def relax(
         try:
             for factor in _softening(model, load):
                 model.contact.set_stiffness(factor)
-                _relax(model, solver, report, SOFT_INCREMENT, downhill)
+                newton_or_drag(model, solver, report, SOFT_INCREMENT, downhill=downhill)
         finally:
             model.contact.set_stiffness(1.0)
-    _relax(model, solver, report, tolerance, downhill)
+    newton_or_drag(model, solver, report, tolerance, downhill=downhill)
 
 
-def _relax(
-    model: DrillingModel, solver: StaticNewton, report: Equilibrium, tolerance: float, downhill: bool
+def newton_or_drag(
+    model: DrillingModel,
+    solver: StaticNewton,
+    report: Equilibrium,
+    tolerance: float,
+    most_failed: int = MOST_FAILED,
+    downhill: bool = False,
 ) -> None:
-    """Newton's method, the one infinite step; where it fails, steps with drag that grow to it; collective."""
+    """Newton's method, the one infinite step; if it fails, steps with drag that grow to it, as in ``relax_with_drag``; collective."""
     start = Snapshot(model)
     try:
         solver.newton(report, tolerance)
@@ -72,7 +78,7 @@ def _relax(
     except SolveError:
         pass
     start.restore()
-    relax_with_drag(model, solver, report, tolerance, downhill=downhill)
+    relax_with_drag(model, solver, report, tolerance, most_failed, downhill)
 
 
 def relax_with_drag(

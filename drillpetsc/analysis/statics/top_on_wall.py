@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from drillpetsc.analysis.statics.relaxation import relax_with_drag
+from drillpetsc.analysis.statics.relaxation import newton_or_drag
 from drillpetsc.analysis.statics.snapshot import Snapshot
 from drillpetsc.arrays import FloatArray
 from drillpetsc.errors import SolveError
@@ -27,11 +27,7 @@ def balance_across(model: DrillingModel, solver: StaticNewton, report: Equilibri
     start, asm = Snapshot(model), model.system.assembly
     asm.release(_ACROSS)
     try:
-        try:
-            solver.newton(report)
-        except SolveError:
-            start.restore()
-            relax_with_drag(model, solver, report, CONVERGED_INCREMENT, MOST_FAILED)
+        newton_or_drag(model, solver, report, CONVERGED_INCREMENT, MOST_FAILED)
     except SolveError:
         start.restore()
         return False

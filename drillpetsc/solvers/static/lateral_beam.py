@@ -1,6 +1,6 @@
 """Lateral equilibrium of a string under a given axial force in its hole: a small problem of four unknowns a node.
 
-Manual: sec-statics-buckled-start.
+Manual: sec-statics-lateral-start.
 """
 
 from __future__ import annotations

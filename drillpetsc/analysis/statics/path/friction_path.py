@@ -1,6 +1,7 @@
 """Static states of buckled strings with friction: the end of a path on which the string is loaded and slides.
 
-Manual: sec-statics-path.  With friction a buckled string has many states; which one it is depends on its history.
+Manual: sec-statics-path.  With friction a buckled string has many states; which one it is depends on its history.  Helices that creep
+along the wall while they slide need ``follow_on``: pipe lowered with 100 kN on its bit, `jar-stuck.yaml` lowered, coiled strings hoisted.
 """
 
 from __future__ import annotations

@@ -6,7 +6,6 @@ unstrained along the hole, so that mud, pressure, rigid items and loads are cont
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -357,14 +356,14 @@ def march(
     if model.bit is None:
         held = isinstance(case.bottom, HeldBottom) and case.bottom.kind != "free"
         if held and model.top is not None and case.top.force is None:
-            return _between_held_ends(marcher, start)
+            return _closed(marcher, start)
         return marcher.result(-weight, weight, start)
     if case.top.force is not None:
         bottom = _bottom_force(marcher.column)
         return marcher.result(bottom, max(weight, -bottom), start if bottom >= -1.0 else None)
     if case.initial.wob is not None:
         return marcher.result(-weight, weight, None)
-    return _standing(marcher, start) if stands(model) else marcher.result(-weight, weight, start)
+    return _closed(marcher, start) if stands(model) else marcher.result(-weight, weight, start)
 
 
 def helix_band(
@@ -399,42 +398,24 @@ def helix_band(
     return HelixBand("wob" if case.top.force is not None else "hook_load", low, high)
 
 
-def _standing(marcher: _Marcher, top: float) -> March:
-    """The march of a string whose held top, at measured depth ``top`` [m], lets its bit stand on the bottom or hang above it."""
-    model, mesh = marcher.model, marcher.model.mesh
-    assert model.bit is not None
-    bit, end = model.bit, hole_depth(model.case) - (mesh.total_length - mesh.node_depth[-1])
+def _closed(marcher: _Marcher, top: float) -> March:
+    """The march of a string between a held top, at measured depth ``top`` [m], and a lower end that is held, or stands on the bottom.
 
-    def gap_under(weight: float) -> tuple[float, March]:
-        """Distance [m] from the bit down to where it carries ``weight`` [N], and the march under it."""
-        found = marcher.result(-weight, weight, top)
-        return end + bit.depth_for(weight) - float(found.measured_depth[-1]), found
-
-    gap, found = gap_under(0.0)
-    return found if gap >= 0 else _closed(gap_under, gap, found, mesh)
-
-
-def _between_held_ends(marcher: _Marcher, top: float) -> March:
-    """The march of a string whose ends are both held: the push on its lower end is what leaves that end at its place."""
+    The push on the lower end (negative: pull) closes the gap below it, which grows with the push.  A bit may hang above the bottom.
+    """
+    model, mesh, bit = marcher.model, marcher.model.mesh, marcher.model.bit
     end = float(marcher.depth[-1])
+    if bit is not None:
+        end = hole_depth(model.case) - (mesh.total_length - mesh.node_depth[-1])
 
     def gap_under(push: float) -> tuple[float, March]:
-        """Distance [m] from the string's end down to where it is held, and the march under ``push`` [N]."""
-        found = marcher.result(-push, 0.0, top)
-        return end - float(found.measured_depth[-1]), found
+        """Distance [m] from the lower end down to where it carries ``push`` [N], and the march under it."""
+        found = marcher.result(-push, 0.0 if bit is None else push, top)
+        depth = end if bit is None else end + bit.depth_for(push)
+        return depth - float(found.measured_depth[-1]), found
 
     gap, found = gap_under(0.0)
-    return _closed(gap_under, gap, found, marcher.model.mesh)
-
-
-def _closed(
-    gap_under: Callable[[float], tuple[float, March]], gap: float, found: March, mesh: StringMesh
-) -> March:
-    """The march under the push [N] (negative: pull) at the lower end that closes the gap [m] below it.
-
-    gap, found: without a push.  The gap grows with the push.
-    """
-    if gap == 0.0:
+    if gap == 0.0 or (bit is not None and gap > 0):
         return found
     most = 2 * CRUSHING_STRAIN * float(mesh.axial_stiffness[~mesh.is_joint].max())
     near, miss_near, far = 0.0, gap, -gap / axial_compliance(mesh)
