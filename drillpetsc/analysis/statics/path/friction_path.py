@@ -156,12 +156,10 @@ class FrictionPath:
 
     def _friction(self, speed: float) -> None:
         for component in self.components:
-            if (
-                self.turns
-            ):  # across the hole only the drag acts: the side force would roll the string for ever
-                component.impose_sliding_direction(
-                    abs(self.velocity[0]) * speed / SPEED, self.velocity[1], 0.0
-                )
+            if self.turns:
+                # across the hole only the drag acts: the side force would roll the string for ever
+                axial = abs(self.velocity[0]) * speed / SPEED
+                component.impose_sliding_direction(axial, self.velocity[1], 0.0)
             elif not self.model.parts(MudMotor) or component is not self.model.bit:
                 component.follow_overdamped_motion(speed, self._slip)
 
@@ -189,12 +187,10 @@ class FrictionPath:
         self._lay_down(straight)
 
         def move() -> tuple[float, float]:
-            slid, change = 0.0, 0.0
             if self.kind == "sliding":
-                slid, change = self._slide(OVERLOAD if start == "overload" else 1.0)
-            else:
-                self._slack_off()
-            return slid, change
+                return self._slide(OVERLOAD if start == "overload" else 1.0)
+            self._slack_off()
+            return 0.0, 0.0
 
         return self._moved(start, move)
 
