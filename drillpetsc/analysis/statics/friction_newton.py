@@ -98,7 +98,7 @@ def _by_relaxation(problem: StaticProblem) -> float:
                 report.imperfection = strength
                 # without friction the loads have an energy, down which a column leans further than any Newton step from straight
                 helix = helix_load(model, found) if found is not None else 0.0
-                relax(model, solver, report, START_INCREMENT, helix, downhill=True)
+                relax(model, solver, report, solver.start_increment, helix, downhill=True)
                 load = 0.0  # it has found its wall
             reached = _relaxed(problem, load)
         except SolveError as error:
