@@ -56,7 +56,7 @@ def director_equilibrium(
     path: the question that is answered by following the string's history; None: Newton's method answers, and a
     path of steady sliding where it finds no state of a string that coils, if ``may_follow_path``.
 
-    Raises SolveError where no equilibrium is found, CaseError where the weight on bit cannot be met.
+    Raises SolveError if no equilibrium is found, CaseError if the weight on bit cannot be met.
     """
     lowering = prescribed_motion(model)[0] if motion is None else 0.0
     motion = prescribed_motion(model) if motion is None else motion
@@ -197,7 +197,7 @@ def _newton_with_flow(problem: StaticProblem) -> float:
 def _answer_by_newton(problem: StaticProblem) -> float:
     """Find the state by Newton's method and the relaxation, else by a path; returns the lateral friction fraction.
 
-    Raises SolveError where no equilibrium is found.
+    Raises SolveError if no equilibrium is found.
     """
     model, state, found = problem.model, problem.state, problem.found
     coils = found is not None and bool(found.helical.any())
@@ -232,7 +232,7 @@ def _answer_by_newton(problem: StaticProblem) -> float:
 
 
 def _beyond_bottom(model: DrillingModel) -> float:
-    """Distance [m] of a free end below the end of the hole; not above zero where it hangs free, or stands; collective."""
+    """Distance [m] of a free end below the end of the hole; not above zero if it hangs free, or stands; collective."""
     return sum_of(model.system, FreeEnd(model).below_bottom())
 
 
@@ -293,7 +293,7 @@ def _lock_up(model: DrillingModel, found: March) -> SolveError | CaseError:
 def _from_coarse_mesh(problem: StaticProblem) -> float | None:
     """Try Newton's method with friction from the equilibrium on a coarse mesh; manual: sec-statics-coarse-start.
 
-    Returns the lateral friction fraction reached; None, with the state restored, where the mesh is not fine, or no
+    Returns the lateral friction fraction reached; None, with the state restored, if the mesh is not fine, or no
     stable equilibrium is found.
     """
     model, solver, state = problem.model, problem.solver, problem.state

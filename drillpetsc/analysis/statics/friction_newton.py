@@ -25,7 +25,7 @@ LATERAL_FAILED = 10  # steps of a relaxation from there that may fail
 def reach(problem: StaticProblem) -> float:
     """Find an equilibrium with friction from the present state; returns the lateral friction fraction reached.
 
-    Raises SolveError where no equilibrium is found.
+    Raises SolveError if no equilibrium is found.
     """
     reached = from_lateral_start(problem)
     if reached is not None:
@@ -36,7 +36,7 @@ def reach(problem: StaticProblem) -> float:
 def from_lateral_start(problem: StaticProblem) -> float | None:
     """Try to reach a state from the lateral equilibrium of a pushed string; manual: sec-statics-lateral-start.
 
-    Returns the lateral friction fraction reached, or None with the state restored where nothing pushes the string, or no
+    Returns the lateral friction fraction reached, or None with the state restored if nothing pushes the string, or no
     stable equilibrium is found.
     """
     model, solver, report, state = problem.model, problem.solver, problem.state.equilibrium, problem.state
@@ -79,7 +79,7 @@ def _by_relaxation(problem: StaticProblem) -> float:
 
     A state that is unstable is a saddle, on which no force is lateral: the string then relaxes again under small random side
     loads, which are taken away again if the state is stable without them.  On a coarse mesh the instability is that of the
-    elements.  Raises SolveError where no equilibrium is found.
+    elements.  Raises SolveError if no equilibrium is found.
     """
     model, solver, report = problem.model, problem.solver, problem.state.equilibrium
     fraction, found, saddle = model.case.initial.imperfection, problem.found, None

@@ -23,10 +23,10 @@ STEP_ITERATIONS = 25  # of a step with drag
 #: (most iterations of a step, factor by which the next one is longer)
 GROWTH = ((2, 100.0), (4, 10.0), (7, 4.0), (12, 1.5), (np.inf, 0.7))
 CONVEX = 2.0  # factor of the drag until a step begins convex
-SHORTER = 4.0  # factor of a step's drag where it fails
+SHORTER = 4.0  # factor of a step's drag if it fails
 #: largest growth after a failed step, and the factor on it with each further one
 AFTER_FAILURE, LIFT = 2.0, 1.5
-BACK = 100.0  # factor of the drag where Newton's method fails after the last step
+BACK = 100.0  # factor of the drag if Newton's method fails after the last step
 SOFT_PENETRATION = 0.05  # penetration of the softest wall, as a share of the clearance
 SOFT_INCREMENT = 1.0  # largest last increment on a wall that is still soft
 
@@ -49,7 +49,7 @@ def relax(
     load: contact force per length [N/m] that presses the string into the softest wall by ``SOFT_PENETRATION`` of its
     clearance; 0: the wall keeps its stiffness.
     downhill: as for ``relax_with_drag``.
-    Raises SolveError where no equilibrium is found.
+    Raises SolveError if no equilibrium is found.
     """
     if model.contact is not None:
         try:
@@ -94,7 +94,7 @@ def relax_with_drag(
     report, tolerance: as for ``relax``; most_failed: steps that fail before the string is given up.
     downhill: the loads have an energy.  A step begins with so much drag that its energy is convex there, so that it passes over no
     hill; the last one ends in a stable state.
-    Raises SolveError where no equilibrium is found.
+    Raises SolveError if no equilibrium is found.
     """
     drag, most, failed, failure = FIRST_DRAG, np.inf, 0, SolveError("the string did not come to rest")
     for _ in range(MOST_STEPS):
@@ -134,7 +134,7 @@ def _convex(solver: StaticNewton, drag: float) -> float:
 
 
 def _softening(model: DrillingModel, load: float) -> tuple[float, ...]:
-    """Factors of the contact stiffness before 1; none where the wall is soft."""
+    """Factors of the contact stiffness before 1; none if the wall is soft."""
     gap = _clearance(model)
     if model.contact is None or model.contact.law.law != "linear" or gap is None:
         return ()

@@ -21,7 +21,7 @@ def balance_across(model: DrillingModel, solver: StaticNewton, report: Equilibri
     The state is an equilibrium with the top held where the march put it.  The rows that hold it across the hole are
     released, the string relaxes, and the top is then held where it lies.
 
-    Returns whether the place was found; the state is the former one where it was not.
+    Returns whether the place was found; otherwise the state is the former one.
     """
     assert model.top is not None
     start, asm = Snapshot(model), model.system.assembly

@@ -237,7 +237,7 @@ class LateralBeam:
         return True
 
     def least_shift(self, U: FloatArray, last: float) -> float:
-        """Smallest side spring [N/m2] with which the energy at ``U`` is convex, at most ``SHIFT_SCALE`` of it above; 0 where it is.
+        """Smallest side spring [N/m2] with which the energy at ``U`` is convex, at most ``SHIFT_SCALE`` of it above; 0 if it is.
 
         last: a guess.
         """
@@ -296,7 +296,7 @@ class LateralBeam:
     def solve_step(
         self, start: FloatArray, U: FloatArray, shift: float, plain: bool = False
     ) -> FloatArray | None:
-        """Solve rows + shift M (U - start) = 0 from ``U`` by Newton's method; None where it does not converge.
+        """Solve rows + shift M (U - start) = 0 from ``U`` by Newton's method; None if it does not converge.
 
         The energy falls in each step, unless ``plain`` chooses Newton's own steps, which converge to a saddle, too.
         """
@@ -418,7 +418,7 @@ class LateralState:
 def lateral_state(
     beam: LateralBeam, start: FloatArray, disturbance: FloatArray, disturbed: bool = False
 ) -> LateralState | None:
-    """Find a stable state of ``beam``; None where none is found.
+    """Find a stable state of ``beam``; None if none is found.
 
     A straight string above its buckling load is a saddle of the energy, which the disturbance leads off.  The steps follow
     the fall of the energy, on a soft wall first: each solves for the equilibrium with a side spring to the last state, with
@@ -444,7 +444,7 @@ def lateral_state(
 
 
 def _settle(beam: LateralBeam, U: FloatArray, most: int | None = None) -> FloatArray | None:
-    """Find a stable state from ``U`` while the wall becomes stiff; None where none is found."""
+    """Find a stable state from ``U`` while the wall becomes stiff; None if none is found."""
     beam.iterations = 0
     if most is None:
         most = int(min(max(MAX_WORK / beam.nodes, MAX_ITERATIONS[0]), MAX_ITERATIONS[1]))
@@ -459,7 +459,7 @@ def _settle(beam: LateralBeam, U: FloatArray, most: int | None = None) -> FloatA
 
 
 def _descend(beam: LateralBeam, U: FloatArray, most: int) -> FloatArray | None:
-    """Follow the fall of the energy from ``U`` to a stable state; None where none is found.
+    """Follow the fall of the energy from ``U`` to a stable state; None if none is found.
 
     The side spring makes the energy convex where each step starts, and is weakened while the steps converge fast; one with
     which a step failed is not tried again at once.  most: Newton steps.
@@ -475,7 +475,7 @@ def _descend(beam: LateralBeam, U: FloatArray, most: int) -> FloatArray | None:
         if V is None or (convex and not shift):  # a full step ended at a saddle
             if (
                 shift >= 1e4 * first
-            ):  # at once where no element is in compression: no side spring follows from that
+            ):  # at once if no element is in compression: no side spring follows from that
                 return None
             floor = failed = max(4 * shift, LEAST_SHIFT * first)
             continue

@@ -249,7 +249,7 @@ class StaticNewton:
     def _stiffness(self) -> None:
         """Compute the stiffness at x into the assembly's values.
 
-        It is symmetric where all loads are conservative.
+        It is symmetric if all loads are conservative.
         """
         asm = self.system.assembly
         asm.jacobian(self.t, (1.0, self._shift or self.rate_weight, 0.0), condensed=self._shift > 0)
@@ -292,7 +292,7 @@ class StaticNewton:
         return np.flatnonzero((by_row | by_column) & (rows != columns))
 
     def _factor(self) -> None:
-        """Factor the stiffness; raises SolveError where it is singular."""
+        """Factor the stiffness; raises SolveError if it is singular."""
         if self.limit is not None:
             self.limit.count()
         try:
@@ -305,7 +305,7 @@ class StaticNewton:
             ) from None
 
     def negative_pivots(self) -> int:
-        """Count the negative pivots of the stiffness at x beyond those of multipliers; -1 where a pivot is missing.
+        """Count the negative pivots of the stiffness at x beyond those of multipliers; -1 if a pivot is missing.
 
         Manual: eq-statics-stable.
 
@@ -322,7 +322,7 @@ class StaticNewton:
         return count
 
     def _inertia(self, values: FloatArray) -> int:
-        """Negative pivots of a matrix, or of its symmetric part, beyond those of multipliers; -1 where one is missing."""
+        """Negative pivots of a matrix, or of its symmetric part, beyond those of multipliers; -1 if one is missing."""
         if self.limit is not None:
             self.limit.count()
         try:
@@ -384,7 +384,7 @@ class StaticNewton:
     def _bring_to_depth(self, p: FloatArray) -> tuple[float, FloatArray]:
         """Compute the motion of the top that brings the bit to its depth beside the step ``p`` (n,) (manual: eq-statics-wob).
 
-        Returns the motion of the top [m], and the step (n,) that belongs to it.  Raises SolveError where the top does not
+        Returns the motion of the top [m], and the step (n,) that belongs to it.  Raises SolveError if the top does not
         move the bit.
         """
         system, n = self.system, self.system.layout.size
@@ -419,7 +419,7 @@ class StaticNewton:
         may be of a step that the search has shortened since.
         most: number of steps.
         near: the start is near its state: give up if two consecutive steps exceed the radial clearance.
-        Raises SolveError where the iteration does not converge; x is then anywhere.
+        Raises SolveError if the iteration does not converge; x is then anywhere.
         """
         self._begin(report)
         progress, start = NewtonProgress(tolerance, most, near), len(report.history)

@@ -44,7 +44,7 @@ RAMP_STEPS = 50  # least steps in which a top force rises on a bit that stands
 #: from a state near its own, where no buckle has to grow: distances that the string slides on, the second one where it has
 #: not settled; longest and first step [m, s]
 SLIDES_ON, LONGEST_STEP_ON, FIRST_STEP_ON = (2.0, 8.0), 1.0, 2e-2
-SLIP_SHARE = 5e-3  # rounding velocity over that of the top, where the push is given
+SLIP_SHARE = 5e-3  # rounding velocity over the top's velocity, if the push is given
 RUN_IN = 5.0  # distance that the string is run in before it is slacked off [m]
 LIFT = 0.2  # height of the bit over the bottom from which the string is slacked off [m]
 LOWERING = 0.2  # speed at which the top is lowered onto the bit that stands [m/s]
@@ -86,7 +86,7 @@ class FrictionPath:
     """Paths of one model.
 
     kind: the question.
-    solver: its static solver, with the weight on bit as its constraint where one is given.
+    solver: its static solver, with the weight on bit as its constraint if one is given.
     velocity: of the steady motion that friction opposes: along the hole [m/s, down positive] and spin [rad/s].
     surge: (n+1,) rates of the steady motion that the mud sees [SI of each field per second]; None: at rest.
     """
@@ -165,10 +165,10 @@ class FrictionPath:
 
     # ------------------------------------------------------------------ path
     def follow(self, start: str) -> PathEnd:
-        """Load the string, let it slide where that is the question, and close on the state it reaches; collective.
+        """Load the string, let it slide if that is the question, and close on the state it reaches; collective.
 
         start: ``straight``, the load rises to its value, or ``overload``, it comes back from ``OVERLOAD`` of it.
-        Raises SolveError where a step collapses.
+        Raises SolveError if a step collapses.
         """
         model, self.steps, self.report = self.model, 0, Equilibrium()
         if model.top is not None:
@@ -197,10 +197,10 @@ class FrictionPath:
     def follow_on(self, largest_push: float) -> PathEnd:
         """Let the string slide on from its present state, near an equilibrium under its whole load; collective.
 
-        The side loads that act now stay, or small ones are added where none act.  The string slides further where it has
+        The side loads that act now stay, or small ones are added if none act.  The string slides further if it has
         not settled, or friction alone holds it.
         largest_push: along the string [N], with which changes of the force are compared.
-        Raises SolveError where a step collapses.
+        Raises SolveError if a step collapses.
         """
         asm = self.model.system.assembly
         if asm.dead_load is not None:
@@ -224,7 +224,7 @@ class FrictionPath:
             except SolveError:
                 if end is None or not end.steady:
                     raise
-                before.restore()  # that end is an answer: friction alone holds it
+                before.restore()  # that end is a result: friction alone holds it
                 asm.dead_load, asm.y[:] = load, y
                 self._friction_at_end()
                 self.solver.rows()
@@ -363,7 +363,7 @@ class FrictionPath:
         self.settings, self._slip = own
 
     def _lower(self, target: float) -> None:
-        """Lower the top until the bit carries ``target`` [N]; raises SolveError where it does not."""
+        """Lower the top until the bit carries ``target`` [N]; raises SolveError if it does not."""
         mesh = self.model.mesh
         pipe = ~mesh.is_joint
         straight = target * float(np.sum(mesh.length[pipe] / mesh.axial_stiffness[pipe]))
@@ -392,7 +392,7 @@ class FrictionPath:
 
         speed: of the top [m/s, down]; target: weight on bit [N] at which the advance ends.
         past(t): speed of the string past the hole [m/s]; None: it does not change.  first: length of the first step [s].
-        Returns (time, transmitted force, surface torque) after each step.  Raises SolveError where the steps collapse.
+        Returns (time, transmitted force, surface torque) after each step.  Raises SolveError if the steps collapse.
         """
         model, system = self.model, self.model.system
         asm, n, top = system.assembly, system.layout.size, model.top
@@ -546,7 +546,7 @@ class FrictionPath:
 def follow_paths(path: FrictionPath, starts: tuple[str, ...]) -> PathAnswer:
     """Follow a path from each of ``starts``; the system is left in the state of the first; collective.
 
-    Raises SolveError where the first has no end.
+    Raises SolveError if the first has no end.
     """
     ends, failed = [], []
     for start in starts[:0:-1]:  # the first one last, so that its state stays

@@ -1,4 +1,4 @@
-"""What the paths of a buckled string with friction answer, in numbers and in sentences (manual: sec-statics-path)."""
+"""Results of the paths of a buckled string with friction, in numbers and in sentences (manual: sec-statics-path)."""
 
 from __future__ import annotations
 

@@ -25,7 +25,7 @@ LEAST_CLEARANCE = 1e-3  # [m]
 def answer_by_path(problem: StaticProblem, kind: PathKind) -> None:
     """Find the state of a string with friction at the end of a path, and what other starts give.
 
-    Raises SolveError where the path has no end.
+    Raises SolveError if the path has no end.
     """
     path = _path(problem, kind)
     _take(problem, follow_paths(path, ("straight", "overload") if kind == "sliding" else ("straight",)), SEED)
@@ -36,7 +36,7 @@ def slides_on(problem: StaticProblem) -> bool:
 
     A buckle may roll along the wall for ever, slowly, while the string slides: with friction exactly along the hole it has
     no equilibrium, although force and shape stay.  Returns whether the string slides steadily; the state is the former one
-    where it does not.
+    if it does not.
     """
     model, state = problem.model, problem.state
     assert problem.straight is not None

@@ -64,8 +64,8 @@ def lateral_start(
     """Find the start of a pushed string under the tension of the march ``found``, which does not coil.
 
     motion: axial velocity [m/s, down positive] and rotation [rad/s] that friction opposes.
-    coiled: the march of a string that may coil, whose friction is the first estimate where the string slides.
-    Returns None where nothing pushes the string, or where no stable state is found.  The same on all ranks.
+    coiled: the march of a string that may coil, whose friction is the first estimate if the string slides.
+    Returns None if nothing pushes the string, or no stable state is found.  The same on all ranks.
     """
     mesh, fraction = model.mesh, model.case.initial.imperfection
     if model.contact is None or model.contact.law.law == "hertz_point" or not fraction:
@@ -342,7 +342,7 @@ def _points_of_item(
 ) -> list[tuple[float, float, float | None]]:
     """Points where a rigid item may touch the wall: distance below its node [m], length of wall [m], clearance [m].
 
-    The clearance is None where it is that of the item.  A bit that cuts touches the side of its hole at one point.
+    The clearance is None if the item has one of its own.  A bit that cuts touches the side of its hole at one point.
     """
     assert model.contact is not None
     law, side = model.contact.law, model.bit.side_contact if model.bit is not None else None
@@ -358,7 +358,7 @@ def _points_of_item(
 def _side_loads(model: DrillingModel, found: March) -> FloatArray:
     """Standard deviation (n_nodes,) of the side loads [N] that lead a straight string off its saddle.
 
-    Only where the string is pushed: kilometres of pipe in tension would lie down on the wall under them.
+    Only on the pushed part: kilometres of pipe in tension would lie down on the wall under them.
     """
     fraction = model.case.initial.imperfection
     tension = at_nodes(found.effective_tension, found.effective_tension)

@@ -313,7 +313,7 @@ class _Marcher:
     def _standing_reamers(self, bottom: float, wob: float) -> dict[int, tuple[float, float]]:
         """Weight [N] and torque [N m] of the reamers under the force ``bottom`` [N] below the string, by their nodes.
 
-        A reamer stands where bit and string below it let it; what stands above does not count.
+        The bit and the string below a reamer determine its depth; a reamer above does not count.
         """
         model, mesh = self.model, self.model.mesh
         found: dict[int, tuple[float, float]] = {}
@@ -342,7 +342,7 @@ def march(
     """March from the bit up; None without contact.
 
     motion: axial velocity [m/s, down positive] and rotation [rad/s] that friction opposes.
-    coils: the string coils where the push suffices; otherwise it stays straight in the hole.
+    coils: the string coils if the push suffices; otherwise it stays straight in the hole.
     wob: weight on bit [N]; None takes that of the case.  Under a top that is held, and without a weight in the case, the
     weight is what the string leaves on the bottom that it stands on, whatever ``wob`` is.  An end that is clamped or
     pinned stays at its place.
@@ -369,7 +369,7 @@ def march(
 def helix_band(
     model: DrillingModel, motion: tuple[float, float], rates: FloatArray | None = None
 ) -> HelixBand | None:
-    """What a string that slides transmits by theory, as it coils early or late; None where that is the same, or not asked for.
+    """What a string that slides transmits by theory, as it coils early or late; None if that is the same, or not wanted.
 
     Between ``HELIX_FACTORS`` a pipe on the wall may snake or coil, which its history decides.  The helix presses on the wall
     with r F^2/4EI, and friction takes its share.  rates: as of ``nodal_loads``.  The string must lie unstrained along the
@@ -550,7 +550,7 @@ def friction_factors(
 
 
 def _radius(model: DrillingModel) -> FloatArray:
-    """Outer radius (n,) [m] of the string at each node, that of a rigid item where one is."""
+    """Outer radius (n,) [m] of the string at each node, that of a rigid item if there is one."""
     mesh = model.mesh
     radius = 0.5 * np.append(mesh.contact_diameter, mesh.contact_diameter[-1])
     for b in mesh.bodies:
