@@ -16,7 +16,6 @@ from drillpetsc.analysis.statics.path.paths_of_problem import answer_by_path, no
 from drillpetsc.analysis.statics.placement import place_along_hole, prescribed_motion, top_depth
 from drillpetsc.analysis.statics.snapshot import Snapshot
 from drillpetsc.analysis.statics.start.coarse_mesh import coarse_elements, too_coarse
-from drillpetsc.analysis.statics.start.coarse_start import coarse_factor, coarse_model, place_like
 from drillpetsc.analysis.statics.start.march import CRUSHING_STRAIN, March, helix_band, march
 from drillpetsc.analysis.statics.start.soft_string_start import place_marched, soft_string
 from drillpetsc.analysis.statics.static_problem import StaticProblem, StaticState
@@ -27,7 +26,6 @@ from drillpetsc.errors import CaseError, SolveError
 from drillpetsc.model.drilling_model import DrillingModel
 from drillpetsc.output.watches.free_end import BEYOND, FreeEnd, end_is_free
 from drillpetsc.output.watches.outside_hole import HINT, may_leave_hole, static_warnings
-from drillpetsc.physics.tools.mud_motor import MudMotor
 from drillpetsc.solvers.static.search_limit import SearchEnded, SearchLimit
 from drillpetsc.solvers.static.static_newton import CONVERGED_INCREMENT, Equilibrium, StaticNewton, sum_of
 from drillpetsc.unit_systems import System, display, display_unit, shown
@@ -162,6 +160,7 @@ def _posed(
         found,
         straight,
         start,
+        lambda other: director_equilibrium(other, motion, lateral_friction, may_follow_path=False),
         may_follow_path,
     )
 
@@ -200,35 +199,21 @@ def _answer_by_newton(problem: StaticProblem) -> float:
     Raises SolveError if no equilibrium is found.
     """
     model, state, found = problem.model, problem.state, problem.found
-    coils = found is not None and bool(found.helical.any())
-    reached = None
-    if found is not None and problem.moves and not coils and not model.parts(MudMotor):
-        reached = _from_coarse_mesh(problem)
-    if reached is None:
-        try:
-            reached = reach(problem)
-        except SolveError as error:
-            ended = isinstance(error, SearchEnded)
-            if found is not None and coils:
-                hint = _helix_hint(model, found, problem.moves)
-                error.hint = f"{hint}; {error.hint}" if ended else hint
-                if not ended:
-                    error.what = (
-                        f"no static state was found of a string that coils in its hole ({error.what})"
-                    )
-            if (
-                found is None
-                or ended
-                or not problem.paths
-                or not any(state.motion)
-                or not has_path(model, state.motion)
-            ):
-                raise
-            problem.origin.restore()
-            answer_by_path(problem, "sliding")
-            return state.lateral_fraction
-    state.lateral_fraction = reached
-    return reached
+    try:
+        state.lateral_fraction = reach(problem)
+    except SolveError as error:
+        ended = isinstance(error, SearchEnded)
+        if found is not None and found.helical.any():
+            hint = _helix_hint(model, found, problem.moves)
+            error.hint = f"{hint}; {error.hint}" if ended else hint
+            if not ended:
+                error.what = f"no static state was found of a string that coils in its hole ({error.what})"
+        may_follow = problem.paths and any(state.motion) and has_path(model, state.motion)
+        if found is None or ended or not may_follow:
+            raise
+        problem.origin.restore()
+        answer_by_path(problem, "sliding")
+    return state.lateral_fraction
 
 
 def _beyond_bottom(model: DrillingModel) -> float:
@@ -288,43 +273,6 @@ def _lock_up(model: DrillingModel, found: March) -> SolveError | CaseError:
         "below it the string coils in the hole, and friction takes any further push",
         hint="a stiffer or lighter string below that depth, less friction, rotation, or less weight",
     )
-
-
-def _from_coarse_mesh(problem: StaticProblem) -> float | None:
-    """Try Newton's method with friction from the equilibrium on a coarse mesh; manual: sec-statics-coarse-start.
-
-    Returns the lateral friction fraction reached; None, with the state restored, if the mesh is not fine, or no
-    stable equilibrium is found.
-    """
-    model, solver, state = problem.model, problem.solver, problem.state
-    factor = coarse_factor(model)
-    if factor is None:
-        return None
-    start, report = Snapshot(model), state.equilibrium
-    try:
-        coarse = coarse_model(model, factor, state.motion)
-        if 2 * coarse.mesh.nodes > model.mesh.nodes:  # each item keeps an element
-            return None
-        below = director_equilibrium(coarse, state.motion, problem.fraction > 0, may_follow_path=False)
-        if not below.stable:
-            return None
-        report.iterations += below.equilibrium.iterations
-        place_like(model, coarse)
-        asked = problem.fraction if state.motion[1] else 1.0
-        for trial in sorted(
-            {below.lateral_fraction, asked}
-        ):  # a fine mesh may reach what the coarse one did not
-            problem.impose(trial)
-            solver.newton(report, START_INCREMENT if trial != asked else solver.start_increment)
-    except (SolveError, CaseError):
-        start.restore()
-        return None
-    finally:
-        problem.set_friction_aside()
-    if solver.negative_pivots():
-        start.restore()
-        return None
-    return asked
 
 
 def _solver(model: DrillingModel) -> StaticNewton:
