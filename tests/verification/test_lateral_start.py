@@ -20,7 +20,13 @@ from drillpetsc.analysis.statics.steady_flow import freeze_flow
 from drillpetsc.model.drilling_model import DrillingModel, build_model
 from drillpetsc.output.static_table import static_table
 from drillpetsc.solvers.chain.chain_lu import ChainFactor
-from drillpetsc.solvers.static.lateral_beam import MAX_INNER, ContactPoints, LateralBeam, lateral_state
+from drillpetsc.solvers.static.lateral_beam import (
+    MAX_INNER,
+    ContactPoints,
+    Elements,
+    LateralBeam,
+    lateral_state,
+)
 from drillpetsc.solvers.static.static_newton import Equilibrium, StaticNewton
 
 sys.path.insert(0, str(Path(__file__).parents[2] / "scripts" / "tools"))
@@ -41,7 +47,7 @@ def column(force: float, length: float, stiffness: float, weight: float, element
     held = np.zeros((elements + 1, 4), dtype=bool)
     held[[0, -1], :2] = True
     return LateralBeam(
-        L, np.full(elements, stiffness), weight * middle - force, 0 * L, np.zeros((elements + 1, 4)), points,
+        Elements(L, np.full(elements, stiffness), weight * middle - force, 0 * L), np.zeros((elements + 1, 4)), points,
         lambda d, c: (0 * d, 0 * d), held, np.full(elements + 1, 0.05),
     )  # fmt: skip
 
@@ -68,7 +74,7 @@ def test_matrix_against_differences():
         np.zeros(2 * n),
     )
     beam = LateralBeam(
-        random.uniform(1, 3, n), random.uniform(1e3, 2e3, n), random.normal(0, 1e3, n), random.uniform(0, 0.3, n),
+        Elements(random.uniform(1, 3, n), random.uniform(1e3, 2e3, n), random.normal(0, 1e3, n), random.uniform(0, 0.3, n)),
         random.normal(0, 1, (n + 1, 4)), points, lambda d, c: (1e4 * np.maximum(d, 0) ** 2, 2e4 * np.maximum(d, 0)),
         np.zeros((n + 1, 4), dtype=bool), np.full(n + 1, 0.02),
     )  # fmt: skip
@@ -116,8 +122,8 @@ def test_a_joint_in_the_middle_of_a_beam_under_tension(hinged):
     rows = np.zeros((len(L) + 1, 4))
     rows[half, 0] = load
     beam = LateralBeam(
-        L, np.full(len(L), stiffness), np.full(len(L), tension), 0 * L, rows, points, lambda d, c: (0 * d, 0 * d),
-        held, np.full(len(L) + 1, 0.05), np.arange(len(L)) == half if hinged else None,
+        Elements(L, np.full(len(L), stiffness), np.full(len(L), tension), 0 * L, np.arange(len(L)) == half if hinged else None),
+        rows, points, lambda d, c: (0 * d, 0 * d), held, np.full(len(L) + 1, 0.05),
     )  # fmt: skip
     state = lateral_state(beam, 0 * rows, 0 * rows)
     assert state is not None

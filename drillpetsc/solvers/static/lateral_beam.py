@@ -60,45 +60,55 @@ class ContactPoints:
     at: FloatArray
 
 
+@dataclass(frozen=True)
+class Elements:
+    """Elements of a beam, (n,) each.
+
+    length [m]; bending: stiffness [N m2]; force: tension [N]; rigid: length of rigid items between the upper node and the element [m].
+    hinged: the slopes at both ends of an element without length are free of each other; None: of none.  An element
+    without length is a joint, which ties the displacements of its nodes, and their slopes else.
+    """
+
+    length: FloatArray
+    bending: FloatArray
+    force: FloatArray
+    rigid: FloatArray
+    hinged: np.ndarray | None = None
+
+
 class LateralBeam:
     """Beam of n elements whose lateral displacements and slopes (n + 1, 4) = (u2, u3, u2', u3') are unknown.
 
     Its energy is that of bending, of a given axial force, of dead loads and of the wall.
 
-    length, bending, force: (n,) of the elements: length [m], bending stiffness [N m2], tension [N].
-    rigid: (n,) length of rigid items between the upper node and the element [m].
+    elements: see there.
     load: (n+1, 4) forces [N] and moments [N m] that work on the unknowns.
     points: where it may touch the wall; wall(d, c): force [N/m] per length at depth d [m] where the clearance is c [m], and its derivative.
     held: (n+1, 4) mask of the unknowns that keep their values.
     clearance: (n+1,) of the nodes [m].
-    hinged: (n,) the slopes at both ends of an element without length are free of each other; None: of none.  An element
-    without length is a joint, which ties the displacements of its nodes, and their slopes else.
     """
 
     def __init__(
         self,
-        length: FloatArray,
-        bending: FloatArray,
-        force: FloatArray,
-        rigid: FloatArray,
+        elements: Elements,
         load: FloatArray,
         points: ContactPoints,
         wall: Callable[[FloatArray, FloatArray], tuple[FloatArray, FloatArray]],
         held: np.ndarray,
         clearance: FloatArray,
-        hinged: np.ndarray | None = None,
     ):
+        length, bending = elements.length, elements.bending
         order = np.argsort(points.cell, kind="stable")
         self.points = ContactPoints(*(getattr(points, f.name)[order] for f in fields(points)))
         self.wall, self.load, self.held = wall, load, held
         self.nodes = len(length) + 1
-        self._elastic = self._with_ties(length, bending, force, rigid, hinged)
+        self._elastic = self._with_ties(elements)
         self._band = self._assembled(self._elastic)
         h = np.zeros(self.nodes)
         h[:-1] += 0.5 * length
         h[1:] += 0.5 * length
         self._weight = np.column_stack([h, h, h**3 / 100, h**3 / 100])
-        push = np.maximum(-force, 0.0)
+        push = np.maximum(-elements.force, 0.0)
         #: above the most negative curvature of the energy of a long beam, F^2/4EI [N/m2]
         pull = np.divide(
             push**2, 4 * bending, out=np.zeros_like(push), where=(bending > 0) & (length > JOINT)
@@ -114,15 +124,10 @@ class LateralBeam:
 
     # ---------------------------------------------------------------- matrices
     @staticmethod
-    def _with_ties(
-        length: FloatArray,
-        bending: FloatArray,
-        force: FloatArray,
-        rigid: FloatArray,
-        hinged: np.ndarray | None,
-    ) -> FloatArray:
-        """Element matrices (n, 4, 4) of each plane; those of joints are stiff springs between their nodes."""
-        joint = length <= JOINT
+    def _with_ties(elements: Elements) -> FloatArray:
+        """Element matrices (n, 4, 4) of each plane; joints are stiff springs between their nodes."""
+        length, bending, force, rigid = elements.length, elements.bending, elements.force, elements.rigid
+        joint, hinged = length <= JOINT, elements.hinged
         if not joint.any():
             return element_matrices(length, bending, force, rigid)
         L = np.where(joint, 1.0, length)

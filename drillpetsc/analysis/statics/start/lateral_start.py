@@ -28,6 +28,7 @@ from drillpetsc.output.static_table import at_nodes
 from drillpetsc.physics.contact import ONSET
 from drillpetsc.solvers.static.lateral_beam import (
     ContactPoints,
+    Elements,
     LateralBeam,
     LateralState,
     element_matrices,
@@ -130,18 +131,8 @@ def _beam(
     bending, force = (parts.mean(q) for q in (mesh.bending_stiffness, found.effective_tension))
     clearance = _clearance(model, found)[parts.nodes]
     hinged = [j.cell for j in mesh.joints if not _ties_slope(j)]
-    return LateralBeam(
-        parts.length,
-        bending,
-        force,
-        parts.rigid,
-        parts.gathered(load),
-        points,
-        _wall(model),
-        held,
-        clearance,
-        np.isin(parts.nodes[:-1], hinged),
-    )
+    elements = Elements(parts.length, bending, force, parts.rigid, hinged=np.isin(parts.nodes[:-1], hinged))
+    return LateralBeam(elements, parts.gathered(load), points, _wall(model), held, clearance)
 
 
 def _solved(
