@@ -17,6 +17,7 @@ from drillpetsc.analysis.statics.path.path_question import may_slack_off
 from drillpetsc.analysis.statics.placement import end_is_held, place_along_hole, top_depth
 from drillpetsc.analysis.statics.snapshot import Snapshot
 from drillpetsc.analysis.statics.start.march import March, march
+from drillpetsc.analysis.statics.start.march_shape import CROSSING
 from drillpetsc.analysis.statics.start.soft_string_start import place_marched
 from drillpetsc.analysis.statics.steady_flow import fluid_unknowns, freeze_flow, steady_flow
 from drillpetsc.arrays import FloatArray
@@ -31,7 +32,6 @@ from drillpetsc.solvers.static.search_limit import SearchEnded
 from drillpetsc.solvers.static.static_newton import AXIAL_SHARE, Drag, Equilibrium, StaticNewton, sum_of
 from drillpetsc.unit_systems import shown
 
-CROSSING = 12.0  # length over which a string reaches the wall from an item of little clearance [m]
 SEED = 1e-3  # random side loads, as a share of the weight
 SEED_SPACING = (
     3.0  # of independent side loads along the string, the same on all meshes: part of the history [m]

@@ -38,6 +38,8 @@ BEND_ROUNDS = 3  # of place and shortening by the bends of the hole
 MAX_STANDING_ROUNDS = 40  # of the search for the weight that a held string leaves on the bottom
 STANDING_TOLERANCE = 1e-6  # way of its bit that is left [m]
 CRUSHING_STRAIN = 0.01  # a push that compresses the string by more means that no push passes [-]
+#: largest rotation of a helix within one element, so that the mesh can represent it [rad]
+MAX_ROTATION = 0.45 * np.pi
 LEFT_OUT = (
     "contact",
     "body_contact",
@@ -219,7 +221,13 @@ class _Marcher:
             at_nodes(wet, wet),
         )
         self.model, self.motion, self.half, self.turn, self.across = model, motion, half, turn, across
-        self.depth, self.clearance, self.weight, self.wet = depth, clearance, weight, wet
+        self.depth, self.bending, self.clearance, self.weight, self.wet = (
+            depth,
+            bending,
+            clearance,
+            weight,
+            wet,
+        )
         self.around, self.load_torque = around, load_torque
 
     def result(self, bottom: float, wob: float, top: float | None) -> March:
@@ -229,7 +237,7 @@ class _Marcher:
         top: measured depth of the upper end [m]; None: where the bit carries ``wob``.
         """
         model, motion, mesh, depth = self.model, self.motion, self.model.mesh, self.depth
-        clearance, wet, half = self.clearance, self.wet, self.half
+        bending, clearance, wet, half = self.bending, self.clearance, self.wet, self.half
         reamers = self._standing_reamers(bottom, wob) if top is None else {}
         tension, contact, helical, locked = self.column.run(
             bottom, standing={node: weight for node, (weight, _) in reamers.items()}
@@ -243,6 +251,10 @@ class _Marcher:
             steps[node] += rocks * np.sign(self.around[node])
         torque = np.append(np.cumsum(steps[::-1])[::-1], 0.0) + rock
         inner = tension[1:-1]
+        coils = helical[:-1] & helical[1:] & ~mesh.is_joint
+        pitch = np.where(coils, np.sqrt(np.maximum(-inner - wet, 0.0) / (2 * bending[:-1])), 0.0)
+        pitch = np.minimum(pitch, MAX_ROTATION / np.maximum(mesh.length, 1e-9))
+        gap = 0.5 * (clearance[:-1] + clearance[1:])
         with np.errstate(divide="ignore", invalid="ignore"):
             strain = np.where(mesh.is_joint, 0.0, inner / mesh.axial_stiffness)
             twist = np.where(mesh.is_joint, 0.0, torque[1:-1] * mesh.length / mesh.torsional_stiffness)
@@ -251,14 +263,18 @@ class _Marcher:
         per_length = contact / np.maximum(half, 1e-9)
         bed = np.maximum(per_length, LEAST_LOAD * self.weight) / np.maximum(clearance, 1e-3)
         beam = Beam(mesh.length, mesh.bending_stiffness, inner, mesh.is_joint, bed)
+        phase = np.concatenate([[0.0], np.cumsum(pitch * mesh.length)])
         longer = strain * mesh.length + travels(mesh, inner)
         measured_depth, _ = self._depths(longer, wob, top)
-        across, slope = lateral_shape(model, measured_depth, load, per_length, clearance, beam, on_wall)
+        shape, across, slope, share = lateral_shape(
+            model, measured_depth, load, per_length, clearance, beam, helical, phase, on_wall
+        )
+        longer -= 0.5 * (gap * pitch) ** 2 * mesh.length
         for _ in range(BEND_ROUNDS):  # where the hole's curvature changes, it depends on the place
-            short = shortening(model, measured_depth, across, slope)
+            short = (1 - share) * shortening(model, measured_depth, across, slope)
             measured_depth, end = self._depths(longer - short * mesh.length, wob, top)
         top = end
-        position, tangent, offset, direction = place(model, measured_depth, across, slope)
+        position, tangent, offset, direction = place(model, measured_depth, shape)
         strain_above, strain_below = _nodal_strains(mesh, strain)
         return March(
             axial_force=tension,

@@ -13,6 +13,8 @@ from drillpetsc.geometry.frames import directors
 from drillpetsc.model.drilling_model import DrillingModel
 from drillpetsc.physics.contact import penetration
 
+CROSSING = 12.0  # half length over which a helix begins and ends [m]
+
 
 def lateral_shape(
     model: DrillingModel,
@@ -21,12 +23,16 @@ def lateral_shape(
     contact: FloatArray,
     clearance: FloatArray,
     beam: Beam,
+    helical: np.ndarray,
+    phase: FloatArray,
     top_on_wall: bool,
-) -> tuple[FloatArray, FloatArray]:
-    """Offsets [m] and slopes [-] of the nodes from the axis of the hole, (n, 2) each, along the directors at zero spin.
+) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
+    """Offsets and slopes of the nodes from the axis of the hole, (n, 4), and those without coils, (n, 2) each, and the share of
+    the coils in the elements (n-1,).
 
-    A string that coils is straight here: the search finds its shape.
-    s: (n,) measured depths [m]; load: (n, 3) on the wall [N]; contact: (n,) per length [N/m]; clearance: (n,) [m].
+    The four columns are offsets [m] and slopes [-] along the second and the third director at zero spin.
+    s: (n,) measured depths [m]; load: (n, 3) on the wall [N]; contact: (n,) per length [N/m].
+    clearance: (n,) [m]; helical: (n,); phase: (n,) of the helix [rad].
     """
     well, law = model.well, None if model.contact is None else model.contact.law
     assert well is not None
@@ -41,7 +47,20 @@ def lateral_shape(
     if not top_on_wall:
         wall[0] = 0.0
     curvature = _mean_curvature(model, s)
-    return resting_shape(beam, wall, curvature)
+    across, slope = resting_shape(beam, wall, curvature)
+    still, lean, coils = across.copy(), slope.copy(), np.zeros(len(s) - 1)
+    if helical.any():
+        share = _eased(helical[:, None].astype(float), s)
+        share[clearance < 1e-4] = 0.0
+        first = int(np.argmax(helical))
+        angle = phase - phase[first] + np.arctan2(wall[first, 1], wall[first, 0])
+        coil = deep[:, None] * np.column_stack([np.cos(angle), np.sin(angle)])
+        across = (1 - share) * across + share * coil
+        slope *= 1 - share
+        if not model.mesh.is_joint.any():
+            slope += share * np.gradient(across, s, axis=0)
+        coils = _at_middle(share)[:, 0]
+    return np.column_stack([across, slope]), still, lean, coils
 
 
 def _mean_curvature(model: DrillingModel, s: FloatArray) -> FloatArray:
@@ -78,15 +97,25 @@ def frame_across(model: DrillingModel, t: FloatArray) -> tuple[FloatArray, Float
 
 
 def place(
-    model: DrillingModel, s: FloatArray, across: FloatArray, slope: FloatArray
+    model: DrillingModel, s: FloatArray, shape: FloatArray
 ) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
     """Positions, unit tangents, offsets from the axis and tangents of the hole, (n, 3) each, of nodes at depths ``s`` (n,) [m].
 
-    across, slope: as of ``lateral_shape``.
+    shape: as of ``_shape``.
     """
     assert model.well is not None
     t, second, third = _directors(model, s)
-    offset = across[:, :1] * second + across[:, 1:] * third
-    tangent = t + slope[:, :1] * second + slope[:, 1:] * third
+    offset = shape[:, :1] * second + shape[:, 1:2] * third
+    tangent = t + shape[:, 2:3] * second + shape[:, 3:] * third
     tangent /= np.linalg.norm(tangent, axis=1, keepdims=True)
     return np.asarray(model.well.at(s)[0]) + offset, tangent, offset, t
+
+
+def _eased(values: FloatArray, s: FloatArray) -> FloatArray:
+    """Average ``values`` (n, k) over +-CROSSING [m] along ``s`` (n,), exact for constants."""
+    pieces = 0.5 * (values[1:] + values[:-1]) * np.diff(s)[:, None]
+    total = np.concatenate([np.zeros((1, values.shape[1])), np.cumsum(pieces, axis=0)])
+    width = np.minimum(np.minimum(s - s[0], s[-1] - s), CROSSING)
+    out = np.column_stack([np.interp(s + width, s, c) - np.interp(s - width, s, c) for c in total.T])
+    wide = width > 1e-9
+    return np.where(wide[:, None], out / np.where(wide, 2 * width, 1.0)[:, None], values)
