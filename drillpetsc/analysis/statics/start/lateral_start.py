@@ -40,6 +40,7 @@ SPACING = 3.0  # of independent side loads, the same on all meshes [m]
 LYING_SHARE = 0.01  # of the push: a side load on the string above the buckle that holds it on the wall
 GROWTH, LONGEST = 1.3, 60.0  # of the elements above the buckle: ratio of neighbours, length [m]
 MARGIN = 6.0  # of (EI/w)^(1/3) above the uppermost push, over which a buckle dies out
+ROUGH_SHARE = 0.25  # length of rough elements over the pitch of a helix
 BIT_DEPTH = 1e-4  # of a bit in the side of its hole, where the law of Hertz has the force of its spring [m]
 NO_LENGTH = 1e-9  # of an element that is a joint [m]
 MAX_ROUNDS = 10  # of lateral equilibrium and tension
@@ -82,14 +83,16 @@ def lateral_start(
         if buckling is None:
             return None
         frame = _directors(model, found)
-        parts = _Parts(model, found, buckling)
+        # on short elements contacts that open and close hold up a buckle that moves along the hole: wells of 12 km need half as long
+        parts = _Parts(model, found, buckling, 0.0 if last is not None else _rough_length(model, found))
         beam = _beam(model, found, parts, frame)
         state = _solved(model, found, beam, parts, frame, loads, last)
         if state is None:
             return None
         last = state.disturbed, *parts.spread(state.place)
         before, found = found, with_contact(model, found, motion, parts.contact(beam, state.place, found))
-        if np.abs(found.axial_force - before.axial_force).max() <= SETTLED_PUSH * -found.axial_force.min():
+        change = np.abs(found.axial_force - before.axial_force).max()
+        if not parts.rough and change <= SETTLED_PUSH * -found.axial_force.min():
             break
     assert last is not None  # MAX_ROUNDS is at least 1
     disturbed, across, slope = last
@@ -108,6 +111,13 @@ def _ties_slope(joint: StringJoint) -> bool | None:
         return False
     along = joint.kind == "revolute" and abs(joint.axes[0][0]) > 1 - 1e-9  # a motor's
     return True if along or joint.kind != "revolute" else None
+
+
+def _rough_length(model: DrillingModel, found: March) -> float:
+    """Length [m] of elements that show a buckle: a share of the pitch 2 pi sqrt(2 EI/F) under the largest push F."""
+    pipe = ~model.mesh.is_joint
+    push = np.maximum(-found.effective_tension[pipe], 1e-9)
+    return ROUGH_SHARE * 2 * np.pi * float(np.sqrt(np.min(2 * model.mesh.bending_stiffness[pipe] / push)))
 
 
 def _beam(
@@ -161,10 +171,10 @@ class _Parts:
     """Elements of the lateral problem: those of the model from node ``buckling`` on, longer ones above it.
 
     Above it they reach up to where the string lies on the wall, or to its top: a string that hangs free passes a side
-    force over kilometres.
+    force over kilometres.  Elements of the model are merged up to the length ``least`` [m]; rough: some are.
     """
 
-    def __init__(self, model: DrillingModel, found: March, buckling: int):
+    def __init__(self, model: DrillingModel, found: March, buckling: int, least: float = 0.0):
         mesh, depth = model.mesh, model.mesh.node_depth
         self.model, self.md = model, found.measured_depth
         lying = np.cumsum(np.linalg.norm(found.side_load, axis=1)[:buckling][::-1])
@@ -172,7 +182,8 @@ class _Parts:
         free = not (len(lying) and lying[-1] > share)
         joints = np.flatnonzero(mesh.is_joint)
         marks = {b.node for b in mesh.bodies} | set(joints) | set(joints + 1)
-        nodes, length = [mesh.nodes - 1], 0.0
+        self.rough = bool((2 * mesh.length[buckling:] <= least)[~mesh.is_joint[buckling:]].any())
+        nodes, length = [mesh.nodes - 1], least
         while nodes[-1] > 0:
             at = nodes[-1]
             if at <= buckling and free:
