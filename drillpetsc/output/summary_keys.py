@@ -303,7 +303,7 @@ STATICS: tuple[SummaryKey, ...] = (
     SummaryKey(
         "path",
         "",
-        "Motion followed by the path: 'sliding', 'slack_off' or 'without_friction'.",
+        "Motion followed by the path: 'sliding' or 'slack_off'.",
         STATIC_PATH,
     ),
     SummaryKey(

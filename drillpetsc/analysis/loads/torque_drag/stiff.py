@@ -168,8 +168,6 @@ def stiff_row(case: Case, well: Well, job: Job) -> dict[str, Any]:
     if not state.stable and state.path is None:
         pivots = state.equilibrium.negative_pivots
         return row | failed(f"the state is not stable ({pivots} negative pivots)")
-    if state.path is not None and state.path.kind == "without_friction":
-        return row | failed("the string is buckled, and no state with friction was found")
     row |= _values(model, job)
     if state.path is not None:
         row["status"] = "; ".join([*([row["status"]] if row["status"] != OK else []), BY_PATH])
