@@ -395,6 +395,7 @@ OUTPUT_TABLES = {
     "outputs/limits.md": ("limits.csv", "column"),
     "outputs/contacts.md": ("contacts.csv", "column"),
     "outputs/calibration.md": ("calibration.csv", "column"),
+    "outputs/measured.md": ("measured.csv", "column"),
     "outputs/summary-run.md": ("summary.json of run", "key"),
     "outputs/summary-statics.md": ("summary.json of statics", "key"),
     "outputs/summary-modes.md": ("summary.json of modes", "key"),

@@ -35,6 +35,7 @@ from drillpetsc.case.items import (
     RotarySteerable,
     ShockSub,
     Stabilizer,
+    Tool,
 )
 from drillpetsc.errors import CaseError, SolveError
 
@@ -73,6 +74,7 @@ __all__ = [
     "RotarySteerable",
     "ShockSub",
     "Stabilizer",
+    "Tool",
     "calibrate",
     "campbell",
     "catalogue",

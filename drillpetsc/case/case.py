@@ -19,6 +19,7 @@ from drillpetsc.case.key_paths import check_plain, refuse
 from drillpetsc.case.messages import case_error
 from drillpetsc.case.old_words import check_old_words
 from drillpetsc.case.pipe.figures import Figures
+from drillpetsc.case.pipe.fill import fill_to_bit_depth
 from drillpetsc.case.pipe.tubulars import completed_string
 from drillpetsc.case.quantities import BARE_NUMBERS, MESSAGES
 from drillpetsc.case.writer import case_data, case_yaml, sourced_yaml
@@ -73,7 +74,7 @@ class Case(CaseBlocks):
         words = MESSAGES.set(self.output.units or self.units)
         try:
             fill_presence_defaults(self)
-            string, self._figures, origins = completed_string(self)
+            string, self._figures, origins = completed_string(self, fill_to_bit_depth(self))
             self.fill_defaults(string=string, catalogue=None)
             try:
                 check_case(self)

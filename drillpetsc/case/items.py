@@ -22,6 +22,7 @@ Keys = Mapping[str, Any]
 
 class _Any(TypedDict, total=False):
     name: str
+    weight: Value
     friction: Value
     pressure_loss: Keys
 
@@ -97,6 +98,12 @@ class _Casing(_Tubular, total=False):
 
 class _Tube(_Pipe, _MudSections, total=False):
     pass
+
+
+class _SheetTool(_Tube, total=False):
+    axial_stiffness: Value
+    bending_stiffness: Value
+    torsional_stiffness: Value
 
 
 class _RotarySteerable(_Tube, total=False):
@@ -240,6 +247,15 @@ class Pipe(StringItem):
         self._fill(keys)
 
 
+class Tool(StringItem):
+    """A tool of given diameters and weight, such as an MWD; its stiffnesses are a tube's unless given."""
+
+    kind, key_types, required = "tool", _SheetTool, ("length", "od")
+
+    def __init__(self, **keys: Unpack[_SheetTool]) -> None:
+        self._fill(keys)
+
+
 class Beam(StringItem):
     """An item given by its stiffnesses, for anything that is not a round tube."""
 
@@ -249,7 +265,6 @@ class Beam(StringItem):
         "axial_stiffness",
         "bending_stiffness",
         "torsional_stiffness",
-        "mass",
         "polar_inertia",
     )
 
@@ -413,6 +428,7 @@ ITEMS = {
     item.kind: item
     for item in (
         Pipe,
+        Tool,
         Beam,
         DrillPipe,
         HWDP,

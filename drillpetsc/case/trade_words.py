@@ -9,7 +9,7 @@ from drillpetsc.case.key_paths import suggestion
 #: word -> keys that may be meant; the first one that the block has is taken
 KEYS: dict[str, tuple[str, ...]] = {
     "tfa": ("nozzle_area",),
-    "weight": ("mass", "density", "adjusted_weight"),
+    "weight": ("mass", "density"),
     "mud_weight": ("density",),
     "mw": ("density",),
     "ppf": ("nominal_weight", "adjusted_weight"),
@@ -58,8 +58,8 @@ KINDS: dict[str, str] = {
     "tubing": "pipe",
     "ct": "coiled_tubing",
     **dict.fromkeys(
-        ("motor", "pdm", "mwd", "lwd", "sub", "xo", "crossover", "jar", "jars", "rss"),
-        "pipe, or body, with its od, id, length and a name",
+        ("motor", "mwd", "lwd", "sub", "xo", "crossover", "jars"),
+        "tool, with its od, id, length, weight and a name",
     ),
 }
 

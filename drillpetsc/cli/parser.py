@@ -46,6 +46,8 @@ def main(words: list[str] | None = None) -> int:
 def _main(words: list[str] | None) -> int:
     words = sys.argv[1:] if words is None else words
     own, petsc_options = split_words(words)
+    if own[:2] == ["import", "log"]:
+        own[:2] = ["import-log"]
     try:
         _refuse_old(own)
         arguments, unknown = parser().parse_known_args(own)

@@ -12,6 +12,7 @@ from drillpetsc.arrays import FloatArray
 from drillpetsc.case.blocks.ends import BitBottom, DrivenTop, ForcedBottom, HeldBottom, HeldTop, LineLoad
 from drillpetsc.case.blocks.ends import TopDrive as TopDriveCase
 from drillpetsc.case.case import Case
+from drillpetsc.errors import CaseError
 from drillpetsc.fem.component import Component
 from drillpetsc.fem.discrete_system import DiscreteSystem
 from drillpetsc.fem.string_mesh import StringMesh
@@ -151,6 +152,12 @@ def build_model(
     balanced: leave out what turns with the section: eccentric mass, unbalance, bends and stress-free curvature.
     Raises CaseError if mesh or hole are impossible.
     """
+    if case.fluid is not None and case.fluid.level_in_string is not None:
+        want = "no level_in_string, except in roadmap and calibrate with the soft string"
+        hint = "a plugged string without it is empty"
+        raise CaseError(
+            at="fluid.level_in_string", got=f"{case.fluid.level_in_string:g} m", want=want, hint=hint
+        )
     well = well_of_reamer(case, build_well(case))
     mesh = build_mesh(case, well, motion)
     position, tangent = _axis(case, mesh, well)

@@ -17,7 +17,7 @@ from drillpetsc.case.blocks.items.joints import Joint
 from drillpetsc.case.blocks.items.motor import PositiveDisplacementMotor
 from drillpetsc.case.blocks.items.steering import PushSteering, RotarySteerable
 from drillpetsc.case.blocks.items.string import Beam as BeamItem
-from drillpetsc.case.blocks.items.string import Bend, Bit, Flexible, Item, Rigid, Stabilizer, Tube
+from drillpetsc.case.blocks.items.string import Bend, Bit, Flexible, Item, Rigid, Stabilizer, Tool, Tube
 from drillpetsc.case.blocks.items.tools import Jar, JarSection, ShockSub, TelescopingTool
 from drillpetsc.case.blocks.items.tubulars import Tubular
 from drillpetsc.case.blocks.settings import STARTS
@@ -319,6 +319,8 @@ def _section(item: Flexible, units: System) -> dict[str, float]:
         m = item.material
         values = tube(item.od, item.id, m.young, m.poisson, m.density)
         damping = m.damping
+        if isinstance(item, Tool):
+            values |= item.given_stiffness
         if isinstance(item, PositiveDisplacementMotor):  # the rotor's mass is at the motor's joint
             values["mass"] -= item.pdm.rotor_mass / item.length
             if not values["mass"] > 0:

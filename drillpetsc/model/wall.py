@@ -70,6 +70,6 @@ def _line(load: float, radius: float, steel: float, case: Case, well: Well, dept
     if not radius > 0:
         return np.nan
     hole = max(float(np.asarray(well.radius(depth))), (1 + LEAST_CLEARANCE) * radius)
-    cased = well.kind(depth) == "casing"
+    cased = well.kind(depth) != "open_hole"
     wall = (STEEL_YOUNG, STEEL_POISSON) if cased else (rock_young(case), ROCK_POISSON)
     return float(line_stiffness(load, radius, hole, steel, *wall))

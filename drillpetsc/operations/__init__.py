@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from drillpetsc.operations.cases import Catalogue, Check, Import, Schema
+from drillpetsc.operations.cases import Catalogue, Check, Import, ImportLog, Schema
 from drillpetsc.operations.completion import Completion
 from drillpetsc.operations.flow import Hydraulics, Surge
 from drillpetsc.operations.linear import Campbell, Fmu, Linearise, Modes, Response, Stability, TopDrive
@@ -15,7 +15,7 @@ from drillpetsc.operations.runs import Run, Study, Sweep
 #: in the order in which the help lists them
 OPERATIONS: list[type[Operation]] = [
     *(Run, Sweep, Study),
-    *(Check, Catalogue, Import, Schema),
+    *(Check, Catalogue, Import, ImportLog, Schema),
     *(Statics, Hydraulics, Surge, Roadmap, Limits, Freepoint, Calibrate),
     *(Modes, Campbell, Stability, Response, Linearise, Fmu, TopDrive),
     *(View, Plot, Vibration, Report, Export),

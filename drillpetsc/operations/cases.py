@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 from drillpetsc.errors import CaseError
-from drillpetsc.operations.operation import CaseOperation, Mark, Operation
+from drillpetsc.operations.operation import CaseOperation, Changes, Mark, Operation
 
 if TYPE_CHECKING:
     from drillpetsc.case import Case
@@ -17,13 +17,17 @@ if TYPE_CHECKING:
 class Check(CaseOperation):
     """Read and validate a case, and say what the model contains and leaves out."""
 
+    verbose: Annotated[
+        bool, "also element lengths, the source of each figure, numbers of unknowns, ranks and time scales"
+    ] = False
+
     def warn(self, case: Case) -> None:
         """Print nothing: the text has the warnings."""
 
     def compute(self, job: Any) -> Any:
         from drillpetsc.analysis.commands.check import describe
 
-        return describe(job.case)
+        return describe(job.case, self.verbose)
 
 
 class Catalogue(Operation):
@@ -49,16 +53,16 @@ class Catalogue(Operation):
 
 
 class Import(Operation):
-    """Write a part of a case from a survey, WITSML documents or an EDM export: survey, string, hole."""
+    """Write a part of a case from a survey, a tally, WITSML documents or an EDM export: survey, string, hole."""
 
     files: Annotated[
         tuple[str, ...],
         Mark.ARGUMENT,
         "FILE",
-        "WITSML 1.4.1 trajectory, tubular, wbGeometry (.xml), an EDM export (.xml), or a survey in CSV, xlsx, LAS",
+        "WITSML 1.4.1 trajectory, tubular, wbGeometry (.xml), an EDM export (.xml), a tally in CSV or xlsx, or a survey in CSV, xlsx, LAS",
     ]
     wellbore: Annotated[str | None, "NAME", "the wellbore of an EDM export that has several"] = None
-    assembly: Annotated[str | None, "NAME", "the drill string of an EDM export that has several"] = None
+    assembly: Annotated[str | None, "NAME", "the string of an EDM export or a tally that has several"] = None
     hole: Annotated[
         str | None,
         "NAME",
@@ -81,6 +85,57 @@ class Import(Operation):
         with writing(out, "--out"):
             out.write_text(text, encoding="utf-8")
         return [f"{out}: written", *(f"  {remark}" for remark in remarks)]
+
+
+class ImportLog(Operation):
+    """Read a rig's log (`import log FILE`): channels in SI, quality, rig states, points for `calibrate`.
+
+    Writes log.csv, states.csv, points.csv, quality.json and log.html.
+    """
+
+    files: Annotated[
+        tuple[str, ...],
+        Mark.ARGUMENT,
+        "FILE",
+        "the log: CSV or another text table, LAS, WITSML 1.4.1.1 log (.xml), xlsx; several files of the same columns are joined",
+    ]
+    case: Annotated[
+        str | None, "CASE.yaml", "the case, whose string tells slips and the units of the hook load"
+    ] = None
+    set: Changes = ()
+    out: Annotated[str | None, "DIR", "folder of the results (default: named after the log)"] = None
+    map: Annotated[
+        tuple[str, ...],
+        "CHANNEL=TITLE:UNIT",
+        "the column of a channel, such as hook_load=HKLD:t; may be given several times",
+    ] = ()
+    between: Annotated[
+        str | None,
+        "A,B",
+        "a part of the log: two clock times, as 2020-12-31T01:00,2020-12-31T15:00, or two depths with units",
+    ] = None
+    every: Annotated[
+        str | None, "LENGTH", "length of a point while drilling, such as 1m or 10s (default: 10 m)"
+    ] = None
+    states: Annotated[
+        tuple[str, ...],
+        "KEY=VALUE",
+        "a figure of the rig states, such as 'edge_time=14 s'; may be given several times",
+    ] = ()
+    overwrite: Annotated[bool, "replace an existing --out"] = False
+
+    def compute(self, job: Any) -> Any:
+        from drillpetsc.analysis.commands.import_log import Choices, import_log
+        from drillpetsc.case import load_case
+        from drillpetsc.plotting.command.log import log_page
+
+        if self.set and self.case is None:
+            raise CaseError(at="--set", got=self.set[0], want="--case, the case that is changed")
+        case = None if self.case is None else load_case(self.case, self.set)
+        choices = Choices(self.map, self.every, self.states, self.between)
+        result = import_log(self.files, case, self.out, self.overwrite, choices)
+        log_page(result.folder)
+        return result
 
 
 class Schema(Operation):

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 from drillpetsc.errors import CaseError
 from drillpetsc.operations.fields import Names, Numbers, number, numbers, words
-from drillpetsc.operations.operation import DrawnOperation
+from drillpetsc.operations.operation import AtBitDepth, DrawnOperation
 
 if TYPE_CHECKING:
     from drillpetsc.analysis.hydraulics.surge import Trips
@@ -15,7 +15,7 @@ FLOW = {"above": 0, "at_most": 1}
 DENSITY = {"above": 0, "at_most": 5e3, "kind": "mud_weight"}
 
 
-class Hydraulics(DrawnOperation):
+class Hydraulics(AtBitDepth, DrawnOperation):
     """Steady flow of the mud: pressures, losses, equivalent densities, power at the bit, for one or more flow rates.
 
     Writes hydraulics.csv, pressure_profile.csv and flow_curve.csv.

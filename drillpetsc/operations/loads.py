@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from typing import Annotated, Any, Literal
 
+from drillpetsc.errors import CaseError
 from drillpetsc.operations.fields import Numbers, holds
-from drillpetsc.operations.operation import CaseOperation, DrawnOperation, FolderOperation, Mark
+from drillpetsc.operations.operation import AtBitDepth, CaseOperation, DrawnOperation, FolderOperation, Mark
 
 
-class Statics(FolderOperation):
+class Statics(AtBitDepth, FolderOperation):
     """Static equilibrium: torque and drag, contact forces, buckling state.
 
     Writes statics.csv and string.pvd.
@@ -73,7 +74,7 @@ class Roadmap(DrawnOperation):
         return run_roadmap(job, points, self.model)
 
 
-class Limits(DrawnOperation):
+class Limits(AtBitDepth, DrawnOperation):
     """Stresses, safety factors, buckling and fatigue limits along the string, margin of overpull, largest weight on bit.
 
     Writes limits.csv and contacts.csv.
@@ -147,18 +148,50 @@ class Calibrate(DrawnOperation):
     Writes calibration.csv.
     """
 
-    measured: Annotated[str | None, "FILE", "measured points: CSV, xlsx or LAS (default: the case's)"] = None
+    measured: Annotated[
+        str | None,
+        "FILE",
+        "measured points, such as points.csv of import log: CSV, xlsx or LAS (default: the case's)",
+    ] = None
+    log: Annotated[str | None, "LOG", "instead, a rig's log, read as by import log"] = None
+    every: Annotated[
+        str | None, "LENGTH", "length of a point of --log while drilling, such as 1m or 10s (default: 10 m)"
+    ] = None
     fit: Annotated[
         str | None,
         "A,B",
-        "what is fitted: cased, open_hole, groups of sections by their ff_group, block_weight, weight_factor (default: all "
-        "friction factors)",
+        "what is fitted: cased, open_hole, groups of sections by their ff_group, block_weight, weight_factor, running_drag "
+        "(default: all friction factors)",
     ] = None
+    hold_out: Annotated[
+        str | None,
+        "SHARE|DEPTH",
+        "points that are not fitted but predicted: the deepest share, as 0.5, or those below 2150m",
+    ] = None
+    errors: Annotated[
+        Literal["correlated", "independent"] | None,
+        "intervals by a bootstrap of blocks along depth, or of independent errors (default: correlated from 30 bit depths)",
+    ] = None
+    prior: Annotated[
+        tuple[str, ...],
+        "NAME=MEAN+-SIGMA",
+        "what is known of a parameter beforehand, such as cased=0.2+-0.05; may be given several times",
+    ] = ()
 
     def compute(self, job: Any) -> Any:
-        from drillpetsc.analysis.loads.torque_drag.calibrate import run_calibrate
-        from drillpetsc.case.options.measured_option import fit_option, measured_option
+        from drillpetsc.analysis.commands.import_log import points_of_log
+        from drillpetsc.analysis.loads.torque_drag.calibrate import Choices, run_calibrate
+        from drillpetsc.case.options.measured_option import fit_option, measured_option, prior_option
 
-        fitted = None if self.fit is None else fit_option(self.fit, job.case)
+        if self.log is not None and self.measured is not None:
+            raise CaseError(at="--log", got=self.log, want="either --log or --measured")
         points = None if self.measured is None else measured_option(self.measured, job.case)
-        return run_calibrate(job, points, fitted)
+        if self.log is not None:
+            points = points_of_log(self.log, job.case, self.every)
+        choices = Choices(
+            None if self.fit is None else fit_option(self.fit, job.case),
+            self.hold_out,
+            None if self.errors is None else self.errors == "correlated",
+            prior_option(self.prior),
+        )
+        return run_calibrate(job, points, choices)

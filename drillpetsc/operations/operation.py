@@ -211,7 +211,7 @@ class CaseOperation(Operation):
         if self.petsc:  # before the options are read: several ranks then say once what is wrong with them
             start_job(petsc_options)
         operation = self.read(case.output.units or "SI")
-        case = in_units(case, self.units)
+        case = in_units(self.prepared(case), self.units)
         self.warn(case)
         return operation.show(operation.compute(operation.job(case, Path(self.case).stem)))
 
@@ -221,7 +221,7 @@ class CaseOperation(Operation):
 
         operation = self.read("SI")
         given = isinstance(self.case, Case)
-        case = in_units(self.case if given else load_case(self.case), self.units)
+        case = in_units(self.prepared(self.case if given else load_case(self.case)), self.units)
         if self.petsc:
             initialise_petsc()
         return operation.compute(operation.job(case, "case" if given else Path(self.case).stem))
@@ -232,9 +232,27 @@ class CaseOperation(Operation):
 
         return Job(case, name=name)
 
+    def prepared(self, case: Case) -> Case:
+        """The case with the changes of the options."""
+        return case
+
     def warn(self, case: Case) -> None:
         """Print warnings about values that look like another unit."""
         print_warnings(case)
+
+
+class AtBitDepth(CaseOperation):
+    """A command on a string whose bit may be at another depth than in the case."""
+
+    bit_depth: Annotated[
+        str | float | None,
+        "D",
+        "measured depth of the bit, such as '2000 m' (default: bit_depth of the case)",
+    ] = None
+
+    def prepared(self, case: Case) -> Case:
+        """The case with its bit at the depth, in a hole that ends there."""
+        return case if self.bit_depth is None else case.replace({"bit_depth": self.bit_depth})
 
 
 class FolderOperation(CaseOperation):

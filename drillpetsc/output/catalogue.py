@@ -161,7 +161,13 @@ def listed_by_file() -> dict[str, tuple[Listed, ...]]:
         ),
         "max_trip_speed.csv": _listed(hydraulics.MAX_TRIP_SPEED),
         "calibration.csv": _listed(torque_drag.MEASURED),
-        "roadmap.csv": _listed(torque_drag.ROADMAP, hook_load_total=where.BLOCK, ff_groups=where.GROUPS),
+        "measured.csv": _listed(torque_drag.BESIDE),
+        "roadmap.csv": _listed(
+            torque_drag.ROADMAP,
+            hook_load_total=where.BLOCK,
+            hook_load_reading=where.DEAD_LINE,
+            ff_groups=where.GROUPS,
+        ),
         "limits.csv": _listed(limits.LIMITS, damage_per_hour="with `--sn`"),
         "contacts.csv": _listed(limits.CONTACTS),
     }

@@ -24,6 +24,12 @@ ROADMAP: tuple[SummaryKey, ...] = (
     SummaryKey("model", "", "Model of the string: soft, without bending stiffness."),
     SummaryKey("rows", "-", "Number of rows of roadmap.csv."),
     SummaryKey("rows_not_ok", "-", "Number of rows whose status is not ok."),
+    SummaryKey(
+        "measured",
+        "",
+        "Measured points beside the case, by kind of reading: number, bias, rms and largest residual (SI, and over the reading), share in the band.",
+        "measured points",
+    ),
     SummaryKey("warnings", "", "Unreliable rows, and limits of the rig that are exceeded."),
     SummaryKey(
         "notes", "", "Values assumed because the case did not give them, and omissions of the results."
@@ -36,7 +42,8 @@ CALIBRATE: tuple[SummaryKey, ...] = (
     SummaryKey(
         "fit",
         "",
-        "By parameter: value, 95 % interval, and status: `determined`, or `not determined` with the reason; block weight in N.",
+        "By parameter: value, 95 % interval, that of independent errors, and status: `determined`, `prior kept`, or `not determined` "
+        "with the reason; block weight in N, running drag in N s/m.",
     ),
     SummaryKey("parameters", "", "Names of the parameters, in the order of `correlation`."),
     SummaryKey(
@@ -46,6 +53,21 @@ CALIBRATE: tuple[SummaryKey, ...] = (
         "reduced_chi2", "-", "Sum of squares of the weighted residuals over their degrees of freedom."
     ),
     SummaryKey("readings", "-", "Number of hook loads and torques that were fitted."),
+    SummaryKey("errors", "", "`correlated` or `independent`: how the intervals were computed."),
+    SummaryKey(
+        "correlation_length",
+        "",
+        "By operation and quantity: readings, correlation length along depth raw and detrended, effective number of readings; null if "
+        "errors are independent, as are `block` and `resamples`.",
+    ),
+    SummaryKey("block", "m", "Length of the blocks that the bootstrap draws."),
+    SummaryKey("resamples", "-", "Number of resamples of the bootstrap."),
+    SummaryKey("drift", "", "Friction factor by windows of depth, its slope, whether it drifts; or null."),
+    SummaryKey(
+        "hold_out",
+        "",
+        "By quantity: readings that were predicted, bias, rms, 95th percentile and largest error over the reading, share in the band; null without --hold-out.",
+    ),
     SummaryKey("warnings", "", "Why a result is unreliable."),
     SummaryKey("notes", "", "Assumptions, and omissions of the model."),
 )

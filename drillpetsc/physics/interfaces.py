@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 from abc import abstractmethod
-from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -191,14 +190,6 @@ class Bit(Component):
         """Compute the torque [N m] of the bit that turns with ``spin`` [rad/s] under ``weight`` [N].
 
         It is not negative; it brakes the rotation.
-        """
-
-    @abstractmethod
-    @contextmanager
-    def preloaded(self, weight: float, travel: float) -> Iterator[None]:
-        """Context in which a soft spring replaces the bottom.
-
-        It carries ``weight`` [N] after ``travel`` [m].
         """
 
     @abstractmethod

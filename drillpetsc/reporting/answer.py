@@ -66,7 +66,10 @@ def _upper(name: str, title: str, value: float, limit: float | None, where: str,
 # ---------------------------------------------------------------------- figures of each kind of run
 def _of_roadmap(run: Run, case: Case) -> Iterator[Check]:
     """Largest hook load and surface torque of the roadmap, at any of its friction factors."""
-    table = read_table(run.folder.path / "roadmap.csv")
+    file = run.folder.path / "roadmap.csv"
+    if not file.is_file():  # of calibrate
+        return
+    table = read_table(file)
     known = np.asarray(table.get("status [-]", "ok")) == "ok"
     for name, title, key in (
         ("Hook load", "hook_load_total [N]", "max_hookload"),

@@ -113,7 +113,7 @@ def _hole(case: Case, system: System) -> Grid:
     for s in case.well.sections:
         rows.append(
             (
-                "cased" if s.kind == "casing" else "open hole",
+                {"casing": "cased", "riser": "riser"}.get(s.kind, "open hole"),
                 f"{top / length:.1f}",
                 f"{s.to / length:.1f}",
                 f"{s.diameter / size:.5g}",

@@ -100,7 +100,11 @@ _NO_ROWS = ("history.csv", "probes.csv", INDICES_TABLE)  # tables too long for a
 
 
 NOTE = "note: "  # precedes assumptions and omissions of a run, which are not warnings
-_NO_FRICTION = ("block_weight", "weight_factor")  # parameters of a calibration that are not friction factors
+_NO_FRICTION = (
+    "block_weight",
+    "weight_factor",
+    "running_drag",
+)  # parameters of a calibration that are not friction factors
 
 
 @dataclass(frozen=True)
@@ -374,6 +378,8 @@ def _margins(run: Run, system: System, source: str) -> list[Grid]:
         if not isinstance(value, int | float):
             continue
         words = " ".join(path.replace("_", " ").split(".")).capitalize().replace("wob", "weight on bit")
+        if path.endswith(".helical") and "helical_law" in run.summary:
+            words += f": {run.summary['helical_law']}"
         md = summary.get(f"{path}.md") if key != "md" else None
         place = number(md, "md [m]", system)[0] if isinstance(md, int | float) else ""
         rows.append(

@@ -14,6 +14,7 @@ from drillpetsc.output.files.run_folder import (
     HYDRAULICS_TABLES,
     INDICES_TABLE,
     LIMITS_TABLES,
+    MEASURED_TABLE,
     ROADMAP_TABLE,
     RunFolder,
 )
@@ -55,6 +56,7 @@ TABLES = (
     "reflection.csv",
     *HYDRAULICS_TABLES,
     ROADMAP_TABLE,
+    MEASURED_TABLE,
     CALIBRATION_TABLE,
     *LIMITS_TABLES,
     "trajectory.csv",

@@ -9,6 +9,7 @@ from pathlib import Path
 
 import pytest
 
+import drillpetsc
 from drillpetsc import cli, statics
 from drillpetsc.analysis.commands.check import describe
 from drillpetsc.case import load_case
@@ -84,3 +85,44 @@ def test_a_run_folder_has_the_sources(tmp_path: Path) -> None:
 def test_plain_pipe_lists_nothing() -> None:
     case = load_case(Path(__file__).parents[2] / "cases" / "vertical-2000m-dry.yaml")
     assert "figures of the string" not in describe(case)
+
+
+def test_check_says_its_verdict_first_and_briefly(capsys) -> None:
+    """The string sheet of Volve F-5 in at most 25 lines (contract A1); --verbose gives sources and element lengths."""
+    case = str(Path(__file__).parents[2] / "cases" / "measured" / "volve-f5" / "case.yaml")
+    assert cli.main(["check", case]) == 0
+    lines = capsys.readouterr().out.splitlines()
+    assert lines[0].endswith(": valid") and len(lines) <= 25
+    assert any("length 2265.49 m" in line for line in lines)  # of the pipe that fills the string
+    assert cli.main(["check", case, "--verbose"]) == 0
+    text = capsys.readouterr().out
+    assert "automatic element lengths" in text and "bit_depth, 2400 m, less the other items, 134.51 m" in text
+
+
+def test_check_counts_its_warnings_in_the_verdict(capsys, tmp_path: Path) -> None:
+    sheet = tmp_path / "swapped.yaml"
+    item = "{kind: pipe, length: 90 m, od: 127 mm, id: 108.6 mm, weight: 73 kg/m}"
+    sheet.write_text(f"units: metric\nstring:\n  - {item}\ntop: clamped\n")
+    assert cli.main(["check", str(sheet)]) == 0
+    lines = capsys.readouterr().out.splitlines()
+    assert lines[0] == "case: valid, 1 warning" and lines[1].startswith(
+        "  WARNING: string[0] pipe weighs 2.7 times"
+    )
+
+
+@pytest.mark.parametrize("command", ["hydraulics", "surge", "roadmap", "calibrate", "limits"])
+def test_every_command_writes_the_sources(command: str, tmp_path: Path) -> None:
+    """As the manual promises of case.resolved.yaml (*Files of a run folder*)."""
+    (tmp_path / "case.yaml").write_text(CASE)
+    fluid = {"density": "10 ppg", "flow_rate": "300 gpm", "rheology": {"pv": "15 cP", "yp": "12 lbf/100ft2"}}
+    points = [
+        {"bit_depth": "1000 ft", "operation": word, "hook_load": load}
+        for word, load in (("trip_out", "110 klbf"), ("trip_in", "100 klbf"))
+    ]
+    case = load_case(tmp_path / "case.yaml").replace(
+        {"fluid": fluid, "roadmap": {"bit_depth": ["1000 ft"], "measured": points}}
+    )
+    options = {"surge": {"speeds": "30 ft/min"}}.get(command, {})
+    folder = getattr(drillpetsc, command)(case, tmp_path / "run", **options).folder
+    assert "# from: catalogue tool_joint.csv line 23" in (folder / "case.resolved.yaml").read_text()
+    assert load_case(folder / "case.resolved.yaml") == load_case(folder / "case.yaml")

@@ -47,6 +47,7 @@ def test_the_screen_names_places_units_and_what_is_missing(folder: Path):
     assert "Hook load with the block" in screen and "klbf" in screen and "MD" in screen
     assert "no yield strength, so no strength limits: plain collar" in screen
     assert "exceeds rig.max_hookload" in screen
+    assert "Law of the helical limit" in screen and "chen, 1.41 times the sinusoidal load" in screen
     assert "Weight on bit, sliding, helical" in screen and "r/plots/limits.png" in screen
 
 

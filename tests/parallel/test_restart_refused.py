@@ -17,6 +17,7 @@ from drillpetsc.case import load_case
 from drillpetsc.errors import CaseError
 from drillpetsc.output import read_table
 from tests.helpers.restarts import files
+from tests.helpers.tables import each_row
 
 CASE = """
 string: [{kind: pipe, length: 30 m, od: 127 mm, id: 108.6 mm, element_length: 10 m}]
@@ -176,3 +177,47 @@ def test_provenance_stands_in_checkpoint_and_summary(done):
     assert summary["versions"]["petsc"] == ".".join(map(str, PETSc.Sys.getVersion()))
     other = case.model_copy(update={"title": "another"})
     assert provenance.digest(other) != kept["case_digest"]
+
+
+@each_row(
+    "what, words",
+    [
+        ("damaged", "a damaged line 9, after 7 of 21 rows"),
+        ("shortened", "a damaged line 9, after 7 of 21 rows"),
+        ("twice", "22 rows up to 0.02 s, 21 were written"),
+        ("swapped", "in another order"),
+        ("changed", "rows that are changed"),
+        ("removed", "20 rows up to 0.02 s, 21 were written"),
+    ],
+)
+def test_rows_that_are_not_those_of_the_run(what, words, done, tmp_path):
+    """No row is lost at a restart without a word: rows and their digest stand in the checkpoint."""
+    folder = tmp_path / what
+    shutil.copytree(done, folder)
+    for name in ("history.csv", "probes.csv"):
+        lines = (done / name).read_text().splitlines(keepends=True)
+        if what == "damaged":
+            lines[8] = lines[8].replace(",", ";")
+        elif what == "shortened":
+            lines[8] = lines[8].split(",")[0] + "\n"
+        elif what == "twice":
+            lines.insert(8, lines[8])
+        elif what == "swapped":
+            lines[8], lines[9] = lines[9], lines[8]
+        elif what == "changed":
+            first, _, rest = lines[8].partition(",")
+            lines[8] = f"{first},1{rest}"
+        else:
+            del lines[8]
+        (folder / name).write_text("".join(lines))
+        before = files(folder)
+        (tmp_path / "later.yaml").write_text(CASE.replace("end: 20 ms", "end: 40 ms"))
+        with pytest.raises(CaseError) as refusal:
+            run(load_case(tmp_path / "later.yaml"), folder, restart=True, progress="silent")
+        assert (
+            name in str(refusal.value)
+            and words in str(refusal.value)
+            and "copy of the run folder" in str(refusal.value)
+        )
+        assert files(folder) == before
+        shutil.copy(done / name, folder / name)

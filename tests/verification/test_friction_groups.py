@@ -82,7 +82,7 @@ def test_calibration(tmp_path):
         for operation, sign in (("trip_out", 1.0), ("trip_in", -1.0)):
             points.append({"bit_depth": depth, "operation": operation, "hook_load": along + sign * friction})
     made = well(measured=points)
-    result = run_calibrate(Job(made, tmp_path / "c"), None, None)
+    result = run_calibrate(Job(made, tmp_path / "c"), None)
     fit = {name: entry["value"] for name, entry in result.summary["fit"].items()}
     assert list(fit) == ["cased", "open_hole", "liner"]
     assert [fit[name] for name in ("cased", "liner", "open_hole")] == pytest.approx(mu, abs=1e-3)

@@ -80,17 +80,18 @@ def test_a_coiled_string_is_hoisted_with_weight_on_its_bit(wob, friction, factor
     assert contact[helix].mean() == pytest.approx(theory.mean(), rel=0.02)
 
 
-def test_a_small_string_with_a_band_is_followed_from_two_starts(factorisations):
-    """A string at 10 degrees whose lateral equilibrium leads nowhere: its paths come before descents of thousands of factorisations
-    (8711 before), and give the same hook load."""
+def test_a_small_string_with_a_band_has_a_state_within_it(factorisations):
+    """A string at 10 degrees that no Newton iteration from its lateral equilibrium brings to a state: it slides on from there, in some
+    60 factorisations (1669 for its paths, which ended outside the band).  The state is stable, and its hook load within the band by theory."""
     angle = {"md": [0.0, 500.0, 950.0, 1500.0], "inclination": list(np.radians([0.0, 0.0, 10.0, 10.0]))}
-    plain = case(200e3, 0.35, length=1500.0, element=10.0)
+    plain = case(200e3, 0.35, length=1500.0, element=5.0)
     data = plain.replace({"well": {"survey": {**angle, "azimuth": [0.0] * 4},
                                    "sections": [{"to": 1500.0, "kind": "open_hole", "diameter": HOLE, "friction": 0.35}]}})  # fmt: skip
     model = build_model(data)
     state = find_equilibrium(model, MOTIONS["lower"])
-    assert state.path is not None and len(state.path.ends) == 2
-    assert factorisations[0] < 5000
+    assert state.stable and state.band is not None
+    assert state.band.low < static_summary(model, state)["hook_load"] < state.band.high
+    assert factorisations[0] < 150
 
 
 def test_a_hoisted_string_with_a_band_is_sent_to_no_path_that_is_refused(tmp_path):

@@ -8,7 +8,7 @@ import numpy as np
 
 from drillpetsc.analysis.commands.commands_report import command_lines
 from drillpetsc.analysis.commands.rank_model import rank_lines, step_counts
-from drillpetsc.analysis.commands.string_figures import figure_lines
+from drillpetsc.analysis.commands.string_figures import figure_lines, short_figure_lines
 from drillpetsc.analysis.motion.drive_report import drive_lines
 from drillpetsc.analysis.motion.hoist_report import hoist_lines
 from drillpetsc.analysis.motion.run_options import options_of
@@ -62,10 +62,23 @@ REGION_TEXT = {
 }
 
 
-def describe(case: Case) -> str:
-    """Return the text for the user; raises CaseError where the model cannot be built."""
+def describe(case: Case, verbose: bool = True) -> str:
+    """Return the text for the user; raises CaseError where the model cannot be built.
+
+    verbose: with element lengths, each figure's source, numbers of unknowns and times; otherwise what an engineer reads
+    before a computation.
+    """
+    fluid, level = case.fluid, None
+    if fluid is not None and fluid.level_in_string is not None:
+        level = shown(fluid.level_in_string, "length", case.shown_units, 6)
+        case = case.model_copy(update={"fluid": fluid.model_copy(update={"level_in_string": None})})
     with options_of(case):
-        return "\n".join(_lines(build_model(case)))
+        lines = _lines(build_model(case), verbose)
+    if level is not None:
+        lines.append(
+            f"  fluid: the string is empty above MD {level}, in roadmap and calibrate; other commands refuse"
+        )
+    return "\n".join(lines)
 
 
 def _quasi_static(case: Case) -> bool:
@@ -142,20 +155,25 @@ def _rig(rig: Rig, units: System) -> str:
     )
 
 
-def _lines(model: DrillingModel) -> list[str]:
+def _lines(model: DrillingModel, verbose: bool) -> list[str]:
     case, units = model.case, model.case.output.units or "SI"
+    said = [f"  {line}" for line in notes(case)]
+    warnings = [line for line in said if line.startswith("  WARNING")]
+    warnings += [f"  WARNING: {text}" for text in doubts_at(Built(model=model))]
+    count = f", {len(warnings)} warning{'s' if len(warnings) > 1 else ''}" if warnings else ""
     return [
-        f"{case.title or 'case'}: valid",
-        *_string_and_hole(model, units),
+        f"{case.title or 'case'}: valid{count}",
+        *warnings,
+        *_string_and_hole(model, units, verbose),
         *_operation(model, units),
         *_contents(model, units),
-        *_cost(model),
-        *(f"  {line}" for line in notes(case)),
-        *(f"  WARNING: {text}" for text in doubts_at(Built(model=model))),
+        *_cost(model, verbose),
+        *(line for line in said if not line.startswith("  WARNING")),
+        *([] if verbose else ["  --verbose: element lengths, sources of the figures, unknowns, time scales"]),
     ]
 
 
-def _string_and_hole(model: DrillingModel, units: System) -> list[str]:
+def _string_and_hole(model: DrillingModel, units: System, verbose: bool) -> list[str]:
     """String, rig and hole."""
     case, mesh = model.case, model.mesh
     size, _, unit = display_unit("length", units)
@@ -164,8 +182,8 @@ def _string_and_hole(model: DrillingModel, units: System) -> list[str]:
         f"  string: {len(case.string)} items, {mesh.total_length / size:g} {unit}, {int(element.sum())} elements of "
         f"{mesh.length[element].min() / size:.3g} to {mesh.length.max() / size:.3g} {unit}, {mesh.nodes} nodes, "
         f"{len(mesh.bodies)} rigid items",
-        *_chosen_lengths(case, model),
-        *figure_lines(case, units),
+        *(_chosen_lengths(case, model) if verbose else []),
+        *(figure_lines(case, units) if verbose else short_figure_lines(case, units)),
     ]
     if case.rig is not None:
         lines.append(_rig(case.rig, units))
@@ -226,7 +244,7 @@ def _contents(model: DrillingModel, units: System) -> list[str]:
     ]
 
 
-def _cost(model: DrillingModel) -> list[str]:
+def _cost(model: DrillingModel, verbose: bool) -> list[str]:
     """Unknowns, time of a step, ranks and time scales."""
     counts, time = field_counts(model.system), model.case.time
     per_node = sum(f.size for f, n in counts if n >= model.mesh.nodes - 1)
@@ -235,9 +253,10 @@ def _cost(model: DrillingModel) -> list[str]:
         f"  unknowns: {per_node} per node; {unknowns} solved for in a step, {unknowns + rates} in the state"
     ]
     for f, n in counts:
-        if f.region in REGION_TEXT and n:
+        if verbose and f.region in REGION_TEXT and n:
             lines.append(f"    {f.name}: {f.size} at {n} nodes ({REGION_TEXT[f.region]})")
     to_do = f"; {time.end:g} s to simulate" if time is not None else ""
     step = 1e3 * step_counts(model).time(1)
     lines.append(f"  expected cost: about {step:.2g} ms per step on one core{to_do}")
-    return lines + [f"  {line}" for line in (*rank_lines(model), *time_scales(model).lines())]
+    lines += [f"  {line}" for line in rank_lines(model)]
+    return lines + [f"  {line}" for line in (time_scales(model).lines() if verbose else ())]

@@ -53,13 +53,29 @@ def figure_lines(case: Case, units: System) -> list[str]:
     )
 
 
+def short_figure_lines(case: Case, units: System) -> list[str]:
+    """A line for each item with figures that the case does not give, without their sources."""
+    lines = []
+    for number, item in enumerate(case.string):
+        found = case.figures.of_item.get(number, ())
+        if found:
+            values = ", ".join(
+                f"{figure.key} {_value(figure, units)}{' (unverified)' if 'unverified' in figure.source else ''}"
+                for figure in found
+            )
+            lines.append(f"    string[{number}] {item.name}: {values}")
+    return ["  figures of the string that the case does not give:", *lines] if lines else []
+
+
 def _figure(figure: Figure, units: System) -> str:
+    return f"{figure.key} {_value(figure, units)}: {figure.source}"
+
+
+def _value(figure: Figure, units: System) -> str:
     value = figure.value
-    if isinstance(value, float):
-        text = _with_field(f"{value:.6g} {figure.unit}".rstrip(), _in_field_units(value, figure.unit), units)
-    else:
-        text = str(value)
-    return f"{figure.key} {text}: {figure.source}"
+    if not isinstance(value, float):
+        return str(value)
+    return _with_field(f"{value:.6g} {figure.unit}".rstrip(), _in_field_units(value, figure.unit), units)
 
 
 def _with_field(text: str, field: str, units: System) -> str:

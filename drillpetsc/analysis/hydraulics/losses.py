@@ -173,7 +173,7 @@ def element_losses(flow: FlowModel, channel: ChannelFlow, law: Rheology) -> Elem
 
 # ---------------------------------------------------------------------- table
 def _section_name(section: Section) -> str:
-    return f"{'casing' if section.kind == 'casing' else 'open hole'} to {section.to:g} m"
+    return f"{section.kind.replace('_', ' ')} to {section.to:g} m"
 
 
 def channel_rows(flow: FlowModel, name: str) -> list[Loss]:

@@ -40,6 +40,7 @@ from drillpetsc.doubts import doubts_at
 from drillpetsc.errors import CaseError, SolveError
 from drillpetsc.model.fluid import build_rheology
 from drillpetsc.output import write_summary, write_table
+from drillpetsc.output.files.case_files import write_case
 from drillpetsc.output.files.run_folder import SURGE_TABLE, TRIP_SPEED_TABLE
 from drillpetsc.output.job import Job
 from drillpetsc.output.quantities.hydraulics import DYNAMIC_SURGE, MAX_TRIP_SPEED, SIDE_SURGE, SURGE
@@ -243,7 +244,7 @@ def run_surge(job: Job, plan: Trips) -> RunResult:
             notes=notes,
         ).as_dict()
         if job.comm.rank == 0:
-            case.dump(folder.case)
+            write_case(case, folder)
             columns = [[_cell(row.value(q.name)) for row in rows] for q in quantities]
             write_table(folder.path / SURGE_TABLE, [q.column for q in quantities], columns)
             if fastest:

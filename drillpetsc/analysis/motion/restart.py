@@ -82,7 +82,8 @@ def check_restart(
         raise early
     refusal: CaseError | None = None
     if comm.rank == 0:
-        refusal = missing_output(folder, recorder, saved.time, saved.notes["last_row"])
+        written = saved.notes.get("tables", {})
+        refusal = missing_output(folder, recorder, saved.time, saved.notes["last_row"], written)
     refusal = comm.tompi4py().bcast(refusal)
     if refusal is not None:
         raise refusal

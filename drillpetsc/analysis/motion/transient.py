@@ -392,6 +392,7 @@ class TransientRun:
             assert c is not None
             self.writer.flush()
             c.notes["watch"] = self.writer.watch.get_notes()  # of all rows, which are written now
+            c.notes["tables"] = self.writer.written
             checkpoint.write(self.folder.checkpoint, c)
 
         first_rank_does(self.mpi, str(self.folder.checkpoint), put, t)

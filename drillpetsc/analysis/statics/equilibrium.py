@@ -15,7 +15,6 @@ from drillpetsc.analysis.statics.path.path_question import has_path, refuse_path
 from drillpetsc.analysis.statics.path.paths_of_problem import answer_by_path, node_clearance, steps_in_hole
 from drillpetsc.analysis.statics.placement import place_along_hole, prescribed_motion, top_depth
 from drillpetsc.analysis.statics.snapshot import Snapshot
-from drillpetsc.analysis.statics.start.coarse_start import coarse_factor, coarse_model, place_like
 from drillpetsc.analysis.statics.start.march import CRUSHING_STRAIN, March, helix_band, march
 from drillpetsc.analysis.statics.start.soft_string_start import place_marched, soft_string
 from drillpetsc.analysis.statics.static_problem import StaticProblem, StaticState
@@ -28,7 +27,6 @@ from drillpetsc.errors import CaseError, SolveError
 from drillpetsc.model.drilling_model import DrillingModel
 from drillpetsc.output.watches.free_end import FreeEnd, end_is_free
 from drillpetsc.output.watches.outside_hole import HINT, may_leave_hole
-from drillpetsc.physics.tools.mud_motor import MudMotor
 from drillpetsc.solvers.static.search_limit import SearchEnded, SearchLimit
 from drillpetsc.solvers.static.static_newton import CONVERGED_INCREMENT, Equilibrium, StaticNewton, sum_of
 from drillpetsc.unit_systems import System, display, display_unit, shown
@@ -57,7 +55,7 @@ def director_equilibrium(
     path: the question that is answered by following the string's history; None: Newton's method answers, and a
     path of steady sliding where it finds no state of a string that coils, if ``may_follow_path``.
 
-    Raises SolveError where no equilibrium is found, CaseError where the weight on bit cannot be met.
+    Raises SolveError if no equilibrium is found, CaseError if the weight on bit cannot be met.
     """
     lowering = prescribed_motion(model)[0] if motion is None else 0.0
     motion = prescribed_motion(model) if motion is None else motion
@@ -67,42 +65,8 @@ def director_equilibrium(
         return StaticState(
             (0.0, 0.0), Equilibrium(iterations=flow.iterations, increment=flow.increment, converged=True)
         )
-    if path is not None:
-        refuse_path(model, motion, path)
-    surge = surge_rates(model, lowering)
-    if surge is not None:
-        model.system.assembly.y[:] = surge
-    freeze_flow(model, tolerance=FIRST_FLOW_INCREMENT)
-    soft, found = soft_string(model, motion), march(model, motion, rates=surge)
-    straight = found
-    start = Snapshot(model)
-    band = helix_band(model, motion, surge) if found is not None else None
-    if found is not None:
-        if found.locked_at is not None and path != "slack_off":
-            raise _lock_up(model, found)
-        if found.helical.any():
-            straight = march(model, motion, coils=False, rates=surge)
-        if path is None:
-            place_marched(model, found)
-    solver = _solver(model)
-    solver.rates = surge
-    if path is None:
-        solver.limit = SearchLimit(model.mesh.nodes)
-    wob = model.case.initial.wob
-    if wob is not None:
-        _set_weight_on_bit(model, solver, wob)
-    problem = StaticProblem(
-        model,
-        solver,
-        StaticState(motion, Equilibrium(), soft, band=band),
-        tuple(r for r in (model.contact, model.bit) if r is not None),
-        1.0 if lateral_friction else 0.0,
-        lowering,
-        found,
-        straight,
-        start,
-        may_follow_path,
-    )
+    problem = _posed(model, motion, lowering, lateral_friction, path, may_follow_path)
+    solver, found = problem.solver, problem.found
     state, report = problem.state, problem.state.equilibrium
     problem.set_friction_aside()
     if path is not None:
@@ -127,18 +91,67 @@ def director_equilibrium(
     refuse_folded(model)
     _reactions(model, solver)
     model.system.assembly.freeze(None)
-    judged = state.path is None or state.path.kind == "without_friction"
     state.warnings += doubts_at(
         Solved(
             model=model,
             top_unplaced=not placed,
             lateral_friction_failed=no_lateral_friction,
             below_hole=_beyond_bottom(model),
-            negative_pivots=report.negative_pivots if judged else 0,
+            negative_pivots=report.negative_pivots if state.path is None else 0,
             singular=report.singular,
         )
     )
     return state
+
+
+def _posed(
+    model: DrillingModel,
+    motion: tuple[float, float],
+    lowering: float,
+    lateral_friction: bool,
+    path: PathKind | None,
+    may_follow_path: bool,
+) -> StaticProblem:
+    """Pose the problem of ``director_equilibrium``: the string at its march, or along the hole for a path; collective.
+
+    lowering: speed at which the top lowers the string [m/s].  Raises SolveError if the string is locked up.
+    """
+    if path is not None:
+        refuse_path(model, motion, path)
+    surge = surge_rates(model, lowering)
+    if surge is not None:
+        model.system.assembly.y[:] = surge
+    freeze_flow(model, tolerance=FIRST_FLOW_INCREMENT)
+    soft, found = soft_string(model, motion), march(model, motion, rates=surge)
+    straight = found
+    start = Snapshot(model)
+    band = helix_band(model, motion, surge) if found is not None else None
+    if found is not None:
+        if found.locked_at is not None and path != "slack_off":
+            raise _lock_up(model, found)
+        if found.helical.any():
+            straight = march(model, motion, coils=False, rates=surge)
+        if path is None:
+            place_marched(model, found)
+    solver = _solver(model)
+    solver.rates = surge
+    if path is None:  # a user who asks for a path waits for it
+        solver.limit = SearchLimit(model.mesh.nodes)
+    if model.case.initial.wob is not None:
+        _set_weight_on_bit(model, solver, model.case.initial.wob)
+    return StaticProblem(
+        model,
+        solver,
+        StaticState(motion, Equilibrium(), soft, band=band),
+        tuple(r for r in (model.contact, model.bit) if r is not None),
+        1.0 if lateral_friction else 0.0,
+        lowering,
+        found,
+        straight,
+        start,
+        lambda other: director_equilibrium(other, motion, lateral_friction, may_follow_path=False),
+        may_follow_path,
+    )
 
 
 def _newton_with_flow(problem: StaticProblem) -> float:
@@ -172,50 +185,28 @@ def _newton_with_flow(problem: StaticProblem) -> float:
 def _answer_by_newton(problem: StaticProblem) -> float:
     """Find the state by Newton's method and the relaxation, else by a path; returns the lateral friction fraction.
 
-    Raises SolveError where no equilibrium is found.
+    Raises SolveError if no equilibrium is found.
     """
     model, state, found = problem.model, problem.state, problem.found
-    coils = found is not None and bool(found.helical.any())
-    reached = None
-    if found is not None and problem.moves and not coils and not model.parts(MudMotor):
-        reached = _from_coarse_mesh(problem)
-    if reached is None:
-        try:
-            reached = reach(problem)
-        except SolveError as error:
-            ended = isinstance(error, SearchEnded)
-            if found is not None and coils:
-                hint = _helix_hint(model, found, problem.moves)
-                error.hint = f"{hint}; {error.hint}" if ended else hint
-                if not ended:
-                    error.what = (
-                        f"no static state was found of a string that coils in its hole ({error.what})"
-                    )
-            if found is None or ended or not problem.paths or not has_path(model, state.motion):
-                raise
-            problem.origin.restore()
-            moves = any(state.motion)
-            answer_by_path(problem, "sliding" if moves else "without_friction")
-            if not moves:
-                _end_at_rest(problem)
-            return state.lateral_fraction
-    state.lateral_fraction = reached
-    return reached
-
-
-def _end_at_rest(problem: StaticProblem) -> None:
-    """Replace the end of a path without friction, which still creeps, by the equilibrium beside it, if Newton's method finds it."""
-    assert problem.state.path is not None
-    restore, asm = problem.save(), problem.model.system.assembly
-    asm.dead_load = problem.state.path.persistent_load
     try:
-        problem.solver.newton(problem.state.equilibrium)
-    except SolveError:
-        restore()
+        state.lateral_fraction = reach(problem)
+    except SolveError as error:
+        ended = isinstance(error, SearchEnded)
+        if found is not None and found.helical.any():
+            hint = _helix_hint(model, found, problem.moves)
+            error.hint = f"{hint}; {error.hint}" if ended else hint
+            if not ended:
+                error.what = f"no static state was found of a string that coils in its hole ({error.what})"
+        may_follow = problem.paths and any(state.motion) and has_path(model, state.motion)
+        if found is None or ended or not may_follow:
+            raise
+        problem.origin.restore()
+        answer_by_path(problem, "sliding")
+    return state.lateral_fraction
 
 
 def _beyond_bottom(model: DrillingModel) -> float:
-    """Distance [m] of a free end below the end of the hole; not above zero where it hangs free, or stands; collective."""
+    """Distance [m] of a free end below the end of the hole; not above zero if it hangs free, or stands; collective."""
     return sum_of(model.system, FreeEnd(model).below_bottom())
 
 
@@ -271,43 +262,6 @@ def _lock_up(model: DrillingModel, found: March) -> SolveError | CaseError:
         "below it the string coils in the hole, and friction takes any further push",
         hint="a stiffer or lighter string below that depth, less friction, rotation, or less weight",
     )
-
-
-def _from_coarse_mesh(problem: StaticProblem) -> float | None:
-    """Try Newton's method with friction from the equilibrium on a coarse mesh; manual: sec-statics-coarse-start.
-
-    Returns the lateral friction fraction reached; None, with the state restored, where the mesh is not fine, or no
-    stable equilibrium is found.
-    """
-    model, solver, state = problem.model, problem.solver, problem.state
-    factor = coarse_factor(model)
-    if factor is None:
-        return None
-    start, report = Snapshot(model), state.equilibrium
-    try:
-        coarse = coarse_model(model, factor, state.motion)
-        if 2 * coarse.mesh.nodes > model.mesh.nodes:  # each item keeps an element
-            return None
-        below = director_equilibrium(coarse, state.motion, problem.fraction > 0, may_follow_path=False)
-        if not below.stable:
-            return None
-        report.iterations += below.equilibrium.iterations
-        place_like(model, coarse)
-        asked = problem.fraction if state.motion[1] else 1.0
-        for trial in sorted(
-            {below.lateral_fraction, asked}
-        ):  # a fine mesh may reach what the coarse one did not
-            problem.impose(trial)
-            solver.newton(report, START_INCREMENT if trial != asked else solver.start_increment)
-    except (SolveError, CaseError):
-        start.restore()
-        return None
-    finally:
-        problem.set_friction_aside()
-    if solver.negative_pivots():
-        start.restore()
-        return None
-    return asked
 
 
 def _solver(model: DrillingModel) -> StaticNewton:

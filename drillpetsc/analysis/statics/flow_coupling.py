@@ -19,8 +19,8 @@ from drillpetsc.solvers.static.static_newton import Equilibrium, StaticNewton, s
 MAX_COUPLING_ROUNDS = 30  # solves of flow and string in turn
 COUPLING_TOLERANCE = 1e-10  # largest change of pressures and flows relative to their scales
 COUPLING_SHARE = 1e-3  # increment of the string's solve over the flow's last change
-ROUNDING_TOLERANCE = 1e-6  # largest change where rounding stops the coupling iteration
-LEAST_SHARE = 0.05  # of a change, taken where the rounds do not contract
+ROUNDING_TOLERANCE = 1e-6  # largest change if rounding stops the coupling iteration
+LEAST_SHARE = 0.05  # of a change, taken if the rounds do not contract
 
 
 def surge_rates(model: DrillingModel, lowering: float) -> FloatArray | None:
@@ -40,7 +40,7 @@ def surge_rates(model: DrillingModel, lowering: float) -> FloatArray | None:
 def _flow_and_string_together(model: DrillingModel, solver: StaticNewton, report: Equilibrium) -> bool:
     """Solve for steady flow and string by Newton's method on all unknowns; collective.
 
-    Returns False, with the state restored, where it does not converge, and for flows of the Hermite formulation,
+    Returns False, with the state restored, if it does not converge, and for flows of the Hermite formulation,
     whose chamber is filled from outside.
     """
     assert model.case.fluid is not None
@@ -76,7 +76,7 @@ def couple_flow_and_string(
     report: gets the iterations of the string.
     lowering: speed at which the top lowers the string [m/s]; the flow is then that about the moving string
     (surge).
-    Raises SolveError where the iteration does not converge.
+    Raises SolveError if the iteration does not converge.
     """
     if model.fluid is None:
         return

@@ -1,100 +1,118 @@
-"""Static equilibrium with friction by Newton's method, from a start that contains friction or from a state without it.
+"""Static equilibrium with friction: from the lateral equilibrium of a pushed string, else by relaxation from the march.
 
-Manual: sec-statics-sequence.
+Manual: sec-statics-sequence, whose table is read from top to bottom.
 """
 
 from __future__ import annotations
 
 from drillpetsc.analysis.statics.imperfection import item_imperfection, nodal_weight
-from drillpetsc.analysis.statics.path.paths_of_problem import answer_by_path, has_two_paths, slides_on
+from drillpetsc.analysis.statics.path.paths_of_problem import slides_on
 from drillpetsc.analysis.statics.relaxation import helix_load, relax, relax_with_drag
 from drillpetsc.analysis.statics.snapshot import Snapshot
-from drillpetsc.analysis.statics.start.lateral_start import SPACING, lateral_starts
+from drillpetsc.analysis.statics.start.coarse_start import coarse_factor, coarse_model, place_like
+from drillpetsc.analysis.statics.start.lateral_start import SPACING, lateral_start
 from drillpetsc.analysis.statics.start.soft_string_start import place_marched
 from drillpetsc.analysis.statics.static_problem import StaticProblem
-from drillpetsc.errors import SolveError
+from drillpetsc.errors import CaseError, SolveError
 from drillpetsc.output.watches.coarse_mesh import too_coarse
+from drillpetsc.physics.tools.mud_motor import MudMotor
 
 START_INCREMENT = 0.1  # of a state from which a further solve with more friction, or with the flow, starts
+STRONG_LOAD = 0.01  # side loads over the weight if the requested ones do not lead to a stable state
 LATERAL_STEPS = 15  # of Newton's method from a lateral equilibrium, which is close to the state
 NEAR_STEPS, NEAR_INCREMENT = 6, 10.0  # of its first steps, and the increment that they reach from there
-#: steps of a relaxation from there that may fail, and the same of a string that may follow its paths instead
-LATERAL_FAILED, FAILED_BEFORE_PATHS = 10, 4
-STRONG_LOAD = 0.01  # side loads over the weight if the requested ones do not lead to a stable state
+LATERAL_FAILED = 10  # steps of a relaxation from there that may fail
 
 
 def reach(problem: StaticProblem) -> float:
-    """Find an equilibrium with friction from the present state; returns the lateral friction fraction reached.
+    """Find an equilibrium with friction; returns the lateral friction fraction reached.
 
-    Raises SolveError where no equilibrium is found.
+    Raises SolveError if no equilibrium is found.
     """
-    reached = from_lateral_start(problem)
-    if reached is not None:
-        return reached
-    if problem.moves and problem.straight is not None and _follows_paths(problem):
-        return problem.state.lateral_fraction
+    # from the cheapest to the dearest; each leaves the march behind if it finds no stable state
+    for way in (_from_coarse_mesh, from_lateral_start):
+        reached = way(problem)
+        if reached is not None:
+            return reached
     return _by_relaxation(problem)
 
 
-def _follows_paths(problem: StaticProblem) -> bool:
-    """Follow the paths of a small string that slides and has several states, where its lateral equilibrium leads to none; collective.
+def _from_coarse_mesh(problem: StaticProblem) -> float | None:
+    """Try Newton's method with friction from the equilibrium on a coarse mesh; manual: sec-statics-coarse-start.
 
-    Returns whether the first one has an end; the state is the former one where it has none.
+    Returns the lateral friction fraction reached; None, with the state restored, if the mesh is not fine, or no
+    stable equilibrium is found.
     """
-    if problem.turns or not has_two_paths(problem):
-        return False
-    restore = problem.save()
-    problem.origin.restore()
+    model, solver, state, found = problem.model, problem.solver, problem.state, problem.found
+    factor = coarse_factor(model)
+    if factor is None or found is None or not problem.moves:
+        return None
+    # the lateral start of a coiled string costs less, and a motor may have another speed on another mesh
+    if found.helical.any() or model.parts(MudMotor):
+        return None
+    start, report = Snapshot(model), state.equilibrium
     try:
-        answer_by_path(problem, "sliding")
-    except SolveError:
-        restore()
-        return False
-    return True
+        coarse = coarse_model(model, factor, state.motion)
+        if 2 * coarse.mesh.nodes > model.mesh.nodes:  # each item keeps an element
+            return None
+        below = problem.solve(coarse)
+        if not below.stable:
+            return None
+        report.iterations += below.equilibrium.iterations
+        place_like(model, coarse)
+        asked = problem.fraction if state.motion[1] else 1.0
+        # a fine mesh may reach what the coarse one did not
+        for trial in sorted({below.lateral_fraction, asked}):
+            problem.impose(trial)
+            solver.newton(report, START_INCREMENT if trial != asked else solver.start_increment)
+    except (SolveError, CaseError):
+        start.restore()
+        return None
+    finally:
+        problem.set_friction_aside()
+    if solver.negative_pivots():
+        start.restore()
+        return None
+    return asked
 
 
 def from_lateral_start(problem: StaticProblem) -> float | None:
-    """Try Newton's method from the lateral equilibrium of a pushed string; manual: sec-statics-lateral-start.
+    """Try to reach a state from the lateral equilibrium of a pushed string; manual: sec-statics-lateral-start.
 
-    Returns the lateral friction fraction reached, or None with the state restored where nothing pushes the string, or no
+    Returns the lateral friction fraction reached, or None with the state restored if nothing pushes the string, or no
     stable equilibrium is found.
     """
-    model, solver, report, straight = (
-        problem.model,
-        problem.solver,
-        problem.state.equilibrium,
-        problem.straight,
-    )
-    if straight is None:
+    model, solver, report, state = problem.model, problem.solver, problem.state.equilibrium, problem.state
+    start = None
+    if problem.straight is not None:
+        start = lateral_start(model, problem.straight, state.motion, problem.found)
+    if start is None:
         return None
     restore = problem.save()
-    most_failed = FAILED_BEFORE_PATHS if has_two_paths(problem) else LATERAL_FAILED
-    for start in lateral_starts(model, straight, problem.state.motion, problem.fraction > 0, problem.found):
-        fraction = problem.fraction if start.with_friction else 0.0
-        problem.origin.restore()
-        place_marched(model, start.march)
-        if start.side_loads is not None:
-            solver.add_imperfection(start.side_loads, SPACING)
-            report.imperfection = model.case.initial.imperfection
-        placed = Snapshot(model)
-        for near in (True, False):
-            problem.impose(fraction)
-            try:
-                if near:
-                    solver.newton(report, NEAR_INCREMENT, NEAR_STEPS)
-                    solver.newton(report, solver.start_increment, LATERAL_STEPS, near=True)
-                else:
-                    relax_with_drag(model, solver, report, solver.start_increment, most_failed)
-                reached = True
-            except SolveError:
-                reached = False
+    problem.origin.restore()
+    place_marched(model, start.march)
+    if start.side_loads is not None:
+        solver.add_imperfection(start.side_loads, SPACING)
+        report.imperfection = model.case.initial.imperfection
+    placed = Snapshot(model)
+    first, full = _fractions(problem, problem.turns)
+    for near in (True, False):
+        problem.impose(first)
+        try:
+            if near:
+                solver.newton(report, NEAR_INCREMENT, NEAR_STEPS)
+                solver.newton(report, solver.start_increment, LATERAL_STEPS, near=True)
+            else:
+                relax_with_drag(model, solver, report, solver.start_increment, LATERAL_FAILED)
             problem.set_friction_aside()
-            if reached and not solver.negative_pivots():
-                return fraction
-            placed.restore()
-            # a helix may creep along the wall for ever: it has no state, and a relaxation would not end
-            if near and start.with_friction and start.side_loads is not None and slides_on(problem):
-                return fraction
+            if not solver.negative_pivots():
+                return _with_side_force(problem, first, full)
+        except SolveError:
+            problem.set_friction_aside()
+        placed.restore()
+        # a helix may creep along the wall for ever: it has no state, and a relaxation would not end
+        if near and start.side_loads is not None and slides_on(problem):
+            return first
     restore()
     return None
 
@@ -103,38 +121,35 @@ def _by_relaxation(problem: StaticProblem) -> float:
     """Relax the string from the march; returns the lateral friction fraction reached.
 
     A state that is unstable is a saddle, on which no force is lateral: the string then relaxes again under small random side
-    loads, which stay.  On a coarse mesh the instability is that of the elements.  Raises SolveError where no equilibrium is found.
+    loads, which are taken away again if the state is stable without them.  On a coarse mesh the instability is that of the
+    elements.  Raises SolveError if no equilibrium is found.
     """
     model, solver, report = problem.model, problem.solver, problem.state.equilibrium
     fraction, found, saddle = model.case.initial.imperfection, problem.found, None
     if found is not None:
         problem.origin.restore()
         place_marched(model, found)
-    start = Snapshot(model)
-    strengths: tuple[float, ...] = (0.0,)
-    if fraction and not too_coarse(model):
-        # weaker loads than these may end on the saddle again, so that the state would hang on the imperfection
-        strengths = (0.0, fraction, *((STRONG_LOAD,) if fraction < STRONG_LOAD else ()))
-    failure = SolveError("no static state was found")
+    start, failure = Snapshot(model), SolveError("no static state was found")
+    strengths = (0.0,) if not fraction or too_coarse(model) else (0.0, fraction, max(fraction, STRONG_LOAD))
     for strength in strengths:
         load = found.usual_contact_force if found is not None else 0.0
-        if strength:
-            start.restore()
-            solver.add_imperfection(
-                strength * nodal_weight(model) * item_imperfection(model, fraction), SPACING
-            )
-            load = helix_load(model, found) if found is not None else 0.0
-        report.imperfection = strength
         try:
-            reached = _relaxed(problem, load)
-            if strength and not problem.moves and solver.negative_pivots():
-                # a free column leans further than any Newton step from straight: follow it down
+            if strength:
                 start.restore()
-                relax_with_drag(model, solver, report, solver.start_increment, downhill=True)
+                size = strength * nodal_weight(model) * item_imperfection(model, fraction)
+                solver.add_imperfection(size, SPACING)
+                report.imperfection = strength
+                # without friction the loads have an energy, down which a column leans further than any Newton step from straight
+                helix = helix_load(model, found) if found is not None else 0.0
+                relax(model, solver, report, solver.start_increment, helix, downhill=True)
+                load = 0.0  # it has found its wall
+            reached = _relaxed(problem, load)
         except SolveError as error:
             failure = error
             continue
         if not solver.negative_pivots() or len(strengths) == 1:
+            if strength:
+                _take_side_loads_away(problem, reached)
             return reached
         saddle = saddle or (Snapshot(model), reached)
     model.system.assembly.dead_load, report.imperfection = None, 0.0
@@ -144,30 +159,63 @@ def _by_relaxation(problem: StaticProblem) -> float:
     return saddle[1]
 
 
+def _take_side_loads_away(problem: StaticProblem, reached: float) -> None:
+    """Find the state without the side loads beside the present one; they stay if there is none, or it is unstable."""
+    restore = problem.save()
+    problem.model.system.assembly.dead_load, problem.state.equilibrium.imperfection = None, 0.0
+    problem.impose(reached)
+    try:
+        relax_with_drag(
+            problem.model,
+            problem.solver,
+            problem.state.equilibrium,
+            problem.solver.start_increment,
+            LATERAL_FAILED,
+        )
+        stable = True
+    except SolveError:
+        stable = False
+    problem.set_friction_aside()
+    if not stable or problem.solver.negative_pivots():
+        restore()
+
+
 def _relaxed(problem: StaticProblem, load: float) -> float:
     """Relax the string with friction, of one that turns first without its side force; returns the fraction of that force reached.
 
     load: as for ``relax``.
     """
     model, solver, report = problem.model, problem.solver, problem.state.equilibrium
-    full = problem.fraction if problem.state.motion[1] else 1.0
-    first = 0.0 if problem.state.motion[1] else 1.0
+    first, full = _fractions(problem, bool(problem.state.motion[1]))
+    problem.impose(first)
+    # what a further solve starts from, with more friction or with the flow, need not be exact
+    increment = solver.start_increment if first == full else START_INCREMENT
     try:
-        if problem.moves:
-            problem.impose(first)
-        # what a further solve starts from, with more friction or with the flow, need not be exact
-        relax(model, solver, report, START_INCREMENT if full != first else solver.start_increment, load)
-        if full == first:
-            return full if problem.moves else problem.fraction
-        last = Snapshot(model)
+        relax(model, solver, report, increment, load)
+    finally:
+        problem.set_friction_aside()
+    return _with_side_force(problem, first, full)
+
+
+def _fractions(problem: StaticProblem, turns: bool) -> tuple[float, float]:
+    """Lateral friction fractions with which a search begins and ends: a string that turns climbs the wall at the end."""
+    return (0.0, problem.fraction) if turns else (1.0, 1.0)
+
+
+def _with_side_force(problem: StaticProblem, first: float, full: float) -> float:
+    """Add the side force of friction between the fractions ``first``, of the present state, and ``full``; returns the one reached."""
+    model, solver, report = problem.model, problem.solver, problem.state.equilibrium
+    if full == first:
+        return full if problem.moves else problem.fraction
+    last = Snapshot(model)
+    try:
         problem.impose(full)
-        try:
-            solver.newton(report, solver.start_increment)
-            return full
-        except SolveError:
-            last.restore()
-            problem.impose(first)
-            solver.newton(report)
-            return first
+        solver.newton(report, solver.start_increment)
+        return full
+    except SolveError:
+        last.restore()
+        problem.impose(first)
+        solver.newton(report)
+        return first
     finally:
         problem.set_friction_aside()

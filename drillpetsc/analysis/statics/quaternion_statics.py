@@ -35,7 +35,7 @@ def quaternion_equilibrium(
     """Find the ANCF equilibrium of the same case, then iterate by Newton's method on the rows of the quaternion string.
 
     motion, lateral_friction: see ``find_equilibrium``.  Collective.
-    Raises SolveError where no equilibrium is found.
+    Raises SolveError if no equilibrium is found.
     """
     ancf = build_model(model.case.model_copy(update={"beam": BeamTheory()}), model.system.comm)
     if is_quasi_static(model.case):
@@ -109,7 +109,7 @@ def solve_at_rest(system: DiscreteSystem, t: float = 0.0, velocity: FloatArray |
 
     t: time of the inputs [s].
     velocity: (nv, 3) of the local nodes [m/s], for the drag of mud; zero by default.
-    Raises SolveError where the iteration does not converge.
+    Raises SolveError if the iteration does not converge.
     """
     for component in system.components:
         component.constrain_positions(True)

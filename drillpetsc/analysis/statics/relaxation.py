@@ -1,6 +1,7 @@
 """Relaxation of a string to its static state: steps of implicit Euler with side drag, which become infinitely long.
 
-Manual: sec-statics-relaxation.  Friction has the direction that the components impose.
+Manual: sec-statics-relaxation.  Friction has the direction that the components impose.  Side loads are needed by
+`buckled-collar.yaml` and by free columns beyond their buckling load; a soft wall by long strings that cross their hole.
 """
 
 from __future__ import annotations
@@ -12,7 +13,7 @@ from drillpetsc.analysis.statics.snapshot import Snapshot
 from drillpetsc.analysis.statics.start.march import March
 from drillpetsc.errors import SolveError
 from drillpetsc.model.drilling_model import DrillingModel
-from drillpetsc.solvers.static.static_newton import CONVERGED_INCREMENT, Equilibrium, StaticNewton
+from drillpetsc.solvers.static.static_newton import CONVERGED_INCREMENT, Drag, Equilibrium, StaticNewton
 
 FIRST_DRAG, LAST_DRAG = 1e3, 1e-2  # over the length of the step [N/m2]
 MOST_DRAG = 1e12  # beyond it no step is short enough
@@ -21,10 +22,11 @@ STEP_INCREMENT = 1e-2  # largest last increment of a step with drag
 STEP_ITERATIONS = 25  # of a step with drag
 #: (most iterations of a step, factor by which the next one is longer)
 GROWTH = ((2, 100.0), (4, 10.0), (7, 4.0), (12, 1.5), (np.inf, 0.7))
-SHORTER = 4.0  # factor of a step's drag where it fails
+CONVEX = 2.0  # factor of the drag until a step begins convex
+SHORTER = 4.0  # factor of a step's drag if it fails
 #: largest growth after a failed step, and the factor on it with each further one
 AFTER_FAILURE, LIFT = 2.0, 1.5
-BACK = 100.0  # factor of the drag where Newton's method fails after the last step
+BACK = 100.0  # factor of the drag if Newton's method fails after the last step
 SOFT_PENETRATION = 0.05  # penetration of the softest wall, as a share of the clearance
 SOFT_INCREMENT = 1.0  # largest last increment on a wall that is still soft
 
@@ -35,6 +37,7 @@ def relax(
     report: Equilibrium,
     tolerance: float = CONVERGED_INCREMENT,
     load: float = 0.0,
+    downhill: bool = False,
 ) -> None:
     """Relax the string from its present state while the wall becomes stiff; collective.
 
@@ -45,27 +48,37 @@ def relax(
     tolerance: largest increment of the last solve.
     load: contact force per length [N/m] that presses the string into the softest wall by ``SOFT_PENETRATION`` of its
     clearance; 0: the wall keeps its stiffness.
-    Raises SolveError where no equilibrium is found.
+    downhill: as for ``relax_with_drag``.
+    Raises SolveError if no equilibrium is found.
     """
     if model.contact is not None:
         try:
             for factor in _softening(model, load):
                 model.contact.set_stiffness(factor)
-                _relax(model, solver, report, SOFT_INCREMENT)
+                newton_or_drag(model, solver, report, SOFT_INCREMENT, downhill=downhill)
         finally:
             model.contact.set_stiffness(1.0)
-    _relax(model, solver, report, tolerance)
+    newton_or_drag(model, solver, report, tolerance, downhill=downhill)
 
 
-def _relax(model: DrillingModel, solver: StaticNewton, report: Equilibrium, tolerance: float) -> None:
-    """Newton's method, the one infinite step; where it fails, steps with drag that grow to it; collective."""
+def newton_or_drag(
+    model: DrillingModel,
+    solver: StaticNewton,
+    report: Equilibrium,
+    tolerance: float,
+    most_failed: int = MOST_FAILED,
+    downhill: bool = False,
+) -> None:
+    """Newton's method, the one infinite step; if it fails, steps with drag that grow to it, as in ``relax_with_drag``; collective."""
     start = Snapshot(model)
     try:
         solver.newton(report, tolerance)
-        return
+        if not downhill or not solver.negative_pivots():
+            return
     except SolveError:
-        start.restore()
-    relax_with_drag(model, solver, report, tolerance)
+        pass
+    start.restore()
+    relax_with_drag(model, solver, report, tolerance, most_failed, downhill)
 
 
 def relax_with_drag(
@@ -79,16 +92,18 @@ def relax_with_drag(
     """Let the string move to its state by steps with drag that grow; collective.
 
     report, tolerance: as for ``relax``; most_failed: steps that fail before the string is given up.
-    downhill: the loads have an energy, and no step is so long that it passes over a hill to an unstable state.
-    Raises SolveError where no equilibrium is found.
+    downhill: the loads have an energy.  A step begins with so much drag that its energy is convex there, so that it passes over no
+    hill; the last one ends in a stable state.
+    Raises SolveError if no equilibrium is found.
     """
     drag, most, failed, failure = FIRST_DRAG, np.inf, 0, SolveError("the string did not come to rest")
     for _ in range(MOST_STEPS):
         start, before = Snapshot(model), report.iterations
         try:
-            with solver.drag(drag):
+            drag = _convex(solver, drag) if downhill else drag
+            with solver.drag(Drag(drag)):
                 solver.newton(report, STEP_INCREMENT, STEP_ITERATIONS)
-                if downhill and solver.negative_pivots():
+                if downhill and drag <= LAST_DRAG and solver.negative_pivots():
                     raise SolveError("the step passes over a hill of the energy")
             if drag > LAST_DRAG:
                 count = report.iterations - before
@@ -108,8 +123,18 @@ def relax_with_drag(
     raise failure
 
 
+def _convex(solver: StaticNewton, drag: float) -> float:
+    """The drag, or as much more that the energy of a step is convex where it begins; collective."""
+    while drag < MOST_DRAG:
+        with solver.drag(Drag(drag)):
+            if solver.negative_pivots() <= 0:
+                break
+        drag *= CONVEX
+    return drag
+
+
 def _softening(model: DrillingModel, load: float) -> tuple[float, ...]:
-    """Factors of the contact stiffness before 1; none where the wall is soft."""
+    """Factors of the contact stiffness before 1; none if the wall is soft."""
     gap = _clearance(model)
     if model.contact is None or model.contact.law.law != "linear" or gap is None:
         return ()

@@ -24,8 +24,8 @@ class StaticState:
     warnings: texts for the user.
     lateral_fraction: fraction of the lateral friction force in the equilibrium [-] (chi in the manual:
     eq-statics-imposed-friction).
-    path: answer of the paths of a buckled string with friction, None where Newton's method found the state.
-    band: by theory, of what a buckled string that slides transmits; None where it is the same early and late.
+    path: answer of the paths of a buckled string with friction, None if Newton's method found the state.
+    band: by theory, of what a buckled string that slides transmits; None if it is the same early and late.
     """
 
     motion: tuple[float, float]
@@ -50,9 +50,10 @@ class StaticProblem:
     components: those with friction, the wall and the bit.
     fraction: lateral friction fraction that is asked for [-].
     lowering: speed at which the top lowers the string [m/s].
-    found, straight: the march where the string coils, and where it does not; None without contact.
+    found, straight: the march of a string that may coil, and of one that stays straight; None without contact.
     origin: the string along the hole.
-    paths: a path may be followed where Newton's method finds no state.
+    solve(model): solves the same problem on another mesh.
+    paths: a path may be followed if Newton's method finds no state.
     """
 
     model: DrillingModel
@@ -64,6 +65,7 @@ class StaticProblem:
     found: March | None
     straight: March | None
     origin: Snapshot
+    solve: Callable[[DrillingModel], StaticState]
     paths: bool = True
 
     @property

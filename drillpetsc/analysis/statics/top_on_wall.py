@@ -4,60 +4,38 @@ from __future__ import annotations
 
 import numpy as np
 
+from drillpetsc.analysis.statics.relaxation import newton_or_drag
 from drillpetsc.analysis.statics.snapshot import Snapshot
 from drillpetsc.arrays import FloatArray
 from drillpetsc.errors import SolveError
 from drillpetsc.model.drilling_model import DrillingModel
-from drillpetsc.solvers.static.static_newton import Equilibrium, StaticNewton
+from drillpetsc.solvers.static.static_newton import CONVERGED_INCREMENT, Equilibrium, StaticNewton
 
 _ACROSS = ("top.side_reaction_1", "top.side_reaction_2")
-LEAST_PART = 1 / 64  # of the reactions, taken away at a time
-MOST_ITERATIONS = 400
+MOST_FAILED = 10  # steps with drag, before the top stays where it is
 
 
 def balance_across(model: DrillingModel, solver: StaticNewton, report: Equilibrium) -> bool:
     """Move the prescribed place of the top across the hole to where nothing pushes it there; collective.
 
     The state is an equilibrium with the top held where the march put it.  The rows that hold it across the hole are
-    released, Newton's method finds the place, and the top is then held there.  Where the place is far, the reactions
-    that held the top are taken away in parts.
+    released, the string relaxes, and the top is then held where it lies.
 
-    Returns whether the place was found; the state is the former one where it was not.
+    Returns whether the place was found; otherwise the state is the former one.
     """
     assert model.top is not None
-    start, asm, iterations = Snapshot(model), model.system.assembly, report.iterations
-    load = asm.dead_load
+    start, asm = Snapshot(model), model.system.assembly
     asm.release(_ACROSS)
     try:
-        held = _reactions_across(model, solver)
-        share, step = 1.0, 1.0  # of the reactions that still holds the top
-        while share:
-            reached = Snapshot(model)
-            asm.dead_load = load if share == step else held * (share - step) + (0.0 if load is None else load)
-            try:
-                solver.newton(report)
-                share -= step
-            except SolveError:
-                reached.restore()
-                step *= 0.25 if step == 1.0 else 0.5
-                if step < LEAST_PART or report.iterations - iterations > MOST_ITERATIONS:
-                    start.restore()
-                    return False
+        newton_or_drag(model, solver, report, CONVERGED_INCREMENT, MOST_FAILED)
+    except SolveError:
+        start.restore()
+        return False
     finally:
         asm.release(())
-        asm.dead_load = load
     model.top.place_across(_top_position(model))
     asm.invalidate_prescribed_values()
     return True
-
-
-def _reactions_across(model: DrillingModel, solver: StaticNewton) -> FloatArray:
-    """Load (n,) at the owned unknowns [N] that holds the released top as its reactions did."""
-    held, rows = np.zeros(model.system.layout.size), solver.rows()
-    for f in model.system.assembly.row_replacements:
-        if f.owned and f.condition.names[0].startswith("top."):
-            held[f.rows[:3]] = rows[f.rows[:3]]
-    return held
 
 
 def _top_position(model: DrillingModel) -> FloatArray:

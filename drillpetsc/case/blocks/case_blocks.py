@@ -34,7 +34,7 @@ from drillpetsc.case.blocks.settings import BeamTheory, Initial, MeshSettings, O
 from drillpetsc.case.blocks.well import Well
 from drillpetsc.case.blocks.window import Window, window_or_file
 from drillpetsc.case.key_paths import refuse
-from drillpetsc.case.quantities import Vector
+from drillpetsc.case.quantities import Quantity, Vector
 from drillpetsc.unit_systems import System
 
 Option = bool | int | float | str
@@ -70,6 +70,11 @@ class CaseBlocks(Block):
     well: Well | None = Field(default=None, description="the hole; without it the string is in free space")
     string: tuple[StringItem, ...] = Field(
         min_length=1, description="from the top down; the last item ends at the bit"
+    )
+    bit_depth: Annotated[float, Quantity("m", above=0, at_most=50e3)] | None = Field(
+        default=None,
+        description="measured depth of the bit: the hole ends there, and the length of the topmost pipe follows. When not given, the length "
+        "of the string, or the end of the survey with length: fill",
     )
     joints: tuple[Joint, ...] = Field(default=(), description="joints in the string, at measured depths")
     material: Material = Field(

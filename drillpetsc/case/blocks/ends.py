@@ -232,6 +232,11 @@ class BitBottom(Block):
         default=1e8, description="contact stiffness of the bit on the rock"
     )
     friction: Friction = Field(default=0.3, description="friction coefficient of the bit face on the rock")
+    pump_off_area: Annotated[float, Quantity("m^2", at_least=0, at_most=1)] = Field(
+        default=0.0,
+        description="area on which the pressure drop of the bit lowers a weight on bit that is read: weight read = weight - pressure drop "
+        "of the bit times area; for measured points",
+    )
     plugged: Plugged = Field(default=False, description=_PLUGGED)
 
 

@@ -283,6 +283,11 @@ class Fluid(Block):
     flow_line: Annotated[float, Quantity("m", at_most=50e3)] = Field(
         default=0.0, description="depth of the flow line below the rotary table, straight down"
     )
+    level_in_string: Annotated[float, Quantity("m", at_least=0, at_most=50e3)] | None = Field(
+        default=None,
+        description="measured depth of the mud's surface in a plugged string, which is empty above: floated or unfilled strings "
+        "(roadmap and calibrate with the soft string)",
+    )
     annulus: Annotated[bool, Strict()] = derived_default(
         "whether there is fluid between string and hole; when not given, true in a case with a well"
     )

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Annotated
+from typing import Annotated, Any, Literal
 
-from pydantic import Field, model_validator
+from pydantic import BeforeValidator, Field, model_validator
 
 from drillpetsc.case.block import Block
 from drillpetsc.case.key_paths import refuse
@@ -31,6 +31,50 @@ class Weight(Quantity):
         return super().read(value, *at)
 
 
+class HookloadSensor(Block):
+    """Place of the hook-load sensor, and the sheaves between it and the hook."""
+
+    at: Literal["hook", "dead_line"] = Field(
+        default="hook", description="at the hook, or in the dead line, whose force times the lines is read"
+    )
+    lines: Annotated[int, Field(ge=2, le=20)] | None = Field(
+        default=None, description="lines strung between crown and travelling block"
+    )
+    sheave_efficiency: Annotated[float, Quantity("", at_least=0.8, at_most=1)] | None = Field(
+        default=None,
+        description="force of the line behind a turning sheave over the force before it, 0.98 for roller bearings",
+    )
+    dead_sheave: Literal["still", "turning"] = Field(
+        default="still", description="whether the sheave of the dead line turns"
+    )
+
+    @model_validator(mode="after")
+    def _lines_of_a_dead_line(self) -> HookloadSensor:
+        for key in ("lines", "sheave_efficiency"):
+            if (getattr(self, key) is None) == (self.at == "dead_line"):
+                want = (
+                    "this key with at: dead_line" if self.at == "dead_line" else "no such key with at: hook"
+                )
+                raise refuse(key, got=getattr(self, key), want=want)
+        return self
+
+
+class WobZero(Block):
+    """Where the indicator of the weight on bit was set to zero, off bottom."""
+
+    bit_depth: Annotated[float, Quantity("m", above=0, at_most=50e3)] = Field(
+        description="measured depth of the bit at zeroing"
+    )
+    flow_rate: Annotated[float, Quantity("m^3/s", at_least=0, at_most=1)] = Field(
+        default=0.0, description="flow rate of the pump at zeroing"
+    )
+
+
+def _zero(value: Any) -> Any:
+    """None for off_bottom: zeroed before each reading."""
+    return None if value == "off_bottom" else value
+
+
 class Rig(Block):
     """The rig: weight on the hook in addition to the string, and the limits of the rig."""
 
@@ -46,6 +90,21 @@ class Rig(Block):
     block_weight: Annotated[float, Weight("N", at_least=0, at_most=1e8)] | None = Field(
         default=None,
         description="weight of block and top drive, a force or a mass; hook_load_total is reported with it",
+    )
+    hookload_sensor: HookloadSensor | None = Field(
+        default=None, description="where the hook load is read; at the hook when not given"
+    )
+    wob_zero: Annotated[
+        WobZero | None, BeforeValidator(_zero, json_schema_input_type=Literal["off_bottom"] | WobZero)
+    ] = Field(
+        default=None,
+        description="zero of the weights on bit of measured points: off_bottom (default), zeroed before each reading, or the depth and flow rate "
+        "of one zeroing, {bit_depth: 1935 m, flow_rate: 3517 l/min}",
+    )
+    running_drag: bool = Field(
+        default=False,
+        strict=True,
+        description="true: mud that a running or pulled string displaces drags it, in roadmaps and beside measured points",
     )
     max_hookload: Annotated[float, Weight("N", above=0, at_most=1e9)] | None = Field(
         default=None, description="largest total hook load, with the block"

@@ -16,7 +16,7 @@ from drillpetsc.case.importers.stations import Rules
 from drillpetsc.case.key_paths import refuse
 from drillpetsc.case.quantities import BARE_NUMBERS, InSI, Quantity, said
 
-DEFAULT_FRICTION = {"casing": 0.2, "open_hole": 0.3}
+DEFAULT_FRICTION = {"casing": 0.2, "riser": 0.2, "open_hole": 0.3}
 
 
 class TieIn(Block):
@@ -38,6 +38,10 @@ class SurveyFile(Block):
 
     file: str = Field(
         description="CSV and other text tables, xlsx (`well.xlsx#Sheet2`), LAS, WITSML trajectory; or a run folder"
+    )
+    columns: dict[Literal["md", "inclination", "azimuth", "tvd", "ns", "ew", "dls"], str] | None = Field(
+        default=None,
+        description="titles of columns that the reader does not know: {md: MD_ft, inclination: Neigung, azimuth: Azimut}",
     )
     tie_in: TieIn | None = Field(default=None, description="station above the first one of the file")
     allow_dogleg: bool = Field(default=False, strict=True, description="true: accept bends above 30 deg/30 m")
@@ -168,6 +172,7 @@ def _survey(value: Any, read: ValidatorFunctionWrapHandler) -> Survey:
         units=BARE_NUMBERS.get(),
         tie_in=None if tie is None else (tie.md, tie.inclination, tie.azimuth),
         allow_dogleg=given.allow_dogleg,
+        columns=given.columns or {},  # type: ignore[arg-type]  # words of a Literal
     )
     try:
         found = read_survey(given.file, rules)
@@ -218,12 +223,14 @@ class Section(Block):
             "measured depth of the lower end; for the last section `end`, or nothing: the last station of the survey"
         )
     )
-    kind: Literal["casing", "open_hole"] = Field(description="cased or open hole")
+    kind: Literal["casing", "riser", "open_hole"] = Field(
+        description="cased hole, riser between rig and seabed, or open hole"
+    )
     diameter: Annotated[float, Quantity("m", above=0, at_most=10, kind="diameter")] = Field(
         description="inner diameter"
     )
     friction: Friction = derived_default(
-        "friction coefficient; 0.2 in casing, 0.3 in open hole when not given"
+        "friction coefficient; 0.2 in casing and riser, 0.3 in open hole when not given"
     )
     ff_group: str | None = Field(
         default=None,
@@ -256,12 +263,12 @@ class Well(Block):
 
     survey: Annotated[Survey, WrapValidator(_survey, json_schema_input_type=str | SurveyFile | Survey)] = (
         Field(
-            description="stations md, inclination, azimuth; or the name of a file with these columns; or {file, tie_in, allow_dogleg, north, convergence, "
+            description="stations md, inclination, azimuth; or the name of a file with these columns; or {file, columns, tie_in, allow_dogleg, north, convergence, "
             "declination, azimuth_from} for such a file; or the folder of a run that drilled this hole"
         )
     )
     sections: tuple[Section, ...] = Field(
-        min_length=1, description="casing and open hole, from the surface down"
+        min_length=1, description="riser, casing and open hole, from the surface down"
     )
 
     @model_validator(mode="after")

@@ -98,3 +98,13 @@ def tool_joint_torque(
     shoulder = (joint_outer + counterbore) / 4
     lever = 1 / (2 * math.pi * threads) + THREAD_FRICTION * (thread / math.cos(math.radians(30.0)) + shoulder)
     return max(JOINT_YIELD * min(pin, box) / 12 * lever, 0.0)
+
+
+STEEL = 7850.0  # [kg/m3]
+#: weights per length relative to a steel tube [-]: refused outside of the first pair, doubted outside of the second
+POSSIBLE, USUAL = (0.2, 3.0), (0.6, 1.4)
+
+
+def steel_tube(od: float, bore: float) -> float:
+    """Mass per length of a steel tube [kg/m] of diameters [m]."""
+    return STEEL * math.pi / 4 * (od**2 - bore**2)

@@ -48,6 +48,9 @@ def check_fluid(case: CaseBlocks) -> None:
     if case.fluid is None:
         return
     _annulus(case)
+    if case.fluid.level_in_string is not None and not (case.bottom.plugged and not case.side_nozzles):
+        want = "a plugged bottom, such as bottom: {kind: free, plugged: true}: an open string fills"
+        raise refuse("fluid", "level_in_string", got=said(case.fluid.level_in_string, "length"), want=want)
     if case.formation is not None and case.fluid.formulation == "hermite":
         hint = "hermite needs a hole of constant size; formulation: mixed lets the hole grow"
         raise refuse("fluid", "formulation", got="hermite", want="mixed with a formation", hint=hint)

@@ -25,7 +25,7 @@ FITTED = {
     "power_law": ("consistency", "index"),
     "herschel_bulkley": ("yield_stress", "consistency", "index"),
 }
-_FORMS = "{pv, yp}, {n, k} or {ty, n, k}"
+_FORMS = "{pv, yp} (or {plastic_viscosity, yield_point}), {n, k} or {ty, n, k}"
 
 
 def standard(value: Any) -> Any:
@@ -33,6 +33,14 @@ def standard(value: Any) -> Any:
     if not isinstance(value, Mapping):
         return value
     value = dict(value)
+    if "yield_point" in value:  # the long words of pv and yp
+        for long, short in (("plastic_viscosity", "pv"), ("yield_point", "yp")):
+            if long in value and short in value:
+                raise refuse(short, got=value[short], want=f"{long} or {short}, not both")
+        value = {
+            {"plastic_viscosity": "pv", "yield_point": "yp"}.get(key, key): part
+            for key, part in value.items()
+        }
     if SHORT & value.keys():
         return _from_short(value)
     constants = {key for keys in FITTED.values() for key in keys}

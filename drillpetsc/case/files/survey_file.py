@@ -32,16 +32,16 @@ def read_survey(name: str, rules: Rules) -> Stations:
         if kind in SHEETS:
             from drillpetsc.case.importers.sheet import table_of_sheet
 
-            return stations_of(table_of_sheet(file, sheet), rules)
+            return stations_of(table_of_sheet(file, sheet, rules.columns), rules)
         if kind in LOGS:
             from drillpetsc.case.importers.las import table_of_las
 
-            return stations_of(table_of_las(file), rules)
+            return stations_of(table_of_las(file, rules.columns), rules)
         if kind in XML:
             from drillpetsc.case.importers.witsml import trajectory_table
 
             return stations_of(trajectory_table(file), rules)
-        table = table_of_text(file)
+        table = table_of_text(file, rules.columns)
         own = is_run or (file.name == "trajectory.csv" and table.heads[: len(OWN_HEADS)] == OWN_HEADS)
         return stations_of(table, Rules(exact=True) if own else rules)
     except OSError as error:

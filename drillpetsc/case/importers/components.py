@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Literal
 
+from drillpetsc.case.catalogue.formulas import POSSIBLE, USUAL, steel_tube
 from drillpetsc.errors import CaseError
 
-STEEL = 7850.0  # [kg/m3]
-LIGHTEST, LOWEST_ID = 0.95, 1e-4  # of the plain tube's weight that a tally may give; [m]
+LOWEST_ID = 1e-4  # [m]
 BIT_TYPES = (("pdc", "PDC"), ("roller", "roller_cone"), ("diamond", "diamond"), ("core", "core"))
 
 SAME_DEPTH = 0.01  # [m] depths that differ by rounding
@@ -62,7 +61,7 @@ def diameter_text(value: float) -> str:
 
 
 def item_of(component: Component, remarks: list[str]) -> dict[str, Any]:
-    """The item of a component as plain data. A weight that no tube of this size has is left out, with a remark.
+    """The item of a component as plain data. A weight that no item of this size has is left out, with a remark.
 
     Raises CaseError for a component without a length or an outer diameter.
     """
@@ -100,20 +99,11 @@ def _tube(c: Component, length: float, od: float, remarks: list[str]) -> dict[st
             item |= {"kind": c.kind, "tool_joint": joint}
         else:
             remarks.append(f"{c.name} is a plain pipe: the file has no connections with od, id and len")
-    plain = STEEL * math.pi / 4 * (od**2 - c.bore**2)
-    if c.weight is not None and not plausible(c.weight, od, c.bore):
-        remarks.append(
-            f"WARNING: {c.name}: {c.weight:.4g} kg/m is not a plausible weight for {od * 1e3:.4g} x {c.bore * 1e3:.4g} mm; {plain:.4g} kg/m taken"
-        )
-    elif c.weight is not None and item["kind"] != "pipe":
-        item["adjusted_weight"] = f"{c.weight:.6g} kg/m"
-    elif c.weight is not None and abs(c.weight - plain) > 1e-3 * plain:
-        item["material"] = {"density": f"{STEEL * c.weight / plain:.6g} kg/m3"}
-        remarks.append(
-            f"{c.name}: density raised or lowered so that the tube weighs {c.weight:.4g} kg/m in air, as the file says"
-        )
+    weight = _weight(c, od, remarks)
+    if weight is not None:
+        item["weight"] = f"{weight:.6g} kg/m"
     if c.kind == "other" and not c.tube:
-        remarks.append(f"{c.name} ({c.words}) is a plain pipe of its diameters and weight")
+        item["kind"] = "tool"
     return item
 
 
@@ -143,13 +133,10 @@ def _stabilizer(c: Component, length: float, remarks: list[str]) -> dict[str, An
     body = c.od or blade
     if body < blade:
         item["body_od"] = diameter_text(body)
-    plain = STEEL * math.pi / 4 * (body**2 - c.bore**2)
-    mass = c.weight if c.weight is not None and plausible(c.weight, body, c.bore) else plain
-    if c.weight is not None and mass != c.weight:
-        remarks.append(
-            f"WARNING: {c.name}: {c.weight:.4g} kg/m is not a plausible weight for {body * 1e3:.4g} x {c.bore * 1e3:.4g} mm; {plain:.4g} kg/m taken"
-        )
-    return item | {"mass": f"{mass * length:.6g} kg"}
+    weight = _weight(c, body, remarks)
+    if weight is None:
+        weight = steel_tube(body, c.bore)
+    return item | {"mass": f"{weight * length:.6g} kg"}
 
 
 def _bit(c: Component, length: float) -> dict[str, Any]:
@@ -168,16 +155,44 @@ def _bit(c: Component, length: float) -> dict[str, Any]:
             break
     if LOWEST_ID < c.bore < od:
         item["id"] = diameter_text(c.bore)
-    if c.weight is not None and 0 < c.weight <= STEEL * math.pi / 4 * od**2:
+    if c.weight is not None and 0 < c.weight <= steel_tube(od, 0.0):
         item["mass"] = f"{c.weight * length:.6g} kg"
     if c.nozzle_area:
         item["nozzle_area"] = f"{c.nozzle_area * 1e6:.6g} mm2"
     return item
 
 
-def plausible(weight: float, od: float, bore: float) -> bool:
-    """Whether a weight per length [kg/m] lies between the weights of the plain tube and of a solid bar."""
-    return LIGHTEST * STEEL * math.pi / 4 * (od**2 - bore**2) <= weight <= STEEL * math.pi / 4 * od**2
+def _weight(c: Component, od: float, remarks: list[str]) -> float | None:
+    """Weight per length [kg/m] of the file; None without one, or if it is too far from a steel tube's."""
+    if c.weight is None:
+        return None
+    steel = steel_tube(od, c.bore)
+    ratio, size = c.weight / steel, f"{od * 1e3:.4g} x {c.bore * 1e3:.4g} mm"
+    if not POSSIBLE[0] <= ratio <= POSSIBLE[1]:
+        remarks.append(
+            f"WARNING: {c.name}: {c.weight:.4g} kg/m is not a plausible weight for {size}; {steel:.4g} kg/m taken"
+        )
+        return None
+    if not USUAL[0] <= ratio <= USUAL[1]:
+        remarks.append(
+            f"WARNING: {c.name}: {c.weight:.4g} kg/m is {ratio:.2g} times a steel tube of {size}, {steel:.4g} kg/m"
+        )
+    return c.weight
+
+
+def items_of(components: Sequence[Component], remarks: list[str]) -> list[dict[str, Any]]:
+    """Items of the components, from the top down. Two weights that fit only each other's row are named.
+
+    Raises CaseError for a component without a length or an outer diameter.
+    """
+    sized = [(c, steel_tube(c.od, c.bore)) for c in components if c.od and c.od > c.bore and c.kind != "bit"]
+    odd = [(c, steel) for c, steel in sized if c.weight and not USUAL[0] <= c.weight / steel <= USUAL[1]]
+    for i, (one, steel) in enumerate(odd):
+        for other, other_steel in odd[i + 1 :]:
+            assert one.weight and other.weight
+            if all(USUAL[0] <= q <= USUAL[1] for q in (other.weight / steel, one.weight / other_steel)):
+                remarks.append(f"WARNING: the weights of {one.name} and {other.name} fit if they are swapped")
+    return [item_of(component, remarks) for component in components]
 
 
 # ---------------------------------------------------------------------- hole

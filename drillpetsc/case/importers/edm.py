@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from drillpetsc.case.importers.components import Component, Kind, Piece, item_of, narrowest
+from drillpetsc.case.importers.components import Component, Kind, Piece, items_of, narrowest
 from drillpetsc.case.importers.stations import Rules, stations_of
 from drillpetsc.case.importers.table import Table
 from drillpetsc.case.importers.witsml import Imported
@@ -196,8 +196,8 @@ def _string(reader: Any, bore: Any, file: Path, name: str | None, out: Imported)
     if not components:
         out.remarks.append(f"the string {told} has no components")
         return
-    for component in _from_the_top(components, assembly, file, told, out.remarks):
-        out.string.append(item_of(_component(component, file), out.remarks))
+    ordered = _from_the_top(components, assembly, file, told, out.remarks)
+    out.string += items_of([_component(component, file) for component in ordered], out.remarks)
     out.remarks.append(f"string {told}; grades, threads, motors and bends are left out")
 
 

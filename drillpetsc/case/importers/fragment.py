@@ -15,12 +15,14 @@ from drillpetsc.case.blocks.items.tubulars import StringItem
 from drillpetsc.case.files.survey_file import read_survey
 from drillpetsc.case.importers.edm import Wanted, import_edm
 from drillpetsc.case.importers.stations import Rules
+from drillpetsc.case.importers.tally import import_tally, is_tally
 from drillpetsc.case.importers.witsml import EDM_ROOT, Imported, import_witsml, read_witsml
 from drillpetsc.case.importers.xml_tree import first_element
 from drillpetsc.case.messages import case_error
 from drillpetsc.errors import CaseError
 
 SAME_END = 1.0  # [m] between the last section and the last station
+ONE_JOINT = 10.0  # [m] by which a tally may be short of its hole
 TODO = ("string", "well.survey", "well.sections", "top", "bottom", "fluid", "time")
 
 
@@ -36,7 +38,7 @@ class Survey:
 def fragment(
     files: Sequence[str | Path], folder: Path, wanted: Wanted | None = None
 ) -> tuple[str, list[str]]:
-    """(YAML text, remarks) of survey files, WITSML documents and EDM exports.
+    """(YAML text, remarks) of survey files, tallies, WITSML documents and EDM exports.
 
     files: at most one of each kind: survey, tubular, geometry of the wellbore; an EDM export may have all three
     folder: of the case file, in which the survey is named relative to it
@@ -65,7 +67,7 @@ def fragment(
             ("--hole", wanted.hole),
         ):
             if value is not None:
-                raise CaseError(at=option, got=value, want="an EDM export among the files")
+                raise CaseError(at=option, got=value, want="an EDM export or a tally among the files")
     data: dict[str, Any] = {}
     titles = [content.title for _, content in found.values() if content.title]
     if titles:
@@ -88,6 +90,9 @@ def fragment(
         content = found["tubular"][1]
         assert isinstance(content, Imported)
         data["string"] = content.string
+        if "survey" in found:
+            assert isinstance(survey, Survey)
+            remarks += _short_string(content.string, survey.end)
     here = {"string": "string" in data, "well.survey": "survey" in well, "well.sections": "sections" in well}
     missing = [key for key in TODO if not here.get(key)]
     return _text(data, files, remarks, missing), remarks
@@ -96,7 +101,7 @@ def fragment(
 def _read(
     path: Path, folder: Path, wanted: Wanted
 ) -> tuple[list[tuple[str, Imported | Survey]], list[str], bool]:
-    """(kinds and contents, remarks, whether it is an EDM export) of a file."""
+    """(kinds and contents, remarks, whether it may have several strings) of a file."""
     if path.suffix.casefold() == ".xml":
         if first_element(path) == EDM_ROOT:
             content, survey, end = import_edm(path, wanted)
@@ -114,6 +119,10 @@ def _read(
             content = import_witsml(path)
             _check_items(path, content)
             return [("tubular" if kind == "tubular" else "geometry", content)], content.remarks, False
+    if is_tally(path):
+        content = import_tally(path, wanted.assembly)
+        _check_items(path, content)
+        return [("tubular", content)], content.remarks, True
     try:
         stations = read_survey(str(path), Rules())
     except CaseError:
@@ -138,6 +147,17 @@ def _check_items(path: Path, content: Imported) -> None:
         for each in (wrong, *wrong.also):
             each.file, each.line, each.at = str(path), 1, f"string{each.at}"
         raise wrong from None
+
+
+def _short_string(string: list[dict[str, Any]], end: float) -> list[str]:
+    """A remark on a string that does not reach from the rig to the end of the survey [m]."""
+    length = sum(float(str(item["length"]).split()[0]) for item in string)
+    if length > end - ONE_JOINT:
+        return []
+    return [
+        f"the string is {length:.6g} m long, the survey ends at {end:.6g} m: bit_depth is where the bit is, and length: fill lets "
+        "the topmost pipe reach the rig"
+    ]
 
 
 def _fitted(sections: list[dict[str, Any]], end: float) -> list[str]:

@@ -6,6 +6,7 @@ import io
 import logging
 import math
 import warnings
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -14,7 +15,7 @@ from drillpetsc.case.importers.table import MAX_BYTES, MAX_ROWS, Table, columns_
 from drillpetsc.errors import CaseError
 
 
-def table_of_las(file: Path) -> Table:
+def table_of_las(file: Path, given: Mapping[str, str] | None = None) -> Table:
     """The curves of a LAS file. Rows are counted from the first of the data."""
     try:
         import lasio
@@ -42,13 +43,13 @@ def table_of_las(file: Path) -> Table:
         ) from None
     finally:
         logging.disable(quiet)
-    return _table(file, curves)
+    return _table(file, curves, given)
 
 
-def _table(file: Path, curves: list[tuple[str, str, list[Any]]]) -> Table:
+def _table(file: Path, curves: list[tuple[str, str, list[Any]]], given: Mapping[str, str] | None) -> Table:
     remarks: list[str] = []
     heads = [name.partition(":")[0] for name, _, _ in curves]  # lasio numbers equal names: AZI:1, AZI:2
-    columns = columns_of(heads, file, 1, remarks)
+    columns = columns_of(heads, file, 1, remarks, given)
     if columns is None:
         want = "curves of measured depth, inclination and azimuth"
         got = ", ".join(heads)[:200] or "no curves"

@@ -6,6 +6,7 @@ import io
 import math
 import warnings
 import zipfile
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -24,8 +25,36 @@ MAX_UNPACKED = 400_000_000  # bytes of the tables of a workbook
 INSTALL = "pip install 'drillpetsc[files]'"
 
 
-def table_of_sheet(file: Path, sheet: str = "") -> Table:
+def table_of_sheet(file: Path, sheet: str = "", given: Mapping[str, str] | None = None) -> Table:
     """The table of a sheet; without a name, of the only sheet that has a survey's columns."""
+    book = _book(file)
+    try:
+        names = [name for name in book.sheetnames if hasattr(book[name], "iter_rows")]
+        if sheet and sheet not in names:
+            raise CaseError(at="sheet", got=sheet, want=f"one of {', '.join(names)}", file=file, line=1)
+        found = [
+            table
+            for name in ([sheet] if sheet else names)
+            for table in [_table(file, _rows(book[name]), given)]
+            if table
+        ]
+    except CaseError:
+        raise
+    except Exception as error:  # as above: the sheets are read only now
+        raise _unreadable(file, error) from None
+    finally:
+        book.close()
+    if not found:
+        want = f"a header with md, inclination, azimuth within {HEADER_ROWS} rows"
+        raise CaseError(at="md", got="rows without these names", want=want, file=file, line=1)
+    if len(found) > 1:
+        want = f"the name of one sheet: {file.name}#{names[0]}"
+        raise CaseError(at="sheet", got=f"{len(found)} sheets with a survey", want=want, file=file, line=1)
+    return found[0]
+
+
+def _book(file: Path) -> Any:
+    """An open workbook; CaseError without openpyxl, and for a file that is none."""
     try:
         import openpyxl
     except ImportError:
@@ -46,29 +75,19 @@ def table_of_sheet(file: Path, sheet: str = "") -> Table:
             book = openpyxl.load_workbook(io.BytesIO(raw), read_only=True, data_only=True)
     except Exception as error:  # of zipfile, xml and openpyxl
         raise _unreadable(file, error) from None
+    return book
+
+
+def rows_of_sheets(file: Path) -> list[list[list[str]]]:
+    """Cells of each sheet as texts."""
+    book = _book(file)
     try:
-        names = [name for name in book.sheetnames if hasattr(book[name], "iter_rows")]
-        if sheet and sheet not in names:
-            raise CaseError(at="sheet", got=sheet, want=f"one of {', '.join(names)}", file=file, line=1)
-        found = [
-            table
-            for name in ([sheet] if sheet else names)
-            for table in [_table(file, _rows(book[name]))]
-            if table
-        ]
-    except CaseError:
-        raise
-    except Exception as error:  # as above: the sheets are read only now
+        sheets = [book[name] for name in book.sheetnames if hasattr(book[name], "iter_rows")]
+        return [[[_text(cell) for cell in row] for row in _rows(sheet)] for sheet in sheets]
+    except Exception as error:  # of openpyxl: the sheets are read only now
         raise _unreadable(file, error) from None
     finally:
         book.close()
-    if not found:
-        want = f"a header with md, inclination, azimuth within {HEADER_ROWS} rows"
-        raise CaseError(at="md", got="rows without these names", want=want, file=file, line=1)
-    if len(found) > 1:
-        want = f"the name of one sheet: {file.name}#{names[0]}"
-        raise CaseError(at="sheet", got=f"{len(found)} sheets with a survey", want=want, file=file, line=1)
-    return found[0]
 
 
 def _unreadable(file: Path, error: Exception) -> CaseError:
@@ -93,11 +112,11 @@ def _text(cell: Any) -> str:
     )
 
 
-def _table(file: Path, cells: list[list[Any]]) -> Table | None:
+def _table(file: Path, cells: list[list[Any]], given: Mapping[str, str] | None) -> Table | None:
     rows = [[_text(cell) for cell in row] for row in cells]
     remarks: list[str] = []
     for number, heads in enumerate(rows[:HEADER_ROWS], 1):
-        columns = columns_of([head[:200] for head in heads], file, number, remarks)
+        columns = columns_of([head[:200] for head in heads], file, number, remarks, given)
         if columns:
             break
     else:

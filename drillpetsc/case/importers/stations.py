@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
 from drillpetsc.case.importers.table import _THOUSANDS, NEEDED, SI_UNIT, Table
@@ -21,7 +21,7 @@ STEEPEST_START = math.radians(
 STRAIGHT = math.radians(0.5)  # inclination below which an azimuth has no meaning
 SHARPEST = math.radians(30) / 30  # [rad/m] dogleg of a typing error
 SAME_DEPTH = 1e-6  # [m]
-NO_ROW = 0  # number of a station that is in no row
+NO_ROW = -1  # of a station that is in no row
 _NUMBER = re.compile(r"[+-]?(?:\d+(?:\.\d*)?|\.\d+)(?:[eE][+-]?\d{1,3})?", re.ASCII)
 
 
@@ -47,12 +47,14 @@ class Rules:
     tie_in: (md [m], inclination [rad], azimuth [rad]) of the station before the first
     allow_dogleg: sharp bends are not typing errors
     exact: a file that this program wrote: nothing is corrected
+    columns: quantity -> title of its column, for titles that are not known
     """
 
     units: System = "SI"
     tie_in: tuple[float, float, float] | None = None
     allow_dogleg: bool = False
     exact: bool = False
+    columns: Mapping[str, str] = field(default_factory=dict)
 
 
 def stations_of(table: Table, rules: Rules) -> Stations:
@@ -72,13 +74,15 @@ def stations_of(table: Table, rules: Rules) -> Stations:
         )
     if not rules.exact:
         _from_the_top(table, numbers, values, out.remarks)
+        _positions(
+            table, numbers, values, given, out.remarks
+        )  # with the azimuths that its positions belong to
         _no_twist(values, out.remarks)
         if not rules.allow_dogleg:
             _smooth(table, numbers, values)
-        _positions(table, numbers, values, given, out.remarks)
     elif values["md"][0] != 0:
         want = "a first station at 0 m (the rotary table)"
-        raise CaseError(at="md", got=values["md"][0], want=want, file=table.file, line=numbers[0])
+        raise CaseError(at="md", got=values["md"][0], want=want, file=table.file, line=table.line(numbers[0]))
     out.md, out.inclination, out.azimuth = (values[key] for key in NEEDED)
     return out
 
@@ -119,14 +123,15 @@ _ALLOWED = {
 def _numbers(
     table: Table, units: dict[str, str], out: Stations
 ) -> tuple[list[int], dict[str, list[float]], dict[int, dict[str, float]]]:
-    """(numbers of the rows, values [SI] of the three columns, values of other columns by row, for comparison)."""
+    """(places of the stations in the list of rows, values [SI] of the three columns, values of other columns by place, for
+    comparison)."""
     scale = {column: to_si(f"1 {unit}", SI_UNIT[column]) for column, unit in units.items() if unit}
     numbers: list[int] = []
     values: dict[str, list[float]] = {column: [] for column in NEEDED}
     given: dict[int, dict[str, float]] = {}
     errors: list[CaseError] = []
     missing: list[int] = []
-    for number, cells in table.rows:
+    for place, (number, cells) in enumerate(table.rows):
         texts = {
             column: cells[i].strip() if i < len(cells) else "" for column, (i, _) in table.columns.items()
         }
@@ -145,7 +150,12 @@ def _numbers(
                 got = texts[column] or "an empty cell"
                 errors.append(
                     CaseError(
-                        at=column, got=got, want=error.want, hint=error.hint, file=table.file, line=number
+                        at=table.at(place, column),
+                        got=got,
+                        want=error.want,
+                        hint=error.hint,
+                        file=table.file,
+                        line=number,
                     )
                 )
                 break
@@ -153,7 +163,7 @@ def _numbers(
             if len(errors) >= MOST_ERRORS:
                 break
             continue
-        numbers.append(number)
+        numbers.append(place)
         for column in NEEDED:
             values[column].append(row[column])
         others = {
@@ -164,7 +174,7 @@ def _numbers(
             if value is not None
         }
         if others:
-            given[number] = others
+            given[place] = others
     if errors:
         raise together(errors)
     if missing:
@@ -212,14 +222,13 @@ def _ordered(table: Table, numbers: list[int], values: dict[str, list[float]], r
         last = keep[-1]
         if abs(md[i] - md[last]) <= SAME_DEPTH:
             if _between(values, last, i) < 1e-6:
-                repeated.append(numbers[i])
+                repeated.append(table.line(numbers[i]))
                 continue
-            want = (
-                f"one direction at each depth; {table.counted} {numbers[last]} has another at {md[last]:g} m"
-            )
+            want = f"one direction at each depth; {table.told(numbers[last])} has another at {md[last]:g} m"
         else:
             want = f"rising depths: above {md[last]:g} m, the station before"
-        errors.append(CaseError(at="md", got=md[i], want=want, file=table.file, line=numbers[i]))
+        at, line = table.at(numbers[i], "md"), table.line(numbers[i])
+        errors.append(CaseError(at=at, got=md[i], want=want, file=table.file, line=line))
         if len(errors) >= MOST_ERRORS:
             break
     if errors:
@@ -237,7 +246,9 @@ def _tied(
     """Insert the tie-in station before the first one."""
     if values["md"] and tie_in[0] >= values["md"][0] - SAME_DEPTH:
         want = f"a tie-in station above the first of the file, {values['md'][0]:g} m"
-        raise CaseError(at="tie_in", got=f"{tie_in[0]:g} m", want=want, file=table.file, line=numbers[0])
+        raise CaseError(
+            at="tie_in", got=f"{tie_in[0]:g} m", want=want, file=table.file, line=table.line(numbers[0])
+        )
     for column, value in zip(NEEDED, tie_in, strict=True):
         values[column].insert(0, value)
     numbers.insert(0, NO_ROW)
@@ -255,9 +266,7 @@ def _from_the_top(
         what = f"survey starts at {said(md, 'length')} with {math.degrees(inclination):.3g} deg"
         want = "a first station at 0 m (the rotary table), or the tie-in station"
         hint = "survey: {file: ..., tie_in: {md: 0 m, inclination: 0 deg, azimuth: 0 deg}}"
-        raise CaseError(
-            at="md", got=what, want=want, hint=hint, file=table.file, line=numbers[0] or table.head_at
-        )
+        raise CaseError(at="md", got=what, want=want, hint=hint, file=table.file, line=table.line(numbers[0]))
     remarks.append(
         f"survey starts at {said(md, 'length')}: a vertical station at {said(0.0, 'length')} inserted"
     )
@@ -295,10 +304,8 @@ def _smooth(table: Table, numbers: list[int], values: dict[str, list[float]]) ->
             got = f"{math.degrees(angle):.3g} deg in {length:.3g} m above {values['md'][i]:g} m"
             want = "at most 30 deg/30 m between stations"
             hint = "a wrong cell? If the hole is like that: survey: {file: ..., allow_dogleg: true}"
-            line = numbers[i] or table.head_at
-            errors.append(
-                CaseError(at="inclination", got=got, want=want, hint=hint, file=table.file, line=line)
-            )
+            line, at = table.line(numbers[i]), table.at(numbers[i], "inclination")
+            errors.append(CaseError(at=at, got=got, want=want, hint=hint, file=table.file, line=line))
             if len(errors) >= MOST_ERRORS:
                 break
     if errors:
@@ -338,6 +345,39 @@ def minimum_curvature_step(
     return step * north, step * east, step * down
 
 
+def cut_stations(
+    md: Sequence[float], inclination: Sequence[float], azimuth: Sequence[float], depth: float
+) -> tuple[tuple[float, ...], tuple[float, ...], tuple[float, ...]]:
+    """Stations down to a measured depth [m], the last one on the arc between the stations around it (minimum curvature).
+
+    md [m], inclination, azimuth [rad] of the stations. Directions on an arc are u = (sin((1 - f) D) u1 + sin(f D) u2)/sin D,
+    with the angle D between the stations' and the share f of the length.
+    """
+    last = next(i for i, value in enumerate(md) if value >= depth - SAME_DEPTH)
+    if abs(md[last] - depth) <= SAME_DEPTH:
+        return (*md[:last], depth), tuple(inclination[: last + 1]), tuple(azimuth[: last + 1])
+    share = (depth - md[last - 1]) / (md[last] - md[last - 1])
+    angle = dogleg(inclination[last - 1], azimuth[last - 1], inclination[last], azimuth[last])
+    a, b = 1 - share, share
+    if angle > 1e-6:
+        a, b = math.sin((1 - share) * angle) / math.sin(angle), math.sin(share * angle) / math.sin(angle)
+    north, east, down = (
+        a * part(last - 1) + b * part(last)
+        for part in (
+            lambda i: math.sin(inclination[i]) * math.cos(azimuth[i]),
+            lambda i: math.sin(inclination[i]) * math.sin(azimuth[i]),
+            lambda i: math.cos(inclination[i]),
+        )
+    )
+    across = math.hypot(north, east)
+    turned = math.atan2(east, north) if across > 1e-9 else azimuth[last]
+    return (
+        (*md[:last], depth),
+        (*inclination[:last], math.atan2(across, down)),
+        (*azimuth[:last], turned),
+    )
+
+
 def _positions(
     table: Table,
     numbers: list[int],
@@ -348,7 +388,7 @@ def _positions(
     """Compare the positions in the file with positions computed from its angles."""
     at = [0.0, 0.0, 0.0]
     start: dict[str, float] = {}
-    worst: dict[str, tuple[float, float]] = {}
+    off: dict[str, list[tuple[int, float]]] = {}
     for i in range(len(values["md"])):
         if i:
             keys = ("inclination", "azimuth")
@@ -363,17 +403,20 @@ def _positions(
         for column, value in given.get(numbers[i], {}).items():
             if column == "dls":
                 if abs(value - severity) > math.radians(0.5) / 30 + 0.1 * severity and i > 1:
-                    worst.setdefault(column, (values["md"][i], value - severity))
+                    off.setdefault(column, []).append((i, value - severity))
                 continue
             if column != "tvd":  # measured from any point
                 start.setdefault(column, value - own[column])
-            off = value - own[column] - start.get(column, 0.0)
-            if abs(off) > 1 + 1e-3 * values["md"][i]:
-                worst.setdefault(column, (values["md"][i], off))
+            difference = value - own[column] - start.get(column, 0.0)
+            if abs(difference) > 1 + 1e-3 * values["md"][i]:
+                off.setdefault(column, []).append((i, difference))
     names = {"tvd": "TVD", "ns": "N/S", "ew": "E/W", "dls": "dogleg severity"}
-    for column, (md, off) in worst.items():
+    for column, found in off.items():
+        i, difference = found[0]
         unit = " m" if column != "dls" else " deg/30 m"
-        size = abs(off) if column != "dls" else math.degrees(abs(off)) * 30
+        size = abs(difference) if column != "dls" else math.degrees(abs(difference)) * 30
+        more = f"; also at {len(found) - 1} other stations" if len(found) > 1 else ""
         remarks.append(
-            f"WARNING: {names[column]} of the file is {size:.3g}{unit} off the minimum curvature of its angles at MD {md:.6g} m and below"
+            f"WARNING: {names[column]} of the file is {size:.3g}{unit} off the minimum curvature of its angles at MD "
+            f"{values['md'][i]:.6g} m ({table.told(numbers[i])}){more}"
         )

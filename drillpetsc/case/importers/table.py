@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import csv
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -27,7 +27,7 @@ _ALIASES = {
     "inclination": "inc incl inclination angle dev deviation drift theta",
     "azimuth": "azi az azim azimuth azm hazi bearing | aztrue azgrid azitrue azigrid azimuthtrue azimuthgrid azimtrue azimgrid azimag "
     "azmag azimuthmag azimuthmagnetic",
-    "tvd": "tvd | tvdrt tvdkb tvdrkb trueverticaldepth",
+    "tvd": "tvd | tvdrt tvdkb tvdrkb trueverticaldepth verticaldepth vertdepth truevertdepth",
     "ns": "ns n/s n/ns northing north +n/s +ns",
     "ew": "ew e/w easting east +e/w +ew",
     "dls": "dls dogleg doglegseverity dlseverity",
@@ -69,6 +69,7 @@ class Table:
     comma: meaning of a comma in a number: `decimal`, `thousands`, or "" for a file without
     depth_unit: unit of depths that comments give, or ""
     remarks: what was assumed
+    uids: names of the rows, where the file has them
     """
 
     file: Path
@@ -80,6 +81,21 @@ class Table:
     comma: str = ""
     depth_unit: str = ""
     remarks: list[str] = field(default_factory=list)
+    uids: list[str] = field(default_factory=list)
+
+    def line(self, place: int) -> int:
+        """Number in the file of the row at a place in the list; the header's for -1, a station of no row."""
+        return self.rows[place][0] if place >= 0 else self.head_at
+
+    def told(self, place: int) -> str:
+        """A row in words: its name, or its number in the file."""
+        named = place >= 0 and self.uids and self.uids[place]
+        return f"station '{self.uids[place]}'" if named else f"{self.counted} {self.line(place)}"
+
+    def at(self, place: int, column: str) -> str:
+        """A cell in words, for the key of a message."""
+        named = place >= 0 and self.uids and self.uids[place]
+        return f"trajectoryStation '{self.uids[place]}': {column}" if named else column
 
 
 # ---------------------------------------------------------------------- names and units of columns
@@ -111,13 +127,21 @@ def named(title: str) -> tuple[str, int, str] | None:
         else:
             unit = inside
     found = _RANK.get(_short(name))
-    if found is None:  # MD, ft or MD/ft
-        name, mark, tail = name.rpartition("," if "," in name else "/")
-        found = _RANK.get(_short(name)) if mark else None
-        if found is None or unit:
+    if found is None:  # MD, ft or MD/ft or MD_ft
+        mark = next((mark for mark in ",/_" if mark in name), "")
+        name, _, tail = name.rpartition(mark) if mark else ("", "", "")
+        found = _RANK.get(_short(name))
+        if found is None or unit or (mark == "_" and not is_unit(tail.strip(), found[0])):
             return None
         unit = tail.strip()
     return *found, unit_text(unit)
+
+
+def unit_of_title(title: str, column: str) -> str:
+    """The unit in a title whatever its name: in brackets, or behind the last of `, / _`; "" without one."""
+    inside = [text for text in _IN_BRACKETS.findall(title) if is_unit(text, column)]
+    tail = re.split(r"[,/_]", title)[-1].strip()
+    return unit_text(inside[0] if inside else tail if is_unit(tail, column) else "")
 
 
 def _short(name: str) -> str:
@@ -125,15 +149,28 @@ def _short(name: str) -> str:
 
 
 def columns_of(
-    heads: Sequence[str], file: Path, line: int, remarks: list[str]
+    heads: Sequence[str], file: Path, line: int, remarks: list[str], given: Mapping[str, str] | None = None
 ) -> dict[str, tuple[int, str]] | None:
-    """Column and unit of each quantity; None unless measured depth, inclination and azimuth are named."""
+    """Column and unit of each quantity; None unless measured depth, inclination and azimuth are named.
+
+    given: quantity -> title of its column, for titles that are not known
+    """
     found: dict[str, list[tuple[int, int, str]]] = {}
+    titles = {title.strip().casefold(): column for column, title in (given or {}).items()}
     for i, title in enumerate(heads):
+        column = titles.get(title.strip().casefold())
+        if column is not None:
+            found[column] = [(-1, i, unit_of_title(title, column))]
+    if len(found) < len(titles):
+        return None
+    for i, title in enumerate(heads):
+        if title.strip().casefold() in titles:
+            continue
         match = named(title) if len(title) <= 80 else None
         if match:
             column, rank, unit = match
-            found.setdefault(column, []).append((rank, i, unit))
+            if column not in (given or {}):
+                found.setdefault(column, []).append((rank, i, unit))
     if not all(column in found for column in NEEDED):
         return None
     columns = {}
@@ -182,8 +219,11 @@ def units_below(
 
 
 # ---------------------------------------------------------------------- text
-def table_of_text(file: Path) -> Table:
-    """The table of a text file with commas, semicolons, tabs or blanks between its cells."""
+def table_of_text(file: Path, given: Mapping[str, str] | None = None) -> Table:
+    """The table of a text file with commas, semicolons, tabs or blanks between its cells, or of a print.
+
+    given: quantity -> title of its column, for titles that are not known
+    """
     remarks: list[str] = []
     lines = _lines(file, remarks)
     if not any(line.strip() for line in lines):
@@ -193,9 +233,12 @@ def table_of_text(file: Path) -> Table:
             got="an empty file",
             want="a header md, inclination, azimuth and at least two stations",
         )
-    head = _header(lines, file, remarks)
+    head = _header(lines, file, remarks, given)
     if head is None:
-        raise _no_header(lines, file)
+        table = printed_table(lines, file, remarks, given)
+        if table is None:
+            raise _no_header(lines, file, given)
+        return table
     at, separator, heads, columns = head
     comments = [line for line in lines[:at] if _is_comment(line, separator)]
     table = Table(file, heads, at, columns, [], depth_unit=unit_in_comments(comments), remarks=remarks)
@@ -255,7 +298,7 @@ def _cells(line: str, separator: str, file: Path, number: int) -> list[str]:
 
 
 def _header(
-    lines: list[str], file: Path, remarks: list[str]
+    lines: list[str], file: Path, remarks: list[str], given: Mapping[str, str] | None
 ) -> tuple[int, str, list[str], dict[str, tuple[int, str]]] | None:
     """(line number, separator, titles, columns) of the first line that names a survey's columns.
 
@@ -273,7 +316,7 @@ def _header(
             separators = [mark for mark in ("\t", ";", ",") if mark in text] + [" "]
             for separator in separators:
                 for cells in _split_head(text, separator, file, number):
-                    columns = columns_of(cells, file, number, remarks)
+                    columns = columns_of(cells, file, number, remarks, given)
                     if columns:
                         return number, separator, [cell.strip() for cell in cells], columns
     return None
@@ -296,12 +339,18 @@ def _rows(lines: list[str], at: int, separator: str, file: Path) -> Iterator[tup
                 yield number, cells
 
 
-def _no_header(lines: list[str], file: Path) -> CaseError:
+def _no_header(lines: list[str], file: Path, given: Mapping[str, str] | None) -> CaseError:
     """The error for a file in which no line names the three columns.
 
     The line itself is not shown if the file is not a survey: it may be anything, even a password.
     """
     want = "a header with md, inclination, azimuth, such as: md [m], inclination [deg], azimuth [deg]"
+    if given:
+        want = f"a header with the titles {', '.join(given.values())}, and md, inclination, azimuth"
+        return CaseError(at="columns", got="lines without these titles", want=want, file=file, line=1)
+    hint = (
+        "or name the columns: survey: {file: .., columns: {md: Tiefe, inclination: Neigung, azimuth: Azimut}}"
+    )
     for number, line in enumerate(lines[: 2 * TITLE_LINES], 1):
         for mark in ("\t", ";", ",", " "):
             cells = line[:10_000].split(mark)
@@ -311,9 +360,88 @@ def _no_header(lines: list[str], file: Path) -> CaseError:
                 got = ", ".join(cell.strip() for cell in cells)
                 if not missing:
                     want = f"the header within {TITLE_LINES} lines"
-                return CaseError(at=(*missing, *NEEDED)[0], got=got, want=want, file=file, line=number)
+                return CaseError(
+                    at=(*missing, *NEEDED)[0], got=got, want=want, hint=hint, file=file, line=number
+                )
     number = next((i for i, line in enumerate(lines, 1) if line.strip()), 1)
-    return CaseError(at="md", got="lines without these names", want=want, file=file, line=number)
+    return CaseError(at="md", got="lines without these names", want=want, hint=hint, file=file, line=number)
+
+
+# ---------------------------------------------------------------------- prints
+_TOKEN = re.compile(r"\S+")
+_CHUNK = re.compile(r"\S+(?: \S+)*")
+_PLAIN = re.compile(r"[+-]?(?:\d{1,3}(?:,\d{3})+|\d+)?(?:\.\d*)?")
+_RULE = re.compile(r"[\s=_|+-]*")
+HEADING_LINES = 6  # of a print
+
+
+def _is_row(line: str) -> bool:
+    tokens = line.split()
+    return len(tokens) >= len(NEEDED) and all(
+        _PLAIN.fullmatch(q) and any(map(str.isdigit, q)) for q in tokens
+    )
+
+
+def printed_table(
+    lines: list[str], file: Path, remarks: list[str], given: Mapping[str, str] | None = None
+) -> Table | None:
+    """The table of a print: aligned columns of numbers below headings of several lines; None for another text.
+
+    Lines between the rows that are not rows, such as the headings of a new page, are left out with a remark.
+    """
+    rows = [i for i, line in enumerate(lines) if _is_row(line)]
+    if len(rows) < 2:
+        return None
+    count = len(lines[rows[0]].split())
+    edges = _edges([lines[i] for i in rows if len(lines[i].split()) == count])
+    above = [line for line in lines[: rows[0]] if line.strip() and not _RULE.fullmatch(line)][-HEADING_LINES:]
+    best: tuple[dict[str, tuple[int, str]], list[str], list[str]] | None = None
+    for first in range(len(above) - 1, -1, -1):
+        heads, said = _headings(above[first:], edges), list[str]()
+        try:
+            columns = columns_of(heads, file, rows[0], said, given)
+        except CaseError:  # two columns of one name: the line above may tell them apart
+            continue
+        if columns and (best is None or len(columns) > len(best[0])):
+            best = columns, heads, said
+    if best is None:
+        return None
+    cells: list[tuple[int, list[str]]] = []
+    for i in rows:
+        cells.append((i + 1, lines[i].split()))
+        if len(cells[-1][1]) != count:
+            want = f"{count} numbers, as in the rows above"
+            raise CaseError(got=f"{len(cells[-1][1])} numbers", want=want, file=file, line=i + 1)
+    between = set(range(rows[0], rows[-1])) - set(rows)
+    left_out = sorted(i + 1 for i in between if lines[i].strip() and not _RULE.fullmatch(lines[i]))
+    if left_out:
+        shown = ", ".join(map(str, left_out[:8])) + (", ..." if len(left_out) > 8 else "")
+        remarks.append(f"{len(left_out)} lines between the rows left out (lines {shown})")
+    remarks += best[2]
+    comma = "thousands" if any("," in cell for _, row in cells for cell in row) else ""
+    unit = unit_in_comments(lines[: rows[0]])
+    return Table(file, best[1], rows[0], best[0], cells, comma=comma, depth_unit=unit, remarks=remarks)
+
+
+def _edges(rows: Sequence[str]) -> list[float]:
+    """Positions between the columns of aligned rows [letters]: the middles between the numbers of two columns."""
+    spans = [[match.span() for match in _TOKEN.finditer(row)] for row in rows]
+    left = [min(row[k][0] for row in spans) for k in range(len(spans[0]))]
+    right = [max(row[k][1] for row in spans) for k in range(len(spans[0]))]
+    return [0.5 * (a + b) for a, b in zip(right, left[1:], strict=False)]
+
+
+def _headings(lines: Sequence[str], edges: Sequence[float]) -> list[str]:
+    """Titles of the columns between the edges: the words of the lines above each other."""
+    titles: list[list[str]] = [[] for _ in range(len(edges) + 1)]
+    for line in lines:
+        for chunk in _CHUNK.finditer(line):
+            crossed = [edge for edge in edges if chunk.start() < edge < chunk.end()]
+            parts = _TOKEN.finditer(line, chunk.start(), chunk.end()) if len(crossed) > 1 else [chunk]
+            for part in parts:
+                middle = 0.5 * (part.start() + part.end())
+                titles[sum(edge < middle for edge in edges)].append(part.group().strip(":|"))
+    return [" ".join(words) for words in titles]
 
 
 def unit_in_comments(comments: Sequence[str]) -> str:

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from drillpetsc.case.importers.components import Component, Kind, Piece, item_of, narrowest
+from drillpetsc.case.importers.components import Component, Kind, Piece, items_of, narrowest
 from drillpetsc.case.importers.stations import number_of
 from drillpetsc.case.importers.table import Table
 from drillpetsc.case.importers.xml_tree import Element, first_element, read_xml
@@ -15,6 +15,7 @@ from drillpetsc.errors import CaseError
 from drillpetsc.units import UnitError, to_si
 
 NAMESPACE = "http://www.witsml.org/schemas/1series"
+NAMESPACE_2 = "http://www.energistics.org/energyml/data/witsmlv2"
 EDM_ROOT = "export"  # first element of a Landmark EDM export
 OBJECTS = {"trajectorys": "trajectory", "tubulars": "tubular", "wbGeometrys": "wbGeometry"}
 KEYS = {"length": "len", "od": "od", "id": "id", "blade": "odBladeMx", "bit_od": "diaBit"}
@@ -44,6 +45,10 @@ def read_witsml(file: Path) -> tuple[Element, str]:
         hint = f"an EDM export becomes a case by drillpetsc import {file.name} --out case.yaml"
         raise CaseError(got=f"<{EDM_ROOT}>", want=want, hint=hint, file=file, line=1)
     root = read_xml(file)
+    if root.space == NAMESPACE_2 or "schemaVersion" in root.attributes:
+        got = f"WITSML {root.attributes.get('schemaVersion', '2.0')}, <{root.name}>"[:80]
+        hint = "version 2.0 has other elements and is not read: export 1.4.1.1, or a table in CSV"
+        raise CaseError(got=got, want="WITSML 1.4.1", hint=hint, file=file, line=root.line)
     if root.name not in OBJECTS:
         want = f"a WITSML document: {', '.join(OBJECTS)}"
         raise CaseError(got=f"<{root.name}>"[:80], want=want, file=file, line=root.line)
@@ -61,25 +66,33 @@ def read_witsml(file: Path) -> tuple[Element, str]:
     return found[0], kind
 
 
-def _value(element: Element | None, unit: str, file: Path) -> float | None:
-    """Value [SI] of an element with a unit in its attribute `uom`; None without an element or text."""
+def told(element: Element, parent: Element | None) -> str:
+    """An element in words: its own name and its parent's, with the uid that the parent has."""
+    if parent is None:
+        return element.name
+    uid = parent.attributes.get("uid", "")
+    return f"{parent.name} '{uid}': {element.name}" if uid else f"{parent.name}: {element.name}"
+
+
+def _value(element: Element | None, unit: str, file: Path, parent: Element | None = None) -> float | None:
+    """Value [SI] of an element with a unit in its attribute `uom`; None without an element or text.
+
+    parent: of the element, for messages: in a file of one line the line says nothing
+    """
     if element is None or not element.text.strip():
         return None
     number, uom = number_of(element.text, ""), element.attributes.get("uom", "")
+    at, line = told(element, parent), element.line
     if number is None:
-        raise CaseError(
-            at=element.name, got=element.text.strip(), want="a number", file=file, line=element.line
-        )
+        raise CaseError(at=at, got=element.text.strip(), want="a number", file=file, line=line)
     if not uom:
         want = f"an attribute uom, the unit of {element.name}"
-        raise CaseError(at=element.name, got=element.text.strip(), want=want, file=file, line=element.line)
+        raise CaseError(at=at, got=element.text.strip(), want=want, file=file, line=line)
     try:
         return to_si(f"{number!r} {uom}", unit)
     except UnitError as error:
         got = f"{element.text.strip()} {uom}"
-        raise CaseError(
-            at=element.name, got=got, want=error.want, hint=error.hint, file=file, line=element.line
-        ) from None
+        raise CaseError(at=at, got=got, want=error.want, hint=error.hint, file=file, line=line) from None
 
 
 # ---------------------------------------------------------------------- trajectory
@@ -94,22 +107,24 @@ def trajectory_table(file: Path) -> Table:
     reference = trajectory.word("aziRef")
     if reference:
         remarks.append(f"azimuths from {reference}")
-    rows: list[tuple[float, int, list[str]]] = []
+    rows: list[tuple[float, int, str, list[str]]] = []
     skipped = 0
     for station in trajectory.all("trajectoryStation"):
-        values = [_value(station.first(name), unit, file) for name, unit in names.items()]
+        uid = station.attributes.get("uid", "")
+        values = [_value(station.first(name), unit, file, station) for name, unit in names.items()]
         md, inclination, azimuth = values[:3]
         if md is None or inclination is None or azimuth is None:
             skipped += 1
             continue
-        rows.append((md, station.line, ["" if value is None else repr(value) for value in values]))
+        rows.append((md, station.line, uid, ["" if value is None else repr(value) for value in values]))
     if skipped:
         remarks.append(f"{skipped} stations without depth, inclination or azimuth left out")
     rows.sort(key=lambda row: row[:2])
     si = ("m", "rad", "rad", "m", "m", "m", "1/m")
     found = {column: (i, si[i]) for i, column in enumerate(columns)}
-    cells = [(line, texts) for _, line, texts in rows]
-    return Table(file, list(names), trajectory.line, found, cells, remarks=remarks)
+    cells = [(line, texts) for _, line, _, texts in rows]
+    uids = [uid for _, _, uid, _ in rows]
+    return Table(file, list(names), trajectory.line, found, cells, remarks=remarks, uids=uids)
 
 
 # ---------------------------------------------------------------------- import
@@ -149,49 +164,47 @@ def _string(tubular: Element, file: Path, out: Imported) -> None:
             file=file,
             line=component.line,
         )
-    for component in reversed(components):
-        out.string.append(_item(component, file, out.remarks))
+    out.string += items_of([_component(component, file) for component in reversed(components)], out.remarks)
+    out.remarks += [f"{_name(q)}: its bend is left out" for q in components if q.first("bend") is not None]
 
 
 def _is_bit(component: Element) -> bool:
     return component.word("typeTubularComp").casefold().startswith("bit")
 
 
-def _item(component: Element, file: Path, remarks: list[str]) -> dict[str, Any]:
-    """The item of a component."""
+def _name(component: Element) -> str:
+    name = component.word("name") or component.word("description") or component.word("typeTubularComp")
+    return (name or "unknown")[:60]
+
+
+def _component(component: Element, file: Path) -> Component:
+    """The component in SI."""
     kind = component.word("typeTubularComp") or "unknown"
     words = kind.casefold()
 
     def size(*path: str, unit: str = "m") -> float | None:
-        return _value(component.first(*path), unit, file)
+        return _value(component.first(*path), unit, file, component)
 
     bit = _is_bit(component)
     od = (size("odMx") or size("od")) if bit else (size("od") or size("odMx"))
-    name = component.word("name") or component.word("description") or kind
-    item = item_of(
-        Component(
-            kind="bit" if bit else _kind(words),
-            words=kind,
-            name=name[:60],
-            length=size("len"),
-            od=od,
-            bore=size("id") or 0.0,
-            weight=size("wtPerLen", unit="kg/m"),
-            blade=size("stabilizer", "odBladeMx") or size("odMx"),
-            bit_od=size("bitRecord", "diaBit"),
-            nozzle_area=_nozzles(component, file) if bit else None,
-            tool_joint=_tool_joint(component, file, od) if "drill pipe" in words and od else None,
-            nonmagnetic="non-mag" in words or "nonmag" in words,
-            tube="casing" in words or "tubing" in words,
-            keys=KEYS,
-            file=file,
-            line=component.line,
-        ),
-        remarks,
+    return Component(
+        kind="bit" if bit else _kind(words),
+        words=kind,
+        name=_name(component),
+        length=size("len"),
+        od=od,
+        bore=size("id") or 0.0,
+        weight=size("wtPerLen", unit="kg/m"),
+        blade=size("stabilizer", "odBladeMx") or size("odMx"),
+        bit_od=size("bitRecord", "diaBit"),
+        nozzle_area=_nozzles(component, file) if bit else None,
+        tool_joint=_tool_joint(component, file, od) if "drill pipe" in words and od else None,
+        nonmagnetic="non-mag" in words or "nonmag" in words,
+        tube="casing" in words or "tubing" in words,
+        keys=KEYS,
+        file=file,
+        line=component.line,
     )
-    if component.first("bend") is not None:
-        remarks.append(f"{name[:60]}: its bend is left out")
-    return item
 
 
 def _kind(words: str) -> Kind:
@@ -237,8 +250,8 @@ def _sections(geometry: Element, file: Path, out: Imported) -> None:
     """Sections of the hole: at each depth the narrowest one of the file."""
     found: list[Piece] = []
     for section in geometry.all("wbGeometrySection"):
-        top, bottom = (_value(section.first(name), "m", file) for name in ("mdTop", "mdBottom"))
-        inner = _value(section.first("idSection"), "m", file)
+        top, bottom = (_value(section.first(name), "m", file, section) for name in ("mdTop", "mdBottom"))
+        inner = _value(section.first("idSection"), "m", file, section)
         for name, value in (("mdTop", top), ("mdBottom", bottom), ("idSection", inner)):
             if value is None:
                 raise CaseError(
@@ -256,7 +269,8 @@ def _sections(geometry: Element, file: Path, out: Imported) -> None:
             want = "mdBottom below mdTop, idSection above 0"
             raise CaseError(at="wbGeometrySection", got=got, want=want, file=file, line=section.line)
         friction = number_of(section.word("factFric") or "x", "")
-        found.append(Piece(top, bottom, inner, "casing" if cased else "open_hole", friction))
+        kind = "riser" if "riser" in words else "casing" if cased else "open_hole"
+        found.append(Piece(top, bottom, inner, kind, friction))
     if not found:
         raise CaseError(
             at="wbGeometry", got="no wbGeometrySection", want="at least one", file=file, line=geometry.line

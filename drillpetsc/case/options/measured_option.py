@@ -1,6 +1,8 @@
-"""`--measured FILE` and `--fit A,B`: options of the commands `roadmap` and `calibrate`."""
+"""`--measured FILE`, `--fit A,B` and `--prior A=B+-C`: options of the commands `roadmap` and `calibrate`."""
 
 from __future__ import annotations
+
+from collections.abc import Sequence
 
 from pydantic import ValidationError
 from pydantic_core import PydanticCustomError
@@ -12,6 +14,7 @@ from drillpetsc.case.messages import case_error
 from drillpetsc.case.options.ranges import read_words
 from drillpetsc.case.quantities import BARE_NUMBERS
 from drillpetsc.errors import CaseError
+from drillpetsc.units import UnitError, to_si
 
 
 def measured_option(name: str, case: Case) -> tuple[MeasuredPoint, ...]:
@@ -43,10 +46,28 @@ def measured_option(name: str, case: Case) -> tuple[MeasuredPoint, ...]:
         BARE_NUMBERS.reset(token)
 
 
-FITTED = ("cased", "open_hole", "block_weight", "weight_factor")
+FITTED = ("cased", "open_hole", "block_weight", "weight_factor", "running_drag")
 
 
 def fit_option(text: str, case: Case) -> tuple[str, ...]:
     """The parameters that `calibrate` fits; CaseError for a word that is not a parameter or a group of the case."""
     groups = () if case.well is None else tuple(section.group for section in case.well.sections)
     return read_words(text, tuple(dict.fromkeys([*FITTED, *groups])), "--fit")
+
+
+def prior_option(texts: Sequence[str]) -> dict[str, tuple[float, float]]:
+    """name -> (mean, standard deviation) SI of options such as `cased=0.2+-0.05`; raises CaseError."""
+    out = {}
+    for text in texts:
+        name, _, rest = text.partition("=")
+        unit = {"block_weight": "N", "running_drag": "N s/m"}.get(name.strip(), "")
+        mean, mark, sigma = rest.replace("±", "+-").partition("+-")
+        try:
+            found = to_si(mean.strip(), unit), to_si(sigma.strip(), unit)
+        except UnitError:
+            found = (0.0, 0.0)
+        if not mark or not name.strip() or not found[1] > 0:
+            want = "NAME=MEAN+-SIGMA with a standard deviation above 0, such as cased=0.2+-0.05 or 'block_weight=623 kN+-10 kN'"
+            raise CaseError(at="--prior", got=text, want=want)
+        out[name.strip()] = found
+    return out

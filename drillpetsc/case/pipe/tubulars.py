@@ -44,6 +44,7 @@ from drillpetsc.case.files.survey_file import FOLDER
 from drillpetsc.case.key_paths import refuse, suggestion
 from drillpetsc.case.pipe.figures import Figure, Figures
 from drillpetsc.case.pipe.section import BLADE_METAL, ring, stabilizer_metal
+from drillpetsc.case.pipe.weighed import checked_weight, with_weight
 from drillpetsc.case.quantities import said
 
 FOOT = 0.3048  # [m]
@@ -79,12 +80,15 @@ def read_catalogue(name: str | None) -> Catalogue:
     )
 
 
-def completed_string(case: CaseBlocks) -> tuple[tuple[Item, ...], Figures, tuple[int, ...]]:
+def completed_string(case: CaseBlocks, fill: str = "") -> tuple[tuple[Item, ...], Figures, tuple[int, ...]]:
     """(items with all figures, what was added, number in the case file of each item).
 
     A stabilizer whose body bends becomes up to three items.
+    fill: source of the length of the topmost item, if the case did not give it
     """
-    if not any(isinstance(item, (Tubular, Stabilizer, Bit)) for item in case.string):
+    if not fill and not any(
+        item.weight is not None or isinstance(item, (Tubular, Stabilizer, Bit)) for item in case.string
+    ):
         return case.string, Figures(), tuple(range(len(case.string)))
     catalogue = read_catalogue(case.catalogue)
     items: list[Item] = []
@@ -94,6 +98,8 @@ def completed_string(case: CaseBlocks) -> tuple[tuple[Item, ...], Figures, tuple
     for number, item in enumerate(case.string):
         work = _Completion(number, item, case, catalogue)
         parts = work.items()
+        if fill and number == 0:
+            work.note("length", item.length, "m", fill)
         for part in parts:
             if work.figures and (len(parts) == 1 or isinstance(part, Stabilizer)):
                 found[len(items)] = tuple(work.figures)
@@ -143,6 +149,10 @@ class _Completion:
         item = self.item
         if isinstance(item, Tubular):
             self._material(item)
+            if item.weight is not None and item.adjusted_weight is not None:
+                raise self.refuse("weight", want="weight or adjusted_weight, not both")
+            if item.weight is not None:
+                self.values |= {"adjusted_weight": item.weight, "weight": None}
             if isinstance(item, DrillPipe):
                 self._drill_pipe(item)
             elif isinstance(item, HeavyPipe):
@@ -156,14 +166,20 @@ class _Completion:
                 self._wall()
                 self._grade("coiled_tubing")
             self._plain_weight()
-            self._check_weight()
+            if item.weight is None:
+                self._check_weight()
             self._checked_section()
+            if item.weight is not None:
+                self._weighed(item, item.weight)
         elif isinstance(item, (Stabilizer, Bit)):
             if item.nozzles is not None and "nozzle_area" not in item.model_fields_set:
                 text = f"sum of pi d^2/4 of {len(item.nozzles)} nozzles"
                 self.note("nozzle_area", float(item.nozzle_area or 0.0), "m^2", text)
             if isinstance(item, Stabilizer):
                 return self._stabilizer(item)
+        if item.weight is not None and not isinstance(item, Tubular):
+            self.values |= with_weight(item, self.case.material, self.refuse)
+            self._note_density()
         if not self.values:
             return [item]
         return [item.model_copy(update=self.values)]
@@ -174,7 +190,7 @@ class _Completion:
             given = set() if item.material is None else item.material.model_fields_set
             base = overlaid(base, NONMAGNETIC)
             for key, unit in (("density", "kg/m^3"), ("young", "Pa")):
-                if key not in given:
+                if key not in given and not (key == "density" and item.weight is not None):
                     self.note(
                         f"material.{key}", getattr(NONMAGNETIC, key), unit, "default of nonmagnetic collars"
                     )
@@ -249,7 +265,7 @@ class _Completion:
         if row is not None:
             self._steel("adjusted_weight")
             self.default("adjusted_weight", row["weight"] * LB_PER_FT, "kg/m", row.place)
-        elif item.adjusted_weight is None:
+        elif self.value("adjusted_weight") is None:
             raise self.refuse(
                 "adjusted_weight",
                 want="a mass per length, or a pipe from the catalogue, such as 5in 49.3 NC50",
@@ -487,6 +503,24 @@ class _Completion:
             mass = self.values["material"].density * area * factor
             self.default("adjusted_weight", mass, "kg/m", f"section times density{text}")
 
+    def _weighed(self, item: Tubular, weight: float) -> None:
+        """Check the given weight. Without tool joints the metal fills the ring between the diameters."""
+        area = ring(self.value("od"), self.value("id"))[0]
+        if not isinstance(item, Jointed):
+            whole = item.model_copy(update={"od": self.value("od"), "id": self.value("id")})
+            self.values["material"] = with_weight(whole, self.values["material"], self.refuse)["material"]
+            self._note_density()
+            return
+        joint = self.values["tool_joint"]
+        share = joint.length / self.value("joint_length")
+        area = (1 - share) * area + share * ring(joint.od, joint.id)[0]
+        checked_weight(weight, formulas.STEEL * area, item.length, self.refuse)
+
+    def _note_density(self) -> None:
+        material = self.values.get("material")
+        if material is not None:
+            self.note("material.density", material.density, "kg/m^3", "weight over the ring of od and id")
+
     def _spiral(self) -> tuple[float, str]:
         item = self.item
         if isinstance(item, DrillCollar) and item.spiral:
@@ -563,7 +597,11 @@ class _Completion:
             raise self.refuse("id", got=item.id, want=f"below the outer diameter, {said(outer, 'diameter')}")
         if not item.stiff:
             return self._bending_stabilizer(item, outer)
-        if item.body_od is not None and item.mass is None:
+        if item.weight is not None:
+            whole = item.model_copy(update={"od": outer})
+            self.values |= with_weight(whole, self.case.material, self.refuse)
+            self._note_density()
+        if item.body_od is not None and self.value("mass") is None:
             density = overlaid(self.case.material, item.material).density
             mass = density * stabilizer_metal(item, outer)
             text = f"body and blades that fill {BLADE_METAL:.0%} of their ring, times density"
@@ -596,8 +634,8 @@ class _Completion:
         for key in ("bore_volume", "annulus_od"):
             if getattr(item, key) is not None:
                 raise self.refuse(key, got=getattr(item, key), want=f"no {key} with stiff: false")
-        if item.mass is not None or item.unbalance:
-            key = "mass" if item.mass is not None else "unbalance"
+        key = next((key for key in ("mass", "weight", "unbalance") if getattr(item, key)), "")
+        if key:
             raise self.refuse(key, got=getattr(item, key), want=f"no {key} with stiff: false")
         density = overlaid(self.case.material, item.material).density
         above = item.touching[0]
@@ -605,7 +643,7 @@ class _Completion:
         mass = density * (ring(item.body_od, item.id)[0] + BLADE_METAL * ring(outer, item.body_od)[0])
         self.note("mass", mass * item.blade_length, "kg", "blades and the body inside them, times density")
         parts: list[Item] = []
-        common = {"id": item.id, "friction": item.friction}
+        common: dict[str, Any] = {"id": item.id, "friction": item.friction}
         bend = item.bend
         for length in (above, None, below):
             if length is None:

@@ -10,6 +10,8 @@ from drillpetsc.case.blocks.items.agitator import AgitatorTool
 from drillpetsc.case.blocks.items.motor import PositiveDisplacementMotor
 from drillpetsc.case.blocks.items.string import Beam, Bit, Flexible, Item, Rigid, Stabilizer, Tube
 from drillpetsc.case.blocks.items.tubulars import DrillCollar, DrillPipe, HeavyPipe, Tubular
+from drillpetsc.case.catalogue.formulas import STEEL, steel_tube
+from drillpetsc.case.pipe.weighed import lighter_or_heavier
 from drillpetsc.case.quantities import largest, said
 from drillpetsc.unit_systems import shown
 
@@ -17,7 +19,6 @@ ONE_JOINT = (
     10.0  # a tally is short of its hole by this before it is doubted: stick-up and rounding are less [m]
 )
 STEEP = math.radians(60)  # inclination above which drill pipe is usual in compression
-STEEL = 7850.0  # [kg/m3]
 LEAST_MASS, MOST_MASS = 0.01, 20.0  # of a rigid item, relative to a cylinder of steel [-]
 
 
@@ -34,6 +35,20 @@ def lumped_masses(case: CaseBlocks) -> list[str]:
         if not LEAST_MASS < item.mass / steel < MOST_MASS:
             out.append(
                 f"string[{i}].mass is {said(item.mass, 'mass', case.output.units or 'SI')}: a cylinder of steel of this size has {shown(steel, 'mass', case.output.units or 'SI', 3)}; another unit?"
+            )
+    return out
+
+
+def odd_densities(case: CaseBlocks) -> list[str]:
+    """List tubes as stiff as steel whose weight is not the weight of steel: a wrong row of a string sheet."""
+    units, out = case.output.units or "SI", []
+    for i, item in enumerate(case.string):
+        ratio = lighter_or_heavier(item)
+        if ratio is not None:
+            assert isinstance(item, Tube)
+            steel = shown(steel_tube(item.od, item.id), "weight_per_length", units, 4)
+            out.append(
+                f"string[{i}] {item.name} weighs {ratio:.2g} times a steel tube of its size, {steel}: a weight, diameter or unit of another row?"
             )
     return out
 
@@ -55,7 +70,7 @@ def short_of_hole(case: CaseBlocks) -> list[str]:
         shown(v, "length", units, 5) for v in (case.string_length, case.well.survey.md[-1], missing)
     )
     where = (
-        f"with initial.wob it stands on the bottom, and its top is {gap} below the rig"
+        f"with initial.wob it stands on the bottom, and its top is {gap} below the rig (bit_depth: {length} puts its top at the rig)"
         if case.initial.wob is not None
         else f"without initial.wob it hangs from the rig, and its bit is {gap} above the bottom"
     )

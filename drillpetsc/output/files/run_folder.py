@@ -36,9 +36,13 @@ HYDRAULICS_TABLES = (
 ROADMAP_TABLE = "roadmap.csv"  # hook load and torque by bit depth, operation and friction
 ROADMAP_FILE = "roadmap.json"  # assumptions of the rows of a roadmap
 CALIBRATION_TABLE = "calibration.csv"  # measured points beside the soft string with the fitted factors
-TORQUE_DRAG_FILES = (ROADMAP_TABLE, ROADMAP_FILE, CALIBRATION_TABLE)
+MEASURED_TABLE = "measured.csv"  # measured points beside what the roadmap's case gives at each of them
+TORQUE_DRAG_FILES = (ROADMAP_TABLE, ROADMAP_FILE, CALIBRATION_TABLE, MEASURED_TABLE)
 INDICES_TABLE = "indices.csv"  # indices of drilling dynamics over windows of time
 REFLECTION_TABLE = "reflection.csv"  # of torsional waves at a controlled top
+#: files of `import log`
+LOG_TABLE, LOG_STATES, LOG_POINTS, LOG_QUALITY = "log.csv", "states.csv", "points.csv", "quality.json"
+LOG_PAGE = "log.html"
 RESPONSE_TABLE = "response.csv"  # forced harmonic response by speed and place
 CAMPBELL_TABLE = "campbell.csv"  # modes by rotary speed
 CRITICAL_TABLE = "critical.csv"  # critical speeds: intersections of excitation lines and modes

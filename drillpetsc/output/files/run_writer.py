@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import time as clock
-from collections.abc import Callable
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from pathlib import Path
-from typing import Protocol
+from typing import Any, Protocol
 
 import numpy as np
 from petsc4py import PETSc
@@ -16,7 +16,7 @@ from drillpetsc.fem.component import FloatArray
 from drillpetsc.model.drilling_model import DrillingModel
 from drillpetsc.output import FieldWriter, RunFolder, Table, read_series
 from drillpetsc.output.files.background import Background
-from drillpetsc.output.files.tables import header
+from drillpetsc.output.files.tables import header, rows_written
 from drillpetsc.output.measured.field_output import FieldOutput
 from drillpetsc.output.recorder import Recorder
 from drillpetsc.output.sensors.files import covered
@@ -170,6 +170,15 @@ class RunWriter:
             if self.recorder.sensors is not None:
                 self.recorder.sensors.flush()
 
+    @property
+    def written(self) -> dict[str, tuple[int, str]]:
+        """Number and digest of the rows of each table, by the name of its file; empty on the other ranks."""
+        if self.folder is None:
+            return {}
+        sensors = self.recorder.sensors.tables if self.recorder.sensors is not None else []
+        tables = [self.history, *([self.probes] if self.probes is not None else []), *sensors]
+        return {table.path.name: table.written for table in tables}
+
     def close(self) -> None:
         if self.folder is not None:
             # errors only of a run that failed: any other has written everything for its last checkpoint
@@ -184,12 +193,17 @@ class RunWriter:
 
 
 def missing_output(
-    folder: RunFolder, recorder: Recorder, restart_time: float, last_row: float
+    folder: RunFolder,
+    recorder: Recorder,
+    restart_time: float,
+    last_row: float,
+    written: Mapping[str, Sequence[Any]],
 ) -> CaseError | None:
-    """The error for output of a run folder that cannot be continued, None if it is complete.
+    """The error for output of a run folder that cannot be continued, None if it is complete and as it was written.
 
     restart_time: time of the checkpoint [s].
     last_row: time of the last row before it [s].
+    written: rows and digest of each table at the checkpoint, ``RunWriter.written``.
     """
     tables = [(folder.history, recorder.columns)]
     if recorder.probes.depths:
@@ -197,14 +211,17 @@ def missing_output(
     for path, columns in tables:
         if not path.is_file():
             return _gone(path, "no such file")
-        first, *lines = path.read_text(encoding="utf-8").splitlines() or [""]
-        if first != ",".join(header(columns)):
+        first, *lines = path.read_text(encoding="utf-8").splitlines(keepends=True) or [""]
+        if first.rstrip("\n") != ",".join(header(columns)):
             return _gone(path, "other columns than the run has", "the case has changed, or the file")
         times = [_time(line) for line in lines]
         last = max((t for t in times if passed(t, restart_time)), default=-np.inf)
         if not passed(last_row, last):
             got = f"rows up to {last:.9g} s, not up to {last_row:.9g} s" if np.isfinite(last) else "no rows"
             return _gone(path, got)
+        changed = _changed(path, lines, len(columns), restart_time, written.get(path.name))
+        if changed is not None:
+            return changed
     for path, columns, rate in recorder.sensors.files(folder.path) if recorder.sensors is not None else ():
         last_sample = covered(path, columns) if path.is_file() else -np.inf
         if last_sample is None:
@@ -212,12 +229,31 @@ def missing_output(
         if last_sample < np.floor(restart_time * rate * (1 - 1e-9)) / rate * (1 - 1e-9):
             found = f"samples up to {last_sample:.9g} s, not up to {restart_time:.9g} s"
             return _gone(path, found if path.is_file() else "no such file")
+        if path.suffix == ".csv":
+            lines = path.read_text(encoding="utf-8").splitlines(keepends=True)[1:]
+            changed = _changed(path, lines, len(columns), restart_time, written.get(path.name))
+            if changed is not None:
+                return changed
     if not folder.string_series.is_file():
         return _gone(folder.string_series, "no such file")
     for time, frame in read_series(folder.path):
         if passed(time, restart_time) and not frame.is_file():
             return _gone(frame, "no such file")
     return None
+
+
+def _changed(
+    path: Path, lines: Sequence[str], width: int, restart_time: float, written: Sequence[Any] | None
+) -> CaseError | None:
+    """The error for rows that are not those which the run has written; None if they are, or an older checkpoint does not say."""
+    if written is None:
+        return None
+    rows, digest = rows_written(lines, width, restart_time)
+    if rows < min(written[0], len(lines)):
+        return _gone(path, f"a damaged line {rows + 2}, after {rows} of {written[0]} rows")
+    if rows != written[0]:
+        return _gone(path, f"{rows} rows up to {restart_time:.6g} s, {written[0]} were written")
+    return None if digest == written[1] else _gone(path, "rows that are changed or in another order")
 
 
 def _gone(path: Path, got: str, hint: str = "") -> CaseError:

@@ -9,6 +9,7 @@ from __future__ import annotations
 import csv
 import ctypes
 import errno
+import hashlib
 import io
 import os
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
@@ -20,6 +21,7 @@ import numpy as np
 
 from drillpetsc.output.files.atomic import replace_text
 
+DIGEST = 16  # bytes of the digest of a table's rows
 Column = tuple[str, str]  # name, unit; unit "-" for a pure number
 
 
@@ -87,10 +89,12 @@ class Table:
         self._width = len(self.columns)
         self.path.parent.mkdir(parents=True, exist_ok=True)
         first = ",".join(header(self.columns)) + "\n"
+        kept: list[str] = []
         if restart_time is not None and self.path.exists() and self.path.stat().st_size > 0:
-            replace_text(self.path, first + "".join(self._kept_rows(first, restart_time)))
-        else:
-            replace_text(self.path, first)
+            kept = self._kept_rows(first, restart_time)
+        replace_text(self.path, first + "".join(kept))
+        self._digest = hashlib.blake2b("".join(kept).encode(), digest_size=DIGEST)
+        self._rows = len(kept)
         self._file = os.open(self.path, os.O_WRONLY | os.O_APPEND)
 
     def _kept_rows(self, first: str, restart_time: float) -> list[str]:
@@ -100,14 +104,12 @@ class Table:
                 f"{self.path}: cannot continue a table with other columns: it has {lines[0].strip()}, "
                 f"the run has {first.strip()}"
             )
-        latest = restart_time + 1e-12 * abs(restart_time)
-        kept = []
-        for line in lines[1:]:
-            values = line.rstrip("\n").split(",")
-            if not line.endswith("\n") or len(values) != self._width or float(values[0]) > latest:
-                break
-            kept.append(line)
-        return kept
+        return whole_rows(lines[1:], self._width, restart_time)
+
+    @property
+    def written(self) -> tuple[int, str]:
+        """Number of the rows, and a digest of them: a restart compares both with what it finds in the file."""
+        return self._rows, self._digest.hexdigest()
 
     def add(self, row: Sequence[float] | np.ndarray) -> None:
         """row: one number per column, SI; NaN if a value is not known at this time."""
@@ -130,6 +132,8 @@ class Table:
             whole = data.rfind(b"\n", 0, written) + 1
             os.ftruncate(self._file, os.fstat(self._file).st_size - written + whole)
             raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC), str(self.path))
+        self._digest.update(data)
+        self._rows += data.count(b"\n")
 
     def flush(self) -> None:
         """Flush every row to disk (for a checkpoint; a kill of the process needs no flush)."""
@@ -145,6 +149,26 @@ class Table:
 
     def __exit__(self, *_: object) -> None:
         self.close()
+
+
+def whole_rows(lines: Sequence[str], width: int, until: float) -> list[str]:
+    """The first rows of ``width`` values that are complete and not later than ``until`` [s]."""
+    latest = until * (1 + 1e-12) + 1e-15  # as rows are due (``run_writer.passed``)
+    for k, line in enumerate(lines):
+        values = line.rstrip("\n").split(",")
+        try:
+            known = line.endswith("\n") and len(values) == width and float(values[0]) <= latest
+        except ValueError:
+            known = False
+        if not known:
+            return list(lines[:k])
+    return list(lines)
+
+
+def rows_written(lines: Sequence[str], width: int, until: float) -> tuple[int, str]:
+    """``Table.written`` of the rows of a file up to ``until`` [s]; lines: of the file, without its header."""
+    rows = whole_rows(lines, width, until)
+    return len(rows), hashlib.blake2b("".join(rows).encode(), digest_size=DIGEST).hexdigest()
 
 
 def write_table(

@@ -10,7 +10,7 @@ import numpy as np
 from drillpetsc.arrays import FloatArray
 from drillpetsc.case.blocks.sensors import STEPS_PER_PERIOD
 from drillpetsc.model.drilling_model import DrillingModel
-from drillpetsc.output.files.tables import Column
+from drillpetsc.output.files.tables import Column, Table
 from drillpetsc.output.measured.flow_recorder import FlowRecorder
 from drillpetsc.output.sensors.files import open_samples, sensor_file
 from drillpetsc.output.sensors.samples import AT_ONCE, Sampler
@@ -133,6 +133,11 @@ class Sensors:
         """Append samples to the files."""
         for file, rows in zip(self._files, samples, strict=False):
             file.add_rows(rows)
+
+    @property
+    def tables(self) -> list[Table]:
+        """The files of samples that are tables."""
+        return [file for file in self._files if isinstance(file, Table)]
 
     def flush(self) -> None:
         """Wait until the disk has every sample."""

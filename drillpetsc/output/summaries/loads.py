@@ -27,6 +27,9 @@ class LimitsSummary(Summary):
         "",
         "Law of the helical limit, design factors, share of the pull at yield, largest side force on a tool joint [N].",
     ]
+    helical_law: Annotated[
+        str, "", "Law of the helical limit in words, with its ratio to the sinusoidal one."
+    ]
     units: Annotated[str, "", "Units of printed and plotted figures; files are in SI."]
     neutral_point: Annotated[
         dict[str, Any],

@@ -76,7 +76,7 @@ class StaticsSummary(Summary):
     path: Annotated[
         str | Missing,
         "",
-        "Motion followed by the path: 'sliding', 'slack_off' or 'without_friction'.",
+        "Motion followed by the path: 'sliding' or 'slack_off'.",
         STATIC_PATH,
     ] = MISSING
     path_states: Annotated[

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from contextlib import contextmanager
 from typing import Any
 
 import numpy as np
@@ -104,19 +103,6 @@ class BitOnBottom(Bit):
     def torque_for(self, weight: float, spin: float) -> float:
         """Friction torque [N m] of the bit that turns with ``spin`` [rad/s] under ``weight`` [N]."""
         return bit_torque(weight, self.friction, self.radius)
-
-    @contextmanager
-    def preloaded(self, weight: float, travel: float):
-        """Meanwhile the bit rests on a weak spring that carries ``weight`` [N] after ``travel`` [m], at the
-        depth of ``depth_for``."""
-        p = self._block.named
-        before = p.array.copy()
-        p["stiffness"] = weight / travel
-        p["end"] -= (travel - self.depth_for(weight)) * p["axis"]
-        try:
-            yield
-        finally:
-            p.array[:] = before
 
     def depth_for(self, weight: float) -> float:
         """Penetration [m] at which the bit carries ``weight`` [N] (manual: eq-contact-onset)."""

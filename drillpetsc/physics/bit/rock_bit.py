@@ -6,7 +6,6 @@ Kernel: kernels/bit/bit.hpp.  Manual: sec-bit.
 from __future__ import annotations
 
 import ctypes
-from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Any
 
@@ -426,21 +425,6 @@ class RockBit(Bit):
         gradient[i[3:6]] = (to_centre + squeeze * tilt / reach) * (axis - t * tilt) / n
         centre = state.x[i[:3]] + to_centre * t - p["end"][0] - state.x[i[7:10]]
         return float(centre @ axis + reach - s.half), gradient[: state.layout.size]
-
-    @contextmanager
-    def preloaded(self, weight: float, travel: float):
-        """Context in which a weak spring replaces the bottom (manual: sec-statics-wob).
-
-        It carries ``weight`` [N] after ``travel`` [m], at the depth of ``depth_for``.
-        """
-        p = self.params
-        before = p.array.copy()
-        p["stiffness"] = weight / travel
-        p["end"] -= (travel - self.depth_for(weight)) * p["axis"]
-        try:
-            yield
-        finally:
-            p.array[:] = before
 
     def first_cut(self, state) -> None:
         """Set the rates of the hole's end from the string's motion at the start (manual: sec-bit-start).

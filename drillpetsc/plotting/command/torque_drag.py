@@ -31,6 +31,7 @@ OPERATIONS = {
 }
 DASHES: tuple[Any, ...] = ("-", (0, (5, 2)), (0, (1, 1.2)), (0, (5, 1.5, 1, 1.5)), (0, (8, 2, 2, 2)))
 LIMIT = "#b03060"
+MANY_POINTS = 100  # of a calibration, which then have small marks
 FAR_LIMIT = 1.5  # a limit of the rig beyond this times the axis is not drawn
 OTHER_PIPE = (
     0.1  # a limit that changes by more than this share from one depth to the next belongs to another pipe
@@ -64,15 +65,32 @@ def _calibration(table: Table, summary: dict[str, Any], title: str, system: Syst
     drawing = style.figure(11.0, 6.5, dpi=110)
     top = style.heading(drawing, f"{title}: measured points and the soft string")
     left, right = drawing.subplots(1, 2, sharey=True)
+    size = 6 if len(md) < MANY_POINTS else 3
     residual = table["residual [N or N m]"] / table["sigma [N or N m]"]
     left.axvspan(-2, 2, color="0.93", zorder=0)
     left.axvline(0.0, color="0.35", linewidth=0.8)
     for word, (text, color) in OPERATIONS.items():
         for reading, (mark, kind) in marks.items():
             part = (operation == word) & (table["compared [-]"] == reading)
+            held = part & (np.asarray(table["part [-]"]) == "held_out")
+            if held.any():
+                left.plot(
+                    residual[held],
+                    md[held],
+                    mark,
+                    mfc="none",
+                    color=color,
+                    label=f"{text}, {kind}, predicted",
+                    markersize=size,
+                )
+            part &= ~held
             if part.any():
-                left.plot(residual[part], md[part], mark, color=color, label=f"{text}, {kind}", markersize=6)
-                right.plot(table["ff_open_hole_alone [-]"][part], md[part], mark, color=color, markersize=6)
+                left.plot(
+                    residual[part], md[part], mark, color=color, label=f"{text}, {kind}", markersize=size
+                )
+                right.plot(
+                    table["ff_open_hole_alone [-]"][part], md[part], mark, color=color, markersize=size
+                )
     found = summary["fit"].get("open_hole", {})
     if found.get("value") is not None:
         if found["interval"] is not None:

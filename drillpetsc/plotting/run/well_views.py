@@ -160,7 +160,7 @@ def _hole(
         axes.fill_betweenx(
             [top / size, bottom / size], sign * radius, sign * 0.75 * widest, color=GROUND, linewidth=0
         )
-        cased = section.kind == "casing"
+        cased = section.kind != "open_hole"
         axes.plot(
             [sign * radius] * 2,
             [top / size, bottom / size],

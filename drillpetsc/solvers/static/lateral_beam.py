@@ -1,6 +1,6 @@
 """Lateral equilibrium of a string under a given axial force in its hole: a small problem of four unknowns a node.
 
-Manual: sec-statics-buckled-start.
+Manual: sec-statics-lateral-start.
 """
 
 from __future__ import annotations
@@ -47,7 +47,7 @@ class ContactPoints:
     """Points where the string may touch the wall, (m,) each unless said otherwise.
 
     cell: element; shape: (m, 4) factors of its lateral displacements and slopes u, u', at the upper and lower end.
-    clearance [m]; length: that the point stands for [m]; friction: force about the axis over contact force [-].
+    clearance [m]; length: that the point stands for [m].
     offset: (m, 2) place from the axis of the hole where all displacements vanish [m].
     at: depth along the string [m].
     """
@@ -56,9 +56,24 @@ class ContactPoints:
     shape: FloatArray
     clearance: FloatArray
     length: FloatArray
-    friction: FloatArray
     offset: FloatArray
     at: FloatArray
+
+
+@dataclass(frozen=True)
+class Elements:
+    """Elements of a beam, (n,) each.
+
+    length [m]; bending: stiffness [N m2]; force: tension [N]; rigid: length of rigid items between the upper node and the element [m].
+    hinged: the slopes at both ends of an element without length are free of each other; None: of none.  An element
+    without length is a joint, which ties the displacements of its nodes, and their slopes else.
+    """
+
+    length: FloatArray
+    bending: FloatArray
+    force: FloatArray
+    rigid: FloatArray
+    hinged: np.ndarray | None = None
 
 
 class LateralBeam:
@@ -66,40 +81,34 @@ class LateralBeam:
 
     Its energy is that of bending, of a given axial force, of dead loads and of the wall.
 
-    length, bending, force: (n,) of the elements: length [m], bending stiffness [N m2], tension [N].
-    rigid: (n,) length of rigid items between the upper node and the element [m].
+    elements: see there.
     load: (n+1, 4) forces [N] and moments [N m] that work on the unknowns.
     points: where it may touch the wall; wall(d, c): force [N/m] per length at depth d [m] where the clearance is c [m], and its derivative.
     held: (n+1, 4) mask of the unknowns that keep their values.
     clearance: (n+1,) of the nodes [m].
-    hinged: (n,) the slopes at both ends of an element without length are free of each other; None: of none.  An element
-    without length is a joint, which ties the displacements of its nodes, and their slopes else.
     """
 
     def __init__(
         self,
-        length: FloatArray,
-        bending: FloatArray,
-        force: FloatArray,
-        rigid: FloatArray,
+        elements: Elements,
         load: FloatArray,
         points: ContactPoints,
         wall: Callable[[FloatArray, FloatArray], tuple[FloatArray, FloatArray]],
         held: np.ndarray,
         clearance: FloatArray,
-        hinged: np.ndarray | None = None,
     ):
+        length, bending = elements.length, elements.bending
         order = np.argsort(points.cell, kind="stable")
         self.points = ContactPoints(*(getattr(points, f.name)[order] for f in fields(points)))
         self.wall, self.load, self.held = wall, load, held
         self.nodes = len(length) + 1
-        self._elastic = self._with_ties(length, bending, force, rigid, hinged)
+        self._elastic = self._with_ties(elements)
         self._band = self._assembled(self._elastic)
         h = np.zeros(self.nodes)
         h[:-1] += 0.5 * length
         h[1:] += 0.5 * length
         self._weight = np.column_stack([h, h, h**3 / 100, h**3 / 100])
-        push = np.maximum(-force, 0.0)
+        push = np.maximum(-elements.force, 0.0)
         #: above the most negative curvature of the energy of a long beam, F^2/4EI [N/m2]
         pull = np.divide(
             push**2, 4 * bending, out=np.zeros_like(push), where=(bending > 0) & (length > JOINT)
@@ -115,15 +124,10 @@ class LateralBeam:
 
     # ---------------------------------------------------------------- matrices
     @staticmethod
-    def _with_ties(
-        length: FloatArray,
-        bending: FloatArray,
-        force: FloatArray,
-        rigid: FloatArray,
-        hinged: np.ndarray | None,
-    ) -> FloatArray:
-        """Element matrices (n, 4, 4) of each plane; those of joints are stiff springs between their nodes."""
-        joint = length <= JOINT
+    def _with_ties(elements: Elements) -> FloatArray:
+        """Element matrices (n, 4, 4) of each plane; joints are stiff springs between their nodes."""
+        length, bending, force, rigid = elements.length, elements.bending, elements.force, elements.rigid
+        joint, hinged = length <= JOINT, elements.hinged
         if not joint.any():
             return element_matrices(length, bending, force, rigid)
         L = np.where(joint, 1.0, length)
@@ -165,7 +169,7 @@ class LateralBeam:
         ends = np.concatenate([U[e].reshape(-1, 2, 2), U[e + 1].reshape(-1, 2, 2)], axis=1)
         return self.points.offset + np.einsum("ma,map->mp", self.points.shape, ends)
 
-    def rows(self, U: FloatArray, friction: float = 0.0) -> tuple[FloatArray, FloatArray]:
+    def rows(self, U: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Rows (n+1, 4) of the equilibrium and the banded matrix."""
         q, n, elements = self.points, self.nodes, self.nodes - 1
         x = self.place(U)
@@ -180,16 +184,15 @@ class LateralBeam:
         dN = factor * slope[touching] * q.length[touching]
         N[on_axis] = 0.0
         mean = np.where(on_axis, dN, N / rho)
-        mu = friction * q.friction[touching]
         out, inward = x.T / rho, np.stack([-x[:, 1], x[:, 0]]) / rho  # directions off the axis and about it
         band, rows = self._band.copy(), self._times(U) - self.load
         for p in range(2):
-            f = N * (out[p] + mu * inward[p])
+            f = N * out[p]
             for a in range(4):
                 sums = np.bincount(e, shape[:, a] * f, elements)
                 rows[a // 2 : a // 2 + elements, 2 * (a % 2) + p] += sums
             for r in range(2):
-                K = dN * (out[p] + mu * inward[p]) * out[r] + mean * (inward[p] - mu * out[p]) * inward[r]
+                K = dN * out[p] * out[r] + mean * inward[p] * inward[r]
                 for a in range(4):
                     left = shape[:, a] * K
                     for b in range(4):
@@ -223,7 +226,7 @@ class LateralBeam:
         rows[self.held] = 0.0
 
     def stable(self, U: FloatArray) -> bool:
-        """Whether the matrix without friction is positive definite."""
+        """Whether the matrix is positive definite."""
         return self._definite(self.rows(U)[1], 0.0)
 
     def _definite(self, band: FloatArray, shift: float) -> bool:
@@ -239,7 +242,7 @@ class LateralBeam:
         return True
 
     def least_shift(self, U: FloatArray, last: float) -> float:
-        """Smallest side spring [N/m2] with which the energy at ``U`` is convex, at most ``SHIFT_SCALE`` of it above; 0 where it is.
+        """Smallest side spring [N/m2] with which the energy at ``U`` is convex, at most ``SHIFT_SCALE`` of it above; 0 if it is.
 
         last: a guess.
         """
@@ -296,20 +299,19 @@ class LateralBeam:
         return float(np.max(np.hypot(d[:, 0], d[:, 1]) / self.clearance))
 
     def solve_step(
-        self, start: FloatArray, U: FloatArray, shift: float, friction: float, plain: bool = False
+        self, start: FloatArray, U: FloatArray, shift: float, plain: bool = False
     ) -> FloatArray | None:
-        """Solve rows + shift M (U - start) = 0 from ``U`` by Newton's method; None where it does not converge.
+        """Solve rows + shift M (U - start) = 0 from ``U`` by Newton's method; None if it does not converge.
 
-        friction: factor on the friction about the axis; without it the energy falls in each step, unless ``plain`` asks for
-        Newton's own steps, which converge to a saddle, too.
+        The energy falls in each step, unless ``plain`` chooses Newton's own steps, which converge to a saddle, too.
         """
         import scipy.linalg
 
         best, since, extra = np.inf, 0, 0.0
-        g, band = self._shifted_rows(start, U, shift, friction)
+        g, band = self._shifted_rows(start, U, shift)
         for _ in range(MAX_INNER):
             self.iterations += 1
-            if friction or plain:
+            if plain:
                 try:
                     p = scipy.linalg.solve_banded((WIDTH, WIDTH), band, -g.ravel(), check_finite=False)
                 except np.linalg.LinAlgError:  # nothing holds a motion across the hole
@@ -323,7 +325,7 @@ class LateralBeam:
             alpha, slope0, before = self._limit(U, p), float(np.sum(g * p)), U
             for _ in range(MAX_CUTS):
                 U = self._advance(before, alpha * p)
-                g, band = self._shifted_rows(start, U, shift, friction)
+                g, band = self._shifted_rows(start, U, shift)
                 slope = float(np.sum(g * self._way(before, p, alpha)))
                 if slope0 >= 0 or (size < CONVERGED) or slope <= MOST_OVERSHOOT * abs(slope0):
                     break
@@ -360,11 +362,9 @@ class LateralBeam:
             return p.reshape(-1, 4), extra
         return np.full(g.shape, np.nan), 0.0
 
-    def _shifted_rows(
-        self, start: FloatArray, U: FloatArray, shift: float, friction: float
-    ) -> tuple[FloatArray, FloatArray]:
+    def _shifted_rows(self, start: FloatArray, U: FloatArray, shift: float) -> tuple[FloatArray, FloatArray]:
         """Rows (n+1, 4) and banded matrix at ``U`` with a side spring to ``start``, and the held unknowns' own rows."""
-        g, band = self.rows(U, friction)
+        g, band = self.rows(U)
         g = g + shift * self._weight * (U - start)
         band[WIDTH] += shift * self._weight.ravel()
         self._hold(band, g)
@@ -411,21 +411,19 @@ def element_matrices(
 
 @dataclass(frozen=True)
 class LateralState:
-    """Equilibrium of a ``LateralBeam``: displacements and slopes (n+1, 4).
+    """Equilibrium of a ``LateralBeam``.
 
-    alone: without friction; with_friction: with friction about the axis, None where there is none, or none was asked for.
-    disturbed: the string buckles, and the disturbance acts.
+    place: displacements and slopes (n+1, 4); disturbed: the string buckles, and the disturbance acts.
     """
 
-    alone: FloatArray
-    with_friction: FloatArray | None
+    place: FloatArray
     disturbed: bool
 
 
 def lateral_state(
-    beam: LateralBeam, start: FloatArray, disturbance: FloatArray, friction: bool, disturbed: bool = False
+    beam: LateralBeam, start: FloatArray, disturbance: FloatArray, disturbed: bool = False
 ) -> LateralState | None:
-    """Find a stable state of ``beam``; None where none is found.
+    """Find a stable state of ``beam``; None if none is found.
 
     A straight string above its buckling load is a saddle of the energy, which the disturbance leads off.  The steps follow
     the fall of the energy, on a soft wall first: each solves for the equilibrium with a side spring to the last state, with
@@ -433,11 +431,10 @@ def lateral_state(
 
     disturbed: ``start`` is a buckled state under the disturbance, of almost the same loads.
     start: (n+1, 4) otherwise the string as it lies without buckling; disturbance: (n+1, 4) loads that lead it off a saddle, and stay.
-    friction: the state with the friction of ``ContactPoints`` is asked for, too.
     """
     if disturbed:
         beam.load += disturbance
-    U = beam.solve_step(start, start, 0.0, 0.0, plain=True)
+    U = beam.solve_step(start, start, 0.0, plain=True)
     if disturbed:
         if U is None or not beam.stable(U):
             U = _settle(beam, start)
@@ -448,16 +445,11 @@ def lateral_state(
         if disturbed:
             beam.load += disturbance
             U = _settle(beam, start)
-    if U is None:
-        return None
-    turned = beam.solve_step(U, U, 0.0, 1.0) if friction else None
-    if turned is not None and not beam.stable(turned):
-        turned = None
-    return LateralState(U, turned, disturbed)
+    return None if U is None else LateralState(U, disturbed)
 
 
 def _settle(beam: LateralBeam, U: FloatArray, most: int | None = None) -> FloatArray | None:
-    """Find a stable state from ``U`` while the wall becomes stiff; None where none is found."""
+    """Find a stable state from ``U`` while the wall becomes stiff; None if none is found."""
     beam.iterations = 0
     if most is None:
         most = int(min(max(MAX_WORK / beam.nodes, MAX_ITERATIONS[0]), MAX_ITERATIONS[1]))
@@ -472,7 +464,7 @@ def _settle(beam: LateralBeam, U: FloatArray, most: int | None = None) -> FloatA
 
 
 def _descend(beam: LateralBeam, U: FloatArray, most: int) -> FloatArray | None:
-    """Follow the fall of the energy from ``U`` to a stable state; None where none is found.
+    """Follow the fall of the energy from ``U`` to a stable state; None if none is found.
 
     The side spring makes the energy convex where each step starts, and is weakened while the steps converge fast; one with
     which a step failed is not tried again at once.  most: Newton steps.
@@ -480,7 +472,7 @@ def _descend(beam: LateralBeam, U: FloatArray, most: int) -> FloatArray | None:
     least, floor, first, failed = beam.least_shift(U, beam.first_shift), 0.0, beam.first_shift, 0.0
     for _ in range(MAX_STEPS):
         shift, before = max(SHIFT_MARGIN * least, floor), beam.iterations
-        V = beam.solve_step(U, U, shift, 0.0)
+        V = beam.solve_step(U, U, shift)
         taken = beam.iterations - before
         if beam.iterations > most:
             return None
@@ -488,7 +480,7 @@ def _descend(beam: LateralBeam, U: FloatArray, most: int) -> FloatArray | None:
         if V is None or (convex and not shift):  # a full step ended at a saddle
             if (
                 shift >= 1e4 * first
-            ):  # at once where no element is in compression: no side spring follows from that
+            ):  # at once if no element is in compression: no side spring follows from that
                 return None
             floor = failed = max(4 * shift, LEAST_SHIFT * first)
             continue

@@ -1,7 +1,7 @@
-"""Newton's method for a static equilibrium, with side drag where a step asks for it.
+"""Newton's method for a static equilibrium, or for one step of a string that moves with drag in place of inertia.
 
-Manual: sec-statics-newton.  Friction acts in the directions that the components impose.  A step with drag is one of
-implicit Euler: the next state of a string that moves slowly across its hole.  Without drag the step is infinitely long.
+Manual: sec-statics-newton.  Friction acts in the directions that the components impose, or against the velocity of the
+step.  A step with drag is one of implicit Euler.  Without drag the step is infinitely long.
 """
 
 from __future__ import annotations
@@ -16,28 +16,19 @@ from drillpetsc.arrays import FloatArray
 from drillpetsc.errors import SolveError
 from drillpetsc.fem.bound_parts import ROW_SCALE, RowReplacement
 from drillpetsc.fem.discrete_system import DiscreteSystem
+from drillpetsc.geometry.frames import cross
 from drillpetsc.kernels import function, pointer
 from drillpetsc.parallel import largest, total
 from drillpetsc.solvers.chain.chain_lu import ZeroPivot
 from drillpetsc.solvers.chain.constraint_products import ConstraintProducts
 from drillpetsc.solvers.static.lateral_loads import lateral_loads
+from drillpetsc.solvers.static.newton_progress import CONVERGED_INCREMENT, ROUNDING_INCREMENT, NewtonProgress
 from drillpetsc.solvers.static.search_limit import SearchLimit
 from drillpetsc.solvers.time.newton import shared_factor
 
 _quasi_rows = function("quasi_rows", "iipppp")
 
-CONVERGED_INCREMENT = 2.0e-9  # largest increment of a converged state, in the fields' scales
-ROUNDING_INCREMENT = (
-    1.0e-5  # increment below which a state counts as converged where rounding stops the descent
-)
-ROUNDING_RATIO = 0.1  # an increment below it that is not this much smaller than all before it is rounding
 MAX_STEPS = 40
-FAR_LIMIT = 2.0  # factor of a step without drag below which it would move a node by its clearance
-MORE_STEPS = 10  # beyond the number that is allowed, while each halves what is left
-#: full steps without a smaller increment before the iteration ends; contacts may open and close without end
-STALL_WINDOW = 8
-#: factor below which a step with drag crawls, and such steps in turn before it is given up: a shorter one costs less
-CRAWL, CRAWLS = 0.1, 3
 SLOPE_STEP = 1.0e-4  # share of a step over which its direction is differenced
 #: largest lateral motion of a node in one step, as a share of its clearance: without drag, with drag
 STEP_SHARE, DRAG_STEP_SHARE = 2.0, 0.5
@@ -47,10 +38,25 @@ MAX_SLOPE_CHANGE = 0.4  # largest change of a node's slope in one step
 NEUTRAL = 0.01
 
 
-NODAL = ("string.position", "string.tangent")  # fields that the drag holds
+NODAL = ("string.position", "string.tangent", "string.spin")  # fields that the drag holds
 
 #: (unknowns, step, factor) -> unknowns after the step
 Advance = Callable[[FloatArray, FloatArray, float], FloatArray]
+
+
+@dataclass(frozen=True)
+class Drag:
+    """Artificial drag in one step of implicit Euler.
+
+    across: drag per length of string on the motion across it, over the length of the step [N/m2] (manual: eq-statics-shift).
+    along: its share along the string [-]; arm: its lever on the spin [m].
+    shift: one over the length of the step [1/s], if friction acts against the velocity of the step; 0: it acts as imposed.
+    """
+
+    across: float
+    along: float = AXIAL_SHARE
+    arm: float = 0.0
+    shift: float = 0.0
 
 
 @dataclass
@@ -122,9 +128,22 @@ class StaticNewton:
         self.start_increment = CONVERGED_INCREMENT
         self.limit: SearchLimit | None = None
         self._owned = system.owned_index >= 0
-        self._entries = diagonal_blocks(system, NODAL)
-        #: of the present step: strength [N/m2], unknowns (n,) before it, and the springs of each nodal field
-        self._drag: tuple[float, FloatArray, list[tuple[np.ndarray, FloatArray, np.ndarray]]] | None = None
+        ends = [f.condition.vertex for f in system.assembly.row_replacements]
+        #: of each nodal field: local nodes (k,) that move with drag, and the places (k, d, d) of their entries
+        self._free = [
+            (nodes[moves], entries[moves])  # a prescribed end moves without drag
+            for nodes, entries in diagonal_blocks(system, NODAL)
+            for moves in [~np.isin(system.chain.vertices[nodes], ends)]
+        ]
+        spin = system.assembly.spin_at
+        self._phi, self._slope = (
+            spin[:, 0],
+            spin[:, 1:2] + np.arange(3),
+        )  # unknowns of the nodes with a spin angle
+        self._spin_number = np.full(system.layout.size + 1, -1, dtype=np.int32)
+        self._spin_number[self._phi] = np.arange(len(spin))
+        #: of the present step: drag, unknowns (n,) before it, and the springs of each nodal field
+        self._drag: tuple[Drag, FloatArray, list[tuple[np.ndarray, FloatArray, np.ndarray]]] | None = None
         self._constraints = ConstraintProducts(system)
         self._held_entries = self._couplings_of_held_unknowns()
         self._top_rows = next(
@@ -141,12 +160,17 @@ class StaticNewton:
         return largest_of(self.system, value)
 
     def rows(self) -> FloatArray:
-        """Compute the residual (n,) at rest or in the steady motion ``rates``, summed over ranks; collective.
+        """Compute the residual (n,) at rest, in the steady motion ``rates``, or of the present step, summed over ranks; collective.
 
         The array has local numbering with ghosts and is valid at owned unknowns.  Manual: eq-statics-rest.
         """
         system, asm = self.system, self.system.assembly
-        asm.y[:], asm.a[:] = 0.0 if self.rates is None else self.rates, 0.0
+        if self._shift and self._drag is not None:
+            asm.v0[:], asm.v1[:] = -self._shift * self._drag[1], 0.0
+            asm.condense(self._shift)  # velocities of the step, those of the spin included
+        else:
+            asm.y[:] = 0.0 if self.rates is None else self.rates
+        asm.a[:] = 0.0
         asm.invalidate_prescribed_values()
         system.sum_residual(self.t, self.f)
         local = np.zeros(system.layout.size)
@@ -154,45 +178,52 @@ class StaticNewton:
         return local
 
     @contextmanager
-    def drag(self, strength: float) -> Iterator[None]:
-        """Meanwhile side springs hold the free nodes where they are now: a step of implicit Euler of a string with drag.
-
-        strength: drag per length over the length of the step [N/m2] (manual: eq-statics-shift).
-        """
-        self._drag = strength, self.system.assembly.x[: self.system.layout.size].copy(), self._side_springs()
+    def drag(self, drag: Drag) -> Iterator[None]:
+        """Meanwhile solve for the end of a step that begins at the present state: springs hold the free nodes there."""
+        n = self.system.layout.size
+        self._drag = drag, self.system.assembly.x[:n].copy(), self._springs(drag)
         try:
             yield
         finally:
             self._drag = None
 
-    def _side_springs(self) -> list[tuple[np.ndarray, FloatArray, np.ndarray]]:
-        """Springs of unit strength by nodal field: unknowns (k, 3), matrices (k, 3, 3), their places (k, 3, 3) in the values."""
+    def move(self, p: FloatArray) -> None:
+        """Move the string by ``p`` (n,)."""
+        x = self.system.assembly.x[: self.system.layout.size]
+        x[:] = self._advanced(x.copy(), p, 1.0)
+
+    @property
+    def _shift(self) -> float:
+        return 0.0 if self._drag is None else self._drag[0].shift
+
+    def _springs(self, drag: Drag) -> list[tuple[np.ndarray, FloatArray, np.ndarray]]:
+        """Springs of a drag by nodal field: unknowns (k, d), matrices (k, d, d), their places (k, d, d) in the values."""
         system, v, h = self.system, self.system.field("string.tangent"), nodal_length(self.system)
         along = v[:, :, None] * v[:, None, :] / np.sum(v * v, axis=1)[:, None, None]
-        ends = [f.condition.vertex for f in system.assembly.row_replacements]
-        out = []
-        for (vertices, entries), name, scale, share in zip(
-            self._entries, NODAL, (h, h**3 / 100), (AXIAL_SHARE, 0.0), strict=True
-        ):
-            free = ~np.isin(system.chain.vertices[vertices], ends)
-            at = vertices[free]
-            M = scale[at, None, None] * (np.eye(3) - (1 - share) * along[at])
-            out.append((system.layout.dofs[name][at], M, entries[free]))
-        return out
-
-    def _add_springs(self, values: FloatArray, strength: float, springs: list) -> None:
-        for _, M, entries in springs:
-            values[entries] += strength * M
+        across = np.eye(3) - along
+        matrices = (
+            h[:, None, None] * (across + drag.along * along),
+            (h**3 / 100)[:, None, None] * across,
+            (h * drag.arm**2)[:, None, None],
+        )
+        fields = zip(self._free, NODAL, matrices, strict=True)
+        return [
+            (system.layout.dofs[name][at], drag.across * M[at], entries) for (at, entries), name, M in fields
+        ]
 
     def _pull(self) -> FloatArray:
         """Gradient (n,) at x, with the drag of the present step; collective."""
-        g = self._gradient(self.rows())
+        return self._gradient(self.rows()) + self.drag_force()
+
+    def drag_force(self) -> FloatArray:
+        """Force (n,) on the springs of the present step, zero without one."""
+        out = np.zeros(self.system.layout.size)
         if self._drag is not None:
-            strength, start, springs = self._drag
-            moved = self.system.assembly.x[: self.system.layout.size] - start
+            _, start, springs = self._drag
+            moved = self.system.assembly.x[: len(out)] - start
             for dofs, M, _ in springs:
-                g[dofs] += strength * (M @ moved[dofs][:, :, None])[:, :, 0]
-        return g
+                out[dofs] = (M @ moved[dofs][:, :, None])[:, :, 0]
+        return out
 
     def _gradient(self, rows: FloatArray) -> FloatArray:
         """Compute the derivative (n,) of the energy by (r, v, phi) from the residual ``rows`` (n,).
@@ -205,24 +236,23 @@ class StaticNewton:
             if f.leans:
                 f.lean_at(asm.x)
             g[f.rows] = f.row_complement @ g[f.rows]
-        phi, v = asm.spin_at[:, 0], asm.spin_at[:, 1:2] + np.arange(3)
-        g[v] += self._spin_potential() * g[phi][:, None]
+        g[self._slope] += self._spin_potential() * g[self._phi][:, None]
         return g
 
     def _spin_potential(self) -> FloatArray:
         """Compute c(v) (k, 3) at the k local nodes with a spin angle (manual: eq-beam-spin-potential)."""
         asm = self.system.assembly
-        v = asm.x[asm.spin_at[:, 1:2] + np.arange(3)]
+        v = asm.x[self._slope]
         n = np.linalg.norm(v, axis=1, keepdims=True)
-        return np.cross(v, asm.reference) / (n * (n + np.sum(v * asm.reference, axis=1, keepdims=True)))
+        return cross(v, asm.reference) / (n * (n + np.sum(v * asm.reference, axis=1, keepdims=True)))
 
     def _stiffness(self) -> None:
         """Compute the stiffness at x into the assembly's values.
 
-        It is symmetric where all loads are conservative.
+        It is symmetric if all loads are conservative.
         """
         asm = self.system.assembly
-        asm.jacobian(self.t, (1.0, self.rate_weight, 0.0), condensed=False)
+        asm.jacobian(self.t, (1.0, self._shift or self.rate_weight, 0.0), condensed=self._shift > 0)
         # (n+1,) derivative of the free rows by the downward motion of the top
         self._by_top = np.zeros(self.system.layout.size + 1)
         for f in asm.row_replacements:  # prescribed components do not move, so their columns are removed
@@ -232,15 +262,15 @@ class StaticNewton:
                     np.add.at(self._by_top, item.index[e], K[:, slots] @ self._advance(f))
                 K[:, slots] = K[:, slots] @ f.complement
         c = np.ascontiguousarray(self._spin_potential())
-        number = np.full(self.system.layout.size + 1, -1, dtype=np.int32)
-        number[asm.spin_at[:, 0]] = np.arange(len(asm.spin_at))
         for item in asm.bound_blocks:
             if item.count and item.width >= 7:
                 at = pointer(asm.values) + 8 * item.span.start
-                _quasi_rows(item.count, item.width, pointer(item.index), pointer(number), pointer(c), at)
+                _quasi_rows(
+                    item.count, item.width, pointer(item.index), pointer(self._spin_number), pointer(c), at
+                )
         self._constraints.add(asm.values)
-        if self._drag is not None:
-            self._add_springs(asm.values, self._drag[0], self._drag[2])
+        for _, M, entries in self._drag[2] if self._drag is not None else ():
+            asm.values[entries] += M
 
     def _advance(self, f: RowReplacement) -> FloatArray:
         """Change (7,) of the unknowns of a prescribed end by the length that it is moved down its path."""
@@ -262,7 +292,7 @@ class StaticNewton:
         return np.flatnonzero((by_row | by_column) & (rows != columns))
 
     def _factor(self) -> None:
-        """Factor the stiffness; raises SolveError where it is singular."""
+        """Factor the stiffness; raises SolveError if it is singular."""
         if self.limit is not None:
             self.limit.count()
         try:
@@ -275,7 +305,7 @@ class StaticNewton:
             ) from None
 
     def negative_pivots(self) -> int:
-        """Count the negative pivots of the stiffness at x beyond those of multipliers; -1 where a pivot is missing.
+        """Count the negative pivots of the stiffness at x beyond those of multipliers; -1 if a pivot is missing.
 
         Manual: eq-statics-stable.
 
@@ -286,12 +316,13 @@ class StaticNewton:
         values[self._held_entries] = 0.0
         count = self._inertia(values)
         if count > 0 and self._searches:
-            self._add_springs(values, NEUTRAL, self._side_springs())
+            for _, M, entries in self._springs(Drag(NEUTRAL)):
+                values[entries] += M
             count = self._inertia(values)
         return count
 
     def _inertia(self, values: FloatArray) -> int:
-        """Negative pivots of a matrix, or of its symmetric part, beyond those of multipliers; -1 where one is missing."""
+        """Negative pivots of a matrix, or of its symmetric part, beyond those of multipliers; -1 if one is missing."""
         if self.limit is not None:
             self.limit.count()
         try:
@@ -353,7 +384,7 @@ class StaticNewton:
     def _bring_to_depth(self, p: FloatArray) -> tuple[float, FloatArray]:
         """Compute the motion of the top that brings the bit to its depth beside the step ``p`` (n,) (manual: eq-statics-wob).
 
-        Returns the motion of the top [m], and the step (n,) that belongs to it.  Raises SolveError where the top does not
+        Returns the motion of the top [m], and the step (n,) that belongs to it.  Raises SolveError if the top does not
         move the bit.
         """
         system, n = self.system, self.system.layout.size
@@ -388,19 +419,12 @@ class StaticNewton:
         may be of a step that the search has shortened since.
         most: number of steps.
         near: the start is near its state: give up if two consecutive steps exceed the radial clearance.
-        Raises SolveError where the iteration does not converge; x is then anywhere.
+        Raises SolveError if the iteration does not converge; x is then anywhere.
         """
         self._begin(report)
-        n, x, weight = self.system.layout.size, self.system.assembly.x, 1.0 / self.system.scale
-        smallest, rounded, far, crawls = np.inf, 0, 0, 0
-        start, full_steps = len(report.history), list[float]()
-        full, shrinks = (
-            np.inf,
-            True,
-        )  # size of the last step before it was shortened: what is left, by Newton's method
-        for count in range(most + MORE_STEPS):
-            if count >= most and not shrinks:
-                break
+        progress, start = NewtonProgress(tolerance, most, near), len(report.history)
+        n, x = self.system.layout.size, self.system.assembly.x
+        while progress.goes_on():
             g = self._pull()
             self._stiffness()
             self._factor()
@@ -409,61 +433,39 @@ class StaticNewton:
             slope0 = self.sum(float(g[self._owned] @ p[self._owned]))
             move, with_top = self._bring_to_depth(p) if self.depth else (0.0, np.zeros(n))
             p += with_top
-            x0 = x[:n].copy()
             longest = self._step_limit(p)
-            far = far + 1 if longest < FAR_LIMIT else 0
-            if near and far > 1:
+            if progress.leaves(longest):
                 break
-            alpha = min(1.0, longest)
+            progress.take(self._size(p))
+            x0, alpha = x[:n].copy(), min(1.0, longest)
             # near rounding the slope has no sign; beside a saddle it does not say how far to go
-            before, full = full, self.largest(float(np.max(np.abs(p) * weight, initial=0.0)))
-            shrinks = full < 0.5 * before
-            if self._searches and slope0 < 0 and full > ROUNDING_INCREMENT:
+            if self._searches and slope0 < 0 and progress.full > ROUNDING_INCREMENT:
                 alpha = self._search(x0, p, with_top, slope0, alpha)
             x[:n] = self._advanced(x0, p, alpha)
             if self.depth and self.move_top:
                 self.move_top(alpha * move)
-            size = self.largest(float(np.max(np.abs(alpha * p) * weight, initial=0.0)))
+            report.increment = self._size(alpha * p)
             report.iterations += 1
-            report.history.append(size)
-            report.increment = size
-            if not np.isfinite(size):
+            report.history.append(report.increment)
+            if not np.isfinite(report.increment):
                 raise SolveError(
                     "the static solution is not finite", **self.system.locate_largest_residual(self.t)
                 )
-            # error left by a linear contraction at the last ratio; Newton's own is smaller
-            last = full_steps[-1] if alpha == 1.0 and full_steps else np.inf
-            left = (
-                size * size / last if size < min(0.1 * last, ROUNDING_INCREMENT) and last < np.inf else np.inf
-            )
-            full_steps = [*full_steps, size] if alpha == 1.0 else []
-            # rounding: a small increment that a further step no longer shrinks
-            rounded = rounded + 1 if size < ROUNDING_INCREMENT and size > ROUNDING_RATIO * smallest else 0
-            if (
-                alpha == 1.0
-                and (size < tolerance or left < 0.1 * tolerance or rounded)
-                or full < tolerance > ROUNDING_INCREMENT
-                or (rounded >= 8 and size < CONVERGED_INCREMENT)
-            ):
+            if progress.converged(report.increment, alpha):
                 self._end(report)
                 return
-            smallest = min(smallest, size)
-            crawls = crawls + 1 if self._drag is not None and alpha < CRAWL else 0
-            if crawls >= CRAWLS or self._does_not_shrink(full_steps):
+            if progress.stalls(alpha, self._drag is not None):
                 break
         raise SolveError(
             f"statics did not converge in {len(report.history) - start} iterations "
-            f"(last increment {size:.1e} of the fields' scales)",
+            f"(last increment {report.increment:.1e} of the fields' scales)",
             hint="a stronger initial.imperfection or a finer mesh may help",
             **self.system.locate_largest_residual(self.t),
         )
 
-    @staticmethod
-    def _does_not_shrink(sizes: list[float]) -> bool:
-        """Whether the increments ``sizes`` of full steps have not become smaller within ``STALL_WINDOW`` steps."""
-        if len(sizes) <= 2 * STALL_WINDOW:
-            return False
-        return min(sizes[-STALL_WINDOW:]) > 0.5 * min(sizes[:-STALL_WINDOW])
+    def _size(self, p: FloatArray) -> float:
+        """Largest component of ``p`` (n,) in the fields' scales, of all ranks; collective."""
+        return self.largest(float(np.max(np.abs(p) / self.system.scale, initial=0.0)))
 
     def _with_constraints(self, g: FloatArray) -> FloatArray:
         """Return the gradient ``g`` (n,) with the error of the prescribed positions in their rows."""

@@ -164,7 +164,7 @@ def test_a_whole_export_becomes_a_case(tmp_path: Path) -> None:
     assert survey.azimuth[-1] == pytest.approx(math.radians(45), rel=1e-9)
     assert any("as drilled (ACTUAL), 3 stations; 1 other" in remark for remark in remarks)
     pipe, collar, sub, bit = case.string
-    assert [entry.kind for entry in case.string] == ["drill_pipe", "drill_collar", "pipe", "bit"]
+    assert [entry.kind for entry in case.string] == ["drill_pipe", "drill_collar", "tool", "bit"]
     assert pipe.adjusted_weight == pytest.approx(22.6 * LB_PER_FT, rel=1e-5)  # type: ignore[union-attr]
     joint = pipe.tool_joint  # type: ignore[union-attr]
     assert (joint.od, joint.id, joint.length) == pytest.approx(
@@ -194,7 +194,7 @@ def test_the_bit_says_which_end_is_the_lowest(tmp_path: Path) -> None:
     for text in (STRING, upward):
         (tmp_path / "w.yaml").write_text(imported(export(BORES, text), tmp_path)[0] + "top: clamped\n")
         kinds.append([entry.kind for entry in load_case(tmp_path / "w.yaml").string])
-    assert kinds[0] == kinds[1] == ["drill_pipe", "drill_collar", "pipe", "bit"]
+    assert kinds[0] == kinds[1] == ["drill_pipe", "drill_collar", "tool", "bit"]
     bare = "".join(line for line in STRING.splitlines(True) if "BIT" not in line)
     text, remarks = imported(export(BORES, bare), tmp_path)
     assert any("no bit and no order" in remark for remark in remarks)

@@ -17,7 +17,7 @@ from drillpetsc.errors import CaseError
 from tests.helpers.tables import each_row
 
 BLOCKS = (
-    tubulars.Pipe, tubulars.Beam, tubulars.DrillPipe, tubulars.HeavyPipe, tubulars.DrillCollar,
+    tubulars.Pipe, string.Tool, tubulars.Beam, tubulars.DrillPipe, tubulars.HeavyPipe, tubulars.DrillCollar,
     tubulars.Casing, tubulars.CoiledTubing, tools.ShockSub, tools.BumperSub, motor.PositiveDisplacementMotor,
     tools.Jar, agitator.AgitatorTool, string.Stabilizer, string.Body, string.Bit, tubulars.RotarySteerable,
     tubulars.PositiveDisplacementMotor, tubulars.Reamer,

@@ -206,3 +206,18 @@ def test_units_of_constants() -> None:
     """1 degree of the dial is 0.5107 Pa at 1.7023 1/s for 1 rpm (R1-B1-F1)."""
     assert (DEGREE, RPM) == (0.5107, 1.7023)
     assert math.isclose(600 * RPM, 1022, rel_tol=1e-3)
+
+
+def test_long_words_of_pv_and_yp() -> None:
+    """plastic_viscosity and yield_point are a Bingham mud, as pv and yp are; without them yield_stress is the key."""
+    long = rheology({"plastic_viscosity": "35 mPa s", "yield_point": "8.6 Pa"})
+    short = rheology({"pv": "35 mPa s", "yp": "8.6 Pa"})
+    model = rheology({"model": "bingham", "plastic_viscosity": "35 mPa s", "yield_stress": "8.6 Pa"})
+    assert long == short == model
+    for wrong in (
+        {"yield_point": "8.6 Pa"},
+        {"model": "power_law", "plastic_viscosity": "35 mPa s", "yield_point": "8.6 Pa"},
+        {"plastic_viscosity": "35 mPa s", "pv": "35 mPa s", "yield_point": "8.6 Pa"},
+    ):
+        with pytest.raises(CaseError):
+            rheology(wrong)

@@ -184,7 +184,7 @@ def test_words_of_the_trade_are_answered() -> None:
     )
     assert (
         refused({"kind": "pipe", "length": 9, "od": 0.1}, BIT | {"weight": "80 lb"}).hint
-        == "did you mean 'mass'?"
+        == "a rigid item has the key 'mass' for all of it"
     )
 
 

@@ -95,7 +95,7 @@ def test_import_writes_a_case(files: list[str], capsys: pytest.CaptureFixture[st
     Path("whole.yaml").write_text(text + "top: clamped\nbottom: bit\ncontact: none\n")
     case = load_case("whole.yaml")
     assert case.title == "W-1"
-    assert [item.kind for item in case.string] == ["pipe", "drill_pipe", "drill_collar", "stabilizer", "bit"]
+    assert [item.kind for item in case.string] == ["tool", "drill_pipe", "drill_collar", "stabilizer", "bit"]
     assert case.string_length == pytest.approx(1190 * FOOT, rel=1e-5)
     crossover, pipe, collar, stabilizer, bit = case.string
     assert pipe.od == pytest.approx(5 * INCH) and pipe.id == pytest.approx(4.276 * INCH, rel=1e-5)

@@ -15,12 +15,12 @@ from drillpetsc.operations.operation import Mark
 PIPE = {"kind": "pipe", "length": 30.0, "od": 0.127, "id": 0.1086}
 #: what users wrote before there was a class, beside `case`, `out`, `overwrite`, `name` and `comm`
 KEYWORDS = {
-    "statics": "motion operation path",
-    "hydraulics": "flow spp units",
+    "statics": "bit_depth motion operation path",
+    "hydraulics": "bit_depth flow spp units",
     "surge": "speeds operation pipe bit_depth window flow dynamic units",
     "roadmap": "measured model units block",
-    "calibrate": "measured fit units",
-    "limits": "operation helical design_factor tension_fraction corrosive sn units",
+    "calibrate": "measured log every fit hold_out errors prior units",
+    "limits": "bit_depth operation helical design_factor tension_fraction corrosive sn units",
     "modes": "count shift kind about without_control",
     "campbell": "speeds count kind lines without_control frequency stiffness",
     "stability": "speeds wob count kind without_control method duration",

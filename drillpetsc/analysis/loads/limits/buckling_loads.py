@@ -18,6 +18,7 @@ from drillpetsc.arrays import FloatArray
 Helical = Literal["chen", "wu"]
 #: helical over sinusoidal load in a hole with side load
 HELICAL_RATIO: dict[str, float] = {"chen": np.sqrt(2.0), "wu": 2 * np.sqrt(2.0) - 1}
+AUTHORS = {"chen": "Chen, Lin and Cheatham", "wu": "Wu and Juvkam-Wold"}
 LUBINSKI = (1.94, 3.75)  # first and second order of a vertical string, over (EI w^2)^(1/3)
 
 
@@ -27,6 +28,11 @@ def dawson_paslay(stiffness: ArrayLike, side_load: ArrayLike, clearance: ArrayLi
     stiffness: EI [N m2]; side_load: q [N/m]; clearance: radial, r [m].
     """
     return np.asarray(2 * np.sqrt(np.asarray(stiffness) * side_load / np.asarray(clearance)))
+
+
+def law_words(law: Helical) -> str:
+    """A law of the helical limit in words."""
+    return f"{law}, {HELICAL_RATIO[law]:.3g} times the sinusoidal load ({AUTHORS[law]})"
 
 
 def helical(

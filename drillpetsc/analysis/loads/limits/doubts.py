@@ -8,6 +8,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
+from drillpetsc.analysis.loads.limits.buckling_loads import law_words
 from drillpetsc.analysis.loads.limits.fatigue import AS_S, rule_of
 from drillpetsc.analysis.loads.limits.table import Choices
 from drillpetsc.case.blocks.items.tubulars import DrillPipe, Jointed, Tubular
@@ -197,14 +198,15 @@ class BeyondBuckling(Doubt):
     """The compression exceeds a buckling limit of the pipe in its hole."""
 
     about = (Judged,)
-    sentence = "compression beyond the {state} limit between MD {upper:length 5} and {lower:length 5}"
+    sentence = "compression beyond the {state} limit{law} between MD {upper:length 5} and {lower:length 5}"
     remedy = "Give less weight on bit, use stiffer pipe there, or rotate the string."
 
     def look(self, at: Judged) -> Values:
         for state in ("sinusoidal", "helical"):
             md = at.table["md"][at.table["buckling_state"] == state]
             if len(md):
-                yield {"state": state, "upper": float(md.min()), "lower": float(md.max())}
+                law = f" ({law_words(at.choices.helical)})" if state == "helical" else ""
+                yield {"state": state, "law": law, "upper": float(md.min()), "lower": float(md.max())}
 
 
 class FreeCompression(Doubt):

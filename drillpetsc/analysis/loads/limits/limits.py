@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from drillpetsc.analysis.loads.limits.along_string import State, Surroundings, static_state
+from drillpetsc.analysis.loads.limits.buckling_loads import law_words
 from drillpetsc.analysis.loads.limits.contacts import contact_rows, item_forces
 from drillpetsc.analysis.loads.limits.doubts import Judged
 from drillpetsc.analysis.loads.limits.operations import (
@@ -126,6 +127,7 @@ def run_limits(job: Job, operation: str | None = None, choices: Choices | None =
                 operation=word or "as the case",
                 **{key: statics[key] for key in OF_STATE if key in statics},
                 choices=asdict(choices),
+                helical_law=law_words(choices.helical),
                 units=units,
                 neutral_point={
                     "effective": _neutral_point(table, "effective_tension"),
@@ -381,6 +383,8 @@ def _margin_rows(summary: dict[str, Any], units: System) -> Iterator[Row]:
         if row["wob"] is not None:
             why = "then it coils" if row["limited_by"] == "helical" else "then no hook load is left"
             yield f"Available weight on bit, {operation}", f"{shown(row['wob'], 'force', units)}, {why}"
+    if summary["max_wob"]:
+        yield "Law of the helical limit", summary["helical_law"]
     if summary["max_slackoff"] is not None:
         yield "Largest slack-off", shown(summary["max_slackoff"], "force", units)
 

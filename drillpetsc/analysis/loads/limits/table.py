@@ -176,7 +176,7 @@ def _in_casing(model: DrillingModel, md: FloatArray) -> np.ndarray:
     if not sections:
         return np.zeros(md.shape, dtype=bool)
     middle = np.searchsorted([s.to for s in sections], md.mean(axis=1)).clip(max=len(sections) - 1)
-    cased = np.array([s.kind == "casing" for s in sections])[middle]
+    cased = np.array([s.kind != "open_hole" for s in sections])[middle]
     return np.broadcast_to(cased[:, None], md.shape)
 
 

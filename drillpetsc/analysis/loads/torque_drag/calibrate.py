@@ -2,26 +2,30 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
 
+from drillpetsc.analysis.loads.torque_drag.along_depth import RESAMPLES, Drift
+from drillpetsc.analysis.loads.torque_drag.by_depth import alone_by_reading, drift_by_windows
 from drillpetsc.analysis.loads.torque_drag.calibration import (
-    AT_BOUND,
     BOUNDS,
-    FACTOR_BOUNDS,
     WEIGHT_ERROR,
     Calibration,
     Fit,
 )
+from drillpetsc.analysis.loads.torque_drag.held_out import Prediction, hold_out_depth, predict
 from drillpetsc.analysis.loads.torque_drag.left_out import bends_left_out, cutters_left_out
 from drillpetsc.analysis.loads.torque_drag.operations import KINDS, plan_of
+from drillpetsc.analysis.loads.torque_drag.reading import corrected_points
 from drillpetsc.analysis.motion.run_options import options_of
 from drillpetsc.case.blocks.roadmap import MeasuredPoint
 from drillpetsc.case.case import Case
 from drillpetsc.case.plausible.plausible_operations import readings
 from drillpetsc.errors import CaseError
 from drillpetsc.output import write_summary, write_table
+from drillpetsc.output.files.case_files import write_case
 from drillpetsc.output.files.run_folder import CALIBRATION_TABLE
 from drillpetsc.output.job import Job
 from drillpetsc.output.quantities.torque_drag import MEASURED
@@ -29,54 +33,126 @@ from drillpetsc.output.result import RunResult
 from drillpetsc.output.shown_units import shown_unit
 from drillpetsc.unit_systems import System, shown
 
+FEWEST_DEPTHS = (
+    30  # different bit depths from which errors are taken as correlated where the user says nothing
+)
+
+
+@dataclass(frozen=True)
+class Choices:
+    """How points are fitted.
+
+    parameters: names of groups of sections, block_weight, weight_factor, running_drag; None: all friction factors.
+    hold_out: text of the option, points that are predicted; correlated: errors along depth, None: if the points are many.
+    priors: name -> (mean, standard deviation).
+    """
+
+    parameters: tuple[str, ...] | None = None
+    hold_out: str | None = None
+    correlated: bool | None = None
+    priors: dict[str, tuple[float, float]] = field(default_factory=dict)
+
 
 def run_calibrate(
-    job: Job,
-    points: tuple[MeasuredPoint, ...] | None,
-    parameters: tuple[str, ...] | None = None,
+    job: Job, points: tuple[MeasuredPoint, ...] | None, choices: Choices = Choices()
 ) -> RunResult:
     """Fit friction factors to measured points (collective).
 
-    points: measured; None: those of the case.
-    parameters: names of groups of sections, block_weight, weight_factor: what is fitted; None: all friction factors.
-    Every rank computes the same, the first one writes.
+    points: measured; None: those of the case. Every rank computes the same, the first one writes.
     """
     case = job.case
     plan, system = plan_of(case), case.shown_units
     points = plan.measured if points is None else points
     if not points:
         raise CaseError(at="--measured", want="a file of measured points, or roadmap.measured in the case")
+    points = corrected_points(case, points, plan.hookload_excludes_block)
+    held: tuple[MeasuredPoint, ...] = ()
+    if choices.hold_out is not None:
+        below = hold_out_depth(choices.hold_out, points)
+        points, held = (tuple(p for p in points if (p.bit_depth > below) == out) for out in (False, True))
     with options_of(case):
         work = Calibration(case, points, plan.hookload_excludes_block)
-    if parameters is None:
-        parameters = work.factors
+        rest = Calibration(case, held, plan.hookload_excludes_block) if held else None
+    parameters = work.factors if choices.parameters is None else choices.parameters
     unknown = [name for name in parameters if name not in (*KINDS, *work.factors, *BOUNDS)]
     if unknown:
         raise CaseError(at="--fit", got=unknown[0], want=", ".join([*work.factors, *BOUNDS]))
+    strange = [name for name in choices.priors if name not in parameters]
+    if strange:
+        raise CaseError(
+            at="--prior", got=strange[0], want=f"a parameter that is fitted: {', '.join(parameters)}"
+        )
+    correlated = choices.correlated
+    if correlated is None:
+        correlated = len({point.bit_depth for point in points}) >= FEWEST_DEPTHS
     notes = _notes(case, work, parameters)
-    fit = work.fit(parameters)
-    alone = work.alone(fit)
-    warnings = _warnings(work, fit, parameters)
-    summary = _summary(case, work, fit, system, warnings, notes)
+    fit = work.fit(parameters, correlated, choices.priors)
+    drift, prediction = drift_by_windows(work, fit), None if rest is None else predict(work, fit, rest)
+    warnings = _warnings(work, fit, parameters, drift)
+    summary = _summary(case, fit, system, warnings, notes) | {"readings": len(work.data.value)}
+    summary |= _of_depth(fit, drift, prediction)
     folder = job.make_folder()
     if job.comm.rank == 0:
-        case.dump(folder.case)
-        d = work.data
-        columns: dict[str, Any] = {
-            "bit_depth": [points[i].bit_depth for i in d.point],
-            "operation": [points[i].operation for i in d.point],
-            "compared": ["hook_load" if hook else "surface_torque" for hook in d.hook],
-            "measured": d.value,
-            "computed": fit.computed,
-            "residual": fit.computed - d.value,
-            "sigma": d.sigma,
-            "ff_open_hole_alone": alone,
-        }
+        write_case(case, folder)
+        columns = _rows(
+            work, fit.computed, np.full(len(fit.computed), np.nan), alone_by_reading(work, fit), "fitted"
+        )
+        if prediction is not None:
+            alone = np.full(len(prediction.computed), np.nan)
+            more = _rows(prediction.work, prediction.computed, prediction.band, alone, "held_out")
+            columns = {name: [*cells, *more[name]] for name, cells in columns.items()}
         write_table(
             folder.path / CALIBRATION_TABLE, [q.column for q in MEASURED], [columns[q.name] for q in MEASURED]
         )
         write_summary(folder.summary, summary)
     return job.result(folder, summary, _lines(case, work, fit, summary, system))
+
+
+def _rows(work: Calibration, computed: Any, band: Any, alone: Any, part: str) -> dict[str, Any]:
+    """Columns of calibration.csv for the readings of some points."""
+    d, points = work.data, work.points
+    return {
+        "bit_depth": [points[i].bit_depth for i in d.point],
+        "operation": [points[i].operation for i in d.point],
+        "compared": ["hook_load" if hook else "surface_torque" for hook in d.hook],
+        "measured": d.value,
+        "computed": computed,
+        "residual": computed - d.value,
+        "sigma": d.sigma,
+        "part": [part] * len(d.point),
+        "band": band,
+        "ff_open_hole_alone": alone,
+    }
+
+
+def _of_depth(fit: Fit, drift: Drift | None, prediction: Prediction | None) -> dict[str, Any]:
+    """What is along depth, for `summary.json`: correlation of the errors, drift, points that were held out."""
+    out: dict[str, Any] = dict.fromkeys(("correlation_length", "block", "resamples", "drift", "hold_out"))
+    out["errors"] = "independent" if fit.lengths is None else "correlated"
+    if fit.lengths is not None:
+        found = fit.lengths
+        out["correlation_length"] = {
+            name: {
+                "readings": found.count[name],
+                "raw [m]": found.raw[name],
+                "detrended [m]": found.detrended[name],
+                "effective": found.effective[name],
+            }
+            for name in found.raw
+        }
+        out["block"], out["resamples"] = fit.block, RESAMPLES
+    if drift is not None:
+        out["drift"] = {
+            "parameter": drift.name,
+            "drifts": drift.drifts,
+            "depth [m]": drift.middle.tolist(),
+            "value": drift.value.tolist(),
+            "slope [1/m]": drift.slope,
+            "rank_correlation": drift.rank,
+        }
+    if prediction is not None:
+        out["hold_out"] = prediction.errors()
+    return out
 
 
 def _notes(case: Case, work: Calibration, parameters: tuple[str, ...]) -> list[str]:
@@ -114,7 +190,7 @@ def _notes(case: Case, work: Calibration, parameters: tuple[str, ...]) -> list[s
     return notes + cutters_left_out(case) + bends_left_out(case)
 
 
-def _warnings(work: Calibration, fit: Fit, parameters: tuple[str, ...]) -> list[str]:
+def _warnings(work: Calibration, fit: Fit, parameters: tuple[str, ...], drift: Drift | None) -> list[str]:
     out = []
     for name, reason in fit.reasons.items():
         held = work.default(name)
@@ -126,12 +202,15 @@ def _warnings(work: Calibration, fit: Fit, parameters: tuple[str, ...]) -> list[
         )
     if not {"block_weight", "weight_factor"} & set(parameters):
         out += _weight_error(work)
-    for name, value in zip(fit.parameters, fit.value, strict=True):
-        low, high = BOUNDS.get(name, FACTOR_BOUNDS)
-        if value - low < AT_BOUND * (high - low) or high - value < AT_BOUND * (high - low):
-            out.append(
-                f"{name} is at its bound {value:g}: the points ask for a value beyond it, and its interval does not hold"
-            )
+    if drift is not None and drift.drifts:
+        ends = f"{drift.value[0]:.3f} to {drift.value[-1]:.3f}"
+        where = " to ".join(
+            shown(float(q), "length", work.units, 4) for q in (drift.middle[0], drift.middle[-1])
+        )
+        out.append(
+            f"{drift.name} drifts with depth: {ends} from {where}, {100 * drift.slope:+.3g} per 100 m; one number does not hold "
+            "for all depths, nor below the deepest point"
+        )
     end = None if work.case.well is None else float(work.case.well.survey.md[-1])
     out += readings(work.points, end, work.units)
     if fit.chi2 > 4:
@@ -170,9 +249,7 @@ def weight_share(work: Calibration, read: float, computed: float) -> float:
     return (computed - read) / max(abs(read - work.block), 1.0)
 
 
-def _summary(
-    case: Case, work: Calibration, fit: Fit, system: System, warnings: list[str], notes: list[str]
-) -> dict[str, Any]:
+def _summary(case: Case, fit: Fit, system: System, warnings: list[str], notes: list[str]) -> dict[str, Any]:
     def plain(x: float) -> float | None:
         return None if np.isnan(x) else float(x)
 
@@ -183,17 +260,25 @@ def _summary(
             name: {
                 "value": plain(value),
                 "interval": None if np.isnan(width) else [float(value - width), float(value + width)],
-                "status": f"not determined: {fit.reasons[name]}" if name in fit.reasons else "determined",
+                "independent_interval": None if np.isnan(own) else [float(value - own), float(value + own)],
+                "status": _status(fit, name),
             }
-            for name, value, width in zip(fit.parameters, fit.value, fit.interval, strict=True)
+            for name, value, width, own in zip(
+                fit.parameters, fit.value, fit.interval, fit.independent, strict=True
+            )
         },
         "parameters": list(fit.parameters),
         "correlation": [[plain(x) for x in row] for row in fit.correlation],
         "reduced_chi2": plain(fit.chi2),
-        "readings": len(work.data.value),
         "warnings": warnings,
         "notes": notes,
     }
+
+
+def _status(fit: Fit, name: str) -> str:
+    if name in fit.reasons:
+        return f"not determined: {fit.reasons[name]}"
+    return "prior kept" if name in fit.priors else "determined"
 
 
 def _lines(case: Case, work: Calibration, fit: Fit, summary: dict[str, Any], system: System) -> list[str]:
@@ -201,8 +286,10 @@ def _lines(case: Case, work: Calibration, fit: Fit, summary: dict[str, Any], sys
         f"{case.title or 'case'}: calibration with {len(work.data.value)} readings of {len(work.points)} points"
     ]
     size, force = shown_unit("hook_load", "N", system)
-    for name, value, width in zip(fit.parameters, fit.value, fit.interval, strict=True):
-        scale, unit = (size, f" {force}") if name == "block_weight" else (1.0, "")
+    for name, value, width, own in zip(fit.parameters, fit.value, fit.interval, fit.independent, strict=True):
+        scale, unit = {"block_weight": (size, f" {force}"), "running_drag": (1e3, " kN per m/s")}.get(
+            name, (1.0, "")
+        )
         words = {"cased": "friction, cased", "open_hole": "friction, open hole"}.get(
             name, name.replace("_", " ") if name in BOUNDS else f"friction, {name}"
         )
@@ -214,15 +301,30 @@ def _lines(case: Case, work: Calibration, fit: Fit, summary: dict[str, Any], sys
             )
         else:
             a, b = (value - width) / scale, (value + width) / scale
-            lines.append(f"  {words:<22} {value / scale:10.4g}{unit}   95 % interval {a:.4g} to {b:.4g}")
+            more = "; the prior is kept: the points add nothing" if name in fit.priors else ""
+            if fit.lengths is not None:
+                more = f" ({(value - own) / scale:.4g} to {(value + own) / scale:.4g} were the errors independent){more}"
+            lines.append(
+                f"  {words:<22} {value / scale:10.4g}{unit}   95 % interval {a:.4g} to {b:.4g}{more}"
+            )
     if not np.isnan(fit.chi2):
         lines.append(f"  reduced chi2 {fit.chi2:.3g}")
-    kept = [i for i, value in enumerate(fit.value) if not np.isnan(value)]
+    kept = [fit.parameters.index(name) for name in fit.kept]
     for a, i in enumerate(kept):
         for j in kept[a + 1 :]:
             lines.append(
                 f"  correlation of {fit.parameters[i]} and {fit.parameters[j]}: {fit.correlation[i, j]:.3f}"
             )
+    for name, row in (summary["correlation_length"] or {}).items():
+        lines.append(
+            f"  {name}: errors correlated over {row['raw [m]']:.3g} m, {row['detrended [m]']:.3g} m without their trend; "
+            f"{row['readings']} readings count as {row['effective']:.2g}"
+        )
+    for name, row in (summary["hold_out"] or {}).items():
+        lines.append(
+            f"  held out, {name.replace('_', ' ')}: {row['readings']} readings, bias {row['bias']:+.2%}, rms {row['rms']:.2%}, 95 % "
+            f"within {row['p95']:.2%}, largest {row['largest']:.2%}; {row['in_band']:.0%} inside the 90 % band"
+        )
     return (
         lines + [f"  WARNING: {w}" for w in summary["warnings"]] + [f"  note: {n}" for n in summary["notes"]]
     )

@@ -10,9 +10,19 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from drillpetsc.analysis.loads.torque_drag.batch import Columns, Hole, soft_strings
+from drillpetsc.analysis.loads.torque_drag.along_depth import (
+    Lengths,
+    block_length,
+    changes,
+    lengths,
+    moving_blocks,
+    small_sample,
+)
+from drillpetsc.analysis.loads.torque_drag.batch import Columns
 from drillpetsc.analysis.loads.torque_drag.circulation import Circulation, circulation
+from drillpetsc.analysis.loads.torque_drag.flow_table import flow_table
 from drillpetsc.analysis.loads.torque_drag.operations import KINDS, groups_of, load_of, plan_of
+from drillpetsc.analysis.loads.torque_drag.soft_ends import SoftEnds
 from drillpetsc.analysis.loads.torque_drag.string_rows import gravity_of, need_well, rows_at
 from drillpetsc.arrays import FloatArray
 from drillpetsc.case.blocks.roadmap import MeasuredPoint
@@ -21,21 +31,27 @@ from drillpetsc.errors import CaseError, SolveError
 from drillpetsc.unit_systems import shown
 
 FACTOR_BOUNDS, FACTOR_STEP = (0.0, 1.0), 1e-4  # of every friction factor
-BOUNDS = {"block_weight": (0.0, 5e6), "weight_factor": (0.5, 1.5)}
-START = {"cased": 0.25, "open_hole": 0.3, "weight_factor": 1.0}
-STEP = {"block_weight": 10.0, "weight_factor": 1e-5}
+BOUNDS = {"block_weight": (0.0, 5e6), "weight_factor": (0.5, 1.5), "running_drag": (0.0, 1e6)}
+START = {"cased": 0.25, "open_hole": 0.3, "weight_factor": 1.0, "running_drag": 5e4}
+STEP = {"block_weight": 10.0, "weight_factor": 1e-5, "running_drag": 10.0}
 RELATIVE_SIGMA, SMALLEST_SIGMA = 0.02, {"hook_load": 10e3, "surface_torque": 500.0}  # [N], [N m]
 SOFT_SCALE = 3.0  # of soft_l1, in standard errors
 LARGEST_CONDITION = 1e3  # of the scaled Jacobian
 SMALLEST_SPREAD = 3.0  # of hook loads with friction against those without, in standard errors
 WEIGHT_ERROR = 0.02  # misfit of rotating off bottom that is reported as an error of the weight
 AT_BOUND = 1e-6
+ALIKE, WIDEST_ALIKE = (
+    0.98,
+    0.1,
+)  # correlation of two parameters of which neither is determined; half width from which
+FEWEST_WEIGHTS, SLOPE_BY_CHANCE = 4, 0.01  # rotating weights that show a slope with depth; probability of one
+PRIOR_KEPT = 0.8  # share of the prior's interval that is left, above which the points have added nothing
 #: half width of a 95 % interval beyond which a parameter is not determined: friction factors are between 0.1 and 0.5
-WIDEST_FACTOR, WIDEST = 0.25, {"weight_factor": 0.1}
+WIDEST_FACTOR, WIDEST = 0.25, {"weight_factor": 0.1, "running_drag": 1e5}
 BLOCK_SHARE = 0.25  # that of the block weight, of the largest hook load read
 LONGEST_STEP = 25.0  # of the integration where the hole is straight: there it is exact without a helix [m]
-MOST_COLUMNS = 600  # soft strings that are integrated together, for the memory they need
-ALONE_GRID = 41  # friction factors from 0 to 1 between which a point alone is solved
+MOST_FLOWS, FLOW_SPACING = 60, 20.0  # steady flows beyond which they are interpolated; between bit depths [m]
+FLOW_RANGE = 2.0  # ratio of the rates between which they are
 
 
 @dataclass(frozen=True)
@@ -60,6 +76,10 @@ class Fit:
     value: best values; interval: half widths of the 95 % intervals; nan where not determined, (k,) each.
     correlation: (k, k); chi2: reduced; computed: (n,) readings with the best values.
     reasons: name -> why it is not determined.
+    independent: (k,) half widths as if no two readings had a common error; equal to `interval` unless errors are correlated.
+    lengths, block: correlation along depth and length of the bootstrap's blocks [m]; None where errors are independent.
+    covariance: (m, m) of the determined parameters `kept`.
+    priors: parameters that the readings leave where their prior has them.
     """
 
     parameters: tuple[str, ...]
@@ -69,6 +89,17 @@ class Fit:
     chi2: float
     computed: FloatArray
     reasons: dict[str, str] = field(default_factory=dict)
+    independent: FloatArray = field(default_factory=lambda: np.empty(0))
+    lengths: Lengths | None = None
+    block: float = 0.0
+    kept: tuple[str, ...] = ()
+    covariance: FloatArray = field(default_factory=lambda: np.empty((0, 0)))
+    priors: tuple[str, ...] = ()
+
+    @property
+    def best(self) -> dict[str, float]:
+        """The determined parameters."""
+        return {name: float(self.value[self.parameters.index(name)]) for name in self.kept}
 
 
 class Calibration:
@@ -108,7 +139,7 @@ class Calibration:
                     "a depth at which the string fits the hole",
                 )
                 raise CaseError(at=f"measured[{i}].bit_depth", got=got, want=want, hint=unfit)
-        self.hole = Hole(well, strings, LONGEST_STEP)
+        self.strings = SoftEnds(well, strings, LONGEST_STEP)
         self.placed = np.array([depths.index(point.bit_depth) for point in points])
         self.group = groups_of(case)
         #: names of the groups of sections, each with one friction factor
@@ -153,6 +184,9 @@ class Calibration:
         self.excludes_block = excludes_block
         block = None if case.rig is None else case.rig.block_weight
         self.block = 0.0 if excludes_block else (block or 0.0)
+        self.priors: dict[str, tuple[float, float]] = {}
+        self.readings_alike = 1.0  # readings that count as one, beside a prior
+        self.fixed: dict[str, float] = {}  # parameters that have the mean of their prior
         self.data = self._data()
 
     def _set_flow(self, flows: Sequence[tuple[float | None, str]]) -> None:
@@ -160,14 +194,27 @@ class Calibration:
 
         flows: rate [m3/s] of each point, and the key that gives it.
         """
-        self.lift, self.thrust = np.zeros((len(self.hole.h), len(flows))), np.zeros(len(flows))
+        edges = [self.strings.edges[p] for p in self.placed]
+        self.lift = [np.zeros(len(q) - 1) for q in edges]
+        self.thrust = np.zeros(len(flows))
+        pumped = [(i, flow, at) for i, (flow, at) in enumerate(flows) if flow]
+        distinct = {(int(self.placed[i]), flow) for i, flow, _ in pumped}
+        if len(distinct) > MOST_FLOWS:
+            depth = np.array([self.points[i].bit_depth for i, _, _ in pumped])
+            rate = np.array([flow for _, flow, _ in pumped])
+            for low, high in _rates(rate):
+                some = [k for k, q in enumerate(rate) if low <= q <= high]
+                table = flow_table(self.case, depth[some], rate[some], FLOW_SPACING, pumped[some[0]][2])
+                for k in some:
+                    i = pumped[k][0]
+                    self.lift[i], self.thrust[i] = table.forces(depth[k], rate[k], edges[i])
+            return
         found: dict[tuple[int, float], Circulation] = {}
-        for i, (flow, at) in enumerate(flows):
-            if flow:
-                key = int(self.placed[i]), flow
-                if key not in found:
-                    found[key] = circulation(self.case, self.points[i].bit_depth, flow, at)
-                self.lift[:, i], self.thrust[i] = found[key].lift(self.hole.edges), found[key].thrust
+        for i, flow, at in pumped:
+            key = int(self.placed[i]), flow
+            if key not in found:
+                found[key] = circulation(self.case, self.points[i].bit_depth, flow, at)
+            self.lift[i], self.thrust[i] = found[key].lift(edges[i]), found[key].thrust
 
     def _data(self) -> Data:
         rows = []
@@ -189,10 +236,9 @@ class Calibration:
     # ------------------------------------------------------------------ soft strings
     def default(self, name: str) -> float:
         """Value of a parameter that is not fitted: of the case."""
-        if name == "block_weight":
-            return self.block
-        if name == "weight_factor":
-            return 1.0
+        held = {"block_weight": self.block, "weight_factor": 1.0, "running_drag": 0.0}
+        if name in held:
+            return held[name]
         some = self.own[self.group == name]
         return float(some[-1]) if len(some) else np.nan
 
@@ -201,7 +247,8 @@ class Calibration:
         count, n = len(sets), len(self.points)
         friction = np.empty((count, len(self.own)))
         factor, block = np.ones(count), np.empty(count)
-        for j, values in enumerate(sets):
+        for j, given in enumerate(sets):
+            values = self.fixed | given
             friction[j] = self.own
             for name in self.factors:
                 if name in values:
@@ -209,73 +256,185 @@ class Calibration:
             factor[j] = values.get("weight_factor", 1.0)
             block[j] = values.get("block_weight", self.block)
         string, which = np.tile(np.arange(n), count), np.repeat(np.arange(count), n)
-        ends = []
-        for first in range(0, count * n, MOST_COLUMNS):
-            i, k = string[first : first + MOST_COLUMNS], which[first : first + MOST_COLUMNS]
-            wob, torque, velocity, rotation = self.loads[i].T
-            columns = Columns(
-                self.placed[i],
-                friction[k],
-                np.ones(len(i)),
-                wob,
-                torque,
-                velocity,
-                rotation,
-                factor[k],
-                self.lift[:, i] if self.pumped else None,
-                self.thrust[i] if self.pumped else None,
-            )
-            batch = soft_strings(self.hole, columns)
-            ends.append((batch.tension[0], batch.torque[0]))
-        hook = np.concatenate([t for t, _ in ends]).reshape(count, n) + block[:, None]
-        moment = np.concatenate([m for _, m in ends]).reshape(count, n)
+        wob, torque, velocity, rotation = self.loads[string].T
+        columns = Columns(
+            self.placed[string],
+            friction[which],
+            np.ones(len(string)),
+            wob,
+            torque,
+            velocity,
+            rotation,
+            factor[which],
+            thrust=self.thrust[string],
+        )
+        tension, moment = self.strings.ends(columns, self.lift * count if self.pumped else None)
+        drag = np.array([(self.fixed | values).get("running_drag", 0.0) for values in sets])
+        hook = tension.reshape(count, n) + block[:, None] + drag[:, None] * self.loads[:, 2]
+        moment = moment.reshape(count, n)
         d = self.data
         out = np.where(d.hook, hook[:, d.point], moment[:, d.point])
         return np.where(np.isfinite(out), out, 1e9)  # a locked string fits nothing
 
     # ------------------------------------------------------------------ fit
-    def fit(self, parameters: tuple[str, ...]) -> Fit:
-        """Fit parameters; those that the points do not determine are nan, with the reason."""
-        reasons = self._not_identifiable(parameters)
+    def fit(
+        self,
+        parameters: tuple[str, ...],
+        correlated: bool = False,
+        priors: dict[str, tuple[float, float]] | None = None,
+    ) -> Fit:
+        """Fit parameters; those that the points do not determine are nan, with the reason.
+
+        correlated: intervals by a bootstrap of blocks along depth; priors: name -> (mean, standard deviation).
+        """
+        priors = priors or {}
+        self.priors, self.readings_alike, self.fixed = priors, 1.0, {}
+        if priors and correlated:  # readings that say the same must not outvote what is known beforehand
+            first = self.fit(parameters, correlated=True)
+            if first.lengths is not None:
+                self.readings_alike = max(
+                    n / first.lengths.effective[q] for q, n in first.lengths.count.items()
+                )
+            self.priors, self.fixed = priors, {}
+        reasons = {
+            name: why for name, why in self._not_identifiable(parameters).items() if name not in priors
+        }
         kept = tuple(name for name in parameters if name not in reasons)
         size = len(parameters)
+        nothing = np.full(size, np.nan)
         fit = Fit(
-            parameters,
-            np.full(size, np.nan),
-            np.full(size, np.nan),
-            np.full((size, size), np.nan),
-            np.nan,
-            self.data.value,
+            parameters, nothing.copy(), nothing.copy(), np.full((size, size), np.nan), np.nan, self.data.value
         )
-        fit.reasons = reasons
+        fit.reasons, fit.independent = reasons, nothing.copy()
         while kept:
             best, jacobian = self._solve(kept)
-            bad = self._unclear(kept, jacobian)
-            if bad is not None:
-                reasons[bad] = "the points do not distinguish it from the others (condition above 1000)"
-            else:
-                fit.computed = self.computed([dict(zip(kept, best, strict=True))])[0]
-                residual = (fit.computed - self.data.value) / self.data.sigma
-                width, covariance = self._intervals(residual, jacobian)
-                bad = self._widest(kept, width)
-                if bad is None:
-                    break
-                i = kept.index(bad)
-                reasons[bad] = (
-                    f"its 95 % interval, {self._words(bad, best[i] - width[i])} to {self._words(bad, best[i] + width[i])}, is "
-                    f"too wide{self._alike(kept, i, covariance)}"
-                )
-            kept = tuple(name for name in kept if name != bad)
+            fit.computed = self.computed([dict(zip(kept, best, strict=True))])[0]
+            bad = self._wrong_weight(kept, best)
+            bad = bad or self._undetermined(fit, kept, best, jacobian, correlated)
+            if not bad:
+                break
+            known = [name for name in bad if name in priors]
+            if known:  # what the readings do not say is taken from the prior, and then they may say the rest
+                self.fixed.update({name: priors[name][0] for name in known})
+                bad = dict.fromkeys(known, "")
+            reasons.update({name: why for name, why in bad.items() if name not in self.fixed})
+            kept = tuple(name for name in kept if name not in bad)
+        for name, mean in self.fixed.items():
+            i = parameters.index(name)
+            fit.value[i], fit.interval[i], fit.independent[i] = mean, *[1.96 * priors[name][1]] * 2
+        fit.priors = tuple(self.fixed)
         if not kept:
             fit.computed = self.computed([{}])[0]
             return fit
+        residual = self._weighted(fit.computed, kept, best)
         freedom = len(residual) - len(kept)
         fit.chi2 = float(residual @ residual / freedom) if freedom > 0 else np.nan
         place = [parameters.index(name) for name in kept]
-        fit.value[place], fit.interval[place] = best, width
-        scale = np.sqrt(np.diag(covariance))
-        fit.correlation[np.ix_(place, place)] = covariance / np.outer(scale, scale)
+        fit.value[place], fit.kept = best, kept
+        fit.interval[place], fit.independent[place] = self._widths
+        scale = np.sqrt(np.diag(fit.covariance))
+        fit.correlation[np.ix_(place, place)] = fit.covariance / np.outer(scale, scale)
+        fit.priors += tuple(
+            name
+            for name, width in zip(kept, self._widths[0], strict=True)
+            if name in priors and not width < PRIOR_KEPT * 1.96 * priors[name][1]
+        )
         return fit
+
+    def _undetermined(
+        self, fit: Fit, kept: tuple[str, ...], best: FloatArray, jacobian: FloatArray, correlated: bool
+    ) -> dict[str, str]:
+        """Parameters without a number at these best values, with the reason; the first reason that holds.
+
+        Sets the intervals of `fit` on the way.
+        """
+        bad = self._unclear(kept, jacobian)
+        if bad is not None:
+            return {bad: "the points do not distinguish it from the others (condition above 1000)"}
+        residual = self._weighted(fit.computed, kept, best)
+        width, fit.covariance = self._intervals(residual, jacobian)
+        self._widths = width, width
+        if correlated:
+            self._widths = self._by_blocks(fit, residual, jacobian), width
+            width = self._widths[0]
+        alike = np.abs(fit.covariance / np.sqrt(np.outer(np.diag(fit.covariance), np.diag(fit.covariance))))
+        np.fill_diagonal(alike, 0.0)
+        for i, name in enumerate(kept):
+            low, high = BOUNDS.get(name, FACTOR_BOUNDS)
+            if best[i] in (low, high):
+                twins = [i, *np.flatnonzero(alike[i] > ALIKE)]
+                why = f"{name} is at its bound {best[i]:g}: the points ask for a value beyond it"
+                return {kept[j]: why + self._alike(kept, int(j), fit.covariance) for j in twins}
+        for i, j in zip(*np.nonzero(np.triu(alike > ALIKE)), strict=True):
+            if any(
+                width[m] > WIDEST_ALIKE for m in (i, j) if kept[m] not in ("block_weight", "running_drag")
+            ):
+                why = f"the points do not tell {kept[i]} from {kept[j]} (correlation {_correlation(fit.covariance, int(i), int(j)):.3f})"
+                return {kept[i]: why, kept[j]: why}
+        bad = self._widest(kept, width)
+        if bad is None:
+            return {}
+        i = kept.index(bad)
+        ends = f"{self._words(bad, best[i] - width[i])} to {self._words(bad, best[i] + width[i])}"
+        return {bad: f"its 95 % interval, {ends}, is too wide{self._alike(kept, i, fit.covariance)}"}
+
+    def _wrong_weight(self, kept: tuple[str, ...], best: FloatArray) -> dict[str, str]:
+        """Friction factors that no reading determines, since the rotating weight drifts away from the computed one with depth."""
+        from scipy.stats import t as student
+
+        off = self.weight_misfit(dict(zip(kept, best, strict=True)))
+        depth = np.array([point.bit_depth for point, _ in off])
+        if len(off) < FEWEST_WEIGHTS or not np.ptp(depth) > 0:
+            return {}
+        gap = np.array([computed - (point.hook_load or 0.0) for point, computed in off])
+        allowed = WEIGHT_ERROR * float(
+            np.mean([abs((point.hook_load or 0.0) - self.block) for point, _ in off])
+        )
+        slope = float(np.polyfit(depth - depth.mean(), gap, 1)[0])
+        scatter = gap - np.polyval(np.polyfit(depth, gap, 1), depth)
+        error = np.sqrt(np.sum(scatter**2) / (len(gap) - 2) / np.sum((depth - depth.mean()) ** 2))
+        chance = float(student.ppf(1 - SLOPE_BY_CHANCE / 2, len(gap) - 2) * error)
+        if np.abs(gap).max() <= allowed or abs(slope) * np.ptp(depth) <= allowed or abs(slope) <= chance:
+            return {}
+        ends = [gap[int(np.argmin(depth))], gap[int(np.argmax(depth))]]
+        from_, to = (shown(-q, "force", self.units) for q in ends)
+        top, end = (shown(float(q), "length", self.units, 4) for q in (depth.min(), depth.max()))
+        why = (
+            f"weight wrong: the rotating weight as read is {from_} above the computed one at {top} and {to} at {end}; an error of "
+            "the string's weight that changes with depth"
+        )
+        return {name: why for name in kept if name not in BOUNDS}
+
+    def _weighted(self, computed: FloatArray, names: tuple[str, ...], best: FloatArray) -> FloatArray:
+        """(n + p,) weighted residuals of the readings, then of the priors."""
+        d = self.data
+        root = np.sqrt(self.readings_alike)
+        own = [
+            root * (q - self.priors[name][0]) / self.priors[name][1]
+            for name, q in zip(names, best, strict=True)
+            if name in self.priors
+        ]
+        return np.append((computed - d.value) / d.sigma, own)
+
+    def _by_blocks(self, fit: Fit, residual: FloatArray, jacobian: FloatArray) -> FloatArray:
+        """(k,) half widths of the 95 % intervals by a bootstrap of blocks along depth; `fit` gets lengths and covariance."""
+        d = self.data
+        depth = np.array([self.points[i].bit_depth for i in d.point])
+        series = np.array(
+            [
+                f"{self.points[i].operation}, {'hook load' if h else 'torque'}"
+                for i, h in zip(d.point, d.hook, strict=True)
+            ]
+        )
+        fit.lengths = lengths(depth, fit.computed - d.value, series)
+        fit.block = block_length(depth, fit.lengths)
+        times = moving_blocks(depth, fit.block)
+        found = changes(residual, jacobian, times, SOFT_SCALE, float(np.sqrt(self.readings_alike)))
+        fit.covariance = np.atleast_2d(np.cov(found.T))
+        low, high = np.percentile(found, [2.5, 97.5], axis=0)
+        few = small_sample(float(np.ptp(depth)), fit.block)
+        fit.covariance = fit.covariance * few**2
+        return np.asarray(0.5 * (high - low) * few)
 
     def _intervals(self, residual: FloatArray, jacobian: FloatArray) -> tuple[FloatArray, FloatArray]:
         """(half widths of the 95 % intervals (k,), nan without a reading to spare; covariance over s^2 (k, k)).
@@ -331,7 +490,12 @@ class Calibration:
             return dict(zip(names, map(float, x * units), strict=True))
 
         def residual(x: FloatArray) -> FloatArray:
-            return (self.computed([parameters(x)])[0] - d.value) / d.sigma
+            return self._weighted(self.computed([parameters(x)])[0], names, x * units)
+
+        known = [i for i, name in enumerate(names) if name in self.priors]
+        of_priors = np.zeros((len(known), len(names)))
+        for row, i in zip(of_priors, known, strict=True):
+            row[i] = np.sqrt(self.readings_alike) * units[i] / self.priors[names[i]][1]
 
         def jacobian(x: FloatArray) -> FloatArray:
             h = FACTOR_STEP
@@ -342,7 +506,7 @@ class Calibration:
             lower = np.maximum(lower, low)
             values = self.computed([parameters(row) for row in (*upper, *lower)])
             change = values[: len(x)] - values[len(x) :]
-            return (change / np.diag(upper - lower)[:, None] / d.sigma).T
+            return np.vstack([(change / np.diag(upper - lower)[:, None] / d.sigma).T, of_priors])
 
         low, high = np.array([BOUNDS.get(name, FACTOR_BOUNDS) for name in names]).T / units
         start = np.array([START.get(name, self.default(name)) for name in names]) / units
@@ -393,46 +557,33 @@ class Calibration:
             out["block_weight"] = "no hook load was read"
         elif "block_weight" in parameters and self.excludes_block:
             out["block_weight"] = "the hook loads are those of the string, without the block"
+        if "running_drag" in parameters and not (self.loads[d.point[d.hook], 2] != 0).any():
+            out["running_drag"] = "no hook load was read while tripping"
         for name in parameters[max(0, len(d.value)) :]:
             out.setdefault(name, "fewer readings than parameters")
         return out
 
     # ------------------------------------------------------------------ checks
-    def weight_misfit(self) -> list[tuple[MeasuredPoint, float]]:
-        """Points rotating off bottom with their hook load as computed with the factors of the case, as it was read [N]."""
-        values, d, out = self.computed([{}])[0], self.data, []
+    def weight_misfit(self, best: dict[str, float] | None = None) -> list[tuple[MeasuredPoint, float]]:
+        """Points rotating off bottom with their hook load as computed, as it was read [N].  best: factors, the case's without."""
+        values, d, out = self.computed([best or {}])[0], self.data, []
         for i, hook, computed in zip(d.point, d.hook, values, strict=True):
             if hook and self.points[i].operation == "rotate_off_bottom":
                 out.append((self.points[i], float(computed)))
         return out
 
-    def alone(self, fit: Fit) -> FloatArray:
-        """(n,) open-hole factor at which each reading alone is met, nan where there is none in 0..1.
 
-        Brent's method on a monotone cubic through the readings at ``ALONE_GRID`` factors.
-        """
-        from scipy.interpolate import PchipInterpolator
-        from scipy.optimize import brentq
+def _rates(rate: FloatArray) -> list[tuple[float, float]]:
+    """Ranges of the rates [m3/s], each so narrow that forces between its ends can be interpolated."""
+    out: list[tuple[float, float]] = []
+    for q in np.unique(rate):
+        if out and q <= FLOW_RANGE * out[-1][0]:
+            out[-1] = out[-1][0], float(q)
+        else:
+            out.append((float(q), float(q)))
+    return out
 
-        d = self.data
-        out = np.full(len(d.value), np.nan)
-        if "open_hole" not in self.factors:
-            return out
-        values = {
-            name: float(value)
-            for name, value in zip(fit.parameters, fit.value, strict=True)
-            if not np.isnan(value)
-        }
-        values.pop("open_hole", None)
-        grid = np.linspace(0.0, 1.0, ALONE_GRID)
-        table = self.computed([{**values, "open_hole": float(mu)} for mu in grid]) - d.value
-        for i in range(len(d.value)):
-            known = np.abs(table[:, i]) < 1e8  # the string is not locked up
-            change = np.flatnonzero(
-                (np.sign(table[:-1, i]) != np.sign(table[1:, i])) & known[1:] & known[:-1]
-            )
-            if not len(change) or np.ptp(table[known, i]) < 1e-6 * abs(d.value[i]):
-                continue
-            curve = PchipInterpolator(grid[known], table[known, i])
-            out[i] = float(brentq(curve, grid[change[0]], grid[change[0] + 1]))
-        return out
+
+def _correlation(covariance: FloatArray, i: int, j: int) -> float:
+    """Correlation of two parameters."""
+    return float(covariance[i, j] / np.sqrt(covariance[i, i] * covariance[j, j]))

@@ -1,8 +1,9 @@
-"""What circulating mud does to the axial force of a string: drag of the annulus and thrust of the jets.
+"""What moving mud does to the axial force of a string: drag of the annulus and thrust of the jets.
 
 The friction of the annulus drags the string up, and its pressure gradient lifts it; the jets push the bit up.  Friction in
 the bore and the pressure of the pump cancel in the effective tension less the momentum of the mud in the bore, which is
-what the hook carries and what buckles (manual: sec-roadmap-flow).
+what the hook carries and what buckles (manual: sec-roadmap-flow).  A string that is run or pulled displaces mud, with the
+same forces.
 """
 
 from __future__ import annotations
@@ -11,7 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from drillpetsc.analysis.hydraulics.flow_model import FlowModel, string_at
+from drillpetsc.analysis.hydraulics.flow_model import FlowModel, Pipe, string_at
 from drillpetsc.analysis.hydraulics.losses import annulus_stress, element_losses
 from drillpetsc.arrays import FloatArray
 from drillpetsc.case.case import Case
@@ -41,24 +42,27 @@ class Circulation:
         return np.asarray(-np.diff(below) / np.diff(edges))
 
 
-def circulation(case: Case, depth: float, flow: float, at: str) -> Circulation:
+def circulation(case: Case, depth: float, flow: float, at: str, speed: float = 0.0) -> Circulation:
     """Forces of the mud that a pump drives with ``flow`` [m3/s] through a string whose bit is at ``depth`` [m].
 
     at: key of the flow rate, for messages.
+    speed: of the string along the hole [m/s], positive down; without a pump the pipe is open, unless its bottom is plugged.
     Raises CaseError without mud or a bore, SolveError where there is no steady flow.
     """
-    if case.fluid is None or not case.has_bore:
+    if case.fluid is None or (flow and not case.has_bore):
         raise CaseError(at=at, got=f"{flow:g} m3/s", want="a fluid in the bore, through which it flows")
-    model = FlowModel(case, string_at(case, depth), "pumping")
-    model.solve(flow)
+    pipe: Pipe = "pumping" if flow else "closed" if case.bottom.plugged else "open"
+    model = FlowModel(case, string_at(case, depth), pipe, moving=bool(speed))
+    model.solve(flow, speed)
     count = len(model.md) - 1
     force, channel, mesh = np.zeros(count), model.fluid.annulus, model.mesh
     if channel is not None:
         law = build_rheology(model.case, annulus=True)
         losses = element_losses(model, channel, law)
         pressure = np.diff(channel.pressures(model.system)) - losses.weight  # by friction and velocity head
-        stress = annulus_stress(channel, law, losses.speed, losses.density)[1]
-        drag = np.abs(stress) * mesh.length
+        drift = speed * (1.0 - model.fluid.constants.clinging)
+        stress = annulus_stress(channel, law, losses.speed, losses.density, drift)[1]
+        drag = -stress * mesh.length  # mud that flows away from the bit drags the string up
         # as in kernels/fluid/annulus_flow.hpp: of the element, of the rigid item above it, of the shoulders
         outer, above = channel.parameter("outer"), channel.parameter("outer_above")
         force = (pressure + losses.above) * outer + drag * np.pi * channel.parameter("diameter")

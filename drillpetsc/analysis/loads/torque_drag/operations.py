@@ -65,7 +65,10 @@ def assumptions(case: Case, plan: Roadmap) -> list[str]:
     used = plan.operations
     if any(word.startswith("trip") for word in used) and "trip_speed" not in given:
         speed = shown(plan.trip_speed, "trip_speed", units)
-        notes.append(f"trip_speed {speed} assumed (without rotation it changes nothing)")
+        drags = case.rig is not None and case.rig.running_drag
+        notes.append(
+            f"trip_speed {speed} assumed" + ("" if drags else " (without rotation it changes nothing)")
+        )
     if {"rotate_off_bottom", "drilling"} & set(used):
         notes.append(rotation_note(case, plan))
     for word in ("drilling", "sliding"):
@@ -82,7 +85,12 @@ def assumptions(case: Case, plan: Roadmap) -> list[str]:
         notes.append(assumed(case, plan, "backreaming"))
     notes = [note for note in notes if note]
     if case.fluid is not None:
-        still = [word for word in used if not load_of(case, plan, word).flow]
+        loads = {word: load_of(case, plan, word) for word in used}
+        still = [
+            word
+            for word, load in loads.items()
+            if not load.flow and not running_speed(case, word, load.axial_velocity)
+        ]
         if still:
             notes.append(
                 f"the mud stands still in {', '.join(still)}: forces of the flow on the string are left out"
@@ -213,6 +221,17 @@ def load_of(case: Case, plan: Roadmap, operation: str) -> Load:
     return Load(
         wob, slide.tob, -1.0, 0.0, flow_of(case, slide.flow_rate)
     )  # all friction is axial, whatever the speed
+
+
+def running_speed(case: Case, operation: str, axial_velocity: float) -> float:
+    """Speed of the string in its mud [m/s], positive down; 0 unless it is run or pulled and the case has rig.running_drag.
+
+    axial_velocity: positive up [m/s].
+    """
+    moved = (
+        operation in ("trip_in", "trip_out", "backreaming") and case.fluid is not None and case.has_annulus
+    )
+    return -axial_velocity if moved and case.rig is not None and case.rig.running_drag else 0.0
 
 
 def groups_of(case: Case) -> np.ndarray:

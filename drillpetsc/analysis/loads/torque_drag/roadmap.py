@@ -13,6 +13,7 @@ from drillpetsc.analysis.loads.torque_drag.batch import Columns, Hole, soft_stri
 from drillpetsc.analysis.loads.torque_drag.circulation import Circulation, circulation
 from drillpetsc.analysis.loads.torque_drag.left_out import bends_left_out, cutters_left_out
 from drillpetsc.analysis.loads.torque_drag.measured import beside_curves, measured_lines, measured_warnings
+from drillpetsc.analysis.loads.torque_drag.measured_table import beside_points
 from drillpetsc.analysis.loads.torque_drag.operations import (
     MOST_ROWS,
     Load,
@@ -21,11 +22,13 @@ from drillpetsc.analysis.loads.torque_drag.operations import (
     load_of,
     pairs_of,
     plan_of,
+    running_speed,
     shoes_of,
     strings_of,
     told,
 )
-from drillpetsc.analysis.loads.torque_drag.string_rows import StringRows, gravity_of, need_well
+from drillpetsc.analysis.loads.torque_drag.reading import DIRECTION, Sensor, corrected_points, sensor_of
+from drillpetsc.analysis.loads.torque_drag.string_rows import StringRows, gravity_of, mud_level, need_well
 from drillpetsc.analysis.loads.torque_drag.table import OK, Pressures, failed, rows_of, still_mud
 from drillpetsc.analysis.loads.torque_drag.torque_lines import passed, torque_lines
 from drillpetsc.analysis.motion.run_options import options_of
@@ -34,9 +37,10 @@ from drillpetsc.case.case import Case
 from drillpetsc.errors import CaseError, SolveError
 from drillpetsc.geometry.well import Well
 from drillpetsc.output import write_summary, write_table
-from drillpetsc.output.files.run_folder import ROADMAP_FILE, ROADMAP_TABLE
+from drillpetsc.output.files.case_files import write_case
+from drillpetsc.output.files.run_folder import MEASURED_TABLE, ROADMAP_FILE, ROADMAP_TABLE
 from drillpetsc.output.job import Job
-from drillpetsc.output.quantities.torque_drag import ROADMAP
+from drillpetsc.output.quantities.torque_drag import BESIDE, ROADMAP
 from drillpetsc.output.result import RunResult
 from drillpetsc.output.shown_units import lengths_shown, shown_unit
 from drillpetsc.unit_systems import System
@@ -62,7 +66,8 @@ def columns_of(loads: list[Load], placed: list[int], pairs: list[Pair]) -> Colum
 def densities_of(case: Case) -> tuple[float, float]:
     """Density of the mud in and around the string [kg/m3], 0 where there is none."""
     density = 0.0 if case.fluid is None else case.fluid.density
-    return (density if case.has_bore else 0.0, density if case.has_annulus else 0.0)
+    filled = case.has_bore or mud_level(case) is not None
+    return (density if filled else 0.0, density if case.has_annulus else 0.0)
 
 
 def soft_rows(
@@ -75,8 +80,8 @@ def soft_rows(
         [loads[o] for o, _, _ in keys], [d for _, _, d in keys], [pairs[p] for _, p, _ in keys]
     )
     hole = Hole(well, strings)
-    mud = still_mud(hole, len(keys), densities_of(case), gravity_of(case, "roadmap"))
-    found = [flows.get((d, loads[o].flow)) for o, _, d in keys]
+    mud = still_mud(hole, len(keys), densities_of(case), gravity_of(case, "roadmap"), mud_level(case))
+    found = [flows.get((o, d)) for o, _, d in keys]
     if flows:
         columns, mud = _with_flow(hole, columns, mud, found)
     block = (case.rig.block_weight if case.rig is not None else None) or 0.0
@@ -100,18 +105,24 @@ def _rows_asked(
 
 def circulations(
     case: Case, strings: list[StringRows], loads: dict[str, Load]
-) -> dict[tuple[int, float], Circulation | SolveError]:
-    """Forces of the mud by string and flow rate [m3/s]; the error where there is no steady flow."""
-    out: dict[tuple[int, float], Circulation | SolveError] = {}
+) -> dict[tuple[str, int], Circulation | SolveError]:
+    """Forces of the mud by operation and string; the error where there is no steady flow."""
+    found: dict[tuple[int, float, float], Circulation | SolveError] = {}
+    out: dict[tuple[str, int], Circulation | SolveError] = {}
     for operation, load in loads.items():
+        speed = running_speed(case, operation, load.axial_velocity)
         for d, rows in enumerate(strings):
-            if load.flow and (d, load.flow) not in out and not rows.misfit:
+            if rows.misfit or not (load.flow or speed):
+                continue
+            key = d, load.flow, speed
+            if key not in found:
                 try:
                     given = getattr(getattr(plan_of(case), operation, None), "flow_rate", None)
                     at = "fluid.flow_rate" if given is None else f"roadmap.{operation}.flow_rate"
-                    out[d, load.flow] = circulation(case, rows.depth, load.flow, at)
+                    found[key] = circulation(case, rows.depth, load.flow, at, speed)
                 except SolveError as error:
-                    out[d, load.flow] = error
+                    found[key] = error
+            out[operation, d] = found[key]
     return out
 
 
@@ -145,7 +156,7 @@ def stiff_rows(
     flows = circulations(case, strings, loads)
     block = (case.rig.block_weight if case.rig is not None else None) or 0.0
     jobs = [
-        stiff.Job(strings[d], pairs[p], loads[o], block, densities_of(case), flows.get((d, loads[o].flow)))
+        stiff.Job(strings[d], pairs[p], loads[o], block, densities_of(case), flows.get((o, d)))
         for o, p, d in keys
     ]
     found = stiff.solve_jobs(case, well, jobs, comm)
@@ -212,14 +223,28 @@ def run_roadmap(
     if block is not None:
         for row in rows:
             row["hook_load_total"] = row["hook_load"] + block
-    points = plan.measured if measured is None else measured
+    excludes = plan.hookload_excludes_block
+    read = (plan.measured if measured is None else measured) or ()
+    points = corrected_points(case, read, excludes)
+    sensor = sensor_of(case)
+    if sensor != Sensor():
+        for row in rows:
+            total = row.get("hook_load_total", row["hook_load"])
+            row["hook_load_reading"] = total / sensor.factor(DIRECTION[row["operation"]])
     system: System = case.shown_units
     lines_of_torque = torque_lines(case, strings, rows)
     warnings = _warnings(case, rows, lines_of_torque, system)
-    excludes = plan.hookload_excludes_block
-    found = beside_curves(rows, points or (), 0.0 if excludes else (block or 0.0))
+    found = beside_curves(rows, points, 0.0 if excludes else (block or 0.0))
     end = None if case.well is None else float(case.well.survey.md[-1])
-    warnings += measured_warnings(found, points or (), end, block, excludes, system)
+    warnings += measured_warnings(found, points, end, block, excludes, system)
+    table = None
+    if points:
+        try:
+            with options_of(case):
+                table = beside_points(case, read, points, pairs, excludes)
+        except (CaseError, SolveError) as error:  # the curves stand without it
+            reason = " ".join(str(error).split())
+            warnings.append(f"{MEASURED_TABLE} is left out, the points cannot be computed: {reason}")
     folder = job.make_folder()
     summary = {
         "title": case.title,
@@ -231,9 +256,21 @@ def run_roadmap(
         "warnings": warnings,
         "notes": notes,
     }
+    if table is not None:
+        summary["measured"] = table.summary
     if comm.rank == 0:
-        case.dump(folder.case)
-        absent = {"hook_load_total": block is None, "ff_groups": not pairs[0].groups}
+        write_case(case, folder)
+        if table is not None:
+            write_table(
+                folder.path / MEASURED_TABLE,
+                [q.column for q in BESIDE],
+                [[row[q.name] for row in table.rows] for q in BESIDE],
+            )
+        absent = {
+            "hook_load_total": block is None,
+            "hook_load_reading": sensor == Sensor(),
+            "ff_groups": not pairs[0].groups,
+        }
         quantities = [q for q in ROADMAP if not absent.get(q.name, False)]
         write_table(
             folder.path / ROADMAP_TABLE,
@@ -250,6 +287,7 @@ def run_roadmap(
     lines += [f"  {told(case, plan, word, system)}" for word in plan.operations]
     lines += _lines(rows, pairs, plan.operations, strings[-1].depth, system, block is not None)
     lines += measured_lines(found, system)
+    lines += table.lines(system) if table is not None else []
     if stiff:
         lines += _compared(stiff, len(rows))
     lines += [f"  WARNING: {w}" for w in warnings] + [f"  note: {lengths_shown(n, system)}" for n in notes]
@@ -261,7 +299,7 @@ def _inputs(
     well: Well,
     strings: list[StringRows],
     pairs: list[Pair],
-    points: tuple[MeasuredPoint, ...] | None,
+    points: tuple[MeasuredPoint, ...],
     block: float | None,
 ) -> dict[str, Any]:
     """Contents of roadmap.json: everything that the rows come from, and what pictures draw beside them."""
@@ -283,8 +321,7 @@ def _inputs(
         "max_surface_torque [N m]": None if rig is None else rig.max_surface_torque,
         "lines [m, N]": lines_of(case, well, strings),
         "measured": [
-            {key: value for key, value in point.model_dump().items() if value is not None}
-            for point in points or ()
+            {key: value for key, value in point.model_dump().items() if value is not None} for point in points
         ],
         "hookload_excludes_block": plan.hookload_excludes_block,
         "hole_grows": plan.hole_grows,

@@ -18,7 +18,13 @@ from drillpetsc.analysis.loads.limits.side_force import largest_on_joint
 from drillpetsc.analysis.loads.limits.table import Choices, Strength, element_values
 from drillpetsc.analysis.loads.torque_drag.circulation import Circulation
 from drillpetsc.analysis.loads.torque_drag.operations import Load, Pair
-from drillpetsc.analysis.loads.torque_drag.string_rows import JOINT, SHORTEST, StringRows, gravity_of
+from drillpetsc.analysis.loads.torque_drag.string_rows import (
+    JOINT,
+    SHORTEST,
+    StringRows,
+    gravity_of,
+    mud_level,
+)
 from drillpetsc.analysis.loads.torque_drag.table import OK, STATES, failed, neutral_point, said_of
 from drillpetsc.analysis.statics.find_equilibrium import find_equilibrium
 from drillpetsc.arrays import FloatArray
@@ -59,6 +65,8 @@ def need_beam(case: Case) -> None:
         raise CaseError(
             at="--model", got="stiff", want="beam: {formulation: ancf}, whose static equilibrium is sought"
         )
+    if mud_level(case) is not None:
+        raise CaseError(at="--model", got="stiff", want="--model soft with fluid.level_in_string")
     if case.contact is None:
         raise CaseError(
             at="--model", got="stiff", want="a case with contact: without it the wall drags nothing"
@@ -160,8 +168,6 @@ def stiff_row(case: Case, well: Well, job: Job) -> dict[str, Any]:
     if not state.stable and state.path is None:
         pivots = state.equilibrium.negative_pivots
         return row | failed(f"the state is not stable ({pivots} negative pivots)")
-    if state.path is not None and state.path.kind == "without_friction":
-        return row | failed("the string is buckled, and no state with friction was found")
     row |= _values(model, job)
     if state.path is not None:
         row["status"] = "; ".join([*([row["status"]] if row["status"] != OK else []), BY_PATH])

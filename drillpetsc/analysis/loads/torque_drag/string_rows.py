@@ -6,9 +6,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from drillpetsc.analysis.hydraulics.flow_model import string_at
+from drillpetsc.analysis.hydraulics.flow_model import SHORTEST_PIECE, string_at, with_length
 from drillpetsc.arrays import FloatArray
-from drillpetsc.case.blocks.items.string import Beam, Flexible, Item, Rigid, Stabilizer, Tube
+from drillpetsc.case.blocks.items.string import Beam, Flexible, Item, Rigid, Stabilizer, Tool, Tube
 from drillpetsc.case.blocks.items.tubulars import Jointed, Tubular
 from drillpetsc.case.case import Case
 from drillpetsc.case.checks.fit import misfit
@@ -107,19 +107,23 @@ def rows_at(case: Case, depth: float, at: str = "roadmap.bit_depth") -> StringRo
     """
     try:
         items = string_at(case, depth).items
+        level = mud_level(case)
+        if level:
+            items = _cut(items, level)
     except CaseError as error:
         error.at = at
         raise
     g, fluid = gravity_of(case, "the soft string"), case.fluid
     density = 0.0 if fluid is None else fluid.density
-    inside = density if case.has_bore else 0.0
+    inside = density if case.has_bore or level is not None else 0.0
     outside = density if case.has_annulus else 0.0
     rows: list[dict[str, float]] = []
     edges, pending, air = [0.0], 0.0, 0.0
     for item in items:
         middle = edges[-1] + 0.5 * item.length
         mass, metal, bore, row = _of(case, item, middle)
-        total = g * (mass + inside * bore - outside * (metal + bore))
+        empty = level is not None and middle < level
+        total = g * (mass + (0.0 if empty else inside * bore) - outside * (metal + bore))
         air += g * mass
         if item.length < SHORTEST:
             pending += total
@@ -132,6 +136,25 @@ def rows_at(case: Case, depth: float, at: str = "roadmap.bit_depth") -> StringRo
     return StringRows(
         edges=np.array(edges), **columns, end_weight=pending, air_weight=air, misfit=_misfit(case, items)
     )
+
+
+def mud_level(case: Case) -> float | None:
+    """Measured depth of the mud's surface in the string [m]; None if the string is full, or empty."""
+    return None if case.fluid is None else case.fluid.level_in_string
+
+
+def _cut(items: tuple[Item, ...], level: float) -> tuple[Item, ...]:
+    """The items with the one at a measured depth [m] in two pieces; a rigid item stays whole, filled by its middle."""
+    out: list[Item] = []
+    above = 0.0
+    for item in items:
+        upper = level - above
+        if isinstance(item, Flexible) and SHORTEST_PIECE < upper < item.length - SHORTEST_PIECE:
+            out += [with_length(item, upper), with_length(item, item.length - upper, upper)]
+        else:
+            out.append(item)
+        above += item.length
+    return tuple(out)
 
 
 def _misfit(case: Case, items: tuple[Item, ...]) -> str:
@@ -197,6 +220,8 @@ def _of(case: Case, item: Item, middle: float) -> tuple[float, float, float, dic
         metal = area if item.annulus_od is None and item.bore_volume is None else item.outer_section - bore
         row |= {"axial_stiffness": m.young * area, "bending_stiffness": m.young * moment}
         row["torsional_stiffness"] = m.young / (1 + m.poisson) * moment
+        if isinstance(item, Tool):
+            row |= item.given_stiffness
     else:
         assert isinstance(item, Beam)
         per_length, bore = item.mass, np.pi / 4 * inner**2

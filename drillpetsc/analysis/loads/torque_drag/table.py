@@ -139,10 +139,17 @@ class Pressures:
     momentum: FloatArray
 
 
-def still_mud(hole: Hole, count: int, densities: tuple[float, float], gravity: float) -> Pressures:
-    """Pressures of still mud inside and outside ``count`` strings; densities: of both [kg/m3]."""
+def still_mud(
+    hole: Hole, count: int, densities: tuple[float, float], gravity: float, level: float | None = None
+) -> Pressures:
+    """Pressures of still mud inside and outside ``count`` strings.
+
+    densities: of both [kg/m3]; level: measured depth of the mud's surface in the strings [m], None: at the rig.
+    """
     depth = np.maximum(np.asarray(hole.well.at(hole.edges)[0])[:, 2], 0.0)
-    inside, outside = (np.tile((density * gravity * depth)[:, None], (1, count)) for density in densities)
+    surface = 0.0 if not level else float(np.asarray(hole.well.at(np.array([level]))[0])[0, 2])
+    columns = (densities[0] * np.maximum(depth - surface, 0.0), densities[1] * depth)
+    inside, outside = (np.tile((gravity * column)[:, None], (1, count)) for column in columns)
     return Pressures(inside, outside, np.zeros_like(inside))
 
 

@@ -1,18 +1,18 @@
 """Static states of buckled strings with friction: the end of a path on which the string is loaded and slides.
 
-Manual: sec-statics-path.  With friction a buckled string has many states; which one it is depends on its history.
+Manual: sec-statics-path.  With friction a buckled string has many states; which one it is depends on its history.  Helices that creep
+along the wall while they slide need ``follow_on``: pipe lowered with 100 kN on its bit, `jar-stuck.yaml` lowered, coiled strings hoisted.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager, nullcontext
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 
 from drillpetsc.analysis.statics.imperfection import nodal_weight
-from drillpetsc.analysis.statics.path.path_answer import OVERLOAD, STEADY, AnyPath, PathAnswer, PathEnd
+from drillpetsc.analysis.statics.path.path_answer import OVERLOAD, STEADY, PathAnswer, PathEnd, PathKind
 from drillpetsc.analysis.statics.path.path_question import may_slack_off
 from drillpetsc.analysis.statics.placement import end_is_held, place_along_hole, top_depth
 from drillpetsc.analysis.statics.snapshot import Snapshot
@@ -23,12 +23,13 @@ from drillpetsc.analysis.statics.steady_flow import fluid_unknowns, freeze_flow,
 from drillpetsc.arrays import FloatArray
 from drillpetsc.case.blocks.ends import ForcedBottom
 from drillpetsc.errors import SolveError
+from drillpetsc.fem.discrete_system import DiscreteSystem
 from drillpetsc.model.drilling_model import DrillingModel
 from drillpetsc.physics.interfaces import Drive
 from drillpetsc.physics.tools.mud_motor import MudMotor
 from drillpetsc.solvers.static.lateral_loads import lateral_loads
-from drillpetsc.solvers.static.overdamped import SPIN_ARM, Drag, OverdampedMotion
-from drillpetsc.solvers.static.static_newton import Advance, Equilibrium, StaticNewton, sum_of
+from drillpetsc.solvers.static.search_limit import SearchEnded
+from drillpetsc.solvers.static.static_newton import AXIAL_SHARE, Drag, Equilibrium, StaticNewton, sum_of
 from drillpetsc.unit_systems import shown
 
 SEED = 1e-3  # random side loads, as a share of the weight
@@ -43,24 +44,17 @@ RAMP_STEPS = 50  # least steps in which a top force rises on a bit that stands
 #: from a state near its own, where no buckle has to grow: distances that the string slides on, the second one where it has
 #: not settled; longest and first step [m, s]
 SLIDES_ON, LONGEST_STEP_ON, FIRST_STEP_ON = (2.0, 8.0), 1.0, 2e-2
-SLIP_SHARE = 5e-3  # rounding velocity over that of the top, where the push is given
+SLIP_SHARE = 5e-3  # rounding velocity over the top's velocity, if the push is given
 RUN_IN = 5.0  # distance that the string is run in before it is slacked off [m]
 LIFT = 0.2  # height of the bit over the bottom from which the string is slacked off [m]
 LOWERING = 0.2  # speed at which the top is lowered onto the bit that stands [m/s]
 MOST_LOWERING = 3.0  # largest way of the top in the hole, over the shortening of a straight string
 WEIGHT_TOLERANCE = 1e-3  # of the weight on bit, over the weight, where the lowering ends
-REST, LONGEST_REST = (
-    100.0,
-    10.0,
-)  # time in which a string without friction comes to rest, and its longest step [s]
 FIRST_STEP, SHORTEST_STEP = 1e-3, 1e-9  # [s]
 MOST_STEPS, MOST_STEPS_ON = 4000, 100
-#: near an equilibrium a step that failed limits those after it to this share, which is lifted by a factor after some steps: each failure
-#: costs as much as ten steps
-SHARE_OF_FAILED, STEPS_TO_LIFT, LIFT_OF_STEP = 0.5, 6, 1.5
+STEP_INCREMENT, STEP_ITERATIONS = 1e-6, 25  # of Newton's method in a step
+SPIN_ARM = 0.1  # usual lever of the drag on the spin [m]
 FLOW_STEPS = 10  # steps after which the steady flow is solved again
-FARTHEST_SLIDE = 5e-3  # of the string at the end of a path to where its bit carries its weight [m]
-FREE_BIT = 1e-3  # weight on the spring in place of a bit that carries a given force [N]
 LEAST_WEIGHT = 1.0  # on the bit before it is loaded [N]
 
 
@@ -69,7 +63,7 @@ class Settings:
     """Artificial constants of a path.
 
     ramp: time in which the load rises [s]; slip: velocity that rounds off Coulomb's law [m/s].
-    drag: across the hole [N s/m2]; along: its share along the hole [-]; arm: its lever on the spin [m].
+    drag: across the string [N s/m2]; along: its share along the string [-]; arm: its lever on the spin [m].
     """
 
     ramp: float
@@ -85,7 +79,6 @@ SETTINGS = {
     # the torque of kilometres of turning string settles within the slide
     "turning": Settings(ramp=1.0, slip=0.01 * SPEED, drag=1000.0, along=0.03, arm=0.1 * SPIN_ARM),
     "slack_off": Settings(ramp=4.0, slip=1e-3, drag=75.0, along=1e-3),
-    "without_friction": Settings(ramp=1.0, slip=1.0, drag=1000.0, along=0.03),
 }
 
 
@@ -93,20 +86,17 @@ class FrictionPath:
     """Paths of one model.
 
     kind: the question.
-    solver: its static solver, with the weight on bit as its constraint where one is given.
+    solver: its static solver, with the weight on bit as its constraint if one is given.
     velocity: of the steady motion that friction opposes: along the hole [m/s, down positive] and spin [rad/s].
-    clearance: (n_nodes,) [m]; advance: as for ``OverdampedMotion``.
     surge: (n+1,) rates of the steady motion that the mud sees [SI of each field per second]; None: at rest.
     """
 
     def __init__(
         self,
         model: DrillingModel,
-        kind: AnyPath,
+        kind: PathKind,
         solver: StaticNewton,
         velocity: tuple[float, float],
-        clearance: FloatArray,
-        advance: Advance,
         surge: FloatArray | None = None,
     ):
         assert model.well is not None
@@ -115,29 +105,22 @@ class FrictionPath:
         self.settings, self._surge = SETTINGS["turning" if self.turns else kind], surge
         self._slip = self.settings.slip
         self.components = model.components
-        tangent = np.asarray(model.well.at(model.mesh.node_depth + top_depth(model))[1])
-        self._motions = {
-            q: OverdampedMotion(model.system, Drag(q.drag, q.along, tangent, q.arm), clearance, advance)
-            for q in {self.settings, SETTINGS["sliding"]}
-        }
-        for motion in self._motions.values():
-            motion.limit = solver.limit
-        self.motion = self._motions[self.settings]
-        self._tangent = tangent
+        self._tangent = np.asarray(model.well.at(model.mesh.node_depth + top_depth(model))[1])
+        self._wob = model.case.initial.wob if solver.depth is not None else None
+        self.report, self._share = Equilibrium(), 0.0  # of the load that acts
         if kind == "slack_off" and model.case.top.force is not None:
             mesh, force = model.mesh, abs(model.case.top.force.value(0.0))
             pipe = ~mesh.is_joint
             speed = force * float(np.sum(mesh.length[pipe] / mesh.axial_stiffness[pipe])) / self.settings.ramp
             self._slip = min(self.settings.slip, SLIP_SHARE * speed)
-        self._wob = model.case.initial.wob if solver.depth is not None else None
         self.seeds = lateral_loads(model.system, SEED * nodal_weight(model), spacing=SEED_SPACING)
-        self._push, self._rock = self._end_load(), self._bit_torque()
+        self._push = self._end_load()
         #: push that changes of the force are compared with [N]: the given one, or the largest of the straight string
         self._scale = (
             abs(model.case.top.force.value(0.0)) if model.case.top.force is not None else self._wob or 0.0
         )
         self._anchor = None if model.top is None else model.top.anchor.copy()
-        self.steps, self.most_steps, self._depth_shift = 0, MOST_STEPS, 0.0
+        self.steps, self.most_steps = 0, MOST_STEPS
         self._longest_done = 0.0  # of the steps so far [s]
         #: (n,) push at the lower end of a string that nothing pushes there, of the largest push of the straight one [N]
         self._obstacle = np.zeros(model.system.layout.size)
@@ -152,13 +135,11 @@ class FrictionPath:
             out[self._of_node("string.position", model.mesh.nodes - 1)] += np.array(bottom.force)
         return out
 
-    def _bit_torque(self) -> FloatArray:
-        """Torque (n,) of the rock on a bit that turns under a given weight, by the local unknowns [N m]."""
-        bit, spin, out = self.model.bit, self.velocity[1], np.zeros(self.model.system.layout.size)
-        if self.turns and bit is not None and self._wob is not None:
-            torque = bit.torque_for(self._wob, spin) - bit.torque_for(FREE_BIT, spin)
-            out[self._of_node("string.spin", self.model.mesh.nodes - 1)] = -np.sign(spin) * torque
-        return out
+    def _depth(self, system: DiscreteSystem) -> tuple[float, FloatArray, float]:
+        """Depth of the bit, its gradient, and the depth of the share of its weight that acts (see ``StaticNewton``)."""
+        bit = self.model.bit
+        assert bit is not None and self._wob is not None
+        return *bit.depth_of_face(system.assembly), bit.depth_for(self._share * self._wob)
 
     def _of_node(self, field: str, node: int) -> np.ndarray:
         """Local unknowns (k,) or (1, k) of a node that this rank owns, else none."""
@@ -167,37 +148,29 @@ class FrictionPath:
         return np.asarray(self.model.system.layout.dofs[field][here])
 
     def _set_load(self, share: float) -> None:
-        """Let ``share`` of the ends' forces, and of the weight on a bit that does not stand, act."""
-        asm = self.model.system.assembly
-        asm.dead_load = self.seeds + (share - 1.0) * self._push + max(0.0, share - 1.0) * self._obstacle
-        if self._wob is not None and self.kind != "slack_off":
-            assert self.model.bit is not None
-            _, gradient = self.model.bit.depth_of_face(asm)
-            asm.dead_load += share * (self._rock - self._wob * gradient)
+        """Let ``share`` of the ends' forces, and of the weight on the bit, act."""
+        self._share = share
+        self.model.system.assembly.dead_load = (
+            self.seeds + (share - 1.0) * self._push + max(0.0, share - 1.0) * self._obstacle
+        )
 
     def _friction(self, speed: float) -> None:
         for component in self.components:
-            if self.kind == "without_friction":
-                component.impose_sliding_direction(0.0, 0.0)
-            elif (
-                self.turns
-            ):  # across the hole only the drag acts: the side force would roll the string for ever
-                component.impose_sliding_direction(
-                    abs(self.velocity[0]) * speed / SPEED, self.velocity[1], 0.0
-                )
+            if self.turns:
+                # across the hole only the drag acts: the side force would roll the string for ever
+                axial = abs(self.velocity[0]) * speed / SPEED
+                component.impose_sliding_direction(axial, self.velocity[1], 0.0)
             elif not self.model.parts(MudMotor) or component is not self.model.bit:
                 component.follow_overdamped_motion(speed, self._slip)
 
     # ------------------------------------------------------------------ path
     def follow(self, start: str) -> PathEnd:
-        """Load the string, let it slide where that is the question, and close on the state it reaches; collective.
+        """Load the string, let it slide if that is the question, and close on the state it reaches; collective.
 
         start: ``straight``, the load rises to its value, or ``overload``, it comes back from ``OVERLOAD`` of it.
-        Raises SolveError where a step collapses.
+        Raises SolveError if a step collapses.
         """
-        model, self.steps = self.model, 0
-        for motion in self._motions.values():
-            motion.iterations = 0
+        model, self.steps, self.report = self.model, 0, Equilibrium()
         if model.top is not None:
             model.top.anchor[:] = self._anchor
         place_along_hole(model, top_depth(model))
@@ -214,24 +187,20 @@ class FrictionPath:
         self._lay_down(straight)
 
         def move() -> tuple[float, float]:
-            slid, change = 0.0, 0.0
-            if self.kind == "without_friction":
-                self._come_to_rest()
-            elif self.kind == "sliding":
-                slid, change = self._slide(OVERLOAD if start == "overload" else 1.0)
-            else:
-                self._slack_off()
-            return slid, change
+            if self.kind == "sliding":
+                return self._slide(OVERLOAD if start == "overload" else 1.0)
+            self._slack_off()
+            return 0.0, 0.0
 
         return self._moved(start, move)
 
     def follow_on(self, largest_push: float) -> PathEnd:
         """Let the string slide on from its present state, near an equilibrium under its whole load; collective.
 
-        The side loads that act now stay, or small ones are added where none act.  The string slides further where it has
+        The side loads that act now stay, or small ones are added if none act.  The string slides further if it has
         not settled, or friction alone holds it.
         largest_push: along the string [N], with which changes of the force are compared.
-        Raises SolveError where a step collapses.
+        Raises SolveError if a step collapses.
         """
         asm = self.model.system.assembly
         if asm.dead_load is not None:
@@ -243,9 +212,7 @@ class FrictionPath:
         def move() -> tuple[float, float]:
             self._friction(self.sign * SPEED)
             first = FIRST_STEP_ON if not slid else min(LONGEST_STEP_ON / SPEED, 2 * self._longest_done)
-            log = self._advance(
-                way / SPEED, lambda t: 1.0, LONGEST_STEP_ON / SPEED, bit_to_bottom=True, first=first
-            )
+            log = self._advance(way / SPEED, lambda t: 1.0, LONGEST_STEP_ON / SPEED, first=first)
             t, force, _ = np.array(log).T
             return slid + way, abs(float(force[-1] - np.interp(0.5 * t[-1], t, force))) / self._scale
 
@@ -257,7 +224,7 @@ class FrictionPath:
             except SolveError:
                 if end is None or not end.steady:
                     raise
-                before.restore()  # that end is an answer: friction alone holds it
+                before.restore()  # that end is a result: friction alone holds it
                 asm.dead_load, asm.y[:] = load, y
                 self._friction_at_end()
                 self.solver.rows()
@@ -273,18 +240,20 @@ class FrictionPath:
 
         move() returns the distance that the string slid [m] and the change of what it transmits.
         """
-        model = self.model
-        asm = model.system.assembly
+        model, solver = self.model, self.solver
+        asm, depth = model.system.assembly, solver.depth
+        # the top moves so that the bit carries its weight; in a slack-off it is lowered until the bit does
+        solver.depth = self._depth if self._wob is not None and self.kind != "slack_off" else None
         if model.fluid is not None:
             asm.hold_rates(fluid_unknowns(model.system), self._surge)
         try:
-            with self._free_bit() if self.kind != "slack_off" else nullcontext():
-                slid, change = move()
-                if model.fluid is not None:
-                    self._renew_flow()
-                held = self._held()
+            slid, change = move()
+            if model.fluid is not None:
+                self._renew_flow()
+            held = self._held()
         finally:
             asm.hold_rates(None)
+            solver.depth = depth
         negative = self._close(held)
         hook, wob = self._end_forces()
         return PathEnd(
@@ -296,7 +265,7 @@ class FrictionPath:
             change,
             slid,
             self.steps,
-            sum(q.iterations for q in self._motions.values()),
+            self.report.iterations,
         )
 
     def _lay_down(self, found: March) -> None:
@@ -327,20 +296,6 @@ class FrictionPath:
         if not model.mesh.is_joint.any():
             system.set_field("string.tangent", tangent + np.gradient(offset, depth, axis=0))
 
-    @contextmanager
-    def _free_bit(self) -> Iterator[None]:
-        """Meanwhile a bit with a given weight stands on nothing: the weight is a dead load."""
-        bit, asm = self.model.bit, self.model.system.assembly
-        if self._wob is None or bit is None:
-            yield
-            return
-        outside = bit.depth_of_face(asm)[0]
-        with bit.preloaded(FREE_BIT, 1.0):
-            self._depth_shift = (
-                bit.depth_of_face(asm)[0] - outside
-            )  # of a bit whose hole the spring displaces
-            yield
-
     def _ramp(self, low: float, high: float) -> None:
         """Change the load from ``low`` to ``high``, shares of its value, and hold it."""
         ramp = self.settings.ramp
@@ -360,7 +315,7 @@ class FrictionPath:
             self._ramp(peak, 1.0)
         slid, change, log = 0.0, np.inf, []
         while slid < LONGEST_SLIDE - 1e-9 and change > STEADY:
-            part = self._advance(SLIDE / SPEED, lambda t: 1.0, LONGEST_STEP / SPEED, bit_to_bottom=True)
+            part = self._advance(SLIDE / SPEED, lambda t: 1.0, LONGEST_STEP / SPEED)
             log += [(slid + SPEED * t, force, torque) for t, force, torque in part]
             slid += SLIDE
             change = self._change(log)
@@ -384,13 +339,6 @@ class FrictionPath:
             self._friction(speed)
             self._advance(SETTLE, lambda t: 0.0, SETTLE / 10)
 
-    def _come_to_rest(self) -> None:
-        """Raise the load, and let the string without friction come to rest."""
-        self._friction(0.0)
-        self._advance(SETTLE, lambda t: 0.0, SETTLE / 10)
-        self._ramp(0.0, 1.0)
-        self._advance(REST, lambda t: 1.0, LONGEST_REST, bit_to_bottom=True)
-
     def _slack_off(self) -> None:
         """Lower the top onto the bit that stands, or raise the top's force."""
         if self._wob is None:
@@ -404,19 +352,18 @@ class FrictionPath:
 
     def _run_in(self) -> None:
         """Let the string slide with its bit above the bottom."""
-        model, system, own = self.model, self.model.system, (self.settings, self.motion, self._slip)
+        model, system, own = self.model, self.model.system, (self.settings, self._slip)
         assert model.top is not None
         dofs = system.layout.dofs["string.position"]
         system.assembly.x[dofs] -= LIFT * self._tangent[system.chain.vertices]
         model.top.shift(-LIFT)
-        self.settings = SETTINGS["sliding"]
-        self.motion, self._slip = self._motions[self.settings], self.settings.slip
+        self.settings, self._slip = SETTINGS["sliding"], SETTINGS["sliding"].slip
         self._settle(SPEED)
         self._advance(RUN_IN / SPEED, lambda t: 0.0, LONGEST_STEP / SPEED)
-        self.settings, self.motion, self._slip = own
+        self.settings, self._slip = own
 
     def _lower(self, target: float) -> None:
-        """Lower the top until the bit carries ``target`` [N]; raises SolveError where it does not."""
+        """Lower the top until the bit carries ``target`` [N]; raises SolveError if it does not."""
         mesh = self.model.mesh
         pipe = ~mesh.is_joint
         straight = target * float(np.sum(mesh.length[pipe] / mesh.axial_stiffness[pipe]))
@@ -438,21 +385,18 @@ class FrictionPath:
         longest: float,
         speed: float = 0.0,
         target: float | None = None,
-        bit_to_bottom: bool = False,
         past: Callable[[float], float] | None = None,
         first: float = FIRST_STEP,
     ) -> list[tuple[float, float, float]]:
         """Advance by ``duration`` [s] under ``load(t)`` with steps of ``longest`` [s] at most.
 
         speed: of the top [m/s, down]; target: weight on bit [N] at which the advance ends.
-        bit_to_bottom: the top moves so that the free bit comes to where it carries its weight.
         past(t): speed of the string past the hole [m/s]; None: it does not change.  first: length of the first step [s].
-        Returns (time, transmitted force, surface torque) after each step.  Raises SolveError where the steps collapse.
+        Returns (time, transmitted force, surface torque) after each step.  Raises SolveError if the steps collapse.
         """
         model, system = self.model, self.model.system
         asm, n, top = system.assembly, system.layout.size, model.top
         t, dt, last, last_dt, log = 0.0, first, None, 1.0, [(0.0, *self._transmitted())]
-        most, since = np.inf, 0  # step that a failed one allows, and steps since
         if speed:  # friction is that of a string that moves with its top
             last = np.zeros(n)
             last[system.layout.dofs["string.position"]] = speed * self._tangent[system.chain.vertices]
@@ -460,8 +404,6 @@ class FrictionPath:
             d = min(dt, longest, duration - t)
             d = duration - t if d > 0.9 * (duration - t) else d
             before, moved = Snapshot(model), speed * d
-            if bit_to_bottom and self._wob is not None:
-                moved = self._miss() * min(1.0, d)
             self._set_load(load(t + d))
             if past is not None:
                 self._friction(past(t + d))
@@ -472,7 +414,7 @@ class FrictionPath:
                 before.restore()
                 if moved and top is not None:
                     top.shift(moved)
-                iterations = self.motion.step(d, guessed)
+                iterations = self._step(d, guessed)
                 if iterations is not None:
                     break
             wob = self._end_forces()[1] if target and iterations is not None else 0.0
@@ -480,8 +422,6 @@ class FrictionPath:
             if iterations is None or beyond:
                 before.restore()
                 dt, last = d / (2 if beyond else 4), (last if beyond else None)
-                if on:
-                    most, since = SHARE_OF_FAILED * d, 0
                 if dt < SHORTEST_STEP:
                     raise SolveError(
                         "the path of the buckled string ends: its steps collapse",
@@ -499,12 +439,28 @@ class FrictionPath:
             if self.steps > self.most_steps:
                 raise SolveError(f"the path of the buckled string did not end in {self.most_steps} steps")
             factor = 2.0 if iterations <= 6 else 1.5 if iterations <= 10 else 1.0 if iterations <= 18 else 0.7
-            since += 1
-            if since >= STEPS_TO_LIFT:
-                most, since = LIFT_OF_STEP * most, 0
             if d >= 0.5 * min(dt, longest):
-                dt = min(d * factor, longest, most)
+                dt = min(d * factor, longest)
         return log
+
+    def _step(self, dt: float, guess: FloatArray | None) -> int | None:
+        """Take a step of implicit Euler of ``dt`` [s]; returns its iterations, None if it does not converge; x is then anywhere.
+
+        guess: (n,) first guess of the motion.
+        """
+        settings, solver, before = self.settings, self.solver, self.report.iterations
+        # drag along the string would keep the motion of the top from the bit, which it has to bring to its weight
+        along = settings.along if solver.depth is None else AXIAL_SHARE
+        try:
+            with solver.drag(Drag(settings.drag / dt, along, settings.arm, 1.0 / dt)):
+                if guess is not None:
+                    solver.move(guess)
+                solver.newton(self.report, STEP_INCREMENT, STEP_ITERATIONS)
+        except SearchEnded:
+            raise
+        except SolveError:
+            return None
+        return self.report.iterations - before
 
     def _renew_flow(self) -> None:
         """Solve for the steady flow about the present string, and freeze it."""
@@ -517,13 +473,6 @@ class FrictionPath:
         system.assembly.freeze(fluid)
         system.assembly.hold_rates(fluid, self._surge)
         rates[:] = before
-
-    def _miss(self) -> float:
-        """Distance [m] from the bit's face to the depth at which it carries its weight."""
-        bit = self.model.bit
-        assert bit is not None and self._wob is not None
-        depth = bit.depth_of_face(self.model.system.assembly)[0] - self._depth_shift
-        return bit.depth_for(self._wob) - sum_of(self.model.system, depth)
 
     def _transmitted(self) -> tuple[float, float]:
         """What depends on the path: the weight on bit under a given top force, else the hook load [N]; and the torque
@@ -577,44 +526,16 @@ class FrictionPath:
     def _close(self, held: FloatArray) -> int:
         """Make the state an equilibrium with ``held`` as the assembly's dead load; returns its negative pivots.
 
-        It is one already, where the bit carries its weight; Newton's method would leave a state that friction alone
-        holds.
+        It is one already; Newton's method would leave a state that friction alone holds.
         """
         asm, solver = self.model.system.assembly, self.solver
         asm.dead_load = self.seeds + held
-        self._friction_at_end()  # the bit has lost it with its spring
-        if self._wob is not None:
-            solver.rows()
-            if self._misses_weight(self._wob):
-                self._slide_to_depth(self._wob)
-            if self._misses_weight(self._wob):
-                solver.newton(Equilibrium())
         for component in self.components:  # stability is counted with friction as a dead load
             component.impose_sliding_direction(0.0, 0.0)
         negative = solver.negative_pivots()
         self._friction_at_end()
         solver.rows()
         return negative
-
-    def _misses_weight(self, wob: float) -> bool:
-        return abs(self._end_forces()[1] - wob) > WEIGHT_TOLERANCE * wob
-
-    def _slide_to_depth(self, wob: float) -> None:
-        """Move the whole string, whose buckles still travel, along the hole to where its bit carries its weight.
-
-        Its shape and its place on the wall stay, but in a hole that changes within millimetres; what is missing joins
-        the dead load.  A state that is further away is left as it is.
-        """
-        model, asm, bit, top = self.model, self.model.system.assembly, self.model.bit, self.model.top
-        assert bit is not None and top is not None
-        miss = bit.depth_for(wob) - sum_of(model.system, bit.depth_of_face(asm)[0])
-        if abs(miss) > FARTHEST_SLIDE or asm.dead_load is None:
-            return
-        dofs = model.system.layout.dofs["string.position"]
-        asm.x[dofs] += miss * self._tangent[model.system.chain.vertices]
-        top.shift(miss)
-        asm.dead_load = asm.dead_load + self._missing_forces()
-        self.solver.rows()
 
     def _friction_at_end(self) -> None:
         """Friction of the state that a path ends in: of a string that turns against the imposed motion, else a dead load."""
@@ -625,7 +546,7 @@ class FrictionPath:
 def follow_paths(path: FrictionPath, starts: tuple[str, ...]) -> PathAnswer:
     """Follow a path from each of ``starts``; the system is left in the state of the first; collective.
 
-    Raises SolveError where the first has no end.
+    Raises SolveError if the first has no end.
     """
     ends, failed = [], []
     for start in starts[:0:-1]:  # the first one last, so that its state stays

@@ -1,4 +1,4 @@
-"""What the paths of a buckled string with friction answer, in numbers and in sentences (manual: sec-statics-path)."""
+"""Results of the paths of a buckled string with friction, in numbers and in sentences (manual: sec-statics-path)."""
 
 from __future__ import annotations
 
@@ -9,8 +9,6 @@ from drillpetsc.arrays import FloatArray
 from drillpetsc.unit_systems import System, display
 
 PathKind = Literal["sliding", "slack_off"]
-#: without_friction: the path of a string that nothing moves, where Newton's method finds no state
-AnyPath = Literal["sliding", "slack_off", "without_friction"]
 OVERLOAD = 1.3  # load from which the second path comes back, over the load
 STEADY = 2e-3  # largest change from quarter to quarter of the slide of what the string transmits: force over the push, torque over itself
 
@@ -55,7 +53,7 @@ class PathAnswer:
     held_end: the lower end of the string is held.  may_slack_off: the case has an answer to that question, too.
     """
 
-    kind: AnyPath
+    kind: PathKind
     ends: tuple[PathEnd, ...]
     persistent_load: FloatArray
     force_given: bool
@@ -67,7 +65,7 @@ class PathAnswer:
     @property
     def held_by_friction(self) -> bool:
         """Whether friction alone holds the state of the first path; friction holds no string that turns."""
-        return bool(self.ends[0].negative_pivots) and self.kind != "without_friction" and not self.turns
+        return bool(self.ends[0].negative_pivots) and not self.turns
 
     def as_dict(self) -> dict[str, Any]:
         """Entries of summary.json."""
@@ -80,9 +78,7 @@ class PathAnswer:
             number, unit = display(value, kind, units)
             return f"{number:.5g} {unit}"
 
-        if self.kind == "without_friction":
-            out = ["the load was raised slowly on a straight string without friction"]
-        elif self.kind == "slack_off":
+        if self.kind == "slack_off":
             out = [
                 "question answered: slack-off on a bit that stands; the string was run in, then lowered "
                 "(--path sliding: steady sliding)"

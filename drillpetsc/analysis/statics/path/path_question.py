@@ -1,4 +1,4 @@
-"""Which questions a path of a buckled string answers for a model (manual: sec-statics-path)."""
+"""Histories of a buckled string that have a meaning for a model (manual: sec-statics-path)."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ def nothing_holds(model: DrillingModel) -> bool:
 
 
 def refuse_path(model: DrillingModel, motion: tuple[float, float], got: str) -> None:
-    """Raise CaseError where a path has no meaning for ``model``, unstrained along the hole, and ``motion``."""
+    """Raise CaseError if a path has no meaning for ``model``, unstrained along the hole, and ``motion``."""
     at = "--path"
     if got == "slack_off" and motion[0] < 0:
         raise CaseError(at=at, got=got, want="a string that is lowered (--motion lower)")
@@ -57,8 +57,7 @@ def refuse_path(model: DrillingModel, motion: tuple[float, float], got: str) -> 
             at=at,
             got=f"{got} with a reamer",
             want="a string without a reamer",
-            hint="leave --path out: along a path the bit carries its weight as a dead load, and a reamer's share of the weight follows from "
-            "where the bit stands",
+            hint="leave --path out: how a path shares the weight between bit and reamer is not verified",
         )
     if got == "slack_off" and (motion[1] or not motion[0]):
         raise CaseError(at=at, got=got, want="a string that is lowered and does not turn (--motion lower)")

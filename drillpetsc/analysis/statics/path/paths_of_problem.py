@@ -9,10 +9,9 @@ import numpy as np
 
 from drillpetsc.analysis.statics.flow_coupling import surge_rates
 from drillpetsc.analysis.statics.path.friction_path import SEED, FrictionPath, follow_paths
-from drillpetsc.analysis.statics.path.path_answer import AnyPath, PathAnswer
-from drillpetsc.analysis.statics.path.path_question import has_path, may_slack_off
+from drillpetsc.analysis.statics.path.path_answer import PathAnswer, PathKind
+from drillpetsc.analysis.statics.path.path_question import may_slack_off
 from drillpetsc.analysis.statics.placement import end_is_held, top_depth
-from drillpetsc.analysis.statics.start.march import stands
 from drillpetsc.analysis.statics.static_problem import StaticProblem
 from drillpetsc.arrays import FloatArray
 from drillpetsc.errors import SolveError
@@ -21,24 +20,15 @@ from drillpetsc.model.drilling_model import DrillingModel
 from drillpetsc.physics.tools.reamer import Reamer
 
 LEAST_CLEARANCE = 1e-3  # [m]
-NODES_OF_BAND = 500  # of a string whose band of states is found by itself, in seconds
 
 
-def answer_by_path(problem: StaticProblem, kind: AnyPath) -> None:
+def answer_by_path(problem: StaticProblem, kind: PathKind) -> None:
     """Find the state of a string with friction at the end of a path, and what other starts give.
 
-    Raises SolveError where the path has no end.
+    Raises SolveError if the path has no end.
     """
     path = _path(problem, kind)
     _take(problem, follow_paths(path, ("straight", "overload") if kind == "sliding" else ("straight",)), SEED)
-
-
-def has_two_paths(problem: StaticProblem) -> bool:
-    """Whether the string has several states, and is small enough to be followed from two starts."""
-    model, state = problem.model, problem.state
-    several = state.band is not None or (state.motion[1] and not stands(model))
-    small = model.mesh.nodes <= NODES_OF_BAND
-    return bool(problem.paths and several and small and any(state.motion)) and has_path(model, state.motion)
 
 
 def slides_on(problem: StaticProblem) -> bool:
@@ -46,7 +36,7 @@ def slides_on(problem: StaticProblem) -> bool:
 
     A buckle may roll along the wall for ever, slowly, while the string slides: with friction exactly along the hole it has
     no equilibrium, although force and shape stay.  Returns whether the string slides steadily; the state is the former one
-    where it does not.
+    if it does not.
     """
     model, state = problem.model, problem.state
     assert problem.straight is not None
@@ -60,8 +50,6 @@ def slides_on(problem: StaticProblem) -> bool:
         return False  # the shares of bit and reamer are not those of a path
     if state.motion[1] and problem.fraction > 0:
         return False  # a turning string has no path with friction across the hole
-    if has_two_paths(problem):
-        return False
     restore = problem.save()
     path = _path(problem, "sliding")
     try:
@@ -84,13 +72,11 @@ def slides_on(problem: StaticProblem) -> bool:
     return False
 
 
-def _path(problem: StaticProblem, kind: AnyPath) -> FrictionPath:
+def _path(problem: StaticProblem, kind: PathKind) -> FrictionPath:
     model = problem.model
-    clearance, steps = node_clearance(model), steps_in_hole(model)
-    assert clearance is not None and steps is not None
     surge = surge_rates(model, problem.lowering)
     problem.solver.rates, model.system.assembly.y[:] = None, 0.0  # the path has its own surge
-    return FrictionPath(model, kind, problem.solver, problem.state.motion, clearance, steps, surge)
+    return FrictionPath(model, kind, problem.solver, problem.state.motion, surge)
 
 
 def _take(problem: StaticProblem, answer: PathAnswer, imperfection: float) -> None:

@@ -1,7 +1,7 @@
 """Start of statics on a fine mesh: the equilibrium on a coarse mesh of the same case.
 
 Manual: sec-statics-coarse-start.  Newton's method moves a boundary of a contact region by a few elements in a step,
-so that a fine mesh takes many steps where a coarse one takes few.
+so that a fine mesh takes many steps where a coarse one takes few.  Wells of 12 km on 9600 and 20,000 elements need it.
 """
 
 from __future__ import annotations

@@ -1,6 +1,8 @@
-"""Start of statics where the march finds a push that buckles the string: its lateral equilibrium under that push.
+"""Start of statics of a pushed string: its lateral equilibrium under the push of the march.
 
-Manual: sec-statics-buckled-start.
+Manual: sec-statics-lateral-start.  Buckled strings need it: `x22-helix.yaml`, `jar-stuck.yaml`, `agitator-slide.yaml`, a dry vertical
+well of 12 km, pipe that is lowered or hoisted with more weight on its bit than it carries straight.  The relaxation alone finds most
+of these states, too, with 5 to 100 times the factorisations.
 """
 
 from __future__ import annotations
@@ -13,8 +15,6 @@ import numpy as np
 from drillpetsc.analysis.statics.imperfection import item_imperfection, nodal_weight
 from drillpetsc.analysis.statics.start.march import (
     March,
-    axial_compliance,
-    friction_factors,
     moved_along,
     stands,
     with_contact,
@@ -28,6 +28,7 @@ from drillpetsc.output.static_table import at_nodes
 from drillpetsc.physics.contact import ONSET
 from drillpetsc.solvers.static.lateral_beam import (
     ContactPoints,
+    Elements,
     LateralBeam,
     LateralState,
     element_matrices,
@@ -43,10 +44,6 @@ ROUGH_SHARE = 0.25  # length of rough elements over the pitch of a helix
 BIT_DEPTH = 1e-4  # of a bit in the side of its hole, where the law of Hertz has the force of its spring [m]
 NO_LENGTH = 1e-9  # of an element that is a joint [m]
 MAX_ROUNDS = 10  # of lateral equilibrium and tension
-NEAR_BRACKET = 0.05  # least distance of a trial of the push of a string that stands from the ends of its bracket, over it
-SETTLED_STANDING = 2e-2  # the same of a string that stands, whose buckles give way
-STRAIGHT = 1e-9  # change of the hole's direction from node to node that is none
-SETTLED_PLACE = 1e-3  # way of the nodes along a bent hole in the last round [m]
 SETTLED_PUSH = 1e-3  # change of the tension, over the largest push, with which the rounds end
 
 
@@ -54,130 +51,58 @@ SETTLED_PUSH = 1e-3  # change of the tension, over the largest push, with which 
 class LateralStart:
     """A start of statics.
 
-    march: with the places of the lateral equilibrium; with_friction: it contains the friction across the pipe.
+    march: with the places of the lateral equilibrium.
     side_loads: standard deviation (n_nodes,) of the loads that lead the string off a saddle, and stay [N]; None: it does
     not buckle.
     """
 
     march: March
-    with_friction: bool
     side_loads: FloatArray | None
 
 
-def lateral_starts(
-    model: DrillingModel,
-    found: March,
-    motion: tuple[float, float],
-    lateral: bool,
-    coiled: March | None = None,
-) -> list[LateralStart]:
-    """Find starts of a pushed string under the tension of the march ``found``, which does not coil.
+def lateral_start(
+    model: DrillingModel, found: March, motion: tuple[float, float], coiled: March | None = None
+) -> LateralStart | None:
+    """Find the start of a pushed string under the tension of the march ``found``, which does not coil.
 
     motion: axial velocity [m/s, down positive] and rotation [rad/s] that friction opposes.
-    lateral: friction across the pipe is asked for.
-    coiled: the march of a string that may coil, whose friction is the first estimate where the string slides.
-    Returns the starts in the order in which they are tried; none where nothing pushes the string, or where no stable state
-    is found.  The same on all ranks.
+    coiled: the march of a string that may coil, whose friction is the first estimate if the string slides.
+    Returns None if nothing pushes the string, or no stable state is found.  The same on all ranks.
     """
     mesh, fraction = model.mesh, model.case.initial.imperfection
     if model.contact is None or model.contact.law.law == "hertz_point" or not fraction:
-        return []
+        return None
     if any(_ties_slope(joint) is None for joint in mesh.joints):
-        return []
-    bottom = _Bottom(model, found) if stands(model) else None
-    if coiled is not None and (motion[0] or bottom is not None):
-        push = -float(coiled.axial_force[-1]) if bottom is not None else None
+        return None
+    if coiled is not None and (motion[0] or stands(model)):
+        push = -float(coiled.axial_force[-1]) if stands(model) else None
         found = with_contact(model, found, motion, coiled.contact_force, push)
-    loads, turns, last = _side_loads(model, found), _turns(model, motion), None
-    bent = bool(np.abs(np.diff(found.direction, axis=0)).max() > STRAIGHT)
-    state: LateralState | None = None
-    for number in range(MAX_ROUNDS):
+    loads, last = _side_loads(model, found), None
+    for _ in range(MAX_ROUNDS):
         buckling = _first_node(model, found)
         if buckling is None:
-            return []
+            return None
         frame = _directors(model, found)
+        # on short elements contacts that open and close hold up a buckle that moves along the hole: wells of 12 km need half as long
         parts = _Parts(model, found, buckling, 0.0 if last is not None else _rough_length(model, found))
-        beam = _beam(model, found, parts, motion, frame)
-        state = _solved(model, found, beam, parts, frame, loads, lateral and turns, last)
+        beam = _beam(model, found, parts, frame)
+        state = _solved(model, found, beam, parts, frame, loads, last)
         if state is None:
-            return []
-        last = state.disturbed, *parts.spread(state.alone)
-        before, contact = found, parts.contact(beam, state.alone, found)
-        found = with_contact(model, before, motion, contact)
-        if bottom is not None:
-            drawn_up = _drawn_up(model, found, parts.nodes[0], *last[1:])[0][-1]
-            push = bottom.next_push(found, float(drawn_up))
-            found = with_contact(model, before, motion, contact, push)
+            return None
+        last = state.disturbed, *parts.spread(state.place)
+        before, found = found, with_contact(model, found, motion, parts.contact(beam, state.place, found))
         change = np.abs(found.axial_force - before.axial_force).max()
-        settled = SETTLED_PUSH if bottom is None else SETTLED_STANDING
-        if bottom is None and bent:  # the beam lay on the wall of another part of the hole
-            placed = _placed(model, found, parts.nodes[0], *last[1:])
-            moved = np.abs(placed.measured_depth - before.measured_depth).max()
-            found = placed if moved > SETTLED_PLACE else found
-        else:
-            moved = 0.0
-        enough = change <= settled * -found.axial_force.min() and moved <= SETTLED_PLACE
-        if (number or not parts.rough) and enough:
+        if not parts.rough and change <= SETTLED_PUSH * -found.axial_force.min():
             break
-    assert state is not None  # MAX_ROUNDS is at least 1
-    out = []
-    for U, with_friction in ((state.with_friction, True), (state.alone, not (turns and lateral))):
-        # a string that lies on the wall climbs it when it turns; only a buckled one may have no equilibrium
-        if U is not None and (with_friction or state.disturbed):
-            own = found
-            if with_friction and turns:  # it climbs the wall, where it carries less than on the low side
-                own = with_contact(model, found, motion, parts.contact(beam, U, found))
-            placed = _placed(model, own, parts.nodes[0], *parts.spread(U))
-            out.append(LateralStart(placed, with_friction, loads if state.disturbed else None))
-    return out
+    assert last is not None  # MAX_ROUNDS is at least 1
+    disturbed, across, slope = last
+    return LateralStart(_placed(model, found, parts.nodes[0], across, slope), loads if disturbed else None)
 
 
 def _directors(model: DrillingModel, found: March) -> tuple[FloatArray, FloatArray]:
     """Both directors (n_nodes, 3) at zero spin across the hole where the string lies."""
     nodes = model.mesh.nodes
     return directors(model.frames, np.arange(nodes), found.direction, np.zeros(nodes))
-
-
-def _turns(model: DrillingModel, motion: tuple[float, float]) -> bool:
-    """Whether any part of the string turns."""
-    return bool(motion[1] or model.motor_speed)
-
-
-class _Bottom:
-    """Push of the bottom on a string whose top is held: as large as the length of the bent string asks for.
-
-    found: the string before it bends, whose bit stands at the depth of its weight.
-    """
-
-    def __init__(self, model: DrillingModel, found: March):
-        assert model.bit is not None
-        self.bit, self.start = model.bit, found
-        self.compliance = axial_compliance(model.mesh)
-        #: pushes between which it lies [N], and the last one and by how much the string under it asks for more
-        self.low, self.high = 0.0, max(-float(found.axial_force[-1]), 0.0)
-        self.last: tuple[float, float] | None = None
-
-    def next_push(self, found: March, drawn_up: float) -> float:
-        """Push [N] under which the bent string ends on the bottom: by the secant, between the pushes that are too small and too large.
-
-        found: with the tension of the bent string under the present push; drawn_up: way [m] by which its bends lift the bit.
-        """
-        push = max(-float(found.axial_force[-1]), 0.0)
-        end = float(found.measured_depth[-1] - self.start.measured_depth[-1]) - drawn_up
-        before = self.bit.depth_for(max(-float(self.start.axial_force[-1]), 0.0))
-        miss = end - (self.bit.depth_for(push) - before)
-        more = miss / (self.compliance + self.bit.depth_for(1.0 + push) - self.bit.depth_for(push))
-        if more > 0:
-            self.low, self.high = max(self.low, push), max(self.high, push)
-        else:
-            self.low, self.high = min(self.low, push), min(self.high, push)
-        step = more
-        if self.last is not None and push != self.last[0]:
-            slope = (more - self.last[1]) / (push - self.last[0])
-            step = more / max(-slope, 1.0)
-        self.last = push, more
-        margin = NEAR_BRACKET * (self.high - self.low)
-        return min(max(push + step, self.low + margin), self.high - margin)
 
 
 def _ties_slope(joint: StringJoint) -> bool | None:
@@ -199,7 +124,6 @@ def _beam(
     model: DrillingModel,
     found: March,
     parts: _Parts,
-    motion: tuple[float, float],
     frame: tuple[FloatArray, FloatArray],
 ) -> LateralBeam:
     """The lateral problem of ``parts`` under the tension of ``found``."""
@@ -209,7 +133,7 @@ def _beam(
     load[:, 1] = np.sum(found.load_across * third, axis=1)
     _add_moments_of_weight(model, found, second, third, load)
     _add_curvature(model, found, t, second, third, load)
-    points = parts.contact_points(motion, found.position - found.offset, t, second, third)
+    points = parts.contact_points(found.position - found.offset, t, second, third)
     held = np.zeros((len(parts.nodes), 4), dtype=bool)
     held[0] = True
     if found.top_on_wall:
@@ -217,18 +141,8 @@ def _beam(
     bending, force = (parts.mean(q) for q in (mesh.bending_stiffness, found.effective_tension))
     clearance = _clearance(model, found)[parts.nodes]
     hinged = [j.cell for j in mesh.joints if not _ties_slope(j)]
-    return LateralBeam(
-        parts.length,
-        bending,
-        force,
-        parts.rigid,
-        parts.gathered(load),
-        points,
-        _wall(model),
-        held,
-        clearance,
-        np.isin(parts.nodes[:-1], hinged),
-    )
+    elements = Elements(parts.length, bending, force, parts.rigid, hinged=np.isin(parts.nodes[:-1], hinged))
+    return LateralBeam(elements, parts.gathered(load), points, _wall(model), held, clearance)
 
 
 def _solved(
@@ -238,7 +152,6 @@ def _solved(
     parts: _Parts,
     frame: tuple[FloatArray, FloatArray],
     loads: FloatArray,
-    friction: bool,
     last: tuple[bool, FloatArray, FloatArray] | None,
 ) -> LateralState | None:
     """State of ``beam`` from the string as it lies, or from the ``last`` one: disturbed, displacements and slopes."""
@@ -251,7 +164,7 @@ def _solved(
         start = np.concatenate(last[1:], axis=1)[parts.nodes]
     if not found.top_on_wall and model.top is not None and parts.nodes[0] == 0:
         start[0] = 0.0
-    return lateral_state(beam, start, parts.gathered(disturbance), friction, last is not None and last[0])
+    return lateral_state(beam, start, parts.gathered(disturbance), last is not None and last[0])
 
 
 class _Parts:
@@ -367,7 +280,6 @@ class _Parts:
 
     def contact_points(
         self,
-        motion: tuple[float, float],
         centre: FloatArray,
         t: FloatArray,
         second: FloatArray,
@@ -384,7 +296,6 @@ class _Parts:
         upper, lower = exposed_ends(mesh, model.contact.free_top)
         upper, lower = upper[self.nodes[:-1]], lower[self.nodes[1:] - 1]
         radius = 0.5 * np.append(mesh.contact_diameter, mesh.contact_diameter[-1])
-        drag = friction_factors(model, motion, md)[1] / np.maximum(radius, 1e-6)
 
         def across(d: FloatArray, node: np.ndarray) -> FloatArray:
             return np.column_stack([np.sum(d * e[node], axis=1) for e in (second, third)])
@@ -411,7 +322,7 @@ class _Parts:
                 )
                 off = across(ends_at - np.asarray(well.at(at)[0]), a)
                 wall = weight * self.length[e] * model.contact.hardness[0][a]
-                columns.append((e, self._shape(e, depth), gap, wall, drag[a] * (gap > 0.0), off, depth))
+                columns.append((e, self._shape(e, depth), gap, wall, off, depth))
         for b, hardness in zip(mesh.bodies, model.contact.hardness[1], strict=True):
             if b.radius <= 0 or b.node < self.nodes[0]:
                 continue
@@ -420,13 +331,11 @@ class _Parts:
             for y, length, clearance in _points_of_item(model, b, float(hardness)):
                 factors = np.array([[0.0, 0.0, 1.0, y] if last else [1.0, y, 0.0, 0.0]])
                 gap = np.maximum(np.asarray(well.radius(md[node] + y)) - b.radius, 0.0)
-                # friction does not push what is led round the hole
-                led = b.guided or (clearance is None and gap[0] == 0.0)
                 if clearance is not None:
                     gap[:] = clearance
                 off = across(centre[node] + y * t[node] - np.asarray(well.at(md[node] + y)[0]), node)
                 at = mesh.node_depth[node] + y
-                columns.append((cell, factors, gap, np.array([length]), drag[node] * (not led), off, at))
+                columns.append((cell, factors, gap, np.array([length]), off, at))
         return ContactPoints(*(np.concatenate(q) for q in zip(*columns, strict=True)))
 
 
@@ -435,7 +344,7 @@ def _points_of_item(
 ) -> list[tuple[float, float, float | None]]:
     """Points where a rigid item may touch the wall: distance below its node [m], length of wall [m], clearance [m].
 
-    The clearance is None where it is that of the item.  A bit that cuts touches the side of its hole at one point.
+    The clearance is None if the item has one of its own.  A bit that cuts touches the side of its hole at one point.
     """
     assert model.contact is not None
     law, side = model.contact.law, model.bit.side_contact if model.bit is not None else None
@@ -451,7 +360,7 @@ def _points_of_item(
 def _side_loads(model: DrillingModel, found: March) -> FloatArray:
     """Standard deviation (n_nodes,) of the side loads [N] that lead a straight string off its saddle.
 
-    Only where the string is pushed: kilometres of pipe in tension would lie down on the wall under them.
+    Only on the pushed part: kilometres of pipe in tension would lie down on the wall under them.
     """
     fraction = model.case.initial.imperfection
     tension = at_nodes(found.effective_tension, found.effective_tension)
@@ -560,33 +469,20 @@ def _wall(model: DrillingModel) -> Callable[[FloatArray, FloatArray], tuple[Floa
 
 
 def _placed(model: DrillingModel, found: March, first: int, across: FloatArray, slope: FloatArray) -> March:
-    """``found`` with the lateral displacement (n, 2) and slope (n, 2) of the nodes from ``first`` on."""
-    case = model.case
-    short, after = _drawn_up(model, found, first, across, slope)
-    frames = np.stack(_directors(model, found), axis=1)  # (n, 2, 3)
-    offset, lean = (np.einsum("npi,np->ni", frames, q) for q in after)
-    tangent = found.direction + lean
-    tangent *= (np.linalg.norm(found.tangent, axis=1) / np.linalg.norm(tangent, axis=1))[:, None]
-    down = short[-1] if model.bit is not None and case.initial.wob is not None else 0.0
-    shifted = replace(found, tangent=tangent, offset=offset)
-    top = found.top_motion + down
-    return replace(moved_along(model, shifted, down - short), top_motion=top)
-
-
-def _drawn_up(
-    model: DrillingModel, found: March, first: int, across: FloatArray, slope: FloatArray
-) -> tuple[FloatArray, tuple[FloatArray, FloatArray]]:
-    """Way (n,) [m] by which displacement and slope (n, 2) from node ``first`` on draw the nodes up from those of ``found``.
-
-    Also offsets and slopes (n, 2) of all nodes.
-    """
+    """``found`` with the lateral displacement and slope (n, 2) of the nodes from ``first`` on, which draw the nodes up."""
     t, frames = found.direction, np.stack(_directors(model, found), axis=1)
     unit = found.tangent / np.linalg.norm(found.tangent, axis=1, keepdims=True)
     unit /= np.sum(unit * t, axis=1, keepdims=True)
     before = _in_frame(frames, found.offset), _in_frame(frames, unit)
     after = before[0].copy(), before[1].copy()
     after[0][first:], after[1][first:] = across[first:], slope[first:]
-    return _shortening(model, t, frames, *after) - _shortening(model, t, frames, *before), after
+    short = _shortening(model, t, frames, *after) - _shortening(model, t, frames, *before)
+    offset, lean = (np.einsum("npi,np->ni", frames, q) for q in after)
+    tangent = t + lean
+    tangent *= (np.linalg.norm(found.tangent, axis=1) / np.linalg.norm(tangent, axis=1))[:, None]
+    down = short[-1] if model.bit is not None and model.case.initial.wob is not None else 0.0
+    shifted = replace(found, tangent=tangent, offset=offset)
+    return replace(moved_along(model, shifted, down - short), top_motion=found.top_motion + down)
 
 
 def _in_frame(frames: FloatArray, vectors: FloatArray) -> FloatArray:

@@ -6,7 +6,6 @@ unstrained along the hole, so that mud, pressure, rigid items and loads are cont
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -314,7 +313,7 @@ class _Marcher:
     def _standing_reamers(self, bottom: float, wob: float) -> dict[int, tuple[float, float]]:
         """Weight [N] and torque [N m] of the reamers under the force ``bottom`` [N] below the string, by their nodes.
 
-        A reamer stands where bit and string below it let it; what stands above does not count.
+        The bit and the string below a reamer determine its depth; a reamer above does not count.
         """
         model, mesh = self.model, self.model.mesh
         found: dict[int, tuple[float, float]] = {}
@@ -343,7 +342,7 @@ def march(
     """March from the bit up; None without contact.
 
     motion: axial velocity [m/s, down positive] and rotation [rad/s] that friction opposes.
-    coils: the string coils where the push suffices; otherwise it stays straight in the hole.
+    coils: the string coils if the push suffices; otherwise it stays straight in the hole.
     wob: weight on bit [N]; None takes that of the case.  Under a top that is held, and without a weight in the case, the
     weight is what the string leaves on the bottom that it stands on, whatever ``wob`` is.  An end that is clamped or
     pinned stays at its place.
@@ -357,20 +356,20 @@ def march(
     if model.bit is None:
         held = isinstance(case.bottom, HeldBottom) and case.bottom.kind != "free"
         if held and model.top is not None and case.top.force is None:
-            return _between_held_ends(marcher, start)
+            return _closed(marcher, start)
         return marcher.result(-weight, weight, start)
     if case.top.force is not None:
         bottom = _bottom_force(marcher.column)
         return marcher.result(bottom, max(weight, -bottom), start if bottom >= -1.0 else None)
     if case.initial.wob is not None:
         return marcher.result(-weight, weight, None)
-    return _standing(marcher, start) if stands(model) else marcher.result(-weight, weight, start)
+    return _closed(marcher, start) if stands(model) else marcher.result(-weight, weight, start)
 
 
 def helix_band(
     model: DrillingModel, motion: tuple[float, float], rates: FloatArray | None = None
 ) -> HelixBand | None:
-    """What a string that slides transmits by theory, as it coils early or late; None where that is the same, or not asked for.
+    """What a string that slides transmits by theory, as it coils early or late; None if that is the same, or not wanted.
 
     Between ``HELIX_FACTORS`` a pipe on the wall may snake or coil, which its history decides.  The helix presses on the wall
     with r F^2/4EI, and friction takes its share.  rates: as of ``nodal_loads``.  The string must lie unstrained along the
@@ -399,42 +398,24 @@ def helix_band(
     return HelixBand("wob" if case.top.force is not None else "hook_load", low, high)
 
 
-def _standing(marcher: _Marcher, top: float) -> March:
-    """The march of a string whose held top, at measured depth ``top`` [m], lets its bit stand on the bottom or hang above it."""
-    model, mesh = marcher.model, marcher.model.mesh
-    assert model.bit is not None
-    bit, end = model.bit, hole_depth(model.case) - (mesh.total_length - mesh.node_depth[-1])
+def _closed(marcher: _Marcher, top: float) -> March:
+    """The march of a string between a held top, at measured depth ``top`` [m], and a lower end that is held, or stands on the bottom.
 
-    def gap_under(weight: float) -> tuple[float, March]:
-        """Distance [m] from the bit down to where it carries ``weight`` [N], and the march under it."""
-        found = marcher.result(-weight, weight, top)
-        return end + bit.depth_for(weight) - float(found.measured_depth[-1]), found
-
-    gap, found = gap_under(0.0)
-    return found if gap >= 0 else _closed(gap_under, gap, found, mesh)
-
-
-def _between_held_ends(marcher: _Marcher, top: float) -> March:
-    """The march of a string whose ends are both held: the push on its lower end is what leaves that end at its place."""
+    The push on the lower end (negative: pull) closes the gap below it, which grows with the push.  A bit may hang above the bottom.
+    """
+    model, mesh, bit = marcher.model, marcher.model.mesh, marcher.model.bit
     end = float(marcher.depth[-1])
+    if bit is not None:
+        end = hole_depth(model.case) - (mesh.total_length - mesh.node_depth[-1])
 
     def gap_under(push: float) -> tuple[float, March]:
-        """Distance [m] from the string's end down to where it is held, and the march under ``push`` [N]."""
-        found = marcher.result(-push, 0.0, top)
-        return end - float(found.measured_depth[-1]), found
+        """Distance [m] from the lower end down to where it carries ``push`` [N], and the march under it."""
+        found = marcher.result(-push, 0.0 if bit is None else push, top)
+        depth = end if bit is None else end + bit.depth_for(push)
+        return depth - float(found.measured_depth[-1]), found
 
     gap, found = gap_under(0.0)
-    return _closed(gap_under, gap, found, marcher.model.mesh)
-
-
-def _closed(
-    gap_under: Callable[[float], tuple[float, March]], gap: float, found: March, mesh: StringMesh
-) -> March:
-    """The march under the push [N] (negative: pull) at the lower end that closes the gap [m] below it.
-
-    gap, found: without a push.  The gap grows with the push.
-    """
-    if gap == 0.0:
+    if gap == 0.0 or (bit is not None and gap > 0):
         return found
     most = 2 * CRUSHING_STRAIN * float(mesh.axial_stiffness[~mesh.is_joint].max())
     near, miss_near, far = 0.0, gap, -gap / axial_compliance(mesh)
@@ -569,7 +550,7 @@ def friction_factors(
 
 
 def _radius(model: DrillingModel) -> FloatArray:
-    """Outer radius (n,) [m] of the string at each node, that of a rigid item where one is."""
+    """Outer radius (n,) [m] of the string at each node, that of a rigid item if there is one."""
     mesh = model.mesh
     radius = 0.5 * np.append(mesh.contact_diameter, mesh.contact_diameter[-1])
     for b in mesh.bodies:

@@ -1,6 +1,7 @@
 """Place of a marched string in its hole: offsets from the axis, what they shorten, and the positions of the nodes.
 
-Manual: eq-statics-resting-shape, eq-statics-start-position.
+Manual: eq-statics-resting-shape, eq-statics-start-position.  A string that stands needs the shortening of its helix, and a string
+without weight, which no side load leads off its axis, its shape.
 """
 
 from __future__ import annotations

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
 
 from pydantic import Field, model_validator
@@ -13,8 +14,23 @@ from drillpetsc.case.blocks.items.pressure_loss import PressureLoss
 from drillpetsc.case.key_paths import refuse
 from drillpetsc.case.nozzles import Nozzles
 from drillpetsc.case.quantities import Quantity, Vector, WordOrNumber, said
+from drillpetsc.units import UnitError, bare_number, weight_to_mass
+
+FILL = math.inf
+"""Length of an item that fills the string, until the case is complete."""
+
+
+@dataclass(frozen=True)
+class LengthOrFill(Quantity):
+    """A length, or `fill`."""
+
+    def read(self, value: object, *at: str | int) -> float:
+        return FILL if value == "fill" else super().read(value, *at)
+
 
 Length = Annotated[float, Quantity("m", at_least=1e-3, at_most=50e3)]
+PipeLength = Annotated[float, LengthOrFill("m", at_least=1e-3, at_most=50e3)]
+PIPE_LENGTH = "length; fill for the topmost pipe: bit_depth, or the end of the survey, less all other items"
 RigidLength = Annotated[float, Quantity("m", at_least=0, at_most=200)]
 Diameter = Annotated[float, Quantity("m", at_least=1e-4, at_most=2, kind="diameter")]
 Bore = Annotated[float, Quantity("m", at_least=0, at_most=2, kind="diameter")]
@@ -38,6 +54,22 @@ _TOOL_FACE = (
     "0 is the high side, 90 deg to the right looking down the hole; measured from north if the inclination is below 5 "
     "deg; at spin angle zero"
 )
+
+
+@dataclass(frozen=True)
+class WeightPerLength(Quantity):
+    """A weight per length, or its mass [kg/m]; the weight of a whole item is refused with its place."""
+
+    def read(self, value: object, *at: str | int) -> float:
+        if isinstance(value, str) and bare_number(value) is None:
+            try:
+                weight_to_mass(value)
+            except UnitError:
+                pass
+            else:
+                want = "a weight per length, such as 1824 N/m or 125 lb/ft"
+                raise refuse(*at, got=value, want=want, hint="a rigid item has the key 'mass' for all of it")
+        return super().read(value, *at)
 
 
 class Damping(Block):
@@ -132,6 +164,11 @@ class Item(Block):
     name: str = Field(default="", description="name in reports; the kind when not given")
     friction: Friction | None = Field(
         default=None, description="friction coefficient of this item, instead of the hole section's"
+    )
+    weight: Annotated[float, WeightPerLength("kg/m", above=0, at_most=1e5)] | None = Field(
+        default=None,
+        description="weight per length in air as weighed, 1824 N/m or 125 lb/ft, instead of density times area; mud displaces the "
+        "ring between od and id",
     )
     pressure_loss: PressureLoss | None = Field(
         default=None,
@@ -285,6 +322,28 @@ class Pipe(ToolTube):
     """A plain round tube, without tool joints."""
 
     kind: Literal["pipe"] = Field(description="plain round tube")
+    length: PipeLength = Field(description=PIPE_LENGTH)
+
+
+class Tool(ToolTube):
+    """A tool of which a string sheet has diameters and weight, such as an MWD: a tube whose stiffnesses may be given."""
+
+    kind: Literal["tool"] = Field(description="tool of given diameters and weight")
+    axial_stiffness: Annotated[float, Quantity("N", above=0, kind="none")] | None = Field(
+        default=None, description="axial stiffness EA; of the tube when not given"
+    )
+    bending_stiffness: Annotated[float, Quantity("N m^2", above=0)] | None = Field(
+        default=None, description="bending stiffness EI; of the tube when not given"
+    )
+    torsional_stiffness: Annotated[float, Quantity("N m^2", above=0)] | None = Field(
+        default=None, description="torsional stiffness GJ; of the tube when not given"
+    )
+
+    @property
+    def given_stiffness(self) -> dict[str, float]:
+        """The stiffnesses that are given, by their keys: EA [N], EI, GJ [N m2]."""
+        keys = ("axial_stiffness", "bending_stiffness", "torsional_stiffness")
+        return {key: value for key in keys if (value := getattr(self, key)) is not None}
 
 
 class Beam(Flexible):
@@ -300,13 +359,19 @@ class Beam(Flexible):
     torsional_stiffness: Annotated[float, Quantity("N m^2", above=0)] = Field(
         description="torsional stiffness GJ"
     )
-    mass: Annotated[float, Quantity("kg/m", above=0)] = Field(description="mass per length")
+    mass: Annotated[float, Quantity("kg/m", above=0)] = derived_default("mass per length; or give the weight")
     polar_inertia: Annotated[float, Quantity("kg m", above=0)] = Field(
         description="polar mass moment of inertia per length"
     )
     od: Diameter | None = Field(default=None, description="outer diameter; needed in a well and with a fluid")
     id: Bore = Field(default=0.0, description="inner diameter")
     damping: Damping = derived_default("damping; keys left out are the case's material.damping")
+
+    @model_validator(mode="after")
+    def _mass_or_weight(self) -> Beam:
+        if self.mass is None and self.weight is None:
+            raise refuse("mass", want="this key, or weight; it has no default")
+        return self
 
 
 class Rigid(Item):
@@ -338,7 +403,7 @@ class Rigid(Item):
 
     @model_validator(mode="after")
     def _mass_known(self) -> Rigid:
-        if self.mass is None and self.od is None and self.has_own_od:
+        if self.mass is None and self.weight is None and self.od is None and self.has_own_od:
             raise refuse("mass", want="a mass, or an outer diameter (od) and a length to compute it from")
         if self.center_of_gravity is None:
             self.fill_defaults(center_of_gravity=(0.5 * self.length, 0.0, 0.0))

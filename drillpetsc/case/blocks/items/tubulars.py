@@ -15,13 +15,16 @@ from drillpetsc.case.blocks.items.motor import PositiveDisplacementMotor
 from drillpetsc.case.blocks.items.reamer import Reamer
 from drillpetsc.case.blocks.items.steering import RotarySteerable
 from drillpetsc.case.blocks.items.string import (
+    PIPE_LENGTH,
     Beam,
     Bit,
     Body,
     Bore,
     Diameter,
     Pipe,
+    PipeLength,
     Stabilizer,
+    Tool,
     Tube,
 )
 from drillpetsc.case.blocks.items.tools import BumperSub, Jar, ShockSub
@@ -63,6 +66,7 @@ class Tubular(Tube):
 
     has_own_od: ClassVar[bool] = False
 
+    length: PipeLength = Field(description=PIPE_LENGTH)
     od: Diameter = derived_default("outer diameter of the tube")
     id: Bore = derived_default("inner diameter of the tube; or give the wall")
     wall: Wall | None = Field(default=None, description="wall of the tube, instead of id")
@@ -189,6 +193,7 @@ class CoiledTubing(Tubular):
 
 _check, _tag = tagged_union(
     Pipe,
+    Tool,
     Beam,
     DrillPipe,
     HeavyPipe,
@@ -209,6 +214,7 @@ _check, _tag = tagged_union(
 
 StringItem = Annotated[
     Annotated[Pipe, Tag("kind:Pipe")]
+    | Annotated[Tool, Tag("kind:Tool")]
     | Annotated[Beam, Tag("kind:Beam")]
     | Annotated[DrillPipe, Tag("kind:DrillPipe")]
     | Annotated[HeavyPipe, Tag("kind:HeavyPipe")]

@@ -1,0 +1,141 @@
+"""What a hook-load sensor reads: the force in the dead line of the travelling block, which the sheaves' friction changes.
+
+manual: sec-roadmap-sensor
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from drillpetsc.analysis.hydraulics.flow_model import FlowModel, string_at
+from drillpetsc.analysis.hydraulics.losses import balance
+from drillpetsc.analysis.loads.torque_drag.calibration import Calibration
+from drillpetsc.analysis.loads.torque_drag.operations import load_of, plan_of
+from drillpetsc.case.blocks.ends import BitBottom
+from drillpetsc.case.blocks.rig import HookloadSensor
+from drillpetsc.case.blocks.roadmap import MeasuredPoint
+from drillpetsc.case.case import Case
+
+#: direction of the block in an operation: 1 hoists, -1 lowers, 0 at rest
+DIRECTION = {
+    "trip_in": -1,
+    "trip_out": 1,
+    "rotate_off_bottom": 0,
+    "drilling": -1,
+    "sliding": -1,
+    "backreaming": 1,
+}
+
+
+def weight_over_line(lines: int, efficiency: float, dead_sheave: str) -> tuple[float, float]:
+    """Weight on the hook over the force in the dead line, while hoisting and while lowering [-].
+
+    Each sheave passes the share e = ``efficiency`` of the force of the line that pulls it (manual: eq-roadmap-dead-line).
+    Hoisting, the force falls from the fast line to the dead line: W/F = (1 - e^n)/((1 - e) e^(n-1)). Lowering, it rises:
+    (1 - e^n)/(1 - e). A dead-line sheave that turns adds its loss.
+    """
+    e, n = efficiency, lines
+    lowering = float(n) if e == 1.0 else (1 - e**n) / (1 - e)
+    hoisting = lowering / e ** (n - 1)
+    return (hoisting / e, lowering * e) if dead_sheave == "turning" else (hoisting, lowering)
+
+
+@dataclass(frozen=True)
+class Sensor:
+    """Weight on the hook over the weight that is indicated, while hoisting and while lowering [-]; 1 at the hook."""
+
+    hoisting: float = 1.0
+    lowering: float = 1.0
+
+    def factor(self, direction: float) -> float:
+        """Weight over reading, 1 at rest, where it is anywhere between lowering and hoisting.
+
+        direction: of the block, positive up.
+        """
+        return self.hoisting if direction > 0 else self.lowering if direction < 0 else 1.0
+
+    def range(self, direction: float) -> tuple[float, float]:
+        """Smallest and largest weight over reading: one value in motion, a band at rest."""
+        factor = self.factor(direction)
+        return (factor, factor) if direction else (self.lowering, self.hoisting)
+
+
+def sensor_of(case: Case) -> Sensor:
+    """The hook-load sensor of the rig; one at the hook if the case names none."""
+    given: HookloadSensor | None = None if case.rig is None else case.rig.hookload_sensor
+    if given is None or given.at == "hook":
+        return Sensor()
+    assert given.lines is not None and given.sheave_efficiency is not None
+    hoisting, lowering = weight_over_line(given.lines, given.sheave_efficiency, given.dead_sheave)
+    return Sensor(hoisting / given.lines, lowering / given.lines)
+
+
+def corrected_points(
+    case: Case, points: Sequence[MeasuredPoint], excludes_block: bool
+) -> tuple[MeasuredPoint, ...]:
+    """Points with the weight on the hook in place of the readings, and their standard errors with it. Weights on bit are
+    corrected for an old zero and for the pressure drop of the bit.
+
+    excludes_block: the instrument subtracts the block, whose weight is on the line all the same.
+    """
+    sensor, out = sensor_of(case), []
+    points = _with_pump_off(case, _zeroed(case, points))
+    block = (case.rig.block_weight if case.rig is not None else None) or 0.0
+    hidden = block if excludes_block else 0.0
+    for point in points:
+        factor = sensor.factor(DIRECTION[point.operation])
+        if point.hook_load is not None and factor != 1.0:
+            weight = factor * (point.hook_load + hidden) - hidden
+            sigma = None if point.sigma is None else factor * point.sigma
+            point = point.model_copy(update={"hook_load": weight, "sigma": sigma})
+        out.append(point)
+    return tuple(out)
+
+
+def _zeroed(case: Case, points: Sequence[MeasuredPoint]) -> Sequence[MeasuredPoint]:
+    """Points whose weight on bit is the hook load off bottom at their own depth and flow rate less the hook load on bottom.
+
+    The indicator subtracts the hook load from the one at zeroing. It lacks what the string has gained in weight since.
+    """
+    zero = None if case.rig is None else case.rig.wob_zero
+    number = [i for i, p in enumerate(points) if p.operation in ("drilling", "sliding") and p.wob is not None]
+    if zero is None or not number:
+        return points
+    off = [
+        MeasuredPoint(
+            bit_depth=depth, operation="rotate_off_bottom", hook_load=0.0, rpm=rpm, flow_rate=flow or 0.0
+        )
+        for depth, rpm, flow in [
+            (zero.bit_depth, None, zero.flow_rate),
+            *((points[i].bit_depth, points[i].rpm, points[i].flow_rate) for i in number),
+        ]
+    ]
+    weight = Calibration(case, tuple(off)).computed([{}])[0]
+    out = list(points)
+    for i, now in zip(number, weight[1:], strict=True):
+        wob = max((points[i].wob or 0.0) + float(now - weight[0]), 0.0)
+        out[i] = points[i].model_copy(update={"wob": wob})
+    return out
+
+
+def _with_pump_off(case: Case, points: Sequence[MeasuredPoint]) -> Sequence[MeasuredPoint]:
+    """Points whose weight on bit is the weight read plus the pressure drop of the bit times `bottom.pump_off_area`."""
+    bottom = case.bottom
+    if not isinstance(bottom, BitBottom) or not bottom.pump_off_area:
+        return points
+    drops: dict[float, float] = {}
+    out = []
+    for point in points:
+        flow = point.flow_rate
+        if flow is None and point.operation in ("drilling", "sliding"):
+            flow = load_of(case, plan_of(case), point.operation).flow
+        if flow and point.wob is not None:
+            if flow not in drops:
+                model = FlowModel(case, string_at(case, point.bit_depth), "pumping")
+                model.solve(flow)
+                drops[flow] = balance(model)["bit_loss"]
+            wob = point.wob + drops[flow] * bottom.pump_off_area
+            point = point.model_copy(update={"wob": wob})
+        out.append(point)
+    return out

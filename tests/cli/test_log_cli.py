@@ -1,0 +1,150 @@
+"""`drillpetsc import log`: a planted log to states, points and a page, and points to `calibrate`."""
+
+from __future__ import annotations
+
+import json
+
+import numpy as np
+import pytest
+
+from drillpetsc.case.files.measured_file import read_measured
+from drillpetsc.cli import main
+from drillpetsc.output.files.tables import read_table
+
+
+@pytest.fixture
+def log(tmp_path):
+    """A log of drilling, 1000 to 1020 m, a hook load of 100 t and a torque of 12 kN m."""
+    rows = ["md_m,hookload_t,torque_kNm,rpm,flow_in_lpm,rop_m_per_h,who"]
+    rows += [f"{1000 + 0.1 * i},{100 + 0.1 * (i % 3)},12,120,2000,20,me" for i in range(200)]
+    path = tmp_path / "rig.csv"
+    path.write_text("\n".join(rows))
+    return path
+
+
+def test_import_log_writes_its_folder(log, tmp_path, capsys):
+    out = tmp_path / "out"
+    assert main(["import", "log", str(log), "--out", str(out), "--every", "5m"]) == 0
+    text = capsys.readouterr().out
+    assert "200 rows by depth" in text and "not used: who" in text and "drilling 200" in text
+    assert {q.name for q in out.iterdir() if q.suffix != ".parquet"} == {
+        "log.csv",
+        "states.csv",
+        "points.csv",
+        "quality.json",
+        "log.html",
+    }
+    table = read_table(out / "log.csv")
+    np.testing.assert_allclose(table["hook_load [N]"][:3], np.array([100, 100.1, 100.2]) * 9806.65)
+    readings, _ = read_measured(str(out / "points.csv"))
+    assert [round(q.values["bit_depth"]) for q in readings] == [1002, 1007, 1012, 1017]
+    assert (
+        readings[0].values["torque"] == pytest.approx(12e3) and readings[0].values["operation"] == "drilling"
+    )
+    quality = json.loads((out / "quality.json").read_text())
+    assert quality["states"] == {"drilling": 200} and quality["unused"] == ["who"]
+    page = (out / "log.html").read_text()
+    assert "data:image/png;base64," in page and "http" not in page.replace("http-equiv", "")
+    assert main(["import", "log", str(log), "--out", str(out)]) == 2
+    assert "--overwrite" in capsys.readouterr().err
+
+
+def test_a_data_frame_of_the_log(log, tmp_path):
+    parquet = pytest.importorskip("pyarrow.parquet")
+    assert main(["import", "log", str(log), "--out", str(tmp_path / "out")]) == 0
+    table = parquet.read_table(tmp_path / "out" / "log.parquet")
+    np.testing.assert_array_equal(table["torque [N m]"].to_numpy(), np.full(200, 12e3))
+    assert set(table["state [-]"].to_pylist()) == {"drilling"}
+
+
+def test_refusals_name_the_option(log, tmp_path, capsys):
+    wrong = []
+    for words, text in (
+        (["--every", "10"], "--every"),
+        (["--set", "fluid=off"], "--case"),
+        (["--map", "hook=who"], "--map"),
+        (["--states", "x=1"], "--states"),
+        (["--between", "1 kg,2 kg"], "--between"),
+        (["--case", str(tmp_path / "none.yaml")], "a case file that exists"),
+    ):
+        status = main(["import", "log", str(log), "--out", str(tmp_path / "new"), *words])
+        shown = capsys.readouterr().err
+        if status != 2 or text not in shown or (tmp_path / "new").exists():
+            wrong.append((words, shown))
+    assert not wrong
+    assert main(["import", "log", str(tmp_path / "no.csv")]) == 2
+
+
+def test_calibrate_reads_a_log_and_its_points(tmp_path, capsys):
+    """The same fit from the log itself and from points.csv; options that make no sense are refused by their name."""
+    case = tmp_path / "case.yaml"
+    case.write_text(
+        """
+well: {survey: {md: [0, 600, 900, 1100], inclination: [0 deg, 0 deg, 60 deg, 60 deg], azimuth: [0 deg, 0 deg, 0 deg, 0 deg]},
+  sections: [{to: 700 m, kind: casing, diameter: 224 mm, friction: 0.2}, {to: end, kind: open_hole, diameter: 216 mm, friction: 0.3}]}
+string: [{kind: pipe, length: 1100 m, od: 127 mm, id: 108.6 mm}]
+top: clamped
+rig: {block_weight: 300 kN}
+"""
+    )
+    rng = np.random.default_rng(3)
+    rows = ["md_m,hookload_kN,torque_kNm,rpm,rop_m_per_h,wob_kN,tob_kNm"]
+    for i in range(400):
+        torque = 2.2 + 0.001 * i + 0.02 * rng.standard_normal()
+        rows.append(f"{1000 + 0.2 * i:.1f},{520 + 0.03 * i:.2f},{torque:.3f},120,20,20,1")
+    log = tmp_path / "rig.csv"
+    log.write_text("\n".join(rows))
+    out = [tmp_path / name for name in ("points", "a", "b")]
+    assert main(["import", "log", str(log), "--case", str(case), "--out", str(out[0]), "--every", "2m"]) == 0
+    assert (
+        main(
+            [
+                "calibrate",
+                str(case),
+                "--log",
+                str(log),
+                "--every",
+                "2m",
+                "--fit",
+                "open_hole",
+                "--out",
+                str(out[1]),
+            ]
+        )
+        == 0
+    )
+    assert (
+        main(
+            [
+                "calibrate",
+                str(case),
+                "--measured",
+                str(out[0] / "points.csv"),
+                "--fit",
+                "open_hole",
+                "--out",
+                str(out[2]),
+            ]
+        )
+        == 0
+    )
+    first, second = (json.loads((folder / "summary.json").read_text()) for folder in out[1:])
+    assert (
+        first["fit"] == second["fit"]
+        and first["fit"]["open_hole"]["value"] is not None
+        and first["errors"] == "correlated"
+    )
+    capsys.readouterr()
+    wrong = []
+    for words, text in (
+        (["--log", str(log), "--measured", str(out[0] / "points.csv")], "either --log or --measured"),
+        (["--log", str(log), "--prior", "cased=0.2"], "--prior"),
+        (["--log", str(log), "--prior", "nothing=0.2+-0.1"], "--prior"),
+        (["--log", str(log), "--hold-out", "2"], "--hold-out"),
+        (["--log", str(log), "--every", "5s"], "--every"),
+    ):
+        status = main(["calibrate", str(case), "--out", str(tmp_path / "d"), *words])
+        shown = capsys.readouterr().err
+        if status != 2 or text not in shown or (tmp_path / "d").exists():
+            wrong.append((words, status, shown))
+    assert not wrong
