@@ -68,7 +68,7 @@ OUTSIDE = {
     "analysis/hydraulics/hydraulics.py": 1,
     "analysis/loads/torque_drag/calibrate.py": 6,
     "analysis/loads/torque_drag/operations.py": 10,
-    "analysis/loads/torque_drag/roadmap.py": 1,
+    "analysis/loads/torque_drag/roadmap.py": 2,
     "output/indices.py": 2,
 }
 
