@@ -4,6 +4,7 @@
 - `case/*.md`: one page a block of the case file (`case_reference`)
 - `commands.md`: commands and options, from the classes of `drillpetsc.operations`
 - `messages.md`: what the program answers to each file of `cases/broken`
+- `warnings.md`: when each doubt about a result appears, what it means and what to do, from the classes of `drillpetsc.doubts`
 - `supported.md`: which formulation takes which feature, found out by building small cases
 - `notebooks/*.md`: the notebooks in docs/notebooks with the outputs that they hold, and their pictures; nothing is run
 - `outputs/*.md`: the tables of columns, fields and keys that `docs/guide/outputs.md` includes, from the catalogue of outputs
@@ -16,8 +17,13 @@ from __future__ import annotations
 
 import argparse
 import importlib.util
+import inspect
+import pkgutil
 import re
+import sys
+from itertools import groupby
 from pathlib import Path
+from string import Formatter
 from typing import Any
 
 from case_reference import HEAD, case_class, case_pages, literals, markdown, pretty, sentence
@@ -39,6 +45,7 @@ def write(folder: Path) -> None:
         **case_pages(),
         "commands.md": commands_page(),
         "messages.md": messages_page(),
+        "warnings.md": warnings_page(),
         "supported.md": supported_page(),
         **output_tables(),
         **notebook_pages(),
@@ -140,6 +147,73 @@ def messages_page() -> str:
             f"```text\n{answer}\n```\n",
         ]
     return "\n".join(out)
+
+
+# ----------------------------------------------------------------------------------------------------
+# warnings
+def warnings_page() -> str:
+    """Every doubt about a result: its sentence, when it appears, what it means, and what to do."""
+    out = [
+        f"{HEAD}(warnings-table)=\n# Warnings and remarks\n",
+        "A result that may be wrong is never printed without saying so. This page has every sentence that a command may add to a "
+        "result, as `note:` or `WARNING:` on the screen and as `warnings` or `notes` in `summary.json`. A warning says that the result "
+        "may be wrong; a remark says what it contains or leaves out. Words in italics stand for values, which are "
+        "shown in the units of the case.\n",
+    ]
+    for module, doubts in groupby(all_doubts(), module_of):
+        title = (sys.modules[module].__doc__ or "").splitlines()[0].removeprefix("Doubts about ").rstrip(".")
+        out.append(f"## {title[0].upper()}{title[1:]}\n")
+        together = list(doubts)
+        for doubt in together:
+            if doubt.weight == "remark" and not doubt.remedy:
+                continue
+            name = re.sub(r"(?<=[a-z])(?=[A-Z])", " ", type(doubt).__name__).lower()
+            meaning = with_references(markdown(" ".join((inspect.getdoc(type(doubt)) or "").split())))
+            when = "; ".join(moment_text(kind) for kind in doubt.about)
+            out += [
+                f"### {name.capitalize()}\n",
+                f"> {sentence_text(doubt.sentence)}\n",
+                f"{meaning}\n",
+                f"*What to do:* {doubt.remedy}\n" if doubt.remedy else "",
+                f"*When:* {when}.{' A remark.' if doubt.weight == 'remark' else ''}\n",
+            ]
+        remarks = [q for q in together if q.weight == "remark" and not q.remedy]
+        for about in dict.fromkeys(q.about for q in remarks):
+            out.append(f"### Remarks: {moment_text(about[0])}\n")
+            out += [f"- {sentence_text(q.sentence)}" for q in remarks if q.about == about]
+            out.append("")
+    return "\n".join(out)
+
+
+def all_doubts() -> list[Any]:
+    """Every doubt, by module: those of many commands first, then those that stand beside their commands."""
+    import drillpetsc
+    from drillpetsc.doubts import DOUBTS
+
+    for found in pkgutil.walk_packages(drillpetsc.__path__, "drillpetsc."):
+        if found.name.endswith(".doubts"):
+            importlib.import_module(found.name)
+    beside = "drillpetsc.analysis"
+    return sorted(DOUBTS, key=lambda q: module_of(q) if module_of(q).startswith(beside) else "")
+
+
+def module_of(doubt: Any) -> str:
+    """The module in which a doubt is declared."""
+    return getattr(doubt, "module", type(doubt).__module__)
+
+
+def moment_text(kind: type) -> str:
+    """When a doubt may appear: the first sentence of a moment's docstring."""
+    first = (inspect.getdoc(kind) or "").split("\n\n")[0].replace("\n", " ").split(".")[0]
+    return f"{first[0].lower()}{first[1:]}"
+
+
+def sentence_text(sentence: str) -> str:
+    """A sentence as Markdown, with the names of its values in italics."""
+    parts = []
+    for text, name, _, _ in Formatter().parse(sentence):
+        parts.append(markdown(text) + (f" *{name.replace('_', ' ')}* " if name else ""))
+    return re.sub(r" +([,.;:)]|$)", r"\1", re.sub(r"(?<=[(=]) +| +(?= )", "", "".join(parts))).strip()
 
 
 # ---------------------------------------------------------------------------------------------------- what

@@ -184,3 +184,11 @@ def shown(value: float, kind: str, system: System, digits: int = 4, plot: bool =
     if "e" in plain and abs(number) >= 1:
         plain = f"{number:.0f}"
     return f"{plain} {text}".rstrip()
+
+
+def duration(seconds: float) -> str:
+    """A time [s] with a unit of its size: 0.0017 -> "1.7 ms"."""
+    for unit, size in (("s", 1.0), ("ms", 1e-3), ("us", 1e-6)):
+        if seconds >= size:
+            return f"{seconds / size:.3g} {unit}"
+    return f"{seconds:.3g} s"

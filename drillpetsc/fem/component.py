@@ -18,7 +18,6 @@ import numpy as np
 from drillpetsc.arrays import FloatArray, IntArray
 from drillpetsc.fem.quantity import Quantity
 from drillpetsc.kernels.parameters import Table, parameters_of
-from drillpetsc.unit_systems import System
 
 if TYPE_CHECKING:
     from drillpetsc.geometry.well import Well
@@ -276,10 +275,6 @@ class Component:
 
     def change_law(self, numbers: FloatArray) -> None:
         """Change to the next law."""
-
-    def start_warnings(self, state: Any, units: System) -> list[str]:
-        """Sentences for the user about the state at the start of a motion, in a system of units, from the rank that has them."""
-        return []
 
     # ------------------------------------------------------------------ reference frames
     def renew_reference_frames(self, system: Any) -> bool:

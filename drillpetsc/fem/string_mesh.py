@@ -163,7 +163,7 @@ class StringMesh:
     bodies: rigid items; bent: stress-free curvatures by tool face, from which ``curvature`` follows.
     junction: (n+1,) nodes with a stretch ratio (manual: eq-junction-kinematics).
     joints: the joints, whose cells have no length and no element.
-    notes: sentences for the user about the mesh.
+    limited: figures of automatic elements that are longer than the physics requires (``ElementLengths.limited``).
     contact_diameter: that touches the wall, of tool joints where there are any [m].
     clearance_diameter: from which the clearance of buckling loads is measured [m].
     outer_area: for buoyancy and end forces [m2]; bore_area: of the mud inside [m2].
@@ -193,7 +193,7 @@ class StringMesh:
     bent: tuple[BentCell, ...] = ()
     junction: np.ndarray = field(default_factory=lambda: np.zeros(0, dtype=bool))
     joints: tuple[StringJoint, ...] = ()
-    notes: tuple[str, ...] = ()
+    limited: tuple[dict[str, Any], ...] = ()
     contact_diameter: FloatArray = field(default_factory=lambda: np.zeros(0))
     clearance_diameter: FloatArray = field(default_factory=lambda: np.zeros(0))
     outer_area: FloatArray = field(default_factory=lambda: np.zeros(0))

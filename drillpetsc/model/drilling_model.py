@@ -91,6 +91,11 @@ class DrillingModel:
         return next((part for part in self.components if isinstance(part, kind)), None)
 
     @property
+    def conservative(self) -> bool:
+        """Whether all loads have a potential; moments in space and loads that turn with the section have none."""
+        return all(component.conservative for component in self.components)
+
+    @property
     def effective_mass(self) -> FloatArray:
         """(n,) effective mass per length [kg/m]: steel and mud in the bore, minus the displaced mud.
 

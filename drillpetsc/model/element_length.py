@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -19,7 +20,7 @@ from drillpetsc.case.case import Case
 from drillpetsc.case.quantities import largest
 from drillpetsc.geometry.well import Well
 from drillpetsc.model.string_forces import StringForces, estimate_forces
-from drillpetsc.unit_systems import System, display_unit, shown
+from drillpetsc.unit_systems import display_unit, shown
 
 LONGEST = 10.0  # [m]
 GROWTH = 0.3  # growth of the length per length along the string [-]
@@ -74,16 +75,21 @@ class ElementLengths:
     ranges: tuple[LengthRange, ...] = ()
     coarsened: float = 1.0
 
-    def warnings(self, units: System = "metric") -> list[str]:
-        """Sentence on a mesh that is coarser than the physics requires, empty for others; depths in a system of units."""
+    @property
+    def limited(self) -> tuple[dict[str, Any], ...]:
+        """Figures of a mesh that is coarser than the physics requires, none for others; depths in [m]."""
         if self.coarsened <= 1.001:
-            return []
+            return ()
         worst = min(self.ranges, key=lambda r: r.shortest)
-        size, _, unit = display_unit("length", units)
-        return [
-            f"the automatic mesh is limited to {MOST_ELEMENTS} elements, which are {self.coarsened:.3g} times longer than "
-            f"needed; the shortest are needed from MD {worst.upper / size:.0f} to {worst.lower / size:.0f} {unit} ({worst.reason})"
-        ]
+        return (
+            {
+                "most": MOST_ELEMENTS,
+                "times": self.coarsened,
+                "upper": worst.upper,
+                "lower": worst.lower,
+                "reason": worst.reason,
+            },
+        )
 
 
 def is_automatic(case: Case) -> bool:

@@ -104,7 +104,7 @@ def build_mesh(case: Case, well: Well | None = None, motion: tuple[float, float]
             pending.append((number, item))
     return replace(
         _assemble(case, rows, rigid, tops, tuple(joints)),
-        notes=tuple(lengths.warnings(case.shown_units)),
+        limited=lengths.limited,
     )
 
 

@@ -20,6 +20,7 @@ from drillpetsc.output.files.run_folder import INDICES_TABLE, RunFolder
 from drillpetsc.output.files.tables import read_table, split_name, write_table
 from drillpetsc.output.sensors.files import read_sensor, sensor_names
 from drillpetsc.output.shown_units import unit_of
+from drillpetsc.output.summaries.run import Vibration
 from drillpetsc.unit_systems import System, shown
 
 IMPACT = 10 * STANDARD_GRAVITY  # lateral acceleration of an impact [m/s2]
@@ -282,4 +283,4 @@ def _summary(columns: dict[tuple[str, str], Any], window: float) -> dict[str, An
             out["whirl"][name.removeprefix("whirl_")] = {
                 str(c): float(k / count) for c, k in zip(classes, times, strict=True)
             }
-    return out
+    return Vibration(**out).as_dict()

@@ -18,7 +18,6 @@ from drillpetsc.physics import quantities as declared
 from drillpetsc.physics.beam import SLOTS
 from drillpetsc.physics.rigid_bodies import VERTEX_SLOTS, end_frames, local_vertices
 from drillpetsc.physics.tools.jar import LATCHED, Jar
-from drillpetsc.unit_systems import System, shown
 
 _results = function("joint_results", "iippppp")
 _directions = function("joint_directions", "ipppp")
@@ -211,17 +210,14 @@ class Joints(Component):
             jar.switch(*own)
         self._set_jar()
 
-    def start_warnings(self, state, units: System) -> list[str]:
-        out = []
+    def jars_beyond_latch(self, state) -> list[tuple[int, float, bool]]:
+        """(item, load [N], whether it meters first) of the latched jars on this rank whose load lies beyond their latch."""
         rows = self.event_numbers(state).reshape(-1, 3)
-        for jar, mine, numbers in zip(self.jars, self._has_jar, rows, strict=True):
-            if mine and jar.mode == LATCHED and jar.passed(*numbers):
-                does = "meters" if jar.law.resistance > 0 and jar.law.metering > 0 else "fires"
-                out.append(
-                    f"string[{jar.law.item}] jar: at time 0 the load {shown(numbers[2], 'force', units)} lies beyond its latch: "
-                    f"it {does} at once"
-                )
-        return out
+        return [
+            (jar.law.item, float(own[2]), jar.law.resistance > 0 and jar.law.metering > 0)
+            for jar, here, own in zip(self.jars, self._has_jar, rows, strict=True)
+            if here and jar.mode == LATCHED and jar.passed(*own)
+        ]
 
     def get_state(self) -> dict[str, FloatArray]:
         return {"jar": np.concatenate([jar.numbers() for jar in self.jars])} if self.jars else {}

@@ -13,7 +13,8 @@ from drillpetsc.analysis.commands.check import describe
 from drillpetsc.analysis.statics.answer import static_summary
 from drillpetsc.analysis.statics.find_equilibrium import find_equilibrium
 from drillpetsc.analysis.statics.placement import place_along_hole
-from drillpetsc.analysis.statics.start.coarse_mesh import expected_warnings
+from drillpetsc.doubts import doubts_at
+from drillpetsc.doubts.moments import Built
 from drillpetsc.model.drilling_model import build_model
 from drillpetsc.model.element_length import free_length, step_moment
 from drillpetsc.output.measured.bending import bending_moments
@@ -210,5 +211,8 @@ def test_a_collar_of_the_diameter_of_the_tool_joints_is_no_support(tmp_path, col
         top={"kind": "top_drive", "lowering": 0.5},
         bottom={"kind": "free"},
     )  # fmt: skip
-    for told in (statics(case, tmp_path / "run").summary["warnings"], expected_warnings(build_model(case))):
+    for told in (
+        statics(case, tmp_path / "run").summary["warnings"],
+        doubts_at(Built(model=build_model(case))),
+    ):
         assert any("step of the clearance" in w for w in told) == reported

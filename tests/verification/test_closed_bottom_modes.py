@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from drillpetsc import Case
+from drillpetsc.analysis.linear.doubts import GrowthOfMesh
 from drillpetsc.analysis.linear.linearised_model import linearise_model
-from drillpetsc.analysis.linear.modal import modes, prepare_state, reference_rate
-from drillpetsc.analysis.linear.unresolved_modes import unresolved_growth
+from drillpetsc.analysis.linear.modal import modes, moment_of, prepare_state, reference_rate
 from drillpetsc.model.drilling_model import build_model
 from drillpetsc.solvers.linear.linearization import linearise
 from drillpetsc.solvers.linear.quadratic_eigenproblem import lowest_eigenvalues
@@ -78,8 +78,8 @@ def test_growth_that_the_mesh_does_not_resolve_is_named():
     found = modes(warned, 110)
     growing = found.frequency[found.growth > 1e-3]
     assert len(growing) and growing.min() > 300.0
-    (text,) = unresolved_growth(warned, found)
+    (text,) = GrowthOfMesh().sentences(moment_of(warned, found))
     assert f"{growing.min():.4g} Hz" in text
     still = build_model(case("mixed", 100.0))
     prepare_state(still, "rest")
-    assert unresolved_growth(still, modes(still, 40)) == []
+    assert GrowthOfMesh().sentences(moment_of(still, modes(still, 40))) == []

@@ -10,7 +10,8 @@ import pytest
 from drillpetsc import Case, run, statics
 from drillpetsc.analysis.commands.check import describe
 from drillpetsc.analysis.statics.find_equilibrium import find_equilibrium
-from drillpetsc.analysis.statics.start.coarse_mesh import state_warnings
+from drillpetsc.doubts.mesh import LongElements, LongElementsAtSupport
+from drillpetsc.doubts.moments import Answer
 from drillpetsc.model.drilling_model import build_model
 from drillpetsc.output.measured.bending import bending_moments
 
@@ -42,12 +43,18 @@ def drillstring(element: float | str, inclination: float = 40.0, **keys) -> Case
     )
 
 
+def long_elements(model) -> list[str]:
+    """Warnings of the present state about elements that are too long."""
+    at = Answer(model=model)
+    return LongElements().sentences(at) + LongElementsAtSupport().sentences(at)
+
+
 def beside_stabilizer(case: Case) -> tuple[float, list[str]]:
     """Moment above the stabilizer [N m], and the warnings about it."""
     model = build_model(case)
     find_equilibrium(model, lateral_friction=False)
     node = model.mesh.bodies[0].node
-    lines = [line for line in state_warnings(model) if "beside stabilizer" in line]
+    lines = [line for line in long_elements(model) if "beside stabilizer" in line]
     return float(bending_moments(model)[node - 1, 1]), lines
 
 
@@ -75,7 +82,7 @@ def test_nothing_is_said_where_nothing_bends():
     )
     model = build_model(still)
     find_equilibrium(model)
-    assert state_warnings(model) == []
+    assert long_elements(model) == []
     assert "beside" not in describe(still).replace("beside an", "")
 
 
@@ -177,7 +184,7 @@ def test_false_side_force_beside_a_stabilizer(tools, error):
             )
         )
         find_equilibrium(model)
-        found.append((model.system.reaction("top.torque_reaction"), state_warnings(model)))
+        found.append((model.system.reaction("top.torque_reaction"), long_elements(model)))
     (coarse, said), (fine, silent) = found
     assert silent == []
     if len(tools) > 1:

@@ -1,4 +1,4 @@
-"""The weight on bit that rotation frees (drillpetsc/analysis/statics/notes/freed_weight.py): closed form of a straight incline.
+"""The weight on bit that rotation frees (drillpetsc/analysis/statics/freed_weight.py): closed form of a straight incline.
 
 A sliding string at the inclination I has mu w sin I of friction per length, a turning one none along the hole.  With top and bit where
 they are, the mean tension stays: the bit takes half of the friction, W + mu w L sin I/2.
@@ -11,7 +11,9 @@ import math
 import pytest
 
 from drillpetsc import Case, run
-from drillpetsc.analysis.statics.notes.freed_weight import freed_weight, weight_warnings
+from drillpetsc.analysis.statics.freed_weight import freed_weight
+from drillpetsc.doubts.moments import Start
+from drillpetsc.doubts.motion import FreedWeight
 from drillpetsc.model.drilling_model import build_model
 
 LENGTH, WEIGHT, ANGLE, FRICTION, WOB = 500.0, 242.0, math.radians(60), 0.3, 5e3
@@ -45,15 +47,15 @@ LATER = {"time": [0.0, 1.0], "value": [0.0, 10.0]}
 def test_the_bit_takes_half_of_the_friction():
     model = build_model(case(rotation=LATER))
     assert freed_weight(model) == pytest.approx(FREED, rel=2e-2)
-    (said,) = weight_warnings(model)
+    (said,) = FreedWeight().sentences(Start(model=model, freed_weight=freed_weight(model)))
     assert "5 kN" in said and "about 21 kN" in said
 
 
 @pytest.mark.parametrize("top", [{"rotation": 10.0}, {"rotation": 0.0}, {"rotation": LATER, "lowering": 0.0}])
 def test_nothing_is_freed_without_a_change_from_sliding_to_turning(top):
-    assert weight_warnings(build_model(case(**top))) == []
+    assert freed_weight(build_model(case(**top))) is None
 
 
 def test_a_run_says_so(tmp_path):
-    warnings = run(case(rotation=LATER), tmp_path / "run", progress="silent").summary["statics"]["warnings"]
+    warnings = run(case(rotation=LATER), tmp_path / "run", progress="silent").summary["warnings"]
     assert any("rotation frees its friction" in text for text in warnings)

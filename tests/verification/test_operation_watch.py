@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 import pytest
 
 from drillpetsc import Case, run, statics
+from drillpetsc.doubts.motion import MotorStalls
 from drillpetsc.errors import SolveError
 from drillpetsc.output.watches.operation_watch import OperationWatch
 from tests.helpers.wells import simple_well
@@ -124,15 +126,17 @@ def test_a_motor_near_its_stall():
     )
     watch = OperationWatch(case, [("time", "s"), ("motor_output_torque", "N m")])
     watch.update(np.array([[0.0, 13e3], [0.1, 13.2e3]]))
-    assert not watch.warnings()
+
+    def said(w: OperationWatch) -> list[str]:
+        return MotorStalls().sentences(SimpleNamespace(watch=w, units="metric"))
+
+    assert said(watch) == []
     watch.update(np.array([[0.2, 13.4e3], [0.3, 13.8e3]]))
     continued = OperationWatch(case, [("time", "s"), ("motor_output_torque", "N m")])
     continued.set_notes(watch.get_notes())
     for w in (watch, continued):
-        assert len(w.warnings()) == 1
-        assert all(
-            word in w.warnings()[0] for word in ("95 %", "14 kN m", "from 0.2 s on in 50 % of the rows")
-        )
+        assert len(said(w)) == 1
+        assert all(word in said(w)[0] for word in ("95 %", "14 kN m", "from 0.2 s on in 50 % of the rows"))
 
 
 @pytest.mark.parametrize("mud", [False, True])

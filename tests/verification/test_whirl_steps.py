@@ -4,6 +4,7 @@ orbits of a string that is not balanced."""
 from __future__ import annotations
 
 import re
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -12,6 +13,7 @@ from drillpetsc.analysis.motion.transient import run
 from drillpetsc.analysis.motion.whirl_steps import PRODUCT_BDF, WhirlSteps, product_of_alpha
 from drillpetsc.analysis.statics.placement import move_rigidly, place_along_hole, release
 from drillpetsc.case import Case
+from drillpetsc.doubts.motion import WhirlDamped
 from drillpetsc.model.drilling_model import build_model
 from drillpetsc.output import read_table
 from drillpetsc.solvers.time.alpha_formula import AlphaFormula
@@ -47,7 +49,8 @@ def said(step: float, rpm: float = RPM, **keys) -> list[str]:
     place_along_hole(model)
     release(model)
     move_rigidly(model)
-    return WhirlSteps(model, PRODUCT_BDF).warnings(step, abs(rpm) * np.pi / 30)
+    found = WhirlSteps(model, PRODUCT_BDF).damped(step, abs(rpm) * np.pi / 30)
+    return WhirlDamped().sentences(SimpleNamespace(whirl=found, units=model.case.shown_units))
 
 
 def energy_lost(radii: np.ndarray, angles: np.ndarray) -> np.ndarray:

@@ -15,7 +15,6 @@ from drillpetsc.analysis.motion.run_options import options_of
 from drillpetsc.analysis.motion.summary import field_counts
 from drillpetsc.analysis.motion.time_scales import time_scales
 from drillpetsc.analysis.statics.placement import top_depth
-from drillpetsc.analysis.statics.start.coarse_mesh import coarse_elements, expected_warnings
 from drillpetsc.case.blocks.fluid import Rheology, flow_constants, stress_at
 from drillpetsc.case.blocks.formation import Formation
 from drillpetsc.case.blocks.rig import Rig
@@ -23,6 +22,8 @@ from drillpetsc.case.blocks.sensors import STEPS_PER_PERIOD, sensor_depth
 from drillpetsc.case.case import Case
 from drillpetsc.case.files.mud_report import misfit
 from drillpetsc.case.plausible.plausibility import notes
+from drillpetsc.doubts import doubts_at
+from drillpetsc.doubts.moments import Built
 from drillpetsc.model.drilling_model import DrillingModel, build_model
 from drillpetsc.model.mesh import element_lengths
 from drillpetsc.unit_systems import System, display_unit, shown
@@ -158,11 +159,7 @@ def _lines(model: DrillingModel, verbose: bool) -> list[str]:
     case, units = model.case, model.case.output.units or "SI"
     said = [f"  {line}" for line in notes(case)]
     warnings = [line for line in said if line.startswith("  WARNING")]
-    lengths = element_lengths(case, model.well)
-    if any(r.count for r in lengths.ranges):
-        warnings += [f"  WARNING: {text}" for text in lengths.warnings(case.shown_units)]
-    warnings += [f"  WARNING: {text}" for text in expected_warnings(model)]
-    warnings += _coarse(model, units)
+    warnings += [f"  WARNING: {text}" for text in doubts_at(Built(model=model))]
     count = f", {len(warnings)} warning{'s' if len(warnings) > 1 else ''}" if warnings else ""
     return [
         f"{case.title or 'case'}: valid{count}",
@@ -263,15 +260,3 @@ def _cost(model: DrillingModel, verbose: bool) -> list[str]:
     lines.append(f"  expected cost: about {step:.2g} ms per step on one core{to_do}")
     lines += [f"  {line}" for line in rank_lines(model)]
     return lines + [f"  {line}" for line in (time_scales(model).lines() if verbose else ())]
-
-
-def _coarse(model: DrillingModel, units: System) -> list[str]:
-    """Warning about elements that cannot hold their own axial load."""
-    mesh, coarse = model.mesh, coarse_elements(model)
-    if not coarse.any():
-        return []
-    limit = (240 * mesh.bending_stiffness / (mesh.mass * np.linalg.norm(model.case.gravity))) ** (1 / 3)
-    return [
-        f"  WARNING: {int(coarse.sum())} elements are longer than {shown(limit[coarse].min(), 'length', units, 3)} = (240 EI/w)^(1/3): "
-        "their bending cannot hold their own axial load, statics may report negative pivots; shorten element_length"
-    ]

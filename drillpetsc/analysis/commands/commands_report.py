@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from drillpetsc.analysis.hydraulics.open_hole import open_hole, window_in_measured_depth
+from drillpetsc.analysis.hydraulics.doubts import OfCase, WindowInMeasuredDepth
+from drillpetsc.analysis.hydraulics.open_hole import open_hole
 from drillpetsc.analysis.loads.torque_drag.operations import Pair, pairs_of, plan_of, strings_of
 from drillpetsc.case.case import Case
 from drillpetsc.errors import CaseError
@@ -37,7 +38,7 @@ def _window(case: Case) -> list[str]:
         open_hole(case, window)
     except CaseError as error:
         lines.append(_refused("hydraulics and surge refuse the window", error))
-    return lines + [f"WARNING: {text}" for text in window_in_measured_depth(case, window)]
+    return lines + [f"WARNING: {text}" for text in WindowInMeasuredDepth().sentences(OfCase(case))]
 
 
 def _roadmap(case: Case) -> list[str]:

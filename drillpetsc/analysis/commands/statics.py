@@ -16,18 +16,13 @@ from drillpetsc.analysis.motion.run_options import options_of
 from drillpetsc.analysis.statics.answer import static_summary
 from drillpetsc.analysis.statics.equilibrium import MOTIONS, StaticState
 from drillpetsc.analysis.statics.find_equilibrium import find_equilibrium
-from drillpetsc.analysis.statics.notes.beyond_rig import beyond_rig
-from drillpetsc.analysis.statics.notes.mud_above_top import mud_above_top
-from drillpetsc.analysis.statics.notes.slider_travel import stop_warnings
-from drillpetsc.analysis.statics.notes.swirl_left_out import swirl_left_out
-from drillpetsc.analysis.statics.notes.top_push import top_push
 from drillpetsc.analysis.statics.path.path_answer import PathKind
 from drillpetsc.analysis.statics.path.path_question import has_path
 from drillpetsc.analysis.statics.placement import prescribed_motion
-from drillpetsc.analysis.statics.start.buckling import Buckling, buckling
-from drillpetsc.analysis.statics.start.coarse_mesh import state_warnings
 from drillpetsc.case.case import Case
 from drillpetsc.case.checks.limits import refuse_quaternion
+from drillpetsc.doubts import doubts_at
+from drillpetsc.doubts.moments import StaticAnswer
 from drillpetsc.errors import CaseError
 from drillpetsc.fem.component import FloatArray
 from drillpetsc.fem.quantity import Quantity
@@ -42,7 +37,8 @@ from drillpetsc.output.measured.field_output import FieldOutput
 from drillpetsc.output.quantities import STATIC_SUMMARY
 from drillpetsc.output.result import RunResult
 from drillpetsc.output.static_table import static_table
-from drillpetsc.output.watches.wall_depth import wall_depth_notes
+from drillpetsc.output.summaries.statics import StaticsSummary
+from drillpetsc.output.watches.buckling import Buckling, buckling
 from drillpetsc.unit_systems import System, display, kind_of, shown
 
 
@@ -81,53 +77,36 @@ def run_statics(
         state = find_equilibrium(model, moving, False, path)
         columns, values = static_table(model)
         buckled = buckling(model, columns, values) if values is not None else Buckling()
-        is_buckled = bool(buckled.sinusoidal or buckled.helical)
-        slides = is_buckled and _slides_unfollowed(model, state)
-        state.warnings += buckled.lines(case.shown_units, slides)
-        state.warnings += band_of_theory(model, state) if is_buckled else []
-        state.warnings += [*state_warnings(model, columns, values), *model.mesh.notes]
-        state.warnings += _hoisted_with_weight(model, moving)
-        figures = static_summary(model, state)
-        state.warnings += mud_above_top(model, figures.get("hook_load"))
-        state.warnings += top_push(case, figures.get("hook_load"))
-        state.warnings += swirl_left_out(model, bool(state.motion[1]), figures.get("surface_torque"))
-        state.warnings += [*stop_warnings(model), *wall_depth_notes(model)]
-        figures["warnings"] = list(state.warnings)
-        summary = {
-            "title": case.title,
-            **figures,
-            "motion": motion or word or "as the top prescribes",
-            **(state.path.as_dict() if state.path is not None else {}),
-            **({"buckling": buckled.as_dict()} if model.beam is not None else {}),
-            **({"helix_band": asdict(state.band)} if is_buckled and state.band is not None else {}),
-        }
-        beyond = beyond_rig(case, summary)
-        if beyond:
-            state.warnings += beyond
-            summary["warnings"] = list(state.warnings)
+        figures, one = static_summary(model, state), state.path is None or len(state.path.ends) == 1
+        state.warnings += doubts_at(
+            StaticAnswer(
+                model=model,
+                figures=figures,
+                rotation=state.motion[1] and prescribed_motion(model)[1],
+                table=(columns, values),
+                buckled=buckled,
+                slides=bool(buckled) and _slides_unfollowed(model, state),
+                band=state.band if one else None,
+                has_path=has_path(model, state.motion),
+                lowering=(prescribed_motion(model) if moving is None else moving)[0],
+            )
+        )
+        summary = StaticsSummary.of(
+            {
+                **figures,
+                "title": case.title,
+                "motion": motion or word or "as the top prescribes",
+                "warnings": list(state.warnings),
+                **(state.path.as_dict() if state.path is not None else {}),
+                **({"buckling": buckled.as_dict()} if model.beam is not None else {}),
+                **({"helix_band": asdict(state.band)} if buckled and state.band is not None else {}),
+            }
+        ).as_dict()
         fields = FieldOutput(model).fields(0.0)
         if comm.rank == 0:
             write_case(given, folder)  # as the user has it; the summary has the operation
             _write(model, folder, columns, values, summary, fields)
     return RunResult(folder.path, summary, _lines(given, folder, state, summary))
-
-
-def band_of_theory(model: DrillingModel, state: StaticState) -> list[str]:
-    """Sentence on the band by theory to which the one state found of a buckled string belongs; none where two were found."""
-    band = state.band
-    if band is None or (state.path is not None and len(state.path.ends) > 1):
-        return []
-    what = {"wob": "weight on bit", "hook_load": "hook load"}[band.name]
-    low, high = (shown(q, "force", model.case.shown_units) for q in (band.low, band.high))
-    other = (
-        "; --path sliding gives the states from a straight string and after an overload"
-        if has_path(model, state.motion)
-        else ""
-    )
-    return [
-        f"the {what} is one of a band: by theory it may lie between {low} and {high}, as the pipe coils at 1.83 or at 1.41 times "
-        f"the load at which it snakes, or has a history between{other}"
-    ]
 
 
 def _slides_unfollowed(model: DrillingModel, state: StaticState) -> bool:
@@ -140,21 +119,6 @@ def _slides_unfollowed(model: DrillingModel, state: StaticState) -> bool:
     ):
         return False
     return bool(np.any(np.asarray(model.well.friction(model.mesh.node_depth)) > 0))
-
-
-def _hoisted_with_weight(model: DrillingModel, motion: tuple[float, float] | None) -> list[str]:
-    """Remark on a string whose friction is that of hoisting while the bit bears weight.
-
-    motion: axial velocity, positive downward, and spin; None: those of the top at time 0.
-    """
-    case, weight = model.case, model.case.initial.wob
-    down = (prescribed_motion(model) if motion is None else motion)[0]
-    if not weight or down >= 0:
-        return []
-    return [
-        f"the bit bears initial.wob, {shown(weight, 'force', case.output.units or 'metric')}, while friction is that of a string that is hoisted; "
-        "the pick-up load off bottom is that of the case without initial.wob"
-    ]
 
 
 def _write(

@@ -29,9 +29,7 @@ from drillpetsc.errors import CaseError, SolveError
 from drillpetsc.model.drilling_model import DrillingModel, build_model, build_well
 from drillpetsc.model.fluid import build_rheology
 from drillpetsc.output.measured.mud_column import equivalent_density
-from drillpetsc.output.watches.boiling import VAPOUR_PRESSURE
 from drillpetsc.time_function import Constant, PiecewiseLinear
-from drillpetsc.unit_systems import shown
 
 Pipe = Literal["closed", "open", "pumping"]
 
@@ -366,17 +364,3 @@ class FlowModel:
         pressure: (k,) gauge [Pa]; depth: (k,) vertical, below the rotary table [m].
         """
         return equivalent_density(pressure, np.asarray(depth, dtype=float) - self.flow_line, self.gravity)
-
-    def warnings(self) -> list[str]:
-        """Say where the pressure is below that of a vacuum."""
-        out, units = [], self.case.shown_units
-        for channel in ("bore", "annulus"):
-            pressure = self.pressure(channel)
-            if pressure is None or not pressure.min() < VAPOUR_PRESSURE:
-                continue
-            k = int(np.argmin(pressure))
-            out.append(
-                f"the pressure in the {channel} falls to {shown(float(pressure[k]), 'pressure', units, 3)} gauge at MD "
-                f"{shown(float(self.md[k]), 'length', units, 6)}, below a vacuum: the mud would part there, and pressures and flow are not valid"
-            )
-        return out

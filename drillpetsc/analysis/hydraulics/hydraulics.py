@@ -12,36 +12,32 @@ from scipy.optimize import brentq
 
 from drillpetsc.analysis.hydraulics import rheology_fits
 from drillpetsc.analysis.hydraulics import trade_formulas as trade
+from drillpetsc.analysis.hydraulics.doubts import Pumped, PumpedString
 from drillpetsc.analysis.hydraulics.flow_model import (
     LARGEST_FLOW,
-    SHORTEST_PIECE,
     FlowModel,
     need_mud,
     whole_string,
 )
-from drillpetsc.analysis.hydraulics.losses import Loss, balance, blend_excess, blend_note, loss_rows
-from drillpetsc.analysis.hydraulics.nozzles import NozzleGroup, bit_flow, nozzle_groups, side_notes
+from drillpetsc.analysis.hydraulics.losses import Loss, balance, blend_excess, loss_rows
+from drillpetsc.analysis.hydraulics.nozzles import NozzleGroup, bit_flow, nozzle_groups
 from drillpetsc.analysis.hydraulics.open_hole import (
     NOT_CHECKED,
-    NOTHING_OPEN,
-    WITHIN,
     annulus_pressure_at,
     open_hole,
     shoe_depth,
     vertical_depth,
-    window_in_measured_depth,
 )
 from drillpetsc.analysis.motion.run_options import options_of
-from drillpetsc.analysis.statics.notes.beyond_rig import beyond_rig
 from drillpetsc.arrays import FloatArray
 from drillpetsc.case.blocks.fluid import Rheology
-from drillpetsc.case.blocks.items.string import Bit, Flexible
+from drillpetsc.case.blocks.items.string import Bit
 from drillpetsc.case.blocks.window import Window
 from drillpetsc.case.case import Case
 from drillpetsc.case.plausible.plausible_string import beyond_curves, short_of_hole
 from drillpetsc.case.quantities import largest
+from drillpetsc.doubts import doubts_at
 from drillpetsc.errors import CaseError
-from drillpetsc.model.tools.mud_motor import motor_item
 from drillpetsc.output import write_summary, write_table
 from drillpetsc.output.files.case_files import write_case
 from drillpetsc.output.files.run_folder import (
@@ -66,6 +62,7 @@ from drillpetsc.output.quantities.hydraulics import (
 )
 from drillpetsc.output.result import RunResult
 from drillpetsc.output.shown_units import lengths_shown, shown_unit
+from drillpetsc.output.summaries.flow import HydraulicsSummary
 from drillpetsc.physics.fluid.channel_flow import RESULT_NAMES
 from drillpetsc.time_function import Constant
 from drillpetsc.unit_systems import System
@@ -180,74 +177,24 @@ class Hydraulics:
         well = case.well
         self.end = None if well is None else float(well.survey.md[-1])
         self.shoe = shoe_depth(case)
-        self.warnings = [*short_of_hole(case), *window_in_measured_depth(case, case.window)]
-        self.notes = self._notes()
-
-    def _notes(self) -> list[str]:
-        case, notes = self.case, []
-        assert case.fluid is not None
-        if case.fluid.formulation == "hermite":
-            notes.append("fluid.formulation: hermite: hydraulics takes mixed, whose steady flow is the same")
-        if self.flow.string.top > SHORTEST_PIECE:
-            notes.append(
-                f"the string's top lies at MD {self.flow.string.top:.6g} m: the pump pressure is the pressure there, and the mud "
-                "rises in the hole above it without friction"
-            )
-        bit = self.flow.fluid.bit
-        side = self.flow.fluid.side
-        if side is not None:
-            notes += side_notes(self.flow)
-        if bit is None or not bit.has_link:
-            notes.append("bottom.plugged: all mud leaves through the nozzles above the bit")
-        elif not bit.end.nozzle:
-            notes.append(
-                "no nozzles: the string ends open, without a loss; jet velocity, impact and power are absent"
-            )
-        found = motor_item(case)
-        if found is not None:
-            more = ", and sends more mud through the nozzles above it" if side is not None else ""
-            notes.append(
-                f"{found[1].name}: the motor's pressure is that without load; torque on bit raises it and the pump pressure{more} "
-                "(statics and runs count it)"
-            )
-        last = max(i for i, item in enumerate(case.string) if isinstance(item, Flexible))
-        below = [item.name for item in case.string[last + 1 :] if item.length > 0]
-        if below:
-            notes.append(f"no friction along the rigid items below the last pipe: {', '.join(below)}")
-        if case.formation is not None:
-            notes.append(
-                "mud without cuttings: their weight and volume are not in the pressures and densities of the annulus"
-            )
-        if self.end is not None and self.end - self.flow.string.depth > 1e-3 and not short_of_hole(case):
-            notes.append(
-                f"the string ends at MD {self.flow.string.depth:.6g} m, {self.end - self.flow.string.depth:.6g} m above the end "
-                "of the hole; the mud below it stands still"
-            )
-        if self.flow.fluid.annulus is None:
-            notes.append("no annulus: no densities, and the mud leaves at the string's lower end")
-        elif case.window is None:
-            notes.append("no window: pore and fracture limits are not compared (key window)")
-        elif self.window is not None and not len(self.window.md):
-            notes.append(NOTHING_OPEN)
-        return notes
+        ready = PumpedString(case, self.flow, self.window, self.end)
+        self.warnings = [*short_of_hole(case), *doubts_at(ready, "warning")]
+        self.notes = doubts_at(ready, "remark")
 
     def at(self, rate: float) -> FlowResult:
         """Solve at a flow rate [m3/s]."""
         case, flow = self.case, self.flow
         flow.solve(rate)
         limited = NOT_CHECKED if self.window is None else self.window.limited_by(flow)
-        warnings = flow.warnings() + blend_note(blend_excess(flow))
+        rows = loss_rows(flow)
+        groups, summary = nozzle_groups(flow), self._summary(rate, rows)
+        warnings = doubts_at(Pumped(case, summary, self.units, flow, blend_excess(flow), limited))
         if (
             case.fluid is None
             or case.fluid.pump_pressure is not None
             or abs(rate) > largest(case.fluid.flow_rate)
         ):
             warnings += beyond_curves(case, abs(rate))  # at the case's own flow rate the case is doubted
-        if limited not in (WITHIN, NOT_CHECKED):
-            warnings.append(f"the pressure passes the window: {limited}")
-        rows = loss_rows(flow)
-        groups, summary = nozzle_groups(flow), self._summary(rate, rows)
-        warnings += beyond_rig(case, summary, self.units)
         return FlowResult(rate, summary, rows, self._profile(), limited, warnings, groups)
 
     def _summary(self, rate: float, rows: list[Loss]) -> Numbers:
@@ -384,7 +331,7 @@ def run_hydraulics(
         rates = np.unique(np.append(np.minimum(max(flows) * CURVE, 2 * LARGEST_FLOW), flows))
         curve = [_curve_row(hydraulics, rate) for rate in rates]
         folder = job.make_folder()
-        summary = _summary(case, hydraulics, results) | {"units": case.shown_units}
+        summary = _summary(case, hydraulics, results).as_dict()
         if job.comm.rank == 0:
             write_case(case, folder)
             _write(folder.path, case, results, curve, case.given_fluid.rheology)
@@ -463,25 +410,26 @@ def _write(
     write_table(path / FLOW_CURVE_TABLE, [q.column for q in FLOW_CURVE], table)
 
 
-def _summary(case: Case, hydraulics: Hydraulics, results: list[FlowResult]) -> dict[str, Any]:
-    return {
-        "title": case.title,
-        "bit_depth": hydraulics.flow.string.depth,
-        "hole_depth": hydraulics.end,
-        "shoe_depth": hydraulics.shoe,
-        "shoe_tvd": None
+def _summary(case: Case, hydraulics: Hydraulics, results: list[FlowResult]) -> HydraulicsSummary:
+    return HydraulicsSummary(
+        title=case.title,
+        bit_depth=hydraulics.flow.string.depth,
+        hole_depth=hydraulics.end,
+        shoe_depth=hydraulics.shoe,
+        shoe_tvd=None
         if hydraulics.shoe is None
         else float(vertical_depth(case, np.array([hydraulics.shoe]))[0]),
-        "window": window_table(case.window),
-        "outlet_pressure": case.given_fluid.outlet_pressure.value(0.0),
-        "flows": [
+        window=window_table(case.window),
+        outlet_pressure=case.given_fluid.outlet_pressure.value(0.0),
+        flows=[
             {**r.summary, **_nozzles(case, r), "limited_by": r.limited_by, "warnings": r.warnings}
             for r in results
         ],
-        "rheology": rheology_fits.figures(case.given_fluid.rheology) or None,
-        "warnings": hydraulics.warnings,
-        "notes": hydraulics.notes,
-    }
+        rheology=rheology_fits.figures(case.given_fluid.rheology) or None,
+        warnings=hydraulics.warnings,
+        notes=hydraulics.notes,
+        units=case.shown_units,
+    )
 
 
 def _nozzles(case: Case, result: FlowResult) -> dict[str, Any]:

@@ -429,7 +429,6 @@ def volumes(flow: FlowModel) -> dict[str, float]:
 
 
 # ---------------------------------------------------------------------- the explicit law
-BLEND_EXCESS = 0.05  # excess of the law blend over the exact one above which it is reported [-]
 
 
 def blend_excess(flow: FlowModel, speed: float = 0.0) -> float:
@@ -451,13 +450,3 @@ def blend_excess(flow: FlowModel, speed: float = 0.0) -> float:
         for q in (law, replace(law, law="exact"))
     ]
     return sums[0] / sums[1] - 1.0 if sums[1] > 0 else 0.0
-
-
-def blend_note(excess: float) -> list[str]:
-    """Say that the friction in the annulus is too high, where the excess [-] matters."""
-    if excess <= BLEND_EXCESS:
-        return []
-    return [
-        f"rheology.law: blend overstates the annulus friction of this mud by {100 * excess:.0f} % here (yield stress, slow "
-        "flow); rheology: {law: exact} does not"
-    ]

@@ -107,18 +107,3 @@ def _group(flow: FlowModel, number: int, md: float, area: float, rate: float, lo
         cut = 0.25 * np.pi * (item.od**2 - pilot**2)
     power = trade.hydraulic_power(loss, rate)
     return NozzleGroup(number, md, area, rate, loss, flow.fluid.constants.density, power / cut)
-
-
-def side_notes(flow: FlowModel) -> list[str]:
-    """What is assumed of nozzles above the bit."""
-    side = flow.fluid.side
-    assert side is not None and flow.case.fluid is not None
-    names = [flow.case.string[flow.string.number[n]].name for link in side.links for n, _ in link.items]
-    out = [
-        f"nozzles above the bit, at the upper ends of their items: {', '.join(names)}; their loss has the bit's discharge coefficient"
-    ]
-    if flow.case.fluid.check_valve:
-        out.append(
-            "fluid.check_valve is at the bit: mud can flow into the string through the nozzles above it"
-        )
-    return out

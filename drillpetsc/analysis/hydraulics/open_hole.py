@@ -75,21 +75,6 @@ def annulus_pressure_at(flow: FlowModel, md: FloatArray, tvd: FloatArray) -> Flo
     return np.where(md <= flow.md[-1], inside, flow.pressure_below(tvd))
 
 
-def window_in_measured_depth(case: Case, window: Window | None) -> list[str]:
-    """Say that the table of the window ends at the measured depth of the hole's end, where that is no vertical depth."""
-    if window is None or window.tvd is None or case.well is None:
-        return []
-    end = float(case.well.survey.md[-1])
-    tvd = float(vertical_depth(case, np.array([end]))[0])
-    if abs(window.tvd[-1] - end) > 1e-3 * end or tvd > 0.98 * end:
-        return []
-    units = case.shown_units
-    return [
-        f"window.tvd ends at {shown(end, 'length', units, 5)}, the measured depth of the hole, whose end is at TVD "
-        f"{shown(tvd, 'length', units, 5)}: are these measured depths?"
-    ]
-
-
 def open_hole(case: Case, window: Window | None) -> OpenHole | None:
     """Create the points of the open hole; None without a window.
 

@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 
+from drillpetsc.analysis.hydraulics.doubts import Tripped, TripPlan
 from drillpetsc.analysis.hydraulics.dynamic_surge import ACCELERATION, dynamic_surge
 from drillpetsc.analysis.hydraulics.flow_model import (
     SHORTEST_PIECE,
@@ -23,11 +24,10 @@ from drillpetsc.analysis.hydraulics.flow_model import (
     whole_string,
 )
 from drillpetsc.analysis.hydraulics.hydraulics import Numbers, default_flow, densities, window_table
-from drillpetsc.analysis.hydraulics.losses import blend_excess, blend_note
+from drillpetsc.analysis.hydraulics.losses import blend_excess
 from drillpetsc.analysis.hydraulics.nozzles import bit_flow
 from drillpetsc.analysis.hydraulics.open_hole import (
     NOT_CHECKED,
-    NOTHING_OPEN,
     WITHIN,
     OpenHole,
     open_hole,
@@ -36,6 +36,7 @@ from drillpetsc.analysis.hydraulics.open_hole import (
 from drillpetsc.analysis.motion.run_options import options_of
 from drillpetsc.case.blocks.window import Window
 from drillpetsc.case.case import Case
+from drillpetsc.doubts import doubts_at
 from drillpetsc.errors import CaseError, SolveError
 from drillpetsc.model.fluid import build_rheology
 from drillpetsc.output import write_summary, write_table
@@ -45,6 +46,7 @@ from drillpetsc.output.job import Job
 from drillpetsc.output.quantities.hydraulics import DYNAMIC_SURGE, MAX_TRIP_SPEED, SIDE_SURGE, SURGE
 from drillpetsc.output.result import RunResult
 from drillpetsc.output.shown_units import lengths_shown, shown_unit
+from drillpetsc.output.summaries.flow import SurgeSummary
 from drillpetsc.physics.fluid.rheology import wall_shear
 from drillpetsc.units import to_si
 
@@ -136,7 +138,7 @@ class Tripping:
             bit_flow(flow),
             float(annulus.outflow(state) or 0.0),
             self._limited(),
-            (*flow.warnings(), *blend_note(blend_excess(flow, OPERATIONS[operation] * speed))),
+            tuple(doubts_at(Tripped(self.case, flow, blend_excess(flow, OPERATIONS[operation] * speed)))),
             np.nan if side is None else side.outflow(state),
         )
 
@@ -213,49 +215,34 @@ def run_surge(job: Job, plan: Trips) -> RunResult:
     notes: list[str] = []
     window = plan.window or case.window
     hole = open_hole(case, window)
-    flow = 0.0
-    if "pumping" in plan.pipes:
-        flow = default_flow(case, notes) if plan.flow is None else plan.flow
-        if not flow:
-            raise CaseError(
-                at="--flow", want="a flow rate for --pipe pumping", hint="the case has a pump_pressure"
-            )
-    notes += _notes(case, plan, hole)
+    flow = _pump_rate(case, plan, notes) if "pumping" in plan.pipes else 0.0
+    top = whole_string(case).top
+    notes += doubts_at(TripPlan(case, plan.pipes, ACCELERATION if plan.dynamic else None, hole, top))
     side = SIDE_SURGE if case.side_nozzles else ()
     quantities = (*SURGE, *side, *(DYNAMIC_SURGE if plan.dynamic else ()))
-    rows: list[SurgeRow] = []
     fastest: list[dict[str, Any]] = []
-    by_area: list[dict[str, Any]] = []
     with options_of(case):
-        whole = _string_from_rig(case, notes)
-        strings = [whole] if plan.bit_depths is None else [string_at(case, d) for d in plan.bit_depths]
-        for pipe in plan.pipes:
-            for string in strings:
-                trip = Tripping(case, string, pipe, hole, flow)  # type: ignore[arg-type]
-                for operation in plan.operations:
-                    found = [_row(trip, operation, speed) for speed in plan.speeds]
-                    rows += [_with_start(case, trip, row) for row in found] if plan.dynamic else found
-                    if pipe == "open":
-                        by_area.append(_by_area(trip, operation, max(plan.speeds), rows[-1]))
+        whole = _string_from_rig(case)
+        rows, by_area = _trips(case, plan, whole, hole, flow)
         if hole is not None:
             for string in _trip_depths(case, plan, whole):
                 fastest += _fastest(case, string, plan, hole, flow)
         if all(row.limited_by == FAILED for row in rows):
             raise SolveError(f"no trip has a steady flow: {rows[0].warnings[0]}")
         folder = job.make_folder()
-        summary = {
-            "title": case.title,
-            "units": case.shown_units,
-            "window": window_table(window),
-            "window_from": None if window is None else ("--window" if plan.window is not None else "case"),
-            "surge": [
+        summary = SurgeSummary(
+            title=case.title,
+            units=case.shown_units,
+            window=window_table(window),
+            window_from=None if window is None else ("--window" if plan.window is not None else "case"),
+            surge=[
                 {q.name: _plain(row.value(q.name)) for q in quantities} | {"warnings": list(row.warnings)}
                 for row in rows
             ],
-            "max_trip_speed": [{k: _plain(v) for k, v in row.items()} for row in fastest],
-            "open_pipe_by_area": [{k: _plain(v) for k, v in row.items()} for row in by_area],
-            "notes": notes,
-        }
+            max_trip_speed=[{k: _plain(v) for k, v in row.items()} for row in fastest],
+            open_pipe_by_area=[{k: _plain(v) for k, v in row.items()} for row in by_area],
+            notes=notes,
+        ).as_dict()
         if job.comm.rank == 0:
             write_case(case, folder)
             columns = [[_cell(row.value(q.name)) for row in rows] for q in quantities]
@@ -265,6 +252,34 @@ def run_surge(job: Job, plan: Trips) -> RunResult:
                 write_table(folder.path / TRIP_SPEED_TABLE, [q.column for q in MAX_TRIP_SPEED], table)
             write_summary(folder.summary, summary)
     return job.result(folder, summary, _lines(case, rows, summary))
+
+
+def _pump_rate(case: Case, plan: Trips, notes: list[str]) -> float:
+    """Flow rate of the pump while pumping [m3/s]; notes one that the case gives over time."""
+    flow = default_flow(case, notes) if plan.flow is None else plan.flow
+    if not flow:
+        raise CaseError(
+            at="--flow", want="a flow rate for --pipe pumping", hint="the case has a pump_pressure"
+        )
+    return flow
+
+
+def _trips(
+    case: Case, plan: Trips, whole: PlacedString, hole: OpenHole | None, flow: float
+) -> tuple[list[SurgeRow], list[dict[str, Any]]]:
+    """Rows of all trips, and for an open pipe the pressures with the flow shared by areas."""
+    rows: list[SurgeRow] = []
+    by_area: list[dict[str, Any]] = []
+    strings = [whole] if plan.bit_depths is None else [string_at(case, d) for d in plan.bit_depths]
+    for pipe in plan.pipes:
+        for string in strings:
+            trip = Tripping(case, string, pipe, hole, flow)  # type: ignore[arg-type]
+            for operation in plan.operations:
+                found = [_row(trip, operation, speed) for speed in plan.speeds]
+                rows += [_with_start(case, trip, row) for row in found] if plan.dynamic else found
+                if pipe == "open":
+                    by_area.append(_by_area(trip, operation, max(plan.speeds), rows[-1]))
+    return rows, by_area
 
 
 def _check(case: Case, plan: Trips) -> None:
@@ -281,46 +296,11 @@ def _check(case: Case, plan: Trips) -> None:
         raise CaseError(at="--pipe", got=solid[0], want="closed: the string has no bore")
 
 
-def _notes(case: Case, plan: Trips, hole: OpenHole | None) -> list[str]:
-    notes = ["steady: the pressure that accelerates the mud is left out"]
-    if plan.dynamic:
-        notes = [
-            f"pressure of the start: from rest with {ACCELERATION:g} m/s2 at the top, elastic string and compressible mud, friction of "
-            "the case; no gels, no stop; window and largest trip speeds are compared with the steady pressure"
-        ]
-    assert case.fluid is not None
-    if "open" in plan.pipes and case.fluid.check_valve:
-        way = "; mud enters through the nozzles above the bit" if case.side_nozzles else ""
-        notes.append(f"open pipe with fluid.check_valve: the valve stays shut while running in{way}")
-    if "open" in plan.pipes and case.fluid.outlet_pressure.value(0.0) > 0:
-        notes.append(
-            "open pipe with an outlet_pressure: the mud flows up the pipe with the string at rest, too"
-        )
-    if case.side_nozzles and "closed" in plan.pipes:
-        notes.append(
-            "closed pipe: full of mud and closed at its top, so nothing flows through the nozzles above the bit on the whole; a float "
-            "below open nozzles is --pipe open with fluid.check_valve: true"
-        )
-    if case.bottom.plugged and not case.side_nozzles and set(plan.pipes) != {"closed"}:
-        notes.append("bottom.plugged holds for a closed pipe only")
-    if hole is None:
-        notes.append(
-            "no window: no largest trip speed; give --window PORE,FRAC, or the key window of the case"
-        )
-    elif not len(hole.md):
-        notes.append(NOTHING_OPEN)
-    return notes
-
-
-def _string_from_rig(case: Case, notes: list[str]) -> PlacedString:
-    """The whole string, lengthened to the rig where its top lies in the hole: a trip moves it from there, which is noted."""
+def _string_from_rig(case: Case) -> PlacedString:
+    """The whole string, lengthened to the rig where its top lies in the hole: a trip moves it from there."""
     whole = whole_string(case)
     if whole.top <= SHORTEST_PIECE:
         return whole
-    name = case.string[0].name
-    notes.append(
-        f"the string's top lies at MD {whole.top:.6g} m: for a trip the topmost item ({name}) is lengthened to the rig"
-    )
     return string_at(case, whole.depth)
 
 

@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 
+from drillpetsc.analysis.linear.doubts import Linear, Reduction
 from drillpetsc.analysis.linear.linear_model import (
     USUAL,
     DisturbedInput,
@@ -22,7 +23,6 @@ from drillpetsc.analysis.linear.linear_model import (
 )
 from drillpetsc.analysis.linear.mean_over_turn import mean_over_turn
 from drillpetsc.analysis.linear.modal import (
-    REPORTED_IMBALANCE,
     ZERO_FRACTION,
     reference_rate,
     unbalanced_force,
@@ -34,6 +34,7 @@ from drillpetsc.arrays import FloatArray
 from drillpetsc.case.case import Case
 from drillpetsc.case.checks.limits import refuse_quaternion
 from drillpetsc.case.options.case_inputs import describe, inputs_of, with_inputs
+from drillpetsc.doubts import doubts_at
 from drillpetsc.errors import CaseError
 from drillpetsc.model.drilling_model import DrillingModel, build_model, is_quasi_static
 from drillpetsc.model.top.top_drive import continuous_control
@@ -44,7 +45,6 @@ from drillpetsc.output.job import Job
 from drillpetsc.output.recorder import Recorder
 from drillpetsc.solvers.linear.model_reduction import Reduced, not_decaying, reduce
 from drillpetsc.solvers.linear.state_space import StateSpace
-from drillpetsc.unit_systems import shown
 
 FREQUENCIES = 500  # at which a reduced model is compared with the whole one
 ROUNDING = 1e-6  # part of an output that follows the rate of an input is rounding below this fraction of the response
@@ -120,7 +120,7 @@ def run_linearise(
         refuse_unknown("--outputs", outputs, list(units))
         folder = job.make_folder()
         state = steady_state(model)
-        notes = [*state.warnings, *_notes(model, live)]
+        notes = [*state.warnings, *doubts_at(_moment(model, live))]
         linear = linear_model(model, disturbed, outputs)
         answer = on_first(model, partial(_reduced, model, linear, inputs, outputs, method, order))
     system, reduced, found = answer
@@ -162,41 +162,27 @@ def _about(model: DrillingModel) -> str:
     return motion_text(lowering, rotation, model.case.shown_units)
 
 
-def _notes(model: DrillingModel, live: LiveOutputs) -> list[str]:
-    """Notes on the linear model: contacts, friction and bit as linearised, and the remaining imbalance."""
-    notes = []
-    for key, value in inputs_of(model.case).items():
-        if value.breaks():
-            notes.append(f"{key} varies over time: the state uses its value at time 0, {value.value(0.0):g}")
-    if any(getattr(q, "kind", "") == "python" for q in getattr(model.case.top, "control", ())):
-        notes.append("the controller in Python is left out: its torque stays constant")
-    mpi = model.system.comm.tompi4py()
-    left = unbalanced_force(model)
-    if left > REPORTED_IMBALANCE:
-        notes.append(
-            f"unbalanced forces up to {shown(left, 'force', model.case.output.units or 'metric', 3)} remain: the state is not exactly steady"
-        )
+def _moment(model: DrillingModel, live: LiveOutputs) -> Linear:
+    """What the linear model is made of: contacts, friction and bit as linearised, and the remaining imbalance; collective."""
+    closed: int | None = None
     if model.contact is not None:
         cells, items = model.contact.element_results(model.system.assembly)
-        closed = mpi.allreduce(int((cells[:, 0] > 0).sum() + (items[:, 0] > 0).sum()))
-        moves = prescribed_motion(model) != (0.0, 0.0)
-        friction = (
-            "friction is linearised at the present sliding speed" if moves else "without friction at rest"
-        )
-        what = f"{closed} contacts with the wall are closed and act as springs; open contacts stay open"
-        notes.append(f"{what}; {friction}" if closed else "all contacts with the wall are open and stay open")
-    columns = [q.name for q in live.described()]
-    if model.bit is not None and "wob" in columns:
+        own = int((cells[:, 0] > 0).sum() + (items[:, 0] > 0).sum())
+        closed = model.system.comm.tompi4py().allreduce(own)
+    on_bottom: bool | None = None
+    if model.bit is not None and "wob" in [q.name for q in live.described()]:
         live.changed()
-        on_bottom = live.read(live.find(["wob"]), 0.0)[0] > 0
-        notes.append(
-            "the bit stays on the bottom, and its law is linearised at the present speed"
-            if on_bottom
-            else "the bit is off the bottom and stays there, without rock or bit law"
-        )
-    if prescribed_motion(model)[1] and model.case.string and model.contact is not None:
-        notes.append("a bent or eccentric string that rotates is linearised at one angle of rotation")
-    return notes
+        on_bottom = bool(live.read(live.find(["wob"]), 0.0)[0] > 0)
+    motion = prescribed_motion(model)
+    return Linear(
+        model=model,
+        imbalance=unbalanced_force(model),
+        varying=[(key, q.value(0.0)) for key, q in inputs_of(model.case).items() if q.breaks()],
+        closed=closed,
+        moves=motion != (0.0, 0.0),
+        turns=bool(motion[1]),
+        on_bottom=on_bottom,
+    )
 
 
 def _reduced(
@@ -209,7 +195,7 @@ def _reduced(
 ) -> tuple[StateSpace, Reduced | None, dict[str, Any]]:
     """The whole model, the reduced one, and entries of the summary; on the first rank."""
     assert linear is not None
-    system, notes = linear.system, []
+    system = linear.system
     zero = ZERO_FRACTION * reference_rate(model)
     kept = not_decaying(system, zero)
     s = np.linalg.eigvals(system.A) if system.order else np.zeros(0, dtype=complex)
@@ -220,21 +206,9 @@ def _reduced(
             rigid.append(kind)
         else:
             growing.append({"kind": kind, "growth": root.real, "frequency": root.imag / (2 * np.pi)})
-    if rigid:
-        notes.append(f"unrestrained rigid-body motions: {', '.join(sorted(set(rigid)))}")
     rising = [
         g for g in growing if g["growth"] > 1e-6 * abs(complex(g["growth"], 2 * np.pi * g["frequency"]))
     ]
-    if rising:
-        worst = max(rising, key=lambda g: g["growth"])
-        notes.append(
-            f"the steady state is unstable: motions that grow: {len(rising)}, the fastest ({worst['kind']}, "
-            f"{worst['frequency']:.4g} Hz) by {worst['growth']:.4g} 1/s"
-        )
-    if len(growing) > len(rising):
-        notes.append(f"undamped motions of constant amplitude: {len(growing) - len(rising)}")
-    for i in linear.constant:
-        notes.append(f"{outputs[i]} does not depend on the inputs: its rows of C and D are zero")
     frequency = _frequencies(s, zero)
     response = system.response(frequency)
     feed = np.abs(system.F) * 2 * np.pi * frequency[-1]
@@ -242,8 +216,6 @@ def _reduced(
         system, F=np.where(feed > ROUNDING * np.abs(response).max(axis=0, initial=0.0), system.F, 0.0)
     )
     follows = [(outputs[i], inputs[j]) for i, j in zip(*np.nonzero(system.F), strict=True)]
-    for y, u in follows:
-        notes.append(f"{y} also follows the rate of {u}: y = C x + D u + F u'")
     found: dict[str, Any] = {
         "states": system.order,
         "rigid": rigid,
@@ -256,8 +228,6 @@ def _reduced(
     if method is not None:
         sizes = np.array([USUAL[key] for key in inputs])
         result = reduce(system, method, order, zero, sizes)
-        if system.order <= order:
-            notes.append(f"--order {order}: the whole model has {system.order} states, and all are kept")
         data["reduced"] = result.system.response(frequency)
         found["reduction"] = {
             "method": method,
@@ -270,7 +240,19 @@ def _reduced(
             "output_size": dict(zip(outputs, result.output_size, strict=True)),
             "hankel": result.hankel[: 2 * order],
         }
-    found["warnings"], found["response"] = notes, data
+    found["warnings"] = doubts_at(
+        Reduction(
+            model=model,
+            rigid=rigid,
+            rising=rising,
+            constant=len(growing) - len(rising),
+            apart=[outputs[i] for i in linear.constant],
+            follows=follows,
+            order=None if method is None else order,
+            states=system.order,
+        )
+    )
+    found["response"] = data
     return replace(system, motions=None), result, found
 
 

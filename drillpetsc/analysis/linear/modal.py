@@ -21,6 +21,7 @@ from typing import Any
 
 import numpy as np
 
+from drillpetsc.analysis.linear.doubts import Modal
 from drillpetsc.analysis.linear.frequency.stokes import (
     at_own_frequencies,
     frequency_dependent,
@@ -30,7 +31,6 @@ from drillpetsc.analysis.linear.linearised_model import linearise_model, settle
 from drillpetsc.analysis.linear.mean_over_turn import mean_over_turn
 from drillpetsc.analysis.linear.modes import Modes
 from drillpetsc.analysis.linear.modes_of_kind import lowest_of_kind
-from drillpetsc.analysis.linear.unresolved_modes import fed_by_swirl, unresolved_growth
 from drillpetsc.analysis.motion.run_options import options_of
 from drillpetsc.analysis.motion.time_scales import time_scales
 from drillpetsc.analysis.statics.equilibrium import StaticState
@@ -40,6 +40,7 @@ from drillpetsc.analysis.statics.steady_flow import release_flow
 from drillpetsc.arrays import FloatArray
 from drillpetsc.case.case import Case
 from drillpetsc.case.checks.limits import refuse_quaternion
+from drillpetsc.doubts import doubts_at
 from drillpetsc.errors import CaseError, DrillError
 from drillpetsc.fem.component import DRIVE
 from drillpetsc.model.drilling_model import DrillingModel, build_model
@@ -55,6 +56,7 @@ from drillpetsc.output.quantities import MODE_KINDS as KINDS
 from drillpetsc.output.quantities import MODES
 from drillpetsc.output.quantities.modes import STOKES_NUMBER
 from drillpetsc.output.result import RunResult
+from drillpetsc.output.summaries.linear import ModesSummary
 from drillpetsc.physics.tools.mud_motor import MudMotor
 from drillpetsc.solvers.linear.linearization import Linearised
 from drillpetsc.solvers.linear.quadratic_eigenproblem import (
@@ -62,7 +64,6 @@ from drillpetsc.solvers.linear.quadratic_eigenproblem import (
     eigenvalues_near,
     lowest_eigenvalues,
 )
-from drillpetsc.unit_systems import System, shown
 
 STATES = ("steady", "rest")
 FREE_SPIN = 1e3  # spin over way above which a vector of a root zero turns freely [rad/m]
@@ -70,7 +71,6 @@ ZERO_FRACTION = 1e-3  # eigenvalues below this fraction of the reference rate ar
 PAYING = 1e-3  # share of the pay-out in the shape of a free drum, over the share in any other mode about zero
 #: weights of the fluid's rows [per m3/s] and [per Pa] (kernels/fluid/flow.hpp)
 ROW_WEIGHT = {"pressure": 1e6, "flow": 1e-2}
-REPORTED_IMBALANCE = 1.0  # unbalanced force above which a note is shown [N]
 LATERAL = 1e-6  # share of lateral motion from which the mud's force across the hole matters
 SHAPE_PRESSURE = 1e5  # largest pressure in the shape of a mode of the fluid [Pa]
 
@@ -386,49 +386,50 @@ def run_modes(
         ):
             left_out = "the controller in Python is left out: its torque stays constant"
             state = replace(state, warnings=[*state.warnings, left_out])
-        summary = {
-            "title": case.title,
-            "searched": searched,
-            **mode_summary(found, state, case.shown_units),
-            "time_scales": time_scales(model).lines(),
-        }
-        summary["warnings"] += [*unresolved_growth(model, found), *fed_by_swirl(model, found)]
+        summary = _summary(model, found, state, searched).as_dict()
         if comm.rank == 0:
             _write(model, folder, found, summary, fields)
     return RunResult(folder.path, summary, _lines(case, folder, found, summary))
 
 
-def mode_summary(found: Modes, state: StaticState, units: System) -> dict[str, Any]:
-    """Return the entries of summary.json: results of all modes together; sentences in a system of units."""
-    return {
-        "about": motion_text(found.lowering, found.rotation, units),
-        "lowering": found.lowering,
-        "rotation": found.rotation,
-        "modes": found.count,
-        "stable": found.unstable == 0 and found.zeros == 0,
-        "margin": found.margin,
-        "unstable": found.unstable,
-        "diverging": found.diverging,
-        "fluttering": found.fluttering,
-        "zero_roots": found.zeros,
-        "smallest_eigenvalue": found.smallest,
-        "largest_error": float(found.error.max(initial=0.0)),
-        "imbalance": found.imbalance,
-        "frequency": found.frequency,
-        "damping_ratio": found.damping_ratio,
-        "growth": found.growth,
-        "kind": list(found.kind),
-        "negative_pivots": state.equilibrium.negative_pivots,
-        "warnings": list(state.warnings) + _reference_warning(found),
-    }
+def moment_of(model: DrillingModel, found: Modes) -> Modal:
+    """What there is to doubt about modes."""
+    return Modal(
+        model=model,
+        frequency=found.frequency,
+        kind=found.kind,
+        grows=found.grows,
+        kept=found.kept,
+        imbalance=found.imbalance,
+    )
 
 
-def _reference_warning(found: Modes) -> list[str]:
-    if not found.kept:
-        return []
-    return [
-        f"{found.kept} modes use the mud's force at the reference frequency, because their own frequency was not found"
-    ]
+def _summary(model: DrillingModel, found: Modes, state: StaticState, searched: str) -> ModesSummary:
+    """Results of all modes together; collective."""
+    return ModesSummary(
+        title=model.case.title,
+        searched=searched,
+        about=motion_text(found.lowering, found.rotation, model.case.shown_units),
+        lowering=found.lowering,
+        rotation=found.rotation,
+        modes=found.count,
+        stable=found.unstable == 0 and found.zeros == 0,
+        margin=found.margin,
+        unstable=found.unstable,
+        diverging=found.diverging,
+        fluttering=found.fluttering,
+        zero_roots=found.zeros,
+        smallest_eigenvalue=found.smallest,
+        largest_error=float(found.error.max(initial=0.0)),
+        imbalance=found.imbalance,
+        frequency=found.frequency,
+        damping_ratio=found.damping_ratio,
+        growth=found.growth,
+        kind=list(found.kind),
+        negative_pivots=state.equilibrium.negative_pivots,
+        warnings=[*state.warnings, *doubts_at(moment_of(model, found))],
+        time_scales=time_scales(model).lines(),
+    )
 
 
 def _write(model: DrillingModel, folder: RunFolder, found: Modes, summary: dict[str, Any], fields) -> None:
@@ -502,7 +503,7 @@ def _lines(case: Case, folder: RunFolder, found: Modes, summary: dict[str, Any])
     ]
     for m in range(found.count):
         mark = (
-            "  <- grows" if found._grows[m] else "  <- zero" if abs(found.eigenvalue[m]) <= found.zero else ""
+            "  <- grows" if found.grows[m] else "  <- zero" if abs(found.eigenvalue[m]) <= found.zero else ""
         )
         lines.append(
             f"  {m + 1:>4}   {found.frequency[m]:>14.6g} {60 * found.frequency[m]:>12.5g}   {found.damping_ratio[m]:>13.4g}   "
@@ -516,10 +517,6 @@ def _lines(case: Case, folder: RunFolder, found: Modes, summary: dict[str, Any])
     lines.append(
         f"  {stability}; largest growth {found.margin:.4g} 1/s, smallest |s| {found.smallest:.4g} 1/s"
     )
-    if found.imbalance > REPORTED_IMBALANCE:
-        lines.append(
-            f"  note: unbalanced forces up to {shown(found.imbalance, 'force', case.output.units or 'metric', 3)} remain: the state is not exactly steady"
-        )
     lines += [f"  {line}" for line in summary["time_scales"]]
     if found.stokes_number is not None:
         known = found.stokes_number[np.isfinite(found.stokes_number)]

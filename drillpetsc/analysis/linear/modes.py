@@ -56,19 +56,20 @@ class Modes:
         return float(self.growth.max(initial=-np.inf))
 
     @property
-    def _grows(self) -> np.ndarray:
+    def grows(self) -> np.ndarray:
+        """(k,) whether a mode grows."""
         size = np.abs(self.eigenvalue)
         return (self.growth > NEUTRAL_GROWTH * size) & (size > self.zero)
 
     @property
     def diverging(self) -> int:
         """Number of modes that grow without oscillation."""
-        return int((self._grows & (self.frequency == 0)).sum())
+        return int((self.grows & (self.frequency == 0)).sum())
 
     @property
     def fluttering(self) -> int:
         """Number of modes that grow with oscillation."""
-        return int((self._grows & (self.frequency > 0)).sum())
+        return int((self.grows & (self.frequency > 0)).sum())
 
     @property
     def unstable(self) -> int:

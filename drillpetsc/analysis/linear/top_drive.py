@@ -7,11 +7,13 @@ from typing import Any
 
 import numpy as np
 
-from drillpetsc.analysis.motion.drive_report import control_lines, control_summary, control_warnings
+from drillpetsc.analysis.motion.drive_report import control_lines, control_summary
 from drillpetsc.analysis.motion.run_options import options_of
 from drillpetsc.arrays import FloatArray
 from drillpetsc.case.blocks.ends import HeldBottom
 from drillpetsc.case.case import Case
+from drillpetsc.doubts import doubts_at
+from drillpetsc.doubts.moments import Tuned
 from drillpetsc.errors import CaseError
 from drillpetsc.model.hole import build_well
 from drillpetsc.model.mesh import build_mesh
@@ -48,7 +50,7 @@ def run_top_drive(job: Job) -> RunResult:
     motor, laws, impedance = motor_of(case), laws_of(case, mesh), pipe_impedance(mesh)
     table = [np.abs(reflection(law, motor, impedance, FREQUENCIES)) for law in laws]
     summary: dict[str, Any] = {"title": case.title, "top_drive": control_summary(laws, motor, impedance)}
-    summary["warnings"] = control_warnings(case, laws, impedance)
+    summary["warnings"] = doubts_at(Tuned(case, laws))
     try:
         held = isinstance(case.bottom, HeldBottom) and case.bottom.kind == "clamped"
         summary["top_drive"]["torsional_frequency"] = lowest_torsional_frequency(mesh, held)

@@ -1,11 +1,10 @@
-"""Words on hoist and autodriller: figures for the screen and summary.json, and warnings."""
+"""Words on hoist and autodriller: figures for the screen and summary.json."""
 
 from __future__ import annotations
 
 from typing import Any
 
-from drillpetsc.case.case import Case
-from drillpetsc.model.drilling_model import DrillingModel, is_quasi_static
+from drillpetsc.model.drilling_model import DrillingModel
 from drillpetsc.model.top.hoist import autodriller_of, gear_of
 from drillpetsc.physics.top.hoist import Hoist, HoistLine
 from drillpetsc.physics.top.hoisting import fast_line_efficiency
@@ -57,48 +56,3 @@ def hoist_lines(model: DrillingModel) -> list[str]:
             f"  drum: {shown(drill.least, 'rop', units)} to {shown(drill.most, 'rop', units)} from {drill.start:g} s on"
         )
     return lines
-
-
-def hoist_warnings(case: Case) -> list[str]:
-    """Sentences, before the run, on a hoist that may behave unexpectedly."""
-    hoist = case.top.hoist
-    if hoist is None:
-        return []
-    if is_quasi_static(case):
-        return ["top.hoist: left out, since time.mode is quasi_static: the lowering moves the top itself"]
-    rig, out, units = case.rig, [], case.shown_units
-    weight = hoist.block_mass * 9.80665
-    if rig is not None and rig.block_weight and abs(rig.block_weight / weight - 1) > 0.01:
-        out.append(
-            f"rig.block_weight {shown(rig.block_weight, 'force', units)} is not the weight of top.hoist.block_mass, "
-            f"{shown(weight, 'force', units)}: hook_load_total has the first, hook_load_sensor the second"
-        )
-    drill = autodriller_of(case)
-    given = case.top.autodriller
-    if (
-        drill is not None
-        and given is not None
-        and given.max_speed is None
-        and drill.rate is None
-        and not case.initial.wob
-    ):
-        out.append(
-            f"top.autodriller: a bit that starts without weight may reach the bottom at up to {shown(drill.most, 'rop', units)}, the maximum speed of the "
-            "drum; give max_speed, or also the mode rop"
-        )
-    if drill is not None and drill.start == 0 and case.initial.from_ in ("rest", "straight"):
-        if any(q.kind == "wob" for q in drill.loops) and not drill.at_bit and any(case.gravity):
-            out.append(
-                f"top.autodriller: from 0 s with initial.from {case.initial.from_}: the hook load is tared before the string "
-                "hangs on the hook; start the autodriller later, or start from statics"
-            )
-    return out
-
-
-def slack_warnings(hoist: Hoist) -> list[str]:
-    """Sentence on lines that would have gone slack."""
-    if not isinstance(hoist, HoistLine) or hoist.slack is None:
-        return []
-    return [
-        f"top.hoist: the lines would be slack from t = {hoist.slack:.4g} s on; in the model they push the block"
-    ]

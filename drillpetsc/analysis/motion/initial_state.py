@@ -9,7 +9,6 @@ from drillpetsc.analysis.motion.quasi_static import QuasiStatic
 from drillpetsc.analysis.statics.equilibrium import StaticState
 from drillpetsc.analysis.statics.find_equilibrium import find_equilibrium
 from drillpetsc.analysis.statics.imperfection import add_imperfection_of_rest
-from drillpetsc.analysis.statics.notes.freed_weight import weight_warnings
 from drillpetsc.analysis.statics.placement import find_reactions, move_rigidly, place_along_hole, release
 from drillpetsc.case.case import Case
 from drillpetsc.model.drilling_model import DrillingModel
@@ -33,7 +32,6 @@ def initial_state(
     state = None
     if case.initial.from_ == "statics":
         state = find_equilibrium(model)
-        state.warnings += weight_warnings(model)
         if state.path is not None:  # friction follows the motion from now on
             model.system.assembly.dead_load = state.path.persistent_load
     elif case.initial.from_ in ("rest", "straight"):

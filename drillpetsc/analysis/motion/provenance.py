@@ -96,11 +96,11 @@ def changes(saved: Mapping[str, Any], case: Case, user_options: Mapping[str, str
     return found
 
 
-def version_warnings(saved: Mapping[str, Any]) -> list[str]:
-    """Warnings about libraries changed since the checkpoint: results are then equal up to rounding only."""
+def changed_libraries(saved: Mapping[str, Any]) -> list[tuple[str, str, str]]:
+    """(name, version of the checkpoint, version now) of changed libraries: results are then equal up to rounding only."""
     now = versions()
     return [
-        f"the run is continued with {name} {now[name]}; its checkpoint was written with {name} {saved['versions'][name]}"
+        (name, str(saved["versions"][name]), str(now[name]))
         for name in ("petsc", "numpy")
         if saved["versions"].get(name) != now[name]
     ]

@@ -11,7 +11,7 @@ from typing import Any
 from petsc4py import PETSc
 
 from drillpetsc.analysis.motion.drive_report import control_summary
-from drillpetsc.analysis.motion.hoist_report import hoist_summary, slack_warnings
+from drillpetsc.analysis.motion.hoist_report import hoist_summary
 from drillpetsc.analysis.motion.provenance import digest, versions
 from drillpetsc.analysis.statics.equilibrium import StaticState
 from drillpetsc.analysis.statics.placement import top_depth
@@ -21,6 +21,7 @@ from drillpetsc.geometry.trajectory import as_dict, new_hole
 from drillpetsc.model.drilling_model import DrillingModel
 from drillpetsc.output.balances.time_error import time_error_lines
 from drillpetsc.output.recorder import Recorder
+from drillpetsc.output.summaries.run import StaticStart
 from drillpetsc.physics.top.hoist import Hoist
 from drillpetsc.physics.top.top_drive import MotorDrive
 from drillpetsc.solvers.time.time_integrator import TimeIntegrator
@@ -107,7 +108,6 @@ def outcome(
         result["top_drive"] = control_summary(drive.described, drive.motor, drive.impedance)
     for hoist in model.parts(Hoist):
         result["hoist"] = hoist_summary(model, hoist)
-        result["warnings"] += slack_warnings(hoist)
     if recorder.energy is not None:
         result["energy"] = recorder.energy.summary(newton_work)
     if recorder.mass is not None:
@@ -135,13 +135,13 @@ def static_notes(state: StaticState | None) -> dict[str, Any]:
         return {}
     e = state.equilibrium
     return {
-        "statics": {
-            "iterations": e.iterations,
-            "negative_pivots": e.negative_pivots,
-            "residual": float(e.residual),
-            "imperfection": float(e.imperfection),
-            "warnings": list(state.warnings),
-        }
+        "statics": StaticStart(
+            iterations=e.iterations,
+            negative_pivots=e.negative_pivots,
+            residual=float(e.residual),
+            imperfection=float(e.imperfection),
+            warnings=list(state.warnings),
+        ).as_dict()
     }
 
 

@@ -13,12 +13,11 @@ from math import gamma, pi, sqrt
 import numpy as np
 
 from drillpetsc.arrays import FloatArray
+from drillpetsc.doubts.motion import RESOLVED_FRACTION
 from drillpetsc.model.drilling_model import DrillingModel
 from drillpetsc.physics.contact import ContactLaw
+from drillpetsc.unit_systems import duration
 
-#: longest step that resolves an impact, as a fraction of its duration; with longer steps BDF2 gains or loses
-#: energy
-RESOLVED_FRACTION = 0.3
 STRICT_FRACTION = (
     0.5  # longest adaptive step with contact.energy_strict, as a fraction of an impact's duration
 )
@@ -60,28 +59,20 @@ class TimeScales:
             (self.bending, "bending wave"),
             (self.mud, "pressure wave"),
         ]
-        named = [f"{text} {format_time(value)}" for value, text in parts if np.isfinite(value)]
+        named = [f"{text} {duration(value)}" for value, text in parts if np.isfinite(value)]
         if not named:
             return []
         out = ["time scales (waves: period of the fastest element): " + ", ".join(named)]
         if np.isfinite(self.impact):
             out.append(
-                f"steps: impacts are resolved below {format_time(RESOLVED_FRACTION * self.impact)}; contact.energy_strict caps them at "
-                f"{format_time(STRICT_FRACTION * self.impact)}; an explicit method would need {format_time(self.explicit_step)}"
+                f"steps: impacts are resolved below {duration(RESOLVED_FRACTION * self.impact)}; contact.energy_strict caps them at "
+                f"{duration(STRICT_FRACTION * self.impact)}; an explicit method would need {duration(self.explicit_step)}"
             )
         else:
             out.append(
-                f"steps: of any length (BDF 1 and 2); an explicit method would need {format_time(self.explicit_step)}"
+                f"steps: of any length (BDF 1 and 2); an explicit method would need {duration(self.explicit_step)}"
             )
         return out
-
-
-def format_time(seconds: float) -> str:
-    """Format a time [s] with a unit of its size: 0.0017 -> "1.7 ms"."""
-    for unit, size in (("s", 1.0), ("ms", 1e-3), ("us", 1e-6)):
-        if seconds >= size:
-            return f"{seconds / size:.3g} {unit}"
-    return f"{seconds:.3g} s"
 
 
 def impact_time(law: ContactLaw, mass: FloatArray, length: FloatArray) -> FloatArray:
@@ -162,17 +153,3 @@ def _mud(model: DrillingModel) -> float:
 def longest_strict_step(model: DrillingModel) -> float:
     """Compute the longest adaptive step [s] with contact.energy_strict; infinite without contact."""
     return STRICT_FRACTION * time_scales(model).impact
-
-
-def step_warnings(model: DrillingModel, fixed_step: float | None) -> list[str]:
-    """Return warnings for a ``fixed_step`` [s] that is too long for impacts.
-
-    None means adaptive steps.
-    """
-    impact = time_scales(model).impact
-    if fixed_step is None or fixed_step <= RESOLVED_FRACTION * impact:
-        return []
-    return [
-        f"fixed steps of {format_time(fixed_step)} do not resolve impacts of {format_time(impact)}: rebounds and their energy are not reliable "
-        f"(take steps below {format_time(RESOLVED_FRACTION * impact)}, or let -ts_rtol control the steps)"
-    ]

@@ -9,11 +9,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 from petsc4py import PETSc
 
 from drillpetsc.analysis.motion import checkpoint, provenance, summary
-from drillpetsc.analysis.motion.drive_report import drive_warnings
-from drillpetsc.analysis.motion.hoist_report import hoist_warnings
 from drillpetsc.analysis.motion.initial_state import begin_new_states, initial_state
 from drillpetsc.analysis.motion.integrator_choice import make_integrator, whirl_steps_of
 from drillpetsc.analysis.motion.memory import Memory, give_back
@@ -26,14 +25,14 @@ from drillpetsc.analysis.motion.run_control import (
     WRITE,
     RunControl,
 )
-from drillpetsc.analysis.motion.time_scales import step_warnings
+from drillpetsc.analysis.motion.time_scales import time_scales
 from drillpetsc.analysis.statics.equilibrium import StaticState
-from drillpetsc.analysis.statics.notes.mud_above_top import mud_above_top
-from drillpetsc.analysis.statics.notes.top_push import top_push
-from drillpetsc.analysis.statics.placement import top_depth
-from drillpetsc.analysis.statics.start.coarse_mesh import run_warnings
+from drillpetsc.analysis.statics.freed_weight import freed_weight
 from drillpetsc.case.case import Case
 from drillpetsc.case.quantities import largest
+from drillpetsc.doubts import doubts_at
+from drillpetsc.doubts.moments import End, Start
+from drillpetsc.doubts.state import TopPush
 from drillpetsc.errors import RESTART_HINT, CaseError, Interrupted, SolveError, cannot_write
 from drillpetsc.model.drilling_model import DrillingModel, build_model, is_quasi_static
 from drillpetsc.output import RunFolder, read_summary, write_summary
@@ -47,9 +46,8 @@ from drillpetsc.output.measured.motion_classes import MotionClasses
 from drillpetsc.output.progress import Progress, Receiver, check_progress
 from drillpetsc.output.recorder import Recorder
 from drillpetsc.output.result import RunResult
-from drillpetsc.output.watches.creep import creep_warnings
+from drillpetsc.output.summaries.run import RunSummary
 from drillpetsc.output.watches.monitors import Monitors
-from drillpetsc.output.watches.wall_depth import wall_depth_notes
 from drillpetsc.parallel import first_rank_does
 from drillpetsc.solvers import petsc_options as options
 from drillpetsc.solvers.time.local_error import LocalErrorEstimate
@@ -198,25 +196,10 @@ class TransientRun:
         self.first = self.mpi.rank == 0
         self.start = self.t = self.saved.time if self.saved is not None else 0.0
         self.end = float(self.case.given_time.end)
-        self.notes["warnings"] = step_warnings(self.model, self.fixed_step)
-        self.notes["warnings"] += [*run_warnings(self.model), *self.model.mesh.notes]
-        self.notes["warnings"] += drive_warnings(self.model, self.saved is None)
-        self.notes["warnings"] += hoist_warnings(self.case)
-        pushed: list[str] = []
-        if self.saved is None:
-            self.notes["warnings"] += mud_above_top(self.model)
-            if self.case.initial.from_ == "statics":
-                pushed = top_push(self.case, -self.model.system.reaction("top.axial_reaction"))
-        self.notes["warnings"] += pushed
-        self._told = ("push",) if pushed else ()  # at the start
-        if self.saved is not None:
-            self.notes["warnings"] += provenance.version_warnings(self.saved.provenance)
-        if self.notes.get("accepted_changes"):
-            self.notes["warnings"].append(
-                "changes accepted at a restart act at once: the energy balance counts what they add or remove as gained or "
-                "lost by the time integration"
-            )
-        self.monitors = Monitors(self.model, top_depth(self.model))
+        start = self._doubtful_start()
+        self.notes["warnings"] = doubts_at(start)
+        self._pushed_at_start = any(True for _ in TopPush().look(start))
+        self.monitors = Monitors(self.model)
         if self.saved is not None:
             self.monitors.set_notes(self.saved.notes.get("monitors", {}))
         else:
@@ -227,6 +210,22 @@ class TransientRun:
         mode: Any = self.progress if self.first else "silent"
         self.bar = Progress(self.end, self.start, mode=mode)
         self.control = RunControl(self.mpi)
+
+    def _doubtful_start(self) -> Start:
+        """What is known before the first step; collective."""
+        model, saved, from_statics = self.model, self.saved, self.case.initial.from_ == "statics"
+        return Start(
+            model=model,
+            figures={"hook_load": -model.system.reaction("top.axial_reaction")}
+            if saved is None and from_statics
+            else {},
+            fixed_step=self.fixed_step,
+            impact=np.inf if self.fixed_step is None else time_scales(model).impact,
+            freed_weight=freed_weight(model) if saved is None and from_statics else None,
+            libraries=() if saved is None else provenance.changed_libraries(saved.provenance),
+            continued=saved is not None,
+            accepted=bool(self.notes.get("accepted_changes")),
+        )
 
     def run(self) -> RunResult:
         """Compute all steps; files that were written stay even if the computation fails."""
@@ -255,17 +254,6 @@ class TransientRun:
         integrator.on_failure.append(recorder.catch_up)
         self.memory = Memory(self.mpi, self.start, self.end)
         self._warn(self.notes["warnings"])
-        if saved is None:
-            said = [
-                line
-                for c in self.model.system.components
-                for line in c.start_warnings(
-                    self.model.system.assembly, self.model.case.output.units or "metric"
-                )
-            ]
-            said = self.model.system.all_entries(said)
-            self.notes["warnings"] += said
-            self._warn(said)
         self.moving_since = clock.perf_counter(), clock.process_time()
         error: BaseException | None = None
         try:
@@ -451,30 +439,33 @@ class TransientRun:
         result |= summary.outcome(model, self.recorder, self.notes, self.t, error, left)
         result |= self.estimate.as_dict(error is None) | {"memory": self.memory.as_dict(error is None)}
         damping_step = self._take_time_error(result)
-        said: list[str] = []
+        whirl = None
         if error is None:
             limited = self.whirl.summary(self.integrator.counters.steps)
             result |= {} if limited is None else {"steps_limited_by": limited}
             if damping_step is not None and self.integrator.step_limit is not self.whirl:
-                said += self.whirl.warnings(damping_step, largest(self.case.top.rotation))
+                whirl = self.whirl.damped(damping_step, largest(self.case.top.rotation))
         if self.classes is not None:
             result["motion"] = self.classes.summary()
-        said += [*self.writer.watch.warnings(self._told), *self.monitors.warnings()]
         if self.recorder.sensors is not None:
             result["sensors"] = self.recorder.sensors.summary()
-            said += self.recorder.sensors.warnings()
-        self._warn(said)
-        result["warnings"] = [*result["warnings"], *said]
-        if error is None and self.recorder.energy is not None:  # a quasi-static string has no slip speeds
-            result["warnings"] += creep_warnings(model, self.t)
-        if error is None:
-            result["warnings"] += wall_depth_notes(model)
         if "energy" in result:
             result["energy"] |= self.gain.summary()
-            if result["energy"]["flag"]:
-                result["warnings"] = [*result["warnings"], self.gain.message()]
-                self._warn(result["warnings"][-1:])
-        return result
+        said = doubts_at(
+            End(
+                model=model,
+                time=self.t,
+                finished=error is None,
+                recorder=self.recorder,
+                monitors=self.monitors,
+                watch=self.writer.watch,
+                gain=self.gain,
+                pushed_at_start=self._pushed_at_start,
+                whirl=whirl,
+            )
+        )
+        self._warn(said)
+        return RunSummary(**result | {"warnings": [*result["warnings"], *said]}).as_dict()
 
     def _take_time_error(self, result: dict[str, Any]) -> float | None:
         """Write the known errors in time into the summary; returns the length of the steps [s] that damp short motions,

@@ -1,4 +1,4 @@
-"""Steps that keep the energy of parts that may whirl, and the warning of a run if they do not (manual: sec-time-whirl-steps).
+"""Steps that keep the energy of parts that may whirl (manual: sec-time-whirl-steps).
 
 A part of the string of radius R that turns at the rate w and rolls on the wall with the radial clearance c goes round the hole
 backward at the rate w R/c (Jansen, 1991). It is the fastest motion that friction feeds.  The formula of a time integrator takes
@@ -18,7 +18,6 @@ from drillpetsc.arrays import FloatArray
 from drillpetsc.fem.string_mesh import RigidItem
 from drillpetsc.model.drilling_model import DrillingModel
 from drillpetsc.output.measured.rigid_items import RigidItems
-from drillpetsc.unit_systems import shown
 
 SLOWEST = 0.1  # rotation [rad/s] below which nothing whirls
 #: clearance over radius below which an item fills its hole: the bit does not roll on the wall
@@ -217,10 +216,11 @@ class WhirlSteps:
             "shortest [s]": float(self._shortest[k]),
         }
 
-    def warnings(self, step: float, turned: float) -> list[str]:
-        """Sentence on the part whose whirl is the fastest, if steps that this object has not limited take more of its energy.
+    def damped(self, step: float, turned: float) -> dict[str, object] | None:
+        """The part whose whirl is the fastest, if steps that this object has not limited take more of its energy; None without one.
 
         step: median step of the run [s]; turned: largest rotation of the string [rad/s].  Collective.
+        Returns the values of the sentence of ``WhirlDamped``.
         """
         touched = self._rates()
         lost = [
@@ -229,12 +229,14 @@ class WhirlSteps:
             if turned > SLOWEST and part.rate(turned) * step > self.product and (part.body >= 0 or rate > 0.0)
         ]
         if not lost:
-            return []
+            return None
         rate, part = max(lost, key=lambda pair: pair[0])
-        units = self.model.case.shown_units
-        return [
-            f"torque, weight on bit and side forces are unreliable with the steps of this run: {part.name} at MD "
-            f"{shown(part.depth, 'length', units, 5)} would roll along the wall at {rate / (2 * pi):.2g} Hz ({60 * turned / (2 * pi):.3g} "
-            f"rpm, radial clearance {shown(part.clearance, 'diameter', units, 3)}). These steps remove more than {100 * LOST:g} % of the energy "
-            f"of that whirl in each period; time.integrator: auto, or -ts_adapt_dt_max {self.product / rate:.2g}, keeps it"
-        ]
+        return {
+            "name": part.name,
+            "md": part.depth,
+            "frequency": rate / (2 * pi),
+            "rpm": 60 * turned / (2 * pi),
+            "clearance": part.clearance,
+            "lost": 100 * LOST,
+            "step": self.product / rate,
+        }

@@ -8,24 +8,25 @@ from __future__ import annotations
 import numpy as np
 
 from drillpetsc.analysis.statics.flow_coupling import couple_flow_and_string, surge_rates
+from drillpetsc.analysis.statics.folded_elements import refuse_folded
 from drillpetsc.analysis.statics.friction_newton import START_INCREMENT, reach
-from drillpetsc.analysis.statics.notes.folded_elements import refuse_folded
 from drillpetsc.analysis.statics.path.path_answer import PathKind
 from drillpetsc.analysis.statics.path.path_question import has_path, refuse_path
 from drillpetsc.analysis.statics.path.paths_of_problem import answer_by_path, node_clearance, steps_in_hole
 from drillpetsc.analysis.statics.placement import place_along_hole, prescribed_motion, top_depth
 from drillpetsc.analysis.statics.snapshot import Snapshot
-from drillpetsc.analysis.statics.start.coarse_mesh import coarse_elements, too_coarse
 from drillpetsc.analysis.statics.start.march import CRUSHING_STRAIN, March, helix_band, march
 from drillpetsc.analysis.statics.start.soft_string_start import place_marched, soft_string
 from drillpetsc.analysis.statics.static_problem import StaticProblem, StaticState
 from drillpetsc.analysis.statics.steady_flow import fluid_unknowns, freeze_flow, steady_flow
 from drillpetsc.analysis.statics.top_on_wall import balance_across
 from drillpetsc.case.quantities import said
+from drillpetsc.doubts import doubts_at
+from drillpetsc.doubts.moments import Solved
 from drillpetsc.errors import CaseError, SolveError
 from drillpetsc.model.drilling_model import DrillingModel
-from drillpetsc.output.watches.free_end import BEYOND, FreeEnd, end_is_free
-from drillpetsc.output.watches.outside_hole import HINT, may_leave_hole, static_warnings
+from drillpetsc.output.watches.free_end import FreeEnd, end_is_free
+from drillpetsc.output.watches.outside_hole import HINT, may_leave_hole
 from drillpetsc.solvers.static.search_limit import SearchEnded, SearchLimit
 from drillpetsc.solvers.static.static_newton import CONVERGED_INCREMENT, Equilibrium, StaticNewton, sum_of
 from drillpetsc.unit_systems import System, display, display_unit, shown
@@ -78,40 +79,28 @@ def director_equilibrium(
             fallen = HINT if slanted and may_leave_hole(model) else ""
             error.hint = fallen or _free_end_hint(model, found) or error.hint
             raise
+    placed, no_lateral_friction = True, False
     if state.path is None:
         placed = found is None or not found.top_on_wall or model.top is None
         placed = placed or balance_across(model, solver, report)
         problem.set_friction_aside()  # stability is counted without it
         count = solver.negative_pivots()
-        if not placed:
-            state.warnings.append(
-                "the place of the top across the hole was not found: it is held on the wall, and long elements below it "
-                "may carry its side force as contact (side force, torque and moment near the top)"
-            )
-        if lateral_friction and problem.moves and not reached:
-            state.warnings.append(
-                "no equilibrium with lateral friction (a turning pipe may whirl here): "
-                "the torque of friction acts, its lateral force is left out"
-            )
+        no_lateral_friction = lateral_friction and problem.moves and not reached
         report.negative_pivots, report.singular = max(0, count), count < 0
         problem.impose(reached)
     refuse_folded(model)
-    state.warnings += static_warnings(model)
     _reactions(model, solver)
     model.system.assembly.freeze(None)
-    beyond = _beyond_bottom(model)
-    if beyond > BEYOND:
-        distance, unit = display(beyond, "length", _units(model))
-        state.warnings.append(
-            f"the string's end lies {distance:.3g} {unit} below the end of the hole, which its stretch makes it reach; "
-            "bottom: {kind: bit} stands on it, and a shorter string hangs above it"
+    state.warnings += doubts_at(
+        Solved(
+            model=model,
+            top_unplaced=not placed,
+            lateral_friction_failed=no_lateral_friction,
+            below_hole=_beyond_bottom(model),
+            negative_pivots=report.negative_pivots if state.path is None else 0,
+            singular=report.singular,
         )
-    if report.negative_pivots and state.path is None:
-        state.warnings.append(_instability_warning(model, report.negative_pivots))
-    elif report.singular:
-        state.warnings.append(
-            "the stiffness is singular: part of the string may move freely, or it is about to buckle"
-        )
+    )
     return state
 
 
@@ -278,15 +267,10 @@ def _lock_up(model: DrillingModel, found: March) -> SolveError | CaseError:
 def _solver(model: DrillingModel) -> StaticNewton:
     return StaticNewton(
         model.system,
-        symmetric=_conservative(model),
+        symmetric=model.conservative,
         clearance=node_clearance(model),
         advance=steps_in_hole(model),
     )
-
-
-def _conservative(model: DrillingModel) -> bool:
-    """Whether all loads have a potential; moments in space and loads that turn with the section have none."""
-    return all(component.conservative for component in model.components)
 
 
 def _set_weight_on_bit(model: DrillingModel, solver: StaticNewton, wob: float) -> None:
@@ -311,23 +295,6 @@ def _set_weight_on_bit(model: DrillingModel, solver: StaticNewton, wob: float) -
         return present, gradient, target
 
     solver.depth, solver.move_top = depth, top.shift
-
-
-def _instability_warning(model: DrillingModel, count: int) -> str:
-    """Text on ``count`` negative pivots: a coarse mesh, or an unstable state."""
-    if too_coarse(model):
-        n = int(coarse_elements(model).sum())
-        return (
-            f"{count} negative pivots: the mesh is too coarse ({n} elements longer than (240 EI/w)^(1/3)), "
-            "which is not buckling; "
-            "shorten element_length"
-        )
-    if not _conservative(model):
-        return (
-            f"the state is not shown to be stable ({count} negative pivots of the symmetric stiffness; "
-            "a moment or a load that turns with the section has no potential)"
-        )
-    return f"the static state is unstable ({count} negative pivots)"
 
 
 def _reactions(model: DrillingModel, solver: StaticNewton) -> None:

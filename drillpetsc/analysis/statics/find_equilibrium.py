@@ -8,13 +8,12 @@ from drillpetsc.analysis.statics.path.path_answer import PathKind
 from drillpetsc.analysis.statics.path.path_question import nothing_holds
 from drillpetsc.analysis.statics.placement import align_top, place_along_hole
 from drillpetsc.analysis.statics.quaternion_statics import quaternion_equilibrium
+from drillpetsc.doubts import doubts_at
+from drillpetsc.doubts.moments import Freed
 from drillpetsc.errors import SolveError
 from drillpetsc.model.drilling_model import DrillingModel, build_model
 from drillpetsc.model.string_forces import held_at_weight
 from drillpetsc.physics.tools.mud_motor import MudMotor
-from drillpetsc.unit_systems import shown
-
-TOLERATED_JUMP = 0.01  # of the hook load, at the start of a run with a top force and a given weight on bit
 
 
 def find_equilibrium(
@@ -80,10 +79,5 @@ def _equilibrium_at_weight(
     align_top(model)
     force, hook_load = model.case.top.force, -other.reaction("top.axial_reaction")
     assert force is not None
-    if abs(force.value(0.0) - hook_load) > TOLERATED_JUMP * abs(hook_load):
-        units = model.case.shown_units
-        state.warnings.append(
-            f"the top pulls with {shown(force.value(0.0), 'force', units)} from time 0 on, and with initial.wob the string "
-            f"hangs on {shown(hook_load, 'force', units)}: it starts to move"
-        )
+    state.warnings += doubts_at(Freed(model=model, force=force.value(0.0), hook_load=hook_load))
     return state

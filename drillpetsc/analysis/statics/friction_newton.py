@@ -9,12 +9,12 @@ from drillpetsc.analysis.statics.imperfection import item_imperfection, nodal_we
 from drillpetsc.analysis.statics.path.paths_of_problem import slides_on
 from drillpetsc.analysis.statics.relaxation import helix_load, relax, relax_with_drag
 from drillpetsc.analysis.statics.snapshot import Snapshot
-from drillpetsc.analysis.statics.start.coarse_mesh import too_coarse
 from drillpetsc.analysis.statics.start.coarse_start import coarse_factor, coarse_model, place_like
 from drillpetsc.analysis.statics.start.lateral_start import SPACING, lateral_start
 from drillpetsc.analysis.statics.start.soft_string_start import place_marched
 from drillpetsc.analysis.statics.static_problem import StaticProblem
 from drillpetsc.errors import CaseError, SolveError
+from drillpetsc.output.watches.coarse_mesh import too_coarse
 from drillpetsc.physics.tools.mud_motor import MudMotor
 
 START_INCREMENT = 0.1  # of a state from which a further solve with more friction, or with the flow, starts

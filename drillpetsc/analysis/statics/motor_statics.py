@@ -9,6 +9,8 @@ from drillpetsc.analysis.statics.equilibrium import director_equilibrium
 from drillpetsc.analysis.statics.path.path_answer import PathKind
 from drillpetsc.analysis.statics.static_problem import StaticState
 from drillpetsc.case.blocks.fluid import Fluid
+from drillpetsc.doubts import doubts_at
+from drillpetsc.doubts.tools import Driven
 from drillpetsc.errors import CaseError
 from drillpetsc.model.drilling_model import DrillingModel
 from drillpetsc.model.tools.mud_motor import motor_item
@@ -41,13 +43,10 @@ def motor_equilibrium(
         torque, flow = _torque_and_flow(model, motor)
         if motion == (0.0, 0.0):
             return state
-        if motor.update_static_speed(torque, flow) < SAME_SPEED:
+        settled = motor.update_static_speed(torque, flow) < SAME_SPEED
+        if settled:
             break
-    else:
-        state.warnings.append(
-            "the speed of the downhole motor did not settle in the search for the equilibrium"
-        )
-    state.warnings += motor.static_warnings(torque, flow, model.case.output.units or "metric")
+    state.warnings += doubts_at(Driven(model=model, motor=motor, torque=torque, flow=flow, settled=settled))
     return state
 
 

@@ -13,6 +13,8 @@ from drillpetsc.fem.component import FloatArray
 from drillpetsc.fem.discrete_system import DiscreteSystem
 from drillpetsc.fem.quantity import Quantity
 from drillpetsc.output import quantities as declared
+from drillpetsc.output.summaries.run import Energy
+from drillpetsc.output.summaries.summary import MISSING
 from drillpetsc.parallel import total
 from drillpetsc.unit_systems import shown
 
@@ -160,21 +162,20 @@ class EnergyBalance:
         left: work of the residuals that Newton left [J]; the rest of the energy error is the time formula's.
         """
         kinetic, strain, potential = self.energies
-        parts = {}
-        if left is not None:
-            damped = left - self.last_error
-            parts = {"newton": left, "damped": damped, "damped_share": damped / self.exchanged}
-        return {
-            "kinetic": kinetic,
-            "strain": strain,
-            "potential": potential,
-            "dissipated": self.dissipated,
-            "supplied": self.supplied,
-            "error": self.last_error,
-            "error_share": self.last_error / self.exchanged,
-            **parts,
-            **({"followed": self.followed} if self._follows else {}),
-        }
+        damped = MISSING if left is None else left - self.last_error
+        return Energy(
+            kinetic=kinetic,
+            strain=strain,
+            potential=potential,
+            dissipated=self.dissipated,
+            supplied=self.supplied,
+            error=self.last_error,
+            error_share=self.last_error / self.exchanged,
+            newton=MISSING if left is None else left,
+            damped=damped,
+            damped_share=MISSING if damped is MISSING else damped / self.exchanged,
+            followed=self.followed if self._follows else MISSING,
+        ).as_dict()
 
     def get_state(self) -> dict[str, FloatArray]:
         """For a checkpoint; the same on all ranks."""
@@ -215,6 +216,10 @@ class EnergyBalance:
         self._keep_state()
 
 
+#: sentence on the energy that the time integration created
+GAINED = "the time integration generated {energy} without input, {percent:.2g} % of the energy exchanged"
+
+
 class EnergyGainMonitor:
     """Checks, at every row of the history, how much energy the time integration created.
 
@@ -236,7 +241,7 @@ class EnergyGainMonitor:
         self.rows = self.rows + 1 if above else 0
         if self.rows >= ROWS_ABOVE_LIMIT:
             raise SolveError(
-                self.message(),
+                GAINED.format(**self.figures()),
                 time=t,
                 hint="a smaller -ts_rtol, -ts_bdf_order 1 or contact.energy_strict: true may help",
             )
@@ -253,8 +258,11 @@ class EnergyGainMonitor:
             "flag": bool(share > self.limit),
         }
 
-    def message(self) -> str:
-        """Warning for the user."""
+    def figures(self) -> dict[str, Any]:
+        """Values of ``GAINED``."""
         b = self.balance
         assert b is not None
-        return f"the time integration generated {shown(b.gained, 'energy', b.system.units, 3)} without input, {100 * b.gained / b.exchanged:.2g} % of the energy exchanged"
+        return {
+            "energy": shown(b.gained, "energy", b.system.units, 3),
+            "percent": 100 * b.gained / b.exchanged,
+        }

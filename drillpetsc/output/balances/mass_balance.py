@@ -8,6 +8,8 @@ from typing import Any
 import numpy as np
 
 from drillpetsc.fem.component import FloatArray
+from drillpetsc.output.summaries.run import MudBalance
+from drillpetsc.output.summaries.summary import MISSING
 
 
 class MassBalance:
@@ -53,15 +55,14 @@ class MassBalance:
         change, (pumped, returned, cuttings) = content - self.start_content, map(float, self._sums)
         error = change - pumped + returned - cuttings
         largest = max(abs(pumped), abs(returned), abs(change), 1e-300)
-        rock = {"cuttings": cuttings} if cuttings else {}
-        return {
-            "pumped": pumped,
-            "returned": returned,
-            **rock,
-            "content_change": change,
-            "error": error,
-            "error_share": error / largest,
-        }
+        return MudBalance(
+            pumped=pumped,
+            returned=returned,
+            cuttings=cuttings or MISSING,
+            content_change=change,
+            error=error,
+            error_share=error / largest,
+        ).as_dict()
 
     def get_state(self) -> dict[str, FloatArray]:
         """For a checkpoint; the same on all ranks."""

@@ -168,22 +168,16 @@ class Sensors:
             out.append(row)
         return out
 
-    def warnings(self) -> list[str]:
-        """Sentences on content that the time steps do not resolve or the range cut off."""
-        out = []
-        for row, s in zip(self.summary(), self.samplers, strict=True):
-            if row["coarse_share"] > 0:
-                out.append(
-                    f"sensor {row['name']}: content above {row['resolved_to']:.3g} Hz is not resolved in "
-                    f"{100 * row['coarse_share']:.3g} % of the time; petsc.ts_adapt_dt_max "
-                    f"{1e3 / (STEPS_PER_PERIOD * row['finest']):.3g} ms resolves {row['finest']:g} Hz, or a lower filter.cutoff does"
-                )
-            if row.get("clipped"):
-                out.append(
-                    f"sensor {row['name']}: accelerations reached the range of {s.sensor.range:g} m/s2 "
-                    f"at {row['clipped']} points"
-                )
-        return out
+    def rows(self) -> list[dict[str, Any]]:
+        """``summary`` with the range [m/s2] of each sensor, None without one, and the longest step [s] that resolves its content."""
+        return [
+            {
+                **row,
+                "range": s.sensor.range,
+                "longest_step": 1 / (STEPS_PER_PERIOD * row["finest"]),
+            }
+            for row, s in zip(self.summary(), self.samplers, strict=True)
+        ]
 
     # ------------------------------------------------------------------ checkpoints
     def get_state(self) -> dict[str, FloatArray]:

@@ -9,7 +9,6 @@ import numpy as np
 
 from drillpetsc.fem.discrete_system import DiscreteSystem
 from drillpetsc.model.fluid import FluidComponents
-from drillpetsc.unit_systems import System, shown
 
 VAPOUR_PRESSURE = -1.0e5  # gauge pressure [Pa]: absolute zero, below which there is no liquid
 
@@ -28,17 +27,10 @@ class BoilingMonitor:
     """Finds where and when the pressure first falls below the vapour pressure, and its lowest value.
 
     first, lowest: None as long as no pressure is below it; the same on all ranks after ``share``.
-    units: of figures in warnings; top: measured depth of the upper end of the unstrained string [m].
     """
 
-    def __init__(
-        self,
-        system: DiscreteSystem,
-        fluid: FluidComponents | None,
-        units: System = "metric",
-        top: float = 0.0,
-    ) -> None:
-        self.system, self.units, self.top = system, units, top
+    def __init__(self, system: DiscreteSystem, fluid: FluidComponents | None) -> None:
+        self.system = system
         channels = () if fluid is None else (fluid.bore, fluid.annulus)
         self._channels = [c for c in channels if c is not None]
         self._places: np.ndarray | None = None  # of pressures in the unknowns
@@ -73,20 +65,6 @@ class BoilingMonitor:
         firsts, lows = ([q for q in quantity if q is not None] for quantity in zip(*found, strict=True))
         self.first = min(firsts, key=lambda q: q.time, default=None)
         self.lowest = min(lows, key=lambda q: q.pressure, default=None)
-
-    def warnings(self) -> list[str]:
-        """Warning for the summary."""
-        if self.first is None or self.lowest is None:
-            return []
-        low = self.lowest
-        return [
-            f"the pressure of the mud in the {low.channel} falls to {shown(low.pressure, 'pressure', self.units, 3)} gauge at {low.time:.6g} s, "
-            f"{self._place(low)}, first below the vapour pressure at {self.first.time:.6g} s, {self._place(self.first)}: "
-            "the mud would boil, so results there are not valid"
-        ]
-
-    def _place(self, low: LowPressure) -> str:
-        return f"at MD {shown(self.top + self.system.mesh.node_depth[low.node], 'length', self.units, 6)}"
 
     def get_notes(self) -> dict[str, Any]:
         """For a checkpoint."""

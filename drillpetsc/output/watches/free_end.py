@@ -8,7 +8,6 @@ import numpy as np
 
 from drillpetsc.case.blocks.ends import HeldBottom
 from drillpetsc.model.drilling_model import DrillingModel
-from drillpetsc.unit_systems import shown
 
 BEYOND = 1e-3  # distance below the end of the hole above which it is reported [m]
 
@@ -67,16 +66,6 @@ class FreeEndWatch:
             found = self.model.system.comm.tompi4py().allgather((self.first, self.most))
             self.first = min((first for first, _ in found if first is not None), default=None)
             self.most = max(most for _, most in found)
-
-    def warnings(self) -> list[str]:
-        """Sentence for the summary."""
-        if self.first is None:
-            return []
-        most = shown(self.most, "length", self.model.case.shown_units, 3)
-        return [
-            f"the free end of the string passes the end of the hole from {self.first:.6g} s on, by up to {most}. Nothing stops it "
-            "there, so later results belong to a deeper hole; bottom: {kind: bit} stands on the bottom"
-        ]
 
     def get_notes(self) -> dict[str, Any]:
         """For a checkpoint."""

@@ -19,9 +19,6 @@ class Monitor(Protocol):
     def share(self) -> None:
         """Combine the findings over all ranks; collective."""
 
-    def warnings(self) -> list[str]:
-        """Sentences for the summary, of all ranks after ``share``."""
-
     def get_notes(self) -> dict[str, Any]:
         """For a checkpoint."""
 
@@ -30,17 +27,15 @@ class Monitor(Protocol):
 
 
 class Monitors:
-    """All monitors of a run of ``model``, as one.
+    """All monitors of a run of ``model``, as one."""
 
-    top: measured depth of the upper end of the unstrained string [m].
-    """
-
-    def __init__(self, model: DrillingModel, top: float) -> None:
-        units = model.case.shown_units
+    def __init__(self, model: DrillingModel) -> None:
+        self.boiling, self.free_end = BoilingMonitor(model.system, model.fluid), FreeEndWatch(model)
+        self.outside = HoleMonitor(model)
         self._all: dict[str, Monitor] = {
-            "boiling": BoilingMonitor(model.system, model.fluid, units, top),
-            "free_end": FreeEndWatch(model),
-            "outside": HoleMonitor(model),
+            "boiling": self.boiling,
+            "free_end": self.free_end,
+            "outside": self.outside,
         }
 
     def update(self, t: float) -> None:
@@ -52,10 +47,6 @@ class Monitors:
         """Combine the findings over all ranks; collective."""
         for monitor in self._all.values():
             monitor.share()
-
-    def warnings(self) -> list[str]:
-        """Sentences for the summary."""
-        return [sentence for monitor in self._all.values() for sentence in monitor.warnings()]
 
     def get_notes(self) -> dict[str, dict[str, Any]]:
         """For a checkpoint."""

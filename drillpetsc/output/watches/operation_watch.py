@@ -18,7 +18,6 @@ from drillpetsc.case.blocks.items.motor import PositiveDisplacementMotor
 from drillpetsc.case.blocks.items.tools import ShockSub
 from drillpetsc.model.tools.mud_motor import motor_law
 from drillpetsc.physics.joints import STOP_ROUNDING
-from drillpetsc.unit_systems import shown
 
 LEAST_PUSH = 1e3  # push at the top that is reported [N]
 NEAR_STALL = 0.95  # ratio of a motor's torque to its stall torque above which it is reported: its speed is then below a fifth
@@ -49,6 +48,8 @@ class OperationWatch:
     """Collects from rows of history.csv what no rig or tool does; rows are on the first rank only.
 
     columns: names and units of the rows.
+    spells, rows: what was found in how many rows.  stall_torque: of the motor [N m].  stops: shock sub and whether it is closed, by
+    the name of the spell.
     """
 
     def __init__(self, case: Case, columns: Sequence[tuple[str, str]]) -> None:
@@ -57,27 +58,29 @@ class OperationWatch:
         place = {name: k for k, (name, _) in enumerate(columns)}
         self._time = place["time"]
         self._signs: list[_Sign] = []
-        self._stops: dict[str, tuple[ShockSub, bool]] = {}
+        self.stops: dict[str, tuple[ShockSub, bool]] = {}
         hung = case.well is not None and case.top.force is None and case.top.hoist is None
         if (
             hung and not isinstance(case.top, HeldTop) and "hook_load" in place
         ):  # the hoist warns if its lines go slack
             self._signs.append(_Sign("push", place["hook_load"], LEAST_PUSH, -1.0))
-        self._stall = 0.0
+        self.stall_torque = 0.0
         motor = next((q for q in case.string if isinstance(q, PositiveDisplacementMotor)), None)
         if motor is not None and "motor_output_torque" in place:
             law, curve = motor_law(motor.pdm), motor.pdm.curve
-            self._stall = max(law.stall_torque(q) for q in (curve.flows if curve is not None else (0.0,)))
-            self._signs.append(_Sign("stall", place["motor_output_torque"], NEAR_STALL * self._stall))
+            self.stall_torque = max(
+                law.stall_torque(q) for q in (curve.flows if curve is not None else (0.0,))
+            )
+            self._signs.append(_Sign("stall", place["motor_output_torque"], NEAR_STALL * self.stall_torque))
         top = 0.0
         for item in case.string:
             if isinstance(item, ShockSub) and item.stroke is not None:
                 travel = place.get(f"joint_{top + item.joint_at:g}_travel")
                 for closed, end in zip((True, False), item.stroke, strict=True):
                     if travel is not None:
-                        name, sign = f"stop {len(self._stops)}", -1.0 if closed else 1.0
+                        name, sign = f"stop {len(self.stops)}", -1.0 if closed else 1.0
                         self._signs.append(_Sign(name, travel, sign * end - STOP_ROUNDING, sign))
-                        self._stops[name] = item, closed
+                        self.stops[name] = item, closed
             top += float(item.length)
 
     def update(self, rows: FloatArray) -> None:
@@ -93,30 +96,6 @@ class OperationWatch:
             spell.rows += len(found)
             if sizes[k] > spell.largest:
                 spell.largest, spell.at = float(sizes[k]), float(times[k])
-
-    def warnings(self, told: Sequence[str] = ()) -> list[str]:
-        """Sentences for the summary.  told: names of signs that it already contains."""
-        units, out = self.case.shown_units, []
-        for name, spell in self.spells.items():
-            if name in told:
-                continue
-            since = f"from {spell.first:.6g} s on in {100 * spell.rows / self.rows:.2g} % of the rows"
-            if name == "push":
-                out.append(
-                    f"the top pushes the string into the hole {since}, with up to {shown(spell.largest, 'force', units, 4)} at "
-                    f"{spell.at:.6g} s: a hook can only pull; the block would rest on the string"
-                )
-            elif name == "stall":
-                out.append(
-                    f"the torque of the motor is above {100 * NEAR_STALL:g} % of its stall torque "
-                    f"{shown(self._stall, 'torque', units, 4)} {since}, first at {spell.first:.6g} s: the motor hardly turns, and "
-                    "most of the mud leaks through it"
-                )
-            else:
-                item, closed = self._stops[name]
-                how = "closed to" if closed else "extended to"
-                out.append(f"{item.name or 'shock sub'}: {how} its stop {since}: it acts as rigid there")
-        return out
 
     # ------------------------------------------------------------------ checkpoints
     def get_notes(self) -> dict[str, Any]:

@@ -8,7 +8,6 @@ from typing import Any
 import numpy as np
 
 from drillpetsc.model.drilling_model import DrillingModel
-from drillpetsc.unit_systems import System, shown
 
 HINT = (
     "with contact: none the string is not confined to its hole: contact: {}, or a fluid without the annulus"
@@ -46,19 +45,9 @@ def may_leave_hole(model: DrillingModel) -> bool:
     return mud and model.contact is None and model.well is not None and model.beam is not None
 
 
-def static_warnings(model: DrillingModel) -> list[str]:
-    """Warning of a static state outside the hole; collective."""
-    found = _furthest(model, outside(model, 0.0)) if may_leave_hole(model) else None
-    return [] if found is None else [_said(model, found, "")]
-
-
-def _said(model: DrillingModel, found: Outside, when: str) -> str:
-    units: System = model.case.shown_units
-    distance, depth = (shown(value, "length", units, 3) for value in (found.distance, found.depth))
-    return (
-        f"the string leaves its hole: it lies {distance} from the axis at MD {depth}{when}, so the forces and energies of the mud "
-        f"are meaningless; {HINT}"
-    )
+def furthest_outside(model: DrillingModel) -> Outside | None:
+    """The point furthest outside the hole in the present state, None if all are inside or contact keeps them there; collective."""
+    return _furthest(model, outside(model, 0.0)) if may_leave_hole(model) else None
 
 
 def _furthest(model: DrillingModel, here: Outside | None) -> Outside | None:
@@ -86,12 +75,6 @@ class HoleMonitor:
         """Combine ``worst`` over all ranks; collective."""
         if self.watches:
             self.worst = _furthest(self.model, self.worst)
-
-    def warnings(self) -> list[str]:
-        """Warning for the summary."""
-        if self.worst is None:
-            return []
-        return [_said(self.model, self.worst, f" at {self.worst.time:.4g} s")]
 
     def get_notes(self) -> dict[str, Any]:
         """For a checkpoint."""

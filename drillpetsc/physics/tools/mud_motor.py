@@ -24,7 +24,6 @@ from drillpetsc.physics.end_conditions import Input
 from drillpetsc.physics.joints import Joints
 from drillpetsc.physics.rigid_bodies import end_frames, local_vertices
 from drillpetsc.physics.tools.motor_law import SLIP, MotorLaw
-from drillpetsc.unit_systems import System, shown
 
 _values = function("mud_motor_values", "iippppp" + "p")
 _energies = function("mud_motor_energies", "iippppp")
@@ -241,27 +240,6 @@ class MudMotor(Component):
         least = LEAST_STATIC * turns
         self._speed = min(self._start_speed, -least) if free < 0 else max(self._start_speed, least)
         return max(abs(self._speed - before) / turns, change) if turns > SLIP else change
-
-    def static_warnings(self, torque: float, flow: float, units: System) -> list[str]:
-        """Sentences for the user on a static state under a torque [N m] at a flow rate [m3/s], in a system of units."""
-        rpm, stall = self.law.free_speed(flow) * 30 / pi, self.law.stall_torque(flow)
-        gives = f"{self.label}: {shown(flow, 'flow', units)} gives {rpm:.4g} rpm"
-        if abs(rpm) * pi / 30 <= SLIP:
-            return [f"{self.label}: no flow through the motor, so it does not turn"]
-        if flow < 0:
-            return [
-                f"{self.label}: the mud flows up through the motor and turns it backwards with {-rpm:.4g} rpm"
-            ]
-        if torque >= stall:
-            return [
-                f"{gives}, torque of the start {shown(torque, 'torque', units)} is above stall_torque {shown(stall, 'torque', units)}: "
-                "the motor does not turn"
-            ]
-        if torque < 0:
-            return [
-                f"{gives}, the part below the motor drives it with {shown(-torque, 'torque', units)} at the start"
-            ]
-        return []
 
     def begin_motion(self, state: Any, start: Start) -> None:
         if self._held:

@@ -14,16 +14,17 @@ from drillpetsc.analysis.motion.time_scales import (
     BENDING,
     MUD,
     TORSIONAL,
-    format_time,
     impact_time,
-    step_warnings,
     time_scales,
 )
 from drillpetsc.analysis.statics.placement import place_along_hole
 from drillpetsc.case.reader import load_case
+from drillpetsc.doubts.moments import Start
+from drillpetsc.doubts.motion import StepsBeyondImpacts
 from drillpetsc.model.drilling_model import build_model
 from drillpetsc.physics.contact import ContactLaw
 from drillpetsc.solvers.linear.linearization import linearise
+from drillpetsc.unit_systems import duration
 from tests.helpers.wells import simple_well
 
 ONE = {
@@ -151,6 +152,13 @@ def test_period_of_mud_bounds_that_of_the_mesh(tmp_path):
     assert 0.98 * 2 * np.pi / scales.mud < fastest <= 2 * np.pi / scales.mud * (1 + 1e-6)
 
 
+def said(model, step: float | None) -> list[str]:
+    """What the user reads of fixed steps of this length [s]."""
+    return StepsBeyondImpacts().sentences(
+        Start(model=model, fixed_step=step, impact=time_scales(model).impact)
+    )
+
+
 def test_warnings_of_fixed_steps_and_the_words_of_check(tmp_path):
     """A fixed step of 0.29 t_c is fine, one of 0.31 t_c is not; nothing to say without a wall, or with steps
     by tolerance."""
@@ -166,11 +174,9 @@ def test_warnings_of_fixed_steps_and_the_words_of_check(tmp_path):
     mass = 7850 * np.pi / 4 * (0.127**2 - 0.1086**2)
     t_c = np.pi * np.sqrt(mass / 1e9)
     assert time_scales(model).impact == pytest.approx(t_c, rel=1e-9)
-    assert step_warnings(model, 0.29 * t_c) == [] == step_warnings(model, None)
-    assert "do not resolve impacts" in step_warnings(model, 0.31 * t_c)[0]
+    assert said(model, 0.29 * t_c) == [] == said(model, None)
+    assert "do not resolve impacts" in said(model, 0.31 * t_c)[0]
     text = describe(model.case)
-    assert (
-        f"impact on the wall {format_time(t_c)}" in text and f"caps them at {format_time(0.5 * t_c)}" in text
-    )
-    assert step_warnings(scene_of(tmp_path, ONE), 1.0) == []
-    assert [format_time(s) for s in (1.5, 0.0017, 4.2e-5)] == ["1.5 s", "1.7 ms", "42 us"]
+    assert f"impact on the wall {duration(t_c)}" in text and f"caps them at {duration(0.5 * t_c)}" in text
+    assert said(scene_of(tmp_path, ONE), 1.0) == []
+    assert [duration(s) for s in (1.5, 0.0017, 4.2e-5)] == ["1.5 s", "1.7 ms", "42 us"]

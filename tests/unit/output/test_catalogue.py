@@ -27,7 +27,8 @@ from drillpetsc.output.catalogue import (
 )
 from drillpetsc.output.files.tables import split_name
 from drillpetsc.output.job import Job
-from drillpetsc.output.summary_keys import STATIC_START, SUMMARY_KEYS, WHIRLS
+from drillpetsc.output.summaries.run import STATIC_START, WHIRLS
+from drillpetsc.output.summary_keys import SUMMARY_KEYS
 from drillpetsc.physics.quantities import BIT
 from tests.helpers.tables import each_row
 from tests.helpers.wells import simple_well

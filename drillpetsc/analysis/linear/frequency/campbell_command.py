@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from drillpetsc.analysis.linear.doubts import Followed
 from drillpetsc.analysis.linear.frequency.campbell import (
     DEFAULT_LINES,
     Campbell,
@@ -15,7 +16,7 @@ from drillpetsc.analysis.linear.frequency.campbell import (
 )
 from drillpetsc.analysis.linear.frequency.critical_map import critical_map, demand_wall, map_columns
 from drillpetsc.analysis.linear.frequency.response import RPM, rpm_of, write_case_folder
-from drillpetsc.analysis.linear.frequency.tracking import LEAST_MAC, not_searched, searched_beside
+from drillpetsc.analysis.linear.frequency.tracking import LEAST_MAC, searched_beside
 from drillpetsc.analysis.linear.frequency.turning import TurningModel, turning_case
 from drillpetsc.analysis.motion.run_options import options_of
 from drillpetsc.arrays import FloatArray
@@ -23,12 +24,15 @@ from drillpetsc.case.blocks.formation import DragBit
 from drillpetsc.case.blocks.items.motor import PositiveDisplacementMotor
 from drillpetsc.case.blocks.items.reamer import Reamer
 from drillpetsc.case.case import Case
+from drillpetsc.doubts import doubts_at
 from drillpetsc.errors import CaseError
 from drillpetsc.output import write_summary, write_table
 from drillpetsc.output.files.run_folder import CAMPBELL_TABLE, CRITICAL_MAP_TABLE, CRITICAL_TABLE
 from drillpetsc.output.job import Job
 from drillpetsc.output.quantities.frequency import CAMPBELL, CRITICAL, CRITICAL_MAP
 from drillpetsc.output.result import RunResult
+from drillpetsc.output.summaries.linear import CampbellSummary
+from drillpetsc.output.summaries.summary import MISSING
 
 SHARP = 0.1  # damping ratio below which a critical speed near the case's speed is warned of
 MARGIN = 15.0  # margin to the case's speed [%] below which a critical speed is warned of
@@ -68,7 +72,7 @@ def run_campbell(
         folder = job.make_folder()
         found = campbell(states, speeds, count, lines, kind, frequency == "wn")
         by_wall = critical_map(case, stiffness, speeds, count, lines, kind, without_control, comm)
-    summary = _summary(case, found, speeds, lines, states, kind) | {"frequency": frequency}
+    summary = _summary(case, found, speeds, lines, states, kind, frequency).as_dict()
     if comm.rank == 0:
         write_case_folder(case, folder.path)
         write_table(folder.path / CAMPBELL_TABLE, [q.column for q in CAMPBELL], _campbell_columns(found))
@@ -136,62 +140,39 @@ def _summary(
     lines: tuple[float | str, ...],
     states: TurningModel,
     kind: str | None,
-) -> dict[str, Any]:
+    frequency: str,
+) -> CampbellSummary:
     case_speed = _case_speed(case)
     lost = [b for b in found.branches if b.end == "lost"]
     grows = [rpm_of(m.speed) for m in found.speeds if m.grows.any()]
-    warnings = []
-    if lost:
-        shown = ", ".join(
-            f"{b.number} at {rpm_of(found.speeds[b.points[-1][0]].speed):g} rpm" for b in lost[:6]
-        ) + (f" and {len(lost) - 6} more" if len(lost) > 6 else "")
-        warnings.append(
-            f"branches lost, because no mode at the next speed has a MAC of {LEAST_MAC:g}: {shown}; a finer step may help"
-        )
     near = [
         c for c in found.critical
         if case_speed and abs(margin(c, case_speed)) < MARGIN and c.damping_ratio < SHARP
     ]  # fmt: skip
-    for c in near[:5]:
-        ratio = "undamped" if np.isinf(c.amplification) else f"damping ratio {c.damping_ratio:.2g}"
-        warnings.append(
-            f"critical speed {rpm_of(c.speed):.4g} rpm ({'motor, ' if c.excitation == 'motor' else ''}{c.line:.4g} per turn, {c.kind} {c.frequency:.4g} Hz, {ratio}) is within "
-            f"{MARGIN:g} % of the case's {case_speed:g} rpm"
-        )
-    if len(near) > 5:
-        warnings.append(f"{len(near) - 5} more critical speeds are within {MARGIN:g} % of the case's speed")
-    if found.speeds[0].stuck:
-        warnings.append(
-            "at 0 rpm the string is at rest without friction; modes there need not continue those above"
-        )
-    warnings += not_searched(found.speeds)
-    if grows:
-        warnings.append(
-            f"a mode grows at {len(grows)} of {len(found.speeds)} speeds, first at {grows[0]:g} rpm"
-        )
-    return {
-        "title": case.title,
-        "speeds": [rpm_of(s) for s in speeds],
-        "added_speeds": [rpm_of(m.speed) for m in found.speeds if m.speed not in speeds],
-        "case_speed": case_speed,
-        "lines": [line for line in lines if not isinstance(line, str)],
-        **(
-            {"motor_line": [None if np.isnan(q) else abs(q) / (2 * np.pi) for q in found.orbit]}
-            if found.orbit is not None
-            else {}
-        ),
-        "searched": kind or "all kinds",
-        "searched_to": [float(q) for q in searched_to(found) / (2 * np.pi)],
-        "searched_beside": [
+    told = [(b.number, rpm_of(found.speeds[b.points[-1][0]].speed)) for b in lost]
+    moment = Followed(case, case_speed, MARGIN, LEAST_MAC, told, near, found.speeds)
+    return CampbellSummary(
+        title=case.title,
+        speeds=[rpm_of(s) for s in speeds],
+        added_speeds=[rpm_of(m.speed) for m in found.speeds if m.speed not in speeds],
+        case_speed=case_speed,
+        lines=[line for line in lines if not isinstance(line, str)],
+        motor_line=MISSING
+        if found.orbit is None
+        else [None if np.isnan(q) else abs(q) / (2 * np.pi) for q in found.orbit],
+        searched=kind or "all kinds",
+        searched_to=[float(q) for q in searched_to(found) / (2 * np.pi)],
+        searched_beside=[
             None if np.isnan(q) else float(q) for q in searched_beside(found.speeds) / (2 * np.pi)
         ],
-        "branches": len(found.branches),
-        "lost": len(lost),
-        "critical_speeds": len(found.critical),
-        "growing_speeds": grows,
-        "static_solutions": states.solved,
-        "warnings": warnings,
-    }
+        branches=len(found.branches),
+        lost=len(lost),
+        critical_speeds=len(found.critical),
+        growing_speeds=grows,
+        static_solutions=states.solved,
+        warnings=doubts_at(moment),
+        frequency=frequency,
+    )
 
 
 def _campbell_columns(found: Campbell) -> list[Any]:

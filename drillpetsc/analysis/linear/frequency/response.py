@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 
+from drillpetsc.analysis.linear.doubts import Responded
 from drillpetsc.analysis.linear.frequency.harmonic import (
     Response,
     SectionForces,
@@ -30,6 +31,7 @@ from drillpetsc.analysis.motion.run_options import options_of
 from drillpetsc.arrays import FloatArray
 from drillpetsc.case.case import Case
 from drillpetsc.case.options.excitation import Excitation
+from drillpetsc.doubts import doubts_at
 from drillpetsc.errors import CaseError, DrillError, SolveError
 from drillpetsc.fem.string_mesh import StringMesh
 from drillpetsc.model.drilling_model import DrillingModel, build_model
@@ -40,6 +42,7 @@ from drillpetsc.output.job import Job
 from drillpetsc.output.measured.flow_recorder import FlowRecorder
 from drillpetsc.output.quantities.frequency import RESPONSE, RESPONSE_STRESS
 from drillpetsc.output.result import RunResult
+from drillpetsc.output.summaries.linear import ResponseSummary
 from drillpetsc.physics.tools.mud_motor import MudMotor
 from drillpetsc.solvers.linear.linearization import Linearised
 from drillpetsc.unit_systems import display_unit, shown
@@ -47,7 +50,6 @@ from drillpetsc.unit_systems import display_unit, shown
 RPM = 2 * np.pi / 60
 PHASES = np.exp(2j * np.pi * np.arange(48) / 48)  # of a period, at which clearances are checked
 LEAST_ORBIT = 1e-3  # angular frequency of a rotor's orbit that is none [rad/s]
-NO_LOSS = 1e-9  # dissipated over exchanged power below which the response is called undamped
 LEAST = 1e-10  # amplitude that is shown as 0 [SI]
 SMALL = 1e-6  # share of the largest amplitude below which a motion is rounding
 
@@ -140,6 +142,25 @@ class _Shape:
     gaps: Gaps | None
     clearance: FloatArray
     """(places,) [m], nan without a hole."""
+    fields: list[str]
+    """Names of the unknowns."""
+
+
+@dataclass(frozen=True)
+class _Shaken:
+    """The response at one rotary speed and frequency [rad/s], on rank 0.
+
+    values: amplitudes of position, tangent and spin at the nodes.  forces: amplitudes, None if they are infinite.
+    steady: forces of the steady state, with which stresses are added, None without stresses.
+    """
+
+    shape: _Shape
+    values: dict[str, np.ndarray]
+    found: Response
+    forces: SectionForces | None
+    steady: SectionForces | None
+    speed: float
+    omega: float
 
 
 def _shape(model: DrillingModel) -> _Shape | None:
@@ -162,7 +183,8 @@ def _shape(model: DrillingModel) -> _Shape | None:
             if len(at):
                 nearest = at[np.argmin(np.abs(around.arm[at] - place.arm))]
                 clearance[k] = around.gap[nearest] if around.gap[nearest] > 0 else np.nan
-    return _Shape(model.mesh, found, axes, slope, around, clearance)
+    fields = [f.name for f in system.layout.fields]
+    return _Shape(model.mesh, found, axes, slope, around, clearance, fields)
 
 
 def _validity(shape: _Shape, position: np.ndarray, slope: np.ndarray) -> tuple[str, float]:
@@ -201,31 +223,24 @@ def _degrees(value: complex, size: float) -> float:
     return float(np.degrees(np.angle(value))) if abs(value) > SMALL * size and np.isfinite(value) else 0.0
 
 
-def _rows(
-    shape: _Shape,
-    linearised: Linearised,
-    names: list[str],
-    found: Response,
-    forces: SectionForces | None,
-    word: str,
-    speed: float,
-    frequency: float,
-    sign: float,
-    steady: SectionForces | None = None,
-) -> list[list[Any]]:
-    """Rows of the table at one speed; steady: forces of the steady state, with which stresses are added."""
-    out = []
-    values = {
-        name: linearised.field_values(names.index(name), found.u[:, None], shape.mesh.nodes, size)[0]
+def _values(shape: _Shape, linearised: Linearised, found: Response) -> dict[str, np.ndarray]:
+    """Amplitudes of position, tangent and spin at the nodes."""
+    return {
+        name: linearised.field_values(shape.fields.index(name), found.u[:, None], shape.mesh.nodes, size)[0]
         for name, size in (("string.position", 3), ("string.tangent", 3), ("string.spin", 1))
     }
+
+
+def _rows(at: _Shaken, word: str) -> list[list[Any]]:
+    """Rows of the table at one speed.  word: validity of the response."""
+    out: list[list[Any]] = []
+    shape, values, found, forces, steady = at.shape, at.values, at.found, at.forces, at.steady
+    speed, frequency = at.speed, at.omega / (2 * np.pi)
     for k, place in enumerate(shape.places):
         tilt = values["string.tangent"][place.node] / np.linalg.norm(shape.slope[place.node])
         local = shape.axes[place.node] @ values["string.position"][place.node]
         local[:2] += place.arm * (shape.axes[place.node][:2] @ tilt)
         forward, backward = 0.5 * (local[0] + 1j * local[1]), 0.5 * (local[0] - 1j * local[1])
-        if sign < 0:
-            forward, backward = backward, forward
         large, small = abs(forward) + abs(backward), abs(forward) - abs(backward)
         twist = values["string.spin"][place.node, 0]
         size = float(np.abs(local).max())
@@ -306,79 +321,105 @@ def run_response(
         for speed in speeds:
             state = states.at(speed)
             warnings += [w for w in state.warnings if w not in warnings]
-            omega = excitation.order * speed
-            load = None
-            if asymmetric is not None:
-                load = turning_load(model, asymmetric)
-            elif excitation.kind == "motor":
-                load, omega = orbit_load(model)
-                if omega < LEAST_ORBIT:
-                    raise SolveError(
-                        f"at {rpm_of(speed):g} rpm the orbit of the motor's rotor stands still: it excites nothing"
-                    )
-            elif excitation.kind == "bit" and excitation.what == "displacement" and model.bit is not None:
-                load = rock_load(model, excitation.amplitude, omega)
+            load, omega = _load(model, excitation, asymmetric, speed)
             wob = _weight_on_bit(model)
-            if present(model):
-                StokesForces(model).set_frequency(
-                    omega, 0.0 if asymmetric is None else 1.0
-                )  # unbalance turns forward
-            shape = _shape(model)
-            linearised = linearise_model(model)
-            answer: Any = None
-            if linearised is not None:
-                try:
-                    answer = _respond(model, linearised, excitation, omega, load)
-                except DrillError as failure:
-                    answer = failure
-            if comm.size > 1:
-                answer = comm.tompi4py().bcast(answer)
-            if isinstance(answer, DrillError):
-                raise answer
+            if present(model):  # unbalance turns forward
+                StokesForces(model).set_frequency(omega, 0.0 if asymmetric is None else 1.0)
+            shape, linearised = _shape(model), linearise_model(model)
+            answer = _answer(model, linearised, excitation, omega, load)
             forces = None if answer.infinite else section_forces(model, mud, answer.u, omega)
             steady = steady_forces(model, mud) if stress else None
             if shape is None or linearised is None:
                 continue
-            names = [f.name for f in model.system.layout.fields]
-            word, md = "infinite", np.nan
+            values = _values(shape, linearised, answer)
+            at = _Shaken(shape, values, answer, forces, steady, speed, omega)
+            word, md = _holds(at, wob)
             if not answer.infinite:
-                values = [
-                    linearised.field_values(names.index(n), answer.u[:, None], shape.mesh.nodes, 3)[0]
-                    for n in ("string.position", "string.tangent")
-                ]
-                word, md = _validity(shape, *values)
                 losses.append(_loss(answer, linearised, omega))
-            if (
-                word == "linear"
-                and wob is not None
-                and forces is not None
-                and abs(forces.tension[-1, 1]) > wob
-            ):
-                word, md = "lifts", model.mesh.total_length
             valid.append((word, md))
-            table += _rows(
-                shape, linearised, names, answer, forces, word, speed, omega / (2 * np.pi), 1.0, steady
-            )
+            table += _rows(at, word)
         closed = _closed_contacts(model)
         if comm.rank == 0:
-            notes = _notes(excitation, speeds, valid, losses, closed, model)
+            notes = doubts_at(
+                Responded(
+                    model=model,
+                    excitation=excitation,
+                    speeds=speeds,
+                    validity=valid,
+                    losses=losses,
+                    closed=closed,
+                )
+            )
             _write(case, folder.path, table)
         table, notes, valid = (
             comm.tompi4py().bcast((table, notes, valid)) if comm.size > 1 else (table, notes, valid)
         )
-        summary = {
-            "title": case.title,
-            "excitation": excitation.words(case.output.units or "SI"),
-            "order": None if excitation.kind == "motor" else excitation.order,
-            "speeds": [rpm_of(s) for s in speeds],
-            "validity": [word for word, _ in valid],
-            "peaks": _peaks(table),
-            "static_solutions": states.solved,
-            "warnings": [*notes, *warnings],
-        }
+        summary = ResponseSummary(
+            title=case.title,
+            excitation=excitation.words(case.output.units or "SI"),
+            order=None if excitation.kind == "motor" else excitation.order,
+            speeds=[rpm_of(s) for s in speeds],
+            validity=[word for word, _ in valid],
+            peaks=_peaks(table),
+            static_solutions=states.solved,
+            warnings=[*notes, *warnings],
+        ).as_dict()
         if comm.rank == 0:
             write_summary(folder.summary, summary)
     return RunResult(folder.path, summary, _lines(case, folder.path, summary))
+
+
+def _load(
+    model: DrillingModel, excitation: Excitation, asymmetric: DrillingModel | None, speed: float
+) -> tuple[np.ndarray | None, float]:
+    """Load of the excitation, None if ``_respond`` makes it, and its angular frequency [rad/s], at a rotary speed [rad/s]."""
+    omega = excitation.order * speed
+    if asymmetric is not None:
+        return turning_load(model, asymmetric), omega
+    if excitation.kind == "motor":
+        load, omega = orbit_load(model)
+        if omega < LEAST_ORBIT:
+            raise SolveError(
+                f"at {rpm_of(speed):g} rpm the orbit of the motor's rotor stands still: it excites nothing"
+            )
+        return load, omega
+    if excitation.kind == "bit" and excitation.what == "displacement" and model.bit is not None:
+        return rock_load(model, excitation.amplitude, omega), omega
+    return None, omega
+
+
+def _answer(
+    model: DrillingModel,
+    linearised: Linearised | None,
+    excitation: Excitation,
+    omega: float,
+    load: np.ndarray | None,
+) -> Response:
+    """The response, which the first rank computes, on all ranks; collective."""
+    found: Response | DrillError | None = None
+    if linearised is not None:
+        try:
+            found = _respond(model, linearised, excitation, omega, load)
+        except DrillError as failure:
+            found = failure
+    if model.system.comm.size > 1:
+        found = model.system.comm.tompi4py().bcast(found)
+    if isinstance(found, DrillError):
+        raise found
+    assert found is not None
+    return found
+
+
+def _holds(at: _Shaken, wob: float | None) -> tuple[str, float]:
+    """Whether the response is linear, as in the table, and where it is not first [m]; nan for nowhere.
+
+    wob: weight on bit of the steady state [N], None without a bit on bottom.
+    """
+    if at.found.infinite:
+        return "infinite", np.nan
+    word, md = _validity(at.shape, at.values["string.position"], at.values["string.tangent"])
+    lifts = wob is not None and at.forces is not None and abs(at.forces.tension[-1, 1]) > wob
+    return ("lifts", at.shape.mesh.total_length) if word == "linear" and lifts else (word, md)
 
 
 def _demand_asymmetry(model: DrillingModel) -> None:
@@ -440,48 +481,6 @@ def _closed_contacts(model: DrillingModel) -> int:
         touching = np.linalg.norm(shape.gaps.offset, axis=1) > shape.gaps.gap
         count = int((touching | (shape.gaps.gap <= 0)).sum())
     return count
-
-
-def _notes(excitation, speeds, valid, losses, closed: int, model: DrillingModel) -> list[str]:
-    """What the user should know."""
-    notes, units = [], model.case.shown_units
-    for word, text in (
-        (
-            "infinite",
-            "an undamped natural frequency is met: the amplitude is infinite, and grows with time until something limits it",
-        ),
-        ("touches", "the amplitude closes an open gap to the wall: the linear result does not hold there"),
-        (
-            "lifts",
-            "the amplitude opens a closed contact, at the wall or at the bit: the linear result does not hold there",
-        ),
-    ):
-        at = [(s, md) for s, (w, md) in zip(speeds, valid, strict=True) if w == word]
-        if at:
-            first = f" (first at MD {shown(at[0][1], 'length', units)})" if np.isfinite(at[0][1]) else ""
-            notes.append(f"at {_rpm_list([s for s, _ in at])} rpm {text}{first}")
-    if losses and max(losses) < NO_LOSS:
-        notes.append("nothing dissipates energy: resonances between these speeds have infinite amplitudes")
-    if closed:
-        notes.append(
-            f"closed contacts ({closed}) are springs at the stiffness of the state; friction has its slope at the sliding speed"
-        )
-    if excitation.kind == "place":
-        depth = model.mesh.node_depth
-        nearest = float(depth[np.argmin(np.abs(depth - excitation.md))])
-        notes.append(
-            f"{excitation.place}: the excitation acts on the node at MD {shown(nearest, 'length', units, 6)}"
-        )
-    if excitation.kind == "bit" and excitation.what == "displacement" and model.bit is not None:
-        notes.append("the bottom of the hole moves; the bit follows it through its contact")
-    if excitation.kind == "bit" and model.bit is None:
-        notes.append("the lower end does not stand on bottom: the excitation acts on a hanging string")
-    return notes
-
-
-def _rpm_list(speeds: list[float]) -> str:
-    shown = [f"{rpm_of(s):g}" for s in speeds[:6]]
-    return ", ".join(shown) + (f" and {len(speeds) - 6} more" if len(speeds) > 6 else "")
 
 
 STRESSES = (len(RESPONSE), len(RESPONSE) + 1)  # columns of stress amplitudes

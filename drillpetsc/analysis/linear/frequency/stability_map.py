@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -10,6 +11,7 @@ import numpy as np
 from petsc4py import PETSc
 from scipy.optimize import brentq
 
+from drillpetsc.analysis.linear.doubts import Mapped
 from drillpetsc.analysis.linear.frequency.response import RPM, rpm_of, write_case_folder
 from drillpetsc.analysis.linear.frequency.stability_runs import BEHAVIOURS, RunPoint, refuse, run_point
 from drillpetsc.analysis.linear.frequency.turning import TurningModel, turning_case
@@ -18,6 +20,7 @@ from drillpetsc.analysis.linear.modes import Modes
 from drillpetsc.analysis.motion.run_options import options_of
 from drillpetsc.case.blocks.ends import BitBottom
 from drillpetsc.case.case import Case
+from drillpetsc.doubts import doubts_at
 from drillpetsc.errors import CaseError, SolveError
 from drillpetsc.model.drilling_model import DrillingModel
 from drillpetsc.output import write_summary, write_table
@@ -29,7 +32,9 @@ from drillpetsc.output.files.run_folder import (
 from drillpetsc.output.job import Job
 from drillpetsc.output.quantities.frequency import STABILITY_BOUNDARY, STABILITY_MAP, STABILITY_RUNS
 from drillpetsc.output.result import RunResult
-from drillpetsc.unit_systems import System, display_unit, shown
+from drillpetsc.output.summaries.linear import StabilitySummary
+from drillpetsc.output.summaries.summary import MISSING
+from drillpetsc.unit_systems import display_unit
 
 SPEED_TOLERANCE = 0.05 * RPM  # of a boundary [rad/s]
 MARGINAL = 1e-4  # growth over |s| within which a mode neither grows nor decays: 1100 periods to double; less than damping is known
@@ -186,9 +191,7 @@ def run_stability(
                 for speed in speeds:
                     lowering = penetration(growth.states.model, weight, speed)
                     runs.append(run_point(run_case, speed, weight, lowering, duration, comm))
-    summary = _summary(case, points, edges, speeds, weights, kind)
-    if duration is not None:
-        _compare(summary, points, runs, duration, case.shown_units)
+    summary = _summary(case, points, len(edges), kind, runs, duration).as_dict()
     if comm.rank == 0:
         write_case_folder(case, folder.path)
         rows = [[rpm_of(p.speed), p.weight, p.growth, p.frequency, p.kind, p.imbalance] for p in points]
@@ -204,64 +207,38 @@ def run_stability(
     return RunResult(folder.path, summary, _lines(case, folder.path, points, edges, summary))
 
 
-def _compare(
-    summary: dict[str, Any], points: list[Point], runs: list[RunPoint], duration: float, units: System
-) -> None:
-    """Add to the summary what the runs did, and where they differ from the eigenvalues."""
-    counts = {name: sum(r.behaviour == name for r in runs) for name in BEHAVIOURS}
-    summary["runs"] = {"duration": duration, **{name: n for name, n in counts.items() if n}}
+def _summary(
+    case: Case,
+    points: list[Point],
+    boundaries: int,
+    kind: str | None,
+    runs: Sequence[RunPoint] = (),
+    duration: float | None = None,
+) -> StabilitySummary:
+    """Counts and warnings of all points, and what the runs of a ``duration`` [s] did there."""
+    behaviours = [r.behaviour for r in runs]
     differ = [
-        (p, r)
-        for p, r in zip(points, runs, strict=True)
+        (p, SAYS[r.behaviour])
+        for p, r in zip(points, runs, strict=False)
         if r.behaviour != "failed" and np.isfinite(p.growth) and not p.marginal and p.unstable != r.unstable
     ]
-    summary["runs"]["differ"] = len(differ)
-    if counts["failed"]:
-        summary["warnings"].append(f"{counts['failed']} of {len(runs)} runs failed: nan in the table")
-    for p, r in differ[:5]:
-        summary["warnings"].append(
-            f"at {rpm_of(p.speed):g} rpm and {shown(p.weight, 'force', units)} the run {SAYS[r.behaviour]}, and the largest growth is {p.growth:.3g} 1/s "
-            f"({p.kind}, {p.frequency:.3g} Hz)"
-        )
-    if len(differ) > 5:
-        summary["warnings"].append(f"runs and eigenvalues differ at {len(differ) - 5} more points")
+    counts = {name: behaviours.count(name) for name in BEHAVIOURS}
+    did = {"duration": duration, **{name: n for name, n in counts.items() if n}, "differ": len(differ)}
+    return StabilitySummary(
+        title=case.title,
+        speeds=[rpm_of(s) for s in dict.fromkeys(p.speed for p in points)],
+        weights=list(dict.fromkeys(p.weight for p in points)),
+        searched=kind or "all kinds",
+        unstable=sum(p.unstable for p in points),
+        marginal=sum(p.marginal for p in points),
+        boundaries=boundaries,
+        warnings=doubts_at(Mapped(case, points, IMBALANCE_SHARE, behaviours, differ)),
+        runs=MISSING if duration is None else did,
+    )
 
 
 def _columns(rows: list[list[Any]], count: int) -> list[np.ndarray]:
     return [np.array(column) for column in zip(*rows, strict=True)] if rows else [np.zeros(0)] * count
-
-
-def _summary(
-    case: Case,
-    points: list[Point],
-    edges: list[Boundary],
-    speeds: tuple[float, ...],
-    weights: tuple[float, ...],
-    kind: str | None,
-) -> dict[str, Any]:
-    warnings, units = list[str](), case.shown_units
-    missing = [p for p in points if not np.isfinite(p.growth)]
-    if missing:
-        warnings.append(
-            f"no steady state or no mode at {len(missing)} of {len(points)} points: nan in the table"
-        )
-    rough = [p for p in points if p.imbalance > IMBALANCE_SHARE * p.weight]
-    if rough:
-        worst = max(rough, key=lambda p: p.imbalance / p.weight)
-        warnings.append(
-            f"the state is not steady at {len(rough)} of {len(points)} points: unbalanced force up to {shown(worst.imbalance, 'force', units)} "
-            f"at {rpm_of(worst.speed):g} rpm and {shown(worst.weight, 'force', units)}"
-        )
-    return {
-        "title": case.title,
-        "speeds": [rpm_of(s) for s in speeds],
-        "weights": list(weights),
-        "searched": kind or "all kinds",
-        "unstable": sum(p.unstable for p in points),
-        "marginal": sum(p.marginal for p in points),
-        "boundaries": len(edges),
-        "warnings": warnings,
-    }
 
 
 def _lines(

@@ -209,16 +209,3 @@ def track(speeds: list[SpeedModes], pairings: list[Pairing]) -> list[Branch]:
 def searched_beside(speeds: list[SpeedModes]) -> FloatArray:
     """(k,) smallest distance [rad/s] from a line, at each speed, up to which all modes are known; nan where no line lies above the lowest modes."""
     return np.array([min((band.radius for band in m.bands), default=np.nan) for m in speeds])
-
-
-def not_searched(speeds: list[SpeedModes]) -> list[str]:
-    """Say where the search beside a line is narrower than the line moves to the next speed, so that critical speeds may be missing."""
-    cut = [(band, m.speed) for m in speeds for band in m.bands if band.radius < band.width]
-    if not cut:
-        return []
-    band, speed = min(cut, key=lambda q: q[0].radius / q[0].width)
-    return [
-        f"modes beside excitation lines lie too close for the search at {len({s for _, s in cut})} of {len(speeds)} speeds: at "
-        f"{speed * 30 / np.pi:.6g} rpm they are known within {band.radius / (2 * np.pi):.2g} Hz of {band.middle / (2 * np.pi):.3g} Hz, where the speeds ask for "
-        f"{band.width / (2 * np.pi):.2g} Hz: critical speeds may be missing; a smaller step of the speeds, or a larger --count"
-    ]

@@ -11,7 +11,7 @@ import numpy as np
 from drillpetsc.analysis.loads.limits.along_string import State, Surroundings, static_state
 from drillpetsc.analysis.loads.limits.buckling_loads import law_words
 from drillpetsc.analysis.loads.limits.contacts import contact_rows, item_forces
-from drillpetsc.analysis.loads.limits.fatigue import AS_S, rule_of
+from drillpetsc.analysis.loads.limits.doubts import Judged
 from drillpetsc.analysis.loads.limits.operations import (
     OPERATIONS,
     case_of,
@@ -34,14 +34,13 @@ from drillpetsc.analysis.motion.run_options import options_of
 from drillpetsc.analysis.statics.answer import static_summary
 from drillpetsc.analysis.statics.equilibrium import MOTIONS, StaticState
 from drillpetsc.analysis.statics.find_equilibrium import find_equilibrium
-from drillpetsc.analysis.statics.notes.beyond_rig import beyond_rig
-from drillpetsc.analysis.statics.start.buckling import buckling
-from drillpetsc.analysis.statics.start.coarse_mesh import state_warnings
+from drillpetsc.analysis.statics.placement import prescribed_motion
 from drillpetsc.arrays import FloatArray
 from drillpetsc.case.blocks.ends import BitBottom
-from drillpetsc.case.blocks.items.tubulars import DrillPipe, Jointed, Tubular
 from drillpetsc.case.case import Case
 from drillpetsc.case.checks.limits import refuse_quaternion
+from drillpetsc.doubts import doubts_at
+from drillpetsc.doubts.moments import Answer
 from drillpetsc.errors import CaseError
 from drillpetsc.model.drilling_model import DrillingModel, build_model
 from drillpetsc.model.string_forces import held_at_weight
@@ -52,13 +51,16 @@ from drillpetsc.output.job import Job
 from drillpetsc.output.quantities.limits import CONTACTS, LIMITS
 from drillpetsc.output.result import RunResult
 from drillpetsc.output.static_table import static_table
+from drillpetsc.output.summaries.loads import LimitsSummary
+from drillpetsc.output.watches.buckling import buckling
 from drillpetsc.physics.bit.bit_on_bottom import bit_torque
 from drillpetsc.unit_systems import System, shown
 
-NO_SOFT_STRING = "no margin of overpull and no largest weight on bit: they need a hole with contact, and gravity that points down"
 NO_FORCE = 1e-5  # share of the largest force below which the end of a string is not in compression
 NO_TORQUE = 1e-5  # over the hook load [m]: the torque of a string that only slides
 NO_SHARE = 1e-4  # of a limit, not worth a line
+#: keys of the summary that are figures of the static state
+OF_STATE = ("motion", "hook_load", "hook_load_total", "surface_torque", "wob", "bit_torque", "stable")
 #: summary key, column, True for its largest value, words
 WEAKEST = (
     ("safety_factor", False, "Safety factor"),
@@ -96,8 +98,9 @@ def run_limits(job: Job, operation: str | None = None, choices: Choices | None =
         state = find_equilibrium(model, motion, False)
         columns, nodal = static_table(model)
         buckled = buckling(model, columns, nodal) if nodal is not None else None
-        coarse = [*state_warnings(model, columns, nodal), *model.mesh.notes]
         statics = static_summary(model, state)
+        rotation = state.motion[1] and prescribed_motion(model)[1]
+        doubts = doubts_at(Answer(model=model, figures=statics, rotation=rotation, table=(columns, nodal)))
         found, forces = static_state(model), item_forces(model)
         answer: Any = None
         if comm.rank == 0:
@@ -107,24 +110,42 @@ def run_limits(job: Job, operation: str | None = None, choices: Choices | None =
             values = element_values(model, found, hole, pipe, choices, turning)
             table = rows(model, values)
             contacts = [] if forces is None else contact_rows(model, found.nodes, found.tangent, forces)
-            summary = _summary(model, word, choices, statics, table, contacts, units)
-            summary["notes"] += _torque_notes(given, word)
-            if choices.sn is not None and not turning:
-                summary["notes"].append(
-                    "no rotation at time 0 in this operation: no cycles and no damage (key top.rotation)"
-                )
-            if word is None and case.initial.wob is None and statics.get("wob", 0.0) > 0:
-                summary["notes"].append(
-                    "initial.wob is not given: the weight on bit is what a top at the rig leaves on the bottom"
-                )
-            summary |= _margins(model, found, pipe, choices, summary["notes"])
-            summary["buckling"] = {} if buckled is None else buckled.as_dict()
-            summary["warnings"] = [
-                *_state_warnings(state, word),
-                *beyond_rig(case, statics, units),
-                *_flags(table, summary, choices, units),
-                *coarse,
-            ]
+            soft = SoftLimits(model, choices.helical)
+            judged = Judged(
+                model=model,
+                table=table,
+                weakest={name: _worst(table, name, most) for name, most, _ in WEAKEST if name in table},
+                choices=choices,
+                word=word,
+                turning=turning,
+                wob=statics.get("wob", 0.0),
+                soft=soft.works,
+                strength=bool(np.isfinite(pipe.tension_limit).any()),
+            )
+            summary = LimitsSummary(
+                title=case.title,
+                operation=word or "as the case",
+                **{key: statics[key] for key in OF_STATE if key in statics},
+                choices=asdict(choices),
+                helical_law=law_words(choices.helical),
+                units=units,
+                neutral_point={
+                    "effective": _neutral_point(table, "effective_tension"),
+                    "true": _neutral_point(table, "axial_force"),
+                },
+                weakest=judged.weakest,
+                contacts=[{k: _plain(v) for k, v in row.items()} for row in contacts],
+                rig=None if case.rig is None else case.rig.model_dump(),
+                notes=[
+                    *doubts_at(judged, "remark"),
+                    *grades_assumed(case),
+                    *_torque_notes(given, word),
+                    *(bends_left_out(case) + cutters_left_out(case) if soft.works else ()),
+                ],
+                **_margins(model, found, pipe, soft),
+                buckling={} if buckled is None else buckled.as_dict(),
+                warnings=[*_state_warnings(state, word), *doubts_at(judged, "warning"), *doubts],
+            ).as_dict()
             write_case(given, folder)  # as the user has it; the summary has the operation
             present = [q for q in LIMITS if q.name in table]
             write_table(
@@ -149,89 +170,10 @@ def _rotation(case: Case, word: str | None) -> float:
 
 
 # ---------------------------------------------------------------------- summary
-def _summary(
-    model: DrillingModel,
-    word: str | None,
-    choices: Choices,
-    statics: dict[str, Any],
-    table: dict[str, Any],
-    contacts: list[dict[str, Any]],
-    units: System,
-) -> dict[str, Any]:
-    case = model.case
-    keep = ("motion", "hook_load", "hook_load_total", "surface_torque", "wob", "bit_torque", "stable")
-    out: dict[str, Any] = {
-        "title": case.title,
-        "operation": word or "as the case",
-        **{key: statics[key] for key in keep if key in statics},
-        "choices": asdict(choices),
-        "helical_law": law_words(choices.helical),
-        "units": units,
-        "neutral_point": {
-            "effective": _neutral_point(table, "effective_tension"),
-            "true": _neutral_point(table, "axial_force"),
-        },
-        "weakest": {name: _worst(table, name, largest) for name, largest, _ in WEAKEST if name in table},
-        "contacts": [{k: _plain(v) for k, v in row.items()} for row in contacts],
-        "rig": None if case.rig is None else case.rig.model_dump(),
-        "notes": _notes(model),
-    }
-    return out
-
-
 def _plain(value: Any) -> Any:
     if isinstance(value, float | np.floating):
         return None if np.isnan(value) else float(value)
     return value
-
-
-def _notes(model: DrillingModel) -> list[str]:
-    """What the table leaves out."""
-    case, out = model.case, []
-    unknown = sorted({case.string[i].name for i in model.mesh.item if np.isnan(_yield(case, i))})
-    if unknown:
-        out.append(
-            f"no yield strength, so no strength limits: {', '.join(unknown)} (give a kind of pipe with a grade, or yield_strength)"
-        )
-    out += grades_assumed(case)
-    drill_pipe = [item for item in case.string if isinstance(item, DrillPipe)]
-    other = sorted({item.grade for item in drill_pipe if item.grade and rule_of(item.grade) is None})
-    if other:
-        out.append(f"no permissible dogleg for grade {', '.join(other)}: API RP 7G has E and S")
-    as_s = sorted({i.grade for i in drill_pipe if i.grade and i.grade.upper().replace(" ", "") in AS_S})
-    if as_s:
-        out.append(f"permissible dogleg of {', '.join(as_s)} by the rule of grade S")
-    if not drill_pipe:
-        out.append("no drill pipe: no permissible doglegs")
-    if model.fluid is None:
-        out.append("no mud: no pressures and no buoyancy")
-    elif model.fluid.bore is not None and case.fluid is not None and case.fluid.flow_rate is not None:
-        flow = case.fluid.flow_rate.value(0.0)
-        out.append(
-            "pressures are those of still mud"
-            if not flow
-            else f"pressures are those of {shown(flow, 'flow', case.output.units or 'metric')}, in the margin of overpull, too; "
-            "beside it that of still mud"
-        )
-    if model.contact is not None and any(isinstance(item, Jointed) for item in case.string):
-        of = {item.clearance for item in case.string if isinstance(item, Jointed)}
-        words = {"tool_joint": "the tool joints", "body": "the body of the pipe"}
-        out.append(
-            f"clearance of the buckling limits: from {' or '.join(words[word] for word in sorted(of))}"
-        )
-    if model.contact is None:
-        out.append("no wall: no side forces and no buckling limits")
-    joints = [item for item in case.string if isinstance(item, Jointed)]
-    loose = [item for item in joints if item.tool_joint.make_up_torque is None]
-    if loose:
-        names = ", ".join(sorted({item.name for item in loose}))
-        out.append(f"no make-up torque of {names}: give tool_joint.make_up_torque")
-    out.append(
-        "torque limits are those of the tube; of the connections only the make-up torque of tool joints is compared"
-        if len(loose) < len(joints)
-        else "connections are not checked: torque limits are those of the tube"
-    )
-    return out
 
 
 def _torque_notes(case: Case, word: str | None) -> list[str]:
@@ -257,13 +199,6 @@ def _torque_notes(case: Case, word: str | None) -> list[str]:
     return [
         f"torque on bit where the string turns: {shown(own, 'torque', units)} from bottom.friction {bottom.friction:g}{given}{more}"
     ]
-
-
-def _yield(case: Case, item: int) -> float:
-    strong = (
-        getattr(case.string[item], "yield_strength", None) if isinstance(case.string[item], Tubular) else None
-    )
-    return np.nan if strong is None else float(strong)
 
 
 def _worst(table: dict[str, Any], name: str, largest: bool) -> dict[str, Any] | None:
@@ -292,16 +227,12 @@ def _neutral_point(table: dict[str, Any], name: str) -> dict[str, float] | None:
     return {"md": float(depth), "above_bit": float(table["md"].max() - depth)}
 
 
-def _margins(
-    model: DrillingModel, found: State, pipe: Strength, choices: Choices, notes: list[str]
-) -> dict[str, Any]:
+def _margins(model: DrillingModel, found: State, pipe: Strength, soft: SoftLimits) -> dict[str, Any]:
     """Margin of overpull, largest weights on bit and largest slack-off, by the soft string."""
     none: dict[str, Any] = dict.fromkeys(
         ("margin_of_overpull", "max_overpull_at_bit", "max_wob", "max_slackoff", "available_wob"), None
     )
-    soft = SoftLimits(model, choices.helical)
     if not soft.works:
-        notes.append(NO_SOFT_STRING)
         return none
     out = dict(none)
     limit, pressure = pipe.tension_limit[:, None] * np.ones((1, 2)), found.axial - found.effective
@@ -309,8 +240,6 @@ def _margins(
         out |= _overpull(soft, limit, pressure)
         if (still := _still_pressure(model)) is not None:
             out["margin_of_overpull_still"] = _overpull(soft, limit, still)["margin_of_overpull"]
-    else:
-        notes.append("no margin of overpull: no yield strength is known")
     out["max_wob"] = {
         operation: {
             which: soft.max_wob(operation, which == "helical").as_dict("wob")
@@ -325,8 +254,6 @@ def _margins(
     rig = model.case.rig
     block = (rig.block_weight if rig is not None else None) or 0.0
     out["available_wob"] = {word: soft.available_wob(word, block) for word in ("drilling", "sliding")}
-    notes.append("margin of overpull, max_wob, max_slackoff and available_wob are those of the soft string")
-    notes += bends_left_out(model.case) + cutters_left_out(model.case)
     return out
 
 
@@ -372,79 +299,6 @@ def _state_warnings(state: StaticState, word: str | None) -> list[str]:
     """Warnings of the static state; one off bottom may reach below the end of the hole by its stretch."""
     off_bottom = word is not None and not OPERATIONS[word].on_bottom
     return [w for w in state.warnings if not (off_bottom and w.startswith("the string's end lies"))]
-
-
-def _flags(table: dict[str, Any], summary: dict[str, Any], choices: Choices, units: System) -> list[str]:
-    """Warnings about limits that are passed, each with its worst place."""
-    weakest, out = summary["weakest"], []
-
-    def flag(name: str, passed: bool, text: str) -> None:
-        if passed:
-            worst = weakest[name]
-            out.append(f"{text} at MD {shown(worst['md'], 'length', units, 5)} ({worst['item']})")
-
-    value = {name: np.nan if worst is None else worst["value"] for name, worst in weakest.items()}
-    flag(
-        "safety_factor",
-        value["safety_factor"] < choices.design_factor,
-        f"safety factor {value['safety_factor']:.3g}, below the design factor {choices.design_factor:g},",
-    )
-    factor = choices.tension_fraction / value["tension_ratio"] if value["tension_ratio"] > 0 else np.inf
-    flag(
-        "tension_ratio",
-        factor < choices.tension_design_factor,
-        f"pull at yield over tension {factor:.3g}, below {choices.tension_design_factor:g},",
-    )
-    flag("torque_ratio", value["torque_ratio"] > 1, f"torque {value['torque_ratio']:.3g} times its limit")
-    made_up = value.get("make_up_ratio", np.nan)
-    flag(
-        "make_up_ratio",
-        made_up > 1,
-        f"torque {made_up:.3g} times the make-up torque, connections make up further in the hole,",
-    )
-    flag(
-        "fatigue_ratio",
-        value["fatigue_ratio"] > 1,
-        f"dogleg {value['fatigue_ratio']:.3g} times the permissible one of API RP 7G",
-    )
-    flag(
-        "burst_ratio",
-        value["burst_ratio"] > 1,
-        f"inside pressure {value['burst_ratio']:.3g} times that of burst",
-    )
-    flag(
-        "collapse_ratio",
-        value["collapse_ratio"] > 1,
-        f"outside pressure {value['collapse_ratio']:.3g} times that of collapse",
-    )
-    if choices.sn is not None:
-        damage = value["damage_per_hour"]
-        if damage > 0:
-            flag(
-                "damage_per_hour", damage > 0.01, f"fatigue life of {1 / damage:.3g} h by {choices.sn.source}"
-            )
-        stress, damaged = table["worst_bending_stress"], table["damage_per_hour"]
-        if (np.isfinite(stress) & np.isnan(damaged)).any():
-            out.append(f"bending stress above the largest of {choices.sn.source}: no life is given there")
-    most = choices.side_force_per_joint
-    flag(
-        "side_force_per_joint",
-        value["side_force_per_joint"] > most,
-        f"side force of {shown(value['side_force_per_joint'], 'force', units)} a joint, above {shown(most, 'force', units)},",
-    )
-    for state in ("sinusoidal", "helical"):
-        there = table["buckling_state"] == state
-        if there.any():
-            md = table["md"][there]
-            law = f" ({summary['helical_law']})" if state == "helical" else ""
-            out.append(
-                f"compression beyond the {state} limit{law} between MD {shown(float(md.min()), 'length', units, 5)} "
-                f"and {shown(float(md.max()), 'length', units, 5)}"
-            )
-    flexible = np.isfinite(table["curvature"])  # rows of rigid items have none
-    if ((table["buckling_state"] == "-") & flexible).any():
-        out.append("the string is in compression where no wall holds it: no buckling limit there")
-    return out
 
 
 def _lines(case: Case, summary: dict[str, Any], units: System) -> list[str]:

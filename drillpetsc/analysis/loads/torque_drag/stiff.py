@@ -27,8 +27,6 @@ from drillpetsc.analysis.loads.torque_drag.string_rows import (
 )
 from drillpetsc.analysis.loads.torque_drag.table import OK, STATES, failed, neutral_point, said_of
 from drillpetsc.analysis.statics.find_equilibrium import find_equilibrium
-from drillpetsc.analysis.statics.start.buckling import ELEMENTS_PER_PITCH
-from drillpetsc.analysis.statics.start.coarse_mesh import TOLERANCE
 from drillpetsc.arrays import FloatArray
 from drillpetsc.case.blocks.ends import ForcedBottom, HeldBottom, LineLoad, TopDrive
 from drillpetsc.case.blocks.items.string import Beam, Item, Rigid, Tube
@@ -38,6 +36,8 @@ from drillpetsc.case.pipe.section import ring
 from drillpetsc.errors import CaseError, SolveError
 from drillpetsc.geometry.well import Well
 from drillpetsc.model.drilling_model import DrillingModel, build_model
+from drillpetsc.output.watches.buckling import ELEMENTS_PER_PITCH
+from drillpetsc.output.watches.coarse_mesh import TOLERANCE
 
 BY_PATH = "one of several states: buckled with friction, at the end of a path of steady sliding"
 LIFTED = 10.0  # length of the pieces on which the forces of flowing mud are uniform [m]

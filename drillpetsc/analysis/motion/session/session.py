@@ -16,8 +16,6 @@ import numpy as np
 from petsc4py import PETSc
 
 from drillpetsc.analysis.motion import checkpoint
-from drillpetsc.analysis.motion.drive_report import drive_warnings
-from drillpetsc.analysis.motion.hoist_report import hoist_warnings
 from drillpetsc.analysis.motion.initial_state import initial_state
 from drillpetsc.analysis.motion.integrator_choice import make_integrator
 from drillpetsc.analysis.motion.session.live_input import LiveInput
@@ -25,6 +23,8 @@ from drillpetsc.analysis.motion.session.live_outputs import LiveOutputs, Session
 from drillpetsc.analysis.motion.session.live_sensors import LiveSensors
 from drillpetsc.case.case import Case
 from drillpetsc.case.options.case_inputs import SessionInput, describe, inputs_of, with_inputs
+from drillpetsc.doubts import doubts_at
+from drillpetsc.doubts.moments import Start
 from drillpetsc.errors import CaseError
 from drillpetsc.model.drilling_model import build_model, is_quasi_static
 from drillpetsc.output.recorder import Recorder
@@ -93,7 +93,7 @@ class Session:
         initial_state(self._model, case, saved, None)
         if saved is not None:
             self._integrator.set_state(saved.stepper)
-        self.warnings = drive_warnings(self._model, saved is None) + hoist_warnings(case)
+        self.warnings = doubts_at(Start(model=self._model, continued=saved is not None))
         sensors = self._recorder.sensors
         self._senses = None if sensors is None else LiveSensors(sensors, self.time, saved)
         self._largest = {name: abs(live.value(self.time)) for name, live in self._live.items()}

@@ -8,9 +8,7 @@ from drillpetsc.analysis.statics.placement import prescribed_motion
 from drillpetsc.analysis.statics.start.soft_string_start import soft_string
 from drillpetsc.case.quantities import largest
 from drillpetsc.model.drilling_model import DrillingModel
-from drillpetsc.unit_systems import shown
 
-WORTH_SAYING = 0.05  # change of the weight on bit over initial.wob
 MOST = 100.0  # largest weight that is tried, over initial.wob
 ACCURACY = 1e-4
 
@@ -40,16 +38,3 @@ def freed_weight(model: DrillingModel) -> float | None:
         if high > MOST * case.initial.wob:
             return None
     return float(brentq(longer, low, high, rtol=ACCURACY)) if longer(low) > 0 else None
-
-
-def weight_warnings(model: DrillingModel) -> list[str]:
-    """Say to what weight initial.wob grows when rotation frees the friction."""
-    weight, given = freed_weight(model), model.case.initial.wob
-    if weight is None or not given or weight - given < WORTH_SAYING * given:
-        return []
-    units = model.case.shown_units
-    return [
-        f"initial.wob, {shown(given, 'force', units)}, is that of a string which slides at time 0: when it turns, rotation frees its "
-        f"friction and the bit carries about {shown(weight, 'force', units, 2)}, until it is drilled off; with top.rotation at time 0 "
-        "the weight is met while turning"
-    ]

@@ -6,12 +6,11 @@ Manual: sec-mesh-coarse.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
-from drillpetsc.analysis.statics.placement import top_depth
-from drillpetsc.analysis.statics.start.buckling import ELEMENTS_PER_PITCH, buckling
 from drillpetsc.arrays import FloatArray
 from drillpetsc.model.drilling_model import DrillingModel
 from drillpetsc.model.element_length import (
@@ -22,13 +21,14 @@ from drillpetsc.model.element_length import (
     STEP_STRESS,
     VERTICAL,
     free_length,
-    instead_of_length,
     step_moment,
 )
+from drillpetsc.model.hole import top_of_string
 from drillpetsc.model.mesh import string_forces
 from drillpetsc.output.files.tables import Column
 from drillpetsc.output.static_table import at_nodes, static_table
-from drillpetsc.unit_systems import System, display, display_unit
+from drillpetsc.output.watches.buckling import ELEMENTS_PER_PITCH, buckling
+from drillpetsc.unit_systems import display
 
 TOLERANCE = 1.25  # of a turn in one element over that which suffices
 MOMENT_ERROR = 0.03  # of a bending moment beside a support, from which it is reported
@@ -37,7 +37,7 @@ MOMENT_ERROR = 0.03  # of a bending moment beside a support, from which it is re
 LAYER_SHARE, SPAN_SHARE = 1.5, 0.6
 LEAST_STRESS = 10e6  # bending stress of which the error is reported [Pa]
 SHARP_BEND = 50e6  # bending stress of a jump of the hole's curvature beside which elements are judged [Pa]
-MOST_LINES = 6  # of one kind
+MOST_PLACES = 6  # of one kind
 
 
 @dataclass(frozen=True)
@@ -54,42 +54,43 @@ class _Loads:
     stress: FloatArray | None
 
 
-def state_warnings(
-    model: DrillingModel, columns: list[Column] | None = None, values: FloatArray | None = None
-) -> list[str]:
-    """Sentences on elements that are too long for the model's present state, those for buckles left out; collective.
+Found = dict[str, Any]
+"""Values of the sentence on elements that are too long: length and the length that would do [m], and their place."""
 
-    columns, values: of ``static_table``, computed here where ``columns`` is None.  Empty on other ranks than 0.
+
+@dataclass(frozen=True)
+class LongElements:
+    """Elements that are too long: ranges of them (``_ranged``), those beside a support (``_beside``), and those of buckles."""
+
+    ranges: tuple[Found, ...] = ()
+    supports: tuple[Found, ...] = ()
+    buckles: tuple[Found, ...] = ()
+
+
+def of_state(
+    model: DrillingModel, columns: list[Column] | None = None, values: FloatArray | None = None
+) -> LongElements:
+    """Elements that are too long for the model's present state; collective, and the same on all ranks.
+
+    columns, values: of ``static_table``, computed here where ``columns`` is None.
     """
     if model.beam is None or model.beam.needs_ancf_equilibrium:
-        return []
+        return LongElements()
     if columns is None:
         columns, values = static_table(model)
-    if values is None:
-        return []
-    return _lines(model, _of_state(model, columns, values))
-
-
-def run_warnings(model: DrillingModel) -> list[str]:
-    """``state_warnings`` and those on buckles of the state a run starts from; the same on all ranks; collective."""
-    if model.beam is None or model.beam.needs_ancf_equilibrium:
-        return []
-    columns, values = static_table(model)
-    lines: list[str] = []
+    found = LongElements()
     if values is not None:
-        lines = [
-            *buckling(model, columns, values).coarse_lines(_units(model)),
-            *state_warnings(model, columns, values),
-        ]
+        buckles = tuple(buckling(model, columns, values).coarse)
+        found = replace(_of_loads(model, _of_state(model, columns, values)), buckles=buckles)
     comm = model.system.comm
-    return lines if comm.size == 1 else list(comm.tompi4py().bcast(lines))
+    return found if comm.size == 1 else comm.tompi4py().bcast(found)
 
 
-def expected_warnings(model: DrillingModel) -> list[str]:
-    """Sentences on elements that are too long for the forces estimated before any solve (manual: sec-mesh-forces)."""
+def expected(model: DrillingModel) -> LongElements:
+    """Elements that are too long for the forces estimated before any solve (manual: sec-mesh-forces)."""
     case, mesh = model.case, model.mesh
     if case.hold_string:
-        return []
+        return LongElements()
     forces = string_forces(case, model.well)
     middle = 0.5 * (forces.md[1:] + forces.md[:-1])
     at = np.clip(np.searchsorted(forces.md, 0.5 * (mesh.upper + mesh.lower)) - 1, 0, len(middle) - 1)
@@ -114,12 +115,9 @@ def expected_warnings(model: DrillingModel) -> list[str]:
         & (push > HELIX * level)
         & (mesh.length > pitch / ELEMENTS_PER_PITCH * TOLERANCE)
     )
-    lines = _ranged(model, long, pitch / ELEMENTS_PER_PITCH, lambda k: "the expected helix")
-    return lines + _lines(model, load)
-
-
-def _units(model: DrillingModel) -> System:
-    return model.case.shown_units
+    helix = _ranged(model, long, pitch / ELEMENTS_PER_PITCH, lambda k: "the expected helix")
+    found = _of_loads(model, load)
+    return replace(found, ranges=(*helix, *found.ranges))
 
 
 def _of_state(model: DrillingModel, columns: list[Column], values: FloatArray) -> _Loads:
@@ -128,7 +126,12 @@ def _of_state(model: DrillingModel, columns: list[Column], values: FloatArray) -
     clearance = np.full(mesh.nodes, np.inf)
     if model.well is not None and model.contact is not None:
         radius = at_nodes(0.5 * mesh.contact_diameter, 0.5 * mesh.contact_diameter)
-        clearance = np.asarray(model.well.radius(mesh.node_depth + top_depth(model))) - radius
+        clearance = (
+            np.asarray(
+                model.well.radius(mesh.node_depth + top_of_string(model.case, model.mesh.total_length))
+            )
+            - radius
+        )
         clearance = np.maximum(clearance, 1e-3)
     stiffness = at_nodes(mesh.bending_stiffness, mesh.bending_stiffness)
     load = np.nan_to_num(table["buckling_load"]) if "buckling_load" in table else np.zeros(mesh.nodes)
@@ -139,18 +142,13 @@ def _of_state(model: DrillingModel, columns: list[Column], values: FloatArray) -
     return _Loads(tension, side, clearance, table["bending_stress"])
 
 
-def _lines(model: DrillingModel, load: _Loads) -> list[str]:
-    return [
-        *_residual(model),
-        *_turns(model),
-        *_supports(model, load),
-        *_jumps(model, load),
-        *_steps(model, load),
-    ]
+def _of_loads(model: DrillingModel, load: _Loads) -> LongElements:
+    supports = (*_supports(model, load), *_jumps(model, load), *_steps(model, load))
+    return LongElements((*_residual(model), *_turns(model)), supports)
 
 
 # ---------------------------------------------------------------------- kinds
-def _residual(model: DrillingModel) -> list[str]:
+def _residual(model: DrillingModel) -> list[Found]:
     """Elements in which the stress-free shape turns by too much."""
     own = np.array([getattr(item, "curvature", 0.0) for item in model.case.string])[model.mesh.item]
     with np.errstate(divide="ignore"):
@@ -159,11 +157,11 @@ def _residual(model: DrillingModel) -> list[str]:
     return _ranged(model, long, enough, lambda k: f"a residual curvature of {own[k]:.3g} 1/m")
 
 
-def _turns(model: DrillingModel) -> list[str]:
+def _turns(model: DrillingModel) -> list[Found]:
     """Elements in which the hole turns by too much."""
     if model.well is None:
         return []
-    mesh, shift = model.mesh, top_depth(model)
+    mesh, shift = model.mesh, top_of_string(model.case, model.mesh.total_length)
     share = np.linspace(0.05, 0.95, 7)
     depth = mesh.upper[:, None] + share * mesh.length[:, None] + shift
     bend = np.linalg.norm(np.asarray(model.well.at(depth)[2]), axis=-1).max(axis=1)
@@ -172,13 +170,13 @@ def _turns(model: DrillingModel) -> list[str]:
     long = (mesh.length > 1.5 * enough) & ~mesh.is_joint
 
     def cause(k: int) -> str:
-        rate, unit = display(float(bend[k]), "dogleg", _units(model))
+        rate, unit = display(float(bend[k]), "dogleg", model.case.shown_units)
         return f"the curvature of the hole ({rate:.3g} {unit})"
 
     return _ranged(model, long, enough, cause)
 
 
-def _supports(model: DrillingModel, load: _Loads) -> list[str]:
+def _supports(model: DrillingModel, load: _Loads) -> list[Found]:
     """Bending layers beside rigid items on the wall."""
     mesh = model.mesh
     if model.contact is None:
@@ -187,23 +185,22 @@ def _supports(model: DrillingModel, load: _Loads) -> list[str]:
         b for b in mesh.bodies if b.radius > 0 and b.contact_length
     ]  # a bit, at one point, passes no moment to the hole
     ends = sorted({b.node for b in touching})
-    out: list[str] = []
+    out: list[Found | None] = []
     for b in touching:
         others = [n for n in [0, *ends, mesh.nodes - 1] if n != b.node]
         distance = min(
             (abs(float(mesh.node_depth[n] - mesh.node_depth[b.node])) for n in others), default=np.inf
         )
-        line = _beside(model, load, b.node, distance, f"beside {b.name} at MD")
-        out += [line] if line and line not in out else []
+        out.append(_beside(model, load, b.node, distance, f"beside {b.name} at MD"))
     return _first(out)
 
 
-def _jumps(model: DrillingModel, load: _Loads) -> list[str]:
+def _jumps(model: DrillingModel, load: _Loads) -> list[Found]:
     """Bending layers beside jumps of the hole's curvature."""
     well, mesh = model.well, model.mesh
     if well is None or model.contact is None:
         return []
-    shift = top_depth(model)
+    shift = top_of_string(model.case, model.mesh.total_length)
     depth = np.asarray(well.node_md)[1:-1] - shift
     depth = depth[(depth > mesh.node_depth[0] + 1e-6) & (depth < mesh.node_depth[-1] - 1e-6)]
     above, below = (np.asarray(well.at(depth + shift + d)[2]) for d in (-1e-6, 1e-6))
@@ -214,15 +211,15 @@ def _jumps(model: DrillingModel, load: _Loads) -> list[str]:
         _beside(model, load, int(node), np.inf, "beside a jump of the hole's curvature at MD")
         for node in nodes[stress > SHARP_BEND]
     ]
-    return _first([line for line in dict.fromkeys(lines) if line])
+    return _first(lines)
 
 
-def _steps(model: DrillingModel, load: _Loads) -> list[str]:
+def _steps(model: DrillingModel, load: _Loads) -> list[Found]:
     """Bending layers beside steps of the clearance: of the pipe's diameter, or of the hole's."""
     well, mesh = model.well, model.mesh
     if well is None or model.contact is None:
         return []
-    place = mesh.node_depth[1:-1] + top_depth(model)
+    place = mesh.node_depth[1:-1] + top_of_string(model.case, model.mesh.total_length)
     gap = [
         np.asarray(well.radius(place + d)) - 0.5 * diameter
         for d, diameter in ((-1e-6, mesh.contact_diameter[:-1]), (1e-6, mesh.contact_diameter[1:]))
@@ -245,7 +242,7 @@ def _steps(model: DrillingModel, load: _Loads) -> list[str]:
         )
         for node in np.flatnonzero((height > LEAST_STEP) & (stress > STEP_STRESS))
     ]
-    return _first([line for line in dict.fromkeys(lines) if line])
+    return _first(lines)
 
 
 def _stress_by_moment(model: DrillingModel) -> FloatArray:
@@ -255,11 +252,11 @@ def _stress_by_moment(model: DrillingModel) -> FloatArray:
     return np.divide(0.5 * mesh.outer_diameter, section, out=np.zeros(len(section)), where=section > 0)
 
 
-# ---------------------------------------------------------------------- sentences
+# ---------------------------------------------------------------------- places
 def _beside(
     model: DrillingModel, load: _Loads, node: int, distance: float, where: str, height: float | None = None
-) -> str | None:
-    """Sentence on the elements at ``node`` where they are too long for the bending layer there, else None.
+) -> Found | None:
+    """Values of the sentence on the elements at ``node`` where they are too long for the bending layer there, else None.
 
     distance: to the next support [m]; where: beginning of the place.
     height: of the step that the string comes down from [m], None: from the middle of the hole.
@@ -288,50 +285,55 @@ def _beside(
     if worst is None:
         return None
     error, length, enough = worst
-    scale, _, unit = display_unit("length", _units(model))
-    depth = (float(mesh.node_depth[node]) + top_depth(model)) / scale
-    size = f"about {100 * error:.2g} %" if error < 0.3 else "30 % and more"
-    return (
-        f"elements of {length / scale:.3g} {unit} {where} {depth:.0f} {unit} leave {size} in the bending moment, and make side forces "
-        f"and their friction too large: "
-        f"element_length of {enough / scale:.2g} {unit} or less there ({instead_of_length(model.case)})"
-    )
+    return {
+        "length": length,
+        "where": where,
+        "md": float(mesh.node_depth[node]) + top_of_string(model.case, mesh.total_length),
+        "size": f"about {100 * error:.2g} %" if error < 0.3 else "30 % and more",
+        "enough": enough,
+    }
 
 
 def _ranged(
     model: DrillingModel, long: np.ndarray, enough: FloatArray, cause: Callable[[int], str]
-) -> list[str]:
-    """A sentence for each range of neighbouring elements in ``long`` (n,); ``enough``: what would do (n,) [m]."""
-    mesh, shift, out = model.mesh, top_depth(model), []
-    scale, _, unit = display_unit("length", _units(model))
+) -> list[Found]:
+    """Values for each range of neighbouring elements in ``long`` (n,); ``enough``: what would do (n,) [m]."""
+    mesh, shift, out = model.mesh, top_of_string(model.case, model.mesh.total_length), []
     edges = np.flatnonzero(np.diff(np.concatenate([[0], long.astype(int), [0]])))
     for a, b in zip(edges[::2], edges[1::2], strict=True):
         worst = a + int(np.argmin(enough[a:b]))
         out.append(
-            f"elements of {mesh.length[a:b].max() / scale:.3g} {unit} from MD {(mesh.upper[a] + shift) / scale:.0f} to "
-            f"{(mesh.lower[b - 1] + shift) / scale:.0f} {unit} are too long for {cause(worst)}: element_length of "
-            f"{enough[worst] / scale:.2g} {unit} or less ({instead_of_length(model.case)})"
+            {
+                "length": float(mesh.length[a:b].max()),
+                "upper": float(mesh.upper[a]) + shift,
+                "lower": float(mesh.lower[b - 1]) + shift,
+                "cause": cause(worst),
+                "enough": float(enough[worst]),
+            }
         )
     return _first(out)
 
 
-def _first(lines: Iterable[str]) -> list[str]:
-    """The first ``MOST_LINES`` sentences, and how many more there are."""
-    every = list(lines)
-    rest = len(every) - MOST_LINES
-    return every if rest <= 0 else [*every[:MOST_LINES], f"... and {rest} more places with too long elements"]
+def _first(found: Iterable[Found | None]) -> list[Found]:
+    """The first ``MOST_PLACES`` different ones, the last of them with the number of the others as ``more``."""
+    every: list[Found] = []
+    every += (q for q in found if q is not None and q not in every)
+    more = len(every) - MOST_PLACES
+    return every if more <= 0 else [*every[: MOST_PLACES - 1], {**every[MOST_PLACES - 1], "more": more}]
 
 
 def too_coarse(model: DrillingModel) -> bool:
     """Whether an element is above the limit of ``coarse_elements``."""
-    return bool(coarse_elements(model).any())
+    return bool(coarse_elements(model)[0].any())
 
 
-def coarse_elements(model: DrillingModel) -> np.ndarray:
-    """Find the elements (n,) with L^3 > 240 EI/w (manual: eq-beam-length-limit).
+def coarse_elements(model: DrillingModel) -> tuple[np.ndarray, FloatArray]:
+    """Find the elements (n,) with L^3 > 240 EI/w, and this limit of L (n,) [m] (manual: eq-beam-length-limit).
 
     The bending stiffness of such an element does not balance the axial load of its own weight w per length.
     """
     mesh = model.mesh
     w = mesh.mass * np.linalg.norm(model.case.gravity)
-    return mesh.length**3 * w > 240 * mesh.bending_stiffness
+    with np.errstate(divide="ignore"):
+        limit = np.cbrt(np.where(w > 0, 240 * mesh.bending_stiffness / w, np.inf))
+    return mesh.length**3 * w > 240 * mesh.bending_stiffness, limit

@@ -9,20 +9,17 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from drillpetsc.analysis.statics.placement import top_depth
 from drillpetsc.arrays import FloatArray
 from drillpetsc.model.drilling_model import DrillingModel
-from drillpetsc.model.element_length import instead_of_length
+from drillpetsc.model.hole import top_of_string
 from drillpetsc.output.files.tables import Column
 from drillpetsc.output.static_table import at_nodes
-from drillpetsc.unit_systems import System, display_unit
 
 #: helical over sinusoidal buckling load in a hole with side load (Chen, Lin and Cheatham, SPEDE 1990)
 HELICAL_RATIO = np.sqrt(2.0)
 #: first buckling of a vertical string with the weight w per length, F/(EI w^2)^(1/3) (Lubinski, 1950)
 VERTICAL_LOAD = 1.94
 ELEMENTS_PER_PITCH = 4.0  # with fewer, the shape of a helix is wrong
-FEW_RANGES = 3  # that are reported one by one
 WINDING = 1.5 * np.pi  # rotation of the offset within a pitch from which a string counts as a helix [rad]
 
 
@@ -32,53 +29,19 @@ class Buckling:
 
     sinusoidal: the compression exceeds the sinusoidal load but the string does not coil.
     helical: the string coils about the axis of the hole.
-    coarse: (from, to, element length, length that would do) [m] of buckled ranges with too long elements.
-    instead: what the case may say instead of a shorter length.
+    coarse: upper, lower, length, enough [m] of buckled ranges with elements longer than the length that would be enough.
     """
 
     sinusoidal: tuple[tuple[float, float], ...] = ()
     helical: tuple[tuple[float, float], ...] = ()
-    coarse: tuple[tuple[float, float, float, float], ...] = ()
-    instead: str = "or auto"
+    coarse: tuple[dict[str, float], ...] = ()
+
+    def __bool__(self) -> bool:
+        return bool(self.sinusoidal or self.helical)
 
     def as_dict(self) -> dict[str, list[list[float]]]:
         """Ranges for summary.json [m]."""
         return {"sinusoidal": [list(q) for q in self.sinusoidal], "helical": [list(q) for q in self.helical]}
-
-    def lines(self, units: System = "metric", slides: bool = False) -> list[str]:
-        """Sentences for the user, with depths in a system of units.
-
-        slides: the state is one of steady sliding with friction that no path was followed to.
-        """
-        size, _, unit = display_unit("length", units)
-
-        def between(a: float, b: float) -> str:
-            return f"from MD {a / size:.0f} to {b / size:.0f} {unit}"
-
-        out = []
-        for what, ranges in (("sinusoidally", self.sinusoidal), ("helically", self.helical)):
-            if len(ranges) <= FEW_RANGES:
-                out += [f"{what} buckled {between(a, b)}" for a, b in ranges]
-            else:
-                total, whole = sum(b - a for a, b in ranges), between(ranges[0][0], ranges[-1][1])
-                out.append(
-                    f"{what} buckled in {len(ranges)} pieces {whole}, {total / size:.0f} {unit} in all"
-                )
-        if self.sinusoidal or self.helical:
-            out.append(
-                "a buckled string may have other stable states; which one it is depends on its history"
-                + (" (this one is of steady sliding; --path sliding gives a band)" if slides else "")
-            )
-        return out + self.coarse_lines(units)
-
-    def coarse_lines(self, units: System = "metric") -> list[str]:
-        """Sentences on elements that are too long for the buckled shape, in a system of units."""
-        size, _, unit = display_unit("length", units)
-        return [
-            f"elements of {length / size:.3g} {unit} from MD {a / size:.0f} to {b / size:.0f} {unit} are too long for "
-            f"the buckled shape: element_length of {enough / size:.2g} {unit} or less ({self.instead})"
-            for a, b, length, enough in self.coarse
-        ]
 
 
 def buckling(model: DrillingModel, columns: list[Column], values: FloatArray) -> Buckling:
@@ -98,7 +61,7 @@ def buckling(model: DrillingModel, columns: list[Column], values: FloatArray) ->
     buckled = push > load
     if not buckled.any():
         return Buckling()
-    depth = mesh.node_depth + top_depth(model)
+    depth = mesh.node_depth + top_of_string(model.case, mesh.total_length)
     pitch = 2 * np.pi * np.sqrt(2 * stiffness / np.maximum(push, 1.0))
     helical = (
         buckled & _winds(model, table, pitch) & (push > HELICAL_RATIO * np.nan_to_num(table["buckling_load"]))
@@ -108,9 +71,9 @@ def buckling(model: DrillingModel, columns: list[Column], values: FloatArray) ->
     ranges = []
     for a, b in _ranges(depth, coarse):
         there = coarse & (depth >= a) & (depth <= b)
-        ranges.append((a, b, float(length[there].max()), float(pitch[there].min() / ELEMENTS_PER_PITCH)))
-    instead = instead_of_length(model.case)
-    return Buckling(_ranges(depth, buckled & ~helical), _ranges(depth, helical), tuple(ranges), instead)
+        enough = float(pitch[there].min() / ELEMENTS_PER_PITCH)
+        ranges.append({"upper": a, "lower": b, "length": float(length[there].max()), "enough": enough})
+    return Buckling(_ranges(depth, buckled & ~helical), _ranges(depth, helical), tuple(ranges))
 
 
 def _winds(model: DrillingModel, table: dict[str, FloatArray], pitch: FloatArray) -> np.ndarray:

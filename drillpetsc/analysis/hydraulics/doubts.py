@@ -1,0 +1,301 @@
+"""Doubts about the steady flow of the mud: hydraulics and surge."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from drillpetsc.analysis.hydraulics.flow_model import SHORTEST_PIECE, FlowModel
+from drillpetsc.analysis.hydraulics.open_hole import (
+    NOT_CHECKED,
+    NOTHING_OPEN,
+    WITHIN,
+    OpenHole,
+    vertical_depth,
+)
+from drillpetsc.case.blocks.items.string import Flexible
+from drillpetsc.case.case import Case
+from drillpetsc.case.plausible.plausible_string import short_of_hole
+from drillpetsc.doubts.doubt import Doubt, remark
+from drillpetsc.doubts.moments import Flowing
+from drillpetsc.model.tools.mud_motor import motor_item
+from drillpetsc.output.watches.boiling import VAPOUR_PRESSURE
+from drillpetsc.unit_systems import System
+
+Values = Iterable[dict[str, Any]]
+
+BLEND_EXCESS = 0.05  # excess of the law blend over the exact one above which it is reported [-]
+SHORT = 1e-3  # distance of the string's end from the end of the hole that is reported [m]
+
+
+# ---------------------------------------------------------------------- moments
+@dataclass(frozen=True)
+class OfCase:
+    """The flow of a case is prepared."""
+
+    case: Case
+
+    @property
+    def units(self) -> System:
+        """Units of the reader."""
+        return self.case.shown_units
+
+
+@dataclass(frozen=True)
+class PumpedString(OfCase):
+    """The flow of a case is prepared (hydraulics).  window: of the open hole, None without one; end: of the hole [m]."""
+
+    flow: FlowModel
+    window: OpenHole | None
+    end: float | None
+
+
+@dataclass(frozen=True)
+class Pumped(Flowing):
+    """Mud is pumped at one flow rate (hydraulics).
+
+    excess: of the friction by rheology.law: blend [-]; limited: what passes the window (``OpenHole.limited_by``).
+    """
+
+    flow: FlowModel
+    excess: float
+    limited: str
+
+
+@dataclass(frozen=True)
+class Tripped(OfCase):
+    """The string moves at one speed (surge).  excess: of the friction by rheology.law: blend [-]."""
+
+    flow: FlowModel
+    excess: float
+
+
+@dataclass(frozen=True)
+class TripPlan(OfCase):
+    """Trips are prepared (surge).
+
+    pipes: closed, open, pumping; acceleration: of a start from rest [m/s2], None without one; hole: the open hole, None without a window.
+    top: measured depth of the string's top [m], which a trip lengthens to the rig.
+    """
+
+    pipes: tuple[str, ...]
+    acceleration: float | None
+    hole: OpenHole | None
+    top: float
+
+
+# ---------------------------------------------------------------------- warnings
+class BelowVacuum(Doubt):
+    """The pressure of the mud falls below a vacuum: the mud would part there."""
+
+    about = (Pumped, Tripped)
+    sentence = (
+        "the pressure in the {channel} falls to {pressure:pressure 3} gauge at MD {md:length 6}, below a vacuum: the mud would part "
+        "there, and pressures and flow are not valid"
+    )
+    remedy = "Trip more slowly, fill the pipe, or pump more."
+
+    def look(self, at: Any) -> Values:
+        for channel in ("bore", "annulus"):
+            pressure = at.flow.pressure(channel)
+            if pressure is not None and pressure.min() < VAPOUR_PRESSURE:
+                k = int(np.argmin(pressure))
+                yield {"channel": channel, "pressure": float(pressure[k]), "md": float(at.flow.md[k])}
+
+
+class BlendOverstates(Doubt):
+    """The blended law of friction is too high for a slow flow of mud with a yield stress."""
+
+    about = (Pumped, Tripped)
+    sentence = (
+        "rheology.law: blend overstates the annulus friction of this mud by {percent:.0f} % here (yield stress, slow flow); rheology: "
+        "{{law: exact}} does not"
+    )
+    remedy = "Use `rheology: {law: exact}`."
+
+    def look(self, at: Any) -> Values:
+        if at.excess > BLEND_EXCESS:
+            yield {"percent": 100 * at.excess}
+
+
+class OutsideWindow(Doubt):
+    """The pressure in the open hole passes the pore or the fracture pressure."""
+
+    about = (Pumped,)
+    sentence = "the pressure passes the window: {limit}"
+    remedy = "Change mud weight, rheology or flow rate, or set casing deeper."
+
+    def look(self, at: Pumped) -> Values:
+        if at.limited not in (WITHIN, NOT_CHECKED):
+            yield {"limit": at.limited}
+
+
+class WindowInMeasuredDepth(Doubt):
+    """The table of the window ends at the measured depth of the hole, which its vertical depth does not reach."""
+
+    about = (PumpedString,)
+    sentence = (
+        "window.tvd ends at {end:length 5}, the measured depth of the hole, whose end is at TVD {tvd:length 5}: are these measured "
+        "depths?"
+    )
+    remedy = "Give the depths of the window as vertical depths."
+
+    def look(self, at: OfCase) -> Values:
+        case, window = at.case, at.case.window
+        if window is None or window.tvd is None or case.well is None:
+            return
+        end = float(case.well.survey.md[-1])
+        tvd = float(vertical_depth(case, np.array([end]))[0])
+        if abs(window.tvd[-1] - end) <= 1e-3 * end and tvd <= 0.98 * end:
+            yield {"end": end, "tvd": tvd}
+
+
+# ---------------------------------------------------------------------- remarks of hydraulics
+def _side_names(at: PumpedString) -> dict[str, str] | None:
+    side, string = at.flow.fluid.side, at.flow.string
+    if side is None:
+        return None
+    names = [at.case.string[string.number[n]].name for link in side.links for n, _ in link.items]
+    return {"names": ", ".join(names)}
+
+
+def _motor(at: PumpedString) -> dict[str, str] | None:
+    found = motor_item(at.case)
+    if found is None:
+        return None
+    side = at.flow.fluid.side is not None
+    more = ", and sends more mud through the nozzles above it" if side else ""
+    return {"name": found[1].name, "more": more}
+
+
+def _rigid_below(at: PumpedString) -> dict[str, str] | None:
+    string = at.case.string
+    last = max(i for i, item in enumerate(string) if isinstance(item, Flexible))
+    names = [item.name for item in string[last + 1 :] if item.length > 0]
+    return {"names": ", ".join(names)} if names else None
+
+
+def _above_end(at: PumpedString) -> dict[str, float] | None:
+    if at.end is None or at.end - at.flow.string.depth <= SHORT or short_of_hole(at.case):
+        return None
+    return {"md": at.flow.string.depth, "above": at.end - at.flow.string.depth}
+
+
+def _nothing_open(hole: OpenHole | None) -> bool:
+    return hole is not None and not len(hole.md)
+
+
+remark(
+    PumpedString,
+    "fluid.formulation: hermite: hydraulics takes mixed, whose steady flow is the same",
+    lambda at: at.case.fluid.formulation == "hermite",
+)
+remark(
+    PumpedString,
+    "the string's top lies at MD {top:length 6}: the pump pressure is the pressure there, and the mud rises in the hole above it "
+    "without friction",
+    lambda at: at.flow.string.top > SHORTEST_PIECE and {"top": at.flow.string.top},
+)
+remark(
+    PumpedString,
+    "nozzles above the bit, at the upper ends of their items: {names}; their loss has the bit's discharge coefficient",
+    _side_names,
+)
+remark(
+    PumpedString,
+    "fluid.check_valve is at the bit: mud can flow into the string through the nozzles above it",
+    lambda at: at.flow.fluid.side is not None and at.case.fluid.check_valve,
+)
+remark(
+    PumpedString,
+    "bottom.plugged: all mud leaves through the nozzles above the bit",
+    lambda at: at.flow.fluid.bit is None or not at.flow.fluid.bit.has_link,
+)
+remark(
+    PumpedString,
+    "no nozzles: the string ends open, without a loss; jet velocity, impact and power are absent",
+    lambda at: at.flow.fluid.bit is not None and at.flow.fluid.bit.has_link and not at.flow.fluid.bit.end.nozzle,
+)  # fmt: skip
+remark(
+    PumpedString,
+    "{name}: the motor's pressure is that without load; torque on bit raises it and the pump pressure{more} (statics and runs count it)",
+    _motor,
+)
+remark(PumpedString, "no friction along the rigid items below the last pipe: {names}", _rigid_below)
+remark(
+    PumpedString,
+    "mud without cuttings: their weight and volume are not in the pressures and densities of the annulus",
+    lambda at: at.case.formation is not None,
+)
+remark(
+    PumpedString,
+    "the string ends at MD {md:length 6}, {above:length 6} above the end of the hole; the mud below it stands still",
+    _above_end,
+)
+remark(
+    PumpedString,
+    "no annulus: no densities, and the mud leaves at the string's lower end",
+    lambda at: at.flow.fluid.annulus is None,
+)
+remark(
+    PumpedString,
+    "no window: pore and fracture limits are not compared (key window)",
+    lambda at: at.flow.fluid.annulus is not None and at.case.window is None,
+)
+remark(
+    PumpedString,
+    NOTHING_OPEN,
+    lambda at: at.flow.fluid.annulus is not None and _nothing_open(at.window),
+)
+
+# ---------------------------------------------------------------------- remarks of surge
+remark(
+    TripPlan,
+    "steady: the pressure that accelerates the mud is left out",
+    lambda at: at.acceleration is None,
+)
+remark(
+    TripPlan,
+    "pressure of the start: from rest with {acceleration:g} m/s2 at the top, elastic string and compressible mud, friction of the "
+    "case; no gels, no stop; window and largest trip speeds are compared with the steady pressure",
+    lambda at: at.acceleration is not None and {"acceleration": at.acceleration},
+)
+remark(
+    TripPlan,
+    "open pipe with fluid.check_valve: the valve stays shut while running in{way}",
+    lambda at: (
+        "open" in at.pipes
+        and at.case.fluid.check_valve
+        and {"way": "; mud enters through the nozzles above the bit" if at.case.side_nozzles else ""}
+    ),
+)
+remark(
+    TripPlan,
+    "open pipe with an outlet_pressure: the mud flows up the pipe with the string at rest, too",
+    lambda at: "open" in at.pipes and at.case.fluid.outlet_pressure.value(0.0) > 0,
+)
+remark(
+    TripPlan,
+    "closed pipe: full of mud and closed at its top, so nothing flows through the nozzles above the bit on the whole; a float below "
+    "open nozzles is --pipe open with fluid.check_valve: true",
+    lambda at: "closed" in at.pipes and at.case.side_nozzles,
+)
+remark(
+    TripPlan,
+    "bottom.plugged holds for a closed pipe only",
+    lambda at: at.case.bottom.plugged and not at.case.side_nozzles and set(at.pipes) != {"closed"},
+)
+remark(
+    TripPlan,
+    "no window: no largest trip speed; give --window PORE,FRAC, or the key window of the case",
+    lambda at: at.hole is None,
+)
+remark(TripPlan, NOTHING_OPEN, lambda at: _nothing_open(at.hole))
+remark(
+    TripPlan,
+    "the string's top lies at MD {top:length 6}: for a trip the topmost item ({name}) is lengthened to the rig",
+    lambda at: at.top > SHORTEST_PIECE and {"top": at.top, "name": at.case.string[0].name},
+)
