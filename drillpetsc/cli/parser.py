@@ -5,7 +5,11 @@ from __future__ import annotations
 import argparse
 import os
 import re
+import signal
 import sys
+import threading
+from collections.abc import Iterator
+from contextlib import contextmanager
 from typing import Any, get_args, get_origin
 
 from drillpetsc import __version__, operations
@@ -35,12 +39,27 @@ def main(words: list[str] | None = None) -> int:
     """
     try:
         try:
-            return _main(words)
+            with _early_checkpoint_requests():
+                return _main(words)
         finally:
             sys.stdout.flush()
     except BrokenPipeError:  # the reader, `head` for instance, has read enough
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return 0
+
+
+@contextmanager
+def _early_checkpoint_requests() -> Iterator[None]:
+    """Within this context SIGUSR1 does not end the process: a run takes it over when it moves, and begins with a checkpoint anyway."""
+    number, free = getattr(signal, "SIGUSR1", None), threading.current_thread() is threading.main_thread()
+    if number is None or not free or signal.getsignal(number) != signal.SIG_DFL:
+        yield
+        return
+    signal.signal(number, lambda *_: None)
+    try:
+        yield
+    finally:
+        signal.signal(number, signal.SIG_DFL)
 
 
 def _main(words: list[str] | None) -> int:

@@ -74,7 +74,27 @@ def whole(tmp_path_factory) -> Path:
     return folder
 
 
-@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT])
+def test_a_request_for_a_checkpoint_does_not_end_the_start(whole: Path) -> None:
+    """SIGUSR1 from the first moment of the command on, before the run moves, where its default would end the process."""
+    job = start(whole, "case.yaml", "--out", "asked")
+    status = Path(f"/proc/{job.pid}/status")
+    handled = 1 << (signal.SIGUSR1 - 1)
+
+    def caught() -> int:
+        found = [line.split()[1] for line in status.read_text().splitlines() if line.startswith("SigCgt")]
+        return int(found[0], 16) & handled
+
+    end = time.monotonic() + 60
+    while not caught() and time.monotonic() < end:  # Python itself has not begun
+        time.sleep(0.001)
+    for _ in range(20):
+        job.send_signal(signal.SIGUSR1)
+        time.sleep(0.02)
+    _, err = job.communicate(timeout=120)
+    assert job.returncode == 0, err
+
+
+@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT, signal.SIGHUP, signal.SIGQUIT])
 def test_a_signal_ends_the_run_with_a_checkpoint_that_goes_on_identically(whole, number):
     """Stopped at any step (not at a time of output): exit status 1, the words to continue with, and every
     file in the end the same."""

@@ -11,14 +11,16 @@ from drillpetsc.errors import cannot_write
 NOTHING, WRITE, SAVE, STOP, FAILED = range(
     5
 )  # actions after a step; of those of all ranks the largest is taken
+#: signals that end a run after a step; a terminal that closes sends SIGHUP
+ENDING = ("SIGTERM", "SIGINT", "SIGHUP", "SIGQUIT")
 POLL_INTERVAL = 16  # steps between two exchanges with the other ranks
 
 
 class RunControl:
     """Context in which signals control a run.
 
-    SIGTERM and SIGINT end the run after a step, SIGUSR1 writes a checkpoint, and a second SIGINT ends the run
-    at once. A signal may reach one rank only; ``poll`` distributes it to all ranks.  Outside the main thread
+    SIGTERM, SIGHUP, SIGQUIT and SIGINT end the run after a step, SIGUSR1 writes a checkpoint, and a second SIGINT ends the
+    run at once. A signal may reach one rank only; ``poll`` distributes it to all ranks.  Outside the main thread
     no signal handler is set.
 
     mpi: communicator of the run.
@@ -32,7 +34,8 @@ class RunControl:
 
     def __enter__(self) -> RunControl:
         if threading.current_thread() is threading.main_thread():
-            for name, handler in (("SIGTERM", self._stop), ("SIGINT", self._stop), ("SIGUSR1", self._save)):
+            for name in (*ENDING, "SIGUSR1"):
+                handler = self._stop if name in ENDING else self._save
                 number = getattr(signal, name, None)
                 # a signal that the parent process ignores stays ignored
                 if number is not None and signal.getsignal(number) != signal.SIG_IGN:

@@ -95,7 +95,9 @@ def from_lateral_start(problem: StaticProblem) -> float | None:
         solver.add_imperfection(start.side_loads, SPACING)
         report.imperfection = model.case.initial.imperfection
     placed = Snapshot(model)
+    # a string that lies on the wall climbs it when it turns; the side force may leave a buckled one without a state
     first, full = _fractions(problem, problem.turns)
+    first = first if start.side_loads is not None else full
     for near in (True, False):
         problem.impose(first)
         try:
