@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from drillpetsc.analysis.statics.imperfection import item_imperfection, nodal_weight
 from drillpetsc.analysis.statics.path.paths_of_problem import slides_on
-from drillpetsc.analysis.statics.relaxation import helix_load, relax, relax_with_drag
+from drillpetsc.analysis.statics.relaxation import helix_load, newton_or_drag, relax, relax_with_drag
 from drillpetsc.analysis.statics.snapshot import Snapshot
 from drillpetsc.analysis.statics.start.coarse_start import coarse_factor, coarse_model, place_like
 from drillpetsc.analysis.statics.start.lateral_start import SPACING, lateral_start
@@ -95,9 +95,7 @@ def from_lateral_start(problem: StaticProblem) -> float | None:
         solver.add_imperfection(start.side_loads, SPACING)
         report.imperfection = model.case.initial.imperfection
     placed = Snapshot(model)
-    # a string that lies on the wall climbs it when it turns; the side force may leave a buckled one without a state
     first, full = _fractions(problem, problem.turns)
-    first = first if start.side_loads is not None else full
     for near in (True, False):
         problem.impose(first)
         try:
@@ -108,7 +106,8 @@ def from_lateral_start(problem: StaticProblem) -> float | None:
                 relax_with_drag(model, solver, report, solver.start_increment, LATERAL_FAILED)
             problem.set_friction_aside()
             if not solver.negative_pivots():
-                return _with_side_force(problem, first, full)
+                # the side force may leave a buckled string without a state; one that lies on the wall climbs it
+                return _with_side_force(problem, first, full, climbs=start.side_loads is None)
         except SolveError:
             problem.set_friction_aside()
         placed.restore()
@@ -204,20 +203,27 @@ def _fractions(problem: StaticProblem, turns: bool) -> tuple[float, float]:
     return (0.0, problem.fraction) if turns else (1.0, 1.0)
 
 
-def _with_side_force(problem: StaticProblem, first: float, full: float) -> float:
-    """Add the side force of friction between the fractions ``first``, of the present state, and ``full``; returns the one reached."""
+def _with_side_force(problem: StaticProblem, first: float, full: float, climbs: bool = False) -> float:
+    """Add the side force of friction between the fractions ``first``, of the present state, and ``full``; returns the one reached.
+
+    climbs: relax if Newton's method fails.
+    """
     model, solver, report = problem.model, problem.solver, problem.state.equilibrium
     if full == first:
         return full if problem.moves else problem.fraction
     last = Snapshot(model)
     try:
-        problem.impose(full)
-        solver.newton(report, solver.start_increment)
-        return full
-    except SolveError:
-        last.restore()
-        problem.impose(first)
-        solver.newton(report)
-        return first
+        for fraction in (full, first):
+            problem.impose(fraction)
+            try:
+                if fraction == full and climbs:
+                    newton_or_drag(model, solver, report, solver.start_increment, LATERAL_FAILED)
+                else:
+                    solver.newton(report, solver.start_increment)
+                return fraction
+            except SolveError as error:
+                failure = error
+                last.restore()
+        raise failure
     finally:
         problem.set_friction_aside()
