@@ -180,7 +180,7 @@ class Calibrate(DrawnOperation):
 
     def compute(self, job: Any) -> Any:
         from drillpetsc.analysis.commands.import_log import points_of_log
-        from drillpetsc.analysis.loads.torque_drag.calibrate import Choices, run_calibrate
+        from drillpetsc.analysis.loads.torque_drag.readings.calibrate import Choices, run_calibrate
         from drillpetsc.case.options.measured_option import fit_option, measured_option, prior_option
 
         if self.log is not None and self.measured is not None:

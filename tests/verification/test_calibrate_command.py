@@ -7,14 +7,14 @@ import json
 import numpy as np
 import pytest
 
-from drillpetsc.analysis.loads.torque_drag.along_depth import walk_of
 from drillpetsc.analysis.loads.torque_drag.batch import Columns, Hole, soft_strings
-from drillpetsc.analysis.loads.torque_drag.by_depth import drift_by_windows
-from drillpetsc.analysis.loads.torque_drag.calibrate import Choices, run_calibrate
-from drillpetsc.analysis.loads.torque_drag.calibration import Calibration
 from drillpetsc.analysis.loads.torque_drag.circulation import circulation
-from drillpetsc.analysis.loads.torque_drag.flow_table import flow_table
-from drillpetsc.analysis.loads.torque_drag.held_out import predict
+from drillpetsc.analysis.loads.torque_drag.readings.along_depth import walk_of
+from drillpetsc.analysis.loads.torque_drag.readings.by_depth import drift_by_windows
+from drillpetsc.analysis.loads.torque_drag.readings.calibrate import Choices, run_calibrate
+from drillpetsc.analysis.loads.torque_drag.readings.calibration import Calibration
+from drillpetsc.analysis.loads.torque_drag.readings.flow_table import flow_table
+from drillpetsc.analysis.loads.torque_drag.readings.held_out import predict
 from drillpetsc.analysis.loads.torque_drag.soft_ends import SoftEnds
 from drillpetsc.analysis.loads.torque_drag.string_rows import need_well, rows_at
 from drillpetsc.analysis.statics.start.soft_string import torque_drag

@@ -1,4 +1,4 @@
-"""The weight on bit that rotation frees (drillpetsc/analysis/statics/freed_weight.py): closed form of a straight incline.
+"""The weight on bit that rotation frees (drillpetsc/analysis/statics/checks/freed_weight.py): closed form of a straight incline.
 
 A sliding string at the inclination I has mu w sin I of friction per length, a turning one none along the hole.  With top and bit where
 they are, the mean tension stays: the bit takes half of the friction, W + mu w L sin I/2.
@@ -11,7 +11,7 @@ import math
 import pytest
 
 from drillpetsc import Case, run
-from drillpetsc.analysis.statics.freed_weight import freed_weight
+from drillpetsc.analysis.statics.checks.freed_weight import freed_weight
 from drillpetsc.doubts.moments import Start
 from drillpetsc.doubts.motion import FreedWeight
 from drillpetsc.model.drilling_model import build_model

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from drillpetsc import roadmap
-from drillpetsc.analysis.loads.torque_drag.calibrate import run_calibrate
+from drillpetsc.analysis.loads.torque_drag.readings.calibrate import run_calibrate
 from drillpetsc.analysis.loads.torque_drag.roadmap import run_roadmap
 from drillpetsc.case.case import Case
 from drillpetsc.case.options.measured_option import fit_option

@@ -11,8 +11,8 @@ from scipy.optimize import brentq
 
 from drillpetsc import Case
 from drillpetsc.analysis.statics.answer import static_summary
+from drillpetsc.analysis.statics.checks.folded_elements import backwards, refuse_folded
 from drillpetsc.analysis.statics.find_equilibrium import find_equilibrium
-from drillpetsc.analysis.statics.folded_elements import backwards, refuse_folded
 from drillpetsc.errors import SolveError
 from drillpetsc.model.drilling_model import build_model
 

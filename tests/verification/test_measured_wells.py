@@ -13,7 +13,7 @@ from scipy.optimize import least_squares
 
 from drillpetsc.analysis.hydraulics.flow_model import FlowModel, whole_string
 from drillpetsc.analysis.hydraulics.losses import balance
-from drillpetsc.analysis.loads.torque_drag.calibration import Calibration
+from drillpetsc.analysis.loads.torque_drag.readings.calibration import Calibration
 from drillpetsc.analysis.loads.torque_drag.string_rows import rows_at
 from drillpetsc.case import load_case
 from drillpetsc.case.blocks.roadmap import MeasuredPoint

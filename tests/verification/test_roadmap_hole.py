@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from drillpetsc.analysis.commands.commands_report import command_lines
-from drillpetsc.analysis.loads.torque_drag.calibration import Calibration
+from drillpetsc.analysis.loads.torque_drag.readings.calibration import Calibration
 from drillpetsc.analysis.loads.torque_drag.roadmap import run_roadmap
 from drillpetsc.case.blocks.roadmap import MeasuredPoint
 from drillpetsc.case.case import Case

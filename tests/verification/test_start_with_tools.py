@@ -7,9 +7,9 @@ import pytest
 
 from drillpetsc import Case
 from drillpetsc.analysis.statics.answer import static_summary
+from drillpetsc.analysis.statics.checks.slider_travel import travels
 from drillpetsc.analysis.statics.find_equilibrium import find_equilibrium
 from drillpetsc.analysis.statics.placement import place_along_hole, top_depth
-from drillpetsc.analysis.statics.slider_travel import travels
 from drillpetsc.analysis.statics.start import lateral_start
 from drillpetsc.analysis.statics.start.march import march, nodal_loads
 from drillpetsc.analysis.statics.static_problem import StaticState

@@ -26,8 +26,8 @@ from drillpetsc.analysis.motion.run_control import (
     RunControl,
 )
 from drillpetsc.analysis.motion.time_scales import time_scales
+from drillpetsc.analysis.statics.checks.freed_weight import freed_weight
 from drillpetsc.analysis.statics.equilibrium import StaticState
-from drillpetsc.analysis.statics.freed_weight import freed_weight
 from drillpetsc.case.case import Case
 from drillpetsc.case.quantities import largest
 from drillpetsc.doubts import doubts_at

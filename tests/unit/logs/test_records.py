@@ -145,10 +145,10 @@ def test_calibration_of_a_drilling_log():
     0.274 down to 0.178 in windows of 50 m; second half predicted -0.55 % and 0.60 % rms in hook load, +7.5 and 8.4 % in torque.
     """
     from drillpetsc.analysis.commands.import_log import points_of_log
-    from drillpetsc.analysis.loads.torque_drag.along_depth import changes, moving_blocks
-    from drillpetsc.analysis.loads.torque_drag.by_depth import drift_by_windows
-    from drillpetsc.analysis.loads.torque_drag.calibration import SOFT_SCALE, Calibration
-    from drillpetsc.analysis.loads.torque_drag.held_out import hold_out_depth, predict
+    from drillpetsc.analysis.loads.torque_drag.readings.along_depth import changes, moving_blocks
+    from drillpetsc.analysis.loads.torque_drag.readings.by_depth import drift_by_windows
+    from drillpetsc.analysis.loads.torque_drag.readings.calibration import SOFT_SCALE, Calibration
+    from drillpetsc.analysis.loads.torque_drag.readings.held_out import hold_out_depth, predict
 
     case = load_case(record("volve-f5/f5.yaml"), ["well.sections[0].friction=0.2"])
     points = points_of_log(str(record("volve-f5/measured-12in.csv")), case, "1m")
@@ -198,7 +198,7 @@ def test_calibration_of_a_drilling_log():
 def test_two_frictions_and_weight_act_alike_in_a_drilling_log():
     """F-5 with cased, open hole and weight factor: both frictions not determined; with a prior of one it is kept."""
     from drillpetsc.analysis.commands.import_log import points_of_log
-    from drillpetsc.analysis.loads.torque_drag.calibration import Calibration
+    from drillpetsc.analysis.loads.torque_drag.readings.calibration import Calibration
 
     case = load_case(record("volve-f5/f5.yaml"))
     work = Calibration(case, points_of_log(str(record("volve-f5/measured-12in.csv")), case, "10m"))
@@ -212,7 +212,7 @@ def test_two_frictions_and_weight_act_alike_in_a_drilling_log():
 def test_trips_of_a_day_show_running_drag():
     """F-4: running drag 82 +- 24 kN per m/s and 1.1 % rms beforehand; without it running and pulling disagree on friction."""
     from drillpetsc.analysis.commands.import_log import Choices, measured_point, read_and_divide
-    from drillpetsc.analysis.loads.torque_drag.calibration import Calibration
+    from drillpetsc.analysis.loads.torque_drag.readings.calibration import Calibration
 
     case = load_case(record("volve-f4/f4.yaml"))
     choices = Choices(limits=("edge_time=14 s",), part=DAY)
@@ -296,7 +296,7 @@ def test_doubtful_string_determines_no_friction():
 
     The collar's published 1267 lb/ft cannot be right; with 147 lb/ft, its steel, the weight still drifts by 8 klbf per 1000 ft.
     """
-    from drillpetsc.analysis.loads.torque_drag.calibration import Calibration
+    from drillpetsc.analysis.loads.torque_drag.readings.calibration import Calibration
     from drillpetsc.case.blocks.roadmap import MeasuredPoint
     from drillpetsc.case.case import Case
 

@@ -12,8 +12,6 @@ from petsc4py import PETSc
 from drillpetsc.analysis.loads.torque_drag.batch import Columns, Hole, soft_strings
 from drillpetsc.analysis.loads.torque_drag.circulation import Circulation, circulation
 from drillpetsc.analysis.loads.torque_drag.left_out import bends_left_out, cutters_left_out
-from drillpetsc.analysis.loads.torque_drag.measured import beside_curves, measured_lines, measured_warnings
-from drillpetsc.analysis.loads.torque_drag.measured_table import beside_points
 from drillpetsc.analysis.loads.torque_drag.operations import (
     MOST_ROWS,
     Load,
@@ -27,7 +25,18 @@ from drillpetsc.analysis.loads.torque_drag.operations import (
     strings_of,
     told,
 )
-from drillpetsc.analysis.loads.torque_drag.reading import DIRECTION, Sensor, corrected_points, sensor_of
+from drillpetsc.analysis.loads.torque_drag.readings.measured import (
+    beside_curves,
+    measured_lines,
+    measured_warnings,
+)
+from drillpetsc.analysis.loads.torque_drag.readings.measured_table import beside_points
+from drillpetsc.analysis.loads.torque_drag.readings.reading import (
+    DIRECTION,
+    Sensor,
+    corrected_points,
+    sensor_of,
+)
 from drillpetsc.analysis.loads.torque_drag.string_rows import StringRows, gravity_of, mud_level, need_well
 from drillpetsc.analysis.loads.torque_drag.table import OK, Pressures, failed, rows_of, still_mud
 from drillpetsc.analysis.loads.torque_drag.torque_lines import passed, torque_lines

@@ -10,8 +10,8 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
+from drillpetsc.analysis.statics.checks.slider_travel import travels
 from drillpetsc.analysis.statics.placement import top_depth
-from drillpetsc.analysis.statics.slider_travel import travels
 from drillpetsc.analysis.statics.start.march_shape import frame_across, lateral_shape, place, shortening
 from drillpetsc.analysis.statics.start.resting_shape import Beam
 from drillpetsc.arrays import FloatArray

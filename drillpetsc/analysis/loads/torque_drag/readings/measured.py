@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from drillpetsc.analysis.loads.torque_drag.calibration import RELATIVE_SIGMA, SMALLEST_SIGMA
+from drillpetsc.analysis.loads.torque_drag.readings.calibration import RELATIVE_SIGMA, SMALLEST_SIGMA
 from drillpetsc.case.blocks.roadmap import MeasuredPoint
 from drillpetsc.case.plausible.plausible_operations import readings
 from drillpetsc.unit_systems import System, shown

@@ -10,8 +10,8 @@ from dataclasses import dataclass
 
 from drillpetsc.analysis.hydraulics.flow_model import FlowModel, string_at
 from drillpetsc.analysis.hydraulics.losses import balance
-from drillpetsc.analysis.loads.torque_drag.calibration import Calibration
 from drillpetsc.analysis.loads.torque_drag.operations import load_of, plan_of
+from drillpetsc.analysis.loads.torque_drag.readings.calibration import Calibration
 from drillpetsc.case.blocks.ends import BitBottom
 from drillpetsc.case.blocks.rig import HookloadSensor
 from drillpetsc.case.blocks.roadmap import MeasuredPoint

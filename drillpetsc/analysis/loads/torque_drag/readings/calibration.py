@@ -10,7 +10,10 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from drillpetsc.analysis.loads.torque_drag.along_depth import (
+from drillpetsc.analysis.loads.torque_drag.batch import Columns
+from drillpetsc.analysis.loads.torque_drag.circulation import Circulation, circulation
+from drillpetsc.analysis.loads.torque_drag.operations import KINDS, groups_of, load_of, plan_of
+from drillpetsc.analysis.loads.torque_drag.readings.along_depth import (
     Lengths,
     block_length,
     changes,
@@ -18,10 +21,7 @@ from drillpetsc.analysis.loads.torque_drag.along_depth import (
     moving_blocks,
     small_sample,
 )
-from drillpetsc.analysis.loads.torque_drag.batch import Columns
-from drillpetsc.analysis.loads.torque_drag.circulation import Circulation, circulation
-from drillpetsc.analysis.loads.torque_drag.flow_table import flow_table
-from drillpetsc.analysis.loads.torque_drag.operations import KINDS, groups_of, load_of, plan_of
+from drillpetsc.analysis.loads.torque_drag.readings.flow_table import flow_table
 from drillpetsc.analysis.loads.torque_drag.soft_ends import SoftEnds
 from drillpetsc.analysis.loads.torque_drag.string_rows import gravity_of, need_well, rows_at
 from drillpetsc.arrays import FloatArray

@@ -7,8 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from drillpetsc.analysis.loads.torque_drag.along_depth import walk_of
-from drillpetsc.analysis.loads.torque_drag.calibration import FACTOR_STEP, STEP, Calibration, Fit
+from drillpetsc.analysis.loads.torque_drag.readings.along_depth import walk_of
+from drillpetsc.analysis.loads.torque_drag.readings.calibration import FACTOR_STEP, STEP, Calibration, Fit
 from drillpetsc.arrays import FloatArray
 from drillpetsc.case.blocks.roadmap import MeasuredPoint
 from drillpetsc.errors import CaseError

@@ -7,18 +7,18 @@ from typing import Any
 
 import numpy as np
 
-from drillpetsc.analysis.loads.torque_drag.along_depth import RESAMPLES, Drift
-from drillpetsc.analysis.loads.torque_drag.by_depth import alone_by_reading, drift_by_windows
-from drillpetsc.analysis.loads.torque_drag.calibration import (
+from drillpetsc.analysis.loads.torque_drag.left_out import bends_left_out, cutters_left_out
+from drillpetsc.analysis.loads.torque_drag.operations import KINDS, plan_of
+from drillpetsc.analysis.loads.torque_drag.readings.along_depth import RESAMPLES, Drift
+from drillpetsc.analysis.loads.torque_drag.readings.by_depth import alone_by_reading, drift_by_windows
+from drillpetsc.analysis.loads.torque_drag.readings.calibration import (
     BOUNDS,
     WEIGHT_ERROR,
     Calibration,
     Fit,
 )
-from drillpetsc.analysis.loads.torque_drag.held_out import Prediction, hold_out_depth, predict
-from drillpetsc.analysis.loads.torque_drag.left_out import bends_left_out, cutters_left_out
-from drillpetsc.analysis.loads.torque_drag.operations import KINDS, plan_of
-from drillpetsc.analysis.loads.torque_drag.reading import corrected_points
+from drillpetsc.analysis.loads.torque_drag.readings.held_out import Prediction, hold_out_depth, predict
+from drillpetsc.analysis.loads.torque_drag.readings.reading import corrected_points
 from drillpetsc.analysis.motion.run_options import options_of
 from drillpetsc.case.blocks.roadmap import MeasuredPoint
 from drillpetsc.case.case import Case

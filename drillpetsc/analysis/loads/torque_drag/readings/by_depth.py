@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from drillpetsc.analysis.loads.torque_drag.along_depth import Drift, drift_of, windows
-from drillpetsc.analysis.loads.torque_drag.calibration import (
+from drillpetsc.analysis.loads.torque_drag.readings.along_depth import Drift, drift_of, windows
+from drillpetsc.analysis.loads.torque_drag.readings.calibration import (
     BOUNDS,
     FACTOR_BOUNDS,
     FACTOR_STEP,
