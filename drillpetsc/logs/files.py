@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from drillpetsc.case.importers.sheet import INSTALL
+from drillpetsc.case.importers.sheet import INSTALL, workbook
 from drillpetsc.case.importers.xml_tree import Element, read_xml
 from drillpetsc.errors import CaseError
 from drillpetsc.logs.channels import DEPTHS, Heading, heading_of, unit_of
@@ -149,14 +149,8 @@ def _units_below(headings: list[Heading], cells: list[str]) -> list[Heading] | N
 
 # ---------------------------------------------------------------------- xlsx
 def _workbook(file: Path) -> Sheet:
-    try:
-        import openpyxl
-    except ImportError:
-        want = "a CSV file, unless the package openpyxl is installed"
-        raise CaseError(got=file.name, want=want, hint=INSTALL, file=file, line=1) from None
     found: list[Sheet] = []
-    try:
-        book = openpyxl.load_workbook(file, read_only=True, data_only=True)
+    with workbook(file, MAX_BYTES) as book:
         for page in book.worksheets:
             rows = [
                 [_cell(q) for q in row]
@@ -168,14 +162,6 @@ def _workbook(file: Path) -> Sheet:
                 if is_log(headings):
                     found.append(_sheet(file, number, titles, headings, some[place + 1 :]))
                     break
-        book.close()
-    except (CaseError, OSError):
-        raise
-    except Exception as error:  # of zipfile, xml and openpyxl
-        hint = " ".join(str(error).split())[:200]
-        raise CaseError(
-            got=file.name, want="a workbook in the format xlsx", hint=hint, file=file, line=1
-        ) from None
     if not found:
         raise _not_a_log(file, 1, "sheets without these names")
     if len(found) > 1:

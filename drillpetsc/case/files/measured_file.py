@@ -144,29 +144,15 @@ def _text_rows(path: Path) -> Rows:
 
 
 def _sheet_rows(path: Path, sheet: str) -> Rows:
-    from drillpetsc.case.importers.sheet import INSTALL, _text
+    from drillpetsc.case.importers.sheet import cell_text, workbook
 
-    try:
-        import openpyxl
-    except ImportError:
-        want = "a CSV file, unless the package openpyxl is installed"
-        raise CaseError(got=path.name, want=want, hint=INSTALL, file=path, line=1) from None
-    try:
-        book = openpyxl.load_workbook(path, read_only=True, data_only=True)
+    with workbook(path) as book:
         if sheet and sheet not in book.sheetnames:
             want = f"one of {', '.join(book.sheetnames)}"
             raise CaseError(at="sheet", got=sheet, want=want, file=path, line=1)
         page = book[sheet or book.sheetnames[0]]
         cells = page.iter_rows(max_row=MAX_POINTS + 50, max_col=100, values_only=True)
-        rows = [(i, [_text(cell) for cell in row]) for i, row in enumerate(cells, 1)]
-        book.close()
-    except (CaseError, OSError):
-        raise
-    except Exception as error:  # of zipfile, xml and openpyxl
-        hint = " ".join(str(error).split())[:200]
-        raise CaseError(
-            got=path.name, want="a workbook in the format xlsx", hint=hint, file=path, line=1
-        ) from None
+        rows = [(i, [cell_text(cell) for cell in row]) for i, row in enumerate(cells, 1)]
     return [(i, row) for i, row in rows if any(row)]
 
 

@@ -6,7 +6,8 @@ import io
 import math
 import warnings
 import zipfile
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -27,8 +28,7 @@ INSTALL = "pip install 'drillpetsc[files]'"
 
 def table_of_sheet(file: Path, sheet: str = "", given: Mapping[str, str] | None = None) -> Table:
     """The table of a sheet; without a name, of the only sheet that has a survey's columns."""
-    book = _book(file)
-    try:
+    with workbook(file) as book:
         names = [name for name in book.sheetnames if hasattr(book[name], "iter_rows")]
         if sheet and sheet not in names:
             raise CaseError(at="sheet", got=sheet, want=f"one of {', '.join(names)}", file=file, line=1)
@@ -38,12 +38,6 @@ def table_of_sheet(file: Path, sheet: str = "", given: Mapping[str, str] | None 
             for table in [_table(file, _rows(book[name]), given)]
             if table
         ]
-    except CaseError:
-        raise
-    except Exception as error:  # as above: the sheets are read only now
-        raise _unreadable(file, error) from None
-    finally:
-        book.close()
     if not found:
         want = f"a header with md, inclination, azimuth within {HEADER_ROWS} rows"
         raise CaseError(at="md", got="rows without these names", want=want, file=file, line=1)
@@ -53,46 +47,48 @@ def table_of_sheet(file: Path, sheet: str = "", given: Mapping[str, str] | None 
     return found[0]
 
 
-def _book(file: Path) -> Any:
-    """An open workbook; CaseError without openpyxl, and for a file that is none."""
+@contextmanager
+def workbook(file: Path, most: int = MAX_BYTES) -> Iterator[Any]:
+    """An open workbook, whose sheets are read within this context.
+
+    CaseError without openpyxl, for a file that is no workbook, and for one of more than ``most`` bytes.
+    """
     try:
         import openpyxl
     except ImportError:
         want = "a CSV file, unless the package openpyxl is installed"
         raise CaseError(got=file.name, want=want, hint=INSTALL, file=file, line=1) from None
     with file.open("rb") as opened:
-        raw = opened.read(MAX_BYTES + 1)
-    if len(raw) > MAX_BYTES:
-        raise CaseError(
-            got="a larger one", want=f"a file of at most {MAX_BYTES // 10**6} MB", file=file, line=1
-        )
+        raw = opened.read(most + 1)
+    if len(raw) > most:
+        raise CaseError(got="a larger one", want=f"a file of at most {most // 10**6} MB", file=file, line=1)
     try:
         size = sum(part.file_size for part in zipfile.ZipFile(io.BytesIO(raw)).infolist())
-        if size > MAX_UNPACKED:
+        if size > max(MAX_UNPACKED, 4 * most):
             raise ValueError(f"{size // 10**6} MB once unpacked")
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
             book = openpyxl.load_workbook(io.BytesIO(raw), read_only=True, data_only=True)
-    except Exception as error:  # of zipfile, xml and openpyxl
-        raise _unreadable(file, error) from None
-    return book
+        try:
+            yield book
+        finally:
+            book.close()
+    except (CaseError, OSError):
+        raise
+    except (
+        Exception
+    ) as error:  # of zipfile, xml and openpyxl, which reads sheets only when it is asked for them
+        hint = " ".join(str(error).split())[:200]
+        raise CaseError(
+            got=file.name, want="a workbook in the format xlsx", hint=hint, file=file, line=1
+        ) from None
 
 
 def rows_of_sheets(file: Path) -> list[list[list[str]]]:
     """Cells of each sheet as texts."""
-    book = _book(file)
-    try:
+    with workbook(file) as book:
         sheets = [book[name] for name in book.sheetnames if hasattr(book[name], "iter_rows")]
-        return [[[_text(cell) for cell in row] for row in _rows(sheet)] for sheet in sheets]
-    except Exception as error:  # of openpyxl: the sheets are read only now
-        raise _unreadable(file, error) from None
-    finally:
-        book.close()
-
-
-def _unreadable(file: Path, error: Exception) -> CaseError:
-    hint = " ".join(str(error).split())[:200]
-    return CaseError(got=file.name, want="a workbook in the format xlsx", hint=hint, file=file, line=1)
+        return [[[cell_text(cell) for cell in row] for row in _rows(sheet)] for sheet in sheets]
 
 
 def _rows(sheet: Any) -> list[list[Any]]:
@@ -102,7 +98,8 @@ def _rows(sheet: Any) -> list[list[Any]]:
     return rows
 
 
-def _text(cell: Any) -> str:
+def cell_text(cell: Any) -> str:
+    """A cell as text: numbers with all digits, empty if there is none."""
     if cell is None or (isinstance(cell, float) and math.isnan(cell)):
         return ""
     return (
@@ -113,7 +110,7 @@ def _text(cell: Any) -> str:
 
 
 def _table(file: Path, cells: list[list[Any]], given: Mapping[str, str] | None) -> Table | None:
-    rows = [[_text(cell) for cell in row] for row in cells]
+    rows = [[cell_text(cell) for cell in row] for row in cells]
     remarks: list[str] = []
     for number, heads in enumerate(rows[:HEADER_ROWS], 1):
         columns = columns_of([head[:200] for head in heads], file, number, remarks, given)
