@@ -239,13 +239,14 @@ def _from_the_top(
 ) -> list[Component]:
     """The components from the rig down: by a column of numbers from the bit, by the bit, or by the longest item."""
     if "order" in sheet.columns:
-        order = [number_of(_cell(sheet, cells, "order") or "x", "") for _, cells in rows]
-        if None in order or len(set(order)) < len(order):
+        read = [number_of(_cell(sheet, cells, "order") or "x", "") for _, cells in rows]
+        order = [number for number in read if number is not None]
+        if len(set(order)) < len(read):
             want = "a number in each row, each once"
             raise CaseError(
                 at="order from the bit", got="other cells", want=want, file=sheet.file, line=rows[0][0]
             )
-        pairs = sorted(zip(order, range(len(order)), strict=True), reverse=True)  # type: ignore[type-var]  # no None
+        pairs = sorted(zip(order, range(len(order)), strict=True), reverse=True)
         return [components[i] for _, i in pairs]
     bits = [i for i, component in enumerate(components) if component.kind == "bit"]
     last = len(components) - 1

@@ -5,6 +5,7 @@ Each string has steps of its own, and not those of all strings, so that hundreds
 
 from __future__ import annotations
 
+import ctypes
 from collections.abc import Sequence
 
 import numpy as np
@@ -89,16 +90,9 @@ class SoftEnds:
             arrays[name] = np.ascontiguousarray(arrays[name], dtype=float)
         call = _Call(**{name: pointer(array) for name, array in arrays.items()})
         call.largest, call.count, call.sections = LARGEST_FORCE, count, arrays["friction"].shape[1]
-        _soft_string_ends(pointer_of(call))
+        _soft_string_ends(ctypes.addressof(call))
         return arrays["tension"], arrays["torque"]
 
 
 _Call = structure("soft_string_call")
 _soft_string_ends = function("soft_string_ends", "p")
-
-
-def pointer_of(call: object) -> int:
-    """Address of a structure."""
-    import ctypes
-
-    return ctypes.addressof(call)  # type: ignore[arg-type]
