@@ -225,6 +225,8 @@ def answer(runs: Sequence[Run], case: Case, system: System) -> Answer | None:
     def text(value: float | None, title: str) -> str:
         if value is None:
             return "-"
+        if title.endswith("[-]"):
+            return f"{value:.3g}" if value >= 0.001 else "0"
         return f"{texts(in_units(title, [value], system), DIGITS)[0]} {unit_of(title, system)[2]}".strip()
 
     rows = []

@@ -91,7 +91,7 @@ def section_and_plan(path: Path, shoes: Sequence[float], title: str) -> Any:
         axes.set(title=name, xlabel=f"{across} [{unit}]", ylabel=f"{upward} [{unit}]")
         axes.set_aspect("equal")
         axes.locator_params(nbins=5)
-    drawing.tight_layout(rect=(0, 0, 1, top))
+    drawing.tight_layout(rect=(0, 0.06, 1, top))
     return drawing
 
 
