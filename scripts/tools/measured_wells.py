@@ -15,6 +15,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+import measured_rig
 import numpy as np
 
 import drillpetsc
@@ -173,6 +174,30 @@ def _pump_pressures(folder: Path) -> Iterator[Row]:
     )
 
 
+# ---------------------------------------------------------------------- stick-slip
+def _stick_slip(folder: Path) -> tuple[list[Row], str]:
+    """Rows of the laboratory rig, and the table and picture of its section."""
+    time, speed = measured_rig.computed(folder / "rig")
+    found, read = measured_rig.figures(time, speed), measured_rig.read_windows()
+    rows = []
+    for name, fitted, starts in (
+        ("UFRJ rig, 37 to 41 s", "10 parameters, to balances of torque", [measured_rig.FITTED]),
+        ("UFRJ rig, 41 to 45 s", "nothing more", [measured_rig.FITTED + measured_rig.LENGTH]),
+        ("UFRJ rig, all others", "nothing more", [q for q in read if not 37 <= q <= 41]),
+    ):
+        for key, words in (("frequency", "frequency of stick-slip"), ("peak", "peak of the bit speed")):
+            residual = np.array([getattr(found, key) / getattr(read[start], key) - 1 for start in starts])
+            stuck = 100 * max((found.stuck - read[start].stuck for start in starts), key=abs)
+            verdict = f"stuck share {stuck:+.0f} points" if key == "peak" else ""
+            rows.append(_row(name, words, fitted, residual, verdict))
+    words = "\n".join(measured_rig.table_lines(found)) + "\n"
+    record = _record(measured_rig.NAME)
+    if record is not None:
+        measured_rig.draw(time, speed, measured_rig.read_record(record), PICTURES / "measured-rig.png")
+        words += "\n![computed and measured bit speed](pictures/measured-rig.png)\n"
+    return rows, words
+
+
 # ---------------------------------------------------------------------- the page
 def _source(well: str) -> str:
     """The paragraphs of SOURCE.md without its heading."""
@@ -219,10 +244,13 @@ def main() -> None:
     )
     rows += found
     rows += _pump_pressures(folder)
+    found, parts["ufrj-rig"] = _stick_slip(folder)
+    rows += found
     titles = {
         "volve-f5": "Volve F-5",
         "volve-f4": "Volve F-4",
         "forge-16b": "Utah FORGE 16B",
+        "ufrj-rig": "Stick-slip of a laboratory rig",
         "field-dogleg": "A string that is doubtful",
     }
     lines = [
@@ -230,14 +258,14 @@ def main() -> None:
         "(sec-verif-measured)=",
         "# Measured wells",
         "",
-        "Computed and measured hook loads, torques and pump pressures of named public wells. Errors are computed less measured, over the reading, in per cent. Fitted numbers are named; a row",
+        "Computed and measured hook loads, torques and pump pressures of named public wells, and the stick-slip of a laboratory rig. Errors are computed less measured, over the reading, in per cent. Fitted numbers are named; a row",
         "with *predicted* contains readings that no number was fitted to. The cases, their sources and the bands that tests require are in `cases/measured`.",
         "",
         "| well | quantity | fitted | readings | bias | rms | largest | |",
         "| --- | --- | --- | --- | --- | --- | --- | --- |",
         *(row.line for row in rows),
         "",
-        "What this does not show: dynamic loads, and wells whose string or mud is not known. A fit with two numbers to the points that it is then compared with is no prediction. Torque drifts with depth in F-5,",
+        "What this does not show: dynamic loads of a well, and wells whose string or mud is not known. A fit with two numbers to the points that it is then compared with is no prediction. Torque drifts with depth in F-5,",
         "more than one friction factor for the open hole can follow: its prediction below the fitted depths is the weakest of this page.",
         "",
     ]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import json
+import sys
 from pathlib import Path
 from typing import Any
 
@@ -22,6 +23,9 @@ from drillpetsc.errors import CaseError
 from drillpetsc.model.hole import build_well
 from drillpetsc.units import to_si
 from tests.helpers.records import record
+
+sys.path.insert(0, str(Path(__file__).parents[2] / "scripts" / "tools"))
+import measured_rig  # noqa: E402
 
 WELLS = Path(__file__).parents[2] / "cases" / "measured"
 
@@ -53,7 +57,12 @@ def rms(residual: np.ndarray) -> float:
 @pytest.mark.parametrize("well", sorted(p.name for p in WELLS.iterdir()))
 def test_every_well_has_its_files(well: str) -> None:
     files = {p.name for p in (WELLS / well).iterdir()}
-    assert {"case.yaml", "SOURCE.md", "bands.json", "survey.csv"} <= files
+    assert {
+        "case.yaml",
+        "SOURCE.md",
+        "bands.json",
+        "windows.csv" if well == "ufrj-rig" else "survey.csv",
+    } <= files
     words = (WELLS / well / "SOURCE.md").read_text()
     assert "**Records.**" in words and "**Assumptions.**" in words
 
@@ -203,6 +212,70 @@ def test_forge_bit_depth_cuts_the_hole() -> None:
     assert survey and shorter.string_length == pytest.approx(c.string_length, abs=1e-6)
     one, other = (pressures(q, [flow])[0]["pump_pressure"] for q in (c, shorter))
     assert one == pytest.approx(other, abs=psi)
+
+
+# ---------------------------------------------------------------------- the laboratory rig
+@pytest.fixture(scope="module")
+def rig_motion(tmp_path_factory: pytest.TempPathFactory) -> measured_rig.Figures:
+    return measured_rig.figures(*measured_rig.computed(tmp_path_factory.mktemp("rig") / "run"))
+
+
+@pytest.mark.parametrize(
+    ("start", "band"),
+    [(37.0, "37 to 41 s, parameters from the balances of torque"), (41.0, "41 to 45 s, predicted")],
+)
+def test_rig_stick_slip(rig_motion: measured_rig.Figures, start: float, band: str) -> None:
+    read, allowed = measured_rig.read_windows()[start], bands("ufrj-rig")[band]
+    for key in ("mean", "frequency", "peak"):
+        assert getattr(rig_motion, key) == pytest.approx(getattr(read, key), rel=allowed[key]), key
+    assert rig_motion.stuck == pytest.approx(read.stuck, abs=allowed["stuck share"])
+
+
+def test_rig_windows_are_those_of_the_record() -> None:
+    """windows.csv is rounded to 0.1 rpm, 1 mHz and 0.1 % of the time."""
+    found = {
+        start: q for start, _, q in measured_rig.windows(measured_rig.read_record(record(measured_rig.NAME)))
+    }
+    written = measured_rig.read_windows()
+    assert len(written) == 10 and written.keys() == found.keys()
+    for start, q in found.items():
+        read = written[start]
+        assert [q.mean, q.peak] == pytest.approx([read.mean, read.peak], abs=0.051 * measured_rig.RPM)
+        assert [q.frequency, q.stuck] == pytest.approx([read.frequency, read.stuck], abs=5.1e-4)
+
+
+def test_rig_parameters_are_fitted() -> None:
+    """The fit to the record gives the parameters of the case."""
+    found = list(measured_rig.fit(measured_rig.read_record(record(measured_rig.NAME))).values())
+    c = case("ufrj-rig")
+    shaft, bit = c.string
+    stiffness = shaft.torsional_stiffness / shaft.length
+    control, law = c.top.control[0], c.formation.bit_law
+    given = [
+        bit.inertia.axial,
+        stiffness,
+        stiffness * shaft.damping.stiffness,
+        c.top.motor.inertia,
+        c.top.motor.time_constant,
+        control.p,
+        control.p * c.top.rotation.constant,
+        law.static,
+        law.dynamic,
+        law.speed,
+    ]
+    rel = bands("ufrj-rig")["fitted again from the record, relative"]
+    assert found[:10] == pytest.approx(given, rel=rel, abs=1e-6)
+
+
+def test_rig_figures_of_a_known_motion() -> None:
+    """A raised cosine of 2.5 Hz from 0 to 160 rpm: stuck below 10 rpm for arccos(1 - 2/16) / pi of the time."""
+    t = np.arange(0.05, 4.05, measured_rig.STEP)
+    found = measured_rig.figures(t, 80 * measured_rig.RPM * (1 - np.cos(2 * np.pi * 2.5 * t)))
+    assert [found.mean, found.peak] == pytest.approx(
+        [80 * measured_rig.RPM, 160 * measured_rig.RPM], rel=1e-3
+    )
+    assert found.frequency == pytest.approx(2.5, rel=1e-6)
+    assert found.stuck == pytest.approx(np.arccos(1 - 2 / 16) / np.pi, abs=2.5e-3)  # a sample a cycle
 
 
 # ---------------------------------------------------------------------- the doubtful string
