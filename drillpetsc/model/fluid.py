@@ -27,7 +27,7 @@ from drillpetsc.physics.fluid.added_mass import (
     lateral_damping,
     stokes_coefficients,
 )
-from drillpetsc.physics.fluid.annulus_flow import AnnulusFlow
+from drillpetsc.physics.fluid.annulus_flow import AnnulusFlow, FlowLine, HoleAround
 from drillpetsc.physics.fluid.bit_flow import BitEnd, BitFlow
 from drillpetsc.physics.fluid.bore_flow import BoreFlow
 from drillpetsc.physics.fluid.channel_flow import FLOW_SCALE, PRESSURE_SCALE, FluidConstants
@@ -199,13 +199,11 @@ def build_fluid(
         side = SideNozzles(
             mesh,
             side_links(case, mesh),
-            constants,
             f.discharge_coefficient,
             bore_flow,
             annulus,
             f.outlet_pressure,
             _lower_end_area(case, mesh),
-            string.held_at,
         )
     rings = items = None
     if annulus is not None and not case.hold_string:
@@ -244,22 +242,19 @@ def _annulus_flow(string: _StringInMud, constants: FluidConstants) -> AnnulusFlo
     if not case.hold_string and (string.hole is not None or not _is_uniform(well, walls)):
         lateral = partial(_lateral_coefficients, case)
         moving_hole = MovingHole(mesh, walls, string.present_well, lateral, string.reamers)
+    choke = 0.0 if f.choke is None else 1 / (2 * f.choke.discharge_coefficient**2 * f.choke.area**2)
     arguments = (
         mesh,
-        sizes,
-        well,
+        HoleAround(sizes, well, moving_hole),
         constants,
         poisson(case, mesh),
         _lateral_coefficients(case, sizes),
-        f.outlet_pressure,
-        f.flow_line,
-        moving_hole,
+        FlowLine(f.outlet_pressure, f.flow_line, choke),
         string.held_at,
     )
     if f.formulation == "hermite":
         return HermiteAnnulus(*arguments, pump=f.flow_rate)
-    choke = 0.0 if f.choke is None else 1 / (2 * f.choke.discharge_coefficient**2 * f.choke.area**2)
-    return AnnulusFlow(*arguments, choke=choke)
+    return AnnulusFlow(*arguments)
 
 
 def _bit_flow(
@@ -272,7 +267,7 @@ def _bit_flow(
         end = _in_growing_hole(end, hole, f.cuttings == "returned")
     if f.formulation == "hermite":
         pair: Any = (bore_flow, annulus)  # both are Hermite channels
-        return HermiteBit(last, end, constants, f.flow_rate, *pair, string.position[-1], string.held_at)
+        return HermiteBit(last, end, constants, f.flow_rate, pair, string.position[-1], string.held_at)
     moving_hole = annulus.moving_hole if annulus is not None else None
     return BitFlow(last, end, constants, string.held_at, moving_hole, hole)
 

@@ -336,12 +336,12 @@ def choke_loss(flow: FlowModel) -> float:
     """Compute the loss of the choke at the flow line [Pa]; 0 without one."""
     annulus = flow.fluid.annulus
     out = None if annulus is None else annulus.outflow(flow.system.assembly)
-    if annulus is None or out is None or not annulus.choke:
+    if annulus is None or out is None or not annulus.flow_line.choke:
         return 0.0
     slow = min(
-        constant("flow_rounding"), constant("jet_rounding") / np.sqrt(2 * annulus.choke)
+        constant("flow_rounding"), constant("jet_rounding") / np.sqrt(2 * annulus.flow_line.choke)
     )  # as kernels do
-    return float(annulus.choke * flow.fluid.constants.density * out * np.hypot(out, slow))
+    return float(annulus.flow_line.choke * flow.fluid.constants.density * out * np.hypot(out, slow))
 
 
 def loss_rows(flow: FlowModel) -> list[Loss]:
