@@ -13,7 +13,7 @@ from drillpetsc.fem.string_mesh import RigidItem, uniform_string
 from drillpetsc.geometry.frames import transported_frames
 from drillpetsc.geometry.well import Well
 from drillpetsc.physics.beam import AncfBeam
-from drillpetsc.physics.end_conditions import TopDrive
+from drillpetsc.physics.end_conditions import EndPlace, TopDrive
 from drillpetsc.physics.fluid.annulus_flow import FlowLine, HoleAround, LateralCoefficients
 from drillpetsc.physics.fluid.bit_flow import BitEnd
 from drillpetsc.physics.fluid.channel_flow import FluidConstants
@@ -54,7 +54,7 @@ def build(kind: str, seed: int = 5) -> DiscreteSystem:
     held = position if "held" in kind else None
     components: list = [] if held is not None else [AncfBeam(mesh, frames, GRAVITY)]
     if "topdrive" in kind:
-        components.append(TopDrive(position[0], tangents[0], Ramp(1.0, 2.0), Constant(0.3)))
+        components.append(TopDrive(EndPlace(position[0], tangents[0]), Ramp(1.0, 2.0), Constant(0.3)))
     pump, pipe, annulus = Ramp(1.0, 0.03), None, None
     if "pipe" in kind:
         bore = Bore(

@@ -12,7 +12,7 @@ from drillpetsc.geometry.frames import transported_frames
 from drillpetsc.geometry.growing_hole import GrowingHole
 from drillpetsc.geometry.well import Well
 from drillpetsc.physics.beam import AncfBeam
-from drillpetsc.physics.end_conditions import TopDrive
+from drillpetsc.physics.end_conditions import EndPlace, TopDrive
 from drillpetsc.physics.fluid.annulus_flow import AnnulusFlow, FlowLine, HoleAround, LateralCoefficients
 from drillpetsc.physics.fluid.bit_flow import BitEnd, BitFlow
 from drillpetsc.physics.fluid.bore_flow import BoreFlow
@@ -71,7 +71,7 @@ def build(
     held = position if "held" in kind else None
     components: list = [] if held is not None else [AncfBeam(mesh, frames, GRAVITY)]
     if "topdrive" in kind:
-        components.append(TopDrive(position[0], tangents[0], Ramp(1.0, 2.0), Constant(0.3)))
+        components.append(TopDrive(EndPlace(position[0], tangents[0]), Ramp(1.0, 2.0), Constant(0.3)))
     poisson, n = np.full(4, 0.3), np.ones(4)
     # tool joints in two of the elements
     bore = Bore(

@@ -23,7 +23,7 @@ from drillpetsc.fem.discrete_system import DiscreteSystem
 from drillpetsc.model.drilling_model import build_model
 from drillpetsc.output import read_frame, read_series
 from drillpetsc.output.static_table import static_table
-from drillpetsc.physics.end_conditions import FixedEnd, Loads, NodeLoad
+from drillpetsc.physics.end_conditions import EndPlace, FixedEnd, Loads, NodeLoad
 from drillpetsc.solvers.static.static_newton import Equilibrium, StaticNewton
 from tests.helpers.bit_models import DRAG, drilling
 
@@ -295,7 +295,7 @@ def test_sinusoidal_buckling_load_of_horizontal_pipe(element_length):
     push = Loads((NodeLoad(last, (-1.0, 0.0, 0.0), factor=lambda t: t),), model.frames)
     components = [
         model.beam,
-        FixedEnd(0, "pinned", lying[0], model.tangent[0]),
+        FixedEnd(EndPlace(lying[0], model.tangent[0]), "pinned"),
         SideHold(last, lying[-1], model.tangent[-1]),
         push,
         model.contact,
