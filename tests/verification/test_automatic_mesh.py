@@ -40,7 +40,7 @@ class SideHold(FixedEnd):
     """Holds a node sideways, free along the string."""
 
     def __init__(self, vertex, position, tangent):
-        super().__init__(vertex, "pinned", position, tangent, spin=False)
+        super().__init__(EndPlace(position, tangent, vertex), "pinned", spin=False)
         whole, target = self._condition, self.anchor[1:]
         self._condition = PrescribedMotion(
             vertex, whole.directions[1:], lambda t: target, lambda t: np.zeros(2), whole.names[1:]

@@ -240,7 +240,7 @@ class Hinge(TopDrive):
     """A top that rotates with free direction."""
 
     def __init__(self, position, tangent, speed):
-        super().__init__(position, tangent, Constant(speed), Constant(0.0))
+        super().__init__(EndPlace(position, tangent), Constant(speed), Constant(0.0))
         c, keep = self._condition, [0, 1, 2, 5]
         self._condition = replace(
             c,

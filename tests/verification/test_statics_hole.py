@@ -275,7 +275,7 @@ class SideHold(FixedEnd):
     """Lateral position fixed, axial position free."""
 
     def __init__(self, vertex, position, tangent):
-        super().__init__(vertex, "pinned", position, tangent, spin=False)
+        super().__init__(EndPlace(position, tangent, vertex), "pinned", spin=False)
         all_of_it = self._condition
         D, target = all_of_it.directions[1:], self.anchor[1:]
         self._condition = PrescribedMotion(
