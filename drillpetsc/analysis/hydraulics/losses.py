@@ -6,7 +6,6 @@ Losses of elements are the solver's: power that friction turns into heat, over t
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 from scipy.optimize import brentq
@@ -208,24 +207,20 @@ def channel_rows(flow: FlowModel, name: str) -> list[Loss]:
         d, b = float(outer[group] @ mean), float(inner[group] @ mean)
         w, rho = sign * float(e.speed[group] @ mean), float(e.density[group] @ mean)
         loss = sign * float((e.friction[group] - e.above[group]).sum())
-        rows.append(
-            Loss(
-                name,
-                flow.case.string[item[group[0]]].name,
-                _section_name(sections[which[group[0]]]) if slot and sections else "-",
-                float(upper[group[0]]),
-                float(lower[group[-1]]),
-                d,
-                b,
-                w,
-                volume=float(open_area[group] @ length),
-                flow=float(rate[group] @ mean),
-                pressure_loss=loss,
-                **_friction_numbers(
-                    law, w, d - b, slot, rho, loss, float(length.sum()), float(open_area[group] @ mean)
-                ),
-            )
+        row = Loss(
+            name,
+            flow.case.string[item[group[0]]].name,
+            _section_name(sections[which[group[0]]]) if slot and sections else "-",
+            float(upper[group[0]]),
+            float(lower[group[-1]]),
+            d,
+            b,
+            w,
+            volume=float(open_area[group] @ length),
+            flow=float(rate[group] @ mean),
+            pressure_loss=loss,
         )
+        rows.append(_with_friction(row, law, slot, rho, float(length.sum()), float(open_area[group] @ mean)))
 
     def add_rigid(k: int) -> None:
         """The rigid items above the element ``k``, as one piece."""
@@ -240,22 +235,20 @@ def channel_rows(flow: FlowModel, name: str) -> list[Loss]:
             open_above = float(component.parameter("area_above")[k])
         w, length = sign * float(e.speed_above[k]), float(mesh.rigid_above[k])
         loss = sign * float(e.above[k])
-        rows.append(
-            Loss(
-                name,
-                ", ".join(names),
-                _section_name(sections[which[k]]) if slot and sections else "-",
-                float(upper[k]) - length,
-                float(upper[k]),
-                d,
-                b,
-                w,
-                volume=open_above * length,
-                flow=float(rate[k]),
-                pressure_loss=loss,
-                **_friction_numbers(law, w, d - b, slot, float(e.density[k]), loss, length, open_above),
-            )
+        row = Loss(
+            name,
+            ", ".join(names),
+            _section_name(sections[which[k]]) if slot and sections else "-",
+            float(upper[k]) - length,
+            float(upper[k]),
+            d,
+            b,
+            w,
+            volume=open_above * length,
+            flow=float(rate[k]),
+            pressure_loss=loss,
         )
+        rows.append(_with_friction(row, law, slot, float(e.density[k]), length, open_above))
 
     start = 0
     for k in range(len(item) + 1):
@@ -270,27 +263,20 @@ def channel_rows(flow: FlowModel, name: str) -> list[Loss]:
     return rows
 
 
-def _friction_numbers(
-    law: Rheology,
-    speed: float,
-    gap: float,
-    slot: bool,
-    density: float,
-    loss: float,
-    length: float,
-    area: float,
-) -> dict[str, Any]:
-    """Reynolds number, regime, friction factor and critical flow of a row.
+def _with_friction(row: Loss, law: Rheology, slot: bool, density: float, length: float, area: float) -> Loss:
+    """The row with Reynolds number, regime, friction factor and critical flow.
 
-    speed: [m/s]; gap: hydraulic diameter [m]; density: [kg/m3]; loss: [Pa]; length: [m]; area: [m2].
+    slot: an annulus; density: [kg/m3]; length: of the elements, without rigid items [m]; area: open to flow [m2].
     """
-    reynolds = reynolds_number(law, speed, gap, slot, density)
-    return {
-        "reynolds": reynolds,
-        "regime": regime(law, reynolds),
-        "friction_factor": abs(loss) * gap / (2 * density * speed**2 * length) if speed else np.nan,
-        "critical_flow": critical_speed(law, gap, slot, density) * area,
-    }
+    speed, gap = row.velocity, row.od - row.id
+    reynolds, loss = reynolds_number(law, speed, gap, slot, density), abs(row.pressure_loss)
+    return replace(
+        row,
+        reynolds=reynolds,
+        regime=regime(law, reynolds),
+        friction_factor=loss * gap / (2 * density * speed**2 * length) if speed else np.nan,
+        critical_flow=critical_speed(law, gap, slot, density) * area,
+    )
 
 
 def motor_rows(flow: FlowModel) -> list[Loss]:
