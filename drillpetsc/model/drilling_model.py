@@ -236,7 +236,7 @@ def _ancf_string(
     joints: tuple[Component, ...] = ()
     if mesh.joints:
         held = Joints(mesh, frames)
-        motor = build_mud_motor(case, mesh, frames, gravity, held, balanced)
+        motor = build_mud_motor(case, held, gravity, balanced)
         joints = (held, *_present(motor), *build_agitators(case, mesh))
     top, machines = _top_components(
         case, mesh, EndPlace(position[0], tangent[0], path=_top_path(well, frames), frames=frames)
