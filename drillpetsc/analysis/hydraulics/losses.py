@@ -175,6 +175,17 @@ def _section_name(section: Section) -> str:
     return f"{section.kind.replace('_', ' ')} to {section.to:g} m"
 
 
+def _cross_sections(component: ChannelFlow, slot: bool) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Outer and inner diameter [m] and open area [m2] of the elements of a channel, (n,) each; slot: an annulus."""
+    if not slot:
+        outer = component.parameter("diameter")
+        return outer, np.zeros(len(outer)), component.parameter("area")
+    area = component.parameter("hole")
+    outer = np.sqrt(4 / np.pi * area)
+    # the gap is the diameter by which the friction law goes
+    return outer, outer - component.parameter("gap"), area - component.parameter("outer")
+
+
 def channel_rows(flow: FlowModel, name: str) -> list[Loss]:
     """Rows of ``bore`` or ``annulus``: one for each string item in each hole section, from the top down."""
     component = flow.fluid.bore if name == "bore" else flow.fluid.annulus
@@ -189,14 +200,7 @@ def channel_rows(flow: FlowModel, name: str) -> list[Loss]:
         np.searchsorted([s.to for s in sections], 0.5 * (upper + lower)), max(len(sections) - 1, 0)
     )
     item = np.array([flow.string.number[k] for k in mesh.item])
-    if slot:
-        area = component.parameter("hole")
-        outer = np.sqrt(4 / np.pi * area)
-        inner = outer - component.parameter("gap")  # the diameter by which the friction law goes
-        open_area = area - component.parameter("outer")
-    else:
-        outer, inner = component.parameter("diameter"), np.zeros(len(item))
-        open_area = component.parameter("area")
+    outer, inner, open_area = _cross_sections(component, slot)
     sign = -1.0 if slot else 1.0
     rate = sign * component.flows(flow.system)
     rows: list[Loss] = []

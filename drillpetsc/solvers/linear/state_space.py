@@ -174,6 +174,17 @@ def _parts(C: FloatArray, M: FloatArray, second_order: np.ndarray) -> _Parts:
     return _Parts(np.flatnonzero(second_order), F, L, np.flatnonzero(dynamic), np.flatnonzero(~dynamic))
 
 
+def _row_sizes(K, C, M, scale: FloatArray, rate: float) -> FloatArray:
+    """Largest entry (n,) of each row in usual units; raises SolveError for an empty row."""
+    weights = [scale * f for f in (1.0, rate, rate**2)]
+    size = np.max(
+        [np.abs(A * w).max(axis=1, initial=0.0) for A, w in zip((K, C, M), weights, strict=True)], axis=0
+    )
+    if (size == 0).any():
+        raise SolveError("a row of the linearised system is empty")
+    return np.asarray(size)
+
+
 def eliminate(K, C, M, unknowns: Unknowns, rate: float, ex: Exchange) -> StateSpace:
     """Form the state space; algebraic unknowns and constraints are eliminated (manual: sec-linear-elimination).
 
@@ -183,12 +194,7 @@ def eliminate(K, C, M, unknowns: Unknowns, rate: float, ex: Exchange) -> StateSp
     """
     scale = unknowns.scale
     K, C, M = (np.asarray(sparse.csr_matrix(A).todense()) for A in (K, C, M))
-    weights = [scale * f for f in (1.0, rate, rate**2)]
-    size = np.max(
-        [np.abs(A * w).max(axis=1, initial=0.0) for A, w in zip((K, C, M), weights, strict=True)], axis=0
-    )
-    if (size == 0).any():
-        raise SolveError("a row of the linearised system is empty")
+    size = _row_sizes(K, C, M, scale, rate)
     K, C, M = (np.asarray(A / size[:, None]) for A in (K, C, M))
     f0, f1, f2 = (f / size[:, None] for f in (ex.f0, ex.f1, ex.f2))
 
@@ -239,12 +245,7 @@ def eliminate(K, C, M, unknowns: Unknowns, rate: float, ex: Exchange) -> StateSp
     Bv = np.vstack([w.u, -kept.u, np.eye(m)[held]])
     Bd = np.vstack([zero((nP, m)), -kept.du, zero((len(held), m))])
     E[n - len(held) :, n - len(held) :] = np.eye(len(held))
-    # in usual units: rates of second-order unknowns are rate times their size
-    units = np.abs(motions.T) @ scale[S] if len(S) else zero(0)
-    of_rates = rate * (np.abs(free.rates.T) @ units)
-    of_stores = np.abs(stores.T) @ scale[F] if len(F) else zero(0)
-    units = np.concatenate([units, of_rates, of_stores, np.ones(len(held)) / rate])
-    A, B, G = _solved(E, units, Az, Bv, Bd)
+    A, B, G = _solved(E, _usual_sizes(free, scale[S], scale[F], rate, len(held)), Az, Bv, Bd)
     l_all = l_known
     if Z.shape[1]:
         H = K[np.ix_(rd, L)] @ Z
@@ -392,6 +393,19 @@ def _solved(E, units, *right: FloatArray) -> list[FloatArray]:
             "an unknown of the linearised system has no inertia and no storage: there is no state-space form"
         )
     return [columns[:, None] * scipy.linalg.lu_solve((lu, pivots), R / rows[:, None]) for R in right]
+
+
+def _usual_sizes(
+    free: _Free, of_motions: FloatArray, of_stores: FloatArray, rate: float, integrals: int
+) -> FloatArray:
+    """Usual sizes (n,) of the states: a rate is ``rate`` [1/s] times the size of its motion.
+
+    of_motions, of_stores: of the second-order and the first-order unknowns; integrals: number of held inputs.
+    """
+    places = np.abs(free.motions.T) @ of_motions if len(of_motions) else np.zeros(0)
+    rates = rate * (np.abs(free.rates.T) @ places)
+    stores = np.abs(free.stores.T) @ of_stores if len(of_stores) else np.zeros(0)
+    return np.concatenate([places, rates, stores, np.ones(integrals) / rate])
 
 
 def _state_names(names: list[str], free: _Free, S, F, held) -> tuple[str, ...]:
