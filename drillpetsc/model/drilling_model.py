@@ -19,7 +19,7 @@ from drillpetsc.fem.string_mesh import StringMesh
 from drillpetsc.geometry.frames import Frames, transported_frames
 from drillpetsc.geometry.growing_hole import GrowingHole
 from drillpetsc.geometry.well import Well
-from drillpetsc.model.fluid import FluidComponents, build_fluid
+from drillpetsc.model.fluid import FluidComponents, StringInMud, build_fluid
 from drillpetsc.model.hole import build_well, hole_depth
 from drillpetsc.model.mesh import build_mesh, curvature_by_tool_face
 from drillpetsc.model.quaternion import quaternion_components
@@ -172,9 +172,8 @@ def build_model(
     elif not case.hold_string:
         string = _ancf_string(case, mesh, well, frames, position, tangent, balanced)
     bit, components = string.bit, list(string.components)
-    fluid = build_fluid(
-        case, mesh, well, position, tangent, bit.hole if bit is not None else None, string.reamers
-    )
+    hole = bit.hole if bit is not None else None
+    fluid = build_fluid(StringInMud(case, mesh, well, position, tangent, hole, string.reamers))
     components += fluid.components if fluid is not None else ()
     system = DiscreteSystem(mesh, frames, components, comm)
     system.item_names = tuple(item.name or item.kind for item in case.string)

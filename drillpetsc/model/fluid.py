@@ -132,7 +132,7 @@ def build_rheology(case: Case, annulus: bool = False) -> Rheology:
 
 
 @dataclass(frozen=True)
-class _StringInMud:
+class StringInMud:
     """What the mud flows through: the string, and the hole around it.
 
     position, tangent: (n+1, 3) of the nodes along the hole [m, -].
@@ -159,24 +159,11 @@ class _StringInMud:
         return well
 
 
-def build_fluid(
-    case: Case,
-    mesh: StringMesh,
-    well: Well | None,
-    position: FloatArray,
-    tangent: FloatArray,
-    hole: GrowingHole | None = None,
-    reamers: tuple[Reamer, ...] = (),
-) -> FluidComponents | None:
-    """Create the components of the case's fluid, None without one.
-
-    position, tangent: (n+1, 3) of the nodes along the hole [m, -].
-    hole: the growing hole of a bit that drills, else None; reamers: that widen it.
-    """
-    f = case.fluid
+def build_fluid(string: StringInMud) -> FluidComponents | None:
+    """Create the components of the case's fluid, None without one."""
+    case, mesh, f = string.case, string.mesh, string.case.fluid
     if f is None:
         return None
-    string = _StringInMud(case, mesh, well, position, tangent, hole, reamers)
     constants = FluidConstants(
         f.density,
         f.bulk_modulus,
@@ -207,7 +194,8 @@ def build_fluid(
         )
     rings = items = None
     if annulus is not None and not case.hold_string:
-        rings = ReamedRings(mesh.nodes - 1, reamers, constants, f.cuttings == "returned") if reamers else None
+        if string.reamers:
+            rings = ReamedRings(mesh.nodes - 1, string.reamers, constants, f.cuttings == "returned")
         found = _mud_items(case, mesh, annulus.annulus)
         items = MudItems(found, string.present_well) if found else None
     curves = loss_tables(case, mesh) if bore_flow is not None else ()
@@ -218,7 +206,7 @@ def build_fluid(
     )
 
 
-def _bore_flow(string: _StringInMud, constants: FluidConstants) -> BoreFlow:
+def _bore_flow(string: StringInMud, constants: FluidConstants) -> BoreFlow:
     """Create the flow in the string."""
     case, mesh, f = string.case, string.mesh, string.case.given_fluid
     bore, narrowing = build_bore(case, mesh), poisson(case, mesh)
@@ -228,7 +216,7 @@ def _bore_flow(string: _StringInMud, constants: FluidConstants) -> BoreFlow:
     return BoreFlow(mesh, bore, constants, narrowing, flow, f.pump_pressure, string.held_at)
 
 
-def _annulus_flow(string: _StringInMud, constants: FluidConstants) -> AnnulusFlow:
+def _annulus_flow(string: StringInMud, constants: FluidConstants) -> AnnulusFlow:
     """Create the flow around the string; constants: of the fluid, with its rheology in the string."""
     case, mesh, well, f = string.case, string.mesh, string.well, string.case.given_fluid
     assert well is not None
@@ -258,7 +246,7 @@ def _annulus_flow(string: _StringInMud, constants: FluidConstants) -> AnnulusFlo
 
 
 def _bit_flow(
-    string: _StringInMud, constants: FluidConstants, bore_flow: BoreFlow | None, annulus: AnnulusFlow | None
+    string: StringInMud, constants: FluidConstants, bore_flow: BoreFlow | None, annulus: AnnulusFlow | None
 ) -> BitFlow:
     """Create the flow at the lower end."""
     f, hole, last = string.case.given_fluid, string.hole, string.mesh.nodes - 1
@@ -273,7 +261,7 @@ def _bit_flow(
 
 
 def _volumes_at_rest(
-    string: _StringInMud, bore_flow: BoreFlow | None, annulus: AnnulusFlow | None, bit: BitFlow | None
+    string: StringInMud, bore_flow: BoreFlow | None, annulus: AnnulusFlow | None, bit: BitFlow | None
 ) -> Callable[[float], dict[str, FloatArray]]:
     """Create ``FluidComponents.volumes``; a closed bore keeps its volume at rest."""
     case, f, position = string.case, string.case.given_fluid, string.position
@@ -524,15 +512,10 @@ def _is_uniform(well: Well, walls: AnnulusWalls) -> bool:
     return bool(straight) and not len(well.transitions) and len(set(walls.give)) == 1
 
 
-def _bit_end(string: _StringInMud, annulus: AnnulusFlow | None) -> BitEnd:
+def _bit_end(string: StringInMud, annulus: AnnulusFlow | None) -> BitEnd:
     """Create the data of the flow at the lower end, in the hole as it is at the start."""
-    case, mesh, well, f, last = (
-        string.case,
-        string.mesh,
-        string.well,
-        string.case.given_fluid,
-        string.case.string[-1],
-    )
+    case, mesh, well = string.case, string.mesh, string.well
+    f, last = case.given_fluid, case.string[-1]
     sizes = None if annulus is None else annulus.annulus
     open_end = case.has_bore and not case.bottom.plugged
     nozzle = last.nozzle_area or 0.0
