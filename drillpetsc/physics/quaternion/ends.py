@@ -45,8 +45,8 @@ def _axes_of(tangent: FloatArray) -> FloatArray:
 class ConstrainedEnd(Top):
     """End with prescribed position and orientation: clamped, pinned, or moved by a top drive.
 
-    beam: of the string, with its orientations at time 0 and the form of its constraints.
-    place: with the curved centreline along which the end moves, None: along its tangent.  On a path ``anchor`` (4,) has the
+    beam: gives the number of nodes, the orientation (4,) at time 0 and the form of the constraints.
+    place: of the end, which moves along the path or, without one, along its tangent.  On a path ``anchor`` (4,) is the
     measured depth [m], the offsets along both normals [m] and the angle [rad] at time 0.
     prescribed_positions: number of prescribed positions: 3 along the tangent and across, 2 across only (the axial force is
     a load).
