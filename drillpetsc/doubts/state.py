@@ -50,7 +50,9 @@ class MudAboveTop(Doubt):
         here = np.flatnonzero(system.chain.owned & (system.chain.vertices == 0))
         if len(here):
             position = system.field("string.position")[here[:1]]
-            pressure = float(system.field("annulus.pressure")[here[0], 0]) - fluid.annulus.outlet.value(0.0)
+            pressure = float(
+                system.field("annulus.pressure")[here[0], 0]
+            ) - fluid.annulus.flow_line.pressure.value(0.0)
             found[:] = float(below_flow_line(model, position)[0]), pressure
         found = np.asarray(total(system.comm, found))
         if found[0] >= LEAST_DEPTH:  # not with nan, without gravity

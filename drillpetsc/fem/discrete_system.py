@@ -16,7 +16,7 @@ from petsc4py import PETSc
 from drillpetsc.arrays import FloatArray
 from drillpetsc.fem.assembly import Assembly
 from drillpetsc.fem.chain import build_chain
-from drillpetsc.fem.component import Component, Energies, Powers
+from drillpetsc.fem.component import Component, ElementBlock, Energies, Powers
 from drillpetsc.fem.dof_layout import build_dof_layout
 from drillpetsc.fem.end_exchange import EndExchange
 from drillpetsc.fem.step_record import StepRecord
@@ -67,18 +67,7 @@ class DiscreteSystem:
         other = next((component for component in self.components if component.derived_fields), None)
         self.layout = build_dof_layout(self.chain, fields, regions, other.derived_fields if other else None)
         by_component = [component.blocks(self.chain) for component in self.components]
-        blocks = tuple(b for own in by_component for b in own)
-        if other is not None:
-            blocks = tuple(map(other.translate, blocks))
-        prescribed = tuple(p for component in self.components for p in component.prescribed())
-        stabilizations = tuple(component.velocity_stabilization(self.chain) for component in self.components)
-        self.assembly = Assembly(
-            self.layout,
-            blocks,
-            prescribed,
-            frames.reference[self.chain.vertices],
-            tuple(s for s in stabilizations if s),
-        )
+        self.assembly = asm = self._assemble(tuple(b for own in by_component for b in own), other)
         #: of each bound block: its component
         self.component_of = [c for c, own in zip(self.components, by_component, strict=True) for _ in own]
         #: components that store energy, and components with powers
@@ -86,8 +75,7 @@ class DiscreteSystem:
         self._working = [c for c in self.components if type(c).powers is not Component.powers]
         #: of all components
         self.contact_flags = tuple(f for c in self.components for f in c.contact_flags())
-        layout, asm = self.layout, self.assembly
-        asm.derive = other.derive if other else None
+        layout = self.layout
         self._r = PETSc.Vec().createWithArray(asm.r[: layout.size], comm=PETSc.COMM_SELF)
         self.owned_index = np.full(layout.size, -1, dtype=np.int32)
         self.owned_index[layout.local_of_owned] = np.arange(len(layout.local_of_owned))
@@ -101,6 +89,22 @@ class DiscreteSystem:
         self.scale = scale[layout.field_of]  # (n,) usual magnitude of each local unknown
         self._with_rate = np.flatnonzero(layout.y_local >= 0)  # unknowns with a rate in the state
         self._make_tables()
+
+    def _assemble(self, blocks: tuple[ElementBlock, ...], other: Component | None) -> Assembly:
+        """Bind the elements of all components to the layout.
+
+        other: the component that declares position, slope and spin as derived fields, None if they are unknowns.
+        """
+        stabilizations = tuple(component.velocity_stabilization(self.chain) for component in self.components)
+        assembly = Assembly(
+            self.layout,
+            blocks if other is None else tuple(map(other.translate, blocks)),
+            tuple(p for component in self.components for p in component.prescribed()),
+            self.frames.reference[self.chain.vertices],
+            tuple(s for s in stabilizations if s),
+        )
+        assembly.derive = other.derive if other else None
+        return assembly
 
     def _find_regions(self) -> dict[str, np.ndarray]:
         """Sets of vertices by name: (n_nodes,) masks, including the sets of all components."""

@@ -19,7 +19,7 @@ from drillpetsc.fem.string_mesh import StringMesh
 from drillpetsc.geometry.frames import Frames, transported_frames
 from drillpetsc.geometry.growing_hole import GrowingHole
 from drillpetsc.geometry.well import Well
-from drillpetsc.model.fluid import FluidComponents, build_fluid
+from drillpetsc.model.fluid import FluidComponents, StringInMud, build_fluid
 from drillpetsc.model.hole import build_well, hole_depth
 from drillpetsc.model.mesh import build_mesh, curvature_by_tool_face
 from drillpetsc.model.quaternion import quaternion_components
@@ -36,7 +36,7 @@ from drillpetsc.physics.beam import AncfBeam
 from drillpetsc.physics.bit.bit_on_bottom import BitOnBottom
 from drillpetsc.physics.bit.rock_bit import RockBit
 from drillpetsc.physics.contact import Contact, ContactLaw
-from drillpetsc.physics.end_conditions import FixedEnd, Loads, NodeLoad, RotaryDrive, TopDrive
+from drillpetsc.physics.end_conditions import EndPlace, FixedEnd, Loads, NodeLoad, RotaryDrive, TopDrive
 from drillpetsc.physics.hole_path import HolePath, is_curved
 from drillpetsc.physics.joints import Joints
 from drillpetsc.physics.precurvature import Precurvature
@@ -172,9 +172,8 @@ def build_model(
     elif not case.hold_string:
         string = _ancf_string(case, mesh, well, frames, position, tangent, balanced)
     bit, components = string.bit, list(string.components)
-    fluid = build_fluid(
-        case, mesh, well, position, tangent, bit.hole if bit is not None else None, string.reamers
-    )
+    hole = bit.hole if bit is not None else None
+    fluid = build_fluid(StringInMud(case, mesh, well, position, tangent, hole, string.reamers))
     components += fluid.components if fluid is not None else ()
     system = DiscreteSystem(mesh, frames, components, comm)
     system.item_names = tuple(item.name or item.kind for item in case.string)
@@ -236,9 +235,11 @@ def _ancf_string(
     joints: tuple[Component, ...] = ()
     if mesh.joints:
         held = Joints(mesh, frames)
-        motor = build_mud_motor(case, mesh, frames, gravity, held, balanced)
+        motor = build_mud_motor(case, held, gravity, balanced)
         joints = (held, *_present(motor), *build_agitators(case, mesh))
-    top, machines = _top_components(case, mesh, position[0], tangent[0], _top_path(well, frames), frames)
+    top, machines = _top_components(
+        case, mesh, EndPlace(position[0], tangent[0], path=_top_path(well, frames), frames=frames)
+    )
     loads = _loads(case, mesh, tangent)
     breaks = tuple(b for q in case.loads for b in q.value_over.breaks()) + _top_breaks(case)
     reamers = build_reamers(case, mesh, well, bit)
@@ -247,7 +248,7 @@ def _ancf_string(
         *_optional_components(mesh, frames, gravity, balanced=is_quasi_static(case)),
         *joints,
         *_present(top, *machines),
-        *_bottom_components(case, mesh.nodes - 1, position[-1], tangent[-1]),
+        *_bottom_components(case, EndPlace(position[-1], tangent[-1], mesh.nodes - 1)),
         *((Loads(loads, frames, breaks),) if loads else ()),
         *_present(contact, bit, *reamers, build_steering(case, mesh, well, frames, tangent)),
     )
@@ -268,12 +269,13 @@ def _quaternion_string(
         case,
         mesh,
         frames,
-        position=position,
-        tangent=tangent,
+        ends=(
+            EndPlace(position[0], tangent[0], path=_top_path(well, frames)),
+            EndPlace(position[-1], tangent[-1], mesh.nodes - 1),
+        ),
         loads=_loads(case, mesh, tangent),
         breaks=tuple(b for q in case.loads for b in q.value_over.breaks()) + _top_breaks(case),
         contact=contact,
-        path=_top_path(well, frames),
     )
     still, reamers = is_quasi_static(case), build_reamers(case, mesh, well, bit)
     if mesh.bodies or (mesh.eccentricity.any() and not still):
@@ -354,22 +356,14 @@ def _top_path(well: Well | None, frames: Frames) -> HolePath | None:
 
 
 def _top_components(
-    case: Case,
-    mesh: StringMesh,
-    position: FloatArray,
-    tangent: FloatArray,
-    path: HolePath | None,
-    frames: Frames,
+    case: Case, mesh: StringMesh, place: EndPlace
 ) -> tuple[interfaces.Top | None, tuple[Component, ...]]:
-    """Create the top end, None if absent, and the machines above it: a drive of its rotation, a hoist.
-
-    path: of the top, None: a straight line.
-    """
+    """Create the top end, None if absent, and the machines above it: a drive of its rotation, a hoist."""
     top = case.top
     if isinstance(top, HeldTop):
         if top.kind == "free":
             return None, ()
-        return FixedEnd(0, top.kind, position, tangent, path=path, frames=frames), ()
+        return FixedEnd(place, top.kind), ()
     if isinstance(top, TopDriveCase):
         # without inertia rotation acts through the direction of friction only
         still = is_quasi_static(case)
@@ -377,22 +371,12 @@ def _top_components(
         rotation = None if motor else Constant(0.0) if still else top.rotation
         machines = (build_drive(case, mesh),) if motor else ()
         if top.hoist is not None and not still:
-            guided, hoist = build_hoist(case, mesh.nodes, position, tangent, rotation, path, frames)
+            guided, hoist = build_hoist(case, mesh.nodes, place, rotation)
             return guided, (*machines, hoist)
         lowering = None if top.force is not None else top.lowering
-        held = TopDrive(
-            position,
-            tangent,
-            rotation,
-            lowering,
-            path=path,
-            frames=frames,
-            hinged=top.hinged,
-            guided=top.guided,
-        )
-        return held, machines
+        return TopDrive(place, rotation, lowering, top.hinged, top.guided), machines
     assert isinstance(top, DrivenTop)
-    driven = TopDrive(position, tangent, None, top.lowering, path=path, frames=frames)
+    driven = TopDrive(place, None, top.lowering)
     return driven, (RotaryDrive(top.rotation, top.stiffness, top.damping, top.inertia),)
 
 
@@ -401,12 +385,12 @@ def _top_breaks(case: Case) -> tuple[float, ...]:
     return force.breaks() if force is not None else ()
 
 
-def _bottom_components(case: Case, node: int, position: FloatArray, tangent: FloatArray) -> list[FixedEnd]:
+def _bottom_components(case: Case, place: EndPlace) -> list[FixedEnd]:
     """Create the fixed lower end of a clamped or pinned string."""
     bottom = case.bottom
     if not isinstance(bottom, HeldBottom) or bottom.kind == "free":
         return []
-    return [FixedEnd(node, bottom.kind, position, tangent, spin=bottom.kind == "clamped")]
+    return [FixedEnd(place, bottom.kind, spin=bottom.kind == "clamped")]
 
 
 def _contact(

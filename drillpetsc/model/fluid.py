@@ -27,7 +27,7 @@ from drillpetsc.physics.fluid.added_mass import (
     lateral_damping,
     stokes_coefficients,
 )
-from drillpetsc.physics.fluid.annulus_flow import AnnulusFlow
+from drillpetsc.physics.fluid.annulus_flow import AnnulusFlow, FlowLine, HoleAround
 from drillpetsc.physics.fluid.bit_flow import BitEnd, BitFlow
 from drillpetsc.physics.fluid.bore_flow import BoreFlow
 from drillpetsc.physics.fluid.channel_flow import FLOW_SCALE, PRESSURE_SCALE, FluidConstants
@@ -131,69 +131,53 @@ def build_rheology(case: Case, annulus: bool = False) -> Rheology:
     )  # type: ignore[attr-defined]
 
 
-def build_fluid(
-    case: Case,
-    mesh: StringMesh,
-    well: Well | None,
-    position: FloatArray,
-    tangent: FloatArray,
-    hole: GrowingHole | None = None,
-    reamers: tuple[Reamer, ...] = (),
-) -> FluidComponents | None:
-    """Create the components of the case's fluid, None without one.
+@dataclass(frozen=True)
+class StringInMud:
+    """What the mud flows through: the string, and the hole around it.
 
     position, tangent: (n+1, 3) of the nodes along the hole [m, -].
     hole: the growing hole of a bit that drills, else None; reamers: that widen it.
     """
-    f = case.fluid
+
+    case: Case
+    mesh: StringMesh
+    well: Well | None
+    position: FloatArray
+    tangent: FloatArray
+    hole: GrowingHole | None
+    reamers: tuple[Reamer, ...]
+
+    @property
+    def held_at(self) -> FloatArray | None:
+        """(n+1, 3) positions of the nodes of a held string [m], None for a string that moves."""
+        return self.position if self.case.hold_string else None
+
+    def present_well(self) -> Well:
+        """The well as it is drilled now."""
+        well = self.well if self.hole is None else self.hole.well
+        assert well is not None
+        return well
+
+
+def build_fluid(string: StringInMud) -> FluidComponents | None:
+    """Create the components of the case's fluid, None without one."""
+    case, mesh, f = string.case, string.mesh, string.case.fluid
     if f is None:
         return None
-    gravity = np.array(case.gravity, dtype=float)
     constants = FluidConstants(
         f.density,
         f.bulk_modulus,
-        gravity,
+        np.array(case.gravity, dtype=float),
         build_rheology(case).parameters(),
         f.clinging,
         *usual_sizes(case, mesh),
     )
-    around = constants
-    if f.annulus_rheology is not None:
-        around = replace(constants, rheology=build_rheology(case, annulus=True).parameters())
-    fixed_position = position if case.hold_string else None
-    bore_flow = _bore_flow(case, mesh, constants, fixed_position) if case.has_bore else None
-    annulus, sizes, chi, moving_hole = None, None, np.zeros(len(mesh.upper)), None
-    if case.has_annulus:
-        assert well is not None
-        walls = build_walls(case, mesh)
-        sizes = walls.annulus(HoleVolume(well), np.arange(len(mesh.upper)), mesh.upper, mesh.lower)
-        if not case.hold_string:  # the flow past a held string does not include rigid items
-            _refuse_closed_annulus(case, mesh, sizes)
-        chi = _added_mass(case, sizes)
-        if not case.hold_string and (hole is not None or not _is_uniform(well, walls)):
-            here: Any = (lambda: well) if hole is None else (lambda: hole.well)
-            lateral = partial(_lateral_coefficients, case)
-            moving_hole = MovingHole(mesh, walls, here, lateral, reamers)
-        annulus = _annulus_flow(case, mesh, well, sizes, around, moving_hole, fixed_position)
+    bore_flow = _bore_flow(string, constants) if case.has_bore else None
+    annulus = _annulus_flow(string, constants) if case.has_annulus else None
     bit: BitFlow | None = None
     if bore_flow is not None and not case.bottom.plugged or annulus is not None:
-        end = _bit_end(case, mesh, well, sizes, chi, position, tangent)
-        if hole is not None:
-            end = _in_growing_hole(end, hole, f.cuttings == "returned")
-        last = mesh.nodes - 1
-        bit = BitFlow(last, end, constants, fixed_position, moving_hole, hole)
-        if f.formulation == "hermite":
-            pair: Any = (bore_flow, annulus)  # both are Hermite channels
-            bit = HermiteBit(
-                last, end, constants, f.flow_rate, pair[0], pair[1], position[-1], fixed_position
-            )
-    volumes = None
-    if f.formulation == "hermite":
-        head = f.density * ((position - position[0]) @ gravity)
-        volumes = partial(volumes_at_rest, bore_flow, annulus, bit, head)  # type: ignore[arg-type]
-        if isinstance(bore_flow, HermiteBore) and bore_flow.closed:
-            under = f.outlet_pressure.value(0.0) if annulus is not None else 0.0
-            bore_flow.kept = float(volumes(under)["bore.volume"][-1])
+        bit = _bit_flow(string, constants, bore_flow, annulus)
+    volumes = _volumes_at_rest(string, bore_flow, annulus, bit) if f.formulation == "hermite" else None
     seals = None
     if any(joint.seal_area > 0 for joint in mesh.joints):
         seals = JointSeals(mesh, constants, bore_flow is not None, annulus is not None, f.outlet_pressure)
@@ -202,18 +186,18 @@ def build_fluid(
         side = SideNozzles(
             mesh,
             side_links(case, mesh),
-            constants,
             f.discharge_coefficient,
             bore_flow,
             annulus,
             f.outlet_pressure,
             _lower_end_area(case, mesh),
-            fixed_position,
         )
     rings = items = None
     if annulus is not None and not case.hold_string:
-        rings = ReamedRings(mesh.nodes - 1, reamers, constants, f.cuttings == "returned") if reamers else None
-        items = _items_in_mud(case, mesh, sizes, well, hole)
+        if string.reamers:
+            rings = ReamedRings(mesh.nodes - 1, string.reamers, constants, f.cuttings == "returned")
+        found = _mud_items(case, mesh, annulus.annulus)
+        items = MudItems(found, string.present_well) if found else None
     curves = loss_tables(case, mesh) if bore_flow is not None else ()
     losses = ToolLosses(curves, constants) if curves else None
     line = _surface_line(case)
@@ -222,56 +206,71 @@ def build_fluid(
     )
 
 
-def _bore_flow(
-    case: Case, mesh: StringMesh, constants: FluidConstants, fixed_position: FloatArray | None
-) -> BoreFlow:
-    """Create the flow in the string; fixed_position: (n+1, 3) of a held string [m], else None."""
-    f = case.fluid
-    assert f is not None
+def _bore_flow(string: StringInMud, constants: FluidConstants) -> BoreFlow:
+    """Create the flow in the string."""
+    case, mesh, f = string.case, string.mesh, string.case.given_fluid
     bore, narrowing = build_bore(case, mesh), poisson(case, mesh)
     if f.formulation == "hermite":
-        return HermiteBore(mesh, bore, constants, narrowing, f.flow_rate, case.bottom.plugged, fixed_position)
+        return HermiteBore(mesh, bore, constants, narrowing, f.flow_rate, case.bottom.plugged, string.held_at)
     flow = None if f.pump_pressure is not None else f.flow_rate
-    return BoreFlow(mesh, bore, constants, narrowing, flow, f.pump_pressure, fixed_position)
+    return BoreFlow(mesh, bore, constants, narrowing, flow, f.pump_pressure, string.held_at)
 
 
-def _annulus_flow(
-    case: Case,
-    mesh: StringMesh,
-    well: Well,
-    sizes: Annulus,
-    constants: FluidConstants,
-    moving_hole: MovingHole | None,
-    fixed_position: FloatArray | None,
-) -> AnnulusFlow:
-    """Create the flow around the string; fixed_position: (n+1, 3) of a held string [m], else None."""
-    f = case.fluid
-    assert f is not None
+def _annulus_flow(string: StringInMud, constants: FluidConstants) -> AnnulusFlow:
+    """Create the flow around the string; constants: of the fluid, with its rheology in the string."""
+    case, mesh, well, f = string.case, string.mesh, string.well, string.case.given_fluid
+    assert well is not None
+    if f.annulus_rheology is not None:
+        constants = replace(constants, rheology=build_rheology(case, annulus=True).parameters())
+    walls = build_walls(case, mesh)
+    sizes = walls.annulus(HoleVolume(well), np.arange(len(mesh.upper)), mesh.upper, mesh.lower)
+    if not case.hold_string:  # the flow past a held string does not include rigid items
+        _refuse_closed_annulus(case, mesh, sizes)
+    moving_hole = None
+    if not case.hold_string and (string.hole is not None or not _is_uniform(well, walls)):
+        lateral = partial(_lateral_coefficients, case)
+        moving_hole = MovingHole(mesh, walls, string.present_well, lateral, string.reamers)
+    choke = 0.0 if f.choke is None else 1 / (2 * f.choke.discharge_coefficient**2 * f.choke.area**2)
     arguments = (
         mesh,
-        sizes,
-        well,
+        HoleAround(sizes, well, moving_hole),
         constants,
         poisson(case, mesh),
         _lateral_coefficients(case, sizes),
-        f.outlet_pressure,
-        f.flow_line,
-        moving_hole,
-        fixed_position,
+        FlowLine(f.outlet_pressure, f.flow_line, choke),
+        string.held_at,
     )
     if f.formulation == "hermite":
         return HermiteAnnulus(*arguments, pump=f.flow_rate)
-    choke = 0.0 if f.choke is None else 1 / (2 * f.choke.discharge_coefficient**2 * f.choke.area**2)
-    return AnnulusFlow(*arguments, choke=choke)
+    return AnnulusFlow(*arguments)
 
 
-def _items_in_mud(
-    case: Case, mesh: StringMesh, sizes: Annulus | None, well: Well | None, hole: GrowingHole | None
-) -> MudItems | None:
-    """Create the mud across the hole beside rigid items, None without any."""
-    found = () if sizes is None else _mud_items(case, mesh, sizes)
-    around: Any = (lambda: well) if hole is None else (lambda: hole.well)
-    return MudItems(found, around) if found else None
+def _bit_flow(
+    string: StringInMud, constants: FluidConstants, bore_flow: BoreFlow | None, annulus: AnnulusFlow | None
+) -> BitFlow:
+    """Create the flow at the lower end."""
+    f, hole, last = string.case.given_fluid, string.hole, string.mesh.nodes - 1
+    end = _bit_end(string, annulus)
+    if hole is not None:
+        end = _in_growing_hole(end, hole, f.cuttings == "returned")
+    if f.formulation == "hermite":
+        pair: Any = (bore_flow, annulus)  # both are Hermite channels
+        return HermiteBit(last, end, constants, f.flow_rate, pair, string.position[-1], string.held_at)
+    moving_hole = annulus.moving_hole if annulus is not None else None
+    return BitFlow(last, end, constants, string.held_at, moving_hole, hole)
+
+
+def _volumes_at_rest(
+    string: StringInMud, bore_flow: BoreFlow | None, annulus: AnnulusFlow | None, bit: BitFlow | None
+) -> Callable[[float], dict[str, FloatArray]]:
+    """Create ``FluidComponents.volumes``; a closed bore keeps its volume at rest."""
+    case, f, position = string.case, string.case.given_fluid, string.position
+    head = f.density * ((position - position[0]) @ np.array(case.gravity, dtype=float))
+    volumes = partial(volumes_at_rest, bore_flow, annulus, bit, head)  # type: ignore[arg-type]
+    if isinstance(bore_flow, HermiteBore) and bore_flow.closed:
+        under = f.outlet_pressure.value(0.0) if annulus is not None else 0.0
+        bore_flow.kept = float(volumes(under)["bore.volume"][-1])
+    return volumes
 
 
 def _mud_items(case: Case, mesh: StringMesh, sizes: Annulus) -> tuple[MudItem, ...]:
@@ -513,25 +512,14 @@ def _is_uniform(well: Well, walls: AnnulusWalls) -> bool:
     return bool(straight) and not len(well.transitions) and len(set(walls.give)) == 1
 
 
-def _bit_end(
-    case: Case,
-    mesh: StringMesh,
-    well: Well | None,
-    sizes: Annulus | None,
-    chi: FloatArray,
-    position: FloatArray,
-    tangent: FloatArray,
-) -> BitEnd:
-    """Create the data of the flow at the lower end.
-
-    sizes: of the annulus, None without one; chi: (n,) added-mass coefficients [-].
-    position, tangent: (n+1, 3) of the nodes [m, -].
-    """
-    f, last = case.fluid, case.string[-1]
-    assert f is not None
+def _bit_end(string: StringInMud, annulus: AnnulusFlow | None) -> BitEnd:
+    """Create the data of the flow at the lower end, in the hole as it is at the start."""
+    case, mesh, well = string.case, string.mesh, string.well
+    f, last = case.given_fluid, case.string[-1]
+    sizes = None if annulus is None else annulus.annulus
     open_end = case.has_bore and not case.bottom.plugged
     nozzle = last.nozzle_area or 0.0
-    end, axis = position[-1], tangent[-1]
+    end, axis = string.position[-1], string.tangent[-1]
     if sizes is not None and well is not None:
         points, directions, _ = well.at(np.array([case.given_well.survey.md[-1]]))
         end, axis = np.asarray(points)[0], np.asarray(directions)[0]
@@ -551,11 +539,11 @@ def _bit_end(
         elasticity=2 * (1 + rock.poisson) / rock.young if rock else 0.0,
         volume=f.bit_volume,
         face=mesh.total_length - float(mesh.node_depth[-1]),
-        added=float(chi[-1]),
+        added=0.0 if annulus is None else float(annulus.lateral.added[-1]),
         metal=metal_below(case, mesh),
         end=end,
         axis=axis,
-        tangent=tangent[-1],
+        tangent=string.tangent[-1],
     )
 
 

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -122,7 +123,7 @@ def estimate_forces(
     weight = np.linalg.norm(per_length, axis=1)
     is_flexible = np.array([int(i) in flexible for i in item])
     pieces = _Pieces(
-        along, h * curvature.T, perpendicular, h, bending, np.where(is_flexible, clearance, np.inf), weight, axial
+        along, (h * curvature.T).T, perpendicular, h, bending, np.where(is_flexible, clearance, np.inf), weight, axial
     )  # fmt: skip
     profiles = [
         pieces.march(bottom, drag * friction)
@@ -151,18 +152,32 @@ def estimate_forces(
     )
 
 
+@dataclass(frozen=True)
 class _Pieces:
-    """Axial loads along (n,) [N], turn of the hole (n, 3) [rad], loads across (n, 3) [N] of the pieces, and the march."""
+    """Pieces of a string, and the march along them.
 
-    def __init__(self, along, turn, across, h, bending, clearance, weight, axial):
-        self.along, self.turn, self.across = along, turn.T, across
-        vertical = VERTICAL_FACTOR * np.cbrt(bending * weight**2)
-        kk, kw, ww = (
-            np.sum(a * b, axis=1) for a, b in ((self.turn, self.turn), (self.turn, across), (across, across))
-        )
-        self.rows = np.column_stack(
-            [along, kk, kw, ww, h, bending, clearance, vertical, CRUSHING_STRAIN * axial]
-        ).tolist()
+    along: (n,) axial loads [N]; turn: (n, 3) of the hole [rad]; across: (n, 3) loads [N]; h: (n,) lengths [m].
+    bending: (n,) [N m2] and axial: (n,) [N] stiffness; clearance: (n,) [m]; weight: (n,) [N/m].
+    """
+
+    along: FloatArray
+    turn: FloatArray
+    across: FloatArray
+    h: FloatArray
+    bending: FloatArray
+    clearance: FloatArray
+    weight: FloatArray
+    axial: FloatArray
+
+    @cached_property
+    def rows(self) -> list[list[float]]:
+        """What the march needs of each piece."""
+        vertical = VERTICAL_FACTOR * np.cbrt(self.bending * self.weight**2)
+        pairs = ((self.turn, self.turn), (self.turn, self.across), (self.across, self.across))
+        products = [np.sum(a * b, axis=1) for a, b in pairs]
+        crushing = CRUSHING_STRAIN * self.axial
+        columns = [self.along, *products, self.h, self.bending, self.clearance, vertical, crushing]
+        return np.column_stack(columns).tolist()
 
     def march(self, bottom: float, drag: FloatArray) -> FloatArray:
         """Mean axial force (n,) of the pieces [N] from the force at the bottom.

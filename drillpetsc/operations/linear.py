@@ -73,20 +73,13 @@ class Campbell(DrawnOperation):
     without_control: WithoutControl = False
 
     def compute(self, job: Any) -> Any:
+        from drillpetsc.analysis.linear.frequency.campbell import Sought
         from drillpetsc.analysis.linear.frequency.campbell_command import run_campbell
         from drillpetsc.case.options.excitation import read_lines
 
-        lines = None if self.lines is None else read_lines(self.lines)
-        return run_campbell(
-            job,
-            self.speeds,
-            self.count,
-            self.kind,
-            lines,
-            self.without_control,
-            self.frequency,
-            self.stiffness,
-        )
+        lines = () if self.lines is None else read_lines(self.lines)
+        sought = Sought(self.speeds, self.count, self.kind, lines)
+        return run_campbell(job, sought, self.without_control, self.frequency, self.stiffness)
 
 
 class Stability(DrawnOperation):

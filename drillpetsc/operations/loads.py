@@ -33,16 +33,7 @@ class Statics(AtBitDepth, FolderOperation):
     def compute(self, job: Any) -> Any:
         from drillpetsc.analysis.commands.statics import run_statics
 
-        return run_statics(
-            job.case,
-            job.out,
-            self.motion,
-            job.overwrite,
-            job.name,
-            job.comm,
-            path=self.path,
-            operation=self.operation,
-        )
+        return run_statics(job, self.motion, self.path, self.operation)
 
 
 class Roadmap(DrawnOperation):

@@ -37,19 +37,20 @@ class Listed:
 
 def listed_by_file() -> dict[str, tuple[Listed, ...]]:
     """Quantities of each file of a run folder with their conditions, in the order of its columns or arrays."""
-    along_string = (
-        *_listed(_along_string(physics.BIT), where.BIT),
-        *_listed(_along_string(physics.JOINTS), where.JOINTS),
-        *_listed(_along_string(physics.CONTACT), where.CONTACT),
-    )
-    contact_scalars = tuple(q for q in physics.CONTACT if q.on == "scalar")
-    mud_at_ends = (
+    return _of_motion() | _of_states() | _of_commands()
+
+
+def _mud_at_ends() -> tuple[Listed, ...]:
+    """Pressures and flow rates at the ends of the mud's channels."""
+    return (
         *_listed(measured.MUD, where.MUD, **dict.fromkeys(measured.BORE_ONLY, where.BORE)),
         *_listed((measured.SIDE_FLOW,), where.SIDE_NOZZLES),
     )
-    mud_fields = tuple(
-        Listed(q, where.BORE if q.name.startswith("internal") else where.ANNULUS) for q in measured.MUD_FIELDS
-    )
+
+
+def _of_motion() -> dict[str, tuple[Listed, ...]]:
+    """Files of numbers over time."""
+    contact_scalars = tuple(q for q in physics.CONTACT if q.on == "scalar")
     return {
         "history.csv": (
             *_listed(measured.ROW_START),
@@ -67,7 +68,7 @@ def listed_by_file() -> dict[str, tuple[Listed, ...]]:
             *_listed(physics.STEERING_PUSH[1:], where.STEERS),
             *_listed(measured.LOWER_END, where.STRING),
             *_listed(measured.HOLE, where.BIT, rop=where.DRILLS),
-            *mud_at_ends,
+            *_mud_at_ends(),
             *_listed(physics.JOINTS, where.JOINTS),
             *_listed(physics.MUD_MOTOR, where.MUD_MOTOR),
             *_listed(physics.JAR, where.JAR),
@@ -97,6 +98,20 @@ def listed_by_file() -> dict[str, tuple[Listed, ...]]:
             *_listed(vibration.WHIRL, "probes and a hole"),
             *_listed(vibration.OF_SENSOR, where.SENSOR),
         ),
+    }
+
+
+def _of_states() -> dict[str, tuple[Listed, ...]]:
+    """Files of a state: along the string, and the summary of statics."""
+    along_string = (
+        *_listed(_along_string(physics.BIT), where.BIT),
+        *_listed(_along_string(physics.JOINTS), where.JOINTS),
+        *_listed(_along_string(physics.CONTACT), where.CONTACT),
+    )
+    mud_fields = tuple(
+        Listed(q, where.BORE if q.name.startswith("internal") else where.ANNULUS) for q in measured.MUD_FIELDS
+    )
+    return {
         "statics.csv": (
             *_listed((measured.MD,)),
             *_listed((measured.AXIAL_FORCE, measured.TORQUE, measured.TWIST_ANGLE), where.STRING),
@@ -135,9 +150,15 @@ def listed_by_file() -> dict[str, tuple[Listed, ...]]:
             *_listed(
                 measured.STATIC_SUMMARY, where.STRING, hook_load_total=where.BLOCK, top_travel=where.TOP
             ),
-            *mud_at_ends,
+            *_mud_at_ends(),
             *_listed((measured.ECD,), where.ANNULUS),
         ),
+    }
+
+
+def _of_commands() -> dict[str, tuple[Listed, ...]]:
+    """Files of the other commands."""
+    return {
         "modes.csv": (*_listed(measured.MODES), *_listed((STOKES_NUMBER,), where.STOKES)),
         "campbell.csv": _listed(frequency.CAMPBELL),
         "critical.csv": _listed(frequency.CRITICAL),

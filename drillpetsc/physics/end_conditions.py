@@ -49,6 +49,23 @@ def _rows(position: FloatArray, tangent: FloatArray, spin: bool) -> FloatArray:
     return D
 
 
+@dataclass(frozen=True)
+class EndPlace:
+    """Where an end of the string is at time 0.
+
+    position: (3,) [m]; tangent: (3,) unit.
+    vertex: its node, 0 at the top; angle: spin angle [rad].
+    path, frames: centreline along which the end moves, and the string's frames; None: its tangent.
+    """
+
+    position: FloatArray
+    tangent: FloatArray
+    vertex: int = 0
+    angle: float = 0.0
+    path: HolePath | None = None
+    frames: Frames | None = None
+
+
 class PathEnd(Top):
     """End whose prescribed position lies on a path: the centreline of the hole, or a straight line.
 
@@ -62,10 +79,7 @@ class PathEnd(Top):
 
     def __init__(
         self,
-        vertex: int,
-        position: FloatArray,
-        tangent: FloatArray,
-        angle: float,
+        place: EndPlace,
         *,
         axial: bool,
         across: bool = True,
@@ -73,10 +87,9 @@ class PathEnd(Top):
         spin: bool,
         rotation: Input | None = None,
         lowering: Input | None = None,
-        path: HolePath | None = None,
-        frames: Frames | None = None,
     ):
-        zero = _Zero()
+        zero, position, tangent, angle = _Zero(), place.position, place.tangent, place.angle
+        vertex, path, frames = place.vertex, place.path, place.frames
         self._down, self._turn = lowering or zero, rotation or zero
         self.inputs = tuple(i for i in (rotation, lowering) if i is not None)
         self._axial_row, self._across, self._tilt, self._spin = axial, across, tilt, spin
@@ -210,38 +223,20 @@ class PathEnd(Top):
 class FixedEnd(PathEnd):
     """Fixed end: clamped (position, direction, spin) or pinned (position; at the top also spin).
 
-    vertex: its node; kind: ``clamped`` or ``pinned``.
-    position: (3,) [m]; tangent: (3,) unit.
-    spin: the spin angle is fixed at ``angle`` [rad].
-    path, frames: centreline along which ``shift`` moves the end, and the string's frames; None: its tangent.
+    kind: ``clamped`` or ``pinned``; spin: the spin angle is fixed.  ``shift`` moves the end along its path.
     """
 
     name = "held_end"
 
-    def __init__(
-        self,
-        vertex: int,
-        kind: str,
-        position: FloatArray,
-        tangent: FloatArray,
-        spin: bool = True,
-        angle: float = 0.0,
-        path: HolePath | None = None,
-        frames: Frames | None = None,
-    ):
-        super().__init__(
-            vertex, position, tangent, angle, axial=True, tilt=kind == "clamped", spin=spin, path=path,
-            frames=frames,
-        )  # fmt: skip
+    def __init__(self, place: EndPlace, kind: str, spin: bool = True):
+        super().__init__(place, axial=True, tilt=kind == "clamped", spin=spin)
 
 
 class TopDrive(PathEnd):
     """Prescribed rotation and lowering of the top node; the replaced rows are hook load and surface torque.
 
-    position: (3,) [m] and tangent: (3,) unit, at time 0; angle: spin angle at time 0 [rad].
     rotation: over time [rad/s]; None: the spin is free (``driven``).
     lowering: over time [m/s]; None: the axial position is free, and a load prescribes the force.
-    path, frames: centreline along which the top moves, and the string's frames; None: its tangent.
     hinged: the direction of the string is free.
     guided: the position across the path is prescribed; otherwise lowering is None.
     """
@@ -250,20 +245,15 @@ class TopDrive(PathEnd):
 
     def __init__(
         self,
-        position: FloatArray,
-        tangent: FloatArray,
+        place: EndPlace,
         rotation: Input | None,
         lowering: Input | None,
-        angle: float = 0.0,
-        path: HolePath | None = None,
-        frames: Frames | None = None,
         hinged: bool = False,
         guided: bool = True,
     ):
         super().__init__(
-            0, position, tangent, angle, axial=lowering is not None, across=guided, tilt=not hinged,
-            spin=rotation is not None,
-            rotation=rotation, lowering=lowering, path=path, frames=frames,
+            place, axial=lowering is not None, across=guided, tilt=not hinged,
+            spin=rotation is not None, rotation=rotation, lowering=lowering,
         )  # fmt: skip
 
 

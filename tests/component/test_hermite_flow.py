@@ -13,8 +13,8 @@ from drillpetsc.fem.string_mesh import RigidItem, uniform_string
 from drillpetsc.geometry.frames import transported_frames
 from drillpetsc.geometry.well import Well
 from drillpetsc.physics.beam import AncfBeam
-from drillpetsc.physics.end_conditions import TopDrive
-from drillpetsc.physics.fluid.annulus_flow import LateralCoefficients
+from drillpetsc.physics.end_conditions import EndPlace, TopDrive
+from drillpetsc.physics.fluid.annulus_flow import FlowLine, HoleAround, LateralCoefficients
 from drillpetsc.physics.fluid.bit_flow import BitEnd
 from drillpetsc.physics.fluid.channel_flow import FluidConstants
 from drillpetsc.physics.fluid.channels import Annulus, Bore
@@ -54,7 +54,7 @@ def build(kind: str, seed: int = 5) -> DiscreteSystem:
     held = position if "held" in kind else None
     components: list = [] if held is not None else [AncfBeam(mesh, frames, GRAVITY)]
     if "topdrive" in kind:
-        components.append(TopDrive(position[0], tangents[0], Ramp(1.0, 2.0), Constant(0.3)))
+        components.append(TopDrive(EndPlace(position[0], tangents[0]), Ramp(1.0, 2.0), Constant(0.3)))
     pump, pipe, annulus = Ramp(1.0, 0.03), None, None
     if "pipe" in kind:
         bore = Bore(
@@ -78,7 +78,7 @@ def build(kind: str, seed: int = 5) -> DiscreteSystem:
         )
         side = LateralCoefficients(np.array([2.0, 2.0, 1.5, 1.5]), 0.3 * n, 0.2 * n, 0.0 * n)
         annulus = HermiteAnnulus(
-            mesh, sizes, well, fluid, 0.3 * n, side, Constant(0.4), 0.1, None, held, pump=pump
+            mesh, HoleAround(sizes, well), fluid, 0.3 * n, side, FlowLine(Constant(0.4), 0.1), held, pump=pump
         )
     components += [r for r in (pipe, annulus) if r is not None]
     if "bit" in kind:
@@ -100,7 +100,7 @@ def build(kind: str, seed: int = 5) -> DiscreteSystem:
             end=end[0],
             axis=axis[0],
         )
-        components.append(HermiteBit(4, lower, fluid, pump, pipe, annulus, position[-1], held))
+        components.append(HermiteBit(4, lower, fluid, pump, (pipe, annulus), position[-1], held))
     system = DiscreteSystem(mesh, frames, components)
     if "swirl" in kind:
         give_swirl(annulus)

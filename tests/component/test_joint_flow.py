@@ -14,7 +14,7 @@ from drillpetsc.fem.string_mesh import StringJoint, uniform_string
 from drillpetsc.geometry.frames import transported_frames
 from drillpetsc.geometry.well import Well
 from drillpetsc.physics.beam import AncfBeam
-from drillpetsc.physics.fluid.annulus_flow import AnnulusFlow, LateralCoefficients
+from drillpetsc.physics.fluid.annulus_flow import AnnulusFlow, FlowLine, HoleAround, LateralCoefficients
 from drillpetsc.physics.fluid.bore_flow import BoreFlow
 from drillpetsc.physics.fluid.channel_flow import RESULT_NAMES, FluidConstants
 from drillpetsc.physics.fluid.channels import Annulus, Bore
@@ -60,7 +60,9 @@ def build(kind: str, seed: int = 4, more: Callable[..., list] | None = None) -> 
     if "annulus" in kind:
         side = LateralCoefficients(2.0 * n, 0.3 * n, 0.2 * n, 0.0 * n)
         components.append(
-            AnnulusFlow(mesh, sizes, well, fluid, poisson, side, Constant(0.4), 0.1, None, None)
+            AnnulusFlow(
+                mesh, HoleAround(sizes, well), fluid, poisson, side, FlowLine(Constant(0.4), 0.1), None
+            )
         )
     components.append(JointSeals(mesh, fluid, "bore" in kind, "annulus" in kind, Constant(0.7)))
     if more is not None:

@@ -51,7 +51,7 @@ def build(place: str, measured: bool = False, balanced: bool = False, seed: int 
     joints = Joints(mesh, frames)
     rotor = Rotor(5, 0.6, 0.15, 0.2, 0.1)
     design = MotorDesign(law(measured), rotor, Bend(2, 0.3))
-    motor = MudMotor(mesh, frames, GRAVITY, joints, 2, design, Supply(Constant(0.52)), balanced)
+    motor = MudMotor(joints, GRAVITY, 2, design, Supply(Constant(0.52)), balanced)
     system = DiscreteSystem(mesh, frames, [AncfBeam(mesh, frames, GRAVITY), joints, motor])
     position = np.cumsum(np.vstack([[0, 0, 0], tangents[:-1]]), axis=0)
     noise = 0.1 * rng.standard_normal((5, 3))

@@ -13,7 +13,7 @@ from drillpetsc.fem.string_mesh import uniform_string
 from drillpetsc.geometry.frames import transported_frames
 from drillpetsc.geometry.well import Well
 from drillpetsc.physics.contact import ContactLaw
-from drillpetsc.physics.end_conditions import NodeLoad
+from drillpetsc.physics.end_conditions import EndPlace, NodeLoad
 from drillpetsc.physics.quaternion.beam import QuaternionBeam, quaternions, spun, turned
 from drillpetsc.physics.quaternion.contact import QuaternionContact
 from drillpetsc.physics.quaternion.ends import ConstrainedEnd, QuaternionLoads
@@ -46,9 +46,7 @@ def build(kind: str, seed: int = 3, constraint: str = "index3", gravity=GRAVITY)
 
     def end(node, places, turns, *inputs):
         components.append(
-            ConstrainedEnd(
-                node, 5, places, turns, position[node], beam.start[node], tangents[node], constraint, *inputs
-            )
+            ConstrainedEnd(beam, EndPlace(position[node], tangents[node], node), places, turns, *inputs)
         )
 
     if "loads" in kind:

@@ -30,9 +30,7 @@ def build(kind: str) -> DiscreteSystem:
     channels = {c.name: c for c in base.components}
     bore, annulus = channels["bore"], channels.get("annulus")
     assert isinstance(bore, BoreFlow) and (annulus is None or isinstance(annulus, AnnulusFlow))
-    side = SideNozzles(
-        base.mesh, LINKS, bore.fluid, COEFFICIENT, bore, annulus, Constant(0.7), (0.03, 0.9), bore.held_at
-    )
+    side = SideNozzles(base.mesh, LINKS, COEFFICIENT, bore, annulus, Constant(0.7), (0.03, 0.9))
     system = DiscreteSystem(base.mesh, base.frames, [*base.components, side])
     rng = np.random.default_rng(7)
     for f in system.layout.fields:

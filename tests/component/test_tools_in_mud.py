@@ -17,11 +17,7 @@ FLOWS = {"down": 0.3, "up": -0.3, "next to none": 4e-5, "next to none, up": -4e-
 
 def motor(mesh, frames, joints) -> list:
     law, rotor = MotorLaw(1.0, 0.8, 0.3, 2.0, 2.5), Rotor(5, 0.6, 0.15, 0.2, 0.1)
-    return [
-        MudMotor(
-            mesh, frames, GRAVITY, joints, 2, MotorDesign(law, rotor, Bend(2, 0.3)), Supply(None, 1 / 60.0)
-        )
-    ]
+    return [MudMotor(joints, GRAVITY, 2, MotorDesign(law, rotor, Bend(2, 0.3)), Supply(None, 1 / 60.0))]
 
 
 def agitator(mesh, frames, joints) -> list:

@@ -13,7 +13,7 @@ from drillpetsc.geometry.well import Well
 from drillpetsc.physics.beam import AncfBeam
 from drillpetsc.physics.bit.bit_on_bottom import BitOnBottom
 from drillpetsc.physics.contact import Contact, ContactLaw
-from drillpetsc.physics.end_conditions import FixedEnd, Loads, NodeLoad, RotaryDrive, TopDrive
+from drillpetsc.physics.end_conditions import EndPlace, FixedEnd, Loads, NodeLoad, RotaryDrive, TopDrive
 from drillpetsc.physics.fluid.mud_items import MudItem, MudItems
 from drillpetsc.physics.precurvature import Precurvature
 from drillpetsc.physics.rigid_bodies import RigidBodies
@@ -90,7 +90,7 @@ def hoist_line(kind: str, position: np.ndarray, tangent: np.ndarray) -> HoistLin
     )  # fmt: skip
     line = Line(4, 3.0, 5.0, 2.0, 1.0, 0.6 if "damped" in kind else 0.0)
     heave = Heave(Ramp(2.0, 0.3), 3.0, 0.4, 0.2) if "heave" in kind else None
-    top = HoistedTop(position, tangent, None)
+    top = HoistedTop(EndPlace(position, tangent), None)
     hoist = HoistLine(
         Hoisting(1.7, line, 4, 9.0, 20.0, heave=heave),
         top,
@@ -140,7 +140,7 @@ def build(kind: str, seed: int = 3) -> DiscreteSystem:
     if "motor" in kind:
         components.append(motor_drive(kind))
     if "topdrive" in kind:
-        components.append(TopDrive(position[0], tangents[0], Ramp(1.0, 2.0), Constant(0.3)))
+        components.append(TopDrive(EndPlace(position[0], tangents[0]), Ramp(1.0, 2.0), Constant(0.3)))
     steer = Steer(Ramp(1.0, 0.9), Ramp(2.0, 2.0))
     if "pads" in kind:
         components.append(PushTool(steer, 2, tangents[2], None, 5.0, "turning" in kind, frames))
@@ -148,7 +148,7 @@ def build(kind: str, seed: int = 3) -> DiscreteSystem:
         cells = np.array([1, 2])
         components.append(PointTool(steer, tangents[1], None, 0.7, cells, np.array([0.4, 0.6]), mesh))
     if "clamped" in kind:
-        components.append(FixedEnd(4, "clamped", position[4], tangents[4]))
+        components.append(FixedEnd(EndPlace(position[4], tangents[4], 4), "clamped"))
     if "mud_items" in kind:
         well = Well.from_survey(
             np.arange(5.0), 0.1 * np.arange(5.0), np.full(5, 0.2), [10.0], [0.6], [0.3], max_step=1.0

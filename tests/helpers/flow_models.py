@@ -12,8 +12,8 @@ from drillpetsc.geometry.frames import transported_frames
 from drillpetsc.geometry.growing_hole import GrowingHole
 from drillpetsc.geometry.well import Well
 from drillpetsc.physics.beam import AncfBeam
-from drillpetsc.physics.end_conditions import TopDrive
-from drillpetsc.physics.fluid.annulus_flow import AnnulusFlow, LateralCoefficients
+from drillpetsc.physics.end_conditions import EndPlace, TopDrive
+from drillpetsc.physics.fluid.annulus_flow import AnnulusFlow, FlowLine, HoleAround, LateralCoefficients
 from drillpetsc.physics.fluid.bit_flow import BitEnd, BitFlow
 from drillpetsc.physics.fluid.bore_flow import BoreFlow
 from drillpetsc.physics.fluid.channel_flow import FluidConstants
@@ -71,7 +71,7 @@ def build(
     held = position if "held" in kind else None
     components: list = [] if held is not None else [AncfBeam(mesh, frames, GRAVITY)]
     if "topdrive" in kind:
-        components.append(TopDrive(position[0], tangents[0], Ramp(1.0, 2.0), Constant(0.3)))
+        components.append(TopDrive(EndPlace(position[0], tangents[0]), Ramp(1.0, 2.0), Constant(0.3)))
     poisson, n = np.full(4, 0.3), np.ones(4)
     # tool joints in two of the elements
     bore = Bore(
@@ -106,7 +106,9 @@ def build(
             np.array([2.0, 2.0, 1.5, 1.5]), 0.3 * n, 0.2 * n, 0.0 * n, by_place=by_place
         )
         components.append(
-            AnnulusFlow(mesh, sizes, well, fluid, poisson, side, Constant(0.4), 0.1, None, held)
+            AnnulusFlow(
+                mesh, HoleAround(sizes, well), fluid, poisson, side, FlowLine(Constant(0.4), 0.1), held
+            )
         )
     if "bit" in kind:
         end = BitEnd(

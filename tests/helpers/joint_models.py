@@ -10,7 +10,7 @@ from drillpetsc.fem.discrete_system import DiscreteSystem
 from drillpetsc.fem.string_mesh import RigidItem, StringJoint, StringMesh, uniform_string
 from drillpetsc.geometry.frames import transported_frames
 from drillpetsc.physics.beam import AncfBeam
-from drillpetsc.physics.end_conditions import FixedEnd
+from drillpetsc.physics.end_conditions import EndPlace, FixedEnd
 from drillpetsc.physics.joints import Joints
 from drillpetsc.physics.rigid_bodies import RigidBodies
 from tests.helpers.rolling import Rolling
@@ -129,7 +129,7 @@ def random_state(
     tangents = np.array([[np.sin(0.2 * i), 0.1 * i, np.cos(0.2 * i)] for i in range(5)])
     tangents /= np.linalg.norm(tangents, axis=1)[:, None]
     frames = transported_frames(tangents)
-    ends = [FixedEnd(1, "clamped", np.array([0, 0.1, 1.0]), tangents[1])] if held else []
+    ends = [FixedEnd(EndPlace(np.array([0, 0.1, 1.0]), tangents[1], 1), "clamped")] if held else []
     system = DiscreteSystem(
         mesh, frames, [AncfBeam(mesh, frames, np.array([1.0, 2.0, 9.0])), Joints(mesh, frames), *ends]
     )

@@ -13,7 +13,7 @@ import petsc4py
 petsc4py.init(sys.argv[:1])
 from petsc4py import PETSc  # noqa: E402
 
-from drillpetsc.solvers.chain.chain_lu import ChainFactor, ChainPC, ZeroPivot  # noqa: E402
+from drillpetsc.solvers.chain.chain_lu import ChainFactor, ChainNumbering, ChainPC, ZeroPivot  # noqa: E402
 
 COMM = PETSc.COMM_WORLD.tompi4py()
 RANK, SIZE = COMM.rank, COMM.size
@@ -34,7 +34,11 @@ class Local:
 
     def factor(self, **options) -> ChainFactor:
         return ChainFactor(
-            COMM, self.nodes, self.node_of_dof, self.local_of_owned, self.rows, self.columns, **options
+            COMM,
+            ChainNumbering(self.nodes, self.node_of_dof, self.local_of_owned),
+            self.rows,
+            self.columns,
+            **options,
         )
 
 

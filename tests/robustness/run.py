@@ -16,6 +16,7 @@ from drillpetsc.analysis.statics.placement import place_along_hole, release
 from drillpetsc.case import Case, load_case
 from drillpetsc.model.drilling_model import DrillingModel, build_model
 from drillpetsc.output import RunFolder
+from drillpetsc.output.job import Job
 from drillpetsc.output.recorder import Recorder
 from drillpetsc.output.result import RunResult
 
@@ -53,7 +54,7 @@ def compute(part: Part, cases: Path, out: Path) -> None:
             case = case.model_copy(
                 update={"initial": case.initial.model_copy(update={"wob": part.weight_on_bit})}
             )
-        run_statics(case, folder, part.motion, overwrite=True, name=part.name)
+        run_statics(Job(case, folder, overwrite=True, name=part.name), part.motion)
     elif part.kind == "wall":
         run_from_wall(case, folder)
     else:

@@ -19,7 +19,7 @@ from drillpetsc.model.drilling_model import build_model
 from drillpetsc.model.mesh import build_mesh, coarsened, element_lengths
 from drillpetsc.output import read_table
 from drillpetsc.output.measured.bending import bending_moments
-from drillpetsc.physics.end_conditions import FixedEnd, Loads, NodeLoad
+from drillpetsc.physics.end_conditions import EndPlace, FixedEnd, Loads, NodeLoad
 from drillpetsc.solvers.static.static_newton import Equilibrium, StaticNewton
 
 AREA, BENDING, WEIGHT, CLEARANCE = 3.4047325e-3, 1.2240289e6, 242.0, 0.04445
@@ -40,7 +40,7 @@ class SideHold(FixedEnd):
     """Holds a node sideways, free along the string."""
 
     def __init__(self, vertex, position, tangent):
-        super().__init__(vertex, "pinned", position, tangent, spin=False)
+        super().__init__(EndPlace(position, tangent, vertex), "pinned", spin=False)
         whole, target = self._condition, self.anchor[1:]
         self._condition = PrescribedMotion(
             vertex, whole.directions[1:], lambda t: target, lambda t: np.zeros(2), whole.names[1:]
@@ -62,7 +62,7 @@ def test_buckling_load_of_a_level_pipe(share):
     lying, last = model.position + [0, 0, CLEARANCE], model.mesh.nodes - 1
     components = [
         model.beam,
-        FixedEnd(0, "pinned", lying[0], model.tangent[0]),
+        FixedEnd(EndPlace(lying[0], model.tangent[0]), "pinned"),
         SideHold(last, lying[-1], model.tangent[-1]),
         Loads((NodeLoad(last, (-1.0, 0.0, 0.0), factor=lambda t: t),), model.frames),
         model.contact,

@@ -17,7 +17,7 @@ from drillpetsc.geometry.well import Well
 from drillpetsc.model.drilling_model import DrillingModel
 from drillpetsc.physics.bit.bit_side import SideLaw
 from drillpetsc.physics.bit.rock_bit import BitContact, BitShape, Layer, Rock, RockBit
-from drillpetsc.physics.end_conditions import TopDrive
+from drillpetsc.physics.end_conditions import EndPlace, TopDrive
 from drillpetsc.physics.rigid_bodies import RigidBodies
 from drillpetsc.solvers.petsc_options import applied
 from drillpetsc.solvers.time.time_integrator import TimeIntegrator
@@ -77,7 +77,7 @@ def spring_bit(post_step: bool) -> tuple[DiscreteSystem, RockBit]:
         mesh,
         [
             lambda frames, x, t: RigidBodies(mesh, frames, np.zeros(3)),
-            lambda frames, x, t: TopDrive(x[0] + 0.5 * DOWN, t[0], Constant(0.0), Wave()),
+            lambda frames, x, t: TopDrive(EndPlace(x[0] + 0.5 * DOWN, t[0]), Constant(0.0), Wave()),
             lambda frames, x, t: bit,
         ],
     )

@@ -365,7 +365,7 @@ def test_what_was_searched_is_said(tmp_path, monkeypatch):
 
     rates = tuple(m.RPM * np.array([600.0, 900.0]))
     result = campbell_command.run_campbell(
-        Job(Case(**m.disc()), tmp_path / "out"), rates, count=1, lines=(1.0,)
+        Job(Case(**m.disc()), tmp_path / "out"), campbell.Sought(rates, 1, lines=(1.0,))
     )
     assert "    none among the modes that were searched" in result.lines
     said = next(line for line in result.lines if "searched:" in line)
@@ -377,7 +377,9 @@ def test_what_was_searched_is_said(tmp_path, monkeypatch):
     assert not any("may be missing" in w for w in result.summary["warnings"])
     monkeypatch.setattr(campbell, "BESIDE_A_LINE", 6)
     speeds = tuple(m.RPM * np.array([30.0, 60.0]))
-    narrow = campbell_command.run_campbell(Job(lateral(), tmp_path / "narrow"), speeds, count=1, lines=(1.0,))
+    narrow = campbell_command.run_campbell(
+        Job(lateral(), tmp_path / "narrow"), campbell.Sought(speeds, 1, lines=(1.0,))
+    )
     assert any(
         "too close for the search" in w and "critical speeds may be missing" in w
         for w in narrow.summary["warnings"]

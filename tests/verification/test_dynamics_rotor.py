@@ -10,7 +10,7 @@ import scipy.linalg
 from drillpetsc.fem.string_mesh import uniform_string
 from drillpetsc.geometry.well import Well
 from drillpetsc.physics.contact import Contact, ContactLaw, damping_factor
-from drillpetsc.physics.end_conditions import FixedEnd, Loads, NodeLoad
+from drillpetsc.physics.end_conditions import EndPlace, FixedEnd, Loads, NodeLoad
 from tests.helpers.motion import sampled
 from tests.helpers.moving import matrices, straight_model
 
@@ -182,8 +182,8 @@ def test_wall_brake_stops_a_spinning_pipe():
     pressed = np.array([0.002 + 2000.0 / 1e8, 0.0, 0.0])
     components = [
         lambda f, p, t: Contact(mesh, hole, ContactLaw(slip_velocity=1e-4)),
-        lambda f, p, t: FixedEnd(0, "pinned", p[0] + pressed, t[0], spin=False),
-        lambda f, p, t: FixedEnd(1, "pinned", p[1] + pressed, t[1], spin=False),
+        lambda f, p, t: FixedEnd(EndPlace(p[0] + pressed, t[0]), "pinned", spin=False),
+        lambda f, p, t: FixedEnd(EndPlace(p[1] + pressed, t[1], 1), "pinned", spin=False),
     ]
     system = straight_model(mesh, components)
     system.set_field("string.position", np.array([pressed, pressed + [0, 0, 1.0]]))

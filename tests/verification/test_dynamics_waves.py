@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from drillpetsc.fem.string_mesh import tube, uniform_string
-from drillpetsc.physics.end_conditions import FixedEnd, Loads, NodeLoad, TopDrive
+from drillpetsc.physics.end_conditions import EndPlace, FixedEnd, Loads, NodeLoad, TopDrive
 from drillpetsc.time_function import Constant, PiecewiseLinear, Ramp
 from tests.helpers.motion import sampled
 from tests.helpers.moving import straight_model
@@ -19,7 +19,7 @@ TORSION = np.sqrt(206e9 / 2.6 / 7850.0)  # 3176.96 m/s
 
 
 def clamp(frames, position, tangent):
-    return FixedEnd(0, "clamped", position[0], tangent[0])
+    return FixedEnd(EndPlace(position[0], tangent[0]), "clamped")
 
 
 def bit_speed(system):
@@ -60,7 +60,7 @@ def test_arrival_of_a_wave(kind, speed):
     mesh = uniform_string(LENGTH, n, **PIPE)
     zero, start = Constant(0.0), Ramp(0.04, 0.1)
     inputs = (start, zero) if kind == "torsion" else (zero, start)
-    system = straight_model(mesh, [lambda f, p, t: TopDrive(p[0], t[0], *inputs)])
+    system = straight_model(mesh, [lambda f, p, t: TopDrive(EndPlace(p[0], t[0]), *inputs)])
 
     def sample(m):
         return (
@@ -79,7 +79,9 @@ def test_spin_up_against_the_exact_torsional_wave():
     characteristics, exact; manual: verif-spin-up)."""
     n, top = 225, 80 * 2 * np.pi / 60
     mesh = uniform_string(LENGTH, n, **PIPE)
-    system = straight_model(mesh, [lambda f, p, t: TopDrive(p[0], t[0], Ramp(2.0, top), Constant(0.0))])
+    system = straight_model(
+        mesh, [lambda f, p, t: TopDrive(EndPlace(p[0], t[0]), Ramp(2.0, top), Constant(0.0))]
+    )
     delay = LENGTH / TORSION
 
     def exact(t):
@@ -167,7 +169,7 @@ def test_a_spinning_hung_string_keeps_its_speed_for_1000_revolutions():
     n, speed = 10, 80 * 2 * np.pi / 60
     mesh = uniform_string(100.0, n, **PIPE)
     system = straight_model(
-        mesh, [lambda f, p, t: TopDrive(p[0], t[0], None, Constant(0.0))], gravity=(0, 0, 9.81)
+        mesh, [lambda f, p, t: TopDrive(EndPlace(p[0], t[0]), None, Constant(0.0))], gravity=(0, 0, 9.81)
     )
     s = mesh.node_depth
     strain = PIPE["mass"] * 9.81 * (100.0 - s) / PIPE["axial_stiffness"]
@@ -188,7 +190,7 @@ def test_a_step_ends_at_a_jump_of_the_top_speed():
     verif-speed-jump)."""
     jump = PiecewiseLinear((0.0, 0.5, 0.5, 5.0), (0.0, 0.0, 1.0, 1.0))
     mesh = uniform_string(LENGTH, 100, **PIPE)
-    system = straight_model(mesh, [lambda f, p, t: TopDrive(p[0], t[0], jump, Constant(0.0))])
+    system = straight_model(mesh, [lambda f, p, t: TopDrive(EndPlace(p[0], t[0]), jump, Constant(0.0))])
     rows = sampled(system, 1.6, bit_speed, jump.breaks(), ts_rtol=1e-4)
     t, speed = rows.T
     assert np.min(np.abs(t - 0.5)) < 1e-12

@@ -22,6 +22,7 @@ from tests.verification.test_joints import (
     HINGE,
     NORTH,
     SCALE,
+    EndPlace,
     FixedEnd,
     G,
     StringJoint,
@@ -103,7 +104,11 @@ def test_multipliers_have_order_two(stabilised):
         mesh = chain_of_bodies(bodies, (StringJoint(0.5, "revolute", 0, HINGE, stabilised),))
         position = np.array([[0.0, 0, 0], [0.5, 0, 0]])
         system = place(
-            mesh, position, NORTH, [lambda frames: FixedEnd(0, "clamped", np.zeros(3), NORTH)], [0, 0, G]
+            mesh,
+            position,
+            NORTH,
+            [lambda frames: FixedEnd(EndPlace(np.zeros(3), NORTH), "clamped")],
+            [0, 0, G],
         )
         integrate(system, end, fixed(h, **EXACT, **ALPHA))
         t = system.field("string.tangent")[1]

@@ -19,7 +19,7 @@ from drillpetsc.fem.component import Component, PrescribedMotion
 from drillpetsc.fem.string_mesh import StringJoint
 from drillpetsc.model.drilling_model import build_model
 from drillpetsc.output.recorder import Recorder
-from drillpetsc.physics.end_conditions import FixedEnd, TopDrive
+from drillpetsc.physics.end_conditions import EndPlace, FixedEnd, TopDrive
 from drillpetsc.physics.joints import RESULT_NAMES, SCALE, STOP_ROUNDING
 from drillpetsc.solvers.linear.linearization import linearise
 from drillpetsc.solvers.linear.quadratic_eigenproblem import eigenvalues_near
@@ -77,7 +77,7 @@ def two_bodies():
         mesh,
         position,
         NORTH,
-        [lambda frames: FixedEnd(0, "pinned", position[0], NORTH, spin=False)],
+        [lambda frames: FixedEnd(EndPlace(position[0], NORTH), "pinned", spin=False)],
         [0, 0, G],
     )
 
@@ -200,7 +200,7 @@ def test_speed_ratio_of_a_universal_joint(bend):
     )  # bent about north, the pin of the part above at the start: theta 90 degrees
     across = np.array([NORTH, np.cross(lower, NORTH)])
     components = [
-        lambda frames: TopDrive(np.zeros(3), down, Constant(speed), Constant(0.0)),
+        lambda frames: TopDrive(EndPlace(np.zeros(3), down), Constant(speed), Constant(0.0)),
         lambda frames: HeldDirection(1, lower, across),
     ]
     system = place(mesh, np.array([[0.0, 0, 0], [0, 0, 1.0]]), down, components)
@@ -382,7 +382,11 @@ def test_reactions_of_a_swinging_rod():
         mesh = chain_of_bodies(bodies, (StringJoint(0.5, "revolute", 0, HINGE),))
         position = np.array([[0.0, 0, 0], [0.5, 0, 0]])
         system = place(
-            mesh, position, NORTH, [lambda frames: FixedEnd(0, "clamped", np.zeros(3), NORTH)], [0, 0, G]
+            mesh,
+            position,
+            NORTH,
+            [lambda frames: FixedEnd(EndPlace(np.zeros(3), NORTH), "clamped")],
+            [0, 0, G],
         )
         integrate(system, end, fixed(h, **EXACT))
         t = system.field("string.tangent")[1]

@@ -18,6 +18,7 @@ from drillpetsc.analysis.statics.start.march import march, nodal_loads, pressure
 from drillpetsc.analysis.statics.start.soft_string_start import place_marched
 from drillpetsc.analysis.statics.steady_flow import freeze_flow
 from drillpetsc.model.drilling_model import DrillingModel, build_model
+from drillpetsc.output.job import Job
 from drillpetsc.output.static_table import static_table
 from drillpetsc.solvers.chain.chain_lu import ChainFactor
 from drillpetsc.solvers.static.lateral_beam import (
@@ -334,7 +335,7 @@ def test_a_motion_across_the_hole_that_nothing_holds(tmp_path) -> None:
     """A tool joint beside a washout, with a free lower end: the matrix of Newton's own steps is singular there, and statics starts
     from the march instead.  Before, the run ended in a traceback of the banded solver.  The pipe lies at rest on the low side."""
     case = load_case("cases/extreme/x20-washout.yaml")
-    summary = run_statics(case, tmp_path / "out").summary
+    summary = run_statics(Job(case, tmp_path / "out")).summary
     assert summary["stable"] and summary["iterations"] < 30
     assert abs(summary["hook_load"]) < 1.0
 

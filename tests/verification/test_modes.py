@@ -21,7 +21,7 @@ from drillpetsc.model.drilling_model import build_model
 from drillpetsc.output import read_frame, read_table
 from drillpetsc.output.job import Job
 from drillpetsc.physics.contact import Contact, ContactLaw
-from drillpetsc.physics.end_conditions import FixedEnd, TopDrive
+from drillpetsc.physics.end_conditions import EndPlace, FixedEnd, TopDrive
 from drillpetsc.solvers.linear.linearization import linearise
 from drillpetsc.solvers.linear.quadratic_eigenproblem import (
     QuadraticEigenproblem,
@@ -240,7 +240,7 @@ class Hinge(TopDrive):
     """A top that rotates with free direction."""
 
     def __init__(self, position, tangent, speed):
-        super().__init__(position, tangent, Constant(speed), Constant(0.0))
+        super().__init__(EndPlace(position, tangent), Constant(speed), Constant(0.0))
         c, keep = self._condition, [0, 1, 2, 5]
         self._condition = replace(
             c,
@@ -266,7 +266,7 @@ def whirl(n: int, speed: float, polar: float) -> np.ndarray:
         mesh,
         [
             lambda f, p, t: Hinge(p[0], t[0], speed),
-            lambda f, p, t: FixedEnd(n, "pinned", p[-1], t[-1], spin=False),
+            lambda f, p, t: FixedEnd(EndPlace(p[-1], t[-1], n), "pinned", spin=False),
         ],
     )
     system.set_field("string.spin", np.full((n + 1, 1), speed), "y")

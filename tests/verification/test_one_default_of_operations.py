@@ -58,7 +58,7 @@ def test_one_torque_on_bit(tmp_path, roadmap, friction, torque, said):
     assert drilling == pytest.approx(np.full(len(drilling), torque), rel=1e-9)
     limits = run_limits(Job(c, tmp_path / "l"), "drilling")
     assert limits.summary["surface_torque"] == pytest.approx(torque, rel=1e-3)
-    assert run_statics(c, tmp_path / "s", operation="drilling").summary["bit_torque"] == pytest.approx(
+    assert run_statics(Job(c, tmp_path / "s"), operation="drilling").summary["bit_torque"] == pytest.approx(
         torque, rel=1e-3
     )
     for result in (drawn, limits):
@@ -110,7 +110,10 @@ def test_one_flow_rate(tmp_path, word):
     drawn = run_roadmap(Job(c, tmp_path / "r"))
     table = read_table(drawn.folder / "roadmap.csv")
     hook = float(table["hook_load [N]"][table["operation [-]"] == word][0])
-    limits, statics = run_limits(Job(c, tmp_path / "l"), word), run_statics(c, tmp_path / "s", operation=word)
+    limits, statics = (
+        run_limits(Job(c, tmp_path / "l"), word),
+        run_statics(Job(c, tmp_path / "s"), operation=word),
+    )
     for result in (limits, statics):
         assert result.summary["hook_load"] == pytest.approx(hook, rel=3e-3)
     pumped = "pumps off" if word == "trip_out" else "pump at 500 gpm"

@@ -300,7 +300,7 @@ def test_the_end_of_a_run_with_the_other_element_is_refused(tmp_path):
         run(case, tmp_path / "other", progress="silent")
 
 
-@pytest.mark.parametrize("command", [run_statics, lambda case: run_modes(Job(case))])
+@pytest.mark.parametrize("command", [lambda case: run_statics(Job(case)), lambda case: run_modes(Job(case))])
 def test_commands_for_the_ancf_element_only(command):
     with pytest.raises(CaseError, match="not with quaternion yet"):
         command(Case(string=[PIPE], top="clamped", beam=quaternion()))

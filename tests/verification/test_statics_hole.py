@@ -23,7 +23,7 @@ from drillpetsc.fem.discrete_system import DiscreteSystem
 from drillpetsc.model.drilling_model import build_model
 from drillpetsc.output import read_frame, read_series
 from drillpetsc.output.static_table import static_table
-from drillpetsc.physics.end_conditions import FixedEnd, Loads, NodeLoad
+from drillpetsc.physics.end_conditions import EndPlace, FixedEnd, Loads, NodeLoad
 from drillpetsc.solvers.static.static_newton import Equilibrium, StaticNewton
 from tests.helpers.bit_models import DRAG, drilling
 
@@ -275,7 +275,7 @@ class SideHold(FixedEnd):
     """Lateral position fixed, axial position free."""
 
     def __init__(self, vertex, position, tangent):
-        super().__init__(vertex, "pinned", position, tangent, spin=False)
+        super().__init__(EndPlace(position, tangent, vertex), "pinned", spin=False)
         all_of_it = self._condition
         D, target = all_of_it.directions[1:], self.anchor[1:]
         self._condition = PrescribedMotion(
@@ -295,7 +295,7 @@ def test_sinusoidal_buckling_load_of_horizontal_pipe(element_length):
     push = Loads((NodeLoad(last, (-1.0, 0.0, 0.0), factor=lambda t: t),), model.frames)
     components = [
         model.beam,
-        FixedEnd(0, "pinned", lying[0], model.tangent[0]),
+        FixedEnd(EndPlace(lying[0], model.tangent[0]), "pinned"),
         SideHold(last, lying[-1], model.tangent[-1]),
         push,
         model.contact,

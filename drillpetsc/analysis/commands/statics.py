@@ -4,11 +4,9 @@ from __future__ import annotations
 
 import shlex
 from dataclasses import asdict
-from pathlib import Path
 from typing import Any
 
 import numpy as np
-from petsc4py import PETSc
 
 from drillpetsc.analysis.loads.limits.operations import OPERATIONS, case_of, motion_of, read_operation
 from drillpetsc.analysis.loads.torque_drag.operations import plan_of, told
@@ -30,9 +28,9 @@ from drillpetsc.model.drilling_model import DrillingModel, build_model
 from drillpetsc.model.string_forces import held_at_weight
 from drillpetsc.output import FieldWriter, RunFolder, write_summary, write_table
 from drillpetsc.output.files.case_files import write_case
-from drillpetsc.output.files.run_folder import make_folder
 from drillpetsc.output.files.tables import Column
 from drillpetsc.output.files.well_files import write_well_files
+from drillpetsc.output.job import Job
 from drillpetsc.output.measured.field_output import FieldOutput
 from drillpetsc.output.quantities import STATIC_SUMMARY
 from drillpetsc.output.result import RunResult
@@ -43,12 +41,8 @@ from drillpetsc.unit_systems import System, display, kind_of, shown
 
 
 def run_statics(
-    case: Case,
-    out: str | Path | None = None,
+    job: Job,
     motion: str | None = None,
-    overwrite: bool = False,
-    name: str = "case",
-    comm: PETSc.Comm | None = None,
     path: PathKind | None = None,
     operation: str | None = None,
 ) -> RunResult:
@@ -58,8 +52,8 @@ def run_statics(
     operation: instead of a motion, a word of OPERATIONS or of the trade, which says whether the bit is on bottom, too.
     path: sliding or slack_off, the question that a path answers (manual: sec-statics-path).
     """
+    case, comm = job.case, job.comm
     refuse_quaternion(case, "statics")
-    comm = comm or PETSc.COMM_WORLD
     if motion is not None and case.well is None:
         raise CaseError(
             at="--motion", got=motion, want="a case with a well: without a hole there is no friction"
@@ -73,7 +67,7 @@ def run_statics(
     case = held_at_weight(case)
     with options_of(case, given):
         model = build_model(case, comm, moving)
-        folder = make_folder(comm, name, out, False, overwrite)
+        folder = job.make_folder()
         state = find_equilibrium(model, moving, False, path)
         columns, values = static_table(model)
         buckled = buckling(model, columns, values) if values is not None else Buckling()

@@ -6,7 +6,6 @@ Losses of elements are the solver's: power that friction turns into heat, over t
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 from scipy.optimize import brentq
@@ -176,6 +175,17 @@ def _section_name(section: Section) -> str:
     return f"{section.kind.replace('_', ' ')} to {section.to:g} m"
 
 
+def _cross_sections(component: ChannelFlow, slot: bool) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Outer and inner diameter [m] and open area [m2] of the elements of a channel, (n,) each; slot: an annulus."""
+    if not slot:
+        outer = component.parameter("diameter")
+        return outer, np.zeros(len(outer)), component.parameter("area")
+    area = component.parameter("hole")
+    outer = np.sqrt(4 / np.pi * area)
+    # the gap is the diameter by which the friction law goes
+    return outer, outer - component.parameter("gap"), area - component.parameter("outer")
+
+
 def channel_rows(flow: FlowModel, name: str) -> list[Loss]:
     """Rows of ``bore`` or ``annulus``: one for each string item in each hole section, from the top down."""
     component = flow.fluid.bore if name == "bore" else flow.fluid.annulus
@@ -190,14 +200,7 @@ def channel_rows(flow: FlowModel, name: str) -> list[Loss]:
         np.searchsorted([s.to for s in sections], 0.5 * (upper + lower)), max(len(sections) - 1, 0)
     )
     item = np.array([flow.string.number[k] for k in mesh.item])
-    if slot:
-        area = component.parameter("hole")
-        outer = np.sqrt(4 / np.pi * area)
-        inner = outer - component.parameter("gap")  # the diameter by which the friction law goes
-        open_area = area - component.parameter("outer")
-    else:
-        outer, inner = component.parameter("diameter"), np.zeros(len(item))
-        open_area = component.parameter("area")
+    outer, inner, open_area = _cross_sections(component, slot)
     sign = -1.0 if slot else 1.0
     rate = sign * component.flows(flow.system)
     rows: list[Loss] = []
@@ -208,24 +211,20 @@ def channel_rows(flow: FlowModel, name: str) -> list[Loss]:
         d, b = float(outer[group] @ mean), float(inner[group] @ mean)
         w, rho = sign * float(e.speed[group] @ mean), float(e.density[group] @ mean)
         loss = sign * float((e.friction[group] - e.above[group]).sum())
-        rows.append(
-            Loss(
-                name,
-                flow.case.string[item[group[0]]].name,
-                _section_name(sections[which[group[0]]]) if slot and sections else "-",
-                float(upper[group[0]]),
-                float(lower[group[-1]]),
-                d,
-                b,
-                w,
-                volume=float(open_area[group] @ length),
-                flow=float(rate[group] @ mean),
-                pressure_loss=loss,
-                **_friction_numbers(
-                    law, w, d - b, slot, rho, loss, float(length.sum()), float(open_area[group] @ mean)
-                ),
-            )
+        row = Loss(
+            name,
+            flow.case.string[item[group[0]]].name,
+            _section_name(sections[which[group[0]]]) if slot and sections else "-",
+            float(upper[group[0]]),
+            float(lower[group[-1]]),
+            d,
+            b,
+            w,
+            volume=float(open_area[group] @ length),
+            flow=float(rate[group] @ mean),
+            pressure_loss=loss,
         )
+        rows.append(_with_friction(row, law, slot, rho, float(length.sum()), float(open_area[group] @ mean)))
 
     def add_rigid(k: int) -> None:
         """The rigid items above the element ``k``, as one piece."""
@@ -240,22 +239,20 @@ def channel_rows(flow: FlowModel, name: str) -> list[Loss]:
             open_above = float(component.parameter("area_above")[k])
         w, length = sign * float(e.speed_above[k]), float(mesh.rigid_above[k])
         loss = sign * float(e.above[k])
-        rows.append(
-            Loss(
-                name,
-                ", ".join(names),
-                _section_name(sections[which[k]]) if slot and sections else "-",
-                float(upper[k]) - length,
-                float(upper[k]),
-                d,
-                b,
-                w,
-                volume=open_above * length,
-                flow=float(rate[k]),
-                pressure_loss=loss,
-                **_friction_numbers(law, w, d - b, slot, float(e.density[k]), loss, length, open_above),
-            )
+        row = Loss(
+            name,
+            ", ".join(names),
+            _section_name(sections[which[k]]) if slot and sections else "-",
+            float(upper[k]) - length,
+            float(upper[k]),
+            d,
+            b,
+            w,
+            volume=open_above * length,
+            flow=float(rate[k]),
+            pressure_loss=loss,
         )
+        rows.append(_with_friction(row, law, slot, float(e.density[k]), length, open_above))
 
     start = 0
     for k in range(len(item) + 1):
@@ -270,27 +267,20 @@ def channel_rows(flow: FlowModel, name: str) -> list[Loss]:
     return rows
 
 
-def _friction_numbers(
-    law: Rheology,
-    speed: float,
-    gap: float,
-    slot: bool,
-    density: float,
-    loss: float,
-    length: float,
-    area: float,
-) -> dict[str, Any]:
-    """Reynolds number, regime, friction factor and critical flow of a row.
+def _with_friction(row: Loss, law: Rheology, slot: bool, density: float, length: float, area: float) -> Loss:
+    """The row with Reynolds number, regime, friction factor and critical flow.
 
-    speed: [m/s]; gap: hydraulic diameter [m]; density: [kg/m3]; loss: [Pa]; length: [m]; area: [m2].
+    slot: an annulus; density: [kg/m3]; length: of the elements, without rigid items [m]; area: open to flow [m2].
     """
-    reynolds = reynolds_number(law, speed, gap, slot, density)
-    return {
-        "reynolds": reynolds,
-        "regime": regime(law, reynolds),
-        "friction_factor": abs(loss) * gap / (2 * density * speed**2 * length) if speed else np.nan,
-        "critical_flow": critical_speed(law, gap, slot, density) * area,
-    }
+    speed, gap = row.velocity, row.od - row.id
+    reynolds, loss = reynolds_number(law, speed, gap, slot, density), abs(row.pressure_loss)
+    return replace(
+        row,
+        reynolds=reynolds,
+        regime=regime(law, reynolds),
+        friction_factor=loss * gap / (2 * density * speed**2 * length) if speed else np.nan,
+        critical_flow=critical_speed(law, gap, slot, density) * area,
+    )
 
 
 def motor_rows(flow: FlowModel) -> list[Loss]:
@@ -336,12 +326,12 @@ def choke_loss(flow: FlowModel) -> float:
     """Compute the loss of the choke at the flow line [Pa]; 0 without one."""
     annulus = flow.fluid.annulus
     out = None if annulus is None else annulus.outflow(flow.system.assembly)
-    if annulus is None or out is None or not annulus.choke:
+    if annulus is None or out is None or not annulus.flow_line.choke:
         return 0.0
     slow = min(
-        constant("flow_rounding"), constant("jet_rounding") / np.sqrt(2 * annulus.choke)
+        constant("flow_rounding"), constant("jet_rounding") / np.sqrt(2 * annulus.flow_line.choke)
     )  # as kernels do
-    return float(annulus.choke * flow.fluid.constants.density * out * np.hypot(out, slow))
+    return float(annulus.flow_line.choke * flow.fluid.constants.density * out * np.hypot(out, slow))
 
 
 def loss_rows(flow: FlowModel) -> list[Loss]:

@@ -29,7 +29,7 @@ from drillpetsc.output.table_rows import TableColumn
 from drillpetsc.physics.interfaces import Drive
 from drillpetsc.solvers.linear.linearization import Linearised
 from drillpetsc.solvers.linear.model_reduction import LARGEST_DENSE
-from drillpetsc.solvers.linear.state_space import Exchange, StateSpace, connected, eliminate
+from drillpetsc.solvers.linear.state_space import Exchange, StateSpace, Unknowns, connected, eliminate
 
 #: usual sizes of the inputs, by which differences are taken and models are reduced [SI]
 USUAL = {
@@ -258,11 +258,9 @@ def _form(model, q: Linearised, by_rows, p, direct, Y, rate: float) -> LinearMod
         K[at][:, at],
         C[at][:, at],
         M[at][:, at],
-        q.second_order[parents][at],
-        scale[at],
+        Unknowns(q.second_order[parents][at], scale[at], names),
         rate,
         ex.of_unknowns(at),
-        names,
     )
     constant = np.flatnonzero(
         ~(np.any([(A != 0).any(axis=1) for A in (system.C, system.D, system.F)], axis=0))

@@ -64,7 +64,7 @@ def set_fluid_at_rest(system: DiscreteSystem, fluid: FluidComponents, t: float =
         )
     gravity = fluid.constants.gravity
     head = fluid.constants.density * ((position - top) @ gravity)
-    level = fluid.annulus.outlet.value(t) if fluid.annulus is not None else 0.0
+    level = fluid.annulus.flow_line.pressure.value(t) if fluid.annulus is not None else 0.0
     closed = fluid.bit is None or not fluid.bit.has_link
     vertices, through_bit = system.chain.vertices, 1.0
     going_on = np.ones(len(vertices))  # share of the pump's flow in the cell above each local vertex

@@ -9,8 +9,6 @@ import numpy as np
 from drillpetsc.arrays import FloatArray
 from drillpetsc.case.blocks.items.motor import MotorSection, PositiveDisplacementMotor
 from drillpetsc.case.case import Case
-from drillpetsc.fem.string_mesh import StringMesh
-from drillpetsc.geometry.frames import Frames
 from drillpetsc.physics.joints import Joints
 from drillpetsc.physics.tools.motor_law import MeasuredCurve, MotorLaw
 from drillpetsc.physics.tools.mud_motor import Bend, MotorDesign, MudMotor, Rotor, Supply
@@ -58,13 +56,12 @@ def _curves(section: MotorSection) -> list[MeasuredCurve]:
     return out
 
 
-def build_mud_motor(
-    case: Case, mesh: StringMesh, frames: Frames, gravity: FloatArray, joints: Joints, balanced: bool
-) -> MudMotor | None:
+def build_mud_motor(case: Case, joints: Joints, gravity: FloatArray, balanced: bool) -> MudMotor | None:
     """Create the motor of the string; None without one, and in a plugged string without the mud that would turn it.
 
     balanced: leave out the turning force of the rotor's orbit.
     """
+    mesh = joints.mesh
     found, cell = motor_item(case), mesh.motor_cell
     if found is None or cell is None:  # a piece of the item may end above its joint
         return None
@@ -85,4 +82,4 @@ def build_mud_motor(
     if case.fluid is not None:
         supply = Supply(None, 1.0 / case.fluid.bulk_modulus, case.fluid.outlet_pressure)
     design = MotorDesign(motor_law(section), rotor, bend, f"string[{number}] pdm")
-    return MudMotor(mesh, frames, gravity, joints, cell, design, supply, balanced)
+    return MudMotor(joints, gravity, cell, design, supply, balanced)

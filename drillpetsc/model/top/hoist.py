@@ -6,14 +6,11 @@ from typing import Any
 
 import numpy as np
 
-from drillpetsc.arrays import FloatArray
 from drillpetsc.case.blocks.ends import TopDrive as TopDriveCase
 from drillpetsc.case.case import Case
-from drillpetsc.geometry.frames import Frames
 from drillpetsc.model.fluid import FluidComponents
 from drillpetsc.physics import interfaces
-from drillpetsc.physics.end_conditions import Input, TopDrive
-from drillpetsc.physics.hole_path import HolePath
+from drillpetsc.physics.end_conditions import EndPlace, Input, TopDrive
 from drillpetsc.physics.top.hoist import Hoist, HoistedTop, HoistLine, RigidHoist
 from drillpetsc.physics.top.hoisting import Autodriller, Heave, HeavingSpeed, Hoisting, Line, Loop
 
@@ -64,27 +61,23 @@ def autodriller_of(case: Case) -> Autodriller | None:
 def build_hoist(
     case: Case,
     nodes: int,
-    position: FloatArray,
-    tangent: FloatArray,
+    place: EndPlace,
     rotation: Input | None,
-    path: HolePath | None,
-    frames: Frames,
 ) -> tuple[interfaces.Top, Hoist]:
     """Create the guided top and the hoist of a case.
 
-    nodes: of the string; position, tangent: (3,) of its upper end [m, -]; rotation: prescribed, None: free.
-    path: of the top, None: a straight line.
+    nodes: of the string; place: of its upper end; rotation: prescribed, None: free.
     """
     top, gear = case.top, gear_of(case)
     assert isinstance(top, TopDriveCase)
     gravity = np.array(case.gravity, dtype=float)
     if gear.line is not None:
-        guided = HoistedTop(position, tangent, rotation, path=path, frames=frames)
+        guided = HoistedTop(place, rotation)
         statics = case.initial.from_ == "statics"
         return guided, HoistLine(gear, guided, top.lowering, gravity, nodes, autodriller_of(case), statics)
     speed: Any = top.lowering if gear.heave is None else HeavingSpeed(top.lowering, gear.heave)
-    weight = gear.mass * float(gravity @ tangent)
-    guided_by_drum = TopDrive(position, tangent, rotation, speed, path=path, frames=frames)
+    weight = gear.mass * float(gravity @ place.tangent)
+    guided_by_drum = TopDrive(place, rotation, speed)
     return guided_by_drum, RigidHoist(gear, speed, top.lowering, weight)
 
 

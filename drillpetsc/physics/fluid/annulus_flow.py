@@ -5,6 +5,7 @@ Manual: sec-mud, sec-mud-force-annulus, sec-mud-moving.
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from math import sqrt
 from typing import Any
 
@@ -23,18 +24,42 @@ from drillpetsc.physics.rigid_bodies import VERTEX_SLOTS, local_vertices
 from drillpetsc.time_function import TimeFunction
 
 
+@dataclass(frozen=True)
+class HoleAround:
+    """The hole around the elements of the string.
+
+    sizes: of the annulus at the start; well: the hole.
+    moving: the hole around a moving string, with sizes and directions that depend on the position of the elements;
+    None: they keep their initial values.
+    """
+
+    sizes: Annulus
+    well: Well
+    moving: MovingHole | None = None
+
+
+@dataclass(frozen=True)
+class FlowLine:
+    """Outlet of the annulus.
+
+    pressure: gauge pressure over time [Pa]; depth: below the rotary table [m].
+    choke: 1/(2 C_d^2 A^2) of a valve [1/m4], 0 without one.
+    """
+
+    pressure: TimeFunction
+    depth: float = 0.0
+    choke: float = 0.0
+
+
 class AnnulusFlow(ChannelFlow):
     """Flow in the annulus: pressure [Pa] at the nodes, flow rate at zero pressure [m3/s] in the elements,
     towards the bit.
 
-    mesh: of the string; annulus: of its elements; well: the hole; fluid: constants.
+    mesh: of the string; around: the hole around its elements; fluid: constants.
     poisson: (n,) Poisson's ratio [-], 0 if stretch does not narrow the string.
     lateral: added mass, damping and rotational drag of the elements.
-    outlet: gauge pressure at the flow line over time [Pa]; flow_line: its depth below the rotary table [m].
-    moving_hole: the hole around a moving string, with sizes and directions that depend on the position of the
-    elements; None: they keep their initial values.
+    flow_line: its outlet.
     held_at: (n+1, 3) positions of the nodes of a held string [m], None for a string that moves.
-    choke: 1/(2 C_d^2 A^2) of a valve at the flow line [1/m4], 0 without one.
     """
 
     name = "annulus"
@@ -44,32 +69,22 @@ class AnnulusFlow(ChannelFlow):
     def __init__(
         self,
         mesh: StringMesh,
-        annulus: Annulus,
-        well: Well,
+        around: HoleAround,
         fluid: FluidConstants,
         poisson: FloatArray,
         lateral: LateralCoefficients,
-        outlet: TimeFunction,
-        flow_line: float = 0.0,
-        moving_hole: MovingHole | None = None,
+        flow_line: FlowLine,
         held_at: FloatArray | None = None,
-        choke: float = 0.0,
     ):
         super().__init__(mesh, fluid, held_at is not None)
-        self.choke = choke
-        self.annulus, self.well, self.poisson, self.lateral, self.outlet = (
-            annulus,
-            well,
-            poisson,
-            lateral,
-            outlet,
-        )
-        self.flow_line, self.moving_hole, self.held_at = flow_line, moving_hole, held_at
+        self.annulus, self.well, self.moving_hole = around.sizes, around.well, around.moving
+        self.poisson, self.lateral, self.held_at = poisson, lateral, held_at
+        self.flow_line = flow_line
         self._top_place: FloatArray | None = None  # (3,) upper node at the last evaluation of the hole [m]
         self._swirl: Swirl | None = None  # of a string that may turn
         self._outer, self._hole = (
-            annulus.outer_diameter,
-            annulus.hole_diameter,
+            self.annulus.outer_diameter,
+            self.annulus.hole_diameter,
         )  # (n,) diameters [m] to which ``lateral`` belongs
 
     def _directions(self, well: Well, upper: FloatArray, lower: FloatArray) -> dict[str, FloatArray]:
@@ -167,7 +182,7 @@ class AnnulusFlow(ChannelFlow):
                 self._swirl.attach(b, b.update)
         if self.moving_hole is not None:
             self.moving_hole.nodes = np.asarray(part.vertices)
-        if self.choke:
+        if self.flow_line.choke:
             elements = (*elements, self._valve(part))
         if self.held:
             return elements
@@ -191,10 +206,12 @@ class AnnulusFlow(ChannelFlow):
         first = np.flatnonzero(part.cells == 0).astype(np.int32)
         slots: tuple[tuple[str, int], ...] = ("annulus.pressure", 0), ("annulus.flow", 1)
         if self.held:
-            kernel, params = "choke", Parameters("choke", len(first), loss=self.choke)
+            kernel, params = "choke", Parameters("choke", len(first), loss=self.flow_line.choke)
         else:
             kernel, slots = "moving_choke", (*VERTEX_SLOTS, *slots)
-            params = Parameters("moving_choke", len(first), loss=self.choke, area=0.0, direction=np.zeros(3))
+            params = Parameters(
+                "moving_choke", len(first), loss=self.flow_line.choke, area=0.0, direction=np.zeros(3)
+            )
 
         def update(t: float) -> None:
             if self._top is not None:
@@ -219,12 +236,12 @@ class AnnulusFlow(ChannelFlow):
         if self._top is None or self._top[0] is not block:
             return None
         row, controlled = self._top[1], block.named["controlled"]
-        head = -self.fluid.density * self.fluid.gravity[2] * self.flow_line
+        head = -self.fluid.density * self.fluid.gravity[2] * self.flow_line.depth
         if self.held_at is not None:
             head += self.fluid.density * float(self.fluid.gravity @ self.held_at[0])
 
         def update(t: float) -> None:
-            controlled[row] = self.outlet.value(t) + head
+            controlled[row] = self.flow_line.pressure.value(t) + head
 
         return update
 
@@ -377,7 +394,7 @@ class AnnulusFlow(ChannelFlow):
             self._top_place = np.array(saved["vertex"][0, -3:])
 
     def breaks(self) -> tuple[float, ...]:
-        return self.outlet.breaks()
+        return self.flow_line.pressure.breaks()
 
     def outflow(self, state) -> float | None:
         """Compute the flow rate out of the flow line [m3/s]; None on ranks without the upper end.

@@ -17,7 +17,8 @@ from drillpetsc.fem.string_mesh import StringMesh
 from drillpetsc.kernels.parameters import Parameters, Table, columns
 from drillpetsc.physics.flow_interfaces import SideOutlets
 from drillpetsc.physics.fluid.bit_flow import NOZZLE_LENGTH
-from drillpetsc.physics.fluid.channel_flow import ChannelFlow, FluidConstants
+from drillpetsc.physics.fluid.bore_flow import BoreFlow
+from drillpetsc.physics.fluid.channel_flow import ChannelFlow
 from drillpetsc.physics.rigid_bodies import VERTEX_SLOTS, local_vertices
 from drillpetsc.time_function import TimeFunction
 
@@ -40,11 +41,10 @@ class SideLink:
 class SideNozzles(SideOutlets):
     """One link a node with nozzles: unknown flow rate out of the string at zero pressure [m3/s].
 
-    links: from the top down; fluid: constants; discharge_coefficient: [-] (manual: eq-mud-side-nozzle).
+    links: from the top down; discharge_coefficient: [-] (manual: eq-mud-side-nozzle).
     bore, annulus: the channels; without an annulus the nozzles discharge to the pressure ``ambient`` over time [Pa].
     lower_end: (area of the bit's nozzles or of the open end [m2], discharge coefficient [-]), area 0: closed; for the start of
     the steady flow.
-    held_at: (n+1, 3) positions of the nodes of a held string [m], None for a string that moves.
     """
 
     name = "side_nozzles"
@@ -53,17 +53,15 @@ class SideNozzles(SideOutlets):
         self,
         mesh: StringMesh,
         links: tuple[SideLink, ...],
-        fluid: FluidConstants,
         discharge_coefficient: float,
-        bore: ChannelFlow,
+        bore: BoreFlow,
         annulus: ChannelFlow | None,
         ambient: TimeFunction,
         lower_end: tuple[float, float],
-        held_at: FloatArray | None = None,
     ):
-        self.mesh, self.links, self.fluid, self.bore, self.annulus = mesh, links, fluid, bore, annulus
+        self.mesh, self.links, self.bore, self.annulus = mesh, links, bore, annulus
         self.coefficient, self.ambient, self.lower_end = discharge_coefficient, ambient, lower_end
-        self.held_at = held_at
+        self.fluid, self.held_at = bore.fluid, bore.held_at
 
     def regions(self) -> dict[str, np.ndarray]:
         mask = np.zeros(self.mesh.nodes, dtype=bool)

@@ -11,7 +11,7 @@ from drillpetsc.arrays import FloatArray
 from drillpetsc.fem.component import Component, ElementBlock, Field, Powers
 from drillpetsc.geometry.frames import high_side, smallest_rotation
 from drillpetsc.kernels.parameters import Parameters
-from drillpetsc.physics.end_conditions import Input, NodeLoad, load_rows, local_loads
+from drillpetsc.physics.end_conditions import EndPlace, Input, NodeLoad, load_rows, local_loads
 from drillpetsc.physics.hole_path import HolePath, PathPoint
 from drillpetsc.physics.interfaces import Top
 from drillpetsc.physics.quaternion.beam import (
@@ -19,6 +19,7 @@ from drillpetsc.physics.quaternion.beam import (
     NODE_SLOTS,
     ROW_SCALE,
     UNCONTROLLED_SCALE,
+    QuaternionBeam,
     as_quaternion,
     minimal_rotation,
     product,
@@ -44,16 +45,14 @@ def _axes_of(tangent: FloatArray) -> FloatArray:
 class ConstrainedEnd(Top):
     """End with prescribed position and orientation: clamped, pinned, or moved by a top drive.
 
-    vertex: its node; nodes: of the string.
+    beam: gives the number of nodes, the orientation (4,) at time 0 and the form of the constraints.
+    place: of the end, which moves along the path or, without one, along its tangent.  On a path ``anchor`` (4,) is the
+    measured depth [m], the offsets along both normals [m] and the angle [rad] at time 0.
     prescribed_positions: number of prescribed positions: 3 along the tangent and across, 2 across only (the axial force is
     a load).
     prescribed_rotations: number of prescribed rotations: 3 the section, 1 its spin about the tangent, 0 none (manual:
     eq-quat-orientation).
-    position: (3,) [m]; orientation: (4,) unit quaternion; tangent: (3,) unit; all at time 0.
-    constraint: as in ``QuaternionBeam``.
     lowering [m/s], rotation [rad/s]: over time, None: at rest.
-    path: curved centreline along which the end moves, None: along its tangent.  ``anchor`` (4,) then has the
-    measured depth [m], the offsets along both normals [m] and the angle [rad] at time 0.
     """
 
     name = "guided_end"
@@ -61,26 +60,17 @@ class ConstrainedEnd(Top):
 
     def __init__(
         self,
-        vertex: int,
-        nodes: int,
+        beam: QuaternionBeam,
+        place: EndPlace,
         prescribed_positions: int,
         prescribed_rotations: int,
-        position: FloatArray,
-        orientation: FloatArray,
-        tangent: FloatArray,
-        constraint: str,
         lowering: Input | None = None,
         rotation: Input | None = None,
-        path: HolePath | None = None,
     ):
-        self.vertex, self.nodes, self.prescribed_positions, self.prescribed_rotations, self.constraint = (
-            vertex,
-            nodes,
-            prescribed_positions,
-            prescribed_rotations,
-            constraint,
-        )
-        self.inputs, self._orientation = (lowering, rotation), orientation
+        position, tangent, path = place.position, place.tangent, place.path
+        self.vertex, self.nodes, self.constraint = place.vertex, beam.mesh.nodes, beam.constraint
+        self.prescribed_positions, self.prescribed_rotations = prescribed_positions, prescribed_rotations
+        self.inputs, self._orientation = (lowering, rotation), beam.start[place.vertex]
         self._axes = _axes_of(tangent)[3 - prescribed_positions :]
         self.anchor = np.append(self._axes @ position, 0.0)  # positions [m] and angle [rad] at time 0
         # without an axial position the end does not move along a path
@@ -88,8 +78,8 @@ class ConstrainedEnd(Top):
         self._start_axes = _axes_of(tangent) if path is None else path.at(path.depth_of(position)).axes
         if self._path is not None:
             self.anchor = np.append(self._path.coordinates(position), 0.0)
-        self._where = "top" if vertex == 0 else "bottom"
-        self.restores_constraints = constraint == "stabilized"
+        self._where = "top" if place.vertex == 0 else "bottom"
+        self.restores_constraints = beam.constraint == "stabilized"
         self.names = tuple(
             f"{self._where}.{n}"
             for n in (*_POSITION_NAMES[3 - prescribed_positions :], *_ROTATION_NAMES[:prescribed_rotations])

@@ -14,8 +14,7 @@ import numpy as np
 from drillpetsc.arrays import FloatArray
 from drillpetsc.fem.component import DRIVE, Component, ElementBlock, Energies, Field, Powers, Start
 from drillpetsc.fem.quantity import Quantity
-from drillpetsc.fem.string_mesh import StringMesh
-from drillpetsc.geometry.frames import Frames, directors, tool_face_zero
+from drillpetsc.geometry.frames import directors, tool_face_zero
 from drillpetsc.kernels import function, pointer
 from drillpetsc.kernels.parameters import Parameters, columns
 from drillpetsc.physics import quantities as declared
@@ -117,22 +116,20 @@ class MudMotor(Component):
 
     def __init__(
         self,
-        mesh: StringMesh,
-        frames: Frames,
-        gravity: FloatArray,
         joints: Joints,
+        gravity: FloatArray,
         cell: int,
         design: MotorDesign,
         supply: Supply,
         balanced: bool = False,
     ):
-        self.mesh, self.frames, self.gravity = mesh, frames, gravity
+        self.mesh, self.frames, self.gravity = joints.mesh, joints.frames, gravity
         self.cell, self.law, self.rotor, self.joints = cell, design.law, design.rotor, joints
         self.bend, self.label, self.balanced = design.bend, design.label, balanced
         self.flow, self.compressibility, self.outside = supply.flow, supply.compressibility, supply.outside
         self._speed = self._start_speed = self._load = 0.0
         node = self.bend.node  # its frame before any change of references
-        self._start = frames.reference[node].copy(), frames.second_director[node].copy()
+        self._start = self.frames.reference[node].copy(), self.frames.second_director[node].copy()
 
     # ------------------------------------------------------------------ discretisation
     def regions(self) -> dict[str, np.ndarray]:

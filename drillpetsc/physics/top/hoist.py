@@ -18,7 +18,7 @@ from drillpetsc.fem.quantity import Quantity
 from drillpetsc.kernels import function, pointer
 from drillpetsc.kernels.parameters import Parameters, columns
 from drillpetsc.physics import quantities as declared
-from drillpetsc.physics.end_conditions import Input, PathEnd
+from drillpetsc.physics.end_conditions import EndPlace, Input, PathEnd
 from drillpetsc.physics.rigid_bodies import VERTEX_SLOTS, local_vertices
 from drillpetsc.physics.top.hoisting import LOOPS, Autodriller, Hoisting, dead_line_share
 from drillpetsc.unit_systems import shown
@@ -60,23 +60,13 @@ FIGURES = (
 class HoistedTop(PathEnd):
     """Guided top whose axial position is prescribed in statics and free in motion.
 
-    Arguments as for ``PathEnd``; the axial row of the directions is zero while it is free.
+    The axial row of the directions is zero while it is free.
     """
 
     name = "top_drive"
 
-    def __init__(
-        self,
-        position: FloatArray,
-        tangent: FloatArray,
-        rotation: Input | None,
-        path=None,
-        frames=None,
-    ):
-        super().__init__(
-            0, position, tangent, 0.0, axial=True, tilt=True, spin=rotation is not None, rotation=rotation,
-            path=path, frames=frames,
-        )  # fmt: skip
+    def __init__(self, place: EndPlace, rotation: Input | None):
+        super().__init__(place, axial=True, tilt=True, spin=rotation is not None, rotation=rotation)
         self.free = False
         self._fixed = self._condition
         self._condition = replace(self._fixed, along_path=self._at_free, rate=self._rate)

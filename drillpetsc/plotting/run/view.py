@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 import os
 from collections.abc import Callable
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, Literal
 
@@ -33,6 +33,16 @@ HELD_FIELDS = ("annulus_pressure [Pa]", "internal_pressure [Pa]")  # shown of a 
 TRACKS_HEIGHT = 7.55  # inches of a depth track
 TRACK_WIDTH = 1.75
 SHADED_WIDTH = 2.6
+
+
+@dataclass(frozen=True)
+class Look:
+    """How the string is looked at; the fields are those of ``view``."""
+
+    lateral_scale: float | None
+    interval: Interval | None
+    renderer: Renderer
+    say: Callable[[str], None] | None
 
 
 def view(
@@ -86,9 +96,8 @@ def view(
         with style.look():
             paint = _paint(shapes, field, interval)
             drawing = style.figure(*SIZE, dpi=72 if animate else 120)
-            draw = _compose(
-                drawing, shapes, paint, str(title or folder.path.name), lateral_scale, interval, renderer, say
-            )
+            look = Look(lateral_scale, interval, renderer, say)
+            draw = _compose(drawing, shapes, paint, str(title or folder.path.name), look)
             if not animate:
                 draw(shapes[-1])
                 drawing.savefig(path)
@@ -134,10 +143,7 @@ def _compose(
     shapes: list[Shape],
     paint: Paint,
     title: str,
-    lateral_scale: float | None,
-    interval: Interval | None,
-    renderer: Renderer,
-    say: Callable[[str], None] | None,
+    look: Look,
 ) -> Callable[[Shape], None]:
     """Lay the panels out; returns the function that draws one time."""
     heading = drawing.text(0.03, 0.965, "", fontsize=13, fontweight="bold", va="center")
@@ -145,7 +151,7 @@ def _compose(
     if shapes[0].bent:
         updates, remark = _true_shape(drawing, shapes, paint), "true scale, no exaggeration"
     else:
-        updates, remark = _straightened(drawing, shapes, paint, lateral_scale, interval, renderer, say)
+        updates, remark = _straightened(drawing, shapes, paint, look)
     note.set_text(remark)
     bar = drawing.add_axes((0.94, 0.12, 0.011, 0.72))
     colorbar = drawing.colorbar(_mappable(paint), cax=bar)
@@ -186,17 +192,9 @@ def _auto_scale(half: float, span: float) -> float:
     return max(math.floor(raw / digits) * digits, 1e-6)
 
 
-def _straightened(
-    drawing: Any,
-    shapes: list[Shape],
-    paint: Paint,
-    lateral_scale: float | None,
-    interval: Interval | None,
-    renderer: Renderer,
-    say: Callable[[str], None] | None,
-) -> tuple[list[Update], str]:
+def _straightened(drawing: Any, shapes: list[Shape], paint: Paint, look: Look) -> tuple[list[Update], str]:
     """Shaded view, two sections and the field along measured depth; path and clearance at the right."""
-    whole = shapes[-1]
+    whole, interval, lateral_scale = shapes[-1], look.interval, look.lateral_scale
     parts = [cut(shape, interval) for shape in shapes]
     first = parts[-1]
     top, bottom = interval if interval is not None else (float(first.md[0]), float(first.md[-1]))
@@ -236,7 +234,7 @@ def _straightened(
         return lambda shape: update(smooth(cut(shape, interval), 3))
 
     updates = [
-        parted(_shaded_panel(drawing, shaded, smooth(first, 3), paint, scale, (upper, lower), renderer, say)),
+        parted(_shaded_panel(drawing, shaded, smooth(first, 3), paint, scale, (upper, lower), look)),
         parted(panels.offset_track(track_x, smooth(first, 3), paint, 0, half)),
         parted(panels.offset_track(track_y, smooth(first, 3), paint, 1, half)),
         parted(panels.field_track(track_f, paint)),
@@ -262,17 +260,16 @@ def _shaded_panel(
     paint: Paint,
     scale: float,
     span: Interval,
-    renderer: Renderer,
-    say: Callable[[str], None] | None,
+    look: Look,
 ) -> Update:
     """Shaded view of the hole by pyvista, or a coloured line between the walls if pyvista cannot draw."""
     wide = (span[1] - span[0]) * SHADED_WIDTH / TRACKS_HEIGHT  # depth metres across the panel
-    reason = "" if renderer == "matplotlib" else render.why_no_rendering()
-    if reason and renderer == "pyvista":
+    reason = "" if look.renderer == "matplotlib" else render.why_no_rendering()
+    if reason and look.renderer == "pyvista":
         raise RuntimeError(f"pyvista cannot draw here: {reason}; renderer='matplotlib' needs no OpenGL")
-    if reason and say is not None:
-        say(f"pyvista cannot draw here ({reason}); the hole is drawn by matplotlib instead")
-    if reason or renderer == "matplotlib":
+    if reason and look.say is not None:
+        look.say(f"pyvista cannot draw here ({reason}); the hole is drawn by matplotlib instead")
+    if reason or look.renderer == "matplotlib":
         return _flat_panel(axes, shape, paint, 0.5 * wide / scale)
     axes.set_xlim(-0.5 * wide, 0.5 * wide)
     axes.set_xticks([])

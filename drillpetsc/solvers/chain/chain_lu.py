@@ -19,6 +19,7 @@ products, 6.
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import Any, Protocol
 
 import numpy as np
@@ -108,17 +109,29 @@ class _Message:
         comm.Allgatherv(self.sent, (self.received, self.counts))
 
 
+@dataclass(frozen=True)
+class ChainNumbering:
+    """Nodes and unknowns of this rank's piece of a chain.
+
+    nodes: (n,) numbers along the chain of the local nodes, ascending by one; empty on a rank without
+    elements.
+    node_of_dof: (size,) index in ``nodes`` of every unknown of the ghosted local vector.  The unknowns of an
+    interface must come in the same order on both ranks.
+    local_of_owned: (owned,) local number of each owned unknown, in the order of the global vector.
+    """
+
+    nodes: np.ndarray
+    node_of_dof: np.ndarray
+    local_of_owned: np.ndarray
+
+
 class ChainFactor:
     """Factors of the matrix of one chain.
 
     Built once for a mesh, refilled by ``factor`` and used by ``solve``.
 
     comm: communicator of the chain (PETSc's, mpi4py's, or None for one process); collective.
-    nodes: (n,) numbers along the chain of the local nodes, ascending by one; empty on a rank without
-    elements.
-    node_of_dof: (size,) index in ``nodes`` of every unknown of the ghosted local vector.  The unknowns of an
-    interface must come in the same order on both ranks.
-    local_of_owned: (owned,) local number of each owned unknown, in the order of the global vector.
+    numbering: of the nodes and unknowns on this rank.
     rows, columns: (m,) local numbers of the matrix entries.  Entries with a negative number are left out.
     Duplicates add up, and so do the contributions of two ranks to their interface.
     refine: steps of iterative refinement in every solve.
@@ -138,9 +151,7 @@ class ChainFactor:
     def __init__(
         self,
         comm: Any,
-        nodes: np.ndarray,
-        node_of_dof: np.ndarray,
-        local_of_owned: np.ndarray,
+        numbering: ChainNumbering,
         rows: np.ndarray,
         columns: np.ndarray,
         *,
@@ -149,7 +160,9 @@ class ChainFactor:
     ) -> None:
         comm = comm.tompi4py() if hasattr(comm, "tompi4py") else comm
         self.comm = comm if comm is not None and comm.size > 1 else None
-        nodes, node_of_dof = np.asarray(nodes, dtype=np.int64), np.asarray(node_of_dof, dtype=np.int64)
+        nodes = np.asarray(numbering.nodes, dtype=np.int64)
+        node_of_dof = np.asarray(numbering.node_of_dof, dtype=np.int64)
+        local_of_owned = np.asarray(numbering.local_of_owned)
         n, self.size = len(nodes), len(node_of_dof)
         sizes = np.bincount(np.maximum(node_of_dof, 0), minlength=n)[:n] if n else np.zeros(0, dtype=np.int64)
         _raise_on_all_ranks(self.comm, _check_local(nodes, sizes, node_of_dof))
@@ -164,7 +177,7 @@ class ChainFactor:
             nodes, sizes, node_of_dof, interfaces = nodes[::-1], sizes[::-1], n - 1 - node_of_dof, 2
         self.nodes, self.piece = nodes, Piece(sizes, interfaces)
         self.refine, self.pivot_tolerance, self.factorisations = refine, pivot_tolerance, 0
-        self._number_unknowns(node_of_dof, owned, np.asarray(local_of_owned))
+        self._number_unknowns(node_of_dof, owned, local_of_owned)
         problem = None
         try:
             self._set_entries(node_of_dof, np.asarray(rows), np.asarray(columns))

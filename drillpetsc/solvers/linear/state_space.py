@@ -58,6 +58,18 @@ class Exchange:
 
 
 @dataclass(frozen=True)
+class Unknowns:
+    """Unknowns q (n,) of a linearised system.
+
+    second_order: (n,) whether the rate of the unknown is a state; scale: (n,) usual sizes; names: for the states.
+    """
+
+    second_order: np.ndarray
+    scale: FloatArray
+    names: list[str]
+
+
+@dataclass(frozen=True)
 class StateSpace:
     """x' = A x + B u, y = C x + D u + F u'.
 
@@ -138,33 +150,57 @@ class _Affine:
         return _Affine(self.dz, self.z, self.du, self.u)
 
 
-def eliminate(
-    K, C, M, second_order: np.ndarray, scale: FloatArray, rate: float, ex: Exchange, names: list[str]
-) -> StateSpace:
-    """Form the state space; algebraic unknowns and constraints are eliminated (manual: sec-linear-elimination).
+@dataclass(frozen=True)
+class _Parts:
+    """Numbers of the unknowns and of the equations by their kind.
 
-    K, C, M: (n, n) sparse.
-    second_order: (n,) whether the rate of the unknown is a state.
-    scale: (n,) usual sizes; rate: usual rate [1/s]; names: of the unknowns.
-    Raises SolveError if the equations have no state-space form.
+    S, F, L: unknowns of second order, of first order, and algebraic ones.
+    rd, ra: equations that contain accelerations or rates of first-order unknowns, and the others, algebraic ones.
     """
-    K, C, M = (np.asarray(sparse.csr_matrix(A).todense()) for A in (K, C, M))
+
+    S: np.ndarray
+    F: np.ndarray
+    L: np.ndarray
+    rd: np.ndarray
+    ra: np.ndarray
+
+
+def _parts(C: FloatArray, M: FloatArray, second_order: np.ndarray) -> _Parts:
+    """Find the kinds of unknowns and equations from the entries of C and M (n, n)."""
+    stored = C != 0
+    F = np.flatnonzero(~second_order & stored.any(axis=0))
+    L = np.flatnonzero(~second_order & ~stored.any(axis=0))
+    dynamic = M.any(axis=1) | stored[:, F].any(axis=1)
+    return _Parts(np.flatnonzero(second_order), F, L, np.flatnonzero(dynamic), np.flatnonzero(~dynamic))
+
+
+def _row_sizes(K, C, M, scale: FloatArray, rate: float) -> FloatArray:
+    """Largest entry (n,) of each row in usual units; raises SolveError for an empty row."""
     weights = [scale * f for f in (1.0, rate, rate**2)]
     size = np.max(
         [np.abs(A * w).max(axis=1, initial=0.0) for A, w in zip((K, C, M), weights, strict=True)], axis=0
     )
     if (size == 0).any():
         raise SolveError("a row of the linearised system is empty")
+    return np.asarray(size)
+
+
+def eliminate(K, C, M, unknowns: Unknowns, rate: float, ex: Exchange) -> StateSpace:
+    """Form the state space; algebraic unknowns and constraints are eliminated (manual: sec-linear-elimination).
+
+    K, C, M: (n, n) sparse.
+    rate: usual rate [1/s].
+    Raises SolveError if the equations have no state-space form.
+    """
+    scale = unknowns.scale
+    K, C, M = (np.asarray(sparse.csr_matrix(A).todense()) for A in (K, C, M))
+    size = _row_sizes(K, C, M, scale, rate)
     K, C, M = (np.asarray(A / size[:, None]) for A in (K, C, M))
     f0, f1, f2 = (f / size[:, None] for f in (ex.f0, ex.f1, ex.f2))
 
-    S = np.flatnonzero(second_order)
-    stored = C != 0
-    F = np.flatnonzero(~second_order & stored.any(axis=0))
-    L = np.flatnonzero(~second_order & ~stored.any(axis=0))
-    dynamic = M.any(axis=1) | stored[:, F].any(axis=1)
-    rd, ra = np.flatnonzero(dynamic), np.flatnonzero(~dynamic)
-    free = _constraints(K, C, S, F, L, rd, ra, scale, rate, (f0, f1, f2))
+    parts = _parts(C, M, unknowns.second_order)
+    S, F, L, rd, ra = parts.S, parts.F, parts.L, parts.rd, parts.ra
+    free = _constraints(K, C, parts, scale, rate, (f0, f1, f2))
     motions, left, stores = free.motions, free.left, free.stores
     m, nP, nF, nV = f0.shape[1], motions.shape[1], stores.shape[1], free.rates.shape[1]
     held = np.flatnonzero((ex.f0 != 0).any(axis=0) | (ex.d0 != 0).any(axis=0))  # inputs whose integral acts
@@ -209,12 +245,7 @@ def eliminate(
     Bv = np.vstack([w.u, -kept.u, np.eye(m)[held]])
     Bd = np.vstack([zero((nP, m)), -kept.du, zero((len(held), m))])
     E[n - len(held) :, n - len(held) :] = np.eye(len(held))
-    # in usual units: rates of second-order unknowns are rate times their size
-    units = np.abs(motions.T) @ scale[S] if len(S) else zero(0)
-    of_rates = rate * (np.abs(free.rates.T) @ units)
-    of_stores = np.abs(stores.T) @ scale[F] if len(F) else zero(0)
-    units = np.concatenate([units, of_rates, of_stores, np.ones(len(held)) / rate])
-    A, B, G = _solved(E, units, Az, Bv, Bd)
+    A, B, G = _solved(E, _usual_sizes(free, scale[S], scale[F], rate, len(held)), Az, Bv, Bd)
     l_all = l_known
     if Z.shape[1]:
         H = K[np.ix_(rd, L)] @ Z
@@ -231,7 +262,7 @@ def eliminate(
     feed = y.du + y.dz @ G
     every = zero((len(K), n))
     every[S], every[F], every[L] = q_s.z, f.z, l_all.z
-    return StateSpace(A, B, Cz, D, feed, _state_names(names, free, S, F, held), every)
+    return StateSpace(A, B, Cz, D, feed, _state_names(unknowns.names, free, S, F, held), every)
 
 
 @dataclass(frozen=True)
@@ -262,12 +293,13 @@ class _Free:
     solved_rows: FloatArray
 
 
-def _constraints(K, C, S, F, L, rd, ra, scale, rate, forcing) -> _Free:
-    """Split the algebraic rows ``ra`` into those that determine unknowns ``L``, and constraints of all others.
+def _constraints(K, C, parts: _Parts, scale, rate, forcing) -> _Free:
+    """Split the algebraic rows into those that determine algebraic unknowns, and constraints of all others.
 
     forcing: rows (n, m) by integrals, values and rates of the inputs.  Raises SolveError if a constraint is one of
     motions that an input changes, of accelerations, or of rates that others hold already.
     """
+    S, F, L, rd, ra = parts.S, parts.F, parts.L, parts.rd, parts.ra
     m = forcing[0].shape[1]
     A = K[np.ix_(ra, L)] * scale[L]  # the largest entry of a whole row is 1
     A[np.abs(A) < NOTHING] = 0.0
@@ -279,7 +311,7 @@ def _constraints(K, C, S, F, L, rd, ra, scale, rate, forcing) -> _Free:
     by_integral, by_value = np.zeros((len(F), m)), np.zeros((len(F), m))
     turning, by_place = np.zeros((0, len(ra))), np.zeros((len(F), 0))
     if Y.shape[1]:
-        Y, turning = _of_rates(Y, K, C, ra, S, F, scale, rate)
+        Y, turning = _of_rates(Y, K, C, parts, scale, rate)
         by_motion, by_store = Y.T @ K[np.ix_(ra, S)] * scale[S], Y.T @ K[np.ix_(ra, F)] * scale[F]
         h0, h1, h2 = (Y.T @ f[ra] for f in forcing)
         size = max(np.abs(by_motion).max(initial=0.0), np.abs(by_store).max(initial=0.0))
@@ -312,8 +344,9 @@ def _constraints(K, C, S, F, L, rd, ra, scale, rate, forcing) -> _Free:
     return _Free(motions, stores, by_place, by_integral, by_value, free, r0, r1, r2, r3, *known)
 
 
-def _of_rates(Y, K, C, ra, S, F, scale, rate) -> tuple[FloatArray, FloatArray]:
-    """Split combinations Y (rows, k) of the rows ``ra`` into combinations without rates (rows, l) and with rates (r, rows)."""
+def _of_rates(Y, K, C, parts: _Parts, scale, rate) -> tuple[FloatArray, FloatArray]:
+    """Split combinations Y (rows, k) of the algebraic rows into combinations without rates (rows, l) and with rates (r, rows)."""
+    S, F, ra = parts.S, parts.F, parts.ra
     by_rate = Y.T @ C[np.ix_(ra, S)] * scale[S] * rate
     others = [np.abs(Y.T @ K[np.ix_(ra, q)] * scale[q]).max(initial=0.0) for q in (S, F)]
     of_rates, of_others = _split(by_rate, SMALL * max(np.abs(by_rate).max(initial=0.0), *others))
@@ -360,6 +393,19 @@ def _solved(E, units, *right: FloatArray) -> list[FloatArray]:
             "an unknown of the linearised system has no inertia and no storage: there is no state-space form"
         )
     return [columns[:, None] * scipy.linalg.lu_solve((lu, pivots), R / rows[:, None]) for R in right]
+
+
+def _usual_sizes(
+    free: _Free, of_motions: FloatArray, of_stores: FloatArray, rate: float, integrals: int
+) -> FloatArray:
+    """Usual sizes (n,) of the states: a rate is ``rate`` [1/s] times the size of its motion.
+
+    of_motions, of_stores: of the second-order and the first-order unknowns; integrals: number of held inputs.
+    """
+    places = np.abs(free.motions.T) @ of_motions if len(of_motions) else np.zeros(0)
+    rates = rate * (np.abs(free.rates.T) @ places)
+    stores = np.abs(free.stores.T) @ of_stores if len(of_stores) else np.zeros(0)
+    return np.concatenate([places, rates, stores, np.ones(integrals) / rate])
 
 
 def _state_names(names: list[str], free: _Free, S, F, held) -> tuple[str, ...]:

@@ -17,7 +17,7 @@ from drillpetsc import petsc_compat
 from drillpetsc.fem.discrete_system import DiscreteSystem
 from drillpetsc.kernels import pointer
 from drillpetsc.parallel import all_true, joined
-from drillpetsc.solvers.chain.chain_lu import ChainFactor, ChainPC
+from drillpetsc.solvers.chain.chain_lu import ChainFactor, ChainNumbering, ChainPC
 from drillpetsc.solvers.time.newton_iteration import NewtonIteration
 from drillpetsc.solvers.time.newton_work import ResidualWork
 
@@ -285,9 +285,7 @@ def chain_factor(system: DiscreteSystem) -> ChainFactor:
     smallest = 1e-25 if system.multipliers else 1e-15
     return ChainFactor(
         system.comm,
-        layout.chain.vertices,
-        layout.vertex_of,
-        layout.local_of_owned,
+        ChainNumbering(layout.chain.vertices, layout.vertex_of, layout.local_of_owned),
         *asm.places(),
         pivot_tolerance=smallest,
     )

@@ -14,6 +14,7 @@ from drillpetsc import Case, run
 from drillpetsc.analysis.commands.statics import run_statics
 from drillpetsc.output import catalogue, read_frame, read_series, read_table
 from drillpetsc.output.files.tables import split_name
+from drillpetsc.output.job import Job
 from tests.helpers.wells import simple_well
 
 DOCS = Path(__file__).parents[3] / "docs"
@@ -57,7 +58,7 @@ def tables() -> dict[str, dict[str, list[str]]]:
 def test_every_column_of_a_run_is_on_the_page(data: dict[str, Any], tmp_path: Path) -> None:
     case, shown = Case(**data), tables()
     run(case, tmp_path / "run", progress="silent")
-    run_statics(case, tmp_path / "statics")
+    run_statics(Job(case, tmp_path / "statics"))
     written = {
         "history.csv": read_table(tmp_path / "run" / "history.csv"),
         "probes.csv": read_table(tmp_path / "run" / "probes.csv"),

@@ -145,7 +145,7 @@ def summary_is_described(folder: Path, file: str, conditions: set[str]) -> None:
 def test_every_output_is_described_with_its_condition(name: str, tmp_path: Path) -> None:
     case, conditions = Case(**{**SHORT, **CASES[name]}), CONDITIONS[name]
     run(case, tmp_path / "run", progress="silent")
-    run_statics(case, tmp_path / "statics")
+    run_statics(Job(case, tmp_path / "statics"))
     tables = {"run/history.csv", "statics/statics.csv"}
     tables |= {"run/probes.csv"} if case.output.probes else set()
     tables |= {"run/trajectory.csv"} if case.well is not None else set()

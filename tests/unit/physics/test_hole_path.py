@@ -7,7 +7,7 @@ import pytest
 
 from drillpetsc.geometry.frames import Frames, smallest_rotation
 from drillpetsc.geometry.well import Well
-from drillpetsc.physics.end_conditions import FixedEnd, TopDrive
+from drillpetsc.physics.end_conditions import EndPlace, FixedEnd, TopDrive
 from drillpetsc.physics.hole_path import HolePath, is_curved
 from drillpetsc.time_function import Constant
 from tests.helpers.tables import each_row
@@ -72,7 +72,9 @@ def test_values_and_rates_of_a_top_that_moves_through_a_curve(start: float) -> N
     frames = Frames(here.axes[:1].copy(), here.axes[1:2].copy(), np.zeros(0))
     position = path.position(np.array([start, 0.01, -0.02]))
     speed, spin = 0.71, 3.0
-    top = TopDrive(position, here.axes[0], Constant(spin), Constant(speed), 0.2, path=path, frames=frames)
+    top = TopDrive(
+        EndPlace(position, here.axes[0], angle=0.2, path=path, frames=frames), Constant(spin), Constant(speed)
+    )
     condition = top.prescribed()[0]
     assert condition.along_path is not None
     for t in (0.0, 20.0, 170.0):
@@ -100,7 +102,7 @@ def test_a_clamped_end_is_shifted_along_the_hole() -> None:
     path = HolePath(helix_well(), 0.0)
     here = path.at(0.0)
     frames = Frames(here.axes[:1].copy(), here.axes[1:2].copy(), np.zeros(0))
-    end = FixedEnd(0, "clamped", here.centre, here.axes[0], path=path, frames=frames)
+    end = FixedEnd(EndPlace(here.centre, here.axes[0], path=path, frames=frames), "clamped")
     end.shift(200.0)
     assert end.prescribed_position() == pytest.approx(helix_well().at(200.0)[0], abs=1e-9)
     end.displace(0.05 * path.at(200.0).axes[2])

@@ -10,7 +10,7 @@ import pytest
 from drillpetsc import petsc_compat
 from drillpetsc.kernels.parameters import columns
 from drillpetsc.solvers.chain.block_tridiagonal import Piece
-from drillpetsc.solvers.chain.chain_lu import ChainFactor, ZeroPivot
+from drillpetsc.solvers.chain.chain_lu import ChainFactor, ChainNumbering, ZeroPivot
 from tests.helpers.tables import each_row
 
 SHAPES = {
@@ -47,9 +47,7 @@ def factored(A, node, split=False, **options):
     n = len(node)
     f = ChainFactor(
         None,
-        np.arange(node[-1] + 1),
-        node,
-        np.arange(n),
+        ChainNumbering(np.arange(node[-1] + 1), node, np.arange(n)),
         rows.astype(np.int32),
         columns.astype(np.int32),
         **options,
@@ -228,12 +226,12 @@ def test_not_a_number_is_an_error():
 def test_refusals():
     rows = np.zeros(1, dtype=np.int32)
     with pytest.raises(ValueError, match="not neighbours"):
-        ChainFactor(None, np.arange(3), np.arange(3), np.arange(3), rows, rows + 2)
+        ChainFactor(None, ChainNumbering(np.arange(3), np.arange(3), np.arange(3)), rows, rows + 2)
     with pytest.raises(ValueError, match="unknowns, got 33"):
-        ChainFactor(None, np.arange(1), np.zeros(33, dtype=int), np.arange(33), rows, rows)
+        ChainFactor(None, ChainNumbering(np.arange(1), np.zeros(33, dtype=int), np.arange(33)), rows, rows)
     with pytest.raises(ValueError, match="follow each other"):
-        ChainFactor(None, np.array([0, 2]), np.arange(2), np.arange(2), rows, rows)
-    f = ChainFactor(None, np.arange(1), np.zeros(1, dtype=int), np.arange(1), rows, rows)
+        ChainFactor(None, ChainNumbering(np.array([0, 2]), np.arange(2), np.arange(2)), rows, rows)
+    f = ChainFactor(None, ChainNumbering(np.arange(1), np.zeros(1, dtype=int), np.arange(1)), rows, rows)
     with pytest.raises(ValueError, match="2 values|\\(2,\\) values"):
         f.factor(np.ones(2))
 
@@ -245,7 +243,7 @@ def test_flop_count(b):
     n = 400
     node = np.repeat(np.arange(n), b)
     none = np.zeros(0, dtype=np.int32)
-    f = ChainFactor(None, np.arange(n), node, np.arange(n * b), none, none)
+    f = ChainFactor(None, ChainNumbering(np.arange(n), node, np.arange(n * b)), none, none)
     assert f.factor_flops == pytest.approx(14 / 3 * b**3 * n, rel=0.06)
     assert f.solve_flops == pytest.approx(6 * b**2 * n, rel=0.01)
 

@@ -51,6 +51,20 @@ BESIDE_A_LINE = 80  # eigenvalues computed beside a line at most, where twice --
 
 
 @dataclass(frozen=True)
+class Sought:
+    """What a Campbell diagram is computed for.
+
+    speeds: [rad/s]; count, kind: of modes at each of them, as in ``modes``.
+    lines: excitation lines in cycles per turn, and ``motor``.
+    """
+
+    speeds: tuple[float, ...]
+    count: int
+    kind: str | None = None
+    lines: tuple[float | str, ...] = ()
+
+
+@dataclass(frozen=True)
 class Critical:
     """Crossing of a branch with an excitation line.
 
@@ -215,23 +229,15 @@ def whirl(model: DrillingModel, linearised: Linearised, u: np.ndarray) -> tuple[
 
 
 # ---------------------------------------------------------------------- the map
-def campbell(
-    states: TurningModel,
-    speeds: tuple[float, ...],
-    count: int,
-    lines: tuple[float | str, ...],
-    kind: str | None = None,
-    natural: bool = False,
-) -> Campbell:
-    """Compute modes at ``speeds`` [rad/s], track them, and find critical speeds; collective.
+def campbell(states: TurningModel, sought: Sought, natural: bool = False) -> Campbell:
+    """Compute modes at the speeds sought, track them, and find critical speeds; collective.
 
-    lines: cycles per turn, and ``motor``; natural: lines meet natural frequencies |s|, else damped ones Im s.
+    natural: lines meet natural frequencies |s|, else damped ones Im s.
 
     Where a branch finds no partner of ``LEAST_MAC``, speeds are added between the two, down to an eighth of the step;
     as many as there are given ones at most.
     """
-    orbit = dict[float, float]()
-
+    orbit, speeds, lines = dict[float, float](), sought.speeds, sought.lines
     step_to_next = step_at(speeds)
 
     def at(speed: float) -> SpeedModes:
@@ -242,7 +248,7 @@ def campbell(
                 rates.append(abs(orbit[speed]))
             return half_widths(sorted(rates), abs(speed), step_to_next(speed)) if speed else []
 
-        return modes_at(states, speed, count, kind, beside)
+        return modes_at(states, speed, sought.count, sought.kind, beside)
 
     found = [at(speeds[0])]
     pairings: list[Pairing] = []

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -12,6 +13,7 @@ from drillpetsc.analysis.linear.frequency.campbell import (
     DEFAULT_LINES,
     Campbell,
     Critical,
+    Sought,
     campbell,
 )
 from drillpetsc.analysis.linear.frequency.critical_map import critical_map, demand_wall, map_columns
@@ -40,18 +42,14 @@ MARGIN = 15.0  # margin to the case's speed [%] below which a critical speed is 
 
 def run_campbell(
     job: Job,
-    speeds: tuple[float, ...],
-    count: int = 20,
-    kind: str | None = None,
-    lines: tuple[float | str, ...] | None = None,
+    sought: Sought,
     without_control: bool = False,
     frequency: str = "wd",
     stiffness: tuple[float, ...] = (),
 ) -> RunResult:
-    """Compute modes over rotary speeds [rad/s]; collective.
+    """Compute modes over rotary speeds; collective.
 
-    count, kind: of modes, as in ``modes``.
-    lines: excitation lines in cycles per turn, ``blades`` or ``motor``; None: 1, 2, 3 and the blades of a drag bit.
+    sought: its lines may name ``blades``, too; without lines: 1, 2, 3 and the blades of a drag bit.
     without_control: leave out motor and controller, and hold the top at the rotation.
     frequency: wd, lines meet damped frequencies; wn, natural ones.
     stiffness: of the wall [Pa], for critical_map.csv.
@@ -60,19 +58,19 @@ def run_campbell(
     """
     case, comm = job.case, job.comm
     turning = turning_case(case, "campbell", without_control)
-    if len(speeds) < 2:
-        raise CaseError(
-            at="--speeds", got=f"{rpm_of(speeds[0]):g} rpm", want="two speeds or more; `modes` is for one"
-        )
-    lines = named_lines(case, lines) if lines else default_lines(case)
+    if len(sought.speeds) < 2:
+        got = f"{rpm_of(sought.speeds[0]):g} rpm"
+        raise CaseError(at="--speeds", got=got, want="two speeds or more; `modes` is for one")
+    lines = named_lines(case, sought.lines) if sought.lines else default_lines(case)
+    sought = replace(sought, lines=lines)
     if stiffness:
         demand_wall(case)
     with options_of(case):
         states = TurningModel(turning, comm)
         folder = job.make_folder()
-        found = campbell(states, speeds, count, lines, kind, frequency == "wn")
-        by_wall = critical_map(case, stiffness, speeds, count, lines, kind, without_control, comm)
-    summary = _summary(case, found, speeds, lines, states, kind, frequency).as_dict()
+        found = campbell(states, sought, frequency == "wn")
+        by_wall = critical_map(case, stiffness, sought, without_control, comm)
+    summary = _summary(case, found, sought, states, frequency).as_dict()
     if comm.rank == 0:
         write_case_folder(case, folder.path)
         write_table(folder.path / CAMPBELL_TABLE, [q.column for q in CAMPBELL], _campbell_columns(found))
@@ -134,13 +132,7 @@ def searched_to(found: Campbell) -> FloatArray:
 
 
 def _summary(
-    case: Case,
-    found: Campbell,
-    speeds: tuple[float, ...],
-    lines: tuple[float | str, ...],
-    states: TurningModel,
-    kind: str | None,
-    frequency: str,
+    case: Case, found: Campbell, sought: Sought, states: TurningModel, frequency: str
 ) -> CampbellSummary:
     case_speed = _case_speed(case)
     lost = [b for b in found.branches if b.end == "lost"]
@@ -153,14 +145,14 @@ def _summary(
     moment = Followed(case, case_speed, MARGIN, LEAST_MAC, told, near, found.speeds)
     return CampbellSummary(
         title=case.title,
-        speeds=[rpm_of(s) for s in speeds],
-        added_speeds=[rpm_of(m.speed) for m in found.speeds if m.speed not in speeds],
+        speeds=[rpm_of(s) for s in sought.speeds],
+        added_speeds=[rpm_of(m.speed) for m in found.speeds if m.speed not in sought.speeds],
         case_speed=case_speed,
-        lines=[line for line in lines if not isinstance(line, str)],
+        lines=[line for line in sought.lines if not isinstance(line, str)],
         motor_line=MISSING
         if found.orbit is None
         else [None if np.isnan(q) else abs(q) / (2 * np.pi) for q in found.orbit],
-        searched=kind or "all kinds",
+        searched=sought.kind or "all kinds",
         searched_to=[float(q) for q in searched_to(found) / (2 * np.pi)],
         searched_beside=[
             None if np.isnan(q) else float(q) for q in searched_beside(found.speeds) / (2 * np.pi)

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from petsc4py import PETSc
 
-from drillpetsc.analysis.linear.frequency.campbell import Critical, campbell
+from drillpetsc.analysis.linear.frequency.campbell import Critical, Sought, campbell
 from drillpetsc.analysis.linear.frequency.response import rpm_of
 from drillpetsc.analysis.linear.frequency.turning import TurningModel, turning_case
 from drillpetsc.case.case import Case
@@ -64,21 +64,18 @@ def undamped(case: Case, stiffness: float) -> Case:
 def critical_map(
     case: Case,
     stiffnesses: tuple[float, ...],
-    speeds: tuple[float, ...],
-    count: int,
-    lines: tuple[float | str, ...],
-    kind: str | None,
+    sought: Sought,
     without_control: bool,
     comm: PETSc.Comm,
 ) -> list[tuple[float, Critical]]:
     """Critical speeds of the undamped case at each stiffness of the wall [Pa], by natural frequencies; collective.
 
-    The other arguments are those of ``run_campbell``.
+    without_control: as for ``run_campbell``.
     """
     out = []
     for stiffness in stiffnesses:
         states = TurningModel(turning_case(undamped(case, stiffness), "campbell", without_control), comm)
-        out += [(stiffness, c) for c in campbell(states, speeds, count, lines, kind, natural=True).critical]
+        out += [(stiffness, c) for c in campbell(states, sought, natural=True).critical]
     return out
 
 

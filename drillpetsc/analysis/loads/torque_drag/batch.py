@@ -189,16 +189,7 @@ def _soft_strings(hole: Hole, loads: Columns) -> Batch:
         helical = push > np.maximum(HELICAL * load, VERTICAL_HELICAL * hanging[i])
         buckled = push > np.maximum(SINUSOIDAL * load, VERTICAL_SINUSOIDAL * hanging[i])
         e = np.where(helical, extra[i], 0.0)
-        upper = lower = t
-        for _ in range(50):
-            n2 = np.sqrt(np.maximum((lower * k2 + c2) * lower + w2, 0.0)) + e * lower * lower
-            n1 = np.sqrt(np.maximum((upper * k1 + c1) * upper + w1, 0.0)) + e * upper * upper
-            f2, f1 = g2 + drag * n2, g1 + drag * n1
-            new_lower, new_upper = t + step * (_A11 * f2 + _A12 * f1), t + step * (_A21 * f2 + _A22 * f1)
-            change = np.abs(new_lower - lower) + np.abs(new_upper - upper)
-            lower, upper = new_lower, new_upper
-            if (change <= 1e-12 * (np.abs(t) + step * (np.abs(f1) + np.abs(f2))) + 1e-300).all():
-                break
+        upper, n1, f1, lower, n2, f2 = _stages(t, step, drag, e, (g1, k1, c1, w1), (g2, k2, c2, w2))
         t = t + 0.5 * step * (f1 + f2)
         lost = ~broken & ~(np.abs(t) < LARGEST_FORCE)
         if lost.any() or broken.any():
@@ -240,6 +231,27 @@ def _soft_strings(hole: Hole, loads: Columns) -> Batch:
         inside,
         hole.item[:, placed],
     )
+
+
+def _stages(t: FloatArray, step: FloatArray, drag: FloatArray, e: FloatArray, up: tuple, low: tuple) -> tuple:
+    """Solve both Gauss stages of a step from the forces t (c,) [N] at its lower end.
+
+    step: (c,) lengths [m]; drag: (c,) friction along the string [-]; e: (c,) of the helix [1/(N m)].
+    up, low: of each stage the weight along the hole (c,) [N/m], and k, c, w of the wall force sqrt(k T^2 + c T + w) [N/m].
+    Returns force [N], wall force and growth of the force [N/m], (c,) each, at the upper and then at the lower stage.
+    """
+    (g1, k1, c1, w1), (g2, k2, c2, w2) = up, low
+    upper = lower = t
+    for _ in range(50):
+        n2 = np.sqrt(np.maximum((lower * k2 + c2) * lower + w2, 0.0)) + e * lower * lower
+        n1 = np.sqrt(np.maximum((upper * k1 + c1) * upper + w1, 0.0)) + e * upper * upper
+        f2, f1 = g2 + drag * n2, g1 + drag * n1
+        new_lower, new_upper = t + step * (_A11 * f2 + _A12 * f1), t + step * (_A21 * f2 + _A22 * f1)
+        change = np.abs(new_lower - lower) + np.abs(new_upper - upper)
+        lower, upper = new_lower, new_upper
+        if (change <= 1e-12 * (np.abs(t) + step * (np.abs(f1) + np.abs(f2))) + 1e-300).all():
+            break
+    return upper, n1, f1, lower, n2, f2
 
 
 def _locked(hole: Hole, slope: FloatArray, lowered: np.ndarray) -> FloatArray:

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import time
-from dataclasses import replace
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
 from typing import Any, Literal
 
 import numpy as np
@@ -30,7 +32,7 @@ from drillpetsc.analysis.loads.torque_drag.readings.measured import (
     measured_lines,
     measured_warnings,
 )
-from drillpetsc.analysis.loads.torque_drag.readings.measured_table import beside_points
+from drillpetsc.analysis.loads.torque_drag.readings.measured_table import BesidePoints, beside_points
 from drillpetsc.analysis.loads.torque_drag.readings.reading import (
     DIRECTION,
     Sensor,
@@ -41,9 +43,10 @@ from drillpetsc.analysis.loads.torque_drag.string_rows import StringRows, gravit
 from drillpetsc.analysis.loads.torque_drag.table import OK, Pressures, failed, rows_of, still_mud
 from drillpetsc.analysis.loads.torque_drag.torque_lines import passed, torque_lines
 from drillpetsc.analysis.motion.run_options import options_of
-from drillpetsc.case.blocks.roadmap import MeasuredPoint
+from drillpetsc.case.blocks.roadmap import MeasuredPoint, Roadmap
 from drillpetsc.case.case import Case
 from drillpetsc.errors import CaseError, SolveError
+from drillpetsc.fem.quantity import Quantity
 from drillpetsc.geometry.well import Well
 from drillpetsc.output import write_summary, write_table
 from drillpetsc.output.files.case_files import write_case
@@ -79,37 +82,80 @@ def densities_of(case: Case) -> tuple[float, float]:
     return (density if filled else 0.0, density if case.has_annulus else 0.0)
 
 
-def soft_rows(
-    case: Case, well: Well, strings: list[StringRows], operations: tuple[str, ...], pairs: list[Pair]
-) -> list[dict[str, Any]]:
+@dataclass(frozen=True)
+class RowsAsked:
+    """What the rows of a roadmap are computed for: each operation with each pair of friction factors at each bit depth.
+
+    notes: assumptions of the rows, as sentences.
+    """
+
+    case: Case
+    well: Well
+    pairs: list[Pair]
+    strings: list[StringRows]
+    notes: list[str]
+
+    @property
+    def plan(self) -> Roadmap:
+        """The case's roadmap, or one with all defaults."""
+        return plan_of(self.case)
+
+    @property
+    def block_weight(self) -> float | None:
+        """Weight of the travelling block [N], None if it is not given."""
+        return None if self.case.rig is None else self.case.rig.block_weight
+
+    def keys(self) -> list[tuple[str, int, int]]:
+        """(operation, pair, depth) of each row."""
+        pairs, depths = range(len(self.pairs)), range(len(self.strings))
+        return [(o, p, d) for o in self.plan.operations for p in pairs for d in depths]
+
+    def loads(self) -> dict[str, Load]:
+        """Loads of the operations."""
+        return {o: load_of(self.case, self.plan, o) for o in self.plan.operations}
+
+    def named(self, rows: Sequence[dict[str, Any]]) -> list[dict[str, Any]]:
+        """The rows, each with what names it before its numbers."""
+        return [
+            head_of(o, self.pairs[p], self.strings[d]) | row
+            for (o, p, d), row in zip(self.keys(), rows, strict=True)
+        ]
+
+
+def rows_asked(case: Case, model: str) -> RowsAsked:
+    """Rows of the case's roadmap; raises CaseError without a well or gravity, and for more than ``MOST_ROWS`` rows."""
+    well = need_well(case, "roadmap")
+    gravity_of(case, "roadmap")
+    plan = plan_of(case)
+    notes: list[str] = assumptions(case, plan) + cutters_left_out(case)
+    notes += bends_left_out(case) if model == "soft" else []
+    pairs = pairs_of(case, plan, notes)
+    strings = strings_of(case, plan, notes)
+    if len(plan.operations) * len(pairs) * len(strings) > MOST_ROWS:
+        got = f"{len(plan.operations)} operations x {len(pairs)} pairs x {len(strings)} depths"
+        raise CaseError(at="roadmap", got=got, want=f"at most {MOST_ROWS} rows")
+    return RowsAsked(case, well, pairs, strings, notes)
+
+
+def soft_rows(asked: RowsAsked) -> list[dict[str, Any]]:
     """Rows of a roadmap [SI] with the soft string: by operation, pair and bit depth."""
-    keys, loads = _rows_asked(case, strings, operations, pairs)
+    case, pairs, strings, keys, loads = asked.case, asked.pairs, asked.strings, asked.keys(), asked.loads()
     flows = circulations(case, strings, loads)
     columns = columns_of(
         [loads[o] for o, _, _ in keys], [d for _, _, d in keys], [pairs[p] for _, p, _ in keys]
     )
-    hole = Hole(well, strings)
+    hole = Hole(asked.well, strings)
     mud = still_mud(hole, len(keys), densities_of(case), gravity_of(case, "roadmap"), mud_level(case))
     found = [flows.get((o, d)) for o, _, d in keys]
     if flows:
         columns, mud = _with_flow(hole, columns, mud, found)
-    block = (case.rig.block_weight if case.rig is not None else None) or 0.0
-    rows = rows_of(hole, columns, soft_strings(hole, columns), mud, block)
+    rows = rows_of(hole, columns, soft_strings(hole, columns), mud, asked.block_weight or 0.0)
     for row, flow, (_, _, d) in zip(rows, found, keys, strict=True):
         if strings[d].misfit:
             row |= failed(strings[d].misfit)
         elif isinstance(flow, SolveError):
             row |= failed(f"the flow: {flow}")
-    return [head_of(o, pairs[p], strings[d]) | row for (o, p, d), row in zip(keys, rows, strict=True)]
-
-
-def _rows_asked(
-    case: Case, strings: list[StringRows], operations: tuple[str, ...], pairs: list[Pair]
-) -> tuple[list[tuple[str, int, int]], dict[str, Load]]:
-    """(operation, pair, depth) of each row, and the loads of the operations."""
-    plan = plan_of(case)
-    keys = [(o, p, d) for o in operations for p in range(len(pairs)) for d in range(len(strings))]
-    return keys, {o: load_of(case, plan, o) for o in operations}
+    return asked.named(rows)
 
 
 def circulations(
@@ -149,27 +195,19 @@ def _with_flow(
     return replace(columns, lift=lift, thrust=thrust), mud
 
 
-def stiff_rows(
-    case: Case,
-    well: Well,
-    strings: list[StringRows],
-    operations: tuple[str, ...],
-    pairs: list[Pair],
-    comm: PETSc.Comm,
-) -> list[dict[str, Any]]:
+def stiff_rows(asked: RowsAsked, comm: PETSc.Comm) -> list[dict[str, Any]]:
     """Rows of a roadmap [SI] with the beam, in the order of `soft_rows`; collective."""
     from drillpetsc.analysis.loads.torque_drag import stiff
 
+    case, strings, loads = asked.case, asked.strings, asked.loads()
     stiff.need_beam(case)
-    keys, loads = _rows_asked(case, strings, operations, pairs)
     flows = circulations(case, strings, loads)
-    block = (case.rig.block_weight if case.rig is not None else None) or 0.0
+    block, densities = asked.block_weight or 0.0, densities_of(case)
     jobs = [
-        stiff.Job(strings[d], pairs[p], loads[o], block, densities_of(case), flows.get((o, d)))
-        for o, p, d in keys
+        stiff.Job(strings[d], asked.pairs[p], loads[o], block, densities, flows.get((o, d)))
+        for o, p, d in asked.keys()
     ]
-    found = stiff.solve_jobs(case, well, jobs, comm)
-    return [head_of(o, pairs[p], strings[d]) | row for (o, p, d), row in zip(keys, found, strict=True)]
+    return asked.named(stiff.solve_jobs(case, asked.well, jobs, comm))
 
 
 def head_of(operation: str, pair: Pair, rows: StringRows) -> dict[str, Any]:
@@ -208,52 +246,23 @@ def run_roadmap(
     model: soft, the soft string, every rank computes the same; stiff, the static equilibrium of the beam, whose rows the
     ranks share out.  The first rank writes.
     """
-    case, comm = job.case, job.comm
-    well = need_well(case, "roadmap")
-    gravity_of(case, "roadmap")
-    plan = plan_of(case)
-    notes: list[str] = assumptions(case, plan) + cutters_left_out(case)
-    notes += bends_left_out(case) if model == "soft" else []
-    pairs = pairs_of(case, plan, notes)
-    strings = strings_of(case, plan, notes)
-    if len(plan.operations) * len(pairs) * len(strings) > MOST_ROWS:
-        got = f"{len(plan.operations)} operations x {len(pairs)} pairs x {len(strings)} depths"
-        raise CaseError(at="roadmap", got=got, want=f"at most {MOST_ROWS} rows")
-    stiff: dict[str, Any] = {}
-    with options_of(case):
-        rows = soft = soft_rows(case, well, strings, plan.operations, pairs)
-        start = time.perf_counter()
-        if model == "stiff":
-            rows = stiff_rows(case, well, strings, plan.operations, pairs, comm)
-    if model == "stiff":
-        stiff = {"stiff_seconds": time.perf_counter() - start, "soft_against_stiff": deviations(soft, rows)}
-        notes.append("torque on bit is added to the torque of the string; its effect on bending is left out")
-    block = None if case.rig is None else case.rig.block_weight
-    if block is not None:
-        for row in rows:
-            row["hook_load_total"] = row["hook_load"] + block
-    excludes = plan.hookload_excludes_block
-    read = (plan.measured if measured is None else measured) or ()
-    points = corrected_points(case, read, excludes)
+    case, system = job.case, job.case.shown_units
+    asked = rows_asked(case, model)
+    rows, stiff = _solved(asked, model, job.comm)
     sensor = sensor_of(case)
-    if sensor != Sensor():
-        for row in rows:
-            total = row.get("hook_load_total", row["hook_load"])
-            row["hook_load_reading"] = total / sensor.factor(DIRECTION[row["operation"]])
-    system: System = case.shown_units
-    lines_of_torque = torque_lines(case, strings, rows)
+    _add_readings(asked, sensor, rows)
+    plan = asked.plan
+    read = (plan.measured if measured is None else measured) or ()
+    points = corrected_points(case, read, plan.hookload_excludes_block)
+    lines_of_torque = torque_lines(case, asked.strings, rows)
     warnings = _warnings(case, rows, lines_of_torque, system)
-    found = beside_curves(rows, points, 0.0 if excludes else (block or 0.0))
+    block = 0.0 if plan.hookload_excludes_block else (asked.block_weight or 0.0)
+    found = beside_curves(rows, points, block)
     end = None if case.well is None else float(case.well.survey.md[-1])
-    warnings += measured_warnings(found, points, end, block, excludes, system)
-    table = None
-    if points:
-        try:
-            with options_of(case):
-                table = beside_points(case, read, points, pairs, excludes)
-        except (CaseError, SolveError) as error:  # the curves stand without it
-            reason = " ".join(str(error).split())
-            warnings.append(f"{MEASURED_TABLE} is left out, the points cannot be computed: {reason}")
+    warnings += measured_warnings(
+        found, points, end, asked.block_weight, plan.hookload_excludes_block, system
+    )
+    table = _beside(asked, read, points, warnings)
     folder = job.make_folder()
     summary = {
         "title": case.title,
@@ -263,59 +272,89 @@ def run_roadmap(
         "rows": len(rows),
         "rows_not_ok": sum(row["status"] != OK for row in rows),
         "warnings": warnings,
-        "notes": notes,
+        "notes": asked.notes,
     }
     if table is not None:
         summary["measured"] = table.summary
-    if comm.rank == 0:
+    if job.comm.rank == 0:
         write_case(case, folder)
         if table is not None:
-            write_table(
-                folder.path / MEASURED_TABLE,
-                [q.column for q in BESIDE],
-                [[row[q.name] for row in table.rows] for q in BESIDE],
-            )
+            _write_rows(folder.path / MEASURED_TABLE, BESIDE, table.rows)
         absent = {
-            "hook_load_total": block is None,
+            "hook_load_total": asked.block_weight is None,
             "hook_load_reading": sensor == Sensor(),
-            "ff_groups": not pairs[0].groups,
+            "ff_groups": not asked.pairs[0].groups,
         }
-        quantities = [q for q in ROADMAP if not absent.get(q.name, False)]
-        write_table(
-            folder.path / ROADMAP_TABLE,
-            [q.column for q in quantities],
-            [[row[q.name] for row in rows] for q in quantities],
-        )
+        _write_rows(folder.path / ROADMAP_TABLE, [q for q in ROADMAP if not absent.get(q.name, False)], rows)
         write_summary(
             folder.path / ROADMAP_FILE,
-            _inputs(case, well, strings, pairs, points, block)
-            | {"model": model, "torque_lines": lines_of_torque},
+            _inputs(asked, points) | {"model": model, "torque_lines": lines_of_torque},
         )
         write_summary(folder.summary, summary)
     lines = [f"{case.title or 'case'}: roadmap, {MODELS[model]}, {len(rows)} rows"]
     lines += [f"  {told(case, plan, word, system)}" for word in plan.operations]
-    lines += _lines(rows, pairs, plan.operations, strings[-1].depth, system, block is not None)
+    lines += _lines(asked, rows, system)
     lines += measured_lines(found, system)
     lines += table.lines(system) if table is not None else []
-    if stiff:
-        lines += _compared(stiff, len(rows))
-    lines += [f"  WARNING: {w}" for w in warnings] + [f"  note: {lengths_shown(n, system)}" for n in notes]
+    lines += _compared(stiff, len(rows)) if stiff else []
+    lines += [f"  WARNING: {w}" for w in warnings]
+    lines += [f"  note: {lengths_shown(n, system)}" for n in asked.notes]
     return job.result(folder, summary, lines)
 
 
-def _inputs(
-    case: Case,
-    well: Well,
-    strings: list[StringRows],
-    pairs: list[Pair],
-    points: tuple[MeasuredPoint, ...],
-    block: float | None,
-) -> dict[str, Any]:
+def _solved(asked: RowsAsked, model: str, comm: PETSc.Comm) -> tuple[list[dict[str, Any]], dict[str, Any]]:
+    """Rows of the roadmap, and what the beam's are compared by; empty with the soft string (collective)."""
+    with options_of(asked.case):
+        soft = soft_rows(asked)
+        if model == "soft":
+            return soft, {}
+        start = time.perf_counter()
+        rows = stiff_rows(asked, comm)
+    stiff = {"stiff_seconds": time.perf_counter() - start, "soft_against_stiff": deviations(soft, rows)}
+    asked.notes.append(
+        "torque on bit is added to the torque of the string; its effect on bending is left out"
+    )
+    return rows, stiff
+
+
+def _add_readings(asked: RowsAsked, sensor: Sensor, rows: list[dict[str, Any]]) -> None:
+    """Add the hook load with the block, and the reading of a sensor that is not ideal, to each row [N]."""
+    for row in rows:
+        if asked.block_weight is not None:
+            row["hook_load_total"] = row["hook_load"] + asked.block_weight
+        if sensor != Sensor():
+            total = row.get("hook_load_total", row["hook_load"])
+            row["hook_load_reading"] = total / sensor.factor(DIRECTION[row["operation"]])
+
+
+def _beside(
+    asked: RowsAsked, read: Sequence[MeasuredPoint], points: Sequence[MeasuredPoint], warnings: list[str]
+) -> BesidePoints | None:
+    """Measured points beside computed ones, None without points; a warning is added if they cannot be computed.
+
+    read, points: as in ``beside_points``.
+    """
+    if not points:
+        return None
+    try:
+        with options_of(asked.case):
+            return beside_points(asked.case, read, points, asked.pairs, asked.plan.hookload_excludes_block)
+    except (CaseError, SolveError) as error:  # the curves stand without it
+        reason = " ".join(str(error).split())
+        warnings.append(f"{MEASURED_TABLE} is left out, the points cannot be computed: {reason}")
+        return None
+
+
+def _write_rows(file: Path, quantities: Sequence[Quantity], rows: list[dict[str, Any]]) -> None:
+    """Write a table with a column for each of ``quantities``."""
+    write_table(file, [q.column for q in quantities], [[row[q.name] for row in rows] for q in quantities])
+
+
+def _inputs(asked: RowsAsked, points: tuple[MeasuredPoint, ...]) -> dict[str, Any]:
     """Contents of roadmap.json: everything that the rows come from, and what pictures draw beside them."""
-    plan, rig = plan_of(case), case.rig
+    plan, rig = asked.plan, asked.case.rig
     loads = {}
-    for operation in plan.operations:
-        load = load_of(case, plan, operation)
+    for operation, load in asked.loads().items():
         loads[operation] = {"wob [N]": load.wob, "tob [N m]": load.torque, "rotation [rad/s]": load.rotation}
         if load.flow:
             loads[operation]["flow_rate [m3/s]"] = load.flow
@@ -323,12 +362,12 @@ def _inputs(
             loads[operation]["axial_speed [m/s]"] = load.axial_velocity
     return {
         "operations": loads,
-        "friction_factor": [_factors_told(p) for p in pairs],
-        "casing_shoes [m]": shoes_of(case),
-        "block_weight [N]": block,
+        "friction_factor": [_factors_told(p) for p in asked.pairs],
+        "casing_shoes [m]": shoes_of(asked.case),
+        "block_weight [N]": asked.block_weight,
         "max_hookload [N]": None if rig is None else rig.max_hookload,
         "max_surface_torque [N m]": None if rig is None else rig.max_surface_torque,
-        "lines [m, N]": lines_of(case, well, strings),
+        "lines [m, N]": lines_of(asked.case, asked.well, asked.strings),
         "measured": [
             {key: value for key, value in point.model_dump().items() if value is not None} for point in points
         ],
@@ -442,15 +481,9 @@ def _factors(*values: float) -> str:
     return " / ".join(f"{v:.4g}" for v in values if not np.isnan(v))
 
 
-def _lines(
-    rows: list[dict[str, Any]],
-    pairs: list[Pair],
-    operations: tuple[str, ...],
-    depth: float,
-    system: System,
-    total: bool,
-) -> list[str]:
+def _lines(asked: RowsAsked, rows: list[dict[str, Any]], system: System) -> list[str]:
     """Hook load and torque at the deepest bit depth."""
+    pairs, depth, total = asked.pairs, asked.strings[-1].depth, asked.block_weight is not None
     d, depth_unit = shown_unit("bit_depth", "m", system)
     key = "hook_load_total" if total else "hook_load"
     f, force = shown_unit(key, "N", system)
@@ -464,7 +497,7 @@ def _lines(
         + "".join(f"{h:>14}" for h in shown),
         *groups,
     ]
-    for operation in operations:
+    for operation in asked.plan.operations:
         some = [row for row in at_end if row["operation"] == operation][: len(shown)]
         values = "".join(f"{_cell(row[key] / f):>14}" for row in some)
         lines.append(

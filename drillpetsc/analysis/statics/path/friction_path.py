@@ -395,7 +395,7 @@ class FrictionPath:
         Returns (time, transmitted force, surface torque) after each step.  Raises SolveError if the steps collapse.
         """
         model, system = self.model, self.model.system
-        asm, n, top = system.assembly, system.layout.size, model.top
+        asm, n = system.assembly, system.layout.size
         t, dt, last, last_dt, log = 0.0, first, None, 1.0, [(0.0, *self._transmitted())]
         if speed:  # friction is that of a string that moves with its top
             last = np.zeros(n)
@@ -403,20 +403,12 @@ class FrictionPath:
         while t < duration - 1e-9:
             d = min(dt, longest, duration - t)
             d = duration - t if d > 0.9 * (duration - t) else d
-            before, moved = Snapshot(model), speed * d
+            before = Snapshot(model)
             self._set_load(load(t + d))
             if past is not None:
                 self._friction(past(t + d))
             guess = last * (d / last_dt) if last is not None and d <= 2 * last_dt else None
-            iterations = None
-            on = self.most_steps == MOST_STEPS_ON
-            for guessed in (guess, None) if guess is not None and not on else (guess,):
-                before.restore()
-                if moved and top is not None:
-                    top.shift(moved)
-                iterations = self._step(d, guessed)
-                if iterations is not None:
-                    break
+            iterations = self._try_step(before, d, speed * d, guess)
             wob = self._end_forces()[1] if target and iterations is not None else 0.0
             beyond = target is not None and wob > (1 + WEIGHT_TOLERANCE) * target
             if iterations is None or beyond:
@@ -442,6 +434,21 @@ class FrictionPath:
             if d >= 0.5 * min(dt, longest):
                 dt = min(d * factor, longest)
         return log
+
+    def _try_step(self, before: Snapshot, dt: float, moved: float, guess: FloatArray | None) -> int | None:
+        """Take a step from ``before`` with ``guess``, and again without it if that fails; returns as ``_step``.
+
+        moved: way of the top [m, down].  A string that slides on from a state near its own does not try again.
+        """
+        again = guess is not None and self.most_steps != MOST_STEPS_ON
+        for guessed in (guess, None) if again else (guess,):
+            before.restore()
+            if moved and self.model.top is not None:
+                self.model.top.shift(moved)
+            iterations = self._step(dt, guessed)
+            if iterations is not None:
+                return iterations
+        return None
 
     def _step(self, dt: float, guess: FloatArray | None) -> int | None:
         """Take a step of implicit Euler of ``dt`` [s]; returns its iterations, None if it does not converge; x is then anywhere.

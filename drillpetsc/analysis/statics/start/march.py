@@ -12,7 +12,13 @@ import numpy as np
 
 from drillpetsc.analysis.statics.checks.slider_travel import travels
 from drillpetsc.analysis.statics.placement import top_depth
-from drillpetsc.analysis.statics.start.march_shape import frame_across, lateral_shape, place, shortening
+from drillpetsc.analysis.statics.start.march_shape import (
+    OnWall,
+    frame_across,
+    lateral_shape,
+    place,
+    shortening,
+)
 from drillpetsc.analysis.statics.start.resting_shape import Beam
 from drillpetsc.arrays import FloatArray
 from drillpetsc.case.blocks.ends import HeldBottom
@@ -267,7 +273,7 @@ class _Marcher:
         longer = strain * mesh.length + travels(mesh, inner)
         measured_depth, _ = self._depths(longer, wob, top)
         shape, across, slope, share = lateral_shape(
-            model, measured_depth, load, per_length, clearance, beam, helical, phase, on_wall
+            model, measured_depth, OnWall(load, per_length, clearance, on_wall), beam, helical, phase
         )
         longer -= 0.5 * (gap * pitch) ** 2 * mesh.length
         for _ in range(BEND_ROUNDS):  # where the hole's curvature changes, it depends on the place

@@ -6,6 +6,8 @@ without weight, which no side load leads off its axis, its shape.
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 
 from drillpetsc.analysis.statics.start.resting_shape import Beam, resting_shape
@@ -17,35 +19,41 @@ from drillpetsc.physics.contact import penetration
 CROSSING = 12.0  # half length over which a helix begins and ends [m]
 
 
+@dataclass(frozen=True)
+class OnWall:
+    """How a marched string lies on the wall, at its nodes.
+
+    load: (n, 3) on the wall [N]; contact: (n,) per length [N/m]; clearance: (n,) [m].
+    top: whether the upper end lies there.
+    """
+
+    load: FloatArray
+    contact: FloatArray
+    clearance: FloatArray
+    top: bool
+
+
 def lateral_shape(
-    model: DrillingModel,
-    s: FloatArray,
-    load: FloatArray,
-    contact: FloatArray,
-    clearance: FloatArray,
-    beam: Beam,
-    helical: np.ndarray,
-    phase: FloatArray,
-    top_on_wall: bool,
+    model: DrillingModel, s: FloatArray, lying: OnWall, beam: Beam, helical: np.ndarray, phase: FloatArray
 ) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
     """Offsets and slopes of the nodes from the axis of the hole, (n, 4), and those without coils, (n, 2) each, and the share of
     the coils in the elements (n-1,).
 
     The four columns are offsets [m] and slopes [-] along the second and the third director at zero spin.
-    s: (n,) measured depths [m]; load: (n, 3) on the wall [N]; contact: (n,) per length [N/m].
-    clearance: (n,) [m]; helical: (n,); phase: (n,) of the helix [rad].
+    s: (n,) measured depths [m]; helical: (n,); phase: (n,) of the helix [rad].
     """
     well, law = model.well, None if model.contact is None else model.contact.law
     assert well is not None
     t, second, third = _directors(model, s)
+    load, clearance = lying.load, lying.clearance
     size = np.linalg.norm(load, axis=1)
     touches = size > 1e-6 * size.max(initial=0.0)
     side = np.divide(load, size[:, None], out=np.zeros_like(load), where=touches[:, None])
     deep = clearance
     if law is not None and law.law == "linear":
-        deep = clearance + penetration(contact / law.stiffness)
+        deep = clearance + penetration(lying.contact / law.stiffness)
     wall = np.column_stack([np.sum(side * second, axis=1), np.sum(side * third, axis=1)]) * deep[:, None]
-    if not top_on_wall:
+    if not lying.top:
         wall[0] = 0.0
     curvature = _mean_curvature(model, s)
     across, slope = resting_shape(beam, wall, curvature)

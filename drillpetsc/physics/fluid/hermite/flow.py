@@ -343,7 +343,7 @@ class HermiteBit(BitFlow):
     """Nozzles and chamber without unknowns (kernels/fluid/hermite/hermite_bit.hpp).
 
     node, end, fluid, held_at: as in ``BitFlow``; pump: its flow over time [m3/s].
-    bore, annulus: the channels, whose lowest elements give the heads; None if absent.
+    channels: bore and annulus, whose lowest elements give the heads; None if absent.
     rest_at: (3,) position of the lowest node at which volumes are zero [m].
     """
 
@@ -353,16 +353,13 @@ class HermiteBit(BitFlow):
         end,
         fluid,
         pump: TimeFunction,
-        bore: HermiteBore | None,
-        annulus: HermiteAnnulus | None,
+        channels: tuple[HermiteBore | None, HermiteAnnulus | None],
         rest_at: FloatArray,
         held_at: FloatArray | None = None,
     ):
         super().__init__(node, replace(end, volume=max(end.volume, SMALLEST)), fluid, held_at)
         self.reference, self.rest_gap = Reference(pump), float((end.end - rest_at) @ end.axis) - end.face
-        self.last_heads = [
-            0.0 if component is None else float(component.heads[-1]) for component in (bore, annulus)
-        ]
+        self.last_heads = [0.0 if component is None else float(component.heads[-1]) for component in channels]
 
     def fields(self) -> tuple[Field, ...]:
         return ()
