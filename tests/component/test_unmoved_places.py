@@ -11,6 +11,7 @@ import pytest
 from drillpetsc.case import load_case
 from drillpetsc.model.drilling_model import DrillingModel, build_model
 from drillpetsc.physics.contact import Contact
+from drillpetsc.physics.fluid.moving_hole import REFRESH, SURELY_NEAR
 
 CASES = Path(__file__).parents[2] / "cases"
 
@@ -66,26 +67,21 @@ def test_a_new_wall_is_found():
     assert np.concatenate(contact._touching).all()
 
 
-def test_the_hole_is_evaluated_at_the_steps_at_which_a_projection_of_all_nodes_asks_for_it():
-    """While a string moves along a bent hole of several sizes, volumes and areas are the same to the bit."""
-    depths = []
-    for forget in (False, True):
-        model, rng = model_of("directional.yaml"), np.random.default_rng(2)
-        asm = model.system.assembly
-        annulus = model.fluid.annulus
-        around = annulus.moving_hole
-        places = model.system.layout.dofs["string.position"]
+def test_the_hole_is_evaluated_before_a_node_has_moved_a_centimetre():
+    """While a string moves along a bent hole of several sizes, the hole of a node is never older than SURELY_NEAR of its way, and
+    few steps project the nodes."""
+    model, rng = model_of("directional.yaml"), np.random.default_rng(2)
+    asm, around = model.system.assembly, model.fluid.annulus.moving_hole
+    places = model.system.layout.dofs["string.position"]
+    model.system.accept(0.0)
+    start, furthest, stayed, first = asm.x.copy(), [], 0, around.depth.copy()
+    for k in range(200):
+        asm.x[:] = start
+        asm.x[places] += 4e-4 * k * model.tangent + 5e-4 * rng.standard_normal(places.shape)
+        stayed += around._stays(asm)
         model.system.accept(0.0)
-        start, found, stayed = asm.x.copy(), [], 0
-        for k in range(200):
-            asm.x[:] = start
-            asm.x[places] += 4e-4 * k * model.tangent + 5e-4 * rng.standard_normal(places.shape)
-            if forget:
-                around._from = None
-            stayed += around._stays(asm)
-            model.system.accept(0.0)
-            found.append(around.get_state())
-        depths.append(np.array(found))
-        assert (stayed == 0) if forget else (20 < stayed < 180)
-    assert np.array_equal(*depths)
-    assert (np.diff(depths[0][:, :, 0], axis=0) != 0).any()
+        furthest.append(np.abs(model.well.project(asm.x[places]).md - around.depth).max())
+    # the lateral noise of 0.5 mm on a curved hole adds some micrometres
+    assert max(furthest) < SURELY_NEAR[0] + 1e-5 and max(furthest) > 0.9 * REFRESH
+    assert 100 < stayed < 195
+    assert (around.depth != first).all()

@@ -26,14 +26,14 @@ def test_weight_stays_when_the_axis_of_the_end_is_renewed(bit, stiffness, monkey
         def watched(total):
             axis, weight, depth = (
                 rock.hole.direction,
-                rock._evaluate_results(asm)[0],
+                float(rock.element_results(asm)[0]),
                 rock.depth_of_face(asm)[0],
             )
             update(total)
             turn = np.linalg.norm(rock.hole.direction - axis)
             if turn > 0:
                 changes.append(
-                    (turn, rock._evaluate_results(asm)[0] - weight, rock.depth_of_face(asm)[0] - depth)
+                    (turn, float(rock.element_results(asm)[0]) - weight, rock.depth_of_face(asm)[0] - depth)
                 )
 
         monkeypatch.setattr(rock, "apply_update", watched)

@@ -35,6 +35,7 @@ SLANTED = 1e-3  # horizontal part of the string's direction from which on a stri
 FIRST_FLOW_INCREMENT = 1e-2  # of the flow from which flow and string are solved together
 #: axial direction (down positive) and rotation of each motion of the `statics` command
 MOTIONS = {"hoist": (-1.0, 0.0), "lower": (1.0, 0.0), "rotate": (0.0, 1.0)}
+SIDE_LOADS_LEFT = (0.3, 0.1, 0.03, 0.0)  # shares in which side loads are taken away from a string in mud
 
 
 def director_equilibrium(
@@ -171,6 +172,7 @@ def _newton_with_flow(problem: StaticProblem) -> float:
         problem.impose(reached)
         try:
             couple_flow_and_string(model, solver, state.equilibrium, problem.lowering)
+            _without_side_loads(problem, reached)
             # a rough state may lie before the weight that makes the string buckle, which the flow's solve then adds
             if increment == CONVERGED_INCREMENT or problem.moves or solver.negative_pivots() <= 0:
                 return reached
@@ -180,6 +182,28 @@ def _newton_with_flow(problem: StaticProblem) -> float:
         restore()
         asm.freeze(fluid_unknowns(model.system))
     return reached
+
+
+def _without_side_loads(problem: StaticProblem, reached: float) -> None:
+    """Take away the side loads that found the state of string and flow, if it is stable without them; they stay otherwise."""
+    asm, restore = problem.model.system.assembly, problem.save()
+    load = asm.dead_load
+    if load is None or problem.model.fluid is None:
+        return
+    problem.state.equilibrium.imperfection = 0.0
+    try:
+        # not at once: under the flow of the loaded string the string without its loads may be straight
+        for share in SIDE_LOADS_LEFT:
+            asm.dead_load = share * load if share else None
+            problem.impose(reached)
+            couple_flow_and_string(problem.model, problem.solver, problem.state.equilibrium, problem.lowering)
+        problem.set_friction_aside()
+        stable = not problem.solver.negative_pivots()
+    except SolveError:
+        stable = False
+    if not stable:
+        restore()
+    problem.impose(reached)
 
 
 def _answer_by_newton(problem: StaticProblem) -> float:
