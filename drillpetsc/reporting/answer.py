@@ -46,7 +46,7 @@ class Check:
     @property
     def state(self) -> str:
         """Word for the share."""
-        if self.share is None or not np.isfinite(self.share):
+        if self.share is None or np.isnan(self.share):
             return UNKNOWN
         return EXCEEDED if self.share > 1.0 else NEAR if self.share > CLOSE else WITHIN
 
@@ -58,9 +58,16 @@ class Check:
         return self.value - self.limit if self.below else self.limit - self.value
 
 
+def _share(value: float | None, limit: float | None) -> float | None:
+    """Share of the largest allowed value that is used; None if one of the two is not known."""
+    if value is None or limit is None:
+        return None
+    return value / limit if limit > 0 else np.inf
+
+
 def _upper(name: str, title: str, value: float, limit: float | None, where: str, missing: str = "") -> Check:
     """A figure that must stay below its limit."""
-    return Check(name, title, value, limit, where, None if limit is None else value / limit, missing=missing)
+    return Check(name, title, value, limit, where, _share(value, limit), missing=missing)
 
 
 # ---------------------------------------------------------------------- figures of each kind of run
@@ -123,7 +130,7 @@ def _of_limits(run: Run, case: Case) -> Iterator[Check]:
         )
     turning = s.get("motion", {}).get("rotation") != 0.0
     row = (s.get("available_wob") or {}).get("drilling" if turning else "sliding")
-    if row and row.get("wob") and s.get("wob"):
+    if row and row.get("wob") is not None and s.get("wob"):
         why = (
             f"then {row['limited_by']} buckling"
             if row["limited_by"] in ("helical", "sinusoidal")
@@ -168,11 +175,15 @@ def _of_surge(run: Run, case: Case) -> Iterator[Check]:
     planned = None if case.roadmap is None else case.roadmap.trip_speed
     for operation in ("trip_in", "trip_out"):
         rows = [row for row in run.summary.get("max_trip_speed") or () if row["operation"] == operation]
-        rows = [row for row in rows if row["max_trip_speed"] and row["limited_by"] not in ("none", "-")]
+        rows = [
+            row
+            for row in rows
+            if row["max_trip_speed"] is not None and row["limited_by"] not in ("none", "-")
+        ]
         if rows:
             row = min(rows, key=lambda row: row["max_trip_speed"])
             where = f"{row['pipe']} pipe, bit at MD {row['bit_depth']:.6g} m, {row['limited_by']}"
-            share = None if planned is None else planned / row["max_trip_speed"]
+            share = _share(planned, row["max_trip_speed"])
             name = "Trip speed, " + ("running in" if operation == "trip_in" else "pulling out")
             yield Check(
                 name,
@@ -238,7 +249,7 @@ def answer(runs: Sequence[Run], case: Case, system: System) -> Answer | None:
         if check.share is None:
             where += f"; {check.missing} is not given" if check.missing else ""
         margin = text(check.margin, check.title)
-        if check.share is not None:
+        if check.share is not None and np.isfinite(check.share):
             margin += f" ({100 * (1 - check.share):.0f} %)"
         rows.append((check.name, value, limit, margin, check.state, where))
     return Answer(_sentence(found), rows)

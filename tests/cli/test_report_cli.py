@@ -16,6 +16,7 @@ import pytest
 
 from drillpetsc.case import load_case
 from drillpetsc.cli import main
+from drillpetsc.output import RunFolder
 from drillpetsc.output.files.tables import read_table
 from drillpetsc.output.shown_units import lengths_shown
 from drillpetsc.reporting.answer import answer, checks
@@ -417,3 +418,31 @@ def test_ecd_is_compared_within_the_window_of_the_open_hole(tmp_path: Path) -> N
         assert found["ECD above pore pressure"].share == pytest.approx(1 - place.min(), rel=1e-6)
         states[frac] = found["ECD below fracture gradient"].state
     assert states == {11.5: "within", 10.2: "exceeded"}
+
+
+def test_a_limit_of_zero_is_exceeded(tmp_path: Path) -> None:
+    """A string that can give no weight on bit, and a trip that leaves the window at any speed."""
+    (tmp_path / "case.yaml").write_text(CASE + MUD + "roadmap: {trip_speed: 100 ft/min}\n")
+    (tmp_path / "limits.csv").write_text("md [m]\n")
+    (tmp_path / "surge.csv").write_text("bit_depth [m]\n")
+    trip = {
+        "operation": "trip_in",
+        "pipe": "closed",
+        "bit_depth": 500.0,
+        "max_trip_speed": 0.0,
+        "limited_by": "frac at TVD 400 m",
+    }
+    summary = {
+        "operation": "sliding",
+        "motion": {"rotation": 0.0},
+        "choices": {"side_force_per_joint": 9e3},
+        "weakest": {},
+        "wob": 1e4,
+        "available_wob": {"sliding": {"wob": 0.0, "limited_by": "helical"}},
+        "max_trip_speed": [trip],
+    }
+    found = checks([Run(RunFolder(tmp_path), "one", summary)], load_case(tmp_path / "case.yaml"))
+    assert {check.name: check.state for check in found} == {
+        "Weight on bit": "exceeded",
+        "Trip speed, running in": "exceeded",
+    }

@@ -175,5 +175,7 @@ def test_the_push_of_mud_above_a_top_inside_the_hole_is_stated(units, tmp_path):
     newtons = {"kN": 1e3, "lbf": 4.44822, "klbf": 4448.22}
     number, unit = said.split("upper face, ")[1].split(". A rig")[0].split()
     assert float(number) * newtons[unit] == pytest.approx(push, rel=2e-3)
-    number, unit = said.split("A rig sees both, ")[1].split(" in all")[0].split()  # the buoyed load of the string
+    number, unit = (
+        said.split("A rig sees both, ")[1].split(" in all")[0].split()
+    )  # the buoyed load of the string
     assert float(number) * newtons[unit] == pytest.approx((7850.0 - 1200.0) * 9.81 * steel - 2e4, rel=2e-3)
