@@ -35,7 +35,9 @@ SLANTED = 1e-3  # horizontal part of the string's direction from which on a stri
 FIRST_FLOW_INCREMENT = 1e-2  # of the flow from which flow and string are solved together
 #: axial direction (down positive) and rotation of each motion of the `statics` command
 MOTIONS = {"hoist": (-1.0, 0.0), "lower": (1.0, 0.0), "rotate": (0.0, 1.0)}
-SIDE_LOADS_LEFT = (0.3, 0.1, 0.03, 0.0)  # shares in which side loads are taken away from a string in mud
+#: shares in which side loads are taken away from a string in mud: at once, else in steps, because under the flow of the loaded string the
+#: string without its loads may be straight
+SIDE_LOADS_LEFT = (0.0,), (0.3, 0.1, 0.03, 0.0)
 
 
 def director_equilibrium(
@@ -188,20 +190,23 @@ def _without_side_loads(problem: StaticProblem, reached: float) -> None:
     """Take away the side loads that found the state of string and flow, if it is stable without them; they stay otherwise."""
     asm, restore = problem.model.system.assembly, problem.save()
     load = asm.dead_load
-    if load is None or problem.model.fluid is None:
+    if load is None or problem.model.fluid is None or not problem.leaves_loads:
         return
-    problem.state.equilibrium.imperfection = 0.0
-    try:
-        # not at once: under the flow of the loaded string the string without its loads may be straight
-        for share in SIDE_LOADS_LEFT:
-            asm.dead_load = share * load if share else None
-            problem.impose(reached)
-            couple_flow_and_string(problem.model, problem.solver, problem.state.equilibrium, problem.lowering)
-        problem.set_friction_aside()
-        stable = not problem.solver.negative_pivots()
-    except SolveError:
-        stable = False
-    if not stable:
+    for shares in SIDE_LOADS_LEFT:
+        problem.state.equilibrium.imperfection = 0.0
+        try:
+            for share in shares:
+                asm.dead_load = share * load if share else None
+                problem.impose(reached)
+                couple_flow_and_string(
+                    problem.model, problem.solver, problem.state.equilibrium, problem.lowering
+                )
+            problem.set_friction_aside()
+            stable = not problem.solver.negative_pivots()
+        except SolveError:
+            stable = False
+        if stable:
+            break
         restore()
     problem.impose(reached)
 

@@ -149,9 +149,9 @@ def _by_relaxation(problem: StaticProblem) -> float:
             failure = error
             continue
         if not solver.negative_pivots() or len(strengths) == 1:
-            if (
-                strength and model.fluid is None
-            ):  # with mud the flow is found first: it may move the string far
+            problem.leaves_loads = bool(strength)
+            # with mud the flow is found first: it may move the string far
+            if strength and model.fluid is None:
                 _take_side_loads_away(problem, reached)
             return reached
         saddle = saddle or (Snapshot(model), reached)

@@ -54,6 +54,7 @@ class StaticProblem:
     origin: the string along the hole.
     solve(model): solves the same problem on another mesh.
     paths: a path may be followed if Newton's method finds no state.
+    leaves_loads: the state found may be stable without its side loads, once string and flow are in equilibrium.
     """
 
     model: DrillingModel
@@ -67,6 +68,7 @@ class StaticProblem:
     origin: Snapshot
     solve: Callable[[DrillingModel], StaticState]
     paths: bool = True
+    leaves_loads: bool = False
 
     @property
     def moves(self) -> bool:
