@@ -386,14 +386,15 @@ def test_a_buckled_column_in_mud_is_that_of_the_other_formulation():
     String and flow in turn went from 5.5 to 1.7 m and back without end; the change in shares finds the state.
     """
     ends = []
-    for formulation in ("mixed", "hermite"):
+    # the side loads that lead off the saddle are taken away, so their strength leaves no trace
+    for formulation, weak in (("mixed", 1e-3), ("hermite", 1e-3), ("hermite", 1e-2)):
         model = build_model(
             closed_bottom(
                 formulation,
                 100.0,
                 0.0,
                 {"kind": "bit", "stiffness": 4e6, "friction": 0.0},
-                initial={"wob": 4e3},
+                initial={"wob": 4e3, "imperfection": weak},
             )
         )
         state = find_equilibrium(model)
@@ -402,3 +403,4 @@ def test_a_buckled_column_in_mud_is_that_of_the_other_formulation():
         x, y, _ = model.system.field("string.position")[-1]
         ends.append(float(np.hypot(x, y)))
     assert ends[0] > 1.0 and ends[1] == pytest.approx(ends[0], rel=0.01)
+    assert ends[2] == pytest.approx(ends[1], rel=1e-6)

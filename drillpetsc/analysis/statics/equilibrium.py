@@ -37,7 +37,7 @@ FIRST_FLOW_INCREMENT = 1e-2  # of the flow from which flow and string are solved
 MOTIONS = {"hoist": (-1.0, 0.0), "lower": (1.0, 0.0), "rotate": (0.0, 1.0)}
 #: shares in which side loads are taken away from a string in mud: at once, else in steps, because under the flow of the loaded string the
 #: string without its loads may be straight
-SIDE_LOADS_LEFT = (0.0,), (0.3, 0.1, 0.03, 0.0)
+SIDE_LOADS_LEFT = (0.0,), (0.3, 0.1, 0.03, 0.01, 3e-3, 1e-3, 0.0)
 
 
 def director_equilibrium(
