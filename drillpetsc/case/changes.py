@@ -12,6 +12,7 @@ from typing import Any
 
 from drillpetsc.case.files.yaml_text import read_value
 from drillpetsc.case.key_paths import parsed
+from drillpetsc.case.quantities import with_text
 from drillpetsc.errors import CaseError
 
 WITHOUT = {"contact": "none"}  # blocks that a case has by default -> the value that removes them
@@ -62,7 +63,8 @@ def override(data: Mapping[str, Any], change: str) -> dict[str, Any]:
 
 
 def text_of(value: Any) -> str:
-    """A value as text of a case file: a text is taken as it is, all others as YAML."""
+    """A value as text of a case file: a text is taken as it is, a quantity of pint with its unit, all others as YAML."""
+    value = with_text(value)
     return (
         value
         if isinstance(value, str)
