@@ -55,11 +55,12 @@ void alpha_begin(const AlphaCall* call, const double* q, double last, double h, 
     }
 }
 
-// The history after the step to the state x, y, w (n).
-void alpha_advance(const AlphaCall* call, const double* q, double last, double h, const double* x, const double* y, const double* w, double* out) {
+// The history after the step to the state x, y, w (n), and the local error e (n) of that step.
+void alpha_advance(const AlphaCall* call, const double* q, double last, double h, const double* x, const double* y, const double* w, double* out,
+                   double* e) {
     const AlphaCall& c = *call;
     const long n = c.n;
-    const double change = h - last, m = c.mean_mass, k = c.mean_force, g = c.gamma;
+    const double change = h - last, spread = last != 0.0 ? 2 * h / (h + last) : 0.0, m = c.mean_mass, k = c.mean_force, g = c.gamma;
     for (int i = 0; i < c.n; ++i) {
         const Led a(c, q, change, i);
         const double dx = x[i] - q[X * n + i], dy = y[i] - q[Y * n + i], rate = q[RATE * n + i], second = q[SECOND * n + i];
@@ -77,25 +78,21 @@ void alpha_advance(const AlphaCall* call, const double* q, double last, double h
             out[DW * n + i] = (w[i] - q[W * n + i]) / h;
             out[DSECOND * n + i] = (next - second) / h;
             out[DU * n + i] = 0.0;
+            e[i] = c.position_error * h * h * (ax - a.x);
         } else {
+            const double du = dy / h;
             out[W * n + i] = out[RATE * n + i] = out[SECOND * n + i] = out[AY * n + i] = 0.0;
             out[AX * n + i] = (dx - h * (1 - c.gamma_rate) * a.x) / (c.gamma_rate * h);
             out[DW * n + i] = -q[W * n + i] / h;
             out[DSECOND * n + i] = -second / h;
-            out[DU * n + i] = dy / h;
+            out[DU * n + i] = du;
+            e[i] = c.rate_error * h * h * (du - q[DU * n + i]) * spread;
         }
     }
 }
 
-// Local error e (n) of the step h that led from the history q to ``later``.
-void alpha_error(const AlphaCall* call, const double* q, double last, const double* later, double h, double* e) {
-    const AlphaCall& c = *call;
-    const long n = c.n;
-    const double change = h - last, spread = last != 0.0 ? 2 * h / (h + last) : 0.0;
-    for (int i = 0; i < c.n; ++i) {
-        const Led a(c, q, change, i);
-        e[i] = c.second_order[i] ? c.position_error * h * h * (later[AX * n + i] - a.x)
-                                 : c.rate_error * h * h * (later[DU * n + i] - q[DU * n + i]) * spread;
-    }
+// Local errors e of the m controlled unknowns at these rows, over their tolerances.
+void error_over_tolerance(int m, const int* rows, const double* e, const double* tolerance, double* out) {
+    for (int k = 0; k < m; ++k) out[k] = e[rows[k]] / tolerance[k];
 }
 }
