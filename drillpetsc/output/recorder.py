@@ -31,7 +31,6 @@ from drillpetsc.output.table_rows import SampleLayout, TableColumn, TableRow, be
 from drillpetsc.parallel import total, total_in_order
 from drillpetsc.solvers.time.local_error import OutputErrors
 
-ROW_ROUNDING = 1e-9  # a step this near to a row's time may be the one that it is due at
 STEPS_AT_ONCE = 256  # most steps whose outputs are computed together
 STEPS_AHEAD = 3.0  # a step at most doubles: with it, the step before the one that passes a row is sampled
 
@@ -134,9 +133,12 @@ class Recorder:
         #: rows that are due and not computed: samples at their times, and numbers of both tables taken at the time of writing
         self._kept: list[FloatArray] = []
         self._now: list[tuple[list[float], list[float]]] = []
+        self._rows: list[tuple[FloatArray, FloatArray]] = []  # that are computed: of both tables
         self._keeps = False
         self._record = StepRecord(self.system, STEPS_AT_ONCE)  # steps whose outputs are not computed yet
-        self._grows = model.drilling is not None
+        if model.bit is not None and model.bit.hole is not None:
+            # places in a hole are found in the hole at their time
+            model.bit.hole.before_change.append(self._before_hole_changes)
         self._waiting: list[_Step] = []
         self._event = PETSc.Log.Event("Output")
 
@@ -206,9 +208,7 @@ class Recorder:
             self._record.add(seen, sampled)
             followed = self.energy.follow(t) if self.energy is not None else 0.0
         self._waiting.append(_Step(t, dt, fresh, sampled, followed))
-        # a growing hole changes the positions of points in it: for a row they are found at its step
-        row = self._grows and t * (1 + ROW_ROUNDING) >= next_row
-        if row or len(self._waiting) >= self._record.capacity:
+        if len(self._waiting) >= self._record.capacity:
             self.catch_up()
 
     def rows_due(self, times: Sequence[float], t: float, newton: float, dt: float, keep: bool) -> None:
@@ -441,14 +441,26 @@ class Recorder:
     @property
     def kept(self) -> int:
         """Number of rows kept."""
-        return len(self._now)
+        return len(self._now) + sum(len(rows) for rows, _ in self._rows)
 
     def kept_rows(self) -> tuple[FloatArray, FloatArray]:
         """(k, columns) rows of history.csv and of probes.csv that have been kept, which are then forgotten."""
-        history, probes = zip(*self._now, strict=True)
-        values = np.concatenate(self._kept)
-        self._kept, self._now = [], []
-        return self._history_row.rows(values, history), self._probe_row.rows(values, probes)
+        self._compute_rows()
+        history, probes = (np.concatenate(parts) for parts in zip(*self._rows, strict=True))
+        self._rows = []
+        return history, probes
+
+    def _compute_rows(self) -> None:
+        """Compute the rows of the samples that have been kept."""
+        if self._now:
+            history, probes = zip(*self._now, strict=True)
+            values = np.concatenate(self._kept)
+            self._kept, self._now = [], []
+            self._rows.append((self._history_row.rows(values, history), self._probe_row.rows(values, probes)))
+
+    def _before_hole_changes(self) -> None:
+        self.catch_up()
+        self._compute_rows()
 
     def probe_row(self, t: float) -> list[float]:
         """Row of probes.csv at ``t`` [s]."""

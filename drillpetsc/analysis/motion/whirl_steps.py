@@ -95,7 +95,17 @@ class WhirlSteps:
                 np.zeros(len(self._parts), dtype=int),
                 np.full(len(self._parts), np.inf),
             )
+            self._gather_cells(self._parts)
         return self._parts
+
+    def _gather_cells(self, parts: list[_Part]) -> None:
+        """Local elements of all sections of pipe, one section after the other, with their upper and lower nodes."""
+        #: of each part with elements on this rank: number, first of its elements in ``_cells``
+        self._here = [k for k, part in enumerate(parts) if len(part.cells)]
+        sizes = [len(parts[k].cells) for k in self._here]
+        self._starts = np.cumsum([0, *sizes])[:-1]
+        self._cells = np.concatenate([np.zeros(0, dtype=int), *(parts[k].cells for k in self._here)])
+        self._upper, self._lower = self.model.system.chain.ends[self._cells].T.copy()
 
     def _find(self) -> list[_Part]:
         model, mesh = self.model, self.model.mesh
@@ -172,16 +182,18 @@ class WhirlSteps:
         if not parts or contact is None:
             return out
         # a part off the wall cannot roll, so it does not limit the step (manual: sec-time-choice)
-        touching, bodies = (forces > 0.0 for forces in contact.normal_forces(asm))
-        spin, ends = np.abs(asm.y[asm.dofs_of("string.spin")][:, 0]), self.model.system.chain.ends
+        forces, bodies = contact.normal_forces(asm)
+        spin = np.abs(asm.y.take(asm.dofs_of("string.spin")[:, 0]))
+        if self._here:
+            turning = np.maximum(spin.take(self._upper), spin.take(self._lower))
+            turning[forces.take(self._cells) <= 0.0] = 0.0
+            for k, fastest in zip(
+                self._here, np.maximum.reduceat(turning, self._starts).tolist(), strict=True
+            ):
+                out[k] = parts[k].rate(fastest)
         for k, part in enumerate(parts):
-            if part.body >= 0:
-                if part.node >= 0 and (bodies[part.body] or part.clearance == 0.0):
-                    out[k] = part.rate(float(spin[part.node]))
-            else:
-                on = part.cells[touching[part.cells]]
-                if len(on):
-                    out[k] = part.rate(float(spin[ends[on]].max()))
+            if part.node >= 0 and (part.clearance == 0.0 or bodies[part.body] > 0.0):
+                out[k] = part.rate(spin.item(part.node))
         comm = self.model.system.comm
         if comm.size > 1:
             from mpi4py import MPI

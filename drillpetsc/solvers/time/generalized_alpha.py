@@ -231,9 +231,6 @@ class GeneralizedAlpha(TimeIntegrator):
         if self._fixed:
             self._next_step = min(self.first_step, 2 * h) if rejected else self.first_step
         self._finish(end)
-        # the limit by whirl is for the contacts of the accepted state (manual: sec-time-choice)
-        if self.step_limit is not None and not self._fixed:
-            self._next_step = min(self._next_step, self.step_limit())
         return end, self._next_step
 
     def _after_failure(self, reason: int, t: float, h: float) -> float:
@@ -259,10 +256,14 @@ class GeneralizedAlpha(TimeIntegrator):
         if self._monitored:
             print(f"{self.counters.steps} TS dt {dt:g} time {t:g}", flush=True)
         self.system.accept(t)
-        if self.work is not None:
-            self.work.after_step(t, dt, self.newton.last_rows(), self.input_time(t), self.jumped)
-        for call in self.after_step:
-            call(t, dt)
+        with self.system.assembly.unchanged():  # results of the step are shared by all that follows
+            if self.work is not None:
+                self.work.after_step(t, dt, self.newton.last_rows(), self.input_time(t), self.jumped)
+            for call in self.after_step:
+                call(t, dt)
+            # the limit by whirl is for the contacts of the accepted state (manual: sec-time-choice)
+            if self.step_limit is not None and not self._fixed:
+                self._next_step = min(self._next_step, self.step_limit())
         self._steps_over_jump, self.fresh = max(0, self._steps_over_jump - 1), False
         # after the jump the mud has error control again
         self._mud_masked = self._mud_masked and self._steps_over_jump > 0
