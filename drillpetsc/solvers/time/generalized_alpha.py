@@ -153,6 +153,11 @@ class GeneralizedAlpha(TimeIntegrator):
             found[masked] = _Controlled(rows, self.tolerance * self.system.scale[rows])
         return found
 
+    @property
+    def next_step(self) -> float:
+        """``TimeIntegrator.next_step``."""
+        return self._next_step
+
     # ------------------------------------------------------------------ one step
     def _solve_step(self, t: float, h: float) -> int:
         """Solve the step of length ``h`` [s] that ends at ``t`` [s], which is then tried in the history: reason, negative without a solution."""
