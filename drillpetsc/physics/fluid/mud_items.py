@@ -15,7 +15,7 @@ from drillpetsc.arrays import FloatArray
 from drillpetsc.fem.component import Component, ElementBlock, Energies, Powers
 from drillpetsc.geometry.well import Well
 from drillpetsc.kernels.parameters import Parameters, columns
-from drillpetsc.physics.fluid.swirl import Swirl
+from drillpetsc.physics.fluid.swirl import MeanSpins, Swirl
 from drillpetsc.physics.rigid_bodies import VERTEX_SLOTS, local_vertices
 
 RESULTS = columns("mud_item_results")
@@ -79,6 +79,7 @@ class MudItems(Component):
         if any(q.share for q in self.items):
             self._swirl = Swirl(np.array([q.share for q in here]))
             self._swirl.attach(self._block, rows=np.arange(len(here)))
+            self._spins = MeanSpins(np.column_stack([self._vertices, self._vertices]))
         return (self._block,)
 
     # ------------------------------------------------------------------ hole and swirl
@@ -98,9 +99,6 @@ class MudItems(Component):
         self._locate(state)
         if self._swirl is not None:
             self._swirl.accept(t, self._spins(state))
-
-    def _spins(self, state) -> FloatArray:
-        return np.asarray(state.y[state.dofs_of("string.spin")][self._vertices, 0])
 
     def _locate(self, state) -> None:
         if not len(self._vertices):
