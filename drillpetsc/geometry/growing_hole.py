@@ -106,12 +106,16 @@ class GrowingHole:
         self._unreamed, self._reamed_shown = unreamed, dict(self._reamed_to)
         self.well = self._reamed(unreamed)
 
+    def grows_to(self, drilled: float) -> bool:
+        """Whether the hole changes with a length ``drilled`` [m] of new hole."""
+        return drilled - self._drilled >= SMALLEST_GROWTH
+
     def follow(self, drilled: float, position: FloatArray) -> bool:
         """Move the end; returns whether the hole has changed.
 
         drilled: length of new hole [m]; position: (3,) of the end [m].
         """
-        if drilled - self._drilled < SMALLEST_GROWTH:
+        if not self.grows_to(drilled):
             return False
         self._announce()
         self._drilled = drilled
