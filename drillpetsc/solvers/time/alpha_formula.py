@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import ctypes
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -42,42 +43,42 @@ class AlphaFormula:
         if not 0.0 <= self.radius <= 1.0:
             raise ValueError(f"spectral radius {self.radius:g} is not from 0 to 1")
 
-    @property
+    @cached_property
     def mean_mass(self) -> float:
         """Weight of the earlier algorithmic acceleration."""
         return (2 * self.radius - 1) / (1 + self.radius)
 
-    @property
+    @cached_property
     def mean_force(self) -> float:
         """Weight of the earlier true acceleration, and of the earlier rate of first-order unknowns."""
         return self.radius / (1 + self.radius)
 
-    @property
+    @cached_property
     def gamma(self) -> float:
         """Weight of the later acceleration in the velocity; 1/2 + shift of the acceleration gives order 2."""
         return 0.5 - self.mean_mass + self.mean_force
 
-    @property
+    @cached_property
     def beta(self) -> float:
         """Weight of the later acceleration in the position."""
         return 0.25 * (1 - self.mean_mass + self.mean_force) ** 2
 
-    @property
+    @cached_property
     def mean_rate(self) -> float:
         """Weight of the earlier algorithmic rate of first-order unknowns."""
         return (3 * self.radius - 1) / (2 * (1 + self.radius))
 
-    @property
+    @cached_property
     def gamma_rate(self) -> float:
         """Weight of the later algorithmic rate in a first-order unknown."""
         return 0.5 - self.mean_rate + self.mean_force
 
-    @property
+    @cached_property
     def lead(self) -> float:
         """Time by which an algorithmic acceleration is ahead of its step's end, as a fraction of the step."""
         return self.mean_mass - self.mean_force
 
-    @property
+    @cached_property
     def lead_rate(self) -> float:
         """The same for the algorithmic rate of first-order unknowns."""
         return self.mean_rate - self.mean_force
@@ -243,6 +244,7 @@ class AlphaHistory:
             0.0,
         )
         self.arrays, self._later_arrays = _by_name(self.values), _by_name(self._later)
+        self._values_at, self._later_at = pointer(self.values), pointer(self._later)
 
     def restore(self, step: float, values: FloatArray) -> None:
         """Continue with the ``values`` (len(ARRAYS), n) of another history, whose last step was ``step`` [s]."""
@@ -265,7 +267,7 @@ class AlphaHistory:
         In the guess the true acceleration stays, or the algorithmic rate.  step: [s]; v0, v1, x: addresses of arrays (n,).
         """
         shifts = self.formula.shifts(step)
-        _alpha_begin(self._at, pointer(self.values), self.step, step, *shifts, v0, v1, x)
+        _alpha_begin(self._at, self._values_at, self.step, step, *shifts, v0, v1, x)
 
     def advance(self, step: float, x: int, y: int, w: int) -> None:
         """Try a ``step`` [s] to the state at the addresses x, y, w of arrays (n,): ``error`` is its local error.
@@ -273,12 +275,14 @@ class AlphaHistory:
         ``accept`` takes it.
         """
         self._later_step = step
-        now, later = pointer(self.values), pointer(self._later)
-        _alpha_advance(self._at, now, self.step, step, x, y, w, later, self._error_at)
+        _alpha_advance(
+            self._at, self._values_at, self.step, step, x, y, w, self._later_at, self._error_at
+        )
 
     def accept(self) -> None:
         """Go on to the end of the step that ``advance`` tried last."""
         self.values, self._later = self._later, self.values
+        self._values_at, self._later_at = self._later_at, self._values_at
         self.arrays, self._later_arrays = self._later_arrays, self.arrays
         self.step = self._later_step
 
