@@ -403,15 +403,19 @@ class Contact(WallContact):
                 bodies.append(results.table.copy())
         return cells, bodies[-1] if len(bodies) == 2 else np.vstack(bodies)
 
-    def normal_forces(self, state) -> tuple[FloatArray, FloatArray]:
-        cells, bodies = np.zeros(len(self._part.cells)), np.zeros(len(self.mesh.bodies))
+    def evaluate(self, state) -> None:
+        self._block_results(state)
+
+    def normal_forces_at(self, state) -> tuple[np.ndarray, np.ndarray]:
+        cells, bodies = (np.zeros(n, dtype=np.uintp) for n in (len(self._part.cells), len(self.mesh.bodies)))
         items = iter(self._items)
         for b, results in zip(self._blocks, self._block_results(state), strict=True):
-            normal = results.table[:, _NORMAL]
+            table = results.table
+            at = pointer(table) + _NORMAL * table.itemsize + table.strides[0] * np.arange(len(table))
             if b.on == "cell":
-                cells[b.points] = normal
+                cells[b.points] = at
             else:
-                bodies[next(items)] = normal
+                bodies[next(items)] = at
         return cells, bodies
 
     def item_results(self, state) -> FloatArray:

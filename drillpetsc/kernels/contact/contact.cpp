@@ -44,6 +44,17 @@ DP_CONTACT_RESULTS(contact, ContactPlain)
 DP_CONTACT_RESULTS(contact_junction, ContactJunction)
 DP_CONTACT_RESULTS(body_contact, BodyContact)
 
+// Largest size of the spin, in each part of the string, beside its contacts with a normal force: n contacts with the places (n) of their
+// forces, places (n, 2) in the rates y of the spins beside them, and their parts (n).  fastest (parts): zero where none touches.
+extern "C" void fastest_on_wall(int n, const double* const* force, const int* spins, const double* y, const int* part, int parts, double* fastest) {
+    for (int k = 0; k < parts; ++k) fastest[k] = 0.0;
+    for (int i = 0; i < n; ++i) {
+        if (!(*force[i] > 0.0)) continue;
+        const double size = std::fmax(std::fabs(y[spins[2 * i]]), std::fabs(y[spins[2 * i + 1]]));
+        if (size > fastest[part[i]]) fastest[part[i]] = size;
+    }
+}
+
 // out: a BitContactResults for each
 extern "C" void bit_contact_results(int n, int, const int* idx, const double* par, const void*, const double* x, const double* y, double* out) {
     for (int e = 0; e < n; ++e) {

@@ -461,8 +461,8 @@ class RockBit(Bit):
     def local_update(self, state) -> FloatArray:
         """Return (12,) after an accepted step, zero without the bit; (13,) with a pattern.
 
-        Displacement of the end (3) [m] and length drilled since the start [m], time [s], number of bits, the bit's centre from the
-        end (3) [m], its direction (3), angle from which the pattern counts [rad].
+        Displacement of the end (3) [m] and length drilled since the start [m], time [s], number of bits; where the hole grows, the
+        bit's centre from the end (3) [m] and its direction (3); angle from which the pattern counts [rad].
         With ``post_step`` the end is moved in this call.
         """
         now = np.zeros(self.update_size)
@@ -472,9 +472,10 @@ class RockBit(Bit):
             i = state.index_of(self._block)[0]
             now[:4] = self.params["hold"][0] if self.rock.post_step else state.x[i[7:11]]
             now[4:6] = self._time, 1.0
-            direction = state.x[i[3:6]] / np.linalg.norm(state.x[i[3:6]])
-            place = state.x[i[:3]] + self.params["centre"][0] * direction
-            now[6:9], now[9:12] = place - self.params["end"][0] - now[:3], direction
+            if self.hole.grows_to(now.item(3)):
+                direction = state.x[i[3:6]] / np.linalg.norm(state.x[i[3:6]])
+                place = state.x[i[:3]] + self.params["centre"][0] * direction
+                now[6:9], now[9:12] = place - self.params["end"][0] - now[:3], direction
             if self.pattern:
                 now[12] = self.params["angle"][0]
         return now
