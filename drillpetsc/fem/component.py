@@ -217,6 +217,8 @@ class Component:
     has_constraints: bool = False
     #: the component's unknowns turn with the string, so its Jacobian is renewed in every solve
     turns_with_string: bool = False
+    #: laws of the user that the component calls (``physics.own_law.OwnLaw``)
+    own_laws: tuple[Any, ...] = ()
     #: number of components at a node of derived fields: quantities that are computed from the unknowns, and that
     #: other components use as fields
     derived_fields: dict[str, int] = {}

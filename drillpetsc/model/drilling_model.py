@@ -39,6 +39,7 @@ from drillpetsc.physics.contact import Contact, ContactLaw
 from drillpetsc.physics.end_conditions import EndPlace, FixedEnd, Loads, NodeLoad, RotaryDrive, TopDrive
 from drillpetsc.physics.hole_path import HolePath, is_curved
 from drillpetsc.physics.joints import Joints
+from drillpetsc.physics.own_law import FRICTION, OwnLaw
 from drillpetsc.physics.precurvature import Precurvature
 from drillpetsc.physics.quaternion.contact import QuaternionContact
 from drillpetsc.physics.rigid_bodies import RigidBodies
@@ -404,6 +405,8 @@ def _contact(
     if c.stribeck is not None:
         kinetic = max(q.friction for q in case.given_well.sections)
         ratio, speed = (c.stribeck.static / kinetic if kinetic > 0 else 1.0), c.stribeck.speed
+    q = c.friction_law
+    own = None if q is None else OwnLaw(FRICTION, q.function, q.call, q.parameters)
     stiffness, hardness = (
         mean_and_hardness(case, mesh, well) if c.stiffness == "physical" else (c.stiffness, None)
     )
@@ -416,6 +419,7 @@ def _contact(
         ratio,
         speed,
         c.points_per_element,
+        own,
     )
     return kind(mesh, well, law, case.formation is None, case.top.kind == "free", hardness)
 

@@ -6,7 +6,7 @@ import numpy as np
 
 from drillpetsc.arrays import FloatArray
 from drillpetsc.case.blocks.ends import BitBottom
-from drillpetsc.case.blocks.formation import Formation
+from drillpetsc.case.blocks.formation import Formation, PythonBitLaw
 from drillpetsc.case.blocks.items.string import Bit
 from drillpetsc.case.case import Case
 from drillpetsc.fem.string_mesh import StringMesh
@@ -25,6 +25,7 @@ from drillpetsc.physics.bit.rock_bit import (
     Weakening,
 )
 from drillpetsc.physics.contact import damping_factor
+from drillpetsc.physics.own_law import BIT, OwnLaw
 from drillpetsc.physics.wall_stiffness import ROCK_POISSON, STEEL_YOUNG, line_stiffness
 
 ROCK_STRENGTH = 60e6  # of a bit that cuts sideways, if not given [Pa]
@@ -73,7 +74,8 @@ def build_rock_bit(case: Case, mesh: StringMesh, well: Well) -> RockBit:
     inertia = case.time is None or case.time.mode == "dynamic"  # a bit without inertia cuts steadily
     law = formation.bit_law
     pattern = tuple(PatternOrder(q.order, q.amplitude, q.phase) for q in law.orders)
-    return RockBit(mesh.nodes - 1, shape, contact, _law(law.torque_law, radius), rock, hole, inertia, pattern)
+    chosen = _law(law.torque_law, radius, start)
+    return RockBit(mesh.nodes - 1, shape, contact, chosen, rock, hole, inertia, pattern)
 
 
 def _gauge(bit: Bit, formation: Formation) -> Gauge:
@@ -90,8 +92,11 @@ def _line_stiffness(case: Case, radius: float, load: float) -> float:
     return float(line_stiffness(load, radius, hole, STEEL_YOUNG, rock_young(case), ROCK_POISSON))
 
 
-def _law(law, radius: float) -> DragBit | Weakening | None:
-    """Create the torque law of a bit of ``radius`` [m]; None for friction at the rock."""
+def _law(law, radius: float, start: float) -> DragBit | Weakening | OwnLaw | None:
+    """Create the torque law of a bit of ``radius`` [m] that begins to drill at ``start`` [m]; None for friction at the rock."""
+    if isinstance(law, PythonBitLaw):
+        depths = start, start + 1.0, start + 10.0
+        return OwnLaw(BIT, law.function, law.call, law.parameters, {"depth": depths})
     if law.kind == "drag_bit":
         return DragBit(
             law.blades,

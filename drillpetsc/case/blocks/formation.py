@@ -9,6 +9,7 @@ from pydantic import BeforeValidator, Discriminator, Field, Tag, model_validator
 
 from drillpetsc.case.block import Block, derived_default, overlaid, tagged_union
 from drillpetsc.case.blocks.items.string import Friction
+from drillpetsc.case.blocks.own_law import PythonLaw
 from drillpetsc.case.key_paths import refuse
 from drillpetsc.case.quantities import Quantity, said
 
@@ -201,12 +202,20 @@ class VelocityWeakening(AnyLaw):
         return self
 
 
-_base, _base_tag = tagged_union(RopLaw, VelocityWeakening, short=("rop",))
+class PythonBitLaw(AnyLaw, PythonLaw):
+    """A function that gives the torque on bit, and if it likes the rate of penetration, from the state of the bit."""
+
+    stiffness: Stiffness = Field(default=None, description=_STIFFNESS)
+
+
+_base, _base_tag = tagged_union(RopLaw, VelocityWeakening, PythonBitLaw, short=("rop",))
 
 BaseLaw = Annotated[
-    Annotated[RopLaw, Tag("kind:RopLaw")] | Annotated[VelocityWeakening, Tag("kind:VelocityWeakening")],
+    Annotated[RopLaw, Tag("kind:RopLaw")]
+    | Annotated[VelocityWeakening, Tag("kind:VelocityWeakening")]
+    | Annotated[PythonBitLaw, Tag("kind:PythonBitLaw")],
     Discriminator(_base_tag),
-    BeforeValidator(_base, json_schema_input_type=Literal["rop"] | RopLaw | VelocityWeakening),
+    BeforeValidator(_base, json_schema_input_type=Literal["rop"] | RopLaw | VelocityWeakening | PythonBitLaw),
 ]
 
 
@@ -230,7 +239,7 @@ class RollerCone(AnyLaw):
     )
     base: BaseLaw = Field(
         default=RopLaw(kind="rop"),
-        description="law of torque and rate of penetration: rop, or velocity_weakening",
+        description="law of torque and rate of penetration: rop, velocity_weakening, or python",
     )
     stiffness: Stiffness = Field(default=None, description=_STIFFNESS)
 
@@ -263,17 +272,25 @@ class RollerCone(AnyLaw):
         return self.base
 
 
-_law, _law_tag = tagged_union(RopLaw, DragBit, VelocityWeakening, RollerCone, short=("rop", "drag_bit"))
+_law, _law_tag = tagged_union(
+    RopLaw, DragBit, VelocityWeakening, RollerCone, PythonBitLaw, short=("rop", "drag_bit")
+)
 
 BitLaw = Annotated[
     Annotated[RopLaw, Tag("kind:RopLaw")]
     | Annotated[DragBit, Tag("kind:DragBit")]
     | Annotated[VelocityWeakening, Tag("kind:VelocityWeakening")]
-    | Annotated[RollerCone, Tag("kind:RollerCone")],
+    | Annotated[RollerCone, Tag("kind:RollerCone")]
+    | Annotated[PythonBitLaw, Tag("kind:PythonBitLaw")],
     Discriminator(_law_tag),
     BeforeValidator(
         _law,
-        json_schema_input_type=Literal["rop", "drag_bit"] | RopLaw | DragBit | VelocityWeakening | RollerCone,
+        json_schema_input_type=Literal["rop", "drag_bit"]
+        | RopLaw
+        | DragBit
+        | VelocityWeakening
+        | RollerCone
+        | PythonBitLaw,
     ),
 ]
 

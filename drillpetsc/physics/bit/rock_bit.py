@@ -23,6 +23,7 @@ from drillpetsc.physics.bit.bit_profile import CHIPS, chip_for, profile_derivati
 from drillpetsc.physics.bit.bit_side import SideLaw
 from drillpetsc.physics.contact import penetration
 from drillpetsc.physics.interfaces import Bit, SideContact
+from drillpetsc.physics.own_law import OwnLaw
 from drillpetsc.physics.rigid_bodies import VERTEX_SLOTS, local_vertices
 
 _rate = function("rock_rate", "pppddp")
@@ -160,7 +161,7 @@ class RockBit(Bit):
     Unknowns: displacement of the hole's end hole.end (3) [m], length drilled hole.drilled [m], the
     profile bit.chips [m] of a drag bit, and if the side yields the over-gauge hole.overgauge [m] in excess of new hole.
 
-    node: of the bit; shape, contact: of the bit; law: of its torque, None: friction; rock: the formation.
+    node: of the bit; shape, contact: of the bit; law: of its torque, or of the user, None: friction; rock: the formation.
     hole: the growing hole.
     inertia: the string has inertia; without it a drag bit cuts steadily and has no profile.
     pattern: of the bottom under a roller cone, empty: a plane bottom.  Not for a drag bit.
@@ -176,7 +177,7 @@ class RockBit(Bit):
         node: int,
         shape: BitShape,
         contact: BitContact,
-        law: DragBit | Weakening | None,
+        law: DragBit | Weakening | OwnLaw | None,
         rock: Rock,
         hole: GrowingHole,
         inertia: bool = True,
@@ -196,6 +197,10 @@ class RockBit(Bit):
         if pattern:
             assert not isinstance(law, DragBit)
             self.update_size = 13  # and the angle from which the pattern counts
+        self.own = law if isinstance(law, OwnLaw) else None
+        self._memory_from = self.update_size
+        if self.own is not None:
+            self.update_size += len(self.own.memory_names)
         self._zero_angle = 0.0
         self._made = self._law_record()
         self._flags = np.frombuffer(self._made, dtype=np.int32, count=1, offset=_Law.touching.offset)
@@ -257,6 +262,9 @@ class RockBit(Bit):
             r.derivative = pointer(self._derivative)
             share = r.torque_cut / r.cut
             self._torque = (r.rub - share) * r.contact, share
+        elif isinstance(law, OwnLaw):
+            r.kind, r.own, r.own_rate = KINDS["own"], law.record(1), float("rate" in law.gives)
+            r.start = self.hole.start
         elif isinstance(law, Weakening):
             r.kind, r.by_weight = KINDS["velocity_weakening"], float(law.by_weight)
             r.static_torque, r.dynamic_torque, r.speed = law.static, law.dynamic, law.speed
@@ -344,6 +352,12 @@ class RockBit(Bit):
 
     def _note(self, t: float) -> None:
         self._time = t
+        if self.own is not None:
+            self.own.at_time(t)
+
+    @property
+    def own_laws(self) -> tuple[OwnLaw, ...]:
+        return () if self.own is None else (self.own,)
 
     def _follow(self) -> None:
         self.params["axis"] = self.hole.direction
@@ -393,9 +407,11 @@ class RockBit(Bit):
 
     def torque_for(self, weight: float, spin: float) -> float:
         """Compute the torque [N m] of the bit that turns with ``spin`` [rad/s] under ``weight`` [N]."""
-        first, second = self._torque_line(spin)
         if weight <= 0:
             return 0.0
+        if self.own is not None:
+            return self.own.value(weight=weight, speed=spin, depth=self.hole.start)["torque"]
+        first, second = self._torque_line(spin)
         line, law = first + second * weight, self._made
         return (
             line - _beyond(weight, law.saturated) * (second - law.rub)
@@ -477,6 +493,9 @@ class RockBit(Bit):
             now[6:9], now[9:12] = place - self.params["end"][0] - now[:3], direction
             if self.pattern:
                 now[12] = self.params["angle"][0]
+            if self.own is not None and self.own.memory_names:
+                self.element_results_at(state)
+                now[self._memory_from :] = self.own.next_memory
         return now
 
     def apply_update(self, total: FloatArray) -> None:
@@ -484,6 +503,9 @@ class RockBit(Bit):
         self._end, self._accepted = total[:4].copy(), float(total[4])
         if self.pattern:
             self._zero_angle = float(total[12])
+        if self.own is not None:
+            self.own.raise_error()
+            self.own.set_memory(total[self._memory_from :])
         before = self.hole.direction
         if self.hole.follow(total[3], self.hole.start_point + total[:3]):
             self._follow()
@@ -519,7 +541,8 @@ class RockBit(Bit):
         """History variables for a checkpoint, the same on all ranks; includes the history of the hole."""
         angle = {"pattern_angle": np.array([self._zero_angle])} if self.pattern else {}
         own = {"hold": self._end, "accepted": np.array([self._accepted]), "turned": self._turned}
-        return own | angle | self.hole.get_state()
+        memory = {} if self.own is None else {f"memory.{name}": q for name, q in self.own.memory.items()}
+        return own | angle | memory | self.hole.get_state()
 
     def set_state(self, saved: dict[str, FloatArray]) -> None:
         """Continue from the history variables of a checkpoint."""
@@ -530,6 +553,9 @@ class RockBit(Bit):
         self._accepted = self._time = float(saved["accepted"][0])
         if self.pattern:
             self.params["angle"] = self._zero_angle = float(saved["pattern_angle"][0])
+        if self.own is not None:
+            none = np.full(1, np.nan)
+            self.own.set_memory([saved.get(f"memory.{name}", none)[0] for name in self.own.memory_names])
         self._follow()
 
     def contact_flags(self) -> tuple[ContactFlags, ...]:
@@ -541,6 +567,22 @@ class RockBit(Bit):
         energy [J], power into the rock [W], depth [m], offset of the bit's centre from the hole's axis [m],
         rate of penetration in space (3) [m/s], forces and couple of the side; zero without the bit; not to be changed."""
         return np.asarray(state.results(self._block, self._results, RESULTS.width).sums)
+
+    def element_results_at(self, state) -> FloatArray:
+        """``element_results`` (1, columns) computed anew, on the rank that has the bit."""
+        out, index = np.zeros((1, RESULTS.width)), np.ascontiguousarray(state.index_of(self._block))
+        compute = function(self._results, "iipppppp")
+        compute(
+            1,
+            index.shape[1],
+            pointer(index),
+            pointer(self.params.array),
+            self._block.context,
+            pointer(state.x),
+            pointer(state.y),
+            pointer(out),
+        )
+        return out
 
     def element_results_of(self, steps) -> FloatArray:
         return np.asarray(steps.sums(self._block, self._results, RESULTS.width))

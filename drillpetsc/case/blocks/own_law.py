@@ -1,0 +1,80 @@
+"""A law of the user: a function in Python that takes the place of a built-in law (manual: sec-own-physics)."""
+
+from __future__ import annotations
+
+import inspect
+from collections.abc import Callable
+from typing import Annotated, Any, Literal
+
+from pydantic import BeforeValidator, Field, PrivateAttr, model_validator
+
+from drillpetsc.case.block import Block
+from drillpetsc.case.files.own_function import load, name_of
+from drillpetsc.case.key_paths import refuse
+
+MEMORY = "memory"  # parameter of a function that keeps numbers from step to step
+
+
+class OwnLaw(Block):
+    """Keys of every law of the user."""
+
+    function: Annotated[str, BeforeValidator(name_of, json_schema_input_type=str)] = Field(
+        description="file.py:function, beside the case file, or module:function; from Python also the function itself"
+    )
+    parameters: dict[str, float] = Field(
+        default={}, description="numbers that the function takes by name, in SI units"
+    )
+    source: str | None = Field(
+        default=None,
+        description="SHA-256 of the file with the function, filled in; a case that gives it does not run with another file",
+    )
+
+    _call: Callable[..., Any] = PrivateAttr()
+
+    @property
+    def call(self) -> Callable[..., Any]:
+        """The function."""
+        return self._call
+
+    @model_validator(mode="after")
+    def _loaded(self) -> OwnLaw:
+        found = load(self.function)
+        if self.source not in (None, found.source):
+            want = f"the file of this case, with the SHA-256 {str(self.source)[:12]}..., not {found.source[:12] or 'no file'}..."
+            raise refuse(
+                "function", got=self.function, want=want, hint="remove source to use the present file"
+            )
+        self._call = found.call
+        self._check_signature()
+        self.fill_defaults(function=found.name, source=found.source or None)
+        return self
+
+    def _check_signature(self) -> None:
+        """Refuse a function that cannot be called with a state and the parameters of the case."""
+        try:
+            names = list(inspect.signature(self._call).parameters.values())
+        except (TypeError, ValueError):  # a built-in function has none
+            return
+        rest = {q.name: q for q in names[1:]}
+        for name in self.parameters:
+            if name not in rest and not any(q.kind is q.VAR_KEYWORD for q in names):
+                raise refuse(
+                    "parameters",
+                    name,
+                    want=f"a parameter of the function: {', '.join(rest) or 'it has none'}",
+                )
+        plain = (inspect.Parameter.POSITIONAL_ONLY, inspect.Parameter.POSITIONAL_OR_KEYWORD)
+        needed = [
+            q.name for q in rest.values()
+            if q.default is q.empty and q.kind in (*plain, q.KEYWORD_ONLY) and q.name not in {MEMORY, *self.parameters}
+        ]  # fmt: skip
+        if not names or names[0].kind not in plain or needed:
+            hint = f"give parameters: {{{needed[0]}: ...}}, or a default in the function" if needed else ""
+            want = "a function of the state, and of parameters by name"
+            raise refuse("function", got=self.function, want=want, hint=hint)
+
+
+class PythonLaw(OwnLaw):
+    """A law that is a function in Python."""
+
+    kind: Literal["python"] = Field(description="a function in Python")
