@@ -32,4 +32,4 @@ def warming(state, memory, torque=600.0, time=0.01):
     heat = memory.get("heat", 0.0)
     friction = torque * (1 - 0.5 * np.tanh(heat / 3e3)) * np.tanh(state.speed)
     heat = heat + np.clip(passed / time, 0, 1) * (friction * state.speed - heat)
-    return {"torque": friction, "rate": 1e-7 * state.weight, "memory": {"heat": heat, "time": state.time}}
+    return {"torque": friction, "rate": 2e-6 * state.weight, "memory": {"heat": heat, "time": state.time}}
