@@ -474,6 +474,10 @@ class RockBit(Bit):
         state.x[i[11 : 11 + CHIPS]] = (depth - chip + cut * ahead) if weight > 0 else 0.0
 
     # ------------------------------------------------------------------ growth
+    def accept(self, t: float, state) -> None:
+        if self.own is not None:
+            self.own.at_time(t)
+
     def local_update(self, state) -> FloatArray:
         """Return (12,) after an accepted step, zero without the bit; (13,) with a pattern.
 
