@@ -217,8 +217,6 @@ class Component:
     has_constraints: bool = False
     #: the component's unknowns turn with the string, so its Jacobian is renewed in every solve
     turns_with_string: bool = False
-    #: laws of the user that the component calls (``physics.own_law.OwnLaw``)
-    own_laws: tuple[Any, ...] = ()
     #: number of components at a node of derived fields: quantities that are computed from the unknowns, and that
     #: other components use as fields
     derived_fields: dict[str, int] = {}
@@ -262,6 +260,11 @@ class Component:
         """Begin states that a changed case has and the restored state lacks, at ``t`` [s]; True if any changed,
         on the rank that has them."""
         return False
+
+    @property
+    def own_laws(self) -> tuple[Any, ...]:
+        """Laws of the user that the component calls (``physics.own_law.OwnLaw``)."""
+        return ()
 
     # ------------------------------------------------------------------ events
     #: the component's law may change at a state that is reached in time, such as a jar that fires

@@ -202,7 +202,7 @@ class VelocityWeakening(AnyLaw):
         return self
 
 
-class PythonBitLaw(AnyLaw, PythonLaw):
+class PythonBitLaw(AnyLaw, PythonLaw):  # type: ignore[misc]  # kind: one of its words
     """A function that gives the torque on bit, and if it likes the rate of penetration, from the state of the bit."""
 
     stiffness: Stiffness = Field(default=None, description=_STIFFNESS)

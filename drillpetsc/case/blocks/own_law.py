@@ -1,4 +1,4 @@
-"""A law of the user: a function in Python that takes the place of a built-in law (manual: sec-own-physics)."""
+"""Functions of the user in a case: a law in the place of a built-in one, a controller (manual: sec-own-physics)."""
 
 from __future__ import annotations
 
@@ -15,14 +15,14 @@ from drillpetsc.case.key_paths import refuse
 MEMORY = "memory"  # parameter of a function that keeps numbers from step to step
 
 
-class OwnLaw(Block):
-    """Keys of every law of the user."""
+FunctionName = Annotated[str, BeforeValidator(name_of, json_schema_input_type=str)]
 
-    function: Annotated[str, BeforeValidator(name_of, json_schema_input_type=str)] = Field(
+
+class OwnFunction(Block):
+    """Keys of every function of the user; the function is loaded as the case is read."""
+
+    function: FunctionName = Field(
         description="file.py:function, beside the case file, or module:function; from Python also the function itself"
-    )
-    parameters: dict[str, float] = Field(
-        default={}, description="numbers that the function takes by name, in SI units"
     )
     source: str | None = Field(
         default=None,
@@ -37,7 +37,7 @@ class OwnLaw(Block):
         return self._call
 
     @model_validator(mode="after")
-    def _loaded(self) -> OwnLaw:
+    def _loaded(self) -> OwnFunction:
         found = load(self.function)
         if self.source not in (None, found.source):
             want = f"the file of this case, with the SHA-256 {str(self.source)[:12]}..., not {found.source[:12] or 'no file'}..."
@@ -45,11 +45,22 @@ class OwnLaw(Block):
                 "function", got=self.function, want=want, hint="remove source to use the present file"
             )
         self._call = found.call
-        self._check_signature()
+        self.check_signature()
         self.fill_defaults(function=found.name, source=found.source or None)
         return self
 
-    def _check_signature(self) -> None:
+    def check_signature(self) -> None:
+        """Refuse a function that cannot be called."""
+
+
+class OwnLaw(OwnFunction):
+    """Keys of every law of the user."""
+
+    parameters: dict[str, float] = Field(
+        default={}, description="numbers that the function takes by name, in SI units"
+    )
+
+    def check_signature(self) -> None:
         """Refuse a function that cannot be called with a state and the parameters of the case."""
         try:
             names = list(inspect.signature(self._call).parameters.values())

@@ -57,8 +57,7 @@ def load(name: str) -> OwnFunction:
     Raises the error of the key ``function`` if it cannot be loaded; the hint gives the user's line.
     """
     if name in _objects:
-        call = _objects[name]
-        return OwnFunction(name, call, _digest(_file_of(call)))
+        return OwnFunction(name, _objects[name], _digest(_file_of(_objects[name])))
     place, _, words = name.rpartition(":" if ":" in name else ".")
     if not place or not all(word.isidentifier() for word in words.split(".")):
         raise refuse("function", got=name, want=WANTED)
@@ -72,7 +71,7 @@ def load(name: str) -> OwnFunction:
         )
     try:
         module = _imported(place) if file is None else _run(file)
-        call = reduce(getattr, words.split("."), module)
+        call: Any = reduce(getattr, words.split("."), module)
     except (Exception, SystemExit) as error:  # the user's file may raise anything
         raise refuse("function", got=name, want=WANTED, hint=_reason(error)) from None
     if not callable(call):
