@@ -6,7 +6,6 @@ Kernel: kernels/core/own_law.hpp.
 from __future__ import annotations
 
 import ctypes
-import inspect
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field, fields
 from math import isfinite
@@ -15,11 +14,10 @@ from typing import Annotated, Any, get_type_hints
 import numpy as np
 
 from drillpetsc.arrays import FloatArray
-from drillpetsc.case.blocks.own_law import MEMORY
-from drillpetsc.case.files.own_function import place_of
 from drillpetsc.errors import CaseError, SolveError
 from drillpetsc.kernels import pointer
 from drillpetsc.kernels.parameters import columns, structure
+from drillpetsc.own_code import MEMORY, parameters_of, place_of
 
 _Record = structure("own_law")  # OwnLaw of kernels/core/own_law.hpp
 _CALL = ctypes.CFUNCTYPE(None, ctypes.c_void_p, ctypes.c_int, ctypes.c_int, ctypes.c_void_p, ctypes.c_void_p)
@@ -108,13 +106,6 @@ class LawKind:
         return {f.name: hints[f.name].__metadata__[0] for f in fields(self.state) if f.name != "time"}
 
 
-def _takes_memory(call: Callable[..., Any]) -> bool:
-    try:
-        return MEMORY in inspect.signature(call).parameters
-    except (TypeError, ValueError):  # a built-in function has no signature
-        return False
-
-
 def _size_of(rows: FloatArray) -> FloatArray:
     """Size of a result with its derivatives (n, 1 + states)."""
     return np.asarray(rows * np.where(rows[:, :1] < 0, -1.0, 1.0))
@@ -181,7 +172,7 @@ class OwnLaw:
         self._known = {f"{name}_by_{by}" for name in self.results for by in self.states} | {*self.results}
         given = kind.given
         self._usual = [given[name] for name in self.states]
-        self._takes_memory = _takes_memory(call)
+        self._takes_memory = any(q.name == MEMORY for q in parameters_of(call))
         if self._takes_memory and not kind.memory:
             want = f"a function without the parameter {MEMORY}: the points of contact change"
             raise CaseError(at=f"{kind.key}.function", got=name, want=want)

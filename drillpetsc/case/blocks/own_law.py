@@ -11,9 +11,7 @@ from pydantic import BeforeValidator, Field, PrivateAttr, model_validator
 from drillpetsc.case.block import Block
 from drillpetsc.case.files.own_function import load, name_of
 from drillpetsc.case.key_paths import refuse
-
-MEMORY = "memory"  # parameter of a function that keeps numbers from step to step
-
+from drillpetsc.own_code import MEMORY, parameters_of
 
 FunctionName = Annotated[str, BeforeValidator(name_of, json_schema_input_type=str)]
 
@@ -62,10 +60,7 @@ class OwnLaw(OwnFunction):
 
     def check_signature(self) -> None:
         """Refuse a function that cannot be called with a state and the parameters of the case."""
-        try:
-            names = list(inspect.signature(self._call).parameters.values())
-        except (TypeError, ValueError):  # a built-in function has none
-            return
+        names = parameters_of(self._call)
         rest = {q.name: q for q in names[1:]}
         for name in self.parameters:
             if name not in rest and not any(q.kind is q.VAR_KEYWORD for q in names):

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import inspect
 import math
 from typing import Annotated, Any, Literal
 
@@ -12,6 +11,7 @@ from drillpetsc.case.block import Block, tagged_union
 from drillpetsc.case.blocks.own_law import FunctionName, OwnFunction
 from drillpetsc.case.key_paths import refuse
 from drillpetsc.case.quantities import Quantity, WordOrNumber, said
+from drillpetsc.own_code import parameters_of
 
 POWER_TOLERANCE = 0.01  # by which power and max_torque times base_speed may differ [-]
 
@@ -197,7 +197,7 @@ class PythonController(OwnFunction):
         return 0.0
 
     def check_signature(self) -> None:
-        if (count := len(inspect.signature(self.call).parameters)) not in (2, 3):
+        if (count := len(parameters_of(self.call))) not in (2, 3):
             want = "a function of t and measured, or of t, measured and memory"
             raise refuse("function", got=f"{self.function} with {count} parameters", want=want)
 

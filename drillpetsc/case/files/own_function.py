@@ -5,7 +5,6 @@ from __future__ import annotations
 import hashlib
 import importlib
 import importlib.util
-import inspect
 import sys
 import traceback
 from collections.abc import Callable, Iterator
@@ -18,6 +17,7 @@ from typing import Any
 
 from drillpetsc.case.files.survey_file import FOLDER
 from drillpetsc.case.key_paths import refuse
+from drillpetsc.own_code import file_of
 
 WANTED = "file.py:function beside the case file, or module:function of a module that can be imported"
 
@@ -57,7 +57,7 @@ def load(name: str) -> OwnFunction:
     Raises the error of the key ``function`` if it cannot be loaded; the hint gives the user's line.
     """
     if name in _objects:
-        return OwnFunction(name, _objects[name], _digest(_file_of(_objects[name])))
+        return OwnFunction(name, _objects[name], _digest(file_of(_objects[name])))
     place, _, words = name.rpartition(":" if ":" in name else ".")
     if not place or not all(word.isidentifier() for word in words.split(".")):
         raise refuse("function", got=name, want=WANTED)
@@ -77,17 +77,8 @@ def load(name: str) -> OwnFunction:
     if not callable(call):
         raise refuse("function", got=name, want="a function")
     if file is None:
-        return OwnFunction(name, call, _digest(_file_of(call)))
+        return OwnFunction(name, call, _digest(file_of(call)))
     return OwnFunction(f"{file}:{words}", call, _digest(file))
-
-
-def place_of(error: BaseException, call: Callable[..., Any]) -> str:
-    """``law.py, line 12`` where the user's function raised an error; empty if its code was not reached."""
-    own = _file_of(call)
-    lines = [
-        at for at in traceback.extract_tb(error.__traceback__) if own is not None and Path(at.filename) == own
-    ]
-    return f"{lines[-1].filename}, line {lines[-1].lineno}" if lines else ""
 
 
 def _find(name: str) -> Path | None:
@@ -127,14 +118,6 @@ def _importable(*folders: Path) -> Iterator[None]:
     finally:
         for path in paths:
             sys.path.remove(path)
-
-
-def _file_of(call: Callable[..., Any]) -> Path | None:
-    code = call if hasattr(call, "__code__") else type(call)
-    try:
-        return Path(inspect.getsourcefile(code) or "").resolve()
-    except TypeError:  # built in, or compiled
-        return None
 
 
 def _digest(file: Path | None) -> str:

@@ -5,7 +5,6 @@ Manual: sec-python-controller, sec-top-drive-sampled.
 
 from __future__ import annotations
 
-import inspect
 from collections.abc import Callable
 from typing import Any
 
@@ -14,6 +13,7 @@ import numpy as np
 from drillpetsc.case.blocks.top_drive import PythonController
 from drillpetsc.errors import SolveError
 from drillpetsc.model.drilling_model import DrillingModel
+from drillpetsc.own_code import parameters_of
 from drillpetsc.parallel import total
 from drillpetsc.physics.top.sampled_law import SampledLaw
 from drillpetsc.physics.top.sampled_torque import SampledTorque
@@ -45,7 +45,7 @@ class SampledControl:
             return
         self._name = controller.function
         self._function = controller.call
-        self._parameters = len(inspect.signature(self._function).parameters)
+        self._parameters = len(parameters_of(self._function))
 
     def __call__(self, t: float) -> None:
         """Set the torque from the time ``t`` [s] on; collective.  Raises SolveError for anything but a finite number."""
