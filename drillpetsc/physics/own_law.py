@@ -9,84 +9,39 @@ import ctypes
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field, fields
 from math import isfinite
-from typing import Annotated, Any, get_type_hints
+from typing import Any, get_type_hints
 
 import numpy as np
 
 from drillpetsc.arrays import FloatArray
 from drillpetsc.errors import CaseError, SolveError
 from drillpetsc.kernels import pointer
-from drillpetsc.kernels.parameters import columns, structure
-from drillpetsc.own_code import MEMORY, parameters_of, place_of
+from drillpetsc.kernels.parameters import structure
+from drillpetsc.own_code import (
+    MEMORY,
+    BitState,
+    CompiledLaw,
+    FrictionState,
+    Given,
+    RheologyState,
+    RockState,
+    parameters_of,
+    place_of,
+)
 
 _Record = structure("own_law")  # OwnLaw of kernels/core/own_law.hpp
-_CALL = ctypes.CFUNCTYPE(None, ctypes.c_void_p, ctypes.c_int, ctypes.c_int, ctypes.c_void_p, ctypes.c_void_p)
+_ARGUMENTS = ctypes.c_void_p, ctypes.c_int, ctypes.c_int, ctypes.c_void_p, ctypes.c_void_p
+_CALL = ctypes.CFUNCTYPE(None, *_ARGUMENTS)
 
 STEP = float(np.cbrt(np.finfo(float).eps))  # of a central difference, over the usual size
 CHECKED = 1e-4  # error of a derivative, over the largest of its result, beyond which it is doubted [-]
 
 
 @dataclass(frozen=True)
-class Given:
-    """What a law is called with, beside its state.  unit [SI]; meaning.
-
-    sample: usual values, at which the law is tried out; size: usual size, over which differences are taken; relative: the
-    differences grow with the value; least: smallest value that occurs.
-    """
-
-    unit: str
-    meaning: str
-    sample: tuple[float, float, float]
-    size: float
-    relative: bool = True
-    least: float = -np.inf
-
-
-@dataclass(frozen=True)
-class BitState:
-    """The bit on the bottom of its hole: numbers, or arrays (n,) of several states."""
-
-    weight: Annotated[Any, Given("N", "force on the bottom, along the hole", (2e4, 5e4, 1e5), 1e3, least=0.0)]
-    speed: Annotated[Any, Given("rad/s", "rotation of the bit", (0.5, 4.0, 12.0), 1.0)]
-    angle: Annotated[
-        Any, Given("rad", "angle through which the bit has turned", (0.0, 1.0, 30.0), 1.0, False)
-    ]
-    advance: Annotated[
-        Any, Given("m/s", "speed of the bit along the hole, down positive", (1e-3, 3e-3, 1e-2), 1e-2)
-    ]
-    depth: Annotated[Any, Given("m", "measured depth of the bottom", (1.0, 2.0, 5.0), 1.0, False)]
-    time: float = 0.0
-
-    @property
-    def depth_of_cut(self) -> Any:
-        """Advance per turn [m]."""
-        return 2 * np.pi * self.advance / self.speed
-
-
-@dataclass(frozen=True)
-class FrictionState:
-    """The string at a point of contact with the wall: numbers, or arrays (n,) of several points."""
-
-    normal: Annotated[
-        Any, Given("N", "normal force of the contact point", (10.0, 500.0, 5e3), 10.0, least=0.0)
-    ]
-    slip_speed: Annotated[
-        Any, Given("m/s", "speed of the surface against the wall", (0.02, 0.3, 2.0), 0.1, least=0.0)
-    ]
-    axial: Annotated[Any, Given("m/s", "its part along the hole, down positive", (0.01, 0.2, 1.0), 0.1)]
-    around: Annotated[Any, Given("m/s", "its part round the hole", (0.01, 0.2, 1.0), 0.1)]
-    given: Annotated[
-        Any, Given("", "friction coefficient of the wall or the item in the case", (0.2, 0.25, 0.3), 0.1)
-    ]
-    depth: Annotated[Any, Given("m", "measured depth", (10.0, 100.0, 1000.0), 1.0, False)]
-    time: float = 0.0
-
-
-@dataclass(frozen=True)
 class LawKind:
     """A law that the user can give.
 
-    key: of the case; state: class of what the function gets; symbol: of its columns in C++.
+    key: of the case; state: class of what the function gets, with fields in the order of the kernel.
     results: name -> (unit, meaning); the first is the one that a bare number means.
     defaults: result that is left out -> its value from the results that are given, None: the built-in law has it.
     memory: the function may keep numbers from step to step.
@@ -94,7 +49,6 @@ class LawKind:
 
     key: str
     state: type
-    symbol: str
     results: Mapping[str, tuple[str, str]]
     defaults: Mapping[str, Callable[[FloatArray], FloatArray] | None] = field(default_factory=dict)
     memory: bool = False
@@ -114,7 +68,6 @@ def _size_of(rows: FloatArray) -> FloatArray:
 BIT = LawKind(
     "formation.bit_law",
     BitState,
-    "own_bit",
     {
         "torque": ("N m", "torque on bit, against its rotation; it must pass through zero smoothly"),
         "grip": (
@@ -129,8 +82,22 @@ BIT = LawKind(
 FRICTION = LawKind(
     "contact.friction_law",
     FrictionState,
-    "own_friction",
     {"coefficient": ("", "friction coefficient; the wall multiplies it by the normal force")},
+)
+
+
+ROCK = LawKind(
+    "formation.rock_law",
+    RockState,
+    {
+        "strength": (
+            "",
+            "how many times the force the rock needs for the same cut, relative to the rock of the other keys",
+        )
+    },
+)
+RHEOLOGY = LawKind(
+    "fluid.rheology", RheologyState, {"stress": ("Pa", "shear stress, which grows with the shear rate")}
 )
 
 
@@ -147,7 +114,7 @@ class Mismatch:
 class OwnLaw:
     """A law of the user, called by a kernel.
 
-    kind: of the law; name: of the function; call: the function; parameters: that it takes by name [SI].
+    kind: of the law; name: of the function; call: the function, or a law of a plug-in; parameters: that it takes by name [SI].
     samples: of fields of the state, at which it is tried out, (3,) each; others have usual values.
 
     Raises CaseError if the function fails at the samples, or returns something else than it should.
@@ -157,13 +124,13 @@ class OwnLaw:
         self,
         kind: LawKind,
         name: str,
-        call: Callable[..., Any],
+        call: Any,
         parameters: Mapping[str, float] | None = None,
         samples: Mapping[str, tuple[float, float, float]] | None = None,
     ) -> None:
         self.kind, self.name, self.call = kind, name, call
         self.parameters = dict(parameters or {})
-        self.states, self.results = columns(f"{kind.symbol}_state").names, tuple(kind.results)
+        self.states, self.results = tuple(kind.given), tuple(kind.results)
         self.time = 0.0
         self.memory: dict[str, FloatArray] = {}
         self._next: dict[str, FloatArray] = {}
@@ -181,8 +148,11 @@ class OwnLaw:
         self._try_out(np.array([sample[name] for name in self.states], dtype=float).T)
 
     # ------------------------------------------------------------------ for kernels
-    def record(self, capacity: int) -> int:
-        """Create a record for a kernel that calls the law at up to ``capacity`` points; returns its address."""
+    def record(self, capacity: int, more: int = 0) -> int:
+        """Create a record for a kernel that calls the law at up to ``capacity`` points; returns its address.
+
+        more: address of the record of another law of the same kernel, 0 for none.
+        """
         S, R = len(self.states), len(self.results)
         state, out = np.zeros((max(1, capacity), S)), np.zeros((max(1, capacity), R, 1 + S))
 
@@ -193,10 +163,11 @@ class OwnLaw:
                 self._error = self._error or error
                 out[:n] = np.nan
 
-        called = _CALL(fill)
+        compiled = self.call if isinstance(self.call, CompiledLaw) else None
+        called = _CALL(fill) if compiled is None else compiled.entry
         record = _Record(
-            call=ctypes.cast(called, ctypes.c_void_p).value, state=pointer(state), results=pointer(out), states=S,
-            result_count=R, capacity=len(state),
+            call=ctypes.cast(called, ctypes.c_void_p).value, context=compiled and pointer(compiled.values), state=pointer(state), results=pointer(out), states=S,
+            result_count=R, capacity=len(state), next=more or None,
         )  # fmt: skip
         self._keep += [state, out, called, record]
         return ctypes.addressof(record)
@@ -248,6 +219,8 @@ class OwnLaw:
             out[:] = np.nan
             return out
         differenced = self._differenced if derivatives else ()
+        if isinstance(self.call, CompiledLaw):
+            return self._compiled(self.call, state, derivatives)
         points, spans = self._with_neighbours(state, differenced) if differenced else (state, [])
         found = self._called(points, n)
         for j, name in enumerate(self.results):
@@ -266,6 +239,17 @@ class OwnLaw:
         for name, default in self.kind.defaults.items():
             if default is not None and name not in self._gives:
                 out[:, self.results.index(name)] = default(out[:, 0])
+        return out
+
+    def _compiled(self, law: CompiledLaw, state: FloatArray, derivatives: bool) -> FloatArray:
+        """The same of a law in C++, results that it does not give left nan."""
+        at, out = np.ascontiguousarray(state), np.empty((len(state), len(self.results), 1 + len(self.states)))
+        law.entry.argtypes, law.entry.restype = _ARGUMENTS, None
+        law.entry(pointer(law.values), len(at), int(derivatives), pointer(at), pointer(out))
+        for j, name in enumerate(self.results):
+            bad = np.flatnonzero(~np.isfinite(out[:, j]).all(axis=1))
+            if name in self._gives and len(bad):
+                raise self._failed(f"{self.name} gave {name} = {out[bad[0], j, 0]}", state[bad[:1]], 1)
         return out
 
     def _with_neighbours(
@@ -364,6 +348,11 @@ class OwnLaw:
         """Find out what the function returns; one that works with numbers only is called for each state alone."""
         self._gives = frozenset(self.results)
         self._differenced: tuple[int, ...] = ()
+        self.mismatches: tuple[Mismatch, ...] = ()
+        self.memory_names: tuple[str, ...] = ()
+        if isinstance(self.call, CompiledLaw):
+            self._try_compiled(self.call, state)
+            return
         try:
             found = self._called(state, len(state))
         except SolveError as error:
@@ -383,6 +372,15 @@ class OwnLaw:
         self.mismatches = self._compared(state, found, known)
         self.memory_names = tuple(sorted(self._next))
         self._next = {}
+
+    def _try_compiled(self, law: CompiledLaw, state: FloatArray) -> None:
+        self._gives = frozenset()
+        found = self._compiled(law, state, True)
+        self._gives = frozenset(name for j, name in enumerate(self.results) if np.isfinite(found[:, j]).all())
+        if self.results[0] not in self._gives:
+            raise self._refused(
+                self._failed(f"{self.name} gave {self.results[0]} = {found[0, 0, 0]}", state, len(state))
+            )
 
     def _compared(
         self, state: FloatArray, found: dict[str, FloatArray], known: set[tuple[str, str]]

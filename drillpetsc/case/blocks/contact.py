@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import Field, ValidationInfo, field_validator, model_validator
 
 from drillpetsc.case.block import Block
 from drillpetsc.case.blocks.items.string import Friction
-from drillpetsc.case.blocks.own_law import PythonLaw
+from drillpetsc.case.blocks.own_law import LawOfKind
 from drillpetsc.case.key_paths import refuse
 from drillpetsc.case.quantities import Quantity
 
@@ -22,8 +22,10 @@ class Stribeck(Block):
     )
 
 
-class PythonFriction(PythonLaw):
-    """A function that gives the friction coefficient from the state at a contact point."""
+class OwnFriction(LawOfKind):
+    """A law of the user that gives the friction coefficient from the state at a contact point."""
+
+    of: ClassVar[str] = "OwnFriction"
 
 
 STIFFNESS_UNIT = {"linear": "Pa", "hertz": "N/m^2.5", "hertz_point": "N/m^1.5"}  # by contact law
@@ -54,7 +56,7 @@ class Contact(Block):
         default=0.01, description="slip speed over which friction builds up"
     )
     stribeck: Stribeck | None = Field(default=None, description="static friction; none when not given")
-    friction_law: PythonFriction | None = Field(
+    friction_law: OwnFriction | None = Field(
         default=None,
         description="the friction coefficient as a function of the state at each contact point; Coulomb's law, with stribeck, when not "
         "given. The soft string of torque-and-drag uses the coefficients of the wall",

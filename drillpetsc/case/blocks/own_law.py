@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import inspect
 from collections.abc import Callable
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import BeforeValidator, Field, PrivateAttr, model_validator
 
 from drillpetsc.case.block import Block
-from drillpetsc.case.files.own_function import load, name_of
+from drillpetsc.case.files.own_function import Found, load, load_compiled, name_of
 from drillpetsc.case.key_paths import refuse
 from drillpetsc.own_code import MEMORY, parameters_of
 
@@ -36,7 +36,7 @@ class OwnFunction(Block):
 
     @model_validator(mode="after")
     def _loaded(self) -> OwnFunction:
-        found = load(self.function)
+        found = self.find()
         if self.source not in (None, found.source):
             want = f"the file of this case, with the SHA-256 {str(self.source)[:12]}..., not {found.source[:12] or 'no file'}..."
             raise refuse(
@@ -46,6 +46,10 @@ class OwnFunction(Block):
         self.check_signature()
         self.fill_defaults(function=found.name, source=found.source or None)
         return self
+
+    def find(self) -> Found:
+        """Find the function."""
+        return load(self.function)
 
     def check_signature(self) -> None:
         """Refuse a function that cannot be called."""
@@ -80,7 +84,27 @@ class OwnLaw(OwnFunction):
             raise refuse("function", got=self.function, want=want, hint=hint)
 
 
-class PythonLaw(OwnLaw):
-    """A law that is a function in Python."""
+class OwnComponent(OwnLaw):
+    """A component of the user: a function that builds it from the string and its hole."""
 
-    kind: Literal["python"] = Field(description="a function in Python")
+
+class LawOfKind(OwnLaw):
+    """A law that is a function in Python, or compiled."""
+
+    of: ClassVar[str]
+    """Name in C++ of what the law is about."""
+
+    kind: Literal["python", "compiled"] = Field(
+        description="python: a function in Python; compiled: a law in a C++ file, file.cpp:law, whose folder is a plug-in"
+    )
+
+    def find(self) -> Found:
+        return (
+            load(self.function)
+            if self.kind == "python"
+            else load_compiled(self.function, self.of, self.parameters)
+        )
+
+    def check_signature(self) -> None:
+        if self.kind == "python":
+            super().check_signature()

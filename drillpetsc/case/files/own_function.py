@@ -7,18 +7,23 @@ import importlib
 import importlib.util
 import sys
 import traceback
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import reduce
+from importlib.metadata import entry_points
 from pathlib import Path
 from types import ModuleType
 from typing import Any
 
+import numpy as np
+
 from drillpetsc.case.files.survey_file import FOLDER
 from drillpetsc.case.key_paths import refuse
-from drillpetsc.own_code import file_of
+from drillpetsc.kernels import KernelsUnavailable, plug_in, text_of
+from drillpetsc.own_code import CompiledLaw, file_of
 
+INSTALLED = "drillpetsc.components"  # group of entry points: components of installed packages, by name
 WANTED = "file.py:function beside the case file, or module:function of a module that can be imported"
 
 _objects: dict[str, Callable[..., Any]] = {}  # functions given as objects, by their names
@@ -26,14 +31,14 @@ _modules: dict[tuple[Path, str], ModuleType] = {}  # files that were run, by pat
 
 
 @dataclass(frozen=True)
-class OwnFunction:
+class Found:
     """name: as a case file writes it, with the whole path of a file; call: the function.
 
     source: SHA-256 of the file that holds it, empty if there is none.
     """
 
     name: str
-    call: Callable[..., Any]
+    call: Any
     source: str
 
 
@@ -50,15 +55,16 @@ def name_of(value: Any) -> Any:
     return name
 
 
-def load(name: str) -> OwnFunction:
+def load(name: str) -> Found:
     """Find ``file.py:function``, ``module:function`` or ``module.function``.
 
     A file is looked for beside the case file and in the working directory; a module there and among the installed ones.
     Raises the error of the key ``function`` if it cannot be loaded; the hint gives the user's line.
     """
     if name in _objects:
-        return OwnFunction(name, _objects[name], _digest(file_of(_objects[name])))
-    place, _, words = name.rpartition(":" if ":" in name else ".")
+        return Found(name, _objects[name], _digest(file_of(_objects[name])))
+    target = next((q.value for q in entry_points(group=INSTALLED) if q.name == name), name)
+    place, _, words = target.rpartition(":" if ":" in target else ".")
     if not place or not all(word.isidentifier() for word in words.split(".")):
         raise refuse("function", got=name, want=WANTED)
     file = _find(place) if place.endswith(".py") else None
@@ -77,8 +83,48 @@ def load(name: str) -> OwnFunction:
     if not callable(call):
         raise refuse("function", got=name, want="a function")
     if file is None:
-        return OwnFunction(name, call, _digest(file_of(call)))
-    return OwnFunction(f"{file}:{words}", call, _digest(file))
+        return Found(name, call, _digest(file_of(call)))
+    return Found(f"{file}:{words}", call, _digest(file))
+
+
+def load_compiled(name: str, of: str, parameters: Mapping[str, float]) -> Found:
+    """Find the law ``file.cpp:law`` of a plug-in that is compiled.
+
+    of: name in C++ of what the law is about; parameters: that it takes.
+    Raises the error of the key ``function`` or ``parameters``.
+    """
+    place, _, law = name.rpartition(":")
+    file = _find(place) if place.endswith(".cpp") else None
+    if file is None or not law.isidentifier():
+        raise refuse("function", got=name, want="file.cpp:law, a file beside the case file")
+    try:
+        library = plug_in(file.parent)
+    except KernelsUnavailable as error:
+        raise refuse(
+            "function", got=name, want="a law of a compiled plug-in", hint=f"{error.what}; {error.hint}"
+        ) from None
+    symbol = f"own_{law}"
+    kind = text_of(library, f"{symbol}_kind") if hasattr(library, symbol) else ""
+    if kind != f"dp::{of}":
+        has = (
+            f"it is a law of {kind.removeprefix('dp::')}"
+            if kind
+            else f"there is no law {law} in {file.parent}"
+        )
+        raise refuse("function", got=name, want=f"a law of {of}", hint=has)
+    names = [word.strip().lower() for word in text_of(library, f"{symbol}_parameters_columns").split(",")][
+        :-1
+    ]
+    for key in {*names} ^ {*parameters}:
+        raise refuse(
+            "parameters",
+            key,
+            got=parameters.get(key),
+            want=f"all parameters of the law, and no others: {', '.join(names)}",
+        )
+    call = CompiledLaw(getattr(library, symbol), np.array([parameters[key] for key in names], dtype=float))
+    digest = hashlib.sha256(b"".join(path.read_bytes() for path in sorted(file.parent.glob("*.[ch]pp"))))
+    return Found(f"{file}:{law}", call, digest.hexdigest())
 
 
 def _find(name: str) -> Path | None:

@@ -13,9 +13,10 @@
 namespace dp {
 
 // call: void (const void* context, int points, int derivatives, const double* state, double* results), which fills results (points, results,
-// 1 + states): values, and with `derivatives` also the derivatives by each state.  state (capacity, states), results: storage for them.
+// 1 + states): values, and with `derivatives` also the derivatives by each state.  state (capacity, states), results: storage for them.  next:
+// another law of the same kernel, or null.
 DP_RECORD(OwnLaw,
-    const void* call; const void* context; double* state; double* results; int states, result_count, capacity, count, noting;
+    const void* call; const void* context; double* state; double* results; void* next; int states, result_count, capacity, count, noting, unused;
 )
 
 typedef void OwnLawCall(const void*, int, int, const double*, double*);
@@ -40,13 +41,17 @@ inline void own_results(OwnLaw& law, const T (&state)[STATES], T (&results)[RESU
 // Runs a kernel with its law; out: what the second run gets; scratch: what the first run writes to instead.
 template <class Run>
 __attribute__((noinline)) void run_own_law(OwnLaw& law, bool derivatives, double* out, double* scratch, const Run& run) {
-    law.noting = 1;
-    law.count = 0;
+    const auto next = [](OwnLaw* q) { return static_cast<OwnLaw*>(q->next); };
+    for (OwnLaw* q = &law; q; q = next(q)) {
+        q->noting = 1;
+        q->count = 0;
+    }
     run(scratch);
-    law.noting = 0;
-    law.count = std::min(law.count, law.capacity);
-    if (law.count) reinterpret_cast<OwnLawCall*>(const_cast<void*>(law.call))(law.context, law.count, derivatives, law.state, law.results);
-    law.count = 0;
+    for (OwnLaw* q = &law; q; q = next(q)) {
+        const int n = std::min(q->count, q->capacity);
+        if (n) reinterpret_cast<OwnLawCall*>(const_cast<void*>(q->call))(q->context, n, derivatives, q->state, q->results);
+        q->noting = q->count = 0;
+    }
     run(out);
 }
 
@@ -75,26 +80,6 @@ inline void entries_by_law(void* context, bool derivatives, double* out, const R
     OwnLaw* law = OwnLawOf<Kernel>::at(context);
     if (!law) return run(out);
     run_own_law(*law, derivatives, out, out, run);
-}
-
-// Law of a plug-in, in C++: values and exact derivatives of Law::results(state, parameters, results) at n points.
-template <class Law, int STATES, int RESULTS>
-inline void plug_in_law(const void* context, int n, int derivatives, const double* state, double* out) {
-    const double* parameters = static_cast<const double*>(context);
-    typedef Dual<(STATES + 3) / 4 * 4> T;
-    for (int k = 0; k < n; ++k, state += STATES) {
-        T s[STATES], r[RESULTS];
-        for (int i = 0; i < STATES; ++i) {
-            s[i] = T(state[i]);
-            if (derivatives) s[i].set(i, 1.0);
-        }
-        for (int j = 0; j < RESULTS; ++j) r[j] = T(0.0);
-        Law::results(s, parameters, r);
-        for (int j = 0; j < RESULTS; ++j, out += 1 + STATES) {
-            out[0] = r[j].v;
-            for (int i = 0; i < STATES; ++i) out[1 + i] = r[j].d(i);
-        }
-    }
 }
 
 }  // namespace dp

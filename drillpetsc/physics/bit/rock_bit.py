@@ -26,7 +26,7 @@ from drillpetsc.physics.interfaces import Bit, SideContact
 from drillpetsc.physics.own_law import OwnLaw
 from drillpetsc.physics.rigid_bodies import VERTEX_SLOTS, local_vertices
 
-_rate = function("rock_rate", "pppddp")
+_rate = function("rock_rate", "pppddpp")
 _beyond = function("bit_beyond", "dd", ctypes.c_double)
 
 _Law = structure("bit_law")  # BitLaw of kernels/bit/bit.hpp
@@ -116,6 +116,7 @@ class Rock:
     reference_speed [rad/s], reference_weight [N]: manual: eq-bit-speed-factor.
     walk: walk angle [rad].
     bit_axis: the hole grows along the bit's axis, otherwise along the rate of penetration.
+    law: of the user for the strength by depth, None: the layers alone.
     post_step: the end moves between the steps, as in the reference formulation (manual: sec-paper-source);
     otherwise the end is a state of the integrator.
     """
@@ -126,6 +127,7 @@ class Rock:
     walk: float = 0.0
     bit_axis: bool = False
     post_step: bool = False
+    law: OwnLaw | None = None
 
 
 @dataclass(frozen=True)
@@ -247,6 +249,8 @@ class RockBit(Bit):
             ).array
             r.orders, r.order_count = pointer(self._orders), len(self._orders)
         self._torque = 0.0, self.contact.friction * a * 2 / 3
+        if rock.law is not None:
+            r.rock, r.start = rock.law.record(1), self.hole.start
         if isinstance(law, DragBit):
             r.kind, r.blades = KINDS["drag_bit"], law.blades
             r.cut, r.contact = (
@@ -263,7 +267,7 @@ class RockBit(Bit):
             share = r.torque_cut / r.cut
             self._torque = (r.rub - share) * r.contact, share
         elif isinstance(law, OwnLaw):
-            r.kind, r.own, r.own_rate = KINDS["own"], law.record(1), float("rate" in law.gives)
+            r.kind, r.own, r.own_rate = KINDS["own"], law.record(1, r.rock or 0), float("rate" in law.gives)
             r.start = self.hole.start
         elif isinstance(law, Weakening):
             r.kind, r.by_weight = KINDS["velocity_weakening"], float(law.by_weight)
@@ -352,12 +356,17 @@ class RockBit(Bit):
 
     def _note(self, t: float) -> None:
         self._time = t
-        if self.own is not None:
-            self.own.at_time(t)
+        for law in self.own_laws:
+            law.at_time(t)
 
     @property
     def own_laws(self) -> tuple[OwnLaw, ...]:
-        return () if self.own is None else (self.own,)
+        return tuple(law for law in (self.own, self.rock.law) if law is not None)
+
+    def _strength(self, drilled: float = 0.0) -> float:
+        """Strength of the rock [-] where ``drilled`` metres are drilled, relative to the layers'."""
+        law = self.rock.law
+        return 1.0 if law is None else law.value(depth=self.hole.start + drilled)["strength"]
 
     def _follow(self) -> None:
         self.params["axis"] = self.hole.direction
@@ -412,12 +421,11 @@ class RockBit(Bit):
         if self.own is not None:
             return self.own.value(weight=weight, speed=spin, depth=self.hole.start)["torque"]
         first, second = self._torque_line(spin)
-        line, law = first + second * weight, self._made
-        return (
-            line - _beyond(weight, law.saturated) * (second - law.rub)
-            if isinstance(self.law, DragBit)
-            else line
-        )
+        if not isinstance(self.law, DragBit):
+            return first + second * weight
+        law, strength = self._made, self._strength()
+        share = weight / strength
+        return strength * (first + second * share - _beyond(share, law.saturated) * (second - law.rub))
 
     def depth_for(self, weight: float) -> float:
         """Compute the depth [m] at which the bit carries ``weight`` [N] at rest."""
@@ -464,19 +472,19 @@ class RockBit(Bit):
         depth, _ = self.depth_of_face(state)
         weight = max(0.0, depth) * self.contact.stiffness
         down, axis, r = float(state.y[i[:3]] @ self.params["axis"][0]), state.y[i[6]], self._made
-        flat = 0.5 * r.contact * (1 + down / np.hypot(down, r.rest))
-        chip = chip_for(weight, r.cut * r.blades, flat, r.onset)
+        flat, strength = 0.5 * r.contact * (1 + down / np.hypot(down, r.rest)), self._strength(state.x[i[10]])
+        chip = chip_for(weight / strength, r.cut * r.blades, flat, r.onset)
         cut = min(chip, r.exposure)
         if chip > cut:  # the body carries the rest
-            chip = cut + (weight - r.cut * r.blades * cut - flat) / self.contact.stiffness
+            chip = cut + (weight - strength * (r.cut * r.blades * cut + flat)) / self.contact.stiffness
         place = np.arange(CHIPS) / CHIPS
         ahead = 0.5 * (1 - np.cos(np.pi * place)) if axis > 0 else np.zeros(CHIPS)
         state.x[i[11 : 11 + CHIPS]] = (depth - chip + cut * ahead) if weight > 0 else 0.0
 
     # ------------------------------------------------------------------ growth
     def accept(self, t: float, state) -> None:
-        if self.own is not None:
-            self.own.at_time(t)
+        for law in self.own_laws:
+            law.at_time(t)
 
     def local_update(self, state) -> FloatArray:
         """Return (12,) after an accepted step, zero without the bit; (13,) with a pattern.
@@ -651,8 +659,14 @@ class RockBit(Bit):
         force: (3,) of the bit on the rock [N]; axis: (3,) of the bit; omega: rotation [rad/s]; drilled:
         length [m].
         """
-        out, F, e = np.zeros(3), np.array(force, dtype=float), np.array(axis, dtype=float)
-        _rate(ctypes.addressof(self._made), pointer(F), pointer(e), omega, drilled, pointer(out))
+        out, e = np.zeros(3), np.array(axis, dtype=float)
+        F = np.array(force, dtype=float) / self._strength(drilled)
+        along, known = np.zeros(1), None
+        if self.own is not None and "rate" in self.own.gives:
+            weight = float(np.dot(force, e))
+            along[0] = self.own.value(weight=weight, speed=omega, depth=self.hole.start + drilled)["rate"]
+            known = pointer(along)
+        _rate(ctypes.addressof(self._made), pointer(F), pointer(e), omega, drilled, known, pointer(out))
         return out
 
     def energies(self, t: float, state) -> Energies:
