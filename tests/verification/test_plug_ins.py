@@ -115,13 +115,14 @@ def test_a_changed_source_is_built_anew(tmp_path):
 
 # ---------------------------------------------------------------------- components
 def test_a_component_of_a_folder_takes_part_in_a_run(component, tmp_path):
-    """The pipe falls against its damper: v = (m g/c)(1 - exp(-c t/m)); the energy balance closes."""
+    """The pipe falls against its damper: v = (m g/c)(1 - exp(-c t/m)), and the energy balance closes within 0.2 %, as the default tolerance
+    has it; without the damper's power it would miss c v^2 t, a half."""
     run(component / "case.yaml", out=tmp_path / "run", progress="silent")
     history = read_table(tmp_path / "run" / "history.csv")
     mass = 7850 * np.pi / 4 * (0.127**2 - 0.1086**2) * 10
     speed = mass * 10 / 500 * (1 - np.exp(-500 * history["time [s]"] / mass))
     assert 0.5 * mass * speed[-1] ** 2 == pytest.approx(history["kinetic_energy [J]"][-1], rel=5e-3)
-    assert abs(history["energy_error [J]"][-1]) < 1e-3 * history["kinetic_energy [J]"][-1]
+    assert abs(history["energy_error [J]"][-1]) < 2e-3 * history["kinetic_energy [J]"][-1]
 
 
 def test_the_component_keeps_the_contract(component):
@@ -133,10 +134,7 @@ def test_the_component_keeps_the_contract(component):
 @pytest.mark.parallel
 @pytest.mark.skipif(not have_mpi(), reason="no mpirun")
 def test_the_component_on_two_ranks(component):
-    import os
-
-    launch = [os.environ.get("DRILLPETSC_MPIRUN", "mpirun"), "-n", "2"]
-    check_ranks(component / "case.yaml", launch)
+    check_ranks(component / "case.yaml", ["mpirun", "-n", "2"])
 
 
 def test_a_wrong_jacobian_is_found(component, tmp_path):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import subprocess
 import sys
 from collections.abc import Sequence
@@ -61,7 +62,7 @@ def check_ranks(file: str | Path, launch: Sequence[str], tolerance: float = 1e-6
         for name, words in (("one", ()), ("two", tuple(launch))):
             out = Path(folder) / name
             command = [*words, sys.executable, "-m", "drillpetsc", "run", str(file), "--out", str(out)]
-            done = subprocess.run(command, capture_output=True, text=True)
+            done = subprocess.run(command, capture_output=True, text=True, env=_without_mpi())
             assert done.returncode == 0, done.stdout + done.stderr
             histories.append(read_table(out / "history.csv"))
     one, two = histories
@@ -71,6 +72,13 @@ def check_ranks(file: str | Path, launch: Sequence[str], tolerance: float = 1e-6
             assert worst <= tolerance * max(np.abs(values).max(), 1e-9), (
                 f"{name}: {worst:.3g} apart on two ranks"
             )
+
+
+def _without_mpi() -> dict[str, str]:
+    """The environment without what MPI has set in this process, which a new job must not inherit."""
+    own = ("PMIX", "PMI_", "PRTE_", "OMPI_")
+    kept = ("OMPI_ALLOW", "OMPI_MCA_rmaps")
+    return {key: text for key, text in os.environ.items() if key.startswith(kept) or not key.startswith(own)}
 
 
 def _random_state(model: DrillingModel, seed: int) -> Assembly:
