@@ -595,6 +595,7 @@ class Contact(PythonBlock):
     restitution_speed: impact speed at which the restitution holds [m/s]
     slip_velocity: slip speed over which friction builds up [m/s]
     stribeck: static friction; none when not given
+    friction_law: the friction coefficient as a function of the state at each contact point; Coulomb's law, with stribeck, when not given. The soft string of torque-and-drag uses the coefficients of the wall
     points_per_element: contact points per element
     energy_strict: true: no step longer than half the shortest impact, so that the energy balance holds across impacts
     """
@@ -607,6 +608,7 @@ class Contact(PythonBlock):
         restitution_speed: Value | None = None,
         slip_velocity: Value | None = None,
         stribeck: Stribeck | dict[str, Any] | None = None,
+        friction_law: OwnFriction | dict[str, Any] | None = None,
         points_per_element: int | None = None,
         energy_strict: bool | None = None,
     ) -> None: ...
@@ -900,8 +902,8 @@ class Fluid(PythonBlock):
         self,
         *,
         density: Value,
-        rheology: Newtonian | dict[str, Any] | Bingham | PowerLaw | Casson | HerschelBulkley,
-        annulus_rheology: Newtonian | dict[str, Any] | Bingham | PowerLaw | Casson | HerschelBulkley | None = None,
+        rheology: Newtonian | dict[str, Any] | Bingham | PowerLaw | Casson | HerschelBulkley | OwnRheology,
+        annulus_rheology: Newtonian | dict[str, Any] | Bingham | PowerLaw | Casson | HerschelBulkley | OwnRheology | None = None,
         surface_line: SurfaceLine | dict[str, Any] | None = None,
         bulk_modulus: Value | None = None,
         flow_rate: Value | dict[str, Any] | None = None,
@@ -961,6 +963,7 @@ class Formation(PythonBlock):
     direction: rop_vector: the hole grows along the velocity of penetration; bit_axis: along the bit's axis, with the component of the velocity in that direction
     node_spacing: distance between the nodes of the drilled hole [m]
     layers: other rock, from the first layer down; above the first layer the values of this block hold
+    rock_law: the strength of the rock as a function of depth, relative to the rock that the other keys describe: so many times the force is needed for the same rate, or of a drag bit for the same cut; none when not given
     bit_law: torque and weight of the bit as it cuts
     """
     def __init__(
@@ -982,7 +985,8 @@ class Formation(PythonBlock):
         direction: Literal['rop_vector', 'bit_axis'] | None = None,
         node_spacing: Value | None = None,
         layers: Sequence[Layer | dict[str, Any]] | None = None,
-        bit_law: Literal['rop', 'drag_bit'] | RopLaw | dict[str, Any] | DragBit | VelocityWeakening | RollerCone | None = None,
+        rock_law: OwnRockLaw | dict[str, Any] | None = None,
+        bit_law: Literal['rop', 'drag_bit'] | RopLaw | dict[str, Any] | DragBit | VelocityWeakening | RollerCone | OwnBitLaw | None = None,
     ) -> None: ...
 
 class FrictionFactors(PythonBlock):
@@ -1537,6 +1541,97 @@ class Output(PythonBlock):
         units: Literal['field', 'metric', 'metric_t', 'SI'] | None = None,
     ) -> None: ...
 
+class OwnBitLaw(PythonBlock):
+    """A law of the user that gives the torque on bit, and if it likes the rate of penetration, from the state of the bit.
+
+    function: file.py:function, beside the case file, or module:function; from Python also the function itself
+    kind: python: a function in Python; compiled: a law in a C++ file, file.cpp:law, whose folder is a plug-in
+    source: SHA-256 of the file with the function, filled in; a case that gives it does not run with another file
+    parameters: numbers that the function takes by name, in SI units
+    stiffness: contact stiffness of bit on rock [N/m]; bottom.stiffness is set to this value
+    """
+    def __init__(
+        self,
+        *,
+        function: str,
+        kind: Literal['python', 'compiled'],
+        source: str | None = None,
+        parameters: dict[str, Any] | None = None,
+        stiffness: Value | None = None,
+    ) -> None: ...
+
+class OwnComponent(PythonBlock):
+    """A component of the user: a function that builds it from the string and its hole.
+
+    function: file.py:function, beside the case file, or module:function; from Python also the function itself
+    source: SHA-256 of the file with the function, filled in; a case that gives it does not run with another file
+    parameters: numbers that the function takes by name, in SI units
+    """
+    def __init__(
+        self,
+        *,
+        function: str,
+        source: str | None = None,
+        parameters: dict[str, Any] | None = None,
+    ) -> None: ...
+
+class OwnFriction(PythonBlock):
+    """A law of the user that gives the friction coefficient from the state at a contact point.
+
+    function: file.py:function, beside the case file, or module:function; from Python also the function itself
+    kind: python: a function in Python; compiled: a law in a C++ file, file.cpp:law, whose folder is a plug-in
+    source: SHA-256 of the file with the function, filled in; a case that gives it does not run with another file
+    parameters: numbers that the function takes by name, in SI units
+    """
+    def __init__(
+        self,
+        *,
+        function: str,
+        kind: Literal['python', 'compiled'],
+        source: str | None = None,
+        parameters: dict[str, Any] | None = None,
+    ) -> None: ...
+
+class OwnRheology(PythonBlock):
+    """A function that gives the shear stress. Turbulence is computed for the power law between 300 and 600 rpm of a viscometer.
+
+    function: file.py:function, beside the case file, or module:function; from Python also the function itself
+    law: friction in pipe and annulus: laminar profile integrated
+    shear_rate: shear rate below which stresses go smoothly to zero [1/s]
+    dial: readings of a viscometer in degrees by its speed in rpm, {600: 64, 300: 41}; the model's constants are fitted to them unless given
+    fit: fit to the readings: api: rules of API RP 13D (default with two readings and with law api); least_squares: in stress
+    source: SHA-256 of the file with the function, filled in; a case that gives it does not run with another file
+    parameters: numbers that the function takes by name, in SI units
+    """
+    def __init__(
+        self,
+        *,
+        function: str,
+        law: Literal['exact'] | None = None,
+        shear_rate: Value | None = None,
+        dial: dict[str, Any] | None = None,
+        fit: Literal['api', 'least_squares'] | None = None,
+        source: str | None = None,
+        parameters: dict[str, Any] | None = None,
+    ) -> None: ...
+
+class OwnRockLaw(PythonBlock):
+    """A law of the user that gives the strength of the rock from the depth.
+
+    function: file.py:function, beside the case file, or module:function; from Python also the function itself
+    kind: python: a function in Python; compiled: a law in a C++ file, file.cpp:law, whose folder is a plug-in
+    source: SHA-256 of the file with the function, filled in; a case that gives it does not run with another file
+    parameters: numbers that the function takes by name, in SI units
+    """
+    def __init__(
+        self,
+        *,
+        function: str,
+        kind: Literal['python', 'compiled'],
+        source: str | None = None,
+        parameters: dict[str, Any] | None = None,
+    ) -> None: ...
+
 class PatternOrder(PythonBlock):
     """A wave of the bottom's surface under a roller cone.
 
@@ -1759,14 +1854,16 @@ class PushSteering(PythonBlock):
 class PythonController(PythonBlock):
     """A function of the user that gives the torque at every sample; between two samples the torque is held.
 
-    function: module.function, of the time [s], of what is measured (a dictionary) and of a memory; returns the torque [N m]
+    function: file.py:function or module:function, of the time [s], of what is measured (a dictionary) and of a memory; returns the torque [N m]
     sample: time between two samples [s]
+    source: SHA-256 of the file with the function, filled in; a case that gives it does not run with another file
     """
     def __init__(
         self,
         *,
         function: str,
         sample: Value,
+        source: str | None = None,
     ) -> None: ...
 
 class Reamer(PythonBlock):
@@ -1921,7 +2018,7 @@ class RollerCone(PythonBlock):
     amplitude: half the height of the lobes, from valley to crest [m]
     phase: phase of the lobes at the start [rad]: at 0 the bit is half-way up, at 90 deg on a crest; 0 when not given
     pattern: several waves, [{order: 3, amplitude: 3 mm}, ...], instead of lobes and amplitude
-    base: law of torque and rate of penetration: rop, or velocity_weakening
+    base: law of torque and rate of penetration: rop, velocity_weakening, or python
     stiffness: contact stiffness of bit on rock [N/m]; bottom.stiffness is set to this value
     """
     def __init__(
@@ -1931,7 +2028,7 @@ class RollerCone(PythonBlock):
         amplitude: Value | None = None,
         phase: Value | None = None,
         pattern: Sequence[PatternOrder | dict[str, Any]] | None = None,
-        base: Literal['rop'] | RopLaw | dict[str, Any] | VelocityWeakening | None = None,
+        base: Literal['rop'] | RopLaw | dict[str, Any] | VelocityWeakening | OwnBitLaw | None = None,
         stiffness: Value | None = None,
     ) -> None: ...
 
@@ -2599,6 +2696,7 @@ class Case(_Case):
     window: limits of the pressure in the open hole (used by hydraulics and surge), or the name of a CSV file with the columns tvd, pore, frac
     roadmap: operations, depths and friction factors of a torque-and-drag roadmap
     formation: the rock that the bit cuts; without it the bit does not drill
+    components: components of the user: functions that build them, file.py:function, module:function, or the name of an installed one (entry point drillpetsc.components)
     loads: point and distributed loads on the string
     gravity: acceleration of gravity, downward [m/s2]; or [north, east, down]
     initial: the state at time 0
@@ -2629,6 +2727,7 @@ class Case(_Case):
         window: str | Window | dict[str, Any] | None = None,
         roadmap: Roadmap | dict[str, Any] | None = None,
         formation: Formation | dict[str, Any] | None = None,
+        components: Sequence[OwnComponent | dict[str, Any]] | None = None,
         loads: Sequence[PointLoad | dict[str, Any] | LineLoad] | None = None,
         gravity: Value | Sequence[Value] | None = None,
         initial: Initial | dict[str, Any] | None = None,
