@@ -19,6 +19,7 @@ const state = {
   series: "", rows: 0, hole: "", columns: {}, panels: [], times: [], fields: {}, wall: null, status: {}, first: true,
   frames: new Map(), wanted: new Map(), shown: -1, now: null, view: "straight", scale: null, range: null, colour: null,
   tracks: null, histories: null, playing: false, tracked: 0,
+  picked: { tracks: false, histories: false },  // by the reader, not by the page
 };
 
 // ---------------------------------------------------------------- where the numbers come from
@@ -85,13 +86,12 @@ async function poll() {
   const holeNew = found.hole !== state.hole;
   if (found.wall) state.wall = Object.fromEntries(Object.entries(found.wall).map(([name, text]) => [name, numbers(text)]));
   if (!found.hole) state.wall = null;
-  const newest = found.times.length > state.times.length || anew;
   Object.assign(state, { panels: found.panels, times: found.times, fields: found.fields, hole: found.hole, status: found.status,
     depth: found.depth, lateral: found.lateral, perDepth: found.lateral_per_depth });
   byId("title").textContent = document.title = found.title;
   byId("folder").textContent = embedded ? "" : found.folder;
   say(found.status, found.notes);
-  await lay_out(anew, more, newest, wider || holeNew);
+  await lay_out(anew, more, wider || holeNew);
   state.first = false;
   return found.more ? 0 : found.status.word === "running" ? 700 : 2500;
 }
@@ -105,7 +105,7 @@ function say(status, notes) {
   byId("notes").hidden = !notes.length;
 }
 
-async function lay_out(anew, more, newest, changed) {
+async function lay_out(anew, more, changed) {
   const frames = state.times.length, rows = state.rows;
   byId("empty").hidden = Boolean(frames || rows);
   byId("empty").textContent = state.status.word === "missing" ? "Nothing to show: the folder is gone. The page goes on when it is back."
@@ -113,42 +113,47 @@ async function lay_out(anew, more, newest, changed) {
   const appeared = byId("scene-panel").hidden === Boolean(frames) || byId("histories-panel").hidden === Boolean(rows);
   byId("controls").hidden = !frames && !rows;
   for (const id of ["scene-panel", "tracks-panel"]) byId(id).hidden = !frames;
-  byId("histories-panel").hidden = !rows;
+  byId("histories-panel").hidden = byId("pick-panels").hidden = !rows;
   byId("player").hidden = frames < 2;
   byId("main").style.gridTemplateColumns = frames && rows ? "" : frames ? "minmax(0, 1fr) minmax(0, 1fr)" : "minmax(0, 1fr)";
   byId("follow-label").hidden = state.status.word !== "running";
   byId("slider").max = Math.max(frames - 1, 0);
   if (rows && (more || appeared)) await draw_histories(anew || appeared);
   if (!frames) return;
-  if (anew || appeared || !state.colour || !(state.colour in state.fields)) choose_fields();
-  else if (newest || changed) pick_boxes();
+  const whole = [anew, appeared, changed, choose_fields()].some(Boolean);
   const follows = state.status.word === "running" && byId("follow").checked && !state.playing;
   const k = state.shown < 0 || follows ? frames - 1 : Math.min(state.shown, frames - 1);
-  if (anew || appeared || changed || k !== state.shown) await show(k, anew || appeared || changed);
+  if (whole || k !== state.shown) await show(k, whole);
 }
 
 // ---------------------------------------------------------------- what may be chosen
 const option = (value, text) => Object.assign(document.createElement("option"), { value, textContent: text });
 const named = (field) => { const f = state.fields[field]; return f.unit ? `${f.label} [${f.unit}]` : f.label; };
 
-function choose_fields() {
+function choose_fields() {  // whether the tracks are others than before
+  let again = false;
   const names = Object.keys(state.fields);
   const varies = (name) => state.fields[name].high > state.fields[name].low;
   if (!(state.colour in state.fields)) state.colour = PREFERRED.colour.find((name) => name in state.fields) || names[0] || null;
-  const kept = (state.tracks || []).filter((name) => name in state.fields);
-  if (kept.length) state.tracks = kept;
-  else {
-    const found = PREFERRED.tracks.filter((name) => name in state.fields && varies(name));
+  state.tracks = (state.tracks || []).filter((name) => name in state.fields);
+  if (!state.picked.tracks || !state.tracks.length) {
+    const before = String(state.tracks), found = PREFERRED.tracks.filter((name) => name in state.fields && varies(name));
     if (found[0] === PREFERRED.tracks[0] && found[1] === PREFERRED.tracks[1]) found.splice(1, 1);
     state.tracks = (found.length ? found : names).slice(0, window.innerWidth < 640 ? 3 : 4);
+    again = before !== String(state.tracks);
   }
-  byId("colour").replaceChildren(...names.map((name) => option(name, named(name))));
+  if (String(names) !== byId("colour").now) byId("colour").replaceChildren(...names.map((name) => option(name, named(name))));
+  byId("colour").now = String(names);
   byId("colour").value = state.colour;
   byId("depth-unit").textContent = state.depth;
   pick_boxes();
+  return again;
 }
 
 function boxes(id, entries, chosen, change) {
+  const now = JSON.stringify([entries, chosen]);
+  if (byId(id).now === now) return;  // else a box would move away under the mouse
+  byId(id).now = now;
   byId(id).lastElementChild.replaceChildren(...entries.map(([key, text]) => {
     const box = Object.assign(document.createElement("input"), { type: "checkbox", checked: chosen.includes(key) });
     box.onchange = () => change(entries.map(([name]) => name).filter((name) => name === key ? box.checked : chosen.includes(name)));
@@ -161,7 +166,7 @@ function boxes(id, entries, chosen, change) {
 function pick_boxes() {
   byId("pick-tracks").hidden = !state.times.length;
   boxes("pick-tracks", Object.keys(state.fields).map((name) => [name, named(name)]), state.tracks, (chosen) => {
-    if (chosen.length) { state.tracks = chosen; pick_boxes(); show(state.shown, true); }
+    if (chosen.length) { state.tracks = chosen; state.picked.tracks = true; pick_boxes(); show(state.shown, true); }
   });
 }
 
@@ -270,6 +275,20 @@ function tubes(now) {  // string and hole for Plotly, and the ranges of the axes
   return { string: { ...string, intensity, count: at.length }, hole, low, high, scale, at };
 }
 
+function true_box(string, hole, axis_of) {  // the same scale in all directions, and a box that is never flat
+  const ends = string.map((values, k) => {
+    const all = hole ? [values, hole["xyz"[k]]] : [values];
+    return [Math.min(...all.map((v) => Math.min(...v))), Math.max(...all.map((v) => Math.max(...v)))];
+  });
+  const most = Math.max(...ends.map(([a, b]) => b - a)) || 1, ratio = {}, axes = {};
+  ["east", "north", "depth"].forEach((title, k) => {
+    const [a, b] = ends[k], half = 0.5 * Math.max(b - a, 0.2 * most), middle = 0.5 * (a + b);
+    ratio["xyz"[k]] = 2 * half / most * 1.5;
+    axes[`${"xyz"[k]}axis`] = axis_of(title, k < 2 ? [middle - half, middle + half] : [middle + half, middle - half]);
+  });
+  return { aspectratio: ratio, ...axes };
+}
+
 async function draw_scene(now, whole) {
   const made = tubes(now), { ends, scale } = colours(state.colour), straight = state.view === "straight";
   const { x, y, z, intensity, count } = made.string;
@@ -293,9 +312,9 @@ async function draw_scene(now, whole) {
     xaxis: ax(`right [${state.lateral}]`, { range: [-half, half], nticks: 4 }), yaxis: ax(`high side [${state.lateral}]`, { range: [-half, half], nticks: 4 }),
     zaxis: ax(`measured depth [${state.depth}]`, { range: [made.high, made.low], nticks: 8 }),
   } : {
-    aspectmode: "data", xaxis: ax(`east [${state.depth}]`), yaxis: ax(`north [${state.depth}]`), zaxis: ax(`depth [${state.depth}]`, { autorange: "reversed" }),
+    aspectmode: "manual", ...true_box([x, y, z], made.hole, (title, range) => ax(`${title} [${state.depth}]`, { range, nticks: 5 })),
   };
-  const eye = straight ? { x: 1.35, y: -1.35, z: 0.35 } : { x: 1.3, y: -1.5, z: 0.6 };
+  const eye = straight ? { x: 1.35, y: -1.35, z: 0.35 } : { x: 1.2, y: -1.5, z: 0.5 };
   Object.assign(scene, { camera: { eye, projection: { type: "orthographic" } }, uirevision: state.view, dragmode: "turntable" });
   await Plotly.react("string", traces, look({ margin: { l: 0, r: 0, t: 0, b: 0 }, scene, uirevision: state.view }), CONFIG);
   byId("caption").textContent = made.scale > 1.0001 ? `sideways lengths drawn ${format(made.scale)} times larger than depths` : "true scale";
@@ -360,17 +379,17 @@ function thinned(x, y) {  // smallest and largest value of each interval: no pea
 
 function chosen_panels() {
   const key = (panel) => Object.keys(panel.of)[0];
-  if (!state.histories || !state.panels.some((panel) => state.histories.includes(key(panel)))) {
-    const varies = (panel) => Object.keys(panel.of).some((title) => state.columns[title] && state.columns[title].some((v) => v !== state.columns[title][0]));
-    const found = state.panels.filter((panel) => !panel.numerics && varies(panel)).slice(0, 5);
-    if (!found.length || state.rows < 3) return state.panels.filter((panel) => !panel.numerics).slice(0, 5);
-    state.histories = found.map(key);
+  if (!state.picked.histories) {
+    const varies = (values) => values && values.some((v) => Math.abs(v - values[0]) > 1e-6 * Math.abs(values[0]));
+    const operation = state.panels.filter((panel) => !panel.numerics);
+    const found = operation.filter((panel) => Object.keys(panel.of).some((title) => varies(state.columns[title])));
+    state.histories = (found.length ? found : operation).slice(0, 5).map(key);
   }
   return state.panels.filter((panel) => state.histories.includes(key(panel)));
 }
 
 async function draw_histories(whole) {
-  const before = state.histories, panels = chosen_panels(), time = state.columns[Object.keys(state.columns)[0]];
+  const before = String(state.histories), panels = chosen_panels(), time = state.columns[Object.keys(state.columns)[0]];
   const traces = [], n = panels.length;
   const layout = look({ margin: { l: 62, r: 12, t: 0, b: 38 }, dragmode: "zoom", hovermode: "closest", annotations: [] });
   panels.forEach((panel, p) => {
@@ -385,9 +404,9 @@ async function draw_histories(whole) {
   });
   layout.xaxis = axis({ title: { text: "time [s]" }, anchor: `y${n > 1 ? n : ""}`, nticks: 8 });
   await Plotly.react("histories", traces, layout, CONFIG);
-  if (whole || before !== state.histories) {
+  if (whole || before !== String(state.histories)) {
     boxes("pick-panels", state.panels.map((panel) => [Object.keys(panel.of)[0], Object.values(panel.of).join(", ")]), state.histories || [], (chosen) => {
-      if (chosen.length) { state.histories = chosen; draw_histories(true); }
+      if (chosen.length) { state.histories = chosen; state.picked.histories = true; draw_histories(true); }
     });
   }
   if (!byId("histories").linked) {  // a click goes to its time

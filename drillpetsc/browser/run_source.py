@@ -178,7 +178,10 @@ class RunSource:
             end = case.time.end if case is not None and case.time is not None else None
             until = f" of {end:.6g} s" if end is not None else ""
             at = self._history.last_time
-            return {"word": "running", "text": "running" if at is None else f"running: {at:.5g} s{until}"}
+            return {
+                "word": "running",
+                "text": "running: no rows yet" if at is None else f"running: {at:.5g} s{until}",
+            }
         summary = self._summary()
         status = str(summary.get("status", "done"))
         if summary and status == "done":

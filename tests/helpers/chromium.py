@@ -98,13 +98,14 @@ class Page:
             raise RuntimeError(f"{script}: {answer['exceptionDetails']}")
         return answer["result"].get("value")
 
-    def wait(self, condition: str, seconds: float = 60.0) -> Any:
-        """Wait until an expression is true in the page; returns its value."""
+    def wait(self, condition: str, seconds: float = 60.0) -> None:
+        """Wait until an expression is true in the page."""
         end = time.monotonic() + seconds
         while time.monotonic() < end:
-            found = self.run(f"(() => {{ try {{ return {condition} }} catch (e) {{ return false }} }})()")
-            if found:
-                return found
+            if self.run(
+                f"(() => {{ try {{ return Boolean({condition}) }} catch (e) {{ return false }} }})()"
+            ):
+                return
             time.sleep(0.1)
         raise TimeoutError(f"never true: {condition}; the page said {self.said}")
 

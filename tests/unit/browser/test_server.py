@@ -147,6 +147,15 @@ def test_the_command_prints_its_address_and_ends_on_ctrl_c(folder: Path) -> None
     assert process.stderr.read() == ""
 
 
+def test_the_command_exports_a_page(folder: Path, tmp_path: Path) -> None:
+    file = tmp_path / "page.html"
+    command = [sys.executable, "-P", "-m", "drillpetsc", "serve", str(folder), "--units", "field", "--export"]
+    found = subprocess.run([*command, str(file)], capture_output=True, text=True, check=True)
+    assert found.stdout.startswith(f"{file}  (") and "A helix in a hole" in file.read_text()
+    refused = subprocess.run([*command, str(tmp_path / "no" / "page.html")], capture_output=True, text=True)
+    assert refused.returncode == 2 and "--export" in refused.stderr
+
+
 def test_a_missing_folder_is_refused(tmp_path: Path) -> None:
     command = [sys.executable, "-P", "-m", "drillpetsc", "serve", str(tmp_path / "none"), "--no-open"]
     found = subprocess.run(command, capture_output=True, text=True)
