@@ -158,6 +158,16 @@ def run_server(host: str, port: int, source: Any) -> Server:
     )
 
 
+def case_server(host: str, port: int, form: Any) -> Server:
+    """A server of the form of a case; it answers when ``serve_forever`` is called."""
+    from drillpetsc.browser.page import render
+
+    pages = {"/": ("text/html", lambda token: render("case", title=form.path.name))}
+    return Server(
+        host, port, pages, {"open": form.open}, {"check": form.check, "edit": form.edit, "save": form.save}
+    )
+
+
 def serve(server: Server, open_page: bool) -> None:
     """Print the address of a page, open it, and answer until Ctrl-C."""
     import webbrowser

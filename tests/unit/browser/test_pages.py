@@ -13,9 +13,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from drillpetsc.browser.case_form import CaseForm
 from drillpetsc.browser.page import export_page
 from drillpetsc.browser.run_source import RunSource
-from drillpetsc.browser.server import Server, run_server
+from drillpetsc.browser.server import Server, case_server, run_server
 from drillpetsc.output import FieldWriter
 from tests.helpers import chromium
 from tests.helpers.output_samples import helix_frame, make_run
@@ -116,3 +117,43 @@ def test_an_exported_page_plays_from_a_file(folder: Path, tmp_path: Path) -> Non
         rings = drawn(page, "string", key="x").reshape(81, -1)
         np.testing.assert_allclose(rings.mean(axis=1), offset, atol=1e-3)
         assert page.said == []
+
+
+@needs_browser
+def test_the_form_of_a_case_checks_and_saves(tmp_path: Path) -> None:
+    file = tmp_path / "case.yaml"
+    file.write_text((Path(__file__).parents[3] / "cases" / "lying-string.yaml").read_text())
+    before = file.read_text()
+    made = case_server("127.0.0.1", 0, CaseForm(file))
+    thread = threading.Thread(target=made.serve_forever, args=(0.05,))
+    thread.start()
+    set_od = """(value) => {{ const field = document.querySelector('input[data-at="string[0].od"]');
+        field.value = value; field.onchange(); }}"""
+    try:
+        with chromium.browser() as page:
+            page.open(made.url)
+            page.wait(
+                "byId('status').textContent === 'valid' && byId('report').textContent.includes('31 nodes')"
+            )
+            page.run(f"({set_od.format()})('-5 in')")
+            page.wait("byId('status').textContent === '1 error'")
+            beside = page.run(
+                "document.querySelector('input[data-at=\"string[0].od\"]').closest('.row').innerText"
+            )
+            assert "given: -5 in" in beside and "at most" in beside
+            assert file.read_text() == before
+            page.run("byId('undo').click()")
+            page.wait("byId('status').textContent === 'valid' && byId('save').disabled")
+            page.run(
+                "byId('text').value = byId('text').value.replace('127 mm', '5 in'); byId('text').oninput()"
+            )
+            page.wait("!byId('save').disabled && byId('status').textContent === 'valid'")
+            assert page.run("document.querySelector('input[data-at=\"string[0].od\"]').value") == "5 in"
+            page.run("byId('save').click()")
+            page.wait("byId('status').textContent === 'valid, saved'")
+            assert file.read_text() == before.replace("127 mm", "5 in", 1)
+            assert page.said == []
+    finally:
+        made.shutdown()
+        thread.join()
+        made.server_close()

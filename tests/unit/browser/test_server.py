@@ -159,4 +159,4 @@ def test_the_command_exports_a_page(folder: Path, tmp_path: Path) -> None:
 def test_a_missing_folder_is_refused(tmp_path: Path) -> None:
     command = [sys.executable, "-P", "-m", "drillpetsc", "serve", str(tmp_path / "none"), "--no-open"]
     found = subprocess.run(command, capture_output=True, text=True)
-    assert found.returncode == 2 and "a run folder that exists" in found.stderr
+    assert found.returncode == 2 and "a run folder or a case file" in found.stderr
