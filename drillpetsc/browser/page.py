@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import base64
 import json
 from pathlib import Path
 from typing import Any
 
 from drillpetsc.browser.run_source import RunSource
 from drillpetsc.errors import CaseError
+from drillpetsc.plotting.interactive import plotly_script
 from drillpetsc.version import __version__
 
 HERE = Path(__file__).parent
@@ -15,18 +17,13 @@ MOST_BYTES = 80_000_000  # of the frames in an exported page: a browser opens it
 INSTALL = "pip install 'drillpetsc[browser]'"
 
 
-def plotly_script() -> str:
-    """The script that draws; it is part of the package plotly, so that no network is needed.
-
-    Raises CaseError if the package is missing.
-    """
+def script_that_draws() -> str:
+    """The script of the package plotly, so that no network is needed; raises CaseError if the package is missing."""
     try:
-        from plotly.offline import get_plotlyjs
-    except ImportError:
-        raise CaseError(
-            at="serve", want="the package plotly, whose script draws in the browser", hint=INSTALL
-        ) from None
-    return str(get_plotlyjs())
+        return plotly_script()
+    except CaseError:
+        want = "the package plotly, whose script draws in the browser"
+        raise CaseError(at="serve", want=want, hint=INSTALL) from None
 
 
 def render(name: str, **values: Any) -> str:
@@ -69,11 +66,9 @@ def export_page(source: RunSource) -> tuple[str, list[str]]:
         title: _joined([part["columns"][title] for part in parts]) for title in last["columns"]
     }
     data = json.dumps({"news": news, "frames": frames, "arrays": list(pool)}).replace("<", "\\u003c")
-    return render("run", title=news["title"], data=data, plotly=plotly_script()), remarks
+    return render("run", title=news["title"], data=data, plotly=script_that_draws()), remarks
 
 
 def _joined(texts: list[str]) -> str:
     """Base64 texts of the parts of an array as one."""
-    import base64
-
     return base64.b64encode(b"".join(map(base64.b64decode, texts))).decode("ascii")

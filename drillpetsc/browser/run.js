@@ -4,7 +4,8 @@
 
 const byId = (id) => document.getElementById(id);
 const RINGS = 500;  // of the tube: more cannot be told apart on a screen
-const SIDES = 12;   // corners of its cross-section
+const SIDES = 12, HOLE_SIDES = 24;  // corners of the cross-sections of string and hole
+const WALL_WIDER = 1.03;  // than the hole: surfaces that coincide would flicker; and the corners lie on this circle
 const POINTS = 3000;  // of a line of a history
 const AHEAD = 6;    // frames that are read before they are played
 const TRACKED = 60; // ms between two drawings of the tracks while frames are played: nobody reads a curve faster
@@ -172,9 +173,9 @@ function pick_boxes() {
 
 // ---------------------------------------------------------------- look
 const css = (name) => getComputedStyle(document.documentElement).getPropertyValue(name).trim();
-const axis = (more) => ({ gridcolor: css("--grid"), zerolinecolor: css("--grid"), linecolor: css("--line"), tickfont: { size: 11 }, exponentformat: "none", ...more });
+const axis = (more) => ({ gridcolor: css("--grid"), zerolinecolor: css("--grid"), linecolor: css("--line"), tickfont: { size: 11 }, tickangle: 0, exponentformat: "none", ...more });
 const look = (more) => ({ separators: ".\u202f", paper_bgcolor: css("--paper"), plot_bgcolor: css("--paper"), font: { color: css("--ink"), size: 12 }, showlegend: false, uirevision: "kept", ...more });
-const CONFIG = { plotGlPixelRatio: window.devicePixelRatio, displaylogo: false, responsive: true, displayModeBar: false };
+const CONFIG = { plotGlPixelRatio: window.devicePixelRatio, displaylogo: false, displayModeBar: false };
 
 function colours(name) {
   const { low, high } = state.fields[name];
@@ -205,8 +206,8 @@ function rings(md, low, high) {  // numbers of the nodes in the interval, at mos
   return Int32Array.from({ length: count }, (_, i) => a + Math.round(i * (b - a) / Math.max(count - 1, 1)));
 }
 
-function sweep(path, radius, straight) {  // corners of a tube around a path [x[], y[], z[]]
-  const n = radius.length, x = new Float32Array(n * SIDES), y = new Float32Array(n * SIDES), z = new Float32Array(n * SIDES);
+function sweep(path, radius, straight, sides = SIDES) {  // corners of a tube around a path [x[], y[], z[]]
+  const n = radius.length, x = new Float32Array(n * sides), y = new Float32Array(n * sides), z = new Float32Array(n * sides);
   let e = [1, 0, 0];
   for (let i = 0; i < n; i++) {
     let f = [0, 1, 0];
@@ -222,20 +223,20 @@ function sweep(path, radius, straight) {  // corners of a tube around a path [x[
       e = e.map((v) => v / length);
       f = [t[1] * e[2] - t[2] * e[1], t[2] * e[0] - t[0] * e[2], t[0] * e[1] - t[1] * e[0]];
     }
-    for (let j = 0; j < SIDES; j++) {
-      const angle = 2 * Math.PI * j / SIDES, c = radius[i] * Math.cos(angle), s = radius[i] * Math.sin(angle), q = i * SIDES + j;
+    for (let j = 0; j < sides; j++) {
+      const angle = 2 * Math.PI * j / sides, c = radius[i] * Math.cos(angle), s = radius[i] * Math.sin(angle), q = i * sides + j;
       x[q] = path[0][i] + c * e[0] + s * f[0]; y[q] = path[1][i] + c * e[1] + s * f[1]; z[q] = path[2][i] + c * e[2] + s * f[2];
     }
   }
   return { x, y, z };
 }
 
-function faces(n) {
+function faces(n, sides = SIDES) {
   const i = [], j = [], k = [];
   for (let r = 0; r < n - 1; r++) {
-    for (let s = 0; s < SIDES; s++) {
-      const a = r * SIDES + s, b = r * SIDES + (s + 1) % SIDES;
-      i.push(a, b); j.push(b, b + SIDES); k.push(a + SIDES, a + SIDES);
+    for (let s = 0; s < sides; s++) {
+      const a = r * sides + s, b = r * sides + (s + 1) % sides;
+      i.push(a, b); j.push(b, b + sides); k.push(a + sides, a + sides);
     }
   }
   return { i, j, k };
@@ -268,8 +269,9 @@ function tubes(now) {  // string and hole for Plotly, and the ranges of the axes
   let hole = null;
   if (state.wall) {
     const w = state.wall, inside = rings(w.md, low, high), take = (values2) => Float32Array.from(inside, (i) => values2[i]);
-    hole = straight ? sweep([new Float32Array(inside.length), new Float32Array(inside.length), take(w.md).map((v) => Math.min(Math.max(v, low), high))], take(w.radius), true)
-      : sweep([take(w.c1), take(w.c0), take(w.c2)], take(w.radius).map((r) => r * toDepth), false);
+    const wide = take(w.radius).map((r) => r * WALL_WIDER);
+    hole = straight ? sweep([new Float32Array(inside.length), new Float32Array(inside.length), take(w.md).map((v) => Math.min(Math.max(v, low), high))], wide, true, HOLE_SIDES)
+      : sweep([take(w.c1), take(w.c0), take(w.c2)], wide.map((r) => r * toDepth), false, HOLE_SIDES);
     hole.count = inside.length;
   }
   return { string: { ...string, intensity, count: at.length }, hole, low, high, scale, at };
@@ -303,21 +305,22 @@ async function draw_scene(now, whole) {
     colorbar: { title: { text: named(state.colour), side: "right", font: { size: 11 } }, thickness: 12, len: 0.7, x: 1, xpad: 2, tickfont: { size: 11 } } }];
   if (made.hole) {
     const { count: n, ...corners } = made.hole;
-    traces.push({ type: "mesh3d", ...corners, ...faces(n), color: css("--wall"), opacity: 0.16, hoverinfo: "skip", lighting: { ambient: 0.9 } });
+    traces.push({ type: "mesh3d", ...corners, ...faces(n, HOLE_SIDES), color: css("--wall"), opacity: 0.16, hoverinfo: "skip", lighting: { ambient: 0.9 } });
   }
   const span = made.high - made.low, half = 0.5 * WIDE * span / made.scale * state.perDepth;
   const ax = (title, more) => axis({ title: { text: title, font: { size: 11 } }, backgroundcolor: css("--paper"), showbackground: false, showspikes: false, ...more });
   const scene = straight ? {
     aspectmode: "manual", aspectratio: { x: TALL * WIDE, y: TALL * WIDE, z: TALL },
     xaxis: ax(`right [${state.lateral}]`, { range: [-half, half], nticks: 4 }), yaxis: ax(`high side [${state.lateral}]`, { range: [-half, half], nticks: 4 }),
-    zaxis: ax(`measured depth [${state.depth}]`, { range: [made.high, made.low], nticks: 8 }),
+    zaxis: ax("", { range: [made.high, made.low], nticks: 8 }),
   } : {
     aspectmode: "manual", ...true_box([x, y, z], made.hole, (title, range) => ax(`${title} [${state.depth}]`, { range, nticks: 5 })),
   };
   const eye = straight ? { x: 1.35, y: -1.35, z: 0.35 } : { x: 1.2, y: -1.5, z: 0.5 };
   Object.assign(scene, { camera: { eye, projection: { type: "orthographic" } }, uirevision: state.view, dragmode: "turntable" });
   await Plotly.react("string", traces, look({ margin: { l: 0, r: 0, t: 0, b: 0 }, scene, uirevision: state.view }), CONFIG);
-  byId("caption").textContent = made.scale > 1.0001 ? `sideways lengths drawn ${format(made.scale)} times larger than depths` : "true scale";
+  byId("caption").textContent = `${straight ? "measured depth" : "east, north, depth"} in ${state.depth}; ` +
+    (made.scale > 1.0001 ? `sideways lengths drawn ${format(made.scale)} times larger` : "true scale");
   byId("scale").value = format(made.scale);
   const box = state.range || [now.md[0], now.md[now.md.length - 1]];
   byId("from").value = format(box[0]); byId("to").value = format(box[1]);
@@ -336,8 +339,8 @@ async function draw_tracks(now, whole) {
     yaxis: axis({ range: [high, low], title: { text: `measured depth [${state.depth}]` }, nticks: 12 }), annotations: [] });
   const traces = state.tracks.map((name, k) => {
     const f = state.fields[name], id = k ? k + 1 : "", left = k / n, right = (k + 1) / n - (n > 1 ? 0.03 : 0);
-    layout[`xaxis${id}`] = axis({ domain: [left, right], range: widened(f.low, f.high), side: "top", nticks: letters > 10 ? 4 : 3, zeroline: f.low < 0 && f.high > 0, zerolinecolor: css("--soft") });
-    layout.annotations.push({ text: wrapped(f.label, letters) + (f.unit && `<br>[${f.unit}]`), x: (left + right) / 2, xref: "paper", y: 1, yref: "paper", yshift: 20, yanchor: "bottom", showarrow: false, font: { size: 11, color: LINES[k % LINES.length] } });
+    layout[`xaxis${id}`] = axis({ domain: [left, right], range: widened(f.low, f.high), side: "top", nticks: letters > 13 ? 4 : 3, zeroline: f.low < 0 && f.high > 0, zerolinecolor: css("--soft") });
+    layout.annotations.push({ text: wrapped(f.label, letters) + (f.unit && `<br>[${f.unit}]`), x: (left + right) / 2, xref: "paper", y: 1, yref: "paper", yshift: 20, xanchor: "center", yanchor: "bottom", showarrow: false, font: { size: 11, color: LINES[k % LINES.length] } });
     return { x: values[k], y: now.md, xaxis: `x${id}`, yaxis: "y", mode: "lines", line: { color: LINES[k % LINES.length], width: 1.5 }, name: f.label, hovertemplate: `%{x:.5g} ${f.unit}<br>%{y:.6g} ${state.depth}<extra></extra>` };
   });
   await Plotly.react("tracks", traces, layout, CONFIG);
@@ -497,7 +500,11 @@ document.addEventListener("click", (event) => {
   for (const box of document.querySelectorAll("details.pick[open]")) if (!box.contains(event.target)) box.open = false;
 });
 matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => { draw_histories(true); show(state.shown, true); });
-window.addEventListener("resize", place_cursor);
+const resized = new ResizeObserver((entries) => {
+  for (const { target } of entries) if (target.data && target.clientHeight) Plotly.Plots.resize(target);
+  place_cursor();
+});
+for (const id of ["string", "tracks", "histories"]) resized.observe(byId(id));
 view("straight");
 
 (async function live() {

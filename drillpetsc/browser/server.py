@@ -140,9 +140,9 @@ class Handler(BaseHTTPRequestHandler):
 
 def run_server(host: str, port: int, source: Any) -> Server:
     """A server of the page of a run; it answers when ``serve_forever`` is called."""
-    from drillpetsc.browser.page import plotly_script, render
+    from drillpetsc.browser.page import render, script_that_draws
 
-    script = plotly_script()
+    script = script_that_draws()
     title = source.news()["title"]
     return Server(
         host,

@@ -160,3 +160,12 @@ def test_a_missing_folder_is_refused(tmp_path: Path) -> None:
     command = [sys.executable, "-P", "-m", "drillpetsc", "serve", str(tmp_path / "none"), "--no-open"]
     found = subprocess.run(command, capture_output=True, text=True)
     assert found.returncode == 2 and "a run folder or a case file" in found.stderr
+
+
+def test_without_plotly_the_message_says_what_to_install(
+    folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setitem(sys.modules, "plotly.offline", None)
+    with pytest.raises(CaseError) as error:
+        run_server("127.0.0.1", 0, RunSource(folder))
+    assert "plotly" in error.value.want and error.value.hint == "pip install 'drillpetsc[browser]'"
