@@ -97,6 +97,11 @@ def read_case_file(path: str | FilePath) -> tuple[dict[str, Any], Lines]:
         )
         hint = f"did you mean {path.parent / suggestion[0]}?" if suggestion else ""
         raise CaseError(got=path, want="a case file that exists and can be read", hint=hint) from None
+    return read_case_text(text, path)
+
+
+def read_case_text(text: str, path: FilePath) -> tuple[dict[str, Any], Lines]:
+    """Plain data and line numbers of the text of a case file.  path: of the file, for messages."""
     tree = parse(text, path)
     if tree is None:
         raise CaseError(
