@@ -5,14 +5,13 @@ from __future__ import annotations
 import json
 import os
 import re
-import subprocess
-import sys
 from pathlib import Path
 
 import pytest
 
 from drillpetsc.cli import main
 from drillpetsc.operations import OPERATIONS
+from tests.helpers.command import drillpetsc, in_own_process
 from tests.helpers.mpi import start_mpi
 
 ROOT = Path(__file__).parents[2]
@@ -22,12 +21,6 @@ string: [{kind: pipe, length: 30 m, od: 127 mm, id: 108.6 mm, element_length: 10
 top: {kind: top_drive, rotation: 60 rpm}
 time: {end: 20 ms}
 """
-
-
-def drillpetsc(*words: str, cwd: Path) -> subprocess.CompletedProcess:
-    environment = {**os.environ, "PYTHONPATH": str(ROOT), "OMP_NUM_THREADS": "1"}
-    line = [sys.executable, "-m", "drillpetsc", *words]
-    return subprocess.run(line, cwd=cwd, env=environment, capture_output=True, text=True, timeout=120)
 
 
 @pytest.fixture(scope="module")
@@ -128,7 +121,7 @@ def test_a_misspelt_option_of_a_case_is_refused_in_every_command(command, folder
 
 def test_a_misspelt_option_of_the_command_line_is_refused_without_a_run(folder):
     (folder / "still.yaml").write_text(STILL)
-    done = drillpetsc("modes", "still.yaml", "--out", "modes", "-ts_rtoll", "1e-3", cwd=folder)
+    done = in_own_process("modes", "still.yaml", "--out", "modes", "-ts_rtoll", "1e-3", cwd=folder)
     assert (
         done.returncode == 2 and "did you mean -ts_rtol?" in done.stderr and not (folder / "modes").exists()
     )
@@ -176,10 +169,8 @@ def test_the_help_offers_what_is_accepted(folder):
 
 @pytest.mark.parametrize("words", ["--help", "check case.yaml", "schema", "run --help"])
 def test_a_closed_pipe_ends_quietly(words, folder):
-    environment = {**os.environ, "PYTHONPATH": str(ROOT)}
     read, write = os.pipe()
     os.close(read)  # as `head` does once it has its line
-    line = [sys.executable, "-m", "drillpetsc", *words.split()]
-    done = subprocess.run(line, cwd=folder, env=environment, stdout=write, stderr=subprocess.PIPE, text=True)
+    done = in_own_process(*words.split(), cwd=folder, stdout=write)
     os.close(write)
     assert done.stderr == "" and done.returncode == 0

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from drillpetsc.output import read_table
-from tests.cli.test_cli import drillpetsc
+from tests.helpers.command import drillpetsc
 
 CASE = """
 title: short assembly

@@ -11,7 +11,7 @@ import pytest
 from drillpetsc.output import read_table
 from drillpetsc.output.catalogue import outputs_by_file, records
 from drillpetsc.plotting.run.plot import plot
-from tests.cli.test_cli import drillpetsc
+from tests.helpers.command import drillpetsc
 
 CASE = """
 title: small well

@@ -3,15 +3,13 @@
 from __future__ import annotations
 
 import json
-import os
-import subprocess
-import sys
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 from drillpetsc.output import read_frame, read_table
+from tests.helpers.command import drillpetsc
 from tests.helpers.mpi import have_mpi, run_mpi
 
 CASE = """
@@ -29,14 +27,6 @@ fluid:
   rheology: {model: newtonian, viscosity: 10 mPa s}
   flow_rate: 10 l/s
 """
-
-
-def drillpetsc(*words: str, cwd: Path) -> subprocess.CompletedProcess:
-    """Run the command line in ``cwd``."""
-    path = os.pathsep.join([str(Path(__file__).parents[2]), os.environ.get("PYTHONPATH", "")])
-    environment = {**os.environ, "OMP_NUM_THREADS": "1", "PYTHONPATH": path}
-    command = [sys.executable, "-m", "drillpetsc", *words]
-    return subprocess.run(command, cwd=cwd, capture_output=True, text=True, timeout=120, env=environment)
 
 
 @pytest.fixture(scope="module")

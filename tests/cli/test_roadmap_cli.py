@@ -9,7 +9,7 @@ import pytest
 
 from drillpetsc.output import conditions, read_table
 from drillpetsc.output.catalogue import listed_by_file, records
-from tests.cli.test_cli import drillpetsc
+from tests.helpers.command import drillpetsc
 
 CASE = """
 title: build and hold

@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import json
-import subprocess
-import sys
 from pathlib import Path
 
 import numpy as np
@@ -12,6 +10,7 @@ import pytest
 
 from drillpetsc.output import read_table
 from drillpetsc.studies.convergence.study import study
+from tests.helpers.command import drillpetsc
 
 INERTIA, STIFFNESS, SPEED, RAMP = 2.0, 800.0, 3.0, 2.0  # [kg m2], [N m/rad], [rad/s], [s]
 #: a disc of inertia J on a shaft of stiffness k, almost without inertia, turned from above
@@ -45,16 +44,6 @@ def disc(case, t: np.ndarray) -> dict[str, np.ndarray]:
     }
 
 
-def program(*words: object, cwd: Path) -> subprocess.CompletedProcess:
-    return subprocess.run(
-        [sys.executable, "-m", "drillpetsc", *map(str, words)],
-        capture_output=True,
-        text=True,
-        cwd=cwd,
-        timeout=300,
-    )
-
-
 def test_order_of_bdf2_is_seen(case_file, tmp_path):
     """Disc that a shaft drags along (period 0.31 s), fixed steps of 4, 2 and 1 ms: order 2 within 0.2 of
     BDF2, and its confidence interval is reported."""
@@ -80,7 +69,7 @@ def test_curve_against_a_run_of_another_integrator(case_file, tmp_path):
     """`--curves`: the reference is a run by BDF3 and reports its own error, smaller than those of the points; a
     tolerance 100 times smaller gives a smaller error."""
     out = tmp_path / "out"
-    done = program(
+    done = drillpetsc(
         "study",
         case_file,
         "--curves",
@@ -137,7 +126,7 @@ def test_curve_against_a_run_of_another_integrator(case_file, tmp_path):
 )
 def test_exit_status(case_file, tmp_path, words, status, message):
     """2 for bad input with nothing written; 1 where every run fails, with the reason in its point."""
-    done = program("study", case_file, *words, "--out", tmp_path / "out", cwd=tmp_path)
+    done = drillpetsc("study", case_file, *words, "--out", tmp_path / "out", cwd=tmp_path)
     assert done.returncode == status
     assert message in done.stderr + done.stdout
     assert (tmp_path / "out" / "study.csv").exists() == (status == 1)
@@ -154,7 +143,7 @@ def test_run_states_time_and_mesh_error(tmp_path):
         ),
         encoding="utf-8",
     )
-    done = program(
+    done = drillpetsc(
         "run", file, "--out", "out", "--mesh-error", "--progress", "silent", "-ts_rtol", "1e-5", cwd=tmp_path
     )
     assert done.returncode == 0, done.stderr
@@ -176,7 +165,7 @@ def test_run_checks_its_tolerance(case_file, tmp_path):
     """`run --check-tolerance` with a tolerance of the command line: the fine run has a tenth of it, and the report
     says what would change, or that nothing does."""
     for tolerance, verdict in (("5e-2", "not fine enough"), ("1e-6", "the same classes of motion")):
-        done = program(
+        done = drillpetsc(
             "run",
             case_file,
             "--out",

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from drillpetsc.output import read_table
-from tests.cli.test_cli import drillpetsc
+from tests.helpers.command import drillpetsc, in_own_process
 
 CASE = """
 title: small
@@ -180,7 +180,7 @@ def test_bad_words_get_status_2_before_anything_runs(swept, words, message):
 
 def test_a_petsc_option_does_not_swallow_a_key(swept):
     """-ts_monitor takes a value or none; KEY=... after it is not one."""
-    answer = drillpetsc(
+    answer = in_own_process(  # PETSc prints past Python
         "sweep", "small.yaml", "-ts_monitor", "top.rotation=60 rpm", "--out", "monitored", cwd=swept
     )
     assert answer.returncode == 0 and "TS dt" in answer.stdout and "1 of 1 members done" in answer.stdout
