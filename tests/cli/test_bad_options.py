@@ -55,7 +55,7 @@ BAD = [
 
 @pytest.mark.parametrize("option, words", BAD)
 def test_a_bad_option_is_refused_in_one_line(option, words, folder):
-    done = drillpetsc("run", "case.yaml", "--out", "bad", *option.split(), cwd=folder)
+    done = drillpetsc("run case.yaml --out bad", *option.split(), cwd=folder)
     assert done.returncode == 2, done.stderr
     assert len(done.stderr.splitlines()) == 1 and words in done.stderr and done.stdout == ""
     assert not (folder / "bad").exists()
@@ -121,7 +121,7 @@ def test_a_misspelt_option_of_a_case_is_refused_in_every_command(command, folder
 
 def test_a_misspelt_option_of_the_command_line_is_refused_without_a_run(folder):
     (folder / "still.yaml").write_text(STILL)
-    done = in_own_process("modes", "still.yaml", "--out", "modes", "-ts_rtoll", "1e-3", cwd=folder)
+    done = in_own_process("modes still.yaml --out modes -ts_rtoll 1e-3", cwd=folder)
     assert (
         done.returncode == 2 and "did you mean -ts_rtol?" in done.stderr and not (folder / "modes").exists()
     )
@@ -143,13 +143,13 @@ def test_a_bad_option_on_two_ranks_is_refused_without_an_abort(folder):
 
 def test_the_last_step_of_max_steps_can_be_continued(folder):
     """Five steps, a message with the time, exit status 1; without the option --restart comes to the end."""
-    whole = drillpetsc("run", "case.yaml", "--out", "whole", cwd=folder)
+    whole = drillpetsc("run case.yaml --out whole", cwd=folder)
     assert whole.returncode == 0, whole.stderr
-    done = drillpetsc("run", "case.yaml", "--out", "steps", "-ts_max_steps", "5", cwd=folder)
+    done = drillpetsc("run case.yaml --out steps -ts_max_steps 5", cwd=folder)
     assert done.returncode == 1 and "5 steps of -ts_max_steps" in done.stderr
     summary = json.loads((folder / "steps" / "summary.json").read_text())
     assert summary["steps"] == 5 and 0 < summary["time"] < 0.02
-    again = drillpetsc("run", "case.yaml", "--out", "steps", "--restart", cwd=folder)
+    again = drillpetsc("run case.yaml --out steps --restart", cwd=folder)
     assert again.returncode == 0, again.stderr
     one, other = (folder / name / "history.csv" for name in ("whole", "steps"))
     assert one.read_bytes() == other.read_bytes()
@@ -157,11 +157,11 @@ def test_the_last_step_of_max_steps_can_be_continued(folder):
 
 def test_the_help_offers_what_is_accepted(folder):
     """Every integrator of the help is accepted; commands that take no PETSc options do not mention them."""
-    text = drillpetsc("run", "--help", cwd=folder).stdout
+    text = drillpetsc("run --help", cwd=folder).stdout
     offered = re.search(r"-ts_type ([\w, ]+) integrate", text)
     assert offered
     for kind in offered[1].split(", "):
-        done = drillpetsc("run", "case.yaml", "--out", kind, "-ts_type", kind, cwd=folder)
+        done = drillpetsc("run case.yaml --out", kind, "-ts_type", kind, cwd=folder)
         assert done.returncode == 0, done.stderr
     for command in ("view", "plot", "schema"):
         assert "PETSc" not in drillpetsc(command, "--help", cwd=folder).stdout

@@ -30,7 +30,7 @@ def finished(tmp_path_factory) -> Path:
     """A folder with a case that was run once, into run/."""
     folder = tmp_path_factory.mktemp("cli")
     (folder / "small.yaml").write_text(CASE)
-    done = in_own_process("run", "small.yaml", "--out", "run", "-ts_rtol", "1e-3", cwd=folder)
+    done = in_own_process("run small.yaml --out run -ts_rtol 1e-3", cwd=folder)
     assert done.returncode == 0, done.stderr
     assert (
         "real-time factor" in done.stdout and "energy error" in done.stdout and "results: run" in done.stdout
@@ -78,7 +78,7 @@ def test_hook_load_of_the_start_is_the_weight_along_the_hole(finished):
 
 def test_an_existing_folder_is_refused_and_untouched(finished):
     before = (finished / "run" / "history.csv").read_bytes()
-    again = drillpetsc("run", "small.yaml", "--out", "run", cwd=finished)
+    again = drillpetsc("run small.yaml --out run", cwd=finished)
     assert again.returncode == 2 and "--restart" in again.stderr and "--overwrite" in again.stderr
     assert (finished / "run" / "history.csv").read_bytes() == before
 
@@ -92,7 +92,7 @@ def test_runs_without_out_are_numbered(finished):
     )
     (finished / "short.yaml").write_text(short)
     for _ in range(2):
-        assert drillpetsc("run", "short.yaml", cwd=finished).returncode == 0
+        assert drillpetsc("run short.yaml", cwd=finished).returncode == 0
     assert len(list((finished / "results").glob("short-*"))) == 2
 
 
@@ -100,8 +100,8 @@ def test_a_run_stopped_at_a_checkpoint_goes_on_identically(finished):
     """The first half, then --restart with the whole case: the history equals the uninterrupted one to the
     last digit."""
     (finished / "half.yaml").write_text(CASE.replace("end: 0.2 s", "end: 0.1 s"))
-    assert drillpetsc("run", "half.yaml", "--out", "parts", "-ts_rtol", "1e-3", cwd=finished).returncode == 0
-    done = drillpetsc("run", "small.yaml", "--out", "parts", "--restart", "-ts_rtol", "1e-3", cwd=finished)
+    assert drillpetsc("run half.yaml --out parts -ts_rtol 1e-3", cwd=finished).returncode == 0
+    done = drillpetsc("run small.yaml --out parts --restart -ts_rtol 1e-3", cwd=finished)
     assert done.returncode == 0, done.stderr
     whole, parts = (read_table(finished / name / "history.csv") for name in ("run", "parts"))
     for column in whole:
@@ -134,7 +134,7 @@ def test_bad_words_get_status_2_and_a_reason(finished, words, status, message):
 
 
 def test_check_says_what_is_there_and_what_is_not(finished):
-    text = drillpetsc("check", "small.yaml", cwd=finished).stdout
+    text = drillpetsc("check small.yaml", cwd=finished).stdout
     assert "contact with the hole" in text.split("leaves out")[0]
     assert "drilling fluid" in text.split("leaves out")[1]
     assert "7 per node" in text
@@ -146,9 +146,7 @@ def test_statics_motion_changes_the_hook_load(finished):
     area = np.pi / 4 * np.array([0.127**2 - 0.1086**2, 0.1715**2 - 0.0714**2])
     weight = 7850 * 9.80665 * float(area @ [30, 20])
     for motion, sign in (("hoist", 1), ("lower", -1)):
-        done = drillpetsc(
-            "statics", "small.yaml", "--motion", motion, "--out", f"statics-{motion}", cwd=finished
-        )
+        done = drillpetsc("statics small.yaml --motion", motion, "--out", f"statics-{motion}", cwd=finished)
         assert done.returncode == 0, done.stderr
         summary = json.loads((finished / f"statics-{motion}" / "summary.json").read_text())
         expected = weight * (0.5 + sign * 0.2 * np.sin(np.pi / 3))
@@ -177,7 +175,7 @@ def test_every_command_has_a_help_of_its_own():
 
 @pytest.mark.parametrize("options", [(), ("--outputs",)])
 def test_a_schema_that_cannot_be_written_is_one_message(tmp_path, options):
-    refused = drillpetsc("schema", "no-folder/file.json", *options, cwd=tmp_path)
+    refused = drillpetsc("schema no-folder/file.json", *options, cwd=tmp_path)
     assert refused.returncode == 2
     assert "no-folder/file.json" in refused.stderr and "No such file" in refused.stderr
 
@@ -185,8 +183,8 @@ def test_a_schema_that_cannot_be_written_is_one_message(tmp_path, options):
 def test_schema_is_that_of_the_case_or_a_list_of_outputs(finished, tmp_path):
     case = json.loads(drillpetsc("schema", cwd=tmp_path).stdout)
     assert "string" in case["properties"]
-    listed = json.loads(drillpetsc("schema", "--outputs", cwd=tmp_path).stdout)
-    written = drillpetsc("schema", "outputs.json", "--outputs", cwd=tmp_path)
+    listed = json.loads(drillpetsc("schema --outputs", cwd=tmp_path).stdout)
+    written = drillpetsc("schema outputs.json --outputs", cwd=tmp_path)
     assert written.returncode == 0 and not written.stdout
     assert json.loads((tmp_path / "outputs.json").read_text()) == listed
     assert {tuple(entry) for entry in listed} == {

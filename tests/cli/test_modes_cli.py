@@ -35,7 +35,7 @@ def folder(tmp_path_factory) -> Path:
     folder = tmp_path_factory.mktemp("modes")
     (folder / "wet.yaml").write_text(CASE)
     (folder / "dry.yaml").write_text(CASE.split("fluid:")[0])
-    done = drillpetsc("modes", "wet.yaml", "--out", "run", "--count", "8", cwd=folder)
+    done = drillpetsc("modes wet.yaml --out run --count 8", cwd=folder)
     assert done.returncode == 0, done.stderr
     assert "rotation at 60 rpm" in done.stdout and "results: run" in done.stdout
     return folder
@@ -67,7 +67,7 @@ def test_modes_of_one_kind(folder):
     """--kind fluid leaves the lateral ones out.  Bore (closed by the pump) and annulus (open) of one length
     and areas A1, A2: tan^2(2 pi f L/a) = A2/A1, with 1291 m/s in the mud alone lowered by the walls' give, at
     most by a tenth."""
-    done = drillpetsc("modes", "wet.yaml", "--out", "fluid", "--kind", "fluid", "--count", "3", cwd=folder)
+    done = drillpetsc("modes wet.yaml --out fluid --kind fluid --count 3", cwd=folder)
     assert done.returncode == 0, done.stderr
     table = read_table(folder / "fluid" / "modes.csv")
     assert set(table["kind [-]"]) == {"fluid"}
@@ -82,13 +82,7 @@ def test_rest_and_nearest(folder):
     sqrt(G/rho)/4L."""
     wave = np.sqrt(206e9 / 2.6 / 7850) / 800
     done = drillpetsc(
-        "modes",
-        "dry.yaml",
-        "--out",
-        "near",
-        "--about",
-        "rest",
-        "--shift",
+        "modes dry.yaml --out near --about rest --shift",
         f"{wave:.4f}",
         "--count",
         "2",
@@ -123,6 +117,6 @@ def test_two_ranks_find_the_same(folder):
     ],
 )
 def test_bad_words(folder, words, message):
-    answer = drillpetsc("modes", "wet.yaml", *words, cwd=folder)
+    answer = drillpetsc("modes wet.yaml", *words, cwd=folder)
     assert answer.returncode == 2 and message in answer.stderr
     assert "Traceback" not in answer.stderr

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import shlex
 import subprocess
 import sys
 from contextlib import chdir, redirect_stderr, redirect_stdout
@@ -22,19 +23,19 @@ ENVIRONMENT = {
 }
 
 
-def drillpetsc(*words: object, cwd: Path) -> CompletedProcess[str]:
-    """Run ``drillpetsc words`` in the folder ``cwd``, in this process: a start takes longer than most commands.
+def drillpetsc(line: object, *more: object, cwd: Path) -> CompletedProcess[str]:
+    """Run a command line in the folder ``cwd``, in this process: a start takes longer than most commands.
 
-    PETSc has started already, so its options are set here, and are gone afterwards. An exception that the program
-    does not catch is raised.
+    line: words as in a shell; more: further words, each as it is. PETSc has started already, so its options are set here,
+    and are gone afterwards. An exception that the program does not catch is raised.
     """
-    line, out, err = list(map(str, words)), StringIO(), StringIO()
+    words, out, err = _words(line, *more), StringIO(), StringIO()
     database = PETSc.Options()
     before = database.getAll()
-    database.insertString(" ".join(split_words(line)[1]))
+    database.insertString(" ".join(split_words(words)[1]))
     try:
         with chdir(cwd), redirect_stdout(out), redirect_stderr(err):
-            status = main(line)
+            status = main(words)
     except SystemExit as end:  # argparse: --help, or a bad word
         status = int(end.code or 0)
     finally:
@@ -42,12 +43,16 @@ def drillpetsc(*words: object, cwd: Path) -> CompletedProcess[str]:
             database.delValue(name)
         for name, value in before.items():
             database.setValue(name, value)
-    return CompletedProcess(line, status, out.getvalue(), err.getvalue())
+    return CompletedProcess(words, status, out.getvalue(), err.getvalue())
 
 
-def in_own_process(*words: object, cwd: Path, **options: object) -> CompletedProcess[str]:
+def _words(line: object, *more: object) -> list[str]:
+    return [*shlex.split(str(line)), *map(str, more)]
+
+
+def in_own_process(line: object, *more: object, cwd: Path, **options: object) -> CompletedProcess[str]:
     """The same as a user starts it.  options: of ``subprocess.run``, instead of pipes for both outputs."""
-    return python("-m", "drillpetsc", *map(str, words), cwd=cwd, **options)
+    return python("-m", "drillpetsc", *_words(line, *more), cwd=cwd, **options)
 
 
 def python(*words: str, **options: object) -> CompletedProcess[str]:
