@@ -55,6 +55,14 @@ def release_frames(error: BaseException) -> None:
         link = link.__cause__ or link.__context__
 
 
+def free_dropped(comm: PETSc.Comm) -> None:
+    """Free the objects on ``comm`` that Python has dropped; collective.
+
+    Ranks drop them at different times, so petsc4py only lists them, on one rank too. Without this call they stay until the process ends.
+    """
+    PETSc.garbage_cleanup(comm)
+
+
 def reason_of(error: PETSc.Error) -> str:
     """PETSc's reason for an error: the last line of its trace, without the rank."""
     lines = str(error).splitlines() or ["no reason given"]

@@ -2,8 +2,26 @@
 pytest's own words."""
 
 import petsc4py
+import pytest
 
 from drillpetsc.kernels.build import build
 
 build()
 petsc4py.init(["pytest"])
+
+
+@pytest.fixture
+def options():
+    """PETSc options for one test."""
+    from petsc4py import PETSc
+
+    database, given = PETSc.Options(), []
+
+    def give(**values: object) -> None:
+        for name, value in values.items():
+            database.setValue(name, value)
+            given.append(name)
+
+    yield give
+    for name in given:
+        database.delValue(name)

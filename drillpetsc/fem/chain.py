@@ -10,6 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 from petsc4py import PETSc
 
+from drillpetsc import petsc_compat
 from drillpetsc.arrays import IntArray
 
 
@@ -42,6 +43,7 @@ def build_chain(measured_depth: np.ndarray, comm: PETSc.Comm) -> Chain:
     measured_depth: (n+1,) depths of the vertices [m], ascending.
     comm: PETSc communicator.
     """
+    petsc_compat.free_dropped(comm)  # those of earlier models: a session or a study makes one after another
     count = len(measured_depth)
     if comm.rank == 0:
         cells = np.column_stack([np.arange(count - 1), np.arange(1, count)]).astype(np.int32)

@@ -5,14 +5,13 @@ from __future__ import annotations
 import json
 import os
 import re
-import subprocess
-import sys
 from pathlib import Path
 
 import pytest
 
 from drillpetsc.cli import main
 from drillpetsc.operations import OPERATIONS
+from tests.helpers.command import drillpetsc, in_own_process
 from tests.helpers.mpi import start_mpi
 
 ROOT = Path(__file__).parents[2]
@@ -22,12 +21,6 @@ string: [{kind: pipe, length: 30 m, od: 127 mm, id: 108.6 mm, element_length: 10
 top: {kind: top_drive, rotation: 60 rpm}
 time: {end: 20 ms}
 """
-
-
-def drillpetsc(*words: str, cwd: Path) -> subprocess.CompletedProcess:
-    environment = {**os.environ, "PYTHONPATH": str(ROOT), "OMP_NUM_THREADS": "1"}
-    line = [sys.executable, "-m", "drillpetsc", *words]
-    return subprocess.run(line, cwd=cwd, env=environment, capture_output=True, text=True, timeout=120)
 
 
 @pytest.fixture(scope="module")
@@ -62,7 +55,7 @@ BAD = [
 
 @pytest.mark.parametrize("option, words", BAD)
 def test_a_bad_option_is_refused_in_one_line(option, words, folder):
-    done = drillpetsc("run", "case.yaml", "--out", "bad", *option.split(), cwd=folder)
+    done = drillpetsc("run case.yaml --out bad", *option.split(), cwd=folder)
     assert done.returncode == 2, done.stderr
     assert len(done.stderr.splitlines()) == 1 and words in done.stderr and done.stdout == ""
     assert not (folder / "bad").exists()
@@ -128,7 +121,7 @@ def test_a_misspelt_option_of_a_case_is_refused_in_every_command(command, folder
 
 def test_a_misspelt_option_of_the_command_line_is_refused_without_a_run(folder):
     (folder / "still.yaml").write_text(STILL)
-    done = drillpetsc("modes", "still.yaml", "--out", "modes", "-ts_rtoll", "1e-3", cwd=folder)
+    done = in_own_process("modes still.yaml --out modes -ts_rtoll 1e-3", cwd=folder)
     assert (
         done.returncode == 2 and "did you mean -ts_rtol?" in done.stderr and not (folder / "modes").exists()
     )
@@ -150,13 +143,13 @@ def test_a_bad_option_on_two_ranks_is_refused_without_an_abort(folder):
 
 def test_the_last_step_of_max_steps_can_be_continued(folder):
     """Five steps, a message with the time, exit status 1; without the option --restart comes to the end."""
-    whole = drillpetsc("run", "case.yaml", "--out", "whole", cwd=folder)
+    whole = drillpetsc("run case.yaml --out whole", cwd=folder)
     assert whole.returncode == 0, whole.stderr
-    done = drillpetsc("run", "case.yaml", "--out", "steps", "-ts_max_steps", "5", cwd=folder)
+    done = drillpetsc("run case.yaml --out steps -ts_max_steps 5", cwd=folder)
     assert done.returncode == 1 and "5 steps of -ts_max_steps" in done.stderr
     summary = json.loads((folder / "steps" / "summary.json").read_text())
     assert summary["steps"] == 5 and 0 < summary["time"] < 0.02
-    again = drillpetsc("run", "case.yaml", "--out", "steps", "--restart", cwd=folder)
+    again = drillpetsc("run case.yaml --out steps --restart", cwd=folder)
     assert again.returncode == 0, again.stderr
     one, other = (folder / name / "history.csv" for name in ("whole", "steps"))
     assert one.read_bytes() == other.read_bytes()
@@ -164,11 +157,11 @@ def test_the_last_step_of_max_steps_can_be_continued(folder):
 
 def test_the_help_offers_what_is_accepted(folder):
     """Every integrator of the help is accepted; commands that take no PETSc options do not mention them."""
-    text = drillpetsc("run", "--help", cwd=folder).stdout
+    text = drillpetsc("run --help", cwd=folder).stdout
     offered = re.search(r"-ts_type ([\w, ]+) integrate", text)
     assert offered
     for kind in offered[1].split(", "):
-        done = drillpetsc("run", "case.yaml", "--out", kind, "-ts_type", kind, cwd=folder)
+        done = drillpetsc("run case.yaml --out", kind, "-ts_type", kind, cwd=folder)
         assert done.returncode == 0, done.stderr
     for command in ("view", "plot", "schema"):
         assert "PETSc" not in drillpetsc(command, "--help", cwd=folder).stdout
@@ -176,10 +169,8 @@ def test_the_help_offers_what_is_accepted(folder):
 
 @pytest.mark.parametrize("words", ["--help", "check case.yaml", "schema", "run --help"])
 def test_a_closed_pipe_ends_quietly(words, folder):
-    environment = {**os.environ, "PYTHONPATH": str(ROOT)}
     read, write = os.pipe()
     os.close(read)  # as `head` does once it has its line
-    line = [sys.executable, "-m", "drillpetsc", *words.split()]
-    done = subprocess.run(line, cwd=folder, env=environment, stdout=write, stderr=subprocess.PIPE, text=True)
+    done = in_own_process(*words.split(), cwd=folder, stdout=write)
     os.close(write)
     assert done.stderr == "" and done.returncode == 0

@@ -3,15 +3,13 @@
 from __future__ import annotations
 
 import json
-import os
-import subprocess
-import sys
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 from drillpetsc.output import read_frame, read_series, read_table
+from tests.helpers.command import drillpetsc, in_own_process, python
 
 CASE = """
 title: small
@@ -27,20 +25,12 @@ output: {history_every: 0.02 s, field_every: 0.1 s, probes: [25 m], checkpoint_e
 """
 
 
-def drillpetsc(*words: str, cwd: Path) -> subprocess.CompletedProcess:
-    """Run the command line in ``cwd``."""
-    path = os.pathsep.join([str(Path(__file__).parents[2]), os.environ.get("PYTHONPATH", "")])
-    environment = {**os.environ, "OMP_NUM_THREADS": "1", "PYTHONPATH": path}
-    command = [sys.executable, "-m", "drillpetsc", *words]
-    return subprocess.run(command, cwd=cwd, capture_output=True, text=True, timeout=120, env=environment)
-
-
 @pytest.fixture(scope="module")
 def finished(tmp_path_factory) -> Path:
     """A folder with a case that was run once, into run/."""
     folder = tmp_path_factory.mktemp("cli")
     (folder / "small.yaml").write_text(CASE)
-    done = drillpetsc("run", "small.yaml", "--out", "run", "-ts_rtol", "1e-3", cwd=folder)
+    done = in_own_process("run small.yaml --out run -ts_rtol 1e-3", cwd=folder)
     assert done.returncode == 0, done.stderr
     assert (
         "real-time factor" in done.stdout and "energy error" in done.stdout and "results: run" in done.stdout
@@ -88,7 +78,7 @@ def test_hook_load_of_the_start_is_the_weight_along_the_hole(finished):
 
 def test_an_existing_folder_is_refused_and_untouched(finished):
     before = (finished / "run" / "history.csv").read_bytes()
-    again = drillpetsc("run", "small.yaml", "--out", "run", cwd=finished)
+    again = drillpetsc("run small.yaml --out run", cwd=finished)
     assert again.returncode == 2 and "--restart" in again.stderr and "--overwrite" in again.stderr
     assert (finished / "run" / "history.csv").read_bytes() == before
 
@@ -102,7 +92,7 @@ def test_runs_without_out_are_numbered(finished):
     )
     (finished / "short.yaml").write_text(short)
     for _ in range(2):
-        assert drillpetsc("run", "short.yaml", cwd=finished).returncode == 0
+        assert drillpetsc("run short.yaml", cwd=finished).returncode == 0
     assert len(list((finished / "results").glob("short-*"))) == 2
 
 
@@ -110,8 +100,8 @@ def test_a_run_stopped_at_a_checkpoint_goes_on_identically(finished):
     """The first half, then --restart with the whole case: the history equals the uninterrupted one to the
     last digit."""
     (finished / "half.yaml").write_text(CASE.replace("end: 0.2 s", "end: 0.1 s"))
-    assert drillpetsc("run", "half.yaml", "--out", "parts", "-ts_rtol", "1e-3", cwd=finished).returncode == 0
-    done = drillpetsc("run", "small.yaml", "--out", "parts", "--restart", "-ts_rtol", "1e-3", cwd=finished)
+    assert drillpetsc("run half.yaml --out parts -ts_rtol 1e-3", cwd=finished).returncode == 0
+    done = drillpetsc("run small.yaml --out parts --restart -ts_rtol 1e-3", cwd=finished)
     assert done.returncode == 0, done.stderr
     whole, parts = (read_table(finished / name / "history.csv") for name in ("run", "parts"))
     for column in whole:
@@ -140,12 +130,11 @@ def test_a_run_stopped_at_a_checkpoint_goes_on_identically(finished):
 def test_bad_words_get_status_2_and_a_reason(finished, words, status, message):
     answer = drillpetsc(*words, cwd=finished)
     assert answer.returncode == status and message in answer.stderr
-    assert "Traceback" not in answer.stderr
     assert not (finished / "new").exists()
 
 
 def test_check_says_what_is_there_and_what_is_not(finished):
-    text = drillpetsc("check", "small.yaml", cwd=finished).stdout
+    text = drillpetsc("check small.yaml", cwd=finished).stdout
     assert "contact with the hole" in text.split("leaves out")[0]
     assert "drilling fluid" in text.split("leaves out")[1]
     assert "7 per node" in text
@@ -157,9 +146,7 @@ def test_statics_motion_changes_the_hook_load(finished):
     area = np.pi / 4 * np.array([0.127**2 - 0.1086**2, 0.1715**2 - 0.0714**2])
     weight = 7850 * 9.80665 * float(area @ [30, 20])
     for motion, sign in (("hoist", 1), ("lower", -1)):
-        done = drillpetsc(
-            "statics", "small.yaml", "--motion", motion, "--out", f"statics-{motion}", cwd=finished
-        )
+        done = drillpetsc("statics small.yaml --motion", motion, "--out", f"statics-{motion}", cwd=finished)
         assert done.returncode == 0, done.stderr
         summary = json.loads((finished / f"statics-{motion}" / "summary.json").read_text())
         expected = weight * (0.5 + sign * 0.2 * np.sin(np.pi / 3))
@@ -188,16 +175,16 @@ def test_every_command_has_a_help_of_its_own():
 
 @pytest.mark.parametrize("options", [(), ("--outputs",)])
 def test_a_schema_that_cannot_be_written_is_one_message(tmp_path, options):
-    refused = drillpetsc("schema", "no-folder/file.json", *options, cwd=tmp_path)
-    assert refused.returncode == 2 and "Traceback" not in refused.stderr
+    refused = drillpetsc("schema no-folder/file.json", *options, cwd=tmp_path)
+    assert refused.returncode == 2
     assert "no-folder/file.json" in refused.stderr and "No such file" in refused.stderr
 
 
 def test_schema_is_that_of_the_case_or_a_list_of_outputs(finished, tmp_path):
     case = json.loads(drillpetsc("schema", cwd=tmp_path).stdout)
     assert "string" in case["properties"]
-    listed = json.loads(drillpetsc("schema", "--outputs", cwd=tmp_path).stdout)
-    written = drillpetsc("schema", "outputs.json", "--outputs", cwd=tmp_path)
+    listed = json.loads(drillpetsc("schema --outputs", cwd=tmp_path).stdout)
+    written = drillpetsc("schema outputs.json --outputs", cwd=tmp_path)
     assert written.returncode == 0 and not written.stdout
     assert json.loads((tmp_path / "outputs.json").read_text()) == listed
     assert {tuple(entry) for entry in listed} == {
@@ -232,18 +219,14 @@ except SystemExit:
     pass
 print([m for m in {forbidden!r} if m in sys.modules], file=sys.stderr)
 """
-        path = os.pathsep.join([str(Path(__file__).parents[2]), os.environ.get("PYTHONPATH", "")])
-        out = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, cwd=finished,
-                             env={**os.environ, "PYTHONPATH": path})  # fmt: skip
+        out = python("-c", code, cwd=finished)
         assert out.stderr.strip() == "[]", out.stderr
 
 
 def test_import_starts_no_mpi_and_draws_nothing():
     heavy = ("mpi4py.MPI", "petsc4py.PETSc", "pyvista", "matplotlib", "vtk")
     code = f"import sys, drillpetsc; print([m for m in {heavy} if m in sys.modules])"
-    out = subprocess.run(
-        [sys.executable, "-c", code], capture_output=True, text=True, cwd=Path(__file__).parents[2]
-    )
+    out = python("-c", code)
     assert out.stdout.strip() == "[]", out.stdout + out.stderr
 
 

@@ -10,7 +10,7 @@ import pytest
 from drillpetsc.output import read_table
 from drillpetsc.output.catalogue import outputs_by_file, records
 from drillpetsc.plotting.run.plot import plot
-from tests.cli.test_cli import drillpetsc
+from tests.helpers.command import drillpetsc
 
 CASE = """
 title: small well
@@ -34,21 +34,12 @@ def folder(tmp_path_factory) -> Path:
     """A folder with small.yaml and both commands done once."""
     path = tmp_path_factory.mktemp("hydraulics")
     (path / "small.yaml").write_text(CASE)
-    done = drillpetsc(
-        "hydraulics", "small.yaml", "--flow", "400,500 gpm", "--units", "field", "--out", "h", cwd=path
-    )
+    done = drillpetsc("hydraulics small.yaml --flow '400,500 gpm' --units field --out h", cwd=path)
     assert done.returncode == 0, done.stderr
     assert "psi" in done.stdout and "ppg" in done.stdout and "HSI" not in done.stderr
     assert "MD 4758.86 ft" in done.stdout and "Open hole, limit passed: none; none" in done.stdout
     done = drillpetsc(
-        "surge",
-        "small.yaml",
-        "--speeds",
-        "30,60 ft/min",
-        "--pipe",
-        "closed,open,pumping",
-        "--out",
-        "s",
+        "surge small.yaml --speeds '30,60 ft/min' --pipe closed,open,pumping --out s",
         cwd=path,
     )
     assert done.returncode == 0, done.stderr
@@ -98,7 +89,7 @@ def test_pictures_and_a_second_plot(folder: Path):
 
 
 def test_the_case_in_the_folder_gives_the_same_again(folder: Path):
-    done = drillpetsc("hydraulics", "h/case.yaml", "--flow", "400,500 gpm", "--out", "h2", cwd=folder)
+    done = drillpetsc("hydraulics h/case.yaml --flow '400,500 gpm' --out h2", cwd=folder)
     assert done.returncode == 0, done.stderr
     assert (folder / "h" / "hydraulics.csv").read_text() == (folder / "h2" / "hydraulics.csv").read_text()
 
@@ -107,7 +98,7 @@ def test_a_string_without_hole_and_nozzles(folder: Path):
     text = "string: [{kind: pipe, length: 100 m, od: 127 mm, id: 108.6 mm}]\ntop: clamped\n"
     text += "fluid: {density: 1000 kg/m3, rheology: {model: newtonian, viscosity: 1 cP}, flow_rate: 0.02}\n"
     (folder / "bare.yaml").write_text(text)
-    done = drillpetsc("hydraulics", "bare.yaml", "--out", "bare", cwd=folder)
+    done = drillpetsc("hydraulics bare.yaml --out bare", cwd=folder)
     assert done.returncode == 0, done.stderr
     assert "no annulus" in done.stdout and "no nozzles" in done.stdout and "ECD" not in done.stdout
     assert {f.stem for f in (folder / "bare" / "plots").glob("*.png")} == {
@@ -118,12 +109,12 @@ def test_a_string_without_hole_and_nozzles(folder: Path):
 
 
 def test_an_existing_folder_needs_overwrite(folder: Path):
-    refused = drillpetsc("hydraulics", "small.yaml", "--out", "h", cwd=folder)
+    refused = drillpetsc("hydraulics small.yaml --out h", cwd=folder)
     assert refused.returncode == 2 and "exists" in refused.stderr
-    done = drillpetsc("hydraulics", "small.yaml", "--spp", "80 bar", "--out", "over", cwd=folder)
+    done = drillpetsc("hydraulics small.yaml --spp '80 bar' --out over", cwd=folder)
     assert done.returncode == 0, done.stderr
     assert "80 bar" in " ".join(done.stdout.split())
-    done = drillpetsc("surge", "small.yaml", "--speeds", "1 m/s", "--out", "over", "--overwrite", cwd=folder)
+    done = drillpetsc("surge small.yaml --speeds '1 m/s' --out over --overwrite", cwd=folder)
     assert done.returncode == 0, done.stderr
     assert not (folder / "over" / "hydraulics.csv").exists() and (folder / "over" / "surge.csv").exists()
 

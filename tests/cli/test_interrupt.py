@@ -15,8 +15,8 @@ import pytest
 
 from drillpetsc.analysis.motion.run_control import NOTHING, SAVE, STOP, WRITE, RunControl
 from drillpetsc.output import read_frame, read_series, read_table
+from tests.helpers.command import ENVIRONMENT, drillpetsc
 
-ROOT = Path(__file__).parents[2]
 CASE = """
 title: for interruption
 well:
@@ -33,16 +33,17 @@ FILES = ("history.csv", "probes.csv", "string.pvd", "trajectory.csv")
 
 
 def start(folder: Path, *words: str, command: str = "run") -> subprocess.Popen:
-    """drillpetsc run ... in ``folder``."""
-    environment = {
-        **os.environ,
-        "OMP_NUM_THREADS": "1",
-        "PYTHONPATH": os.pathsep.join([str(ROOT), os.environ.get("PYTHONPATH", "")]),
-    }
+    """drillpetsc run ... in ``folder``, in a process that can be stopped."""
     line = [sys.executable, "-m", "drillpetsc", command, *words, "--progress", "silent"]
-    return subprocess.Popen(
-        line, cwd=folder, env=environment, text=True, stdout=subprocess.PIPE, stderr=subprocess.PIPE
-    )
+    environment, pipe = os.environ | ENVIRONMENT, subprocess.PIPE
+    return subprocess.Popen(line, cwd=folder, env=environment, text=True, stdout=pipe, stderr=pipe)
+
+
+def finish(folder: Path, *words: str, command: str = "run") -> str:
+    """The same in this process, to its end; returns what it prints."""
+    done = drillpetsc(command, *words, "--progress", "silent", cwd=folder)
+    assert done.returncode == 0, done.stdout + done.stderr
+    return done.stdout
 
 
 def wait_for_rows(file: Path, rows: int, job: subprocess.Popen) -> None:
@@ -69,8 +70,7 @@ def whole(tmp_path_factory) -> Path:
     """A folder with the case and its uninterrupted run, in run/."""
     folder = tmp_path_factory.mktemp("interrupt")
     (folder / "case.yaml").write_text(CASE)
-    out, err = (job := start(folder, "case.yaml", "--out", "run")).communicate(timeout=120)
-    assert job.returncode == 0, err
+    finish(folder, "case.yaml", "--out", "run")
     return folder
 
 
@@ -115,8 +115,7 @@ def test_a_signal_ends_the_run_with_a_checkpoint_that_goes_on_identically(whole,
     assert abs(summary["energy"]["error_share"]) < 0.05 and "hook_load [N]" in summary["final"]
     rows = len(read_table(whole / name / "history.csv")["time [s]"])
     assert rows >= 15
-    _, err = (job := start(whole, "case.yaml", "--out", name, "--restart")).communicate(timeout=60)
-    assert job.returncode == 0, err
+    finish(whole, "case.yaml", "--out", name, "--restart")
     same(whole / "run", whole / name)
     assert json.loads((whole / name / "summary.json").read_text())["interrupted"] is False
 
@@ -151,8 +150,7 @@ def test_a_killed_run_goes_on_identically(whole):
         job.kill()
         job.communicate()
         assert not (whole / name / "summary.json").exists()
-        _, err = (job := start(whole, "often.yaml", "--out", name, "--restart")).communicate(timeout=60)
-        assert job.returncode == 0, err
+        finish(whole, "often.yaml", "--out", name, "--restart")
         same(whole / "run", whole / name)
 
 
@@ -170,8 +168,7 @@ def test_a_stopped_sweep_starts_no_further_member_and_goes_on_later(whole):
         json.loads((first / "summary.json").read_text())["interrupted"]
         and not (second / "history.csv").exists()
     )
-    out, err = (job := start(whole, *values, "--restart", command="sweep")).communicate(timeout=120)
-    assert job.returncode == 0 and "2 of 2 members done" in out, out + err
+    assert "2 of 2 members done" in finish(whole, *values, "--restart", command="sweep")
     same(whole / "run", first)  # 1e8 is the default
 
 
@@ -182,8 +179,7 @@ def test_a_full_disk_ends_the_run_in_order_and_it_can_go_on(whole):
     (whole / "fine.yaml").write_text(
         CASE.replace("history_every: 0.01 s", "history_every: 0.5 ms").replace("100 s", "0.2 s")
     )
-    _, err = (job := start(whole, "fine.yaml", "--out", "fine")).communicate(timeout=120)
-    assert job.returncode == 0, err
+    finish(whole, "fine.yaml", "--out", "fine")
     limit = (whole / "fine" / "checkpoint.h5").stat().st_size + 4000
     assert (whole / "fine" / "history.csv").stat().st_size > 1.5 * limit
     job = start(whole, "fine.yaml", "--out", "full")
@@ -201,8 +197,7 @@ def test_a_full_disk_ends_the_run_in_order_and_it_can_go_on(whole):
     assert len(read_table(whole / "full" / "history.csv")["time [s]"]) == text.count("\n") - 1
     assert all(len(read_frame(file).points) > 2 for _, file in read_series(whole / "full"))
     assert "failed: cannot write" in json.loads((whole / "full" / "summary.json").read_text())["status"]
-    _, err = (job := start(whole, "fine.yaml", "--out", "full", "--restart")).communicate(timeout=120)
-    assert job.returncode == 0, err
+    finish(whole, "fine.yaml", "--out", "full", "--restart")
     same(whole / "fine", whole / "full")
 
 

@@ -11,7 +11,7 @@ import pytest
 from drillpetsc.output import read_table
 from drillpetsc.output.catalogue import outputs_by_file, records
 from drillpetsc.plotting.run.plot import plot
-from tests.cli.test_cli import drillpetsc
+from tests.helpers.command import drillpetsc
 
 CASE = """
 title: small well
@@ -81,26 +81,26 @@ def test_pictures_are_drawn_again_in_other_units(folder: Path):
     ],
 )
 def test_bad_options_are_answered_in_words(folder: Path, words, text):
-    done = drillpetsc("limits", "small.yaml", *words, "--out", "bad", cwd=folder)
+    done = drillpetsc("limits small.yaml", *words, "--out", "bad", cwd=folder)
     assert done.returncode == 2 and text in done.stderr and "Traceback" not in done.stderr
     assert not (folder / "bad").exists()
 
 
 def test_overwriting_removes_the_tables(folder: Path):
-    done = drillpetsc("limits", "small.yaml", "--operation", "rob", "--out", "twice", cwd=folder)
+    done = drillpetsc("limits small.yaml --operation rob --out twice", cwd=folder)
     assert done.returncode == 0, done.stderr
     assert "rotating off bottom" in done.stdout
-    done = drillpetsc("limits", "small.yaml", "--operation", "rob", "--out", "twice", cwd=folder)
+    done = drillpetsc("limits small.yaml --operation rob --out twice", cwd=folder)
     assert done.returncode == 2 and "exists" in done.stderr
-    done = drillpetsc("statics", "small.yaml", "--out", "twice", "--overwrite", cwd=folder)
+    done = drillpetsc("statics small.yaml --out twice --overwrite", cwd=folder)
     assert done.returncode == 0 and not (folder / "twice" / "limits.csv").exists()
 
 
 def test_free_point(folder: Path):
-    done = drillpetsc("freepoint", "small.yaml", "--stretch", "1,2.2 in", "--pull", "30,60 kN", cwd=folder)
+    done = drillpetsc("freepoint small.yaml --stretch '1,2.2 in' --pull '30,60 kN'", cwd=folder)
     assert done.returncode == 0, done.stderr
     assert done.stdout.count("below the top (drill pipe)") == 3 and "line through them" in done.stdout
-    done = drillpetsc("freepoint", "small.yaml", "--stretch", "4", "--pull", "60 kN", cwd=folder)
+    done = drillpetsc("freepoint small.yaml --stretch 4 --pull '60 kN'", cwd=folder)
     assert done.returncode == 2 and "a number with a unit" in done.stderr
-    done = drillpetsc("freepoint", "small.yaml", "--stretch", "8 m", "--pull", "60 kN", cwd=folder)
+    done = drillpetsc("freepoint small.yaml --stretch '8 m' --pull '60 kN'", cwd=folder)
     assert done.returncode == 0 and "a figure is wrong" in done.stdout

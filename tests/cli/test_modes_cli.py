@@ -3,15 +3,13 @@
 from __future__ import annotations
 
 import json
-import os
-import subprocess
-import sys
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 from drillpetsc.output import read_frame, read_table
+from tests.helpers.command import drillpetsc
 from tests.helpers.mpi import have_mpi, run_mpi
 
 CASE = """
@@ -31,21 +29,13 @@ fluid:
 """
 
 
-def drillpetsc(*words: str, cwd: Path) -> subprocess.CompletedProcess:
-    """Run the command line in ``cwd``."""
-    path = os.pathsep.join([str(Path(__file__).parents[2]), os.environ.get("PYTHONPATH", "")])
-    environment = {**os.environ, "OMP_NUM_THREADS": "1", "PYTHONPATH": path}
-    command = [sys.executable, "-m", "drillpetsc", *words]
-    return subprocess.run(command, cwd=cwd, capture_output=True, text=True, timeout=120, env=environment)
-
-
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory) -> Path:
     """A folder with the case, its dry twin, and the modes of the case in run/."""
     folder = tmp_path_factory.mktemp("modes")
     (folder / "wet.yaml").write_text(CASE)
     (folder / "dry.yaml").write_text(CASE.split("fluid:")[0])
-    done = drillpetsc("modes", "wet.yaml", "--out", "run", "--count", "8", cwd=folder)
+    done = drillpetsc("modes wet.yaml --out run --count 8", cwd=folder)
     assert done.returncode == 0, done.stderr
     assert "rotation at 60 rpm" in done.stdout and "results: run" in done.stdout
     return folder
@@ -77,7 +67,7 @@ def test_modes_of_one_kind(folder):
     """--kind fluid leaves the lateral ones out.  Bore (closed by the pump) and annulus (open) of one length
     and areas A1, A2: tan^2(2 pi f L/a) = A2/A1, with 1291 m/s in the mud alone lowered by the walls' give, at
     most by a tenth."""
-    done = drillpetsc("modes", "wet.yaml", "--out", "fluid", "--kind", "fluid", "--count", "3", cwd=folder)
+    done = drillpetsc("modes wet.yaml --out fluid --kind fluid --count 3", cwd=folder)
     assert done.returncode == 0, done.stderr
     table = read_table(folder / "fluid" / "modes.csv")
     assert set(table["kind [-]"]) == {"fluid"}
@@ -92,13 +82,7 @@ def test_rest_and_nearest(folder):
     sqrt(G/rho)/4L."""
     wave = np.sqrt(206e9 / 2.6 / 7850) / 800
     done = drillpetsc(
-        "modes",
-        "dry.yaml",
-        "--out",
-        "near",
-        "--about",
-        "rest",
-        "--shift",
+        "modes dry.yaml --out near --about rest --shift",
         f"{wave:.4f}",
         "--count",
         "2",
@@ -133,6 +117,6 @@ def test_two_ranks_find_the_same(folder):
     ],
 )
 def test_bad_words(folder, words, message):
-    answer = drillpetsc("modes", "wet.yaml", *words, cwd=folder)
+    answer = drillpetsc("modes wet.yaml", *words, cwd=folder)
     assert answer.returncode == 2 and message in answer.stderr
     assert "Traceback" not in answer.stderr

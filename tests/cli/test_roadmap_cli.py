@@ -9,7 +9,7 @@ import pytest
 
 from drillpetsc.output import conditions, read_table
 from drillpetsc.output.catalogue import listed_by_file, records
-from tests.cli.test_cli import drillpetsc
+from tests.helpers.command import drillpetsc
 
 CASE = """
 title: build and hold
@@ -45,10 +45,10 @@ def folder(tmp_path_factory) -> Path:
     path = tmp_path_factory.mktemp("roadmap")
     (path / "well.yaml").write_text(CASE)
     (path / "log.csv").write_text(LOG)
-    done = drillpetsc("roadmap", "well.yaml", "--measured", "log.csv", "--out", "r", cwd=path)
+    done = drillpetsc("roadmap well.yaml --measured log.csv --out r", cwd=path)
     assert done.returncode == 0, done.stderr
     assert "klbf" in done.stdout and "bit at MD 9000 ft" in done.stdout and "0.25 / 0.3" in done.stdout
-    done = drillpetsc("calibrate", "well.yaml", "--measured", "log.csv", "--out", "c", cwd=path)
+    done = drillpetsc("calibrate well.yaml --measured log.csv --out c", cwd=path)
     assert done.returncode == 0, done.stderr
     assert "95 % interval" in done.stdout and "correlation" in done.stdout
     return path

@@ -3,26 +3,30 @@ construction (manual: sec-mud-hermite)."""
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 
 from drillpetsc.fem.discrete_system import DiscreteSystem
-from drillpetsc.fem.string_mesh import RigidItem, uniform_string
 from drillpetsc.geometry.frames import transported_frames
-from drillpetsc.geometry.well import Well
 from drillpetsc.physics.beam import AncfBeam
 from drillpetsc.physics.end_conditions import EndPlace, TopDrive
 from drillpetsc.physics.fluid.annulus_flow import FlowLine, HoleAround, LateralCoefficients
-from drillpetsc.physics.fluid.bit_flow import BitEnd
-from drillpetsc.physics.fluid.channel_flow import FluidConstants
-from drillpetsc.physics.fluid.channels import Annulus, Bore
 from drillpetsc.physics.fluid.hermite.flow import WINDOW, HermiteAnnulus, HermiteBit, HermiteBore, Reference
-from drillpetsc.physics.fluid.rheology import Rheology
 from drillpetsc.time_function import Constant, PiecewiseLinear, Ramp
-from tests.helpers.component_models import GRAVITY, SECTION, both_jacobians, meet_conditions, residual
-from tests.helpers.flow_models import give_shoulders, give_swirl
+from tests.helpers.component_models import GRAVITY, both_jacobians, meet_conditions, residual
+from tests.helpers.flow_models import (
+    ANNULUS,
+    BORE,
+    MUD,
+    ONE,
+    bit_end,
+    curved_hole,
+    give_shoulders,
+    give_swirl,
+    mesh_of,
+    set_rates,
+    set_string,
+)  # fmt: skip
 from tests.helpers.tables import each_row
 
 KINDS = (
@@ -35,90 +39,44 @@ KINDS = (
 def build(kind: str, seed: int = 5) -> DiscreteSystem:
     """DiscreteSystem of ``kind`` (words joined by _) in a random moving state: fluid of density 3, bulk
     modulus 60, in a curved hole."""
-    rng, n = np.random.default_rng(seed), np.ones(4)
-    mesh = uniform_string(4.0, 4, **SECTION, inner_diameter=0.3)
-    if "junction" in kind:
-        body = RigidItem("stabiliser", "stabilizer", 1, 0.0, 0.3, 1.3, 0.15, (0.0, 0.0), 0.2, 0.4, 0.25)
-        mesh = replace(
-            mesh,
-            junction=np.array([0, 1, 0, 0, 0], bool),
-            rigid_above=np.array([0, 0.3, 0, 0.0]),
-            bodies=(body,),
-        )
-    inclination = np.array([0.0, 0.05, 0.15, 0.3, 0.4, 0.5])
-    well = Well.from_survey(np.arange(6.0), inclination, 0.3 * np.ones(6), [10.0], [0.3], [0.3], max_step=1.0)
+    rng, n, fluid = np.random.default_rng(seed), ONE, MUD
+    mesh, well = mesh_of(kind), curved_hole()
     position, tangents, _ = map(np.asarray, well.at(np.arange(5.0)))
     frames = transported_frames(tangents)
-    law = Rheology("power_law", law="blend", consistency=0.8, index=0.7, yield_stress=0.0, shear_rate_eps=1.0)
-    fluid = FluidConstants(3.0, 60.0, GRAVITY, law.parameters(), 0.4)
     held = position if "held" in kind else None
     components: list = [] if held is not None else [AncfBeam(mesh, frames, GRAVITY)]
     if "topdrive" in kind:
         components.append(TopDrive(EndPlace(position[0], tangents[0]), Ramp(1.0, 2.0), Constant(0.3)))
     pump, pipe, annulus = Ramp(1.0, 0.03), None, None
     if "pipe" in kind:
-        bore = Bore(
-            np.array([0.07, 0.07, 0.05, 0.05]),
-            1e-3 * n,
-            0.06 * n,
-            0.05 * n,
-            np.array([0.0, 0.06, 0.0, 0.2]),
-            0.03 * n,
-        )
-        pipe = HermiteBore(mesh, bore, fluid, 0.3 * n, pump, "closed" in kind, held)
+        pipe = HermiteBore(mesh, BORE, fluid, 0.3 * n, pump, "closed" in kind, held)
     if "annulus" in kind:
-        sizes = Annulus(
-            0.126 * n,
-            np.array([0.28, 0.28, 0.3, 0.3]),
-            2e-3 * n,
-            0.15 * n,
-            0.12 * n,
-            np.array([0.0, 0.06, 0.0, 0.2]),
-            0.2 * n,
-        )
         side = LateralCoefficients(np.array([2.0, 2.0, 1.5, 1.5]), 0.3 * n, 0.2 * n, 0.0 * n)
         annulus = HermiteAnnulus(
-            mesh, HoleAround(sizes, well), fluid, 0.3 * n, side, FlowLine(Constant(0.4), 0.1), held, pump=pump
+            mesh,
+            HoleAround(ANNULUS, well),
+            fluid,
+            0.3 * n,
+            side,
+            FlowLine(Constant(0.4), 0.1),
+            held,
+            pump=pump,
         )
     components += [r for r in (pipe, annulus) if r is not None]
     if "bit" in kind:
-        end, axis, _ = map(np.asarray, well.at(np.array([4.6])))
-        lower = BitEnd(
-            bore=0.05 if pipe else 0.0,
-            nozzle=0.03,
-            discharge_coefficient=0.9,
-            check_valve=False,
-            ambient=Constant(0.2),
-            hole=0.3 if annulus else 0.0,
-            open=0.17,
-            outer=0.126,
-            elasticity=1e-3,
-            volume=0.05,
-            face=0.2,
-            added=1.5,
-            metal=0.02,
-            end=end[0],
-            axis=axis[0],
-        )
+        lower = bit_end(well, pipe is not None, annulus is not None)
         components.append(HermiteBit(4, lower, fluid, pump, (pipe, annulus), position[-1], held))
     system = DiscreteSystem(mesh, frames, components)
     if "swirl" in kind:
         give_swirl(annulus)
-    asm, size = system.assembly, system.layout.size
     if held is None:
-        system.set_field("string.position", position + 0.05 * rng.standard_normal((5, 3)))
-        system.set_field("string.tangent", tangents + 0.1 * rng.standard_normal((5, 3)))
-        system.set_field("string.spin", rng.standard_normal((5, 1)))
-        if "junction" in kind:
-            system.set_field("string.ratio", np.full((5, 1), 1.05))
+        set_string(system, rng, kind)
     for f in system.layout.fields:
         if not f.name.startswith("string"):
             system.set_field(
                 f.name, (0.002 if f.name.endswith("volume") else 2.0) * rng.standard_normal((5, 1))
             )
-    asm.y[:-1] = 0.2 * rng.standard_normal(size)
-    asm.v0[:] = asm.y[:-1] - 2.3 * asm.x[:-1]
-    asm.v1[:] = 0.3 * rng.standard_normal(size)
+    set_rates(system, rng)
     return system
 
 

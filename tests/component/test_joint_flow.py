@@ -12,18 +12,16 @@ import pytest
 from drillpetsc.fem.discrete_system import DiscreteSystem
 from drillpetsc.fem.string_mesh import StringJoint, uniform_string
 from drillpetsc.geometry.frames import transported_frames
-from drillpetsc.geometry.well import Well
 from drillpetsc.physics.beam import AncfBeam
 from drillpetsc.physics.fluid.annulus_flow import AnnulusFlow, FlowLine, HoleAround, LateralCoefficients
 from drillpetsc.physics.fluid.bore_flow import BoreFlow
 from drillpetsc.physics.fluid.channel_flow import RESULT_NAMES, FluidConstants
 from drillpetsc.physics.fluid.channels import Annulus, Bore
 from drillpetsc.physics.fluid.joint_seals import SEAL_RESULTS, JointSeals
-from drillpetsc.physics.fluid.rheology import Rheology
 from drillpetsc.physics.joints import Joints
 from drillpetsc.time_function import Constant, Ramp
-from tests.helpers.component_models import GRAVITY, SECTION, SHIFT, both_jacobians, lengths
-from tests.helpers.flow_models import give_shoulders
+from tests.helpers.component_models import GRAVITY, SECTION, both_jacobians, lengths
+from tests.helpers.flow_models import MUD, curved_hole, give_shoulders, set_rates
 from tests.helpers.tables import each_row
 
 SEAL = 0.045
@@ -45,26 +43,21 @@ def build(kind: str, seed: int = 4, more: Callable[..., list] | None = None) -> 
         rigid_above=np.array([0, 0, arm, 0]),
         joints=(StringJoint(2.0, "slider", 2, spring=50.0, damping=3.0, seal_area=SEAL),),
     )
-    inclination = np.array([0.0, 0.05, 0.15, 0.3, 0.4, 0.5])
-    well = Well.from_survey(np.arange(6.0), inclination, 0.3 * np.ones(6), [10.0], [0.3], [0.3], max_step=1.0)
+    well = curved_hole()
     position, tangents, _ = map(np.asarray, well.at(depth))
     frames = transported_frames(tangents)
-    law = Rheology("power_law", law="blend", consistency=0.8, index=0.7, yield_stress=0.0, shear_rate_eps=1.0)
-    fluid = FluidConstants(3.0, 60.0, GRAVITY, law.parameters(), 0.4)
     poisson, n = np.full(4, 0.3), np.ones(4)
     bore = Bore(0.07 * n, 1e-3 * n, 0.06 * n, tool=np.array([0.0, 0.0, 40.0, 0.0]))
     sizes = Annulus(0.126 * n, 0.28 * n, 2e-3 * n, 0.15 * n)
     components: list = [AncfBeam(mesh, frames, GRAVITY), Joints(mesh, frames)]
     if "bore" in kind:
-        components.append(BoreFlow(mesh, bore, fluid, poisson, Ramp(0.03, 1.0), None, None))
+        components.append(BoreFlow(mesh, bore, MUD, poisson, Ramp(0.03, 1.0), None, None))
     if "annulus" in kind:
         side = LateralCoefficients(2.0 * n, 0.3 * n, 0.2 * n, 0.0 * n)
         components.append(
-            AnnulusFlow(
-                mesh, HoleAround(sizes, well), fluid, poisson, side, FlowLine(Constant(0.4), 0.1), None
-            )
+            AnnulusFlow(mesh, HoleAround(sizes, well), MUD, poisson, side, FlowLine(Constant(0.4), 0.1), None)
         )
-    components.append(JointSeals(mesh, fluid, "bore" in kind, "annulus" in kind, Constant(0.7)))
+    components.append(JointSeals(mesh, MUD, "bore" in kind, "annulus" in kind, Constant(0.7)))
     if more is not None:
         components += more(mesh, frames, components[1])
     system = DiscreteSystem(mesh, frames, components)
@@ -75,10 +68,7 @@ def build(kind: str, seed: int = 4, more: Callable[..., list] | None = None) -> 
         if not f.second_order:
             scale = 0.02 if f.name.endswith("flow") else 1e-6 if f.name == "joint.load" else 2.0
             system.set_field(f.name, scale * rng.standard_normal((5, f.size)))
-    asm, size = system.assembly, system.layout.size
-    asm.y[:-1] = 0.2 * rng.standard_normal(size)
-    asm.v0[:] = asm.y[:-1] - SHIFT * asm.x[:-1]
-    asm.v1[:] = 0.3 * rng.standard_normal(size)
+    set_rates(system, rng)
     return system
 
 

@@ -13,7 +13,8 @@ from drillpetsc.physics.fluid.channel_flow import RESULT_NAMES
 from drillpetsc.physics.fluid.side_nozzles import RESULTS, SideLink, SideNozzles
 from drillpetsc.time_function import Constant
 from tests.helpers import flow_models
-from tests.helpers.component_models import SHIFT, both_jacobians, lengths
+from tests.helpers.component_models import both_jacobians, lengths
+from tests.helpers.flow_models import set_rates
 from tests.helpers.tables import each_row
 
 KINDS = (
@@ -37,10 +38,7 @@ def build(kind: str) -> DiscreteSystem:
         if f.name != "side.flow":
             system.set_field(f.name, base.field(f.name))
     system.set_field("side.flow", np.array([[0.0], [0.02], [0.0], [-0.03], [0.0]]))
-    asm, size = system.assembly, system.layout.size
-    asm.y[:-1] = 0.2 * rng.standard_normal(size)
-    asm.v0[:] = asm.y[:-1] - SHIFT * asm.x[:-1]
-    asm.v1[:] = 0.3 * rng.standard_normal(size)
+    set_rates(system, rng)
     return system
 
 

@@ -91,6 +91,27 @@ def test_string_that_whirls_with_the_mud_feels_no_force(damping):
     assert np.abs(rows[1]).max() < 1e-12 * np.abs(rows[0]).max() + 1e-15
 
 
+def test_mud_swirls_about_one_element_alone():
+    """Four elements are evaluated at once, and any of them may be the only one with swirl: their rows add up to those of all four."""
+    system, component = _in_straight_hole()
+    rng = np.random.default_rng(2)
+    for name in ("string.position", "string.tangent"):
+        place, speed = _across(rng, 0.05)
+        system.set_field(name, system.field(name) + place)
+        system.set_field(name, speed, "y")
+
+    def rows(share: np.ndarray) -> np.ndarray:
+        for block in component._blocks:
+            block.named["share"], block.named["swirl"] = share[block.points], 4.0 * share[block.points]
+        return _rows(system, component)
+
+    none, each = rows(np.zeros(4)), SHARE * np.eye(4)
+    alone = [rows(share) - none for share in each]
+    together = rows(each.sum(axis=0)) - none
+    assert min(np.abs(part).max() for part in alone) > 0.1 * np.abs(together).max()
+    assert np.abs(sum(alone) - together).max() < 1e-12 * np.abs(together).max()
+
+
 @each_row("lagging, flow", [(False, 0.0), (True, 0.0), (False, 0.02), (True, -0.02)])
 def test_swirl_takes_and_gives_no_energy(lagging, flow):
     """Power of rows and couple = rate of the energies + dissipated - exchanged with the stored swirl and with the flow along the hole,

@@ -9,7 +9,8 @@ from drillpetsc.fem.discrete_system import DiscreteSystem
 from drillpetsc.physics.fluid.bore_flow import BoreFlow
 from drillpetsc.physics.fluid.tool_losses import LossTable, ToolLosses
 from tests.helpers import flow_models
-from tests.helpers.component_models import SHIFT, both_jacobians, lengths
+from tests.helpers.component_models import both_jacobians, lengths
+from tests.helpers.flow_models import set_rates
 from tests.helpers.tables import each_row
 
 KINDS = (
@@ -38,10 +39,7 @@ def build(kind: str) -> DiscreteSystem:
     rates = base.field("bore.flow")
     rates[1:, 0] = RATES
     system.set_field("bore.flow", rates)
-    rng, asm, size = np.random.default_rng(7), system.assembly, system.layout.size
-    asm.y[:-1] = 0.2 * rng.standard_normal(size)
-    asm.v0[:] = asm.y[:-1] - SHIFT * asm.x[:-1]
-    asm.v1[:] = 0.3 * rng.standard_normal(size)
+    set_rates(system, np.random.default_rng(7))
     return system
 
 

@@ -15,9 +15,13 @@ pytestmark = [pytest.mark.parallel, pytest.mark.skipif(not have_mpi(), reason="n
 
 
 @pytest.mark.parametrize("ranks", [1, 2, 3, 4])
-def test_shared_nodes(ranks):
-    """As PETSc's scatters of whole vectors, to the bit, for every component; on four ranks each has one element."""
-    assert f"agrees on {ranks} ranks" in run_mpi(ranks, Path(__file__).parent / "ends_mpi.py")
+def test_shared_nodes_and_totals(ranks):
+    """The exchange as PETSc's scatters of whole vectors, to the bit, for every component; on four ranks each has one element.
+
+    Sum, largest value and condition (drillpetsc.parallel): right, the same bits on every rank, also where one rank has not a number.
+    """
+    out = run_mpi(ranks, Path(__file__).parent / "parts_mpi.py")
+    assert f"exchange agrees on {ranks} ranks" in out and f"totals agree on {ranks} ranks" in out
 
 
 CASE = """

@@ -7,7 +7,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from petsc4py import PETSc
 
 from drillpetsc.analysis.motion import checkpoint
 from drillpetsc.analysis.motion.transient import after, run
@@ -40,21 +39,6 @@ fluid: {density: 1200 kg/m3, rheology: {model: newtonian, viscosity: 20 mPa s}, 
 time: {end: 0.1 s}
 output: {history_every: 5 ms, field_every: 20 ms, probes: [40 m], checkpoint_every: 3 ms}
 """
-
-
-@pytest.fixture
-def options():
-    """PETSc options for one test."""
-    database, given = PETSc.Options(), []
-
-    def give(**values: object) -> None:
-        for name, value in values.items():
-            database.setValue(name, value)
-            given.append(name)
-
-    yield give
-    for name in given:
-        database.delValue(name)
 
 
 KINDS = {

@@ -2,10 +2,15 @@
 
 from __future__ import annotations
 
+import os
+from pathlib import Path
+
+import numpy as np
 import pytest
 
 from drillpetsc import petsc_compat
 from drillpetsc.errors import CaseError, SolveError
+from drillpetsc.fem.chain import build_chain
 from drillpetsc.solvers.time.first_order_system import IMPLICIT, refuse_integrator
 
 
@@ -56,3 +61,17 @@ def test_integrators_that_this_petsc_lacks_are_refused():
             refuse_integrator(kind)
     with pytest.raises(CaseError):
         refuse_integrator("rk")
+
+
+def test_a_new_model_frees_what_earlier_ones_left():
+    """petsc4py lists what Python drops, and frees it when told: 80 MB of vectors before each chain, and the process does not grow."""
+    from petsc4py import PETSc
+
+    resident = []  # memory of this process [MB]
+    for _ in range(3):
+        for _ in range(10):
+            PETSc.Vec().createMPI(1_000_000, comm=PETSc.COMM_WORLD).set(1.0)
+        build_chain(np.linspace(0.0, 10.0, 3), PETSc.COMM_WORLD)
+        pages = int(Path("/proc/self/statm").read_text().split()[1])
+        resident.append(pages * os.sysconf("SC_PAGE_SIZE") / 1e6)
+    assert resident[2] < resident[0] + 40.0

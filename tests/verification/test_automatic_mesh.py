@@ -11,16 +11,14 @@ from drillpetsc.analysis.statics.answer import static_summary
 from drillpetsc.analysis.statics.find_equilibrium import find_equilibrium
 from drillpetsc.analysis.statics.placement import place_along_hole
 from drillpetsc.analysis.statics.relaxation import relax
-from drillpetsc.errors import CaseError, SolveError
-from drillpetsc.fem.component import PrescribedMotion
-from drillpetsc.fem.discrete_system import DiscreteSystem
+from drillpetsc.errors import CaseError
 from drillpetsc.model import element_length
 from drillpetsc.model.drilling_model import build_model
 from drillpetsc.model.mesh import build_mesh, coarsened, element_lengths
 from drillpetsc.output import read_table
 from drillpetsc.output.measured.bending import bending_moments
-from drillpetsc.physics.end_conditions import EndPlace, FixedEnd, Loads, NodeLoad
 from drillpetsc.solvers.static.static_newton import Equilibrium, StaticNewton
+from tests.helpers.buckling import buckling_load
 
 AREA, BENDING, WEIGHT, CLEARANCE = 3.4047325e-3, 1.2240289e6, 242.0, 0.04445
 PIPE = {"kind": "pipe", "od": 0.127, "id": 0.1086, "material": {"density": WEIGHT / 9.81 / AREA}}
@@ -36,17 +34,6 @@ def case(refinement: float = 1.0, **keys) -> Case:
     return Case(**{"top": {"kind": "top_drive"}, "gravity": 9.81, "mesh": {"refinement": refinement}, **keys})
 
 
-class SideHold(FixedEnd):
-    """Holds a node sideways, free along the string."""
-
-    def __init__(self, vertex, position, tangent):
-        super().__init__(EndPlace(position, tangent, vertex), "pinned", spin=False)
-        whole, target = self._condition, self.anchor[1:]
-        self._condition = PrescribedMotion(
-            vertex, whole.directions[1:], lambda t: target, lambda t: np.zeros(2), whole.names[1:]
-        )
-
-
 @pytest.mark.parametrize("share", [0.6, 0.95])
 def test_buckling_load_of_a_level_pipe(share):
     """200 m of pipe, hinged on the low side, on the mesh chosen for a push of ``share`` of the load of Dawson and
@@ -59,34 +46,7 @@ def test_buckling_load_of_a_level_pipe(share):
         bottom={"kind": "force", "force": [-share * exact, 0.0, 0.0]},
     )
     model = build_model(made)
-    lying, last = model.position + [0, 0, CLEARANCE], model.mesh.nodes - 1
-    components = [
-        model.beam,
-        FixedEnd(EndPlace(lying[0], model.tangent[0]), "pinned"),
-        SideHold(last, lying[-1], model.tangent[-1]),
-        Loads((NodeLoad(last, (-1.0, 0.0, 0.0), factor=lambda t: t),), model.frames),
-        model.contact,
-    ]
-    system = DiscreteSystem(model.mesh, model.frames, components)
-    system.set_field("string.position", lying)
-    system.set_field("string.tangent", model.tangent)
-    model.contact.impose_sliding_direction(0.0, 0.0)
-    solver = StaticNewton(system, clearance=CLEARANCE)
-
-    def negative(force: float) -> int:
-        solver.t = force
-        try:
-            solver.newton(Equilibrium())
-        except SolveError:
-            pass  # unstable, but straight without a disturbance
-        return solver.negative_pivots()
-
-    low, high = 0.9 * exact, 1.1 * exact
-    assert negative(low) == 0 and negative(high) > 0
-    while high - low > 2e-4 * high:
-        middle = 0.5 * (low + high)
-        low, high = (middle, high) if negative(middle) == 0 else (low, middle)
-    assert low == pytest.approx(exact, rel=1e-2)
+    assert buckling_load(model, CLEARANCE, exact) == pytest.approx(exact, rel=1e-2)
 
 
 def test_contact_force_of_a_helix():

@@ -31,21 +31,6 @@ LYING = {
 IMPACT = np.pi * np.sqrt(7850 * np.pi / 4 * (0.127**2 - 0.1086**2) / 1e8)  # t_c = pi sqrt(m'/k')
 
 
-@pytest.fixture
-def options():
-    """PETSc options for one test."""
-    database, given = PETSc.Options(), []
-
-    def give(**values: object) -> None:
-        for name, value in values.items():
-            database.setValue(name, value)
-            given.append(name)
-
-    yield give
-    for name in given:
-        database.delValue(name)
-
-
 def computed(tmp_path, case: dict, name: str = "run"):
     """History and summary of a run."""
     (tmp_path / "case.yaml").write_text(yaml.safe_dump(case))

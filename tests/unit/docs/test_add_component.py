@@ -45,16 +45,23 @@ class Libraries:
         return getattr(self.new if "ground_damper" in name else self.old, name)
 
 
-@pytest.fixture
-def damper(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Any:
-    """The class of the page, on its compiled kernel."""
-    source, library = tmp_path / "ground_damper.cpp", tmp_path / "ground_damper.so"
+@pytest.fixture(scope="module")
+def compiled(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The library of the page's kernel."""
+    folder = tmp_path_factory.mktemp("damper")
+    source, library = folder / "ground_damper.cpp", folder / "ground_damper.so"
     source.write_text(code("add-component-kernel", "cpp"))
     compiler = next(c for c in ("c++", "g++", "clang++") if shutil.which(c))
     include = Path(kernels.__file__).parent
     flags = ["-O1", "-std=c++17", "-fPIC", "-shared", "-march=native"]
     subprocess.run([compiler, *flags, "-I", str(include), str(source), "-o", str(library)], check=True)
-    both = Libraries(ctypes.CDLL(str(library)), kernels.library())
+    return library
+
+
+@pytest.fixture
+def damper(compiled: Path, monkeypatch: pytest.MonkeyPatch) -> Any:
+    """The class of the page, on its compiled kernel."""
+    both = Libraries(ctypes.CDLL(str(compiled)), kernels.library())
     monkeypatch.setattr(kernels, "library", lambda: both)
     names: dict[str, Any] = {}
     exec(compile(code("add-component", "python"), str(PAGE), "exec"), names)

@@ -62,7 +62,7 @@ def answer(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Any]:
     """What a copy of the package with the tool computes."""
     folder = tmp_path_factory.mktemp("tool")
     package, copy = Path(drillpetsc.__file__).parent, folder / "drillpetsc"
-    shutil.copytree(package, copy, ignore=shutil.ignore_patterns("__pycache__", "_build"))
+    shutil.copytree(package, copy, ignore=shutil.ignore_patterns("_build"))  # compiled Python goes along
     (copy / "kernels" / "_build").symlink_to(package / "kernels" / "_build")  # there is no new kernel
     for name, file in (
         ("item", "case/blocks/items/exciter.py"),

@@ -49,6 +49,15 @@ def test_power_is_the_variance():
     assert np.sum(density) * frequency[1] == pytest.approx(4.5, rel=1e-3)
 
 
+def test_a_segment_sets_the_lines():
+    """Lines of a segment of 2 s are 0.5 Hz apart; a tone on one of them has its power within the two beside it (Hann's window)."""
+    t = np.arange(0, 100, 1e-3)
+    frequency, density = vibration.power_density(t, 3 * np.sin(2 * np.pi * 50 * t), 2.0)
+    assert frequency[1] == pytest.approx(0.5) and len(frequency) == 1001
+    near = np.abs(frequency - 50) < 0.75
+    assert np.sum(near) == 3 and np.sum(density[near]) * frequency[1] == pytest.approx(4.5, rel=1e-6)
+
+
 def test_uneven_and_short_series():
     """Rows of a history that are not even are made so; a run shorter than a segment is one segment."""
     t = np.cumsum(np.random.default_rng(4).uniform(0.8e-3, 1.2e-3, 4000))

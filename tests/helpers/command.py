@@ -1,0 +1,62 @@
+"""The command line from a test: in this process, or in one of its own if the test is about the process."""
+
+from __future__ import annotations
+
+import os
+import shlex
+import subprocess
+import sys
+from contextlib import chdir, redirect_stderr, redirect_stdout
+from io import StringIO
+from pathlib import Path
+from subprocess import CompletedProcess
+
+from petsc4py import PETSc
+
+from drillpetsc.cli.parser import main, split_words
+
+ROOT = Path(__file__).parents[2]
+#: of processes that a test starts: this tree's package, on one thread
+ENVIRONMENT = {
+    "PYTHONPATH": os.pathsep.join(filter(None, [str(ROOT), os.environ.get("PYTHONPATH")])),
+    "OMP_NUM_THREADS": "1",
+}
+
+
+def drillpetsc(line: object, *more: object, cwd: Path) -> CompletedProcess[str]:
+    """Run a command line in the folder ``cwd``, in this process: a start takes longer than most commands.
+
+    line: words as in a shell; more: further words, each as it is. PETSc has started already, so its options are set here,
+    and are gone afterwards. An exception that the program does not catch is raised.
+    """
+    words, out, err = _words(line, *more), StringIO(), StringIO()
+    database = PETSc.Options()
+    before = database.getAll()
+    database.insertString(" ".join(split_words(words)[1]))
+    try:
+        with chdir(cwd), redirect_stdout(out), redirect_stderr(err):
+            status = main(words)
+    except SystemExit as end:  # argparse: --help, or a bad word
+        status = int(end.code or 0)
+    finally:
+        for name in database.getAll():
+            database.delValue(name)
+        for name, value in before.items():
+            database.setValue(name, value)
+    return CompletedProcess(words, status, out.getvalue(), err.getvalue())
+
+
+def _words(line: object, *more: object) -> list[str]:
+    return [*shlex.split(str(line)), *map(str, more)]
+
+
+def in_own_process(line: object, *more: object, cwd: Path, **options: object) -> CompletedProcess[str]:
+    """The same as a user starts it.  options: of ``subprocess.run``, instead of pipes for both outputs."""
+    return python("-m", "drillpetsc", *_words(line, *more), cwd=cwd, **options)
+
+
+def python(*words: str, **options: object) -> CompletedProcess[str]:
+    """Run ``python words``.  options: of ``subprocess.run``, instead of pipes for both outputs."""
+    line, environment = [sys.executable, *words], os.environ | ENVIRONMENT
+    pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE}
+    return subprocess.run(line, text=True, timeout=300, env=environment, **(pipes | options))  # type: ignore[call-overload]
