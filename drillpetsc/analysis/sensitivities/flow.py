@@ -7,7 +7,8 @@ from collections.abc import Callable, Sequence
 import numpy as np
 
 from drillpetsc.analysis.hydraulics.flow_model import FlowModel
-from drillpetsc.analysis.sensitivities.points import Point, difference
+from drillpetsc.analysis.sensitivities.points import Point, difference, solve_exactly
+from drillpetsc.arrays import FloatArray
 from drillpetsc.analysis.statics.steady_flow import flow_rows
 from drillpetsc.solvers.time.newton import shared_factor
 
@@ -21,6 +22,7 @@ class FlowTangent:
     def __init__(self, flow: FlowModel, rate: float) -> None:
         self.flow = flow
         self._unknowns = flow.system.assembly.x.copy()
+        self._rate = rate
         flow_rows(flow.system, rate, factor=True)
         self._factor = shared_factor(flow.system)
 
@@ -42,8 +44,23 @@ class FlowTangent:
                 used.append(point)
                 rows.append(flow_rows(model.system, rate))
             built.append(model)
-        step = np.zeros(n)
-        self._factor.solve_owned(-difference(used, rows), step)
+        step = solve_exactly(self._solve, self._rows, -difference(used, rows), self._size)
         for point, model in zip(points, built, strict=True):
             model.take_flow(self._unknowns[:n] + point.change * step)
         return built
+
+    def _solve(self, rows: FloatArray) -> FloatArray:
+        step = np.zeros(len(rows))
+        self._factor.solve_owned(rows, step)
+        return step
+
+    def _rows(self, step: FloatArray) -> FloatArray:
+        """Residual of the solution moved by a step; the model then has the solution again."""
+        n = len(step)
+        self.flow.take_flow(self._unknowns[:n] + step)
+        rows = flow_rows(self.flow.system, self._rate)
+        self.flow.take_flow(self._unknowns)
+        return rows
+
+    def _size(self, step: FloatArray) -> float:
+        return float(np.max(np.abs(step) / self.flow.system.scale, initial=0.0))

@@ -30,6 +30,7 @@ NUMERICS = {
     "time": "times of a run do not enter a static answer",
     "measured": "measured points do not enter what is computed",
 }
+_WITH_UNIT = r"([-+]?[\d.]+(?:[eE][-+]?\d+)?)\s+(\S.*)"
 #: of `--all`: lists of many numbers, which must be named one by one
 LISTS = ("survey", "dial_readings", "measured", "friction_factor", "bit_depth")
 
@@ -38,7 +39,8 @@ LISTS = ("survey", "dial_readings", "measured", "friction_factor", "bit_depth")
 class Key:
     """A number of a case.
 
-    name: path, such as `string[1].od`; value: in the case [SI]; unit: SI unit, empty for a pure number.
+    name: path, such as `string[1].od`; value: in the case [SI]; unit: SI unit, empty for a pure number.  A key that exists in the file
+    only has the unit of the file.
     resolved: it is changed in the case with all defaults, because the file has no place for it.
     """
 
@@ -91,6 +93,9 @@ def key_of(case: Case, name: str) -> Key:
     if isinstance(found, bool | int) and not isinstance(_at(given, path) if given else None, float):
         raise _refused(name, f"{found} is a whole number or a switch, which has no derivative")
     unit = bare_unit_of(written(path), "SI")
+    match = None if unit or not isinstance(found, str) else re.fullmatch(_WITH_UNIT, found)
+    if match is not None:  # a key that the resolved case has under another name, such as yield_point
+        return Key(written(path), float(match[1]), match[2])
     value = _number(found, unit, bare_unit_of(written(path), system_of(given or {})))
     if value is None:
         raise _refused(name, f"{found!r} is a word or varies over time, which has no derivative")

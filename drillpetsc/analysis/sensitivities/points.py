@@ -6,17 +6,20 @@ along its derivative.  No point is solved.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import TypeVar
 
 import numpy as np
 
 from drillpetsc.analysis.sensitivities.keys import STEP, Key
+from drillpetsc.arrays import FloatArray
 from drillpetsc.case.case import Case
 from drillpetsc.errors import CaseError
 
 Value = TypeVar("Value", float, np.ndarray)
+MOST_ROUNDS, EXACT = 6, 1e-10  # of solving with a matrix that is not exact; last correction, relative
+MOVE = 1e-5  # of the unknowns in their scales, by which the residual is differenced
 #: steps and weights, over the size of a step: of central differences, and of those to one side at a limit of the key
 CENTRAL = ((-1.0, -0.5), (1.0, 0.5))
 UPWARDS = ((0.0, -1.5), (1.0, 2.0), (2.0, -0.5))
@@ -53,6 +56,33 @@ def points_of(case: Case, key: Key, step: float = STEP) -> tuple[list[Point], bo
     raise CaseError(
         at="--to", got=key.name, want=f"a number that can change a little: {first.at} {first.want}", hint=first.hint
     )
+
+
+def solve_exactly(
+    solve: Callable[[FloatArray], FloatArray],
+    rows: Callable[[FloatArray], FloatArray],
+    source: FloatArray,
+    size: Callable[[FloatArray], float],
+) -> FloatArray:
+    """Solve J s = source (n,) with a factored matrix that may leave out a little of J.
+
+    solve(rows): the step with that matrix; rows(step): residual of the solution moved by a step.
+    size(step): largest component in the fields' scales, the same on all ranks.
+    The residual of s is the difference of ``rows`` along s; what it lacks is solved for again.
+    """
+    step = solve(source)
+    last = size(step)
+    for _ in range(MOST_ROUNDS):
+        whole = size(step)
+        if not 0 < last > EXACT * whole:
+            break
+        part = MOVE / whole
+        lacks = source - (rows(part * step) - rows(-part * step)) / (2 * part)
+        more = solve(lacks)
+        if not size(more) < 0.5 * last:  # rounding, or a kink at the solution
+            break
+        step, last = step + more, size(more)
+    return step
 
 
 def difference(points: Sequence[Point], values: Sequence[Value]) -> Value:
