@@ -7,7 +7,7 @@ from collections.abc import Callable, Sequence
 import numpy as np
 
 from drillpetsc.analysis.hydraulics.flow_model import FlowModel
-from drillpetsc.analysis.sensitivities.points import Point, difference, solve_exactly
+from drillpetsc.analysis.sensitivities.points import MOVE, Point, difference, solve_exactly
 from drillpetsc.arrays import FloatArray
 from drillpetsc.analysis.statics.steady_flow import flow_rows
 from drillpetsc.solvers.time.newton import shared_factor
@@ -44,7 +44,14 @@ class FlowTangent:
                 used.append(point)
                 rows.append(flow_rows(model.system, rate))
             built.append(model)
-        step = solve_exactly(self._solve, self._rows, -difference(used, rows), self._size)
+        source = -difference(used, rows)
+
+        def left(step: FloatArray) -> FloatArray:
+            """The source less J s, which is the difference of the residual along s: the steady matrix has a little of a rate's."""
+            part = MOVE / self._size(step)
+            return source - (self._rows(part * step) - self._rows(-part * step)) / (2 * part)
+
+        step = solve_exactly(self._solve, left, source, self._size)
         for point, model in zip(points, built, strict=True):
             model.take_flow(self._unknowns[:n] + point.change * step)
         return built

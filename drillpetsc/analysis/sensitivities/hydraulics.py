@@ -51,14 +51,13 @@ class SteadyHydraulics:
             for f, point in zip(own, points, strict=True)
             if point.weight
         ]
-        h, here = RATE_STEP * self._rate, points[0].case
-        sides = [Point(self._flow.case, change, change / (2 * h * h)) for change in (-h, h)]
+        h, key = RATE_STEP * self._rate, points[0].key
+        sides = [Point(self._flow.case, key, change, change / (2 * h * h)) for change in (-h, h)]
         by_rate = self._found(sides, [self._rate + side.change for side in sides])
         slope = difference(sides, [f.values[pump] - f.values[line] for f in by_rate])
         turn = -difference(used, excess) / slope
         moved = [self._rate + point.change * turn for point in points]
         gradient = difference(sides, [f.values for f in by_rate])
-        assert here is not None
         return [
             replace(f, values=f.values + (rate - self._rate) * gradient) for f, rate in zip(own, moved, strict=True)
         ]

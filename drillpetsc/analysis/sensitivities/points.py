@@ -19,7 +19,7 @@ from drillpetsc.errors import CaseError
 
 Value = TypeVar("Value", float, np.ndarray)
 MOST_ROUNDS, EXACT = 6, 1e-10  # of solving with a matrix that is not exact; last correction, relative
-MOVE = 1e-5  # of the unknowns in their scales, by which the residual is differenced
+MOVE = 1e-5  # of the unknowns in their scales, over which the residual is differenced
 #: steps and weights, over the size of a step: of central differences, and of those to one side at a limit of the key
 CENTRAL = ((-1.0, -0.5), (1.0, 0.5))
 UPWARDS = ((0.0, -1.5), (1.0, 2.0), (2.0, -0.5))
@@ -30,10 +30,11 @@ DOWNWARDS = tuple((-step, -weight) for step, weight in UPWARDS)
 class Point:
     """A case beside that of the solution.
 
-    change: of the key [SI of the key]; weight: in the derivative [1/SI of the key].
+    key: the number in which it differs; change: of it [SI of the key]; weight: in the derivative [1/SI of the key].
     """
 
     case: Case
+    key: Key
     change: float
     weight: float
 
@@ -50,7 +51,7 @@ def points_of(case: Case, key: Key, step: float = STEP) -> tuple[list[Point], bo
         except CaseError as error:
             errors.append(error)
             continue
-        points = [Point(c, size * q, w / size) for c, (q, w) in zip(cases, stencil, strict=True)]
+        points = [Point(c, key, size * q, w / size) for c, (q, w) in zip(cases, stencil, strict=True)]
         return points, stencil is not CENTRAL
     first = errors[0]
     raise CaseError(
@@ -60,28 +61,23 @@ def points_of(case: Case, key: Key, step: float = STEP) -> tuple[list[Point], bo
 
 def solve_exactly(
     solve: Callable[[FloatArray], FloatArray],
-    rows: Callable[[FloatArray], FloatArray],
+    left: Callable[[FloatArray], FloatArray],
     source: FloatArray,
     size: Callable[[FloatArray], float],
 ) -> FloatArray:
-    """Solve J s = source (n,) with a factored matrix that may leave out a little of J.
+    """Solve J s = source (n,) with a factored matrix that leaves out a little of J.
 
-    solve(rows): the step with that matrix; rows(step): residual of the solution moved by a step.
+    solve(rows): the step with that matrix; left(s): what J s lacks of the source.
     size(step): largest component in the fields' scales, the same on all ranks.
-    The residual of s is the difference of ``rows`` along s; what it lacks is solved for again.
     """
-    step = solve(source)
-    last = size(step)
+    step = last = solve(source)
     for _ in range(MOST_ROUNDS):
-        whole = size(step)
-        if not 0 < last > EXACT * whole:
+        if not EXACT * size(step) < size(last):
             break
-        part = MOVE / whole
-        lacks = source - (rows(part * step) - rows(-part * step)) / (2 * part)
-        more = solve(lacks)
-        if not size(more) < 0.5 * last:  # rounding, or a kink at the solution
+        more = solve(left(step))
+        if not size(more) < 0.5 * size(last):  # rounding
             break
-        step, last = step + more, size(more)
+        step, last = step + more, more
     return step
 
 
