@@ -28,6 +28,8 @@ class SteadyHydraulics:
     given, dq/dp = (dP/dp - dp_s/dp)/(dp_s/dq).
     """
 
+    resolution, far = 1e-9, True
+
     def __init__(self, case: Case) -> None:
         self.notes: list[str] = []
         hydraulics = Hydraulics(case)

@@ -55,6 +55,8 @@ def outputs_of(asked: RowsAsked, rows: Sequence[dict[str, Any]]) -> list[Output]
 class SoftRoadmap:
     """Soft strings of a roadmap at the friction of the hole's sections."""
 
+    resolution, far = 1e-9, True
+
     def __init__(self, case: Case) -> None:
         self.asked = asked = own_friction(case)
         self._tangents: dict[tuple[int, float, float], FlowTangent] = {}

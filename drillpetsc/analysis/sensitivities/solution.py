@@ -26,6 +26,11 @@ class Output:
     bit_depth: float = np.nan
 
     @property
+    def label(self) -> str:
+        """The name, with the bit depth of a roadmap's row."""
+        return self.name if np.isnan(self.bit_depth) else f"{self.name} at {self.bit_depth:.6g} m"
+
+    @property
     def name(self) -> str:
         """`trip_out.hook_load`, or `pump_pressure`."""
         return f"{self.operation}.{self.quantity.name}" if self.operation else self.quantity.name
@@ -43,10 +48,17 @@ class Found:
 
 
 class Solution(Protocol):
-    """A solved problem of a case, with the matrix of its equations."""
+    """A solved problem of a case, with the matrix of its equations.
+
+    notes: what was assumed; resolution: relative change of an output [-] that is rounding.
+    far: states at the distance of a stated change are worth looking at: they follow from smooth steps, without contacts.
+    """
 
     outputs: Sequence[Output]
     found: Found
+    notes: Sequence[str]
+    resolution: float
+    far: bool
 
     def near(self, points: Sequence[Point]) -> list[Found]:
         """Outputs at the points, of the solution moved along its derivative.  Raises ValueError if the elements do not correspond."""

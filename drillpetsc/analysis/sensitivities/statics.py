@@ -9,7 +9,7 @@ import numpy as np
 from petsc4py import PETSc
 
 from drillpetsc.analysis.commands.statics import question_of
-from drillpetsc.analysis.sensitivities.points import MOVE, Point, difference, points_of, solve_exactly
+from drillpetsc.analysis.sensitivities.points import Point, difference, points_of, solve_exactly
 from drillpetsc.analysis.sensitivities.solution import Found, Output, number
 from drillpetsc.analysis.statics.answer import static_summary
 from drillpetsc.analysis.statics.equilibrium import set_weight_on_bit
@@ -37,6 +37,8 @@ from drillpetsc.solvers.static.static_newton import StaticNewton
 ACROSS = ("top.side_reaction_1", "top.side_reaction_2")
 #: of differences of the residual, relative: the wall yields by micrometres, beyond which a change of a diameter opens contacts
 RESIDUAL_STEP = 1e-7
+BENT, NOISE = 1e-3, 1e-9  # share of a derivative that the residual beside the state may lack; rounding in the fields' scales
+MUD_MOVE = 1.0  # of the unknowns in their scales, over which the rows of the mud are differenced
 HIDDEN = ("top_travel",)  # where the top is, not what the rig reads
 QUANTITIES: tuple[Quantity, ...] = (*(q for q in STATIC_SUMMARY if q.name not in HIDDEN), *MUD, ECD)
 Motion = tuple[float, float] | None
@@ -86,8 +88,8 @@ class StaticTangent:
         points: Sequence[Point],
         sources: Sequence[Point],
         build: Callable[[Case], DrillingModel],
-    ) -> list[DrillingModel]:
-        """Models at the points, with the state moved along its derivative; collective.
+    ) -> tuple[list[DrillingModel], bool]:
+        """Models at the points, with the state moved along its derivative, and whether it has a kink there; collective.
 
         sources: points so near that no contact of the state opens there; build: model of a case, with the elements of the state.
         """
@@ -95,9 +97,11 @@ class StaticTangent:
         source = -difference(sources, rows)
         step = solve_exactly(self._solve, lambda step: self._left(source, step), source, self._size)
         models = [build(point.case) for point in points]
+        rows = []
         for point, model in zip(points, models, strict=True):
-            self._take(model, self.x[:-1] + point.change * step[:-1], point.change * step[-1]).rows()
-        return models
+            solver = self._take(model, self.x[:-1] + point.change * step[:-1], point.change * step[-1])
+            rows.append(self._rows_of(solver))
+        return models, self._bends(points, rows, step)
 
     def _take(self, model: DrillingModel, x: FloatArray, move: float = 0.0) -> StaticNewton:
         """Put a new model into the state with unknowns ``x``, its top ``move`` [m] further down; returns its equations."""
@@ -127,11 +131,27 @@ class StaticTangent:
         step, move = self.solver.step_for(rows[:-1], float(rows[-1]))
         return np.append(step, move)
 
+    def _bends(self, points: Sequence[Point], rows: Sequence[FloatArray], step: FloatArray) -> bool:
+        """Whether the state bends within the steps of the key, so that its derivative is not that of the outputs; collective.
+
+        rows: (n + 1,) residual at each point.  What they require as a change of the derivative is compared field by field.
+        """
+        wanted, layout = self._solve(-difference(points, rows)), self.model.system.layout
+        of = layout.field_of
+        for field in range(len(layout.fields)):
+            mine = np.flatnonzero(of == field)
+            own, more = (float(np.abs(q[mine]).max(initial=0.0)) for q in (step, wanted))
+            own, more = self.solver.largest(own), self.solver.largest(more)
+            noise = NOISE * layout.fields[field].scale / abs(points[-1].change)
+            if more > BENT * own + noise:
+                return True
+        return False
+
     def _left(self, source: FloatArray, step: FloatArray) -> FloatArray:
         """What J s lacks of the ``source`` in the rows of the mud, whose matrix leaves out a little; that of the string is exact."""
         lacks = np.zeros_like(step)
         if self.model.fluid is not None:
-            part, mud = MOVE / self._size(step), np.append(fluid_unknowns(self.model.system), False)
+            part, mud = MUD_MOVE / self._size(step), np.append(fluid_unknowns(self.model.system), False)
             lacks[mud] = (source - (self._moved(part * step) - self._moved(-part * step)) / (2 * part))[mud]
         return lacks
 
@@ -152,6 +172,8 @@ class StaticsSolution:
 
     motion, operation: as in ``run_statics``.
     """
+
+    resolution, far = 1e-5, False
 
     def __init__(
         self, case: Case, comm: PETSc.Comm, motion: str | None = None, operation: str | None = None
@@ -174,8 +196,8 @@ class StaticsSolution:
     def near(self, points: Sequence[Point]) -> list[Found]:
         """As of ``Solution``; collective."""
         sources, _ = points_of(self._case, points[0].key, RESIDUAL_STEP)
-        models = self._tangent.near(points, sources, lambda case: self._built(case)[0])
-        return [self._found(static_summary(model, self._tangent.state)) for model in models]
+        models, bends = self._tangent.near(points, sources, lambda case: self._built(case)[0])
+        return [self._found(static_summary(model, self._tangent.state), bends) for model in models]
 
     def solved(self, case: Case) -> Found:
         """As of ``Solution``; collective."""
@@ -186,6 +208,6 @@ class StaticsSolution:
         posed, moving = question_of(case, *self._words)
         return build_model(posed, self._comm, moving, like=self._mesh), moving
 
-    def _found(self, figures: dict[str, Any]) -> Found:
+    def _found(self, figures: dict[str, Any], bends: bool = False) -> Found:
         values = np.array([number(figures.get(output.quantity.name)) for output in self.outputs])
-        return Found(values, (None,) * len(values))
+        return Found(values, (bends,) * len(values))
