@@ -40,6 +40,7 @@ from drillpetsc.case.items import (
 from drillpetsc.errors import CaseError, SolveError
 
 statics = function_of(operations.Statics)
+sensitivities = function_of(operations.Sensitivities)
 hydraulics = function_of(operations.Hydraulics)
 surge = function_of(operations.Surge)
 roadmap = function_of(operations.Roadmap)
@@ -91,6 +92,7 @@ __all__ = [
     "roadmap",
     "SolveError",
     "run",
+    "sensitivities",
     "stability",
     "statics",
     "study",

@@ -38,12 +38,16 @@ NAMES = (*(name for name in FOUND if name != "md_of_min"), "hook_load_total", "h
 QUANTITIES = tuple(q for q in ROADMAP if q.name in NAMES)
 
 
-def own_friction(case: Case, model: str = "soft") -> RowsAsked:
-    """Rows of the case's roadmap with the friction of its sections alone, which is then a key like any other."""
+def own_friction(case: Case, deepest: bool, model: str = "soft") -> RowsAsked:
+    """Rows of the case's roadmap with the friction of its sections alone, which is then a key like any other.
+
+    deepest: only those of the deepest bit depth.
+    """
     plan = plan_of(case).model_copy(update={"friction_factor": None})
     asked = rows_asked(case.model_copy(update={"roadmap": plan}), model)
     pair = pairs_of(asked.case, plan, [])[FACTORS.index(1.0)]
-    return RowsAsked(asked.case, asked.well, [pair], asked.strings, asked.notes)
+    strings = asked.strings[-1:] if deepest else asked.strings
+    return RowsAsked(asked.case, asked.well, [pair], strings, asked.notes)
 
 
 def outputs_of(asked: RowsAsked, rows: Sequence[dict[str, Any]]) -> list[Output]:
@@ -53,12 +57,16 @@ def outputs_of(asked: RowsAsked, rows: Sequence[dict[str, Any]]) -> list[Output]
 
 
 class SoftRoadmap:
-    """Soft strings of a roadmap at the friction of the hole's sections."""
+    """Soft strings of a roadmap at the friction of the hole's sections.
+
+    deepest: only at the deepest bit depth.
+    """
 
     resolution, far = 1e-9, True
 
-    def __init__(self, case: Case) -> None:
-        self.asked = asked = own_friction(case)
+    def __init__(self, case: Case, deepest: bool = False) -> None:
+        self._deepest = deepest
+        self.asked = asked = own_friction(case, deepest)
         self._tangents: dict[tuple[int, float, float], FlowTangent] = {}
         problem = soft_problem(asked, self._flows_here())
         self._hole, batch = problem.hole, soft_strings(problem.hole, problem.columns)
@@ -92,7 +100,7 @@ class SoftRoadmap:
 
     def solved(self, case: Case) -> Found:
         """As of ``Solution``."""
-        asked = own_friction(case)
+        asked = own_friction(case, self._deepest)
         flows = circulations(asked.case, asked.strings, asked.loads())
         problem = soft_problem(asked, flows, self._hole)
         batch = soft_strings(problem.hole, problem.columns)
@@ -127,7 +135,7 @@ class SoftRoadmap:
 
     def _problems(self, points: Sequence[Point]) -> list[SoftProblem]:
         """Soft strings at the points, the flow moved along its derivative."""
-        asked = [own_friction(point.case) for point in points]
+        asked = [own_friction(point.case, self._deepest) for point in points]
         flows: list[dict[tuple[str, int], Circulation | SolveError]] = [{} for _ in points]
         moved = [self._moved(q) for q in asked]
         shared: dict[tuple[int, float, float], list[Circulation]] = {}
@@ -161,7 +169,8 @@ class SoftRoadmap:
         states: list[Hashable] = []
         lowest = np.argmin(np.nan_to_num(batch.tension, nan=np.inf), axis=0)
         for c in range(len(rows)):
-            buckled = batch.state[:, c].tobytes(), bool(np.isnan(batch.locked[c]))
+            # a sinusoidal buckle changes no force
+            buckled = (batch.state[:, c] == 2).tobytes(), bool(np.isnan(batch.locked[c]))
             crossing = _first(batch.tension[:, c] <= 0)
             places = {"min_effective_tension": int(lowest[c]), "neutral_point": crossing}
             states += [(buckled, places.get(name, 0)) for name in names]

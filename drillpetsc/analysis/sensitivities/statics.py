@@ -34,6 +34,7 @@ from drillpetsc.output.quantities.statics import ECD, STATIC_SUMMARY
 from drillpetsc.physics.tools.mud_motor import MudMotor
 from drillpetsc.solvers.static.static_newton import StaticNewton
 
+RESOLUTION, RESOLUTION_IN_MUD = 1e-5, 5e-4  # relative changes of outputs that are rounding, or of the hole as the mud sees it [-]
 ACROSS = ("top.side_reaction_1", "top.side_reaction_2")
 #: of differences of the residual, relative: the wall yields by micrometres, beyond which a change of a diameter opens contacts
 RESIDUAL_STEP = 1e-7
@@ -173,7 +174,7 @@ class StaticsSolution:
     motion, operation: as in ``run_statics``.
     """
 
-    resolution, far = 1e-5, False
+    far = False
 
     def __init__(
         self, case: Case, comm: PETSc.Comm, motion: str | None = None, operation: str | None = None
@@ -185,6 +186,7 @@ class StaticsSolution:
         if posed.hold_string:
             raise CaseError(at="--run", got="statics", want="a string that is not held, or --run hydraulics")
         model = build_model(posed, comm, moving)
+        self.resolution = RESOLUTION if model.fluid is None else RESOLUTION_IN_MUD
         self._mesh = MeshOf(posed, model.mesh)
         start = None if model.top is None else model.top.anchor.copy()
         state = find_equilibrium(model, moving, False)
