@@ -2888,6 +2888,46 @@ def statics(
     """
     ...
 
+def sensitivities(
+    case: _Case | str | Path,
+    out: Any = None,
+    *,
+    to: str | Sequence[str] = '',
+    of: str | Sequence[str] = '',
+    analysis: Literal['statics', 'roadmap', 'hydraulics'] = 'statics',
+    all: bool = False,
+    check: int = 0,
+    motion: Literal['hoist', 'lower', 'rotate'] | None = None,
+    operation: str | None = None,
+    depths: Literal['deepest', 'all'] = 'deepest',
+    units: Literal['field', 'metric', 'metric_t', 'SI'] | None = None,
+    overwrite: bool = False,
+    name: str | None = None,
+    comm: Any = None,
+    bit_depth: str | float | None = None,
+) -> Result:
+    """Derivatives of outputs by numbers of the case: what changes hook load, torque or pressures, and by how much.
+
+    Solves once, and takes each derivative from the linearised equations of that solution. Writes sensitivities.csv.
+
+    case: a Case, or the path of a case file
+    out: run folder (default: results/<case>-NNN)
+    to: keys of the case: 'well.sections[1].friction,string[jar].weight,fluid.density,top.rotation'
+    of: outputs, such as hook_load or trip_out.hook_load, or all (default: hook load and surface torque; pump pressure and ECD)
+    analysis: whose outputs are meant; of a roadmap the soft string with the friction of the hole's sections (default: statics)
+    all: every continuous number of the case, instead of to
+    check: compare N derivatives with differences of full solutions: the largest, the median, others at random (default: 0)
+    motion: of statics: motion that friction opposes
+    operation: of statics: operation, as of the command statics
+    depths: of a roadmap: its bit depths (default: deepest)
+    units: units of what is printed and plotted (default: the case's; files stay in SI); metric_t: forces in tonnes
+    overwrite: replace the results in an existing out
+    name: name of the case in the default folder
+    comm: PETSc communicator; by default all ranks
+    bit_depth: measured depth of the bit, such as '2000 m' (default: bit_depth of the case)
+    """
+    ...
+
 def hydraulics(
     case: _Case | str | Path,
     out: Any = None,

@@ -24,6 +24,7 @@ from drillpetsc.errors import CaseError, SolveError
 
 COMMANDS = (
     operations.Statics,
+    operations.Sensitivities,
     operations.Hydraulics,
     operations.Surge,
     operations.Roadmap,

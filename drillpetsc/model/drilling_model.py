@@ -21,7 +21,7 @@ from drillpetsc.geometry.growing_hole import GrowingHole
 from drillpetsc.geometry.well import Well
 from drillpetsc.model.fluid import FluidComponents, StringInMud, build_fluid
 from drillpetsc.model.hole import build_well, hole_depth
-from drillpetsc.model.mesh import build_mesh, curvature_by_tool_face
+from drillpetsc.model.mesh import MeshOf, build_mesh, curvature_by_tool_face
 from drillpetsc.model.own_components import Site, own_components
 from drillpetsc.model.quaternion import quaternion_components
 from drillpetsc.model.rock_bit import build_rock_bit
@@ -146,12 +146,14 @@ def build_model(
     comm: PETSc.Comm | None = None,
     motion: tuple[float, float] | None = None,
     balanced: bool = False,
+    like: MeshOf | None = None,
 ) -> DrillingModel:
     """Create the model of ``case``; collective.
 
     comm: PETSc communicator, all ranks by default.
     motion: of a static question, for automatic element lengths (see ``build_mesh``).
     balanced: leave out what turns with the section: eccentric mass, unbalance, bends and stress-free curvature.
+    like: the mesh of nearly the same case, whose elements are taken.
     Raises CaseError if mesh or hole are impossible.
     """
     if case.fluid is not None and case.fluid.level_in_string is not None:
@@ -164,7 +166,7 @@ def build_model(
         want = "no components of the user with hold_string, or with beam.formulation quaternion"
         raise CaseError(at="components", want=want)
     well = well_of_reamer(case, build_well(case))
-    mesh = build_mesh(case, well, motion)
+    mesh = build_mesh(case, well, motion, like)
     position, tangent = _axis(case, mesh, well)
     frames = transported_frames(tangent)
     mesh = _balanced(mesh) if balanced else curvature_by_tool_face(mesh, frames)
