@@ -1,7 +1,7 @@
-"""The compiled kernels: one shared library, made when the package is installed (drillpetsc/kernels/build.py).
+"""The compiled kernels: one shared library, made at set-up or at first use (drillpetsc/kernels/build.py).
 
-Importing this package compiles nothing.  The library is opened when the first kernel is used, from the
-package's folder only, and only if no other user can have written it.
+Importing this package compiles nothing.  The library is opened when the first kernel is used, and only if no other user can
+have written it.
 """
 
 from __future__ import annotations
@@ -16,6 +16,7 @@ import numpy as np
 
 from drillpetsc.errors import SolveError
 from drillpetsc.kernels.build import UntrustedLibrary, check_trusted, library_path, plug_in_path
+from drillpetsc.kernels.build import build as build_library
 
 BUILD_COMMAND = "python -m drillpetsc.kernels build"
 
@@ -26,14 +27,19 @@ class KernelsUnavailable(SolveError):
 
 @cache
 def library() -> ctypes.CDLL:
-    """The opened library.  Raises KernelsUnavailable if it is not built, or if others can write it."""
-    path = library_path()
-    if not path.exists():
+    """The opened library, compiled first if it is missing, of older sources or of another processor.
+
+    Raises KernelsUnavailable if it cannot be built, or if others can write it.
+    """
+    try:
+        path = library_path()
+        path = path if path.exists() else build_library()
+    except (RuntimeError, OSError) as error:
         raise KernelsUnavailable(
-            "the compiled kernels are missing, or older than their sources, or of another processor "
-            f"(looked for {path})",
-            hint=f"build them: {BUILD_COMMAND} (scripts/setup does it too)",
-        )
+            f"the kernels are not compiled for this processor: {error}",
+            hint=f"where a compiler is: {BUILD_COMMAND}; DRILLPETSC_KERNELS names a folder for them, and DRILLPETSC_ARCH=x86-64-v3 serves several "
+            "processors",
+        ) from None
     try:
         check_trusted(path)
     except UntrustedLibrary as error:
