@@ -275,9 +275,7 @@ class AlphaHistory:
         ``accept`` takes it.
         """
         self._later_step = step
-        _alpha_advance(
-            self._at, self._values_at, self.step, step, x, y, w, self._later_at, self._error_at
-        )
+        _alpha_advance(self._at, self._values_at, self.step, step, x, y, w, self._later_at, self._error_at)
 
     def accept(self) -> None:
         """Go on to the end of the step that ``advance`` tried last."""
