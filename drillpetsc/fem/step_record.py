@@ -42,7 +42,9 @@ class StepRecord:
         self._kept: list[Any] = []  # whose addresses and ids are in use
         self._functions: list[tuple[Callable[[Sample], Any], slice, bool]] = []
         self._own = 0  # columns of the functions' values
-        self._table: FloatArray | None = None  # a row for each step, so that a step writes to one place in memory
+        self._table: FloatArray | None = (
+            None  # a row for each step, so that a step writes to one place in memory
+        )
         self._columns = np.zeros((0, 0))  # the same by number, in which sums run along contiguous memory
         self._always = True
 
