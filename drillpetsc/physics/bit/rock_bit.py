@@ -485,8 +485,9 @@ class RockBit(Bit):
         self._end, self._accepted = total[:4].copy(), float(total[4])
         if self.pattern:
             self._zero_angle = float(total[12])
-        before = self.hole.direction
-        if self.hole.follow(total[3], self.hole.start_point + total[:3]):
+        if self.hole.grows_to(total.item(3)):
+            before = self.hole.direction
+            self.hole.follow(total[3], self.hole.start_point + total[:3])
             self._follow()
             self._turn_bottom(before, self.hole.direction, total[6:9], total[9:12])
 
