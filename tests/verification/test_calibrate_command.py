@@ -9,12 +9,11 @@ import pytest
 
 from drillpetsc.analysis.loads.torque_drag.batch import Columns, Hole, soft_strings
 from drillpetsc.analysis.loads.torque_drag.circulation import circulation
-from drillpetsc.analysis.loads.torque_drag.readings.along_depth import walk_of
 from drillpetsc.analysis.loads.torque_drag.readings.by_depth import drift_by_windows
 from drillpetsc.analysis.loads.torque_drag.readings.calibrate import Choices, run_calibrate
 from drillpetsc.analysis.loads.torque_drag.readings.calibration import Calibration
 from drillpetsc.analysis.loads.torque_drag.readings.flow_table import flow_table
-from drillpetsc.analysis.loads.torque_drag.readings.held_out import predict
+from drillpetsc.analysis.loads.torque_drag.readings.model_error import ModelError, relative
 from drillpetsc.analysis.loads.torque_drag.soft_ends import SoftEnds
 from drillpetsc.analysis.loads.torque_drag.string_rows import need_well, rows_at
 from drillpetsc.analysis.statics.start.soft_string import torque_drag
@@ -425,19 +424,3 @@ def test_compiled_soft_string_is_the_batch():
         np.testing.assert_allclose(tension, batch.tension[0], rtol=1e-10, atol=1e-6)
         np.testing.assert_allclose(torque, batch.torque[0], rtol=1e-10, atol=1e-6)
         assert (batch.state == 2).any()
-
-
-def test_band_of_a_prediction_grows_as_residuals_walk():
-    """Ten windows whose means step by 0.01 have a walk of 9 x 1e-4 over the distance of the outer ones; readings further away get it."""
-    depth = np.repeat(np.arange(1000.0, 2000.0, 100.0), 5) + 50.0
-    share = np.repeat(0.01 * (-1.0) ** np.arange(10) / 2, 5)
-    assert walk_of(depth, share) == pytest.approx(9 * 1e-4 / 900, rel=1e-9)
-    assert walk_of(depth[:10], share[:10]) == 0.0
-    points = _drilling(2)
-    half = len(points) // 2
-    work, rest = (Calibration(case(), part) for part in (points[:half], points[half:]))
-    fit = work.fit(("open_hole",), correlated=True)
-    found = predict(work, fit, rest)
-    share = found.band / rest.data.value
-    assert np.all(np.diff(share) > 0) and share[-1] > 1.2 * share[0]
-    assert found.errors()["surface_torque"]["in_band"] > 0.7
