@@ -13,7 +13,6 @@ from drillpetsc.analysis.loads.torque_drag.readings.by_depth import drift_by_win
 from drillpetsc.analysis.loads.torque_drag.readings.calibrate import Choices, run_calibrate
 from drillpetsc.analysis.loads.torque_drag.readings.calibration import Calibration
 from drillpetsc.analysis.loads.torque_drag.readings.flow_table import flow_table
-from drillpetsc.analysis.loads.torque_drag.readings.model_error import ModelError, relative
 from drillpetsc.analysis.loads.torque_drag.soft_ends import SoftEnds
 from drillpetsc.analysis.loads.torque_drag.string_rows import need_well, rows_at
 from drillpetsc.analysis.statics.start.soft_string import torque_drag

@@ -33,11 +33,15 @@ def some(of: Relative, rows: np.ndarray, error: np.ndarray) -> Relative:
 def process(rng: np.random.Generator, depth: np.ndarray, over: float) -> np.ndarray:
     """A first-order Markov process of size 1."""
     covariance = np.exp(-np.abs(depth[:, None] - depth) / over)
-    return np.asarray(np.linalg.cholesky(covariance + 1e-12 * np.eye(len(depth))) @ rng.standard_normal(len(depth)))
+    return np.asarray(
+        np.linalg.cholesky(covariance + 1e-12 * np.eye(len(depth))) @ rng.standard_normal(len(depth))
+    )
 
 
 def walk(rng: np.random.Generator, depth: np.ndarray, rate: float) -> np.ndarray:
-    return np.asarray(np.cumsum(rate * np.sqrt(np.diff(depth, prepend=depth[0])) * rng.standard_normal(len(depth))))
+    return np.asarray(
+        np.cumsum(rate * np.sqrt(np.diff(depth, prepend=depth[0])) * rng.standard_normal(len(depth)))
+    )
 
 
 def matern(apart: np.ndarray) -> np.ndarray:
@@ -105,11 +109,19 @@ def test_pulling_out_says_nothing_of_friction_running_in(well: Relative) -> None
 def test_neighbours_are_averaged_beyond_a_hundred() -> None:
     """500 readings of one series become 100 with a fifth of the variance."""
     many = Relative(
-        *(np.arange(500.0), np.full(500, "drilling"), np.ones(500, dtype=bool), np.arange(500.0), np.ones(500)),
+        *(
+            np.arange(500.0),
+            np.full(500, "drilling"),
+            np.ones(500, dtype=bool),
+            np.arange(500.0),
+            np.ones(500),
+        ),
         *(np.ones((500, 1)), np.ones((500, 2)), np.ones(500)),
     )
     found = many.condensed()
-    assert found.depth == pytest.approx(np.arange(2.0, 500.0, 5.0)) and found.error == pytest.approx(found.depth)
+    assert found.depth == pytest.approx(np.arange(2.0, 500.0, 5.0)) and found.error == pytest.approx(
+        found.depth
+    )
     assert found.noise == pytest.approx(np.full(100, 0.2))
 
 

@@ -101,7 +101,11 @@ class ModelError:
     """
 
     def __init__(self, fitted: Relative, known: FloatArray, away: FloatArray) -> None:
-        self.noise = {hook: float(fitted.noise[fitted.hook == hook].mean()) for hook in (True, False) if hook in fitted.hook}
+        self.noise = {
+            hook: float(fitted.noise[fitted.hook == hook].mean())
+            for hook in (True, False)
+            if hook in fitted.hook
+        }
         self.fitted = fitted.condensed()
         self.scale = np.maximum(np.abs(self.fitted.slope).max(axis=0, initial=0.0), 1e-300)
         self.slope = self.fitted.slope / self.scale
