@@ -13,6 +13,8 @@ from drillpetsc.analysis.loads.torque_drag.readings.by_depth import drift_by_win
 from drillpetsc.analysis.loads.torque_drag.readings.calibrate import Choices, run_calibrate
 from drillpetsc.analysis.loads.torque_drag.readings.calibration import Calibration
 from drillpetsc.analysis.loads.torque_drag.readings.flow_table import flow_table
+from drillpetsc.analysis.loads.torque_drag.readings.reading import corrected_points
+from drillpetsc.analysis.loads.torque_drag.readings.sensor import weight_over_line
 from drillpetsc.analysis.loads.torque_drag.soft_ends import SoftEnds
 from drillpetsc.analysis.loads.torque_drag.string_rows import need_well, rows_at
 from drillpetsc.analysis.statics.start.soft_string import torque_drag
@@ -289,6 +291,27 @@ def test_running_drag_comes_back():
     assert fit.value == pytest.approx([*TRUTH.values(), 80e3], rel=0.01)
     still = tuple(p for p in points if p.operation == "rotate_off_bottom")
     assert "tripping" in Calibration(case(), still).fit(("running_drag",)).reasons["running_drag"]
+
+
+@pytest.mark.parametrize("excludes", [False, True])
+def test_sheave_efficiency_comes_back(excludes):
+    """12 lines with 0.97 a sheave, of which the case knows 0.99: readings are weights times n F/W of the closed form."""
+    rig = {"block_weight": "100 kN"}
+    weights = synthetic(block=BLOCK)
+    hoisting, lowering = weight_over_line(12, 0.97, "still")
+    over = {"trip_out": 12 / hoisting, "trip_in": 12 / lowering, "rotate_off_bottom": 1.0}
+    points = tuple(
+        p.model_copy(update={"hook_load": p.hook_load * over[p.operation] - BLOCK * excludes}) for p in weights
+    )
+    sensor = {"at": "dead_line", "lines": 12, "sheave_efficiency": 0.99}
+    given = case(rig=rig | {"hookload_sensor": sensor})
+    names = ("cased", "open_hole", "sheave_efficiency")
+    fit = Calibration(given, corrected_points(given, points, excludes), excludes).fit(names)
+    assert fit.value == pytest.approx([*TRUTH.values(), 0.97], abs=1e-3)
+    at_hook = case(rig=rig)
+    assert "dead line" in Calibration(at_hook, points).fit(names).reasons["sheave_efficiency"]
+    still = tuple(p for p in points if p.operation == "rotate_off_bottom")
+    assert "block moved" in Calibration(given, still).fit(names).reasons["sheave_efficiency"]
 
 
 def test_held_out_points_are_predicted(tmp_path):
