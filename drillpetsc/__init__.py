@@ -2,7 +2,7 @@
 
 The public face is that of `drillpetsc.api`: `Case` describes what is simulated (the keys of a case file),
 `DrillPipe`, `HWDP`, `DrillCollar`, `Stabilizer`, `Bit` and others are the items of its string, `load_case` reads one, `run`, `sweep`,
-`statics`, `hydraulics`, `surge`, `roadmap`, `calibrate`, `limits`, `freepoint`, `modes`, `campbell`, `stability`, `response`,
+`statics`, `hydraulics`, `surge`, `roadmap`, `calibrate`, `import_log`, `limits`, `freepoint`, `modes`, `campbell`, `stability`, `response`,
 `top_drive` and `study` are the commands, `Session` advances a model step by step, and `open_run` reads the results of a command
 again. `units` converts values; `vibration` has the functions of drilling dynamics on series of numbers.
 Importing the package starts no MPI and imports nothing else of it.
@@ -41,6 +41,7 @@ if TYPE_CHECKING:
         fmu,
         freepoint,
         hydraulics,
+        import_log,
         limits,
         linearise,
         load_case,
@@ -89,6 +90,7 @@ __all__ = [
     "fmu",
     "freepoint",
     "hydraulics",
+    "import_log",
     "limits",
     "linearise",
     "load_case",

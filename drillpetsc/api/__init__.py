@@ -46,6 +46,7 @@ roadmap = function_of(operations.Roadmap)
 limits = function_of(operations.Limits)
 freepoint = function_of(operations.Freepoint)
 calibrate = function_of(operations.Calibrate)
+import_log = function_of(operations.ImportLog)
 modes = function_of(operations.Modes)
 campbell = function_of(operations.Campbell)
 stability = function_of(operations.Stability)
@@ -81,6 +82,7 @@ __all__ = [
     "fmu",
     "freepoint",
     "hydraulics",
+    "import_log",
     "limits",
     "linearise",
     "load_case",

@@ -301,7 +301,8 @@ def test_sheave_efficiency_comes_back(excludes):
     hoisting, lowering = weight_over_line(12, 0.97, "still")
     over = {"trip_out": 12 / hoisting, "trip_in": 12 / lowering, "rotate_off_bottom": 1.0}
     points = tuple(
-        p.model_copy(update={"hook_load": p.hook_load * over[p.operation] - BLOCK * excludes}) for p in weights
+        p.model_copy(update={"hook_load": p.hook_load * over[p.operation] - BLOCK * excludes})
+        for p in weights
     )
     sensor = {"at": "dead_line", "lines": 12, "sheave_efficiency": 0.99}
     given = case(rig=rig | {"hookload_sensor": sensor})

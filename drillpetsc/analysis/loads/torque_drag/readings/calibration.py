@@ -38,7 +38,13 @@ BOUNDS = {
     "running_drag": (0.0, 1e6),
     "sheave_efficiency": (0.8, 1.0),
 }
-START = {"cased": 0.25, "open_hole": 0.3, "weight_factor": 1.0, "running_drag": 5e4, "sheave_efficiency": 0.98}
+START = {
+    "cased": 0.25,
+    "open_hole": 0.3,
+    "weight_factor": 1.0,
+    "running_drag": 5e4,
+    "sheave_efficiency": 0.98,
+}
 STEP = {"block_weight": 10.0, "weight_factor": 1e-5, "running_drag": 10.0, "sheave_efficiency": 1e-6}
 RELATIVE_SIGMA, SMALLEST_SIGMA = 0.02, {"hook_load": 10e3, "surface_torque": 500.0}  # [N], [N m]
 SOFT_SCALE = 3.0  # of soft_l1, in standard errors
@@ -245,7 +251,9 @@ class Calibration:
     def default(self, name: str) -> float:
         """Value of a parameter that is not fitted: of the case."""
         sensor = None if self.case.rig is None else self.case.rig.hookload_sensor
-        efficiency = np.nan if sensor is None or sensor.sheave_efficiency is None else sensor.sheave_efficiency
+        efficiency = (
+            np.nan if sensor is None or sensor.sheave_efficiency is None else sensor.sheave_efficiency
+        )
         held = {
             "block_weight": self.block,
             "weight_factor": 1.0,

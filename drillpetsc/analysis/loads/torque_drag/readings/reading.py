@@ -13,6 +13,7 @@ from drillpetsc.case.blocks.ends import BitBottom
 from drillpetsc.case.blocks.roadmap import MeasuredPoint
 from drillpetsc.case.case import Case
 
+
 def corrected_points(
     case: Case, points: Sequence[MeasuredPoint], excludes_block: bool
 ) -> tuple[MeasuredPoint, ...]:
