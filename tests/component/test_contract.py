@@ -10,6 +10,7 @@ import pytest
 
 from drillpetsc.fem.bound_parts import ROW_SCALE
 from drillpetsc.kernels.parameters import columns
+from drillpetsc.physics import beam as beam_physics
 from drillpetsc.physics.contact import Contact
 from drillpetsc.physics.top.hoist import FIGURES
 from tests.helpers.component_models import KINDS, SHIFT, both_jacobians, build, meet_conditions
@@ -55,6 +56,17 @@ def test_rows_times_velocity_is_the_change_of_energy(kind):
     assert power - 0.0 == pytest.approx(
         rate + powers.dissipated - powers.supplied, rel=2e-7, abs=1e-6 * (abs(rate) + abs(power))
     )
+
+
+@each_row("kind", [k for k in KINDS if k.startswith("beam")])
+def test_tables_have_the_energies_of_the_balance(kind):
+    """Energies of the elements, as written to files, add up to those of the balance, whose sums the test above holds to the rows."""
+    system = build(kind)
+    asm, beam = system.assembly, system.components[0]
+    table, names = beam.element_results(system.layout, asm.x, asm.y), beam_physics.RESULT_NAMES
+    of_elements = [table[:, names.index(name)].sum() for name in ("kinetic", "strain", "potential")]
+    balance = beam.energies(0.4, asm)
+    assert of_elements == pytest.approx([balance.kinetic, balance.strain, balance.potential], rel=1e-12)
 
 
 @each_row("kind", ["beam", "beam_damped", "bodies_junction", "curvature"])
