@@ -1,7 +1,7 @@
 """Commands and cases that the pages of the manual show, for the tests that run them.
 
 A shell block is a fence ```console; its commands are the lines that begin with `$ `.
-A complete case is a fence ```yaml whose first line is `# file: name.yaml`, or a whole file shown by ```{literalinclude} that begins so.
+A complete case is a fence ```yaml whose first line is `# file: name.yaml` (a file beside it: ```python, `# file: name.py`), or a whole file shown by ```{literalinclude} that begins so.
 The fences ```python of a page run one after the other in one namespace (`blocks(page, "python")`).
 Other ```yaml fences are fragments: blocks that `with_fragment` lays over a small case to see whether they are valid.
 Pages are read in the order of `pages()`; a command may use the cases of its own page and those in
@@ -48,9 +48,9 @@ def commands(page: str | Path) -> list[str]:
 
 
 def cases(page: str | Path) -> dict[str, str]:
-    """Complete cases of a page: file name -> text."""
+    """Complete cases of a page, and files of Python beside them: file name -> text."""
     found = {}
-    for block in blocks(page, "yaml"):
+    for block in blocks(page, "yaml") + blocks(page, "python"):
         match = FILE.match(block)
         if match:
             found[match[1]] = block

@@ -12,89 +12,37 @@ that cannot go on.
 
 from __future__ import annotations
 
-from drillpetsc import operations
+from typing import Any
+
+import drillpetsc.operations as operations
 from drillpetsc.api.functions import function_of
 from drillpetsc.api.runs import mud_motor, open_run, run, study, sweep
 from drillpetsc.case import Case, load_case
 from drillpetsc.case.catalogue import catalogue
-from drillpetsc.case.items import (
-    HWDP,
-    Agitator,
-    Beam,
-    Bit,
-    Body,
-    BumperSub,
-    Casing,
-    CoiledTubing,
-    DrillCollar,
-    DrillPipe,
-    Jar,
-    MudMotor,
-    Pipe,
-    Reamer,
-    RotarySteerable,
-    ShockSub,
-    Stabilizer,
-    Tool,
-)
+from drillpetsc.case.python_blocks import PYTHON_BLOCKS
 from drillpetsc.errors import CaseError, SolveError
 
-statics = function_of(operations.Statics)
-hydraulics = function_of(operations.Hydraulics)
-surge = function_of(operations.Surge)
-roadmap = function_of(operations.Roadmap)
-limits = function_of(operations.Limits)
-freepoint = function_of(operations.Freepoint)
-calibrate = function_of(operations.Calibrate)
-modes = function_of(operations.Modes)
-campbell = function_of(operations.Campbell)
-stability = function_of(operations.Stability)
-response = function_of(operations.Response)
-linearise = function_of(operations.Linearise)
-fmu = function_of(operations.Fmu)
-top_drive = function_of(operations.TopDrive)
-
-__all__ = [
-    "Agitator",
-    "Beam",
-    "Bit",
-    "Body",
-    "BumperSub",
-    "Case",
-    "CaseError",
-    "Casing",
-    "CoiledTubing",
-    "DrillCollar",
-    "DrillPipe",
-    "HWDP",
-    "Jar",
-    "MudMotor",
-    "Pipe",
-    "Reamer",
-    "RotarySteerable",
-    "ShockSub",
-    "Stabilizer",
-    "Tool",
-    "calibrate",
-    "campbell",
-    "catalogue",
-    "fmu",
-    "freepoint",
-    "hydraulics",
-    "limits",
-    "linearise",
-    "load_case",
-    "modes",
-    "mud_motor",
-    "open_run",
-    "response",
-    "roadmap",
-    "SolveError",
-    "run",
-    "stability",
-    "statics",
-    "study",
-    "surge",
-    "sweep",
-    "top_drive",
-]
+COMMANDS = (
+    operations.Statics,
+    operations.Sensitivities,
+    operations.Hydraulics,
+    operations.Surge,
+    operations.Roadmap,
+    operations.Limits,
+    operations.Freepoint,
+    operations.Calibrate,
+    operations.Modes,
+    operations.Campbell,
+    operations.Stability,
+    operations.Response,
+    operations.Linearise,
+    operations.Fmu,
+    operations.TopDrive,
+)
+WRITTEN = (Case, CaseError, SolveError, catalogue, load_case, mud_motor, open_run, run, study, sweep)
+#: public name -> what it is; `drillpetsc/__init__.pyi` has the types
+PUBLIC: dict[str, Any] = {
+    **PYTHON_BLOCKS,
+    **{thing.__name__: thing for thing in WRITTEN},
+    **{function.__name__: function for function in map(function_of, COMMANDS)},
+}

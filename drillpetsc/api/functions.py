@@ -7,7 +7,7 @@ import re
 from collections.abc import Callable
 from typing import Any, get_origin
 
-from drillpetsc.operations.operation import RENAMED_OPTIONS, CaseOperation, Mark, Option
+from drillpetsc.operations.operation import RENAMED_OPTIONS, CaseOperation, DrawnOperation, Mark, Option
 
 CASE = "a Case, or the path of a case file"
 
@@ -16,7 +16,8 @@ def function_of(operation: type[CaseOperation]) -> Callable[..., Any]:
     """Make the Python function of an operation."""
     options = [q for q in operation.options() if Mark.SHELL not in q.marks]
     options.sort(key=_place)
-    signature = inspect.Signature([_parameter(q) for q in options])
+    back = "Result" if issubclass(operation, DrawnOperation) else inspect.Signature.empty
+    signature = inspect.Signature([_parameter(q) for q in options], return_annotation=back)
 
     def function(*arguments: Any, **keywords: Any) -> Any:
         for old in keywords:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -17,7 +17,18 @@ if TYPE_CHECKING:
     from drillpetsc.studies.sweep.sweep import SweepResult
 
 
-def run(case: Case | str | Path, out: str | Path | None = None, **keywords: Any) -> Result:
+def run(
+    case: Case | str | Path,
+    out: str | Path | None = None,
+    *,
+    restart: bool = False,
+    overwrite: bool = False,
+    accept_changes: bool = False,
+    name: str | None = None,
+    comm: Any = None,
+    progress: str | Callable[[float, str], None] = "auto",
+    watch_motion: bool = False,
+) -> Result:
     """Simulate a case and write its run folder (collective).
 
     case: a Case, or the path of a case file
@@ -29,11 +40,13 @@ def run(case: Case | str | Path, out: str | Path | None = None, **keywords: Any)
     comm: PETSc communicator; by default all ranks
     progress: auto, live, log or silent; or a function that is called with the share of the run that is done (0 to 1) and a
     line of text, several times a second, on the first rank
+    watch_motion: True to add the classes of motion (whirl, contact, sliding, sticking) to the summary, as `motion`
 
     An interrupt (Ctrl-C, or the button of a notebook) ends the run after a step: the result has what was written, and its
     `status` says so. A second one raises KeyboardInterrupt.
     """
     initialise_petsc()
+    keywords = {key: value for key, value in locals().items() if key not in ("case", "out")}
     from drillpetsc.analysis.motion import transient
     from drillpetsc.errors import Interrupted
     from drillpetsc.results.result import open_run, result_of
@@ -45,16 +58,23 @@ def run(case: Case | str | Path, out: str | Path | None = None, **keywords: Any)
             raise
         from petsc4py import PETSc
 
-        (keywords.get("comm") or PETSc.COMM_WORLD).barrier()  # the first rank has written the summary
+        (comm or PETSc.COMM_WORLD).barrier()  # the first rank has written the summary
         return open_run(error.folder)
 
 
 def sweep(
-    case: str | Path, values: Mapping[str, Iterable[Any]], out: str | Path | None = None, **keywords: Any
+    case: Case | str | Path,
+    values: Mapping[str, Iterable[Any]],
+    out: str | Path | None = None,
+    *,
+    restart: bool = False,
+    overwrite: bool = False,
+    comm: Any = None,
+    progress: str | Callable[[float, str], None] = "auto",
 ) -> SweepResult:
-    """Simulate every combination of some values of a case file, the ranks shared out over them (collective).
+    """Simulate every combination of some values of a case, the ranks shared out over them (collective).
 
-    case: path of the case file
+    case: a Case, or the path of a case file
     values: key -> its values: {"fluid.flow_rate": ["20 l/s", 0.03], "fluid": ["on", "off"]}
     out: folder of the table and of the run folders; by default results/<case>-NNN
     restart: True to keep members that are done and to continue those with a checkpoint
@@ -65,21 +85,47 @@ def sweep(
     initialise_petsc()
     from drillpetsc.studies.sweep import sweep as sweeps
 
-    return sweeps.sweep(case, values, out, **keywords)
+    return sweeps.sweep(case, values, out, restart=restart, overwrite=overwrite, comm=comm, progress=progress)
 
 
 def study(
-    case: str | Path, vary: str | None = None, curves: Sequence[str] | None = None, **keywords: Any
+    case: Case | str | Path,
+    vary: str | None = None,
+    curves: Sequence[str] | None = None,
+    *,
+    values: Sequence[str | float] = (),
+    steps: Sequence[str | float] = (),
+    tolerances: Sequence[str | float] = (),
+    outputs: Sequence[str] = (),
+    repeats: int = 3,
+    reference: str | Path = "auto",
+    limit: float = 600.0,
+    few: bool = False,
+    out: str | Path | None = None,
+    restart: bool = False,
+    overwrite: bool = False,
+    options: Mapping[str, Any] | None = None,
 ) -> StudyResult:
-    """Measure error against run time: many runs of a case file, each in a process of its own.
+    """Measure error against run time: many runs of a case, each in a process of its own.
 
     PETSc is not initialised here, because the runs start MPI themselves.
 
-    case: path of the case file
+    case: a Case, or the path of a case file
     vary: time-step, tolerance, order, mesh, formulation, integrator, solver or ranks
-    curves: names of several curves, instead of vary
-    keywords: options of the command `study` by name (values, outputs, repeats, reference, out, ...)
+    curves: names of several curves, instead of vary; an empty list for the usual ones
+    values: values along the curve, or names of curves; by default around the case's own
+    steps, tolerances: of all curves that have them
+    outputs: columns of history.csv and probes.csv to compare; by default up to six
+    repeats: runs of each point, for the median of their times
+    reference: exact, arkimex, bdf3, bdf2, or a run folder; auto: a closed form if there is one, else what works
+    limit: wall seconds that one run may take, the reference three times as long
+    few: True for three points a curve
+    out: folder of table, pictures and runs; by default results/<case>-study-NNN
+    restart: True to keep points that are done
+    overwrite: True to replace the results in an existing folder
+    options: PETSc options of every run by name
     """
+    keywords = {key: value for key, value in locals().items() if key not in ("case", "vary", "curves")}
     from drillpetsc.studies.convergence import study as studies
 
     return studies.study(case, vary, curves, **keywords)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from typing import Any, ClassVar, TypeVar, get_args
 
 from pydantic import BaseModel, ConfigDict, Field, GetJsonSchemaHandler, model_validator
@@ -16,6 +16,16 @@ from drillpetsc.errors import shown
 from drillpetsc.units import spelled
 
 AnyBlock = TypeVar("AnyBlock", bound="Block")
+
+
+MOST_SHOWN = 6  # entries of a list in a repr
+
+
+class _Shown(str):
+    """A text that is its own repr."""
+
+    def __repr__(self) -> str:
+        return str(self)
 
 
 class Block(BaseModel):
@@ -92,6 +102,20 @@ class Block(BaseModel):
                 want = f"one of these keys{of}: {', '.join(cls.keys())}"
                 raise refuse(key, got=value, want=want, hint=key_hint(str(key), cls.keys()))
         return data
+
+    def __repr_args__(self) -> Iterator[tuple[str | None, Any]]:
+        """The keys that were given, long lists of numbers in short; what follows from defaults is left out."""
+        for name in type(self).model_fields:
+            value = getattr(self, name)
+            if name in self.model_fields_set and value is not None:
+                long = (
+                    isinstance(value, tuple) and len(value) > MOST_SHOWN and not isinstance(value[0], Block)
+                )
+                yield name, _Shown(f"({value[0]!r}, ..., {value[-1]!r}: {len(value)})") if long else value
+
+    def __dir__(self) -> list[str]:
+        """The keys, and what follows from them; the machinery that reads blocks is left out."""
+        return [name for name in super().__dir__() if name.startswith("__") or not hasattr(Block, name)]
 
     def fill_defaults(self, **values: Any) -> None:
         """Fill in defaults that depend on other keys, while the block is being validated."""

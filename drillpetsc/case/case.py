@@ -21,7 +21,7 @@ from drillpetsc.case.old_words import check_old_words
 from drillpetsc.case.pipe.figures import Figures
 from drillpetsc.case.pipe.fill import fill_to_bit_depth
 from drillpetsc.case.pipe.tubulars import completed_string
-from drillpetsc.case.quantities import BARE_NUMBERS, MESSAGES
+from drillpetsc.case.quantities import BARE_NUMBERS, MESSAGES, with_text
 from drillpetsc.case.writer import case_data, case_yaml, sourced_yaml
 from drillpetsc.errors import CaseError
 from drillpetsc.unit_systems import System
@@ -56,6 +56,7 @@ class Case(CaseBlocks):
     _given: Given = PrivateAttr(default=Given())
 
     def __init__(self, /, **keys: Any) -> None:
+        keys = with_text(keys)
         check_plain(keys)
         check_old_words(keys)
         token, words = BARE_NUMBERS.set(system_of(keys)), MESSAGES.set(system_of(keys))
@@ -101,6 +102,12 @@ class Case(CaseBlocks):
         """Figures that the case did not give itself: from the catalogue, defaults and formulas, with sources."""
         return self._figures
 
+    @property
+    def given_keys(self) -> tuple[Mapping[str, Any], Path]:
+        """The keys as they were given, and the folder that file names in them start from."""
+        keys = self._given.keys
+        return (case_data(self) if keys is None else keys), self._given.folder
+
     def replace(self, values: Mapping[str, Any]) -> Case:
         """A new case with other values; this one stays as it is.
 
@@ -111,12 +118,24 @@ class Case(CaseBlocks):
         """
         if not isinstance(values, Mapping):
             raise CaseError(at="replace", got=values, want='a mapping such as {"fluid.density": "11.2 ppg"}')
-        keys = self._given.keys if self._given.keys is not None else case_data(self)
-        token = FOLDER.set(self._given.folder)
+        keys, folder = self.given_keys
+        token = FOLDER.set(folder)
         try:
             return Case(**changed(keys, {key: text_of(value) for key, value in values.items()}))
         finally:
             FOLDER.reset(token)
+
+    def __repr__(self) -> str:
+        """What there is, in a line."""
+        blocks = [
+            name
+            for name in ("well", "contact", "fluid", "formation", "loads", "joints")
+            if getattr(self, name)
+        ]
+        end = [] if self.time is None else [f"{self.time.end:g} s"]
+        items = f"{len(self.string)} item{'s' if len(self.string) > 1 else ''}"
+        parts = [items, f"{self.string_length:g} m", *blocks, *end]
+        return f"<Case {self.title!r}: {', '.join(parts)}>"
 
     def _repr_html_(self) -> str:
         """The string as a table, for a notebook."""

@@ -10,8 +10,10 @@ import json
 from collections.abc import Mapping
 from typing import Any
 
+from drillpetsc.case.files.own_function import name_of
 from drillpetsc.case.files.yaml_text import read_value
 from drillpetsc.case.key_paths import parsed
+from drillpetsc.case.quantities import with_text
 from drillpetsc.errors import CaseError
 
 WITHOUT = {"contact": "none"}  # blocks that a case has by default -> the value that removes them
@@ -62,12 +64,13 @@ def override(data: Mapping[str, Any], change: str) -> dict[str, Any]:
 
 
 def text_of(value: Any) -> str:
-    """A value as text of a case file: a text is taken as it is, all others as YAML."""
-    return (
-        value
-        if isinstance(value, str)
-        else json.dumps(value, default=lambda v: v.tolist() if hasattr(v, "tolist") else str(v))
-    )
+    """A value as text of a case file: a text is taken as it is, a quantity of pint with its unit, all others as YAML."""
+    value = name_of(with_text(value))  # a function is known by its name
+    return value if isinstance(value, str) else json.dumps(value, default=_plain)
+
+
+def _plain(value: Any) -> Any:
+    return value.tolist() if hasattr(value, "tolist") else str(name_of(value))
 
 
 def changed(data: Mapping[str, Any], values: Mapping[str, str]) -> dict[str, Any]:

@@ -76,6 +76,19 @@ def with_unit(value: object, unit: str, kind: str, *at: str | int) -> object:
     return f"{number!r} {own}"
 
 
+def with_text(value: Any) -> Any:
+    """Keys of a case with quantities of pint as text with a unit, arrays of them as lists; all other values unchanged."""
+    if type(value) is dict:
+        return {key: with_text(part) for key, part in value.items()}
+    if type(value) in (list, tuple):
+        return type(value)(with_text(part) for part in value)
+    if hasattr(value, "magnitude") and hasattr(value, "units"):
+        numbers = value.magnitude.tolist() if hasattr(value.magnitude, "tolist") else value.magnitude
+        unit = f"{value.units:~C}"
+        return [f"{n!r} {unit}" for n in numbers] if isinstance(numbers, list) else f"{numbers!r} {unit}"
+    return value
+
+
 @dataclass(frozen=True)
 class Quantity:
     """A number in the SI unit `unit` within bounds (SI); text with any unit of the same dimension is

@@ -37,10 +37,21 @@ def load_case(path: str | FilePath, changes: tuple[str, ...] | list[str] = ()) -
         raise
 
 
-def case_from_data(data: Mapping[str, Any], path: FilePath, lines: Lines) -> Case:
+def data_of_case(case: Case | str | FilePath) -> tuple[FilePath, dict[str, Any], Lines | None]:
+    """The name of a case, its plain data and their line numbers: of a file, or of a case built in Python.
+
+    The name of such a case is `case` in the folder that its file names start from, and it has no lines.
+    """
+    if isinstance(case, Case):
+        keys, folder = case.given_keys
+        return folder / "case", dict(keys), None
+    return FilePath(case), *read_case_file(case)
+
+
+def case_from_data(data: Mapping[str, Any], path: FilePath, lines: Lines | None) -> Case:
     """A case from the data of a file. Errors carry the name of the file and the line.
 
-    data, lines: what `read_case_file` returns, the data changed or not
+    data, lines: what `read_case_file` returns, the data changed or not; lines None: of no file
     path: the file
     """
     token = FOLDER.set(path.parent)
@@ -48,7 +59,7 @@ def case_from_data(data: Mapping[str, Any], path: FilePath, lines: Lines) -> Cas
         return Case(**data)
     except CaseError as error:
         for each in (error, *error.also):
-            if each.file is None:
+            if each.file is None and lines is not None:
                 each.file = str(path)
                 each.line = _line_of_text(each.at, lines)
         raise
@@ -86,6 +97,11 @@ def read_case_file(path: str | FilePath) -> tuple[dict[str, Any], Lines]:
         )
         hint = f"did you mean {path.parent / suggestion[0]}?" if suggestion else ""
         raise CaseError(got=path, want="a case file that exists and can be read", hint=hint) from None
+    return read_case_text(text, path)
+
+
+def read_case_text(text: str, path: FilePath) -> tuple[dict[str, Any], Lines]:
+    """Plain data and line numbers of the text of a case file.  path: of the file, for messages."""
     tree = parse(text, path)
     if tree is None:
         raise CaseError(

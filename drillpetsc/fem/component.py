@@ -261,6 +261,11 @@ class Component:
         on the rank that has them."""
         return False
 
+    @property
+    def own_laws(self) -> tuple[Any, ...]:
+        """Laws of the user that the component calls (``physics.own_law.OwnLaw``)."""
+        return ()
+
     # ------------------------------------------------------------------ events
     #: the component's law may change at a state that is reached in time, such as a jar that fires
     has_events: bool = False

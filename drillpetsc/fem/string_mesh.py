@@ -280,6 +280,10 @@ class StringMesh:
         """Number of nodes."""
         return len(self.node_depth)
 
+    def nearest_node(self, depth: float) -> int:
+        """Number of the node nearest to a measured depth [m]."""
+        return int(np.argmin(np.abs(self.node_depth - depth)))
+
     @property
     def total_length(self) -> float:
         """Measured depth of the string's lower end [m], rigid items included."""

@@ -31,6 +31,7 @@ class GrowingHole:
     radius [m], friction [-]: of the new hole.
     interval: distance of new nodes [m].
 
+    before_change: functions that are called before the hole changes.
     followers: functions that are called with the new well whenever the hole changes.
     """
 
@@ -38,6 +39,7 @@ class GrowingHole:
         self.well = self.original = well
         self.start, self.half = well.depth, half
         self.radius, self.friction, self.interval = radius, friction, interval
+        self.before_change: list[Callable[[], None]] = []
         self.followers: list[Callable[[Well], None]] = []
         self.path_start = self.start - half - 0.5 * KINK * interval
         self._frozen = _centreline_down_to(well, self.path_start)
@@ -75,6 +77,7 @@ class GrowingHole:
         self._reamed_to[section] = float(self.original.section_to[section]) + distance
         if abs(self._reamed_to[section] - self._reamed_shown[section]) < SMALLEST_GROWTH:
             return False
+        self._announce()
         self._show(self._unreamed)
         for call in self.followers:
             call(self.well)
@@ -103,13 +106,18 @@ class GrowingHole:
         self._unreamed, self._reamed_shown = unreamed, dict(self._reamed_to)
         self.well = self._reamed(unreamed)
 
+    def grows_to(self, drilled: float) -> bool:
+        """Whether the hole changes with a length ``drilled`` [m] of new hole."""
+        return drilled - self._drilled >= SMALLEST_GROWTH
+
     def follow(self, drilled: float, position: FloatArray) -> bool:
         """Move the end; returns whether the hole has changed.
 
         drilled: length of new hole [m]; position: (3,) of the end [m].
         """
-        if drilled - self._drilled < SMALLEST_GROWTH:
+        if not self.grows_to(drilled):
             return False
+        self._announce()
         self._drilled = drilled
         s = self.start - self.half + drilled
         tangent = self._tangent(s, position)
@@ -126,6 +134,10 @@ class GrowingHole:
         for call in self.followers:
             call(self.well)
         return True
+
+    def _announce(self) -> None:
+        for call in self.before_change:
+            call()
 
     def whole_path(self, drilled: float, position: FloatArray) -> Well:
         """Return the hole down to its deepest point.

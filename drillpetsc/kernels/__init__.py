@@ -9,12 +9,13 @@ from __future__ import annotations
 import ctypes
 import sys
 from functools import cache
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from drillpetsc.errors import SolveError
-from drillpetsc.kernels.build import UntrustedLibrary, check_trusted, library_path
+from drillpetsc.kernels.build import UntrustedLibrary, check_trusted, library_path, plug_in_path
 
 BUILD_COMMAND = "python -m drillpetsc.kernels build"
 
@@ -42,6 +43,40 @@ def library() -> ctypes.CDLL:
     return ctypes.CDLL(str(path))
 
 
+@cache
+def plug_in(folder: Path) -> ctypes.CDLL:
+    """The opened library of a plug-in: the C++ sources in ``folder``.
+
+    Its kernels are found by their names from now on, after those of the package.
+    Raises KernelsUnavailable if it is not built, or if others can write it.
+    """
+    path, command = plug_in_path(folder), f"{BUILD_COMMAND} {folder}"
+    if not path.exists():
+        raise KernelsUnavailable(
+            f"the plug-in in {folder} is not compiled, or older than its sources or the kernels",
+            hint=f"build it: {command}",
+        )
+    try:
+        check_trusted(path)
+    except UntrustedLibrary as error:
+        raise KernelsUnavailable(
+            f"the plug-in is not opened: {error}", hint=f"build it again: {command}"
+        ) from None
+    opened = ctypes.CDLL(str(path))
+    _plug_ins.append(opened)
+    return opened
+
+
+def text_of(opened: ctypes.CDLL, name: str) -> str:
+    """Text that a function of an opened library returns."""
+    entry = getattr(opened, name)
+    entry.restype = ctypes.c_char_p
+    return str(entry().decode())
+
+
+_plug_ins: list[ctypes.CDLL] = []  # that were opened
+
+
 def _reads_header() -> bool:
     """Whether the first field of an array's object, after Python's own, is the address of its values, as in NumPy's C interface."""
     if sys.implementation.name != "cpython":
@@ -67,7 +102,9 @@ def pointer(array: np.ndarray) -> int:
 
 def function(name: str, arguments: str, result: type | None = None) -> Any:
     """Entry point ``name``; ``arguments`` is a letter each: p pointer, i int, d double."""
-    entry = getattr(library(), name)
+    entry = next((getattr(q, name) for q in (library(), *_plug_ins) if hasattr(q, name)), None)
+    if entry is None:
+        raise AttributeError(f"there is no kernel function {name}")
     entry.argtypes = [{"p": ctypes.c_void_p, "i": ctypes.c_int, "d": ctypes.c_double}[c] for c in arguments]
     entry.restype = result
     return entry

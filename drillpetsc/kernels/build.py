@@ -16,6 +16,7 @@ import shutil
 import stat
 import sys
 import time
+from collections.abc import Sequence
 from pathlib import Path
 
 SOURCES = Path(__file__).resolve().parent
@@ -76,8 +77,54 @@ def build(folder: Path | None = None, objects: Path | None = None) -> Path:
     return target
 
 
-def main() -> None:
-    """Build if needed, and print the library's path; ``python build.py`` needs no installed package."""
+def plug_in_path(folder: Path) -> Path:
+    """Path of the library of the C++ sources in ``folder``, a plug-in; it need not exist.
+
+    Its name has a digest of these sources, of the kernels' headers, the flags and the processor.
+    """
+    digest = hashlib.sha256(" ".join((*FLAGS, platform.machine(), _processor())).encode())
+    for source in [*_plug_in_sources(folder), *sorted(folder.glob("*.hpp")), *sorted(SOURCES.rglob("*.hpp"))]:
+        digest.update(source.name.encode() + source.read_bytes())
+    return folder / "_build" / f"plug-in-{digest.hexdigest()[:16]}.so"
+
+
+def build_plug_in(folder: Path) -> Path:
+    """Build the library of the C++ sources in ``folder`` if it is missing, and return its path.
+
+    Raises RuntimeError with the compiler's message if a source does not compile, or if there is none.
+    """
+    sources, target = _plug_in_sources(folder), plug_in_path(folder)
+    if not sources:
+        raise RuntimeError(f"no .cpp file in {folder}")
+    if not target.exists():
+        target.parent.mkdir(mode=0o755, exist_ok=True)
+        new = target.with_suffix(f".{os.getpid()}")
+        include = ["-I", str(SOURCES), "-I", str(folder)]
+        _call(
+            [_compiler(), *FLAGS, *include, "-shared", *map(str, sources), "-o", str(new)],
+            f"compiling {folder}",
+        )
+        os.replace(new, target)
+        for old in target.parent.glob("plug-in-*.so"):
+            if old != target and time.time() - old.stat().st_mtime > KEPT:
+                old.unlink()
+    check_trusted(target)
+    return target
+
+
+def _plug_in_sources(folder: Path) -> list[Path]:
+    return sorted(folder.glob("*.cpp"))
+
+
+def main(folders: Sequence[str] = ()) -> None:
+    """Build the kernels, or the plug-ins in ``folders``, if needed, and print the libraries' paths.
+
+    ``python build.py`` needs no installed package.
+    """
+    for folder in folders:
+        print(build_plug_in(Path(folder).resolve()))
+    if folders:
+        return
     if not library_path().exists():
         print("compiling the kernels (a minute or two)", file=sys.stderr, flush=True)
     path = build()

@@ -21,7 +21,8 @@ from drillpetsc.geometry.growing_hole import GrowingHole
 from drillpetsc.geometry.well import Well
 from drillpetsc.model.fluid import FluidComponents, StringInMud, build_fluid
 from drillpetsc.model.hole import build_well, hole_depth
-from drillpetsc.model.mesh import build_mesh, curvature_by_tool_face
+from drillpetsc.model.mesh import MeshOf, build_mesh, curvature_by_tool_face
+from drillpetsc.model.own_components import Site, own_components
 from drillpetsc.model.quaternion import quaternion_components
 from drillpetsc.model.rock_bit import build_rock_bit
 from drillpetsc.model.tools.agitator import build_agitators
@@ -39,6 +40,7 @@ from drillpetsc.physics.contact import Contact, ContactLaw
 from drillpetsc.physics.end_conditions import EndPlace, FixedEnd, Loads, NodeLoad, RotaryDrive, TopDrive
 from drillpetsc.physics.hole_path import HolePath, is_curved
 from drillpetsc.physics.joints import Joints
+from drillpetsc.physics.own_law import FRICTION, OwnLaw
 from drillpetsc.physics.precurvature import Precurvature
 from drillpetsc.physics.quaternion.contact import QuaternionContact
 from drillpetsc.physics.rigid_bodies import RigidBodies
@@ -144,12 +146,14 @@ def build_model(
     comm: PETSc.Comm | None = None,
     motion: tuple[float, float] | None = None,
     balanced: bool = False,
+    like: MeshOf | None = None,
 ) -> DrillingModel:
     """Create the model of ``case``; collective.
 
     comm: PETSc communicator, all ranks by default.
     motion: of a static question, for automatic element lengths (see ``build_mesh``).
     balanced: leave out what turns with the section: eccentric mass, unbalance, bends and stress-free curvature.
+    like: the mesh of nearly the same case, whose elements are taken.
     Raises CaseError if mesh or hole are impossible.
     """
     if case.fluid is not None and case.fluid.level_in_string is not None:
@@ -158,8 +162,11 @@ def build_model(
         raise CaseError(
             at="fluid.level_in_string", got=f"{case.fluid.level_in_string:g} m", want=want, hint=hint
         )
+    if case.components and (case.hold_string or case.beam.formulation == "quaternion"):
+        want = "no components of the user with hold_string, or with beam.formulation quaternion"
+        raise CaseError(at="components", want=want)
     well = well_of_reamer(case, build_well(case))
-    mesh = build_mesh(case, well, motion)
+    mesh = build_mesh(case, well, motion, like)
     position, tangent = _axis(case, mesh, well)
     frames = transported_frames(tangent)
     mesh = _balanced(mesh) if balanced else curvature_by_tool_face(mesh, frames)
@@ -243,6 +250,7 @@ def _ancf_string(
     loads = _loads(case, mesh, tangent)
     breaks = tuple(b for q in case.loads for b in q.value_over.breaks()) + _top_breaks(case)
     reamers = build_reamers(case, mesh, well, bit)
+    site = Site(case, mesh, frames, well, position, tangent)
     components = (
         beam,
         *_optional_components(mesh, frames, gravity, balanced=is_quasi_static(case)),
@@ -251,6 +259,7 @@ def _ancf_string(
         *_bottom_components(case, EndPlace(position[-1], tangent[-1], mesh.nodes - 1)),
         *((Loads(loads, frames, breaks),) if loads else ()),
         *_present(contact, bit, *reamers, build_steering(case, mesh, well, frames, tangent)),
+        *own_components(site),
     )
     return _String(components, beam, top, contact, bit, reamers)
 
@@ -404,6 +413,8 @@ def _contact(
     if c.stribeck is not None:
         kinetic = max(q.friction for q in case.given_well.sections)
         ratio, speed = (c.stribeck.static / kinetic if kinetic > 0 else 1.0), c.stribeck.speed
+    q = c.friction_law
+    own = None if q is None else OwnLaw(FRICTION, q.function, q.call, q.parameters)
     stiffness, hardness = (
         mean_and_hardness(case, mesh, well) if c.stiffness == "physical" else (c.stiffness, None)
     )
@@ -416,6 +427,7 @@ def _contact(
         ratio,
         speed,
         c.points_per_element,
+        own,
     )
     return kind(mesh, well, law, case.formation is None, case.top.kind == "free", hardness)
 
@@ -457,7 +469,7 @@ def _loads(case: Case, mesh: StringMesh, tangent: FloatArray) -> tuple[NodeLoad,
         if isinstance(load, LineLoad):
             out += _line_load(load, mesh, section, factor)
         else:
-            node = int(np.argmin(np.abs(mesh.node_depth - load.at)))
+            node = mesh.nearest_node(load.at)
             out.append(NodeLoad(node, load.force, load.moment, section=section, factor=factor))
     if isinstance(case.bottom, ForcedBottom):
         out.append(NodeLoad(mesh.nodes - 1, case.bottom.force, case.bottom.moment))

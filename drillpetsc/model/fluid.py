@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from drillpetsc.arrays import FloatArray
-from drillpetsc.case.blocks.fluid import flow_constants
+from drillpetsc.case.blocks.fluid import OwnRheology, flow_constants
 from drillpetsc.case.blocks.items.motor import PositiveDisplacementMotor
 from drillpetsc.case.blocks.items.string import Rigid
 from drillpetsc.case.case import Case
@@ -36,12 +36,14 @@ from drillpetsc.physics.fluid.hermite.flow import HermiteAnnulus, HermiteBit, He
 from drillpetsc.physics.fluid.joint_seals import JointSeals
 from drillpetsc.physics.fluid.moving_hole import LateralCoefficients, MovingHole
 from drillpetsc.physics.fluid.mud_items import MudItem, MudItems, end_leakage
+from drillpetsc.physics.fluid.own_rheology import flow_curve
 from drillpetsc.physics.fluid.reamed_rings import ReamedRings
 from drillpetsc.physics.fluid.rheology import Rheology, wall_shear
 from drillpetsc.physics.fluid.side_nozzles import SideLink, SideNozzles
 from drillpetsc.physics.fluid.surface_line import SurfaceLine
 from drillpetsc.physics.fluid.swirl import steady_share
 from drillpetsc.physics.fluid.tool_losses import ToolLosses
+from drillpetsc.physics.own_law import RHEOLOGY, OwnLaw
 from drillpetsc.physics.tools.reamer import Reamer
 from drillpetsc.time_function import Constant
 from drillpetsc.unit_systems import shown
@@ -120,6 +122,9 @@ def build_rheology(case: Case, annulus: bool = False) -> Rheology:
     """Create the rheology of the case's fluid, in the string or in the annulus."""
     assert case.fluid is not None
     q = (case.fluid.annulus_rheology if annulus else None) or case.fluid.rheology
+    curve = None
+    if isinstance(q, OwnRheology):
+        curve = flow_curve(OwnLaw(RHEOLOGY, q.function, q.call, q.parameters))
     consistency, index, yield_stress = flow_constants(q)
     return Rheology(
         q.model,
@@ -128,6 +133,7 @@ def build_rheology(case: Case, annulus: bool = False) -> Rheology:
         index=index,
         yield_stress=yield_stress,
         shear_rate_eps=q.shear_rate,
+        curve=curve,
     )  # type: ignore[attr-defined]
 
 
@@ -439,6 +445,8 @@ def shear_viscosity(case: Case, shear_rate: FloatArray) -> FloatArray:
     assert case.fluid is not None
     rheology = case.fluid.annulus_rheology or case.fluid.rheology
     consistency, index, yield_stress = flow_constants(rheology)
+    if isinstance(rheology, OwnRheology):
+        return np.asarray(rheology.stress(shear_rate) / shear_rate)
     if rheology.model == "casson":
         return (np.sqrt(yield_stress) + np.sqrt(consistency * shear_rate)) ** 2 / shear_rate
     return yield_stress / shear_rate + consistency * shear_rate ** (index - 1)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from bisect import bisect_left
 from collections.abc import Iterable
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from itertools import takewhile
 from pathlib import Path
 from typing import Any
@@ -57,7 +57,43 @@ NODE_TOLERANCE = 1e-6  # depths closer than this are one node [m]; relative beyo
 JAR_ROUNDING = 1e-5  # length over which the stop of a jar sets in [m]
 
 
-def build_mesh(case: Case, well: Well | None = None, motion: tuple[float, float] | None = None) -> StringMesh:
+@dataclass(frozen=True)
+class MeshOf:
+    """The mesh of a case, whose elements nearly the same case takes over: as many, ending at the same share of an item."""
+
+    case: Case
+    mesh: StringMesh
+
+    def edges(self, case: Case) -> dict[int, list[float]]:
+        """Depths of the element ends of each flexible item of ``case`` [m]; raises CaseError if the elements do not correspond."""
+        out, before, after = {}, self._marks(self.case), self._marks(case)
+        for number, marks in after.items():
+            mine = (self.mesh.item == number) & ~self.mesh.is_joint
+            own = np.append(self.mesh.upper[mine], self.mesh.lower[mine][-1:])
+            if len(marks) != len(before.get(number, ())):
+                want = "a value at which no two places of the string, such as a load and the end of an item, fall together"
+                raise CaseError(at=f"string[{number}]", got=case.string[number].name, want=want)
+            out[number] = [float(q) for q in np.interp(own, before[number], marks)]
+            out[number][0], out[number][-1] = marks[0], marks[-1]
+        return out
+
+    @staticmethod
+    def _marks(case: Case) -> dict[int, list[float]]:
+        """Depths of each flexible item at which elements must end [m]."""
+        depths, places = case.item_depths, _places(case)
+        return {
+            i: _edges(case, i, item.model_copy(update={"element_length": "auto"}), depths[i], places)
+            for i, item in enumerate(case.string)
+            if isinstance(item, Flexible)
+        }
+
+
+def build_mesh(
+    case: Case,
+    well: Well | None = None,
+    motion: tuple[float, float] | None = None,
+    like: MeshOf | None = None,
+) -> StringMesh:
     """Mesh the string of ``case``, with nodes at item ends, at point loads, at joints and by element_length.
 
     ``curvature_by_tool_face`` completes the stress-free curvature when the frames of the nodes are known.
@@ -65,6 +101,7 @@ def build_mesh(case: Case, well: Well | None = None, motion: tuple[float, float]
     well: the hole, None: the hole of the case.
     motion: axial speed [m/s, down positive] and rotation [rad/s] of a static problem, for which automatic
     lengths are chosen; None: the motion of the case.
+    like: the mesh of nearly the same case, whose elements are taken.
     Raises CaseError if no item of the string is flexible, or a bend is right below a joint.
     """
     if not any(isinstance(item, Flexible) for item in case.string):
@@ -79,7 +116,10 @@ def build_mesh(case: Case, well: Well | None = None, motion: tuple[float, float]
     pending: list = []
     joints: list[StringJoint] = []
     remaining = sorted(_joints(case), key=lambda j: j.depth)
-    item_edges, lengths = _element_ends(case, well, motion)
+    if like is None:
+        item_edges, lengths = _element_ends(case, well, motion)
+    else:
+        item_edges, lengths = like.edges(case), ElementLengths({})
 
     def add_joint(item, depth: float) -> None:
         """Add the joint at ``depth`` [m], if there is one, as a row without length below the pending rigid items."""
@@ -102,10 +142,9 @@ def build_mesh(case: Case, well: Well | None = None, motion: tuple[float, float]
         else:
             rigid.append((number, item, len(rows), sum(q.length for _, q in pending)))
             pending.append((number, item))
-    return replace(
-        _assemble(case, rows, rigid, tops, tuple(joints)),
-        limited=lengths.limited,
-    )
+    mesh = replace(_assemble(case, rows, rigid, tops, tuple(joints)), limited=lengths.limited)
+    # pipes of one size share their strain at the node between them: a small change of one of them adds no unknown
+    return mesh if like is None else replace(mesh, junction=like.mesh.junction)
 
 
 def coarsened(case: Case, factor: float) -> Case:
@@ -147,8 +186,7 @@ def _element_ends(
     depths = (
         case.item_depths
     )  # worked out at every call, as are the places at which all items may have to end
-    at_loads = [load.at for load in case.loads if isinstance(load, PointLoad)]
-    places = at_loads + [joint.at for joint in case.all_joints]
+    places = _places(case)
     for number, item in flexible.items():
         ends = _edges(case, number, item, depths[number], places)
         (marks if isinstance(item.element_length, str) else given)[number] = ends
@@ -161,6 +199,12 @@ def _element_ends(
     sections = {i: _section(item, case.output.units or case.units) for i, item in flexible.items()}
     lengths = choose_lengths(case, well or build_well(case), sections, marks, given, motion)
     return {**given, **lengths.edges}, lengths
+
+
+def _places(case: Case) -> list[float]:
+    """Depths of point loads and joints along the string [m]."""
+    at_loads = [load.at for load in case.loads if isinstance(load, PointLoad)]
+    return at_loads + [joint.at for joint in case.all_joints]
 
 
 def _depths_of_run(case: Case) -> FloatArray | None:

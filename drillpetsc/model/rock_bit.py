@@ -6,7 +6,7 @@ import numpy as np
 
 from drillpetsc.arrays import FloatArray
 from drillpetsc.case.blocks.ends import BitBottom
-from drillpetsc.case.blocks.formation import Formation
+from drillpetsc.case.blocks.formation import Formation, OwnBitLaw
 from drillpetsc.case.blocks.items.string import Bit
 from drillpetsc.case.case import Case
 from drillpetsc.fem.string_mesh import StringMesh
@@ -25,6 +25,7 @@ from drillpetsc.physics.bit.rock_bit import (
     Weakening,
 )
 from drillpetsc.physics.contact import damping_factor
+from drillpetsc.physics.own_law import BIT, ROCK, OwnLaw
 from drillpetsc.physics.wall_stiffness import ROCK_POISSON, STEEL_YOUNG, line_stiffness
 
 ROCK_STRENGTH = 60e6  # of a bit that cuts sideways, if not given [Pa]
@@ -69,11 +70,13 @@ def build_rock_bit(case: Case, mesh: StringMesh, well: Well) -> RockBit:
         formation.walk,
         formation.direction == "bit_axis",
         formation.growth == "post_step",
+        _rock_law(formation, start),
     )
     inertia = case.time is None or case.time.mode == "dynamic"  # a bit without inertia cuts steadily
     law = formation.bit_law
     pattern = tuple(PatternOrder(q.order, q.amplitude, q.phase) for q in law.orders)
-    return RockBit(mesh.nodes - 1, shape, contact, _law(law.torque_law, radius), rock, hole, inertia, pattern)
+    chosen = _law(law.torque_law, radius, start)
+    return RockBit(mesh.nodes - 1, shape, contact, chosen, rock, hole, inertia, pattern)
 
 
 def _gauge(bit: Bit, formation: Formation) -> Gauge:
@@ -90,8 +93,19 @@ def _line_stiffness(case: Case, radius: float, load: float) -> float:
     return float(line_stiffness(load, radius, hole, STEEL_YOUNG, rock_young(case), ROCK_POISSON))
 
 
-def _law(law, radius: float) -> DragBit | Weakening | None:
-    """Create the torque law of a bit of ``radius`` [m]; None for friction at the rock."""
+def _rock_law(formation: Formation, start: float) -> OwnLaw | None:
+    """Create the user's law of the rock below ``start`` [m], None without one."""
+    q = formation.rock_law
+    if q is None:
+        return None
+    return OwnLaw(ROCK, q.function, q.call, q.parameters, {"depth": (start, start + 1.0, start + 10.0)})
+
+
+def _law(law, radius: float, start: float) -> DragBit | Weakening | OwnLaw | None:
+    """Create the torque law of a bit of ``radius`` [m] that begins to drill at ``start`` [m]; None for friction at the rock."""
+    if isinstance(law, OwnBitLaw):
+        depths = start, start + 1.0, start + 10.0
+        return OwnLaw(BIT, law.function, law.call, law.parameters, {"depth": depths})
     if law.kind == "drag_bit":
         return DragBit(
             law.blades,

@@ -1,11 +1,11 @@
-"""Commands on forces and stresses without a run in time: statics, roadmap, limits, freepoint, calibrate."""
+"""Commands on forces and stresses without a run in time: statics, sensitivities, roadmap, limits, freepoint, calibrate."""
 
 from __future__ import annotations
 
 from typing import Annotated, Any, Literal
 
 from drillpetsc.errors import CaseError
-from drillpetsc.operations.fields import Numbers, holds
+from drillpetsc.operations.fields import Names, Numbers, at_least, holds, names
 from drillpetsc.operations.operation import AtBitDepth, CaseOperation, DrawnOperation, FolderOperation, Mark
 
 
@@ -34,6 +34,52 @@ class Statics(AtBitDepth, FolderOperation):
         from drillpetsc.analysis.commands.statics import run_statics
 
         return run_statics(job, self.motion, self.path, self.operation)
+
+
+class Sensitivities(AtBitDepth, DrawnOperation):
+    """Derivatives of outputs by numbers of the case: what changes hook load, torque or pressures, and by how much.
+
+    Solves once, and takes each derivative from the linearised equations of that solution. Writes sensitivities.csv.
+    """
+
+    to: Annotated[
+        Names,
+        names,
+        "KEYS",
+        "keys of the case: 'well.sections[1].friction,string[jar].weight,fluid.density,top.rotation'",
+    ] = ""
+    of: Annotated[
+        Names,
+        names,
+        "A,B",
+        "outputs, such as hook_load or trip_out.hook_load, or all (default: hook load and surface torque; pump pressure and ECD)",
+    ] = ""
+    analysis: Annotated[
+        Literal["statics", "roadmap", "hydraulics"],
+        "whose outputs are meant; of a roadmap the soft string with the friction of the hole's sections",
+    ] = "statics"
+    all: Annotated[bool, "every continuous number of the case, instead of --to"] = False
+    check: Annotated[
+        int,
+        at_least(0, "derivatives"),
+        "N",
+        "compare N derivatives with differences of full solutions: the largest, the median, others at random",
+    ] = 0
+    motion: Annotated[
+        Literal["hoist", "lower", "rotate"] | None, "of statics: motion that friction opposes"
+    ] = None
+    operation: Annotated[str | None, "WORD", "of statics: operation, as of the command statics"] = None
+    depths: Annotated[Literal["deepest", "all"], "of a roadmap: its bit depths"] = "deepest"
+
+    def compute(self, job: Any) -> Any:
+        from drillpetsc.analysis.sensitivities.command import Question, run_sensitivities
+
+        if self.analysis != "statics" and (self.motion or self.operation):
+            raise CaseError(at="--motion", got=self.motion or self.operation, want="--analysis statics")
+        question = Question(
+            self.analysis, self.of, self.to, self.all, self.check, self.motion, self.operation, self.depths
+        )
+        return run_sensitivities(job, question)
 
 
 class Roadmap(DrawnOperation):

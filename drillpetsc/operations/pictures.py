@@ -1,4 +1,4 @@
-"""Commands that show results: view, plot, vibration, report, export."""
+"""Commands that show results: view, plot, serve, vibration, report, export."""
 
 from __future__ import annotations
 
@@ -7,8 +7,9 @@ from pathlib import Path
 from typing import Annotated, Any, Literal
 
 from drillpetsc.errors import CaseError
-from drillpetsc.operations.fields import Names, in_unit, names, reading
+from drillpetsc.operations.fields import Names, holds, in_unit, names, reading
 from drillpetsc.operations.operation import Mark, Operation, Units
+from drillpetsc.parallel import initialise_petsc, world_rank
 
 RunFolder = Annotated[str, Mark.ARGUMENT, "RUN", "the run folder"]
 Signals = Annotated[tuple[str, ...], "SIGNAL"]
@@ -104,6 +105,65 @@ class Plot(Operation):
             want = "a number of revolutions above 0" if self.order else "a time above 0, such as '2 s'"
             raise CaseError(at="--segment", got=self.segment, want=want)
         return length
+
+
+class Serve(Operation):
+    """A page in the browser: a run with its string in the hole, live while it is written; or the form of a case."""
+
+    path: Annotated[
+        str, Mark.ARGUMENT, "RUN|CASE.yaml", "a run folder, which may still be empty; or a case file"
+    ]
+    port: Annotated[
+        int, holds(lambda port: 0 <= port < 65536, "a port, 0 to 65535"), "N", "port; 0: any free one"
+    ] = 8765
+    host: Annotated[
+        str,
+        "NAME",
+        "address to listen at; any other than the default lets other machines in, if they have the whole address of the page",
+    ] = "127.0.0.1"
+    no_open: Annotated[bool, "do not open the page in the browser"] = False
+    export: Annotated[
+        str | None,
+        "FILE.html",
+        "write the page of a run with all its data to a file, which needs no server, and end",
+    ] = None
+    units: Units = None
+
+    def compute(self, job: Any) -> Any:
+        if world_rank() != 0:
+            return []
+        path = Path(self.path)
+        if path.is_dir():
+            return self._run()
+        if not path.is_file():
+            raise CaseError(at="RUN|CASE.yaml", got=self.path, want="a run folder or a case file that exists")
+        if self.export is not None:
+            raise CaseError(
+                at="--export", got=self.path, want="a run folder: the form of a case needs the server"
+            )
+        from drillpetsc.browser.case_form import CaseForm
+        from drillpetsc.browser.server import case_server, serve
+
+        initialise_petsc()  # for the answer of check
+        serve(case_server(self.host, self.port, CaseForm(path, self.units)), not self.no_open)
+        return []
+
+    def _run(self) -> list[str]:
+        """Serve or export the page of a run."""
+        from drillpetsc.browser.page import export_page
+        from drillpetsc.browser.run_source import RunSource
+        from drillpetsc.browser.server import run_server, serve
+        from drillpetsc.operations.cases import writing
+
+        source = RunSource(self.path, self.units)
+        if self.export is None:
+            serve(run_server(self.host, self.port, source), not self.no_open)
+            return []
+        text, remarks = export_page(source)
+        with writing(self.export, "--export"):
+            Path(self.export).write_text(text, encoding="utf-8")
+        size = Path(self.export).stat().st_size
+        return [f"{self.export}  ({size / 1e6:.1f} MB)", *(f"  note: {text}" for text in remarks)]
 
 
 class Vibration(Operation):

@@ -14,6 +14,7 @@ from drillpetsc.output.quantities import (
     frequency,
     hydraulics,
     limits,
+    sensitivities,
     sensors,
     torque_drag,
     vibration,
@@ -189,6 +190,7 @@ def _of_commands() -> dict[str, tuple[Listed, ...]]:
             hook_load_reading=where.DEAD_LINE,
             ff_groups=where.GROUPS,
         ),
+        "sensitivities.csv": _listed(sensitivities.SENSITIVITIES),
         "limits.csv": _listed(limits.LIMITS, damage_per_hour="with `--sn`"),
         "contacts.csv": _listed(limits.CONTACTS),
     }

@@ -31,9 +31,10 @@ from drillpetsc.output.table_rows import SampleLayout, TableColumn, TableRow, be
 from drillpetsc.parallel import total, total_in_order
 from drillpetsc.solvers.time.local_error import OutputErrors
 
-ROW_ROUNDING = 1e-9  # a step this near to a row's time may be the one that it is due at
 STEPS_AT_ONCE = 256  # most steps whose outputs are computed together
-STEPS_AHEAD = 3.0  # a step at most doubles: with it, the step before the one that passes a row is sampled
+#: the next step and the one after it, in next steps: a step at most doubles, and the last one before a stop is stretched a little.
+#: With it, the three steps that a row is interpolated from are sampled
+STEPS_AHEAD = 3.05
 
 
 @dataclass
@@ -134,9 +135,12 @@ class Recorder:
         #: rows that are due and not computed: samples at their times, and numbers of both tables taken at the time of writing
         self._kept: list[FloatArray] = []
         self._now: list[tuple[list[float], list[float]]] = []
+        self._rows: list[tuple[FloatArray, FloatArray]] = []  # that are computed: of both tables
         self._keeps = False
         self._record = StepRecord(self.system, STEPS_AT_ONCE)  # steps whose outputs are not computed yet
-        self._grows = model.drilling is not None
+        if model.bit is not None and model.bit.hole is not None:
+            # places in a hole are found in the hole at their time
+            model.bit.hole.before_change.append(self._before_hole_changes)
         self._waiting: list[_Step] = []
         self._event = PETSc.Log.Event("Output")
 
@@ -187,13 +191,19 @@ class Recorder:
             self.energy.start(t, self._powers_of(v))
 
     def step(
-        self, t: float, dt: float, next_row: float, inputs_at: float | None = None, fresh: bool = False
+        self,
+        t: float,
+        dt: float,
+        next_row: float,
+        inputs_at: float | None = None,
+        fresh: bool = False,
+        next_step: float | None = None,
     ) -> None:
         """Count an accepted step of ``dt`` [s] that ends at ``t`` [s]; collective.
 
-        next_row: time at which a row is due next [s]; a step far from it is not sampled, unless there is mud.
+        next_row: time at which a row is due next [s]; a step far from it is not sampled.
         inputs_at: time at which the step saw its inputs [s]: just before a jump if it ends on one.
-        fresh: the first step of the time formula after a start.
+        fresh: the first step of the time formula after a start; next_step: length of the next step [s], ``dt`` unless given.
         """
         seen, asm = t if inputs_at is None else inputs_at, self.system.assembly
         for f in asm.row_replacements:
@@ -202,13 +212,11 @@ class Recorder:
         with asm.unchanged():
             if self._record.is_open:
                 self._ask(seen)
-            sampled = t + STEPS_AHEAD * dt >= next_row or self.mass is not None
+            sampled = t + STEPS_AHEAD * (dt if next_step is None else next_step) >= next_row
             self._record.add(seen, sampled)
             followed = self.energy.follow(t) if self.energy is not None else 0.0
         self._waiting.append(_Step(t, dt, fresh, sampled, followed))
-        # a growing hole changes the positions of points in it: for a row they are found at its step
-        row = self._grows and t * (1 + ROW_ROUNDING) >= next_row
-        if row or len(self._waiting) >= self._record.capacity:
+        if len(self._waiting) >= self._record.capacity:
             self.catch_up()
 
     def rows_due(self, times: Sequence[float], t: float, newton: float, dt: float, keep: bool) -> None:
@@ -235,12 +243,10 @@ class Recorder:
         """Set the numbers that the outputs need from the record.  t: time of inputs [s]."""
         every = [*self._numbers, *self._arrays]
         main = [slot for _, slot in self._main] if self.time_error is not None else []
-        power = [
-            s
-            for s in every
-            if self.energy is not None and s.start == self._powers.start and s.source is self.energy
-        ]
-        self._first = [s for s in every if s in power or any(s is m for m in main)]
+        balanced = {*self._rates, self._content} if self.mass is not None else set()
+        if self.energy is not None:
+            balanced.add(self._powers.start)
+        self._first = [s for s in every if s.start in balanced or any(s is m for m in main)]
         self._others = [s for s in every if not any(s is f for f in self._first)]
         self._record.times = [t]
         with np.errstate(all="ignore"):
@@ -275,6 +281,7 @@ class Recorder:
         rates, powers, energies = (
             part.tolist() for part in (samples[:, self._rates], samples[:, self._powers], values[:, width:])
         )
+        content = samples[:, self._content].tolist()
         main = samples[:, self._main_at]
         times, rows = [], []  # of the rows: times, samples (in what follows) that they come before
         taken = [t for t, _ in self._samples], [v for _, v in self._samples]
@@ -282,8 +289,9 @@ class Recorder:
             if step.sampled:
                 taken[0].append(step.time)
                 taken[1].append(samples[k])
-                if self.mass is not None:
-                    self.mass.step(rates[k], step.length, step.fresh)
+            if self.mass is not None:
+                self.mass.step(rates[k], step.length, step.fresh)
+                self.mass.content = content[k]
             if self.energy is not None:
                 self.energy.add(step.length, powers[k], step.followed)
             if self.time_error is not None:
@@ -301,7 +309,10 @@ class Recorder:
         self._event.end()
 
     def end_at(self, t: float) -> None:
-        """Take the energies at the end of the run, ``t`` [s], if no row was due; collective."""
+        """Sample the end of the run, ``t`` [s], and take the energies there, if no row was due; collective."""
+        self.catch_up()
+        if self._samples and self._samples[-1][0] != t:
+            self._samples.append((t, self.sample(t)))
         if self.energy is not None and self._energies_at != t:
             self.energy.update(t)
             self._energies_at = t
@@ -384,11 +395,9 @@ class Recorder:
         return float(dissipated), float(supplied)
 
     def mass_balance(self) -> dict[str, float]:
-        """Volumes of mud since the start [m3], at the last sample; empty without mud."""
+        """Volumes of mud since the start [m3]; empty without mud."""
         self.catch_up()
-        if self.mass is None:
-            return {}
-        return self.mass.balance(float(self._samples[-1][1][self._content]))
+        return {} if self.mass is None else self.mass.balance()
 
     def rigid_items(self, top: float) -> list[dict[str, Any]]:
         """Name, measured depth [m] and forces of the wall of every rigid item, at the last sample.
@@ -416,7 +425,7 @@ class Recorder:
         if self.energy is not None:
             self.energy.set_state(saved)
         if self.mass is not None:
-            self.mass.set_state(saved)
+            self.mass.set_state(saved, float(self._samples[-1][1][self._content]))
         if self.time_error is not None:
             self.time_error.set_state(saved)
         if self.sensors is not None:
@@ -441,14 +450,26 @@ class Recorder:
     @property
     def kept(self) -> int:
         """Number of rows kept."""
-        return len(self._now)
+        return len(self._now) + sum(len(rows) for rows, _ in self._rows)
 
     def kept_rows(self) -> tuple[FloatArray, FloatArray]:
         """(k, columns) rows of history.csv and of probes.csv that have been kept, which are then forgotten."""
-        history, probes = zip(*self._now, strict=True)
-        values = np.concatenate(self._kept)
-        self._kept, self._now = [], []
-        return self._history_row.rows(values, history), self._probe_row.rows(values, probes)
+        self._compute_rows()
+        history, probes = (np.concatenate(parts) for parts in zip(*self._rows, strict=True))
+        self._rows = []
+        return history, probes
+
+    def _compute_rows(self) -> None:
+        """Compute the rows of the samples that have been kept."""
+        if self._now:
+            history, probes = zip(*self._now, strict=True)
+            values = np.concatenate(self._kept)
+            self._kept, self._now = [], []
+            self._rows.append((self._history_row.rows(values, history), self._probe_row.rows(values, probes)))
+
+    def _before_hole_changes(self) -> None:
+        self.catch_up()
+        self._compute_rows()
 
     def probe_row(self, t: float) -> list[float]:
         """Row of probes.csv at ``t`` [s]."""

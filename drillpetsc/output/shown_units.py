@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import re
 
+from drillpetsc.case.schema import bare_unit_of
 from drillpetsc.output import catalogue
 from drillpetsc.output.files.tables import split_name
 from drillpetsc.unit_systems import System, display_unit, kind_of
 from drillpetsc.unit_tables import GRAVITY
-from drillpetsc.units import to_si
+from drillpetsc.units import UnitError, to_si
 
 #: kinds of columns that no quantity describes
 _KINDS = {
@@ -78,6 +79,18 @@ def shown_unit(name: str, unit: str, system: System, plot: bool = False) -> tupl
         return 1.0, unit
     size, _, text = display_unit(kind, system, plot)
     return size, text
+
+
+def key_unit(name: str, unit: str, system: System) -> tuple[float, str]:
+    """Size of the unit [SI] in which a key of a case is shown, and its text: that of a bare number of the key.
+
+    name: path of the key; unit: SI, empty or `-` for a pure number.
+    """
+    own = bare_unit_of(name, system) if system != "SI" else ""
+    try:
+        return (to_si(f"1 {own}", unit), own) if own and unit not in ("", "-") else (1.0, unit.strip("-"))
+    except UnitError:  # a key that only the file has
+        return 1.0, unit
 
 
 def unit_of(title: str, system: System, plot: bool = False) -> tuple[float, float, str]:

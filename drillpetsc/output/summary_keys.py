@@ -15,6 +15,7 @@ from drillpetsc.output.summaries.linear import (
 )
 from drillpetsc.output.summaries.loads import LimitsSummary
 from drillpetsc.output.summaries.run import RunSummary
+from drillpetsc.output.summaries.sensitivities import SensitivitiesSummary
 from drillpetsc.output.summaries.statics import StaticsSummary
 from drillpetsc.output.summaries.summary import SummaryKey
 
@@ -80,6 +81,7 @@ SUMMARY_KEYS = {
     "summary.json of campbell": CampbellSummary.described(),
     "summary.json of stability": StabilitySummary.described(),
     "summary.json of response": ResponseSummary.described(),
+    "summary.json of sensitivities": SensitivitiesSummary.described(),
     "summary.json of hydraulics": HydraulicsSummary.described(),
     "summary.json of surge": SurgeSummary.described(),
     "summary.json of roadmap": ROADMAP,

@@ -7,6 +7,7 @@ Manual: sec-contact, sec-bit-on-bottom.
 from __future__ import annotations
 
 import ctypes
+from collections.abc import Callable
 from dataclasses import dataclass
 from itertools import product
 from typing import Any
@@ -26,6 +27,7 @@ from drillpetsc.kernels.parameters import Parameters, columns, constant, structu
 from drillpetsc.physics import quantities as declared
 from drillpetsc.physics.beam import JUNCTION_SLOTS, SLOTS
 from drillpetsc.physics.interfaces import WallContact
+from drillpetsc.physics.own_law import OwnLaw
 from drillpetsc.physics.rigid_bodies import VERTEX_SLOTS, local_vertices
 from drillpetsc.physics.roots import bracketed_root
 
@@ -46,6 +48,7 @@ class ContactLaw:
     slip_velocity: regularisation of Coulomb's law [m/s] (manual: eq-contact-friction).
     static_ratio: mu_static / mu [-]; stribeck_speed: [m/s] (manual: eq-contact-stribeck).
     points: contact points of an element.
+    own: law of the user for the friction coefficient, None: Coulomb's law.
     """
 
     stiffness: float = 1.0e8
@@ -56,6 +59,7 @@ class ContactLaw:
     static_ratio: float = 1.0
     stribeck_speed: float = 1.0
     points: int = 2
+    own: OwnLaw | None = None
 
 
 def impact_depth(law: ContactLaw, mass: float, length: float) -> float:
@@ -103,6 +107,8 @@ def damping_factor(restitution: float, speed: float) -> float:
         return 1.5 * (1 - e) * (2 - e) / speed
     return bracketed_root(miss, 0.5 * (1 - e), (1 - 1e-14) / e, absolute=1e-14, relative=1e-14) / speed
 
+
+CALLS = 3  # evaluations of a contact point in one call of a kernel, at most: those of its Jacobian below a junction
 
 ONSET = constant("contact_onset")  # half width of the onset [m] (manual: eq-contact-onset)
 
@@ -178,6 +184,7 @@ class Contact(WallContact):
             segment=pointer(segment),
             touching=pointer(touching),
             free=pointer(free),
+            own=None if law.own is None else law.own.record(CALLS * n),
         )
         self._laws.append(record)
         self._driven.append(driven)
@@ -230,10 +237,23 @@ class Contact(WallContact):
                     params.array,
                     context=self._context(len(chosen), ends, driven),
                     component="contact",
+                    update=self._update,
                 )
             )
         self._blocks += self._on_items(part)
         return tuple(self._blocks)
+
+    @property
+    def own_laws(self) -> tuple[OwnLaw, ...]:
+        return () if self.law.own is None else (self.law.own,)
+
+    @property
+    def _update(self) -> Callable[[float], None] | None:
+        return None if self.law.own is None else self.law.own.at_time
+
+    def accept(self, t: float, state: Any) -> None:
+        for law in self.own_laws:
+            law.raise_error()
 
     def _on_items(self, part) -> list[ElementBlock]:
         """Create the blocks of the rigid items, above and below a downhole motor, if there are any."""
@@ -275,6 +295,7 @@ class Contact(WallContact):
             params.array,
             context=self._context(len(here), self._item_ends, driven),
             component="contact",
+            update=self._update,
         )
 
     @property
@@ -403,15 +424,19 @@ class Contact(WallContact):
                 bodies.append(results.table.copy())
         return cells, bodies[-1] if len(bodies) == 2 else np.vstack(bodies)
 
-    def normal_forces(self, state) -> tuple[FloatArray, FloatArray]:
-        cells, bodies = np.zeros(len(self._part.cells)), np.zeros(len(self.mesh.bodies))
+    def evaluate(self, state) -> None:
+        self._block_results(state)
+
+    def normal_forces_at(self, state) -> tuple[np.ndarray, np.ndarray]:
+        cells, bodies = (np.zeros(n, dtype=np.uintp) for n in (len(self._part.cells), len(self.mesh.bodies)))
         items = iter(self._items)
         for b, results in zip(self._blocks, self._block_results(state), strict=True):
-            normal = results.table[:, _NORMAL]
+            table = results.table
+            at = pointer(table) + _NORMAL * table.itemsize + table.strides[0] * np.arange(len(table))
             if b.on == "cell":
-                cells[b.points] = normal
+                cells[b.points] = at
             else:
-                bodies[next(items)] = normal
+                bodies[next(items)] = at
         return cells, bodies
 
     def item_results(self, state) -> FloatArray:

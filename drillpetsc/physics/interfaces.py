@@ -243,8 +243,13 @@ class WallContact(Component):
         """(nc, columns) per local cell and (nb, columns) per local rigid item: results of ``physics.contact.RESULTS``."""
 
     @abstractmethod
-    def normal_forces(self, state: Any) -> tuple[FloatArray, FloatArray]:
-        """Sums of the normal forces [N]: (nc,) of each local cell, (bodies,) of each rigid item, zero if another rank has it."""
+    def evaluate(self, state: Any) -> None:
+        """Compute all results at the present state."""
+
+    @abstractmethod
+    def normal_forces_at(self, state: Any) -> tuple[np.ndarray, np.ndarray]:
+        """Addresses of the sums of normal forces [N] that ``evaluate`` computes: (nc,) of each local cell, (bodies,) of each rigid item,
+        0 for none, and if another rank has it."""
 
     @abstractmethod
     def item_results(self, state: Any) -> FloatArray:

@@ -16,6 +16,7 @@ from drillpetsc.output.files.run_folder import (
     LIMITS_TABLES,
     MEASURED_TABLE,
     ROADMAP_TABLE,
+    SENSITIVITIES_TABLE,
     RunFolder,
 )
 from drillpetsc.output.files.tables import read_table
@@ -24,6 +25,7 @@ from drillpetsc.output.sensors.files import SENSOR_TABLE, read_sensor, sensor_na
 from drillpetsc.results import report as shown
 from drillpetsc.results.cube import roadmap_cube
 from drillpetsc.results.datasets import Table, dataset, frame, read_string, string_dataset
+from drillpetsc.results.sensitivity_table import sensitivity_table
 from drillpetsc.unit_systems import SYSTEMS, System
 
 #: table that determines the kind of a result -> that kind; the first one is the main table
@@ -40,6 +42,7 @@ KINDS = {
     "stability_map.csv": "stability",
     "response.csv": "response",
     "reflection.csv": "top_drive",
+    SENSITIVITIES_TABLE: "sensitivities",
 }
 TABLES = (
     "history.csv",
@@ -59,6 +62,7 @@ TABLES = (
     MEASURED_TABLE,
     CALIBRATION_TABLE,
     *LIMITS_TABLES,
+    SENSITIVITIES_TABLE,
     "trajectory.csv",
 )
 
@@ -212,6 +216,11 @@ class Result(RunResult):
         """Dataset of roadmap.csv with the dimensions operation, friction and bit_depth; the friction factors are coordinates of
         friction. Rows that the roadmap does not have are nan, or an empty text."""
         return roadmap_cube(self._table("roadmap.csv"), self._title)
+
+    @property
+    def sensitivities(self) -> Any:
+        """Dataset of sensitivities.csv with the dimensions output and key."""
+        return sensitivity_table(self._table(SENSITIVITIES_TABLE), self._title)
 
     @property
     def string(self) -> Any:

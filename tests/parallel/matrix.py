@@ -91,6 +91,7 @@ LAWS = {
     "roller_cone": "drillability: 2.0e-6, bit_law: {kind: roller_cone, lobes: 2, amplitude: 1.0e-4, phase: 0.7}",
     "post_step": "drillability: 2.0e-6, growth: post_step",
     "cutting side": "drillability: 2.0e-6, strength: 5.0e+6",
+    "of the user": "bit_law: {kind: python, function: tests.helpers.laws:warming}",
 }
 
 
@@ -135,6 +136,7 @@ RESTARTED_LAWS = {
     "chips": "bit_law: {kind: drag_bit, specific_energy: 3.0e+6, contact_stress: 3.0e+6}, node_spacing: 0.002",
     "weakening": "drillability: 2.0e-6, bit_law: {kind: velocity_weakening, static: 900, dynamic: 500, speed: 1}",
     "lobes": "drillability: 2.0e-6, bit_law: {kind: roller_cone, amplitude: 2.0e-4, phase: 0.7}, node_spacing: 0.002",
+    "of the user": "node_spacing: 0.002, bit_law: {kind: python, function: tests.helpers.laws:warming}",
     "moved after steps": "drillability: 2.0e-6, growth: post_step, node_spacing: 0.002",
 }
 
@@ -220,6 +222,13 @@ def reamed(mud: str) -> Row:
     return Row(case, steps("2e-3"), least=1e-9, restarts=slice(None, -1, 2), shows=shows)
 
 
+#: friction of the user at pipe, collars and tool
+OWN_FRICTION = "{stiffness: 1.0e+7, friction_law: {kind: python, function: tests.helpers.laws:stribeck}}"
+ROWS["friction of the user"] = Row(
+    STEERED.replace("TOOL", TOOLS["push"][0]).replace("{stiffness: 1.0e+7}", OWN_FRICTION),
+    steps("2e-3"),
+    restarts=slice(None, -1, 2),
+)  # fmt: skip
 ROWS |= {f"steerable, {kind}": steered(*tool) for kind, tool in TOOLS.items()}
 ROWS |= {f"reamer, {mud}": reamed(mud) for mud in ("dry", "removed", "returned")}
 

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from drillpetsc.api import statics
+from drillpetsc import statics
 from drillpetsc.case import load_case
 
 FILE = Path(__file__).parents[2] / "cases" / "field" / "eagle.yaml"

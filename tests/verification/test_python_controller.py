@@ -143,7 +143,7 @@ def test_wrong_functions_are_answered(tmp_path):
     with pytest.raises(CaseError, match="above 0"):
         case("pi", sample=0.0)
     keys = {"string": [PIPE], "time": {"end": 1.0}}
-    two = [{"kind": "stiff"}, {"kind": "python", "function": "a.b", "sample": 0.01}]
+    two = [{"kind": "stiff"}, {"kind": "python", "function": "laws_of_test.pi", "sample": 0.01}]
     with pytest.raises(CaseError, match="a single controller"):
         Case(**keys, top=m.top(two, 1.0))
     with pytest.raises(CaseError, match="no known reflection"):

@@ -15,7 +15,7 @@ from drillpetsc.analysis.motion.run_options import options_of
 from drillpetsc.analysis.motion.summary import field_counts
 from drillpetsc.analysis.motion.time_scales import time_scales
 from drillpetsc.analysis.statics.placement import top_depth
-from drillpetsc.case.blocks.fluid import Rheology, flow_constants, stress_at
+from drillpetsc.case.blocks.fluid import OwnRheology, Rheology, flow_constants, stress_at
 from drillpetsc.case.blocks.formation import Formation
 from drillpetsc.case.blocks.rig import Rig
 from drillpetsc.case.blocks.sensors import STEPS_PER_PERIOD, sensor_depth
@@ -241,7 +241,17 @@ def _contents(model: DrillingModel, units: System) -> list[str]:
         *(f"  {line}" for line in command_lines(case)),
         "  contains: " + "; ".join(contained),
         "  leaves out (no unknowns, no cost): " + "; ".join(left_out),
+        *_own(model),
     ]
+
+
+def _own(model: DrillingModel) -> list[str]:
+    """Laws and components of the user."""
+    laws = [f"{law.kind.key} {law.name}" for component in model.components for law in component.own_laws]
+    rheologies = [q for q in (model.case.fluid and model.case.fluid.rheology,) if isinstance(q, OwnRheology)]
+    laws += [f"fluid.rheology {q.function}" for q in rheologies]
+    found = laws + [q.function for q in model.case.components]
+    return [f"  of the user: {'; '.join(found)}"] if found else []
 
 
 def _cost(model: DrillingModel, verbose: bool) -> list[str]:

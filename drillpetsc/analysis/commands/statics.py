@@ -53,18 +53,8 @@ def run_statics(
     path: sliding or slack_off, the question that a path answers (manual: sec-statics-path).
     """
     case, comm = job.case, job.comm
-    refuse_quaternion(case, "statics")
-    if motion is not None and case.well is None:
-        raise CaseError(
-            at="--motion", got=motion, want="a case with a well: without a hole there is no friction"
-        )
-    moving, given = MOTIONS[motion] if motion else None, case
-    word = read_operation(operation)
-    if word is not None:
-        if motion is not None:
-            raise CaseError(at="--motion", got=motion, want="one of --motion and --operation")
-        case, moving = case_of(case, word), motion_of(case, word)
-    case = held_at_weight(case)
+    given, word = case, read_operation(operation)
+    case, moving = question_of(case, motion, operation)
     with options_of(case, given):
         model = build_model(case, comm, moving)
         folder = job.make_folder()
@@ -101,6 +91,26 @@ def run_statics(
             write_case(given, folder)  # as the user has it; the summary has the operation
             _write(model, folder, columns, values, summary, fields)
     return RunResult(folder.path, summary, _lines(given, folder, state, summary))
+
+
+def question_of(
+    case: Case, motion: str | None = None, operation: str | None = None
+) -> tuple[Case, tuple[float, float] | None]:
+    """The case of a static question, and the motion that friction opposes, None: that of the top.
+
+    motion, operation: as in ``run_statics``.  Raises CaseError for a question that the case does not have.
+    """
+    refuse_quaternion(case, "statics")
+    if motion is not None and case.well is None:
+        raise CaseError(
+            at="--motion", got=motion, want="a case with a well: without a hole there is no friction"
+        )
+    moving, word = MOTIONS[motion] if motion else None, read_operation(operation)
+    if word is not None:
+        if motion is not None:
+            raise CaseError(at="--motion", got=motion, want="one of --motion and --operation")
+        case, moving = case_of(case, word), motion_of(case, word)
+    return held_at_weight(case), moving
 
 
 def _slides_unfollowed(model: DrillingModel, state: StaticState) -> bool:

@@ -14,7 +14,7 @@ import numpy as np
 from petsc4py import PETSc
 
 from drillpetsc.analysis.statics.placement import hole_at_string, place_along_hole
-from drillpetsc.analysis.statics.steady_flow import set_fluid_at_rest, steady_flow
+from drillpetsc.analysis.statics.steady_flow import fluid_unknowns, set_fluid_at_rest, steady_flow
 from drillpetsc.arrays import FloatArray
 from drillpetsc.case.blocks.ends import HeldBottom, HeldTop
 from drillpetsc.case.blocks.fluid import Fluid
@@ -28,6 +28,7 @@ from drillpetsc.case.quantities import said
 from drillpetsc.errors import CaseError, SolveError
 from drillpetsc.model.drilling_model import DrillingModel, build_model, build_well
 from drillpetsc.model.fluid import build_rheology
+from drillpetsc.model.mesh import MeshOf
 from drillpetsc.output.measured.mud_column import equivalent_density
 from drillpetsc.time_function import Constant, PiecewiseLinear
 
@@ -256,12 +257,22 @@ class FlowModel:
     """Steady flow for flow rates and speeds of the string; one process.
 
     case: the user's case; string: its part in the hole; pipe, moving: as in `flow_case`.
+    like: a model of nearly the same case, whose elements are taken.
     """
 
-    def __init__(self, case: Case, string: PlacedString, pipe: Pipe, moving: bool = False) -> None:
+    def __init__(
+        self,
+        case: Case,
+        string: PlacedString,
+        pipe: Pipe,
+        moving: bool = False,
+        like: FlowModel | None = None,
+    ) -> None:
         bare, self.string = flow_case(case, string, pipe, moving)
-        self.case, self.pipe = case, pipe
-        self.model: DrillingModel = build_model(bare, PETSc.COMM_SELF)
+        self.case, self.pipe, self.moving = case, pipe, moving
+        mesh_of = None if like is None else like.mesh_of
+        self.model: DrillingModel = build_model(bare, PETSc.COMM_SELF, like=mesh_of)
+        self.mesh_of = MeshOf(bare, self.model.mesh)
         assert self.model.fluid is not None
         self.fluid, self.system, self.mesh = self.model.fluid, self.model.system, self.model.mesh
         self._placed = False
@@ -280,8 +291,8 @@ class FlowModel:
             for share in RAMP:  # from rest, in steps
                 self._solve_from_here(share * flow, share * speed)
 
-    def _solve_from_here(self, flow: float, speed: float) -> None:
-        """Solve from the present unknowns, or from mud at rest in a string that has not been placed."""
+    def place(self, flow: float, speed: float) -> None:
+        """Put the string into its hole, with its speed; mud at rest where it has not been placed before."""
         model = self.model
         if not self._placed:
             place_along_hole(model, self.string.top)
@@ -290,6 +301,10 @@ class FlowModel:
             self._placed = True
         assert model.beam is not None
         model.beam.set_rigid_motion(self.system, *self._axis, speed, 0.0)
+
+    def _solve_from_here(self, flow: float, speed: float) -> None:
+        """Solve from the present unknowns, or from mud at rest in a string that has not been placed."""
+        self.place(flow, speed)
         try:
             steady_flow(self.system, flow)
         except SolveError as error:
@@ -302,6 +317,11 @@ class FlowModel:
             raise
 
     # ------------------------------------------------------------------ state
+    def take_flow(self, unknowns: FloatArray) -> None:
+        """Take pressures and flows from the ``unknowns`` (n,) of a model with the same elements; the string stays where it is."""
+        mud = fluid_unknowns(self.system)
+        self.system.assembly.x[: len(mud)][mud] = unknowns[: len(mud)][mud]
+
     @property
     def md(self) -> FloatArray:
         """(n+1,) measured depths of the nodes [m]."""

@@ -187,7 +187,7 @@ class Hydraulics:
         flow.solve(rate)
         limited = NOT_CHECKED if self.window is None else self.window.limited_by(flow)
         rows = loss_rows(flow)
-        groups, summary = nozzle_groups(flow), self._summary(rate, rows)
+        groups, summary = nozzle_groups(flow), flow_figures(flow, rate, rows, self.shoe, self.end)
         warnings = doubts_at(Pumped(case, summary, self.units, flow, blend_excess(flow), limited))
         if (
             case.fluid is None
@@ -196,40 +196,6 @@ class Hydraulics:
         ):
             warnings += beyond_curves(case, abs(rate))  # at the case's own flow rate the case is doubted
         return FlowResult(rate, summary, rows, self._profile(), limited, warnings, groups)
-
-    def _summary(self, rate: float, rows: list[Loss]) -> Numbers:
-        flow, case = self.flow, self.case
-        sums = balance(flow)
-        out: Numbers = {q.name: None for q in HYDRAULICS_SUMMARY}
-        out |= {k: v for k, v in sums.items() if k in out}
-        out["pump_flow"] = rate
-        out["bit_pressure"] = flow.bottom_pressure()
-        if flow.fluid.annulus is not None:
-            out |= self.densities()
-        for name in ("bore", "annulus"):
-            out[f"{name}_volume"] = sum(row.volume for row in rows if row.channel == name)
-        bit = flow.fluid.bit
-        through = bit_flow(flow)
-        if flow.fluid.side is not None:
-            out["bit_flow"], out["side_flow"] = through, flow.fluid.side.outflow(flow.system.assembly)
-        if bit is not None and bit.has_link and bit.end.nozzle:
-            density = flow.fluid.constants.density
-            power = trade.hydraulic_power(sums["bit_loss"], through)
-            out["jet_velocity"] = trade.jet_velocity(through, bit.end.nozzle)
-            out["impact_force"] = trade.impact_force(through, density, bit.end.nozzle)
-            out["bit_power"] = power
-            out["bit_share"] = sums["bit_loss"] / sums["pump_pressure"]
-            last = case.string[-1]
-            if isinstance(last, Bit):
-                out["bit_power_per_area"] = trade.power_per_bit_area(power, last.od)
-        out["hydraulic_power"] = trade.hydraulic_power(sums["pump_pressure"], rate)
-        annulus = [row for row in rows if row.channel == "annulus"]
-        if annulus:
-            out["bottoms_up_time"] = _time_through(annulus, rate)
-            out["lowest_annular_velocity"] = min(row.velocity for row in annulus)
-        both = [row for row in rows if row.channel in ("bore", "annulus")]
-        out["circulation_time"] = _time_through(both, rate)
-        return out
 
     def densities(self) -> Numbers:
         """Equivalent densities [kg/m3] at the bit, the last shoe and the end of the hole; None where absent."""
@@ -268,6 +234,47 @@ class Hydraulics:
         }
         for name, values in out.items():
             out[name] = np.append(values, last.get(name, np.nan))
+
+
+def flow_figures(
+    flow: FlowModel, rate: float, rows: Sequence[Loss], shoe: float | None, end: float | None
+) -> Numbers:
+    """Values of HYDRAULICS_SUMMARY [SI] of a steady flow that is solved, None where absent.
+
+    rate: of the pump [m3/s]; rows: its losses; shoe, end: measured depths of the last shoe and of the end of the hole [m].
+    """
+    case = flow.case
+    sums = balance(flow)
+    out: Numbers = {q.name: None for q in HYDRAULICS_SUMMARY}
+    out |= {k: v for k, v in sums.items() if k in out}
+    out["pump_flow"] = rate
+    out["bit_pressure"] = flow.bottom_pressure()
+    if flow.fluid.annulus is not None:
+        out |= densities(flow, shoe, end)
+    for name in ("bore", "annulus"):
+        out[f"{name}_volume"] = sum(row.volume for row in rows if row.channel == name)
+    bit = flow.fluid.bit
+    through = bit_flow(flow)
+    if flow.fluid.side is not None:
+        out["bit_flow"], out["side_flow"] = through, flow.fluid.side.outflow(flow.system.assembly)
+    if bit is not None and bit.has_link and bit.end.nozzle:
+        density = flow.fluid.constants.density
+        power = trade.hydraulic_power(sums["bit_loss"], through)
+        out["jet_velocity"] = trade.jet_velocity(through, bit.end.nozzle)
+        out["impact_force"] = trade.impact_force(through, density, bit.end.nozzle)
+        out["bit_power"] = power
+        out["bit_share"] = sums["bit_loss"] / sums["pump_pressure"]
+        last = case.string[-1]
+        if isinstance(last, Bit):
+            out["bit_power_per_area"] = trade.power_per_bit_area(power, last.od)
+    out["hydraulic_power"] = trade.hydraulic_power(sums["pump_pressure"], rate)
+    annulus = [row for row in rows if row.channel == "annulus"]
+    if annulus:
+        out["bottoms_up_time"] = _time_through(annulus, rate)
+        out["lowest_annular_velocity"] = min(row.velocity for row in annulus)
+    both = [row for row in rows if row.channel in ("bore", "annulus")]
+    out["circulation_time"] = _time_through(both, rate)
+    return out
 
 
 def _time_through(rows: list[Loss], rate: float) -> float | None:

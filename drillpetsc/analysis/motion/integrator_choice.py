@@ -22,7 +22,7 @@ from drillpetsc.analysis.motion.whirl_steps import (
     unbalanced,
 )
 from drillpetsc.analysis.statics.steady_flow import fluid_unknowns
-from drillpetsc.case.blocks.formation import VelocityWeakening
+from drillpetsc.case.blocks.formation import OwnBitLaw, VelocityWeakening
 from drillpetsc.case.case import Case
 from drillpetsc.case.quantities import largest
 from drillpetsc.errors import CaseError
@@ -47,9 +47,9 @@ def make_integrator(model: DrillingModel, quasi: QuasiStatic | None = None) -> T
 
 
 def _sticks(case: Case) -> bool:
-    """Whether the law of the bit falls with its speed, so that the bit sticks and slips."""
+    """Whether the law of the bit falls with its speed, so that the bit sticks and slips; a law of the user may."""
     law = None if case.formation is None else case.formation.bit_law
-    return isinstance(law, VelocityWeakening) or isinstance(getattr(law, "base", None), VelocityWeakening)
+    return law is not None and isinstance(law.torque_law, (VelocityWeakening, OwnBitLaw))
 
 
 #: options that only integrators of PETSc have, or that fix the steps: with them ``auto`` is BDF

@@ -310,9 +310,7 @@ class TransientRun:
             finally:
                 self.memory.end()
             if self.integrator.stopped:
-                self.recorder.catch_up()
-                if self.recorder.energy is not None:
-                    self.recorder.energy.update(self.t)
+                self.recorder.end_at(self.t)
                 raise Interrupted(self.control.name, self.t, self.folder.path)
             self._save(stop)
 
@@ -332,7 +330,9 @@ class TransientRun:
     def _record(self, t: float, dt: float) -> None:
         """Sample the step, and write the rows that are due."""
         recorder, integrator, writer = self.recorder, self.integrator, self.writer
-        recorder.step(t, dt, writer.next_row_time, integrator.input_time(t), integrator.fresh)
+        recorder.step(
+            t, dt, writer.next_row_time, integrator.input_time(t), integrator.fresh, integrator.next_step
+        )
         if integrator.jumped:
             recorder.add_impulse_work(t)
         if self.classes is not None:

@@ -16,9 +16,11 @@ import numpy as np
 from drillpetsc.analysis.statics.placement import top_depth
 from drillpetsc.arrays import FloatArray
 from drillpetsc.fem.string_mesh import RigidItem
+from drillpetsc.kernels import function, pointer
 from drillpetsc.model.drilling_model import DrillingModel
 from drillpetsc.output.measured.rigid_items import RigidItems
 
+_fastest_on_wall = function("fastest_on_wall", "ippppip")
 SLOWEST = 0.1  # rotation [rad/s] below which nothing whirls
 #: clearance over radius below which an item fills its hole: the bit does not roll on the wall
 SMALLEST_CLEARANCE = 2e-3
@@ -83,6 +85,9 @@ class WhirlSteps:
         #: (parts,) steps that a part has limited, and the shortest limit [s]
         self._limited: np.ndarray = np.zeros(0, dtype=int)
         self._shortest: FloatArray = np.zeros(0)
+        self._contacts: tuple[np.ndarray, np.ndarray, np.ndarray] | None = None  # see ``_find_contacts``
+        self._always = np.ones(1)
+        self._always_at = pointer(self._always)
 
     @property
     def parts(self) -> list[_Part]:
@@ -95,6 +100,7 @@ class WhirlSteps:
                 np.zeros(len(self._parts), dtype=int),
                 np.full(len(self._parts), np.inf),
             )
+            self._fastest = np.zeros(len(self._parts))
         return self._parts
 
     def _find(self) -> list[_Part]:
@@ -165,23 +171,40 @@ class WhirlSteps:
         mass = sum(b.mass for b in self.model.mesh.bodies if b.node == body.node)
         return lambda spin: min(fastest, strength / (mass * spin * body.radius)) if spin > SLOWEST else 0.0
 
+    def _find_contacts(self, parts: list[_Part]) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Contacts of the parts on this rank: addresses (k,) of their normal forces, places (k, 2) of the spins beside them in the rates,
+        their parts (k,).  The bit in gauge touches always."""
+        asm, contact, ends = self.model.system.assembly, self.model.contact, self.model.system.chain.ends
+        assert contact is not None
+        (of_cells, of_bodies), dofs = contact.normal_forces_at(asm), asm.dofs_of("string.spin")[:, 0]
+        at, nodes, of = [], [], []
+        for k, part in enumerate(parts):
+            for cell in part.cells[of_cells[part.cells] != 0]:
+                at.append(of_cells[cell])
+                nodes.append(ends[cell])
+                of.append(k)
+            force = (
+                self._always_at if part.clearance == 0.0 else of_bodies[part.body] if part.body >= 0 else 0
+            )
+            if part.node >= 0 and force:
+                at.append(force)
+                nodes.append((part.node, part.node))
+                of.append(k)
+        places = np.ascontiguousarray(dofs[np.reshape(nodes, (-1, 2)).astype(int)], dtype=np.int32)
+        return np.array(at, dtype=np.uintp), places, np.array(of, dtype=np.int32)
+
     def _rates(self) -> FloatArray:
         """(parts,) whirl rates [rad/s] of the parts that turn and touch the wall, at present; the same on all ranks."""
         parts, asm, contact = self.parts, self.model.system.assembly, self.model.contact
-        out = np.zeros(len(parts))
         if not parts or contact is None:
-            return out
+            return np.zeros(len(parts))
         # a part off the wall cannot roll, so it does not limit the step (manual: sec-time-choice)
-        touching, bodies = (forces > 0.0 for forces in contact.normal_forces(asm))
-        spin, ends = np.abs(asm.y[asm.dofs_of("string.spin")][:, 0]), self.model.system.chain.ends
-        for k, part in enumerate(parts):
-            if part.body >= 0:
-                if part.node >= 0 and (bodies[part.body] or part.clearance == 0.0):
-                    out[k] = part.rate(float(spin[part.node]))
-            else:
-                on = part.cells[touching[part.cells]]
-                if len(on):
-                    out[k] = part.rate(float(spin[ends[on]].max()))
+        contact.evaluate(asm)
+        if self._contacts is None:
+            self._contacts = self._find_contacts(parts)
+        at, spins, of = self._contacts
+        _fastest_on_wall(len(at), *map(pointer, (at, spins, asm.y, of)), len(parts), pointer(self._fastest))
+        out = np.array([part.rate(spin) for part, spin in zip(parts, self._fastest.tolist(), strict=True)])
         comm = self.model.system.comm
         if comm.size > 1:
             from mpi4py import MPI

@@ -141,7 +141,7 @@ def _posed(
     if path is None:  # a user who asks for a path waits for it
         solver.limit = SearchLimit(model.mesh.nodes)
     if model.case.initial.wob is not None:
-        _set_weight_on_bit(model, solver, model.case.initial.wob)
+        set_weight_on_bit(model, solver, model.case.initial.wob)
     return StaticProblem(
         model,
         solver,
@@ -302,7 +302,7 @@ def _solver(model: DrillingModel) -> StaticNewton:
     )
 
 
-def _set_weight_on_bit(model: DrillingModel, solver: StaticNewton, wob: float) -> None:
+def set_weight_on_bit(model: DrillingModel, solver: StaticNewton, wob: float) -> None:
     """Make the top's axial position an unknown that meets the weight ``wob`` [N] (manual: eq-statics-wob)."""
     bit, top = model.bit, model.top
     if bit is None:

@@ -6,7 +6,7 @@ from drillpetsc.analysis.statics.equilibrium import StaticState, director_equili
 from drillpetsc.analysis.statics.motor_statics import motor_equilibrium
 from drillpetsc.analysis.statics.path.path_answer import PathKind
 from drillpetsc.analysis.statics.path.path_question import nothing_holds
-from drillpetsc.analysis.statics.placement import align_top, place_along_hole
+from drillpetsc.analysis.statics.placement import align_top, place_along_hole, take_unknowns
 from drillpetsc.analysis.statics.quaternion_statics import quaternion_equilibrium
 from drillpetsc.doubts import doubts_at
 from drillpetsc.doubts.moments import Freed
@@ -63,21 +63,10 @@ def _equilibrium_at_weight(
     held = build_model(held_at_weight(model.case), model.system.comm)
     state = director_equilibrium(held, motion, lateral_friction, path)
     place_along_hole(model)
-    system, other = model.system, held.system
-    system.frames.reference[:], system.frames.second_director[:] = (
-        other.frames.reference,
-        other.frames.second_director,
-    )
-    system.frames.twist0[:] = other.frames.twist0
-    system.assembly.reference[:] = other.assembly.reference
-    system.assembly.x[:] = other.assembly.x
-    system.assembly.dead_load = other.assembly.dead_load
-    for component in system.components:
-        component.update_reference_frames()
-        component.locate_hole(system.assembly)
+    take_unknowns(model, held)
     model.copy_sliding_direction(held)
     align_top(model)
-    force, hook_load = model.case.top.force, -other.reaction("top.axial_reaction")
+    force, hook_load = model.case.top.force, -held.reaction("top.axial_reaction")
     assert force is not None
     state.warnings += doubts_at(Freed(model=model, force=force.value(0.0), hook_load=hook_load))
     return state

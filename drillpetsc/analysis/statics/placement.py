@@ -64,6 +64,19 @@ def place_along_hole(model: DrillingModel, top: float = 0.0) -> None:
         set_fluid_at_rest(system, model.fluid)
 
 
+def take_unknowns(model: DrillingModel, other: DrillingModel) -> None:
+    """Take the state of another model with the same unknowns: reference frames, unknowns and side loads."""
+    system, frames, theirs = model.system, model.system.frames, other.system
+    frames.reference[:], frames.second_director[:] = theirs.frames.reference, theirs.frames.second_director
+    frames.twist0[:] = theirs.frames.twist0
+    system.assembly.reference[:] = theirs.assembly.reference
+    system.assembly.x[:] = theirs.assembly.x
+    system.assembly.dead_load = theirs.assembly.dead_load
+    for component in system.components:
+        component.update_reference_frames()
+        component.locate_hole(system.assembly)
+
+
 def hole_at_string(model: DrillingModel) -> tuple[FloatArray, FloatArray]:
     """Return the hole's unit tangent and its derivative [1/m] at the present nodes, (n_nodes, 3) each.
 

@@ -151,6 +151,28 @@ def steady_flow(system: DiscreteSystem, t: float = 0.0, tolerance: float = CONVE
     )
 
 
+def flow_rows(system: DiscreteSystem, t: float, factor: bool = False) -> np.ndarray:
+    """Residual (owned,) of a steady flow at the assembly's unknowns, zero in the string's rows; collective.
+
+    t: time of the inputs [s]; factor: factor the matrix there, too, with ``shared_factor``.
+    """
+    asm, is_fluid = system.assembly, fluid_unknowns(system)
+    for component in system.components:
+        component.locate_hole(asm)
+    asm.freeze(~is_fluid)
+    try:
+        asm.y[:-1][is_fluid] = asm.a[:-1][is_fluid] = 0.0
+        asm.invalidate_prescribed_values()
+        rows = system.new_condensed()
+        system.sum_residual(t, rows)
+        if factor:
+            asm.jacobian(t, (1.0, STORAGE_WEIGHT, 0.0), condensed=False)
+            shared_factor(system).factor(asm.values)
+    finally:
+        asm.freeze(None)
+    return np.where(is_fluid[system.layout.local_of_owned], rows.getArray(readonly=1), 0.0)
+
+
 def freeze_flow(model: DrillingModel, t: float = 0.0, tolerance: float = CONVERGED_INCREMENT) -> None:
     """Solve for the steady flow with the present string at ``t`` [s], and freeze the fluid's unknowns.
 

@@ -28,6 +28,7 @@ from drillpetsc.case.blocks.items.steering import RotarySteerable
 from drillpetsc.case.blocks.items.string import Bit, Flexible, Material
 from drillpetsc.case.blocks.items.tools import TelescopingTool
 from drillpetsc.case.blocks.items.tubulars import StringItem
+from drillpetsc.case.blocks.own_law import OwnComponent
 from drillpetsc.case.blocks.rig import STANDARD_GRAVITY, Rig
 from drillpetsc.case.blocks.roadmap import Roadmap
 from drillpetsc.case.blocks.settings import BeamTheory, Initial, MeshSettings, Output, Time
@@ -115,6 +116,11 @@ class CaseBlocks(Block):
     )
     formation: Formation | None = Field(
         default=None, description="the rock that the bit cuts; without it the bit does not drill"
+    )
+    components: tuple[OwnComponent, ...] = Field(
+        default=(),
+        description="components of the user: functions that build them, file.py:function, module:function, or the name of an installed "
+        "one (entry point drillpetsc.components)",
     )
     loads: tuple[AnyLoad, ...] = Field(default=(), description="point and distributed loads on the string")
     gravity: Annotated[tuple[float, float, float], Vector("m/s^2", along_z=True)] = Field(

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import Field, ValidationInfo, field_validator, model_validator
 
 from drillpetsc.case.block import Block
 from drillpetsc.case.blocks.items.string import Friction
+from drillpetsc.case.blocks.own_law import LawOfKind
 from drillpetsc.case.key_paths import refuse
 from drillpetsc.case.quantities import Quantity
 
@@ -19,6 +20,12 @@ class Stribeck(Block):
     speed: Annotated[float, Quantity("m/s", above=0)] = Field(
         description="slip speed over which the friction coefficient falls"
     )
+
+
+class OwnFriction(LawOfKind):
+    """A law of the user that gives the friction coefficient from the state at a contact point."""
+
+    of: ClassVar[str] = "OwnFriction"
 
 
 STIFFNESS_UNIT = {"linear": "Pa", "hertz": "N/m^2.5", "hertz_point": "N/m^1.5"}  # by contact law
@@ -49,6 +56,11 @@ class Contact(Block):
         default=0.01, description="slip speed over which friction builds up"
     )
     stribeck: Stribeck | None = Field(default=None, description="static friction; none when not given")
+    friction_law: OwnFriction | None = Field(
+        default=None,
+        description="the friction coefficient as a function of the state at each contact point; Coulomb's law, with stribeck, when not "
+        "given. The soft string of torque-and-drag uses the coefficients of the wall",
+    )
     points_per_element: int = Field(
         default=2, ge=1, le=16, strict=True, description="contact points per element"
     )
@@ -66,6 +78,12 @@ class Contact(Block):
                 return "physical"
             raise refuse(got=value, want="a number: physical is a stiffness of the linear law")
         return Quantity(STIFFNESS_UNIT[info.data.get("law", "linear")], above=0).read(value)
+
+    @model_validator(mode="after")
+    def _one_friction(self) -> Contact:
+        if self.friction_law is not None and self.stribeck is not None:
+            raise refuse("friction_law", want="stribeck or a friction_law, not both")
+        return self
 
     @model_validator(mode="after")
     def _stiffness_given(self) -> Contact:

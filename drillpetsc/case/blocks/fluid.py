@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from typing import Annotated, Any, ClassVar, Literal
 
+import numpy as np
 from pydantic import (
     BeforeValidator,
     Discriminator,
@@ -17,9 +19,11 @@ from pydantic import (
 from pydantic_core import CoreSchema
 
 from drillpetsc.case.block import Block, derived_default, kinds_of, tagged_union
+from drillpetsc.case.blocks.own_law import OwnLaw
 from drillpetsc.case.files.mud_report import standard
 from drillpetsc.case.key_paths import refuse
 from drillpetsc.case.quantities import OverTime, Quantity, WordOrNumber
+from drillpetsc.own_code import RheologyState
 from drillpetsc.time_function import Constant, TimeFunction
 from drillpetsc.unit_tables import FOOT, INCH
 
@@ -112,7 +116,34 @@ class HerschelBulkley(WithYieldStress):
     index: FlowIndex = Field(description="flow index n, 1 for a Bingham fluid")
 
 
-_MODELS = (Newtonian, Bingham, PowerLaw, Casson, HerschelBulkley)
+#: shear rates of 300 and 600 rpm of a viscometer [1/s], between which the stress of a function counts as a power law
+POWER_LAW_RATES = np.array([511.0, 1022.0])
+
+
+class OwnRheology(OwnLaw, Rheology):
+    """A function that gives the shear stress. Turbulence is computed for the power law between 300 and 600 rpm of a viscometer."""
+
+    unsupported_keys: ClassVar[tuple[str, ...]] = ("dial", "fit")
+
+    model: Literal["python"] = Field(description=_STRESS + "a function of the shear rate in Python")
+    law: Literal["exact"] = Field(
+        default="exact", description="friction in pipe and annulus: laminar profile integrated"
+    )
+
+    def stress(self, shear_rate: Any) -> Any:
+        """Shear stress [Pa] (n,) at shear rates (n,) [1/s]."""
+        found = self.call(RheologyState(shear_rate), **self.parameters)
+        return found["stress"] if isinstance(found, Mapping) else found
+
+    @property
+    def power_law(self) -> tuple[float, float]:
+        """Consistency [Pa s^n] and index [-] between 300 and 600 rpm."""
+        low, high = (float(np.ravel(self.stress(rate))[0]) for rate in POWER_LAW_RATES)
+        index = math.log(high / low) / math.log(2.0)
+        return low / POWER_LAW_RATES[0] ** index, index
+
+
+_MODELS = (Newtonian, Bingham, PowerLaw, Casson, HerschelBulkley, OwnRheology)
 _rheology, _rheology_tag = tagged_union(*_MODELS, key="model")
 
 
@@ -157,7 +188,8 @@ AnyRheology = Annotated[
     | Annotated[Bingham, Tag("kind:Bingham")]
     | Annotated[PowerLaw, Tag("kind:PowerLaw")]
     | Annotated[Casson, Tag("kind:Casson")]
-    | Annotated[HerschelBulkley, Tag("kind:HerschelBulkley")],
+    | Annotated[HerschelBulkley, Tag("kind:HerschelBulkley")]
+    | Annotated[OwnRheology, Tag("kind:OwnRheology")],
     Discriminator(_rheology_tag),
     BeforeValidator(_rheology),
     BeforeValidator(standard),
@@ -170,6 +202,8 @@ def stress_at(rheology: Rheology, shear_rate: float) -> float:
     consistency, index, yield_stress = flow_constants(rheology)
     if isinstance(rheology, Casson):
         return (math.sqrt(yield_stress) + math.sqrt(consistency * shear_rate)) ** 2
+    if isinstance(rheology, OwnRheology):
+        return float(np.ravel(rheology.stress(shear_rate))[0])
     return float(yield_stress + consistency * shear_rate**index)
 
 
@@ -179,7 +213,10 @@ def flow_constants(rheology: Rheology) -> tuple[float, float, float]:
     All models except casson: stress = yield stress + consistency * shear rate^n.
     casson: sqrt(stress) = sqrt(yield stress) + sqrt(consistency * shear rate), with the plastic viscosity as
     the consistency and n = 1.
+    python: the power law between 300 and 600 rpm of a viscometer.
     """
+    if isinstance(rheology, OwnRheology):
+        return (*rheology.power_law, 0.0)
     if isinstance(rheology, Newtonian):
         return rheology.viscosity, 1.0, 0.0
     if isinstance(rheology, PowerLaw):

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Annotated, Literal
+from typing import TYPE_CHECKING, Annotated, ClassVar, Literal
 
 from pydantic import BeforeValidator, Discriminator, Field, Tag, model_validator
 
 from drillpetsc.case.block import Block, derived_default, overlaid, tagged_union
 from drillpetsc.case.blocks.items.string import Friction
+from drillpetsc.case.blocks.own_law import LawOfKind
 from drillpetsc.case.key_paths import refuse
 from drillpetsc.case.quantities import Quantity, said
 
@@ -201,12 +202,28 @@ class VelocityWeakening(AnyLaw):
         return self
 
 
-_base, _base_tag = tagged_union(RopLaw, VelocityWeakening, short=("rop",))
+class OwnBitLaw(AnyLaw, LawOfKind):  # type: ignore[misc]  # kind: one of its words
+    """A law of the user that gives the torque on bit, and if it likes the rate of penetration, from the state of the bit."""
+
+    of: ClassVar[str] = "OwnBit"
+
+    stiffness: Stiffness = Field(default=None, description=_STIFFNESS)
+
+
+class OwnRockLaw(LawOfKind):
+    """A law of the user that gives the strength of the rock from the depth."""
+
+    of: ClassVar[str] = "OwnRock"
+
+
+_base, _base_tag = tagged_union(RopLaw, VelocityWeakening, OwnBitLaw, short=("rop",))
 
 BaseLaw = Annotated[
-    Annotated[RopLaw, Tag("kind:RopLaw")] | Annotated[VelocityWeakening, Tag("kind:VelocityWeakening")],
+    Annotated[RopLaw, Tag("kind:RopLaw")]
+    | Annotated[VelocityWeakening, Tag("kind:VelocityWeakening")]
+    | Annotated[OwnBitLaw, Tag("kind:OwnBitLaw")],
     Discriminator(_base_tag),
-    BeforeValidator(_base, json_schema_input_type=Literal["rop"] | RopLaw | VelocityWeakening),
+    BeforeValidator(_base, json_schema_input_type=Literal["rop"] | RopLaw | VelocityWeakening | OwnBitLaw),
 ]
 
 
@@ -230,7 +247,7 @@ class RollerCone(AnyLaw):
     )
     base: BaseLaw = Field(
         default=RopLaw(kind="rop"),
-        description="law of torque and rate of penetration: rop, or velocity_weakening",
+        description="law of torque and rate of penetration: rop, velocity_weakening, or python",
     )
     stiffness: Stiffness = Field(default=None, description=_STIFFNESS)
 
@@ -263,17 +280,25 @@ class RollerCone(AnyLaw):
         return self.base
 
 
-_law, _law_tag = tagged_union(RopLaw, DragBit, VelocityWeakening, RollerCone, short=("rop", "drag_bit"))
+_law, _law_tag = tagged_union(
+    RopLaw, DragBit, VelocityWeakening, RollerCone, OwnBitLaw, short=("rop", "drag_bit")
+)
 
 BitLaw = Annotated[
     Annotated[RopLaw, Tag("kind:RopLaw")]
     | Annotated[DragBit, Tag("kind:DragBit")]
     | Annotated[VelocityWeakening, Tag("kind:VelocityWeakening")]
-    | Annotated[RollerCone, Tag("kind:RollerCone")],
+    | Annotated[RollerCone, Tag("kind:RollerCone")]
+    | Annotated[OwnBitLaw, Tag("kind:OwnBitLaw")],
     Discriminator(_law_tag),
     BeforeValidator(
         _law,
-        json_schema_input_type=Literal["rop", "drag_bit"] | RopLaw | DragBit | VelocityWeakening | RollerCone,
+        json_schema_input_type=Literal["rop", "drag_bit"]
+        | RopLaw
+        | DragBit
+        | VelocityWeakening
+        | RollerCone
+        | OwnBitLaw,
     ),
 ]
 
@@ -326,6 +351,11 @@ class Formation(Block):
     layers: tuple[Layer, ...] = Field(
         default=(),
         description="other rock, from the first layer down; above the first layer the values of this block hold",
+    )
+    rock_law: OwnRockLaw | None = Field(
+        default=None,
+        description="the strength of the rock as a function of depth, relative to the rock that the other keys describe: so many times "
+        "the force is needed for the same rate, or of a drag bit for the same cut; none when not given",
     )
     bit_law: BitLaw = Field(default=RopLaw(kind="rop"), description="torque and weight of the bit as it cuts")
 

@@ -8,8 +8,10 @@ from typing import Annotated, Any, Literal
 from pydantic import BeforeValidator, Discriminator, Field, Tag, model_validator
 
 from drillpetsc.case.block import Block, tagged_union
+from drillpetsc.case.blocks.own_law import FunctionName, OwnFunction
 from drillpetsc.case.key_paths import refuse
 from drillpetsc.case.quantities import Quantity, WordOrNumber, said
+from drillpetsc.own_code import parameters_of
 
 POWER_TOLERANCE = 0.01  # by which power and max_torque times base_speed may differ [-]
 
@@ -179,12 +181,13 @@ class ZTorqueController(Controller):
     )
 
 
-class PythonController(Block):
+class PythonController(OwnFunction):
     """A function of the user that gives the torque at every sample; between two samples the torque is held."""
 
     kind: Literal["python"] = Field(description="a function in Python")
-    function: str = Field(
-        description="module.function, of the time [s], of what is measured (a dictionary) and of a memory; returns the torque [N m]"
+    function: FunctionName = Field(
+        description="file.py:function or module:function, of the time [s], of what is measured (a dictionary) and of a memory; returns "
+        "the torque [N m]"
     )
     sample: Annotated[float, Quantity("s", above=0)] = Field(description="time between two samples")
 
@@ -193,11 +196,10 @@ class PythonController(Block):
         """Time from which it acts [s]."""
         return 0.0
 
-    @model_validator(mode="after")
-    def _path(self) -> PythonController:
-        if "." not in self.function or not all(word.isidentifier() for word in self.function.split(".")):
-            raise refuse("function", got=self.function, want="module.function, such as my_controller.torque")
-        return self
+    def check_signature(self) -> None:
+        if (count := len(parameters_of(self.call))) not in (2, 3):
+            want = "a function of t and measured, or of t, measured and memory"
+            raise refuse("function", got=f"{self.function} with {count} parameters", want=want)
 
 
 _kinds = (PiController, StiffController, SoftTorqueController, ZTorqueController, PythonController)

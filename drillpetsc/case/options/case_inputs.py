@@ -8,6 +8,7 @@ from typing import Any
 
 from drillpetsc.case.blocks.fluid import Fluid
 from drillpetsc.case.case import Case
+from drillpetsc.case.key_paths import parsed
 from drillpetsc.unit_tables import DIMENSIONS
 
 INPUTS = {
@@ -57,7 +58,7 @@ def inputs_of(case: Case) -> dict[str, Any]:
         out |= {f"top.autodriller.{key}": q for key in AUTODRILLER if (q := getattr(drill, key)) is not None}
         if drill.from_ == 0:  # it never acts
             out.pop("top.lowering", None)
-    return out
+    return out | {f"loads[{k}].value_over": load.value_over for k, load in enumerate(case.loads)}
 
 
 def with_inputs(case: Case, inputs: Mapping[str, Any]) -> Case:
@@ -66,22 +67,23 @@ def with_inputs(case: Case, inputs: Mapping[str, Any]) -> Case:
     for name, value in inputs.items():
         block, _, key = name.rpartition(".")
         blocks.setdefault(block, {})[key] = value
+    loads = tuple(load.model_copy(update=blocks.pop(f"loads[{k}]", {})) for k, load in enumerate(case.loads))
     drill = blocks.pop("top.autodriller", None)
     if drill is not None and case.top.autodriller is not None:
         blocks.setdefault("top", {})["autodriller"] = case.top.autodriller.model_copy(update=drill)
     new = {block: getattr(case, block).model_copy(update=update) for block, update in blocks.items()}
-    return case.model_copy(update=new)
+    return case.model_copy(update=new | {"loads": loads})
 
 
 def describe(case: Case, name: str) -> SessionInput:
     """Unit, bounds and description of the input ``name`` of a case."""
-    *path, key = name.split(".")
+    *path, key = parsed(name)
     here: Any = case
     for part in path:
-        here = getattr(here, part)
+        here = here[part] if isinstance(part, int) else getattr(here, part)
     block = type(here)
-    field = block.model_fields[key]
+    field = block.model_fields[str(key)]
     metadata = [m for m in field.metadata if hasattr(m, "unit")]
-    unit = metadata[0].unit if metadata else _UNITS[key]
+    unit = metadata[0].unit if metadata else _UNITS[str(key)]
     least = 0.0 if block is Fluid else None
     return SessionInput(name, unit, least, None, field.description or "")

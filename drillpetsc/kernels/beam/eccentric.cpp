@@ -18,9 +18,9 @@ void eccentric_energies(int n, const int* idx, const double* par, const double* 
 typedef dp::Eccentric<false> EccentricPlain;
 typedef dp::Eccentric<true> EccentricJunction;
 DP_RESIDUAL(eccentric, EccentricPlain)
-DP_JACOBIAN(eccentric, dp::run_eccentric_jacobian)
+DP_JACOBIAN(eccentric, EccentricPlain, dp::run_eccentric_jacobian)
 // the same by differentiating all rows by all unknowns: the tests compare with it
-DP_JACOBIAN(eccentric_dual, dp::run_jacobian<EccentricPlain>)
+DP_JACOBIAN(eccentric_dual, EccentricPlain, dp::run_jacobian<EccentricPlain>)
 DP_ENTRY(eccentric_junction, EccentricJunction)
 DP_OTHER_FORMULATIONS(eccentric, EccentricPlain, 2)
 DP_OTHER_FORMULATIONS(eccentric_junction, EccentricJunction, 2)

@@ -23,7 +23,19 @@ constexpr double TURN_ROUNDING = 2e-2;    // speed below which the cutting of a 
 
 constexpr int CHIPS = 16;                 // states of the rock's profile ahead of a blade
 
-struct BitKind { DP_ENUM(Kind, ROP, DRAG_BIT, VELOCITY_WEAKENING, KINDS) };
+struct BitKind { DP_ENUM(Kind, ROP, DRAG_BIT, VELOCITY_WEAKENING, OWN, KINDS) };
+
+// Law of the user (core/own_law.hpp): state at the bit [N, rad/s, rad, m/s, m] and what it gives [N m, N m, m/s].
+struct OwnBit {
+    DP_ENUM(State, WEIGHT, SPEED, ANGLE, ADVANCE, DEPTH, STATES);
+    DP_ENUM(Result, TORQUE, GRIP, RATE, RESULTS);
+};
+
+// Law of the user for the rock: measured depth [m], and how many times the force it needs for the same cut [-].
+struct OwnRock {
+    DP_ENUM(State, DEPTH, STATES);
+    DP_ENUM(Result, STRENGTH, RESULTS);
+};
 struct BitMode { DP_ENUM(Mode, MOTION, STATICS, QUASI_STATIC, MODES) };
 
 // Laws of bit and rock; filled by the component of the bit.
@@ -38,6 +50,8 @@ DP_RECORD(BitLaw,
     const double* layers; int count;                       // rows of BitLayer::COLUMNS
     const double* derivative;                              // (N, N+1) of the profile by xi [1/rad]
     const double* orders; int order_count;                 // rows of BitOrder, pattern of the bottom
+    OwnLaw* own; OwnLaw* rock;                             // laws of the user for the bit and for the rock, null without
+    double own_rate, start;                                // 1: it gives the rate of penetration; measured depth of the hole's end at the start [m]
     int touching;                                          // of the last evaluation: 1 bottom, 2 side
 )
 
@@ -92,14 +106,14 @@ inline Vec<T> cut_direction(const BitLaw& law, const double* layer, const Vec<T>
     return {g.x * M[0] + g.y * M[1] + g.z * M[2], g.x * M[3] + g.y * M[4] + g.z * M[5], g.x * M[6] + g.y * M[7] + g.z * M[8]};
 }
 
-// Rate of penetration [m/s] in one layer.  chip_rate: the speed at which a drag bit takes rock off, where its profile is known.
+// Rate of penetration [m/s] in one layer.  chip_rate: along the bit, where its profile is known or the law of the user gives it.
 template <class T>
 inline Vec<T> layer_rate(const BitLaw& law, const double* layer, const Vec<T>& F, const Vec<T>& e, const T& omega, const T* chip_rate) {
     const T weight = dot(F, e);
     const Vec<T> zero = {T(0.0), T(0.0), T(0.0)}, w = cut_direction(law, layer, F, e);
     if (val(weight) <= 0) return zero;
     T along;
-    if (law.kind == BitKind::DRAG_BIT) {
+    if (law.kind == BitKind::DRAG_BIT || chip_rate) {
         T rate;
         if (chip_rate) {
             rate = *chip_rate;
@@ -144,6 +158,7 @@ struct Bit {
     static constexpr int D = 11 + N + CUTTING, NSPIN = 1;
     static constexpr bool PACKED = false;
     static constexpr int SPINS[1][2] = {{6, 3}};
+    static OwnLaw* own_law(void* context) { return static_cast<BitLaw*>(context)->own ? static_cast<BitLaw*>(context)->own : static_cast<BitLaw*>(context)->rock; }
     enum { HOLE = 7, DRILLED = 10, CHIP = 11, OVERGAUGE = CHIP + N };
     DP_ENUM(Parameter,
         FACE, CENTRE,            // distances from the node [m]
@@ -189,6 +204,14 @@ struct Bit {
         const T omega = moving ? y[6] : T(p[SPIN]);
         const double a = p[RADIUS], c = p[HALF], squeeze = c * c - a * a;
 
+        T strength = T(1.0);
+        if (law.rock) {
+            const T at[OwnRock::STATES] = {x[DRILLED] + law.start};
+            T found[OwnRock::RESULTS];
+            own_results(*law.rock, at, found);
+            if (!law.rock->noting) strength = found[OwnRock::STRENGTH];
+        }
+
         // bottom
         const T tilt = dot(t.t, axis), reach = sqrt(a * a + squeeze * tilt * tilt), axial = dot(e, axis);
         T depth = axial + reach - c, climb = T(0.0);  // climb: slope of the pattern by the angle [m/rad]
@@ -208,8 +231,8 @@ struct Bit {
             const T body = damped(elastic, closing_b, p[DAMPING]);
             const T down = dot(speed, axis), engaged = law.contact > 0 ? engagement(gap, law.onset) : T(0.0);
             const T flat = engaged * (0.5 * law.contact) * (1.0 + down / sqrt(down * down + law.rest * law.rest));
-            weight = cut * law.cut + flat + body;
-            const T cutters = cut * law.torque_cut * cutting(omega), rubbing = (flat + body) * law.rub;
+            weight = (cut * law.cut + flat) * strength + body;
+            const T cutters = cut * law.torque_cut * cutting(omega) * strength, rubbing = (flat * strength + body) * law.rub;
             grip = cutters + rubbing;
             torque = cutters + rubbing * sign;
             depth_e = sunk;
@@ -219,8 +242,15 @@ struct Bit {
             law.touching = 1;
             elastic = onset(depth) * p[STIFFNESS];
             weight = moving ? damped(elastic, advance, p[DAMPING]) : elastic;
-            if (moving) bottom_torque(law, p, weight, depth, omega, sign, grip, torque);
-            else torque = steady_torque(law, p, weight, depth) * direction(p);
+            if (law.own) {
+                const T state[OwnBit::STATES] = {weight, omega, x[6], dot(speed, axis), x[DRILLED] + law.start}, share = touching(depth);
+                T found[OwnBit::RESULTS];
+                own_results(*law.own, state, found);
+                torque = found[OwnBit::TORQUE] * share;
+                grip = found[OwnBit::GRIP] * share;
+                chip_rate = found[OwnBit::RATE] * share;
+            } else if (moving) bottom_torque(law, p, weight, strength, depth, omega, sign, grip, torque);
+            else torque = steady_torque(law, p, weight, strength, depth) * direction(p);
         }
         Vec<T> sliding = zero, rub = zero;  // velocity of the face across the hole's axis, friction of the face against it
         if (moving && val(grip) > 0) {
@@ -269,9 +299,10 @@ struct Bit {
         }
 
         // the hole
-        const Vec<T> on_rock = axis * weight + n * side;
+        const Vec<T> on_rock = (axis * weight + n * side) / strength;  // a stronger rock is cut as fast by as many times the force
         Vec<T> rate = zero;
-        if (p[MODE] != BitMode::STATICS) rate = rock_rate(law, x[DRILLED], on_rock, t.t, omega, N > 0 && moving ? &chip_rate : nullptr);
+        const bool known = (N > 0 && moving) || law.own_rate != 0;
+        if (p[MODE] != BitMode::STATICS) rate = rock_rate(law, x[DRILLED], on_rock, t.t, omega, known ? &chip_rate : nullptr);
         if (held || p[MODE] == BitMode::STATICS) {
             for (int i = 0; i < 4; ++i) r[HOLE + i] = (x[HOLE + i] - p[HOLD + i]) * (1e3 * ROCK_ROW);
         } else {
@@ -352,14 +383,15 @@ struct Bit {
 
     // without a profile: linear in the weight, of which the body of a drag bit carries what the cutters cannot
     template <class T>
-    static T steady_torque(const BitLaw& law, const double* p, const T& weight, const T& depth) {
-        const T line = weight * p[TORQUE1] + p[TORQUE0] * touching(depth);
-        return law.kind == BitKind::DRAG_BIT ? line - beyond(weight, law.saturated) * (p[TORQUE1] - law.rub) : line;
+    static T steady_torque(const BitLaw& law, const double* p, const T& weight, const T& strength, const T& depth) {
+        if (law.kind != BitKind::DRAG_BIT) return weight * p[TORQUE1] + p[TORQUE0] * touching(depth);
+        const T share = weight / strength;
+        return (share * p[TORQUE1] + p[TORQUE0] * touching(depth) - beyond(share, law.saturated) * (p[TORQUE1] - law.rub)) * strength;
     }
 
     // torque of a bit whose face does not slide, and its size without the rounding at standstill
     template <class T>
-    static void bottom_torque(const BitLaw& law, const double* p, const T& weight, const T& depth, const T& omega, const T& sign, T& size, T& torque) {
+    static void bottom_torque(const BitLaw& law, const double* p, const T& weight, const T& strength, const T& depth, const T& omega, const T& sign, T& size, T& torque) {
         if (law.kind == BitKind::VELOCITY_WEAKENING) {
             const T load = law.by_weight != 0 ? weight : touching(depth), beyond = sqrt(omega * omega) - law.turn_rounding;
             const T q = val(beyond) > 0 ? beyond * (1.0 / law.speed) : T(0.0);
@@ -367,7 +399,7 @@ struct Bit {
             torque = load * weakening(law, omega);
             return;
         }
-        if (law.kind == BitKind::DRAG_BIT) size = steady_torque(law, p, weight, depth);
+        if (law.kind == BitKind::DRAG_BIT) size = steady_torque(law, p, weight, strength, depth);
         else size = weight * (p[FRICTION] * p[RADIUS] * (2.0 / 3));
         torque = size * sign;
     }
@@ -399,7 +431,7 @@ void bit_results(int n, const int* idx, const double* par, void* context, const 
 
 #define DP_BIT_RESULTS(name, Kernel)                                                                                                               \
     extern "C" void name##_results(int n, int, const int* idx, const double* par, void* context, const double* x, const double* y, double* out) { \
-        bit_results<Kernel>(n, idx, par, context, x, y, out);                                                                                      \
+        dp::entries_by_law<Kernel>(context, false, out, [&](double* to) { bit_results<Kernel>(n, idx, par, context, x, y, to); });                 \
     }
 
 }  // namespace dp

@@ -27,9 +27,26 @@ DP_RECORD(ContactLaw,
     double* normal;               // (elements, points) normal force of the last evaluation [N]
     int* segment;                 // (elements, points) where the projection was found
     signed char* touching;        // (elements, points) contact open or closed
+    OwnLaw* own;                  // law of the user for the friction coefficient, null without one
     double* free;                 // (elements, points, 5) place and radius of a section that was last found off the wall, and the square of the
                                   // distance within which the section is so too
 )
+
+// Law of the user for the friction coefficient [-]: normal force of a contact point [N], slip speed and its parts along and round the hole [m/s],
+// coefficient of the wall or the item [-], measured depth [m].
+struct OwnFriction {
+    DP_ENUM(State, NORMAL, SLIP_SPEED, AXIAL, AROUND, GIVEN, DEPTH, STATES);
+    DP_ENUM(Result, COEFFICIENT, RESULTS);
+};
+constexpr double STATICS_SLIP = 1.0;  // slip speed at which a law of the user counts if only the direction of sliding is given [m/s]
+
+template <class T>
+inline T own_friction_at(const ContactLaw& law, const T& normal, const T& axial, const T& around, const T& given, const T& depth) {
+    const T state[OwnFriction::STATES] = {normal, sqrt(axial * axial + around * around), axial, around, given, depth};
+    T found[OwnFriction::RESULTS];
+    own_results(*law.own, state, found);
+    return found[OwnFriction::COEFFICIENT];
+}
 
 // Penetration with a smooth onset: 0, (d + e)^2 / 4e, d
 template <class T>
@@ -116,15 +133,17 @@ inline void touch(const ContactLaw& law, const Well& well, const Foot& foot, con
     if (law.imposed) {
         const double va = law.axial, vb = law.spin * R, speed = std::sqrt(va * va + vb * vb);
         const double share = speed > 0 ? 1 / speed : 0.0;
-        drag = (h.t * (va * share) + around * (vb * share)) * (-(mu0 * load));
-        push = (h.t * (va * share) + around * (guided ? 0.0 : vb * share * law.side)) * (-(mu0 * load));
+        const T mu = law.own ? own_friction_at<T>(law, load, T(STATICS_SLIP * va * share), T(STATICS_SLIP * vb * share), mu0, h.s) : mu0;
+        drag = (h.t * (va * share) + around * (vb * share)) * (-(mu * load));
+        push = (h.t * (va * share) + around * (guided ? 0.0 : vb * share * law.side)) * (-(mu * load));
         if (results) results->friction_power = 0;
     } else {
         const Vec<T> rim = cross(turning, h.n) * R, surface = u + rim;
         const T va = dot(surface, h.t) + law.axial, vb = dot(guided ? rim : surface, around), v2 = va * va + vb * vb;
         const T speed = sqrt(v2 + law.slip * law.slip);
         T mu = mu0;
-        if (law.extra != 0) mu = mu0 * (1.0 + law.extra * exp(-v2 / (law.decay * law.decay)));
+        if (law.own) mu = own_friction_at<T>(law, load, va, vb, mu0, h.s);
+        else if (law.extra != 0) mu = mu0 * (1.0 + law.extra * exp(-v2 / (law.decay * law.decay)));
         const T grip = -(mu * load) / speed;
         push = drag = (h.t * va + around * vb) * grip;
         if (guided) push = h.t * (va * grip);
@@ -177,6 +196,7 @@ struct BeamContact {
     static constexpr int D = JUNCTION ? 15 : 14, NSPIN = 2;
     static constexpr bool PACKED = false;
     static constexpr int SPINS[2][2] = {{6, 3}, {13, 10}};
+    static OwnLaw* own_law(void* context) { return static_cast<ContactLaw*>(context)->own; }
     DP_ENUM(Parameter,
         LENGTH, RIGID,  // of the element and of the rigid item above it [m]
         RADIUS,         // of the section [m]
@@ -245,6 +265,7 @@ struct BodyContact {
     static constexpr int D = 7, NSPIN = 1;
     static constexpr bool PACKED = false;
     static constexpr int SPINS[1][2] = {{6, 3}};
+    static OwnLaw* own_law(void* context) { return static_cast<ContactLaw*>(context)->own; }
     DP_ENUM(Parameter,
         ABOVE, LENGTH,  // distance from the node to the upper end, along the tangent; length [m]
         SPAN,           // length over which the wall pushes [m]

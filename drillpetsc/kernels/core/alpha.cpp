@@ -18,9 +18,9 @@ DP_RECORD(AlphaCall,
 // Algorithmic accelerations, shifted to their lead at a step that is longer than the last one by ``change``.
 struct Led {
     double x, y;
-    Led(const AlphaCall& c, const double* q, double change, int i) {
+    Led(const AlphaCall& c, const double* q, double change, long i, bool two) {
         const long n = c.n;
-        const double slope = c.second_order[i] ? c.lead * q[DSECOND * n + i] : c.lead_rate * q[DU * n + i];
+        const double by_second = c.lead * q[DSECOND * n + i], by_rate = c.lead_rate * q[DU * n + i], slope = two ? by_second : by_rate;
         x = q[AX * n + i] + change * slope;
         y = q[AY * n + i] + (c.lead * change) * q[DW * n + i];
     }
@@ -34,68 +34,56 @@ DP_EXPORT_RECORD(alpha_call, AlphaCall)
 extern "C" {
 
 // Constants v0, v1 (n) of y = s x + v0 and a = s2 y + v1 in a step h from the history q (ROWS, n) whose last step was ``last``, and the first
-// guess x (n).
-void alpha_begin(const AlphaCall* call, const double* q, double last, double h, double s, double s2, double* v0, double* v1, double* x) {
-    const AlphaCall& c = *call;
+// guess x (n).  Both kinds of unknowns are computed and one is chosen, so that the loop has no branches.
+void alpha_begin(const AlphaCall* call, const double* q, double last, double h, double s, double s2, double* v0, double* v1,
+                 double* x) {
+    const AlphaCall c = *call;
     const long n = c.n;
     const double change = h - last, m = c.mean_mass, k = c.mean_force;
-    for (int i = 0; i < c.n; ++i) {
-        const Led a(c, q, change, i);
+#pragma GCC ivdep  // no array overlaps another
+    for (long i = 0; i < n; ++i) {
+        const bool two = c.second_order[i];
+        const Led a(c, q, change, i, two);
         const double x0 = q[X * n + i], y0 = q[Y * n + i], rate = q[RATE * n + i];
-        if (c.second_order[i]) {
-            v0[i] = rate + h * (1 - c.gamma) * a.x - s * (x0 + h * rate + h * h * (0.5 - c.beta) * a.x);
-            v1[i] = -s2 * (y0 + h * (1 - c.gamma) * a.y) + (m * a.y - k * q[W * n + i]) / (1 - k);
-            const double later = (q[SECOND * n + i] - m * a.x) / (1 - m);  // the true acceleration stays
-            x[i] = x0 + h * rate + h * h * ((0.5 - c.beta) * a.x + c.beta * later);
-        } else {
-            v0[i] = -s * (x0 + h * (1 - c.gamma_rate) * a.x) + (c.mean_rate * a.x - k * y0) / (1 - k);
-            v1[i] = 0.0;
-            x[i] = x0 + h * a.x;
-        }
+        const double later = (q[SECOND * n + i] - m * a.x) / (1 - m);  // the true acceleration stays
+        const double v = rate + h * (1 - c.gamma) * a.x - s * (x0 + h * rate + h * h * (0.5 - c.beta) * a.x);
+        const double w = -s * (x0 + h * (1 - c.gamma_rate) * a.x) + (c.mean_rate * a.x - k * y0) / (1 - k);
+        v0[i] = two ? v : w;
+        v1[i] = two ? -s2 * (y0 + h * (1 - c.gamma) * a.y) + (m * a.y - k * q[W * n + i]) / (1 - k) : 0.0;
+        x[i] = two ? x0 + h * rate + h * h * ((0.5 - c.beta) * a.x + c.beta * later) : x0 + h * a.x;
     }
 }
 
-// The history after the step to the state x, y, w (n).
-void alpha_advance(const AlphaCall* call, const double* q, double last, double h, const double* x, const double* y, const double* w, double* out) {
-    const AlphaCall& c = *call;
+// The history after the step to the state x, y, w (n), and the local error e (n) of that step.
+void alpha_advance(const AlphaCall* call, const double* q, double last, double h, const double* x, const double* y, const double* w,
+                   double* out, double* e) {
+    const AlphaCall c = *call;
     const long n = c.n;
-    const double change = h - last, m = c.mean_mass, k = c.mean_force, g = c.gamma;
-    for (int i = 0; i < c.n; ++i) {
-        const Led a(c, q, change, i);
-        const double dx = x[i] - q[X * n + i], dy = y[i] - q[Y * n + i], rate = q[RATE * n + i], second = q[SECOND * n + i];
+    const double change = h - last, spread = last != 0.0 ? 2 * h / (h + last) : 0.0, m = c.mean_mass, k = c.mean_force, g = c.gamma;
+#pragma GCC ivdep  // no array overlaps another
+    for (long i = 0; i < n; ++i) {
         const bool two = c.second_order[i];
+        const Led a(c, q, change, i, two);
+        const double dx = x[i] - q[X * n + i], dy = y[i] - q[Y * n + i], rate = q[RATE * n + i], second = q[SECOND * n + i];
+        const double ax = (dx - h * rate - h * h * (0.5 - c.beta) * a.x) / (c.beta * h * h), du = dy / h;
+        const double next = two ? ((1 - m) * ax + m * a.x - k * second) / (1 - k) : 0.0, true_one = two ? w[i] : 0.0;
         out[X * n + i] = x[i];
         out[Y * n + i] = y[i];
-        if (two) {
-            const double ax = (dx - h * rate - h * h * (0.5 - c.beta) * a.x) / (c.beta * h * h);
-            const double next = ((1 - m) * ax + m * a.x - k * second) / (1 - k);
-            out[W * n + i] = w[i];
-            out[RATE * n + i] = rate + h * ((1 - g) * a.x + g * ax);
-            out[SECOND * n + i] = next;
-            out[AX * n + i] = ax;
-            out[AY * n + i] = (dy - h * (1 - g) * a.y) / (g * h);
-            out[DW * n + i] = (w[i] - q[W * n + i]) / h;
-            out[DSECOND * n + i] = (next - second) / h;
-            out[DU * n + i] = 0.0;
-        } else {
-            out[W * n + i] = out[RATE * n + i] = out[SECOND * n + i] = out[AY * n + i] = 0.0;
-            out[AX * n + i] = (dx - h * (1 - c.gamma_rate) * a.x) / (c.gamma_rate * h);
-            out[DW * n + i] = -q[W * n + i] / h;
-            out[DSECOND * n + i] = -second / h;
-            out[DU * n + i] = dy / h;
-        }
+        out[W * n + i] = true_one;
+        out[RATE * n + i] = two ? rate + h * ((1 - g) * a.x + g * ax) : 0.0;
+        out[SECOND * n + i] = next;
+        out[AX * n + i] = two ? ax : (dx - h * (1 - c.gamma_rate) * a.x) / (c.gamma_rate * h);
+        out[AY * n + i] = two ? (dy - h * (1 - g) * a.y) / (g * h) : 0.0;
+        out[DW * n + i] = (true_one - q[W * n + i]) / h;
+        out[DSECOND * n + i] = (next - second) / h;
+        out[DU * n + i] = two ? 0.0 : du;
+        e[i] = two ? c.position_error * h * h * (ax - a.x) : c.rate_error * h * h * (du - q[DU * n + i]) * spread;
     }
 }
 
-// Local error e (n) of the step h that led from the history q to ``later``.
-void alpha_error(const AlphaCall* call, const double* q, double last, const double* later, double h, double* e) {
-    const AlphaCall& c = *call;
-    const long n = c.n;
-    const double change = h - last, spread = last != 0.0 ? 2 * h / (h + last) : 0.0;
-    for (int i = 0; i < c.n; ++i) {
-        const Led a(c, q, change, i);
-        e[i] = c.second_order[i] ? c.position_error * h * h * (later[AX * n + i] - a.x)
-                                 : c.rate_error * h * h * (later[DU * n + i] - q[DU * n + i]) * spread;
-    }
+// Local errors e of the m controlled unknowns at these rows, over their tolerances.
+void error_over_tolerance(int m, const int* rows, const double* e, const double* tolerance, double* out) {
+#pragma GCC ivdep
+    for (int k = 0; k < m; ++k) out[k] = e[rows[k]] / tolerance[k];
 }
 }

@@ -4,12 +4,14 @@
 //   D       unknowns it couples;  PACKED: may be evaluated four elements at once;
 //   DP_ENUM(Parameter, ..., NP)   its NP parameters per element by name (core/names.hpp), which Python fills;
 //   SPINS   pairs {slot of a spin angle, slot of the tangent that belongs to it};
+//   own_law(ctx), if there may be one: the law of the user in its record, or null (core/own_law.hpp);
 //   force<T, S>(e, x, y, a, p, ctx, r)   r[D] = residual from x (unknowns), y (rates), a (accelerations).
 // y of a spin angle is the spin rate omega = phi' + c(v).v', so a change of v changes omega: `spin` (3 per node) is d(omega)/dv for
 // the combination asked for by `c` = (dx, dy, da): K = c0 dR/dx + c1 dR/dy + c2 dR/da.
 #pragma once
 #include "core/ad.hpp"
 #include "core/names.hpp"
+#include "core/own_law.hpp"
 
 namespace dp {
 
@@ -100,15 +102,15 @@ void run_jacobian(int n, const int* idx, const int* nodes, const double* par, vo
 #define DP_RESIDUAL_BY(name, Kernel, run)                                                                            \
     extern "C" void name##_residual(int n, const int* idx, const double* par, void* ctx, const double* x,           \
                                     const double* y, const double* a, double* r) {                                  \
-        run(n, idx, par, ctx, x, y, a, r);                                                                          \
+        dp::rows_by_law<Kernel>(ctx, n, idx, r, [&](double* out) { run(n, idx, par, ctx, x, y, a, out); });         \
     }                                                                                                               \
     DP_EXPORT(name##_parameters, Kernel::ParameterText)
-#define DP_JACOBIAN(name, run)                                                                                       \
+#define DP_JACOBIAN(name, Kernel, run)                                                                                       \
     extern "C" void name##_jacobian(int n, const int* idx, const int* nodes, const double* par, void* ctx,          \
                                     const double* c, const double* spin, const double* x, const double* y,          \
                                     const double* a, double* K) {                                                   \
-        run(n, idx, nodes, par, ctx, c, spin, x, y, a, K);                                                          \
+        dp::entries_by_law<Kernel>(ctx, true, K, [&](double* out) { run(n, idx, nodes, par, ctx, c, spin, x, y, a, out); }); \
     }
-#define DP_ENTRY(name, Kernel) DP_RESIDUAL(name, Kernel) DP_JACOBIAN(name, dp::run_jacobian<Kernel>)
+#define DP_ENTRY(name, Kernel) DP_RESIDUAL(name, Kernel) DP_JACOBIAN(name, Kernel, dp::run_jacobian<Kernel>)
 
 }  // namespace dp

@@ -66,18 +66,25 @@ int keep_state(LocalErrorCall* c, const double* x, double t) {
 // Add the local error of the last state.
 void add_local_error(LocalErrorCall* c) {
     double ascending[MOST_STATES];
-    for (int k = 0; k < c->kept; ++k) ascending[k] = c->times[place(*c, k)];
+    const double* states[MOST_STATES];
+    const int kept = c->kept, n = c->n;
+    for (int k = 0; k < kept; ++k) {
+        ascending[k] = c->times[place(*c, k)];
+        states[k] = c->states + static_cast<long>(place(*c, k)) * n;
+    }
     if (c->order > 0)
         bdf_error_weights(c->order, ascending, c->weights);
     else
         third_difference_weights(c->third, ascending, c->weights);
-    for (int i = 0; i < c->n; ++i) {
+    const double* weights = c->weights;
+    double *net = c->net, *total = c->total, *largest = c->largest;
+    for (int i = 0; i < n; ++i) {
         double e = 0.0;
-        for (int k = 0; k < c->kept; ++k) e += c->weights[k] * c->states[static_cast<long>(place(*c, k)) * c->n + i];
+        for (int k = 0; k < kept; ++k) e += weights[k] * states[k][i];
         const double size = std::fabs(e);
-        c->net[i] += e;
-        c->total[i] += size;
-        c->largest[i] = size > c->largest[i] ? size : c->largest[i];
+        net[i] += e;
+        total[i] += size;
+        largest[i] = size > largest[i] ? size : largest[i];
     }
 }
 }

@@ -6,6 +6,7 @@
 #include "fluid/rheology.hpp"
 
 #include <algorithm>
+#include <cstring>
 
 using namespace dp;
 
@@ -95,9 +96,35 @@ Point exact_casson(const double* p, bool slot, double G, double ge) {
     return {root * root, 2.0 * u / (root * slope)};
 }
 
+// Wall stress at the nominal rate 8 w/d by the rows of a flow curve of the user: cubics between them, power laws beyond.
+Point own_curve(const double* p, bool slot, double rate) {
+    const double* table;
+    std::memcpy(&table, p + RHEO_TABLE, sizeof table);
+    typedef OwnCurve C;
+    const int count = int(table[0]);
+    const double* rows = table + 1 + (slot ? (long)count * C::COLUMNS : 0);
+    const double x = std::log(rate);
+    int low = 0, high = count - 1;
+    while (high - low > 1) {
+        const int middle = (low + high) / 2;
+        (rows[middle * C::COLUMNS + C::LOG_RATE] <= x ? low : high) = middle;
+    }
+    const double *a = rows + low * C::COLUMNS, *b = rows + high * C::COLUMNS, h = b[C::LOG_RATE] - a[C::LOG_RATE], t = (x - a[C::LOG_RATE]) / h;
+    if (t < 0.0) return {std::exp(a[C::LOG_STRESS] + a[C::SLOPE] * t * h), a[C::SLOPE]};
+    if (t > 1.0) return {std::exp(b[C::LOG_STRESS] + b[C::SLOPE] * (t - 1.0) * h), b[C::SLOPE]};
+    const double rise = b[C::LOG_STRESS] - a[C::LOG_STRESS], left = a[C::SLOPE] * h, right = b[C::SLOPE] * h;
+    const double c2 = 3.0 * rise - 2.0 * left - right, c3 = left + right - 2.0 * rise;
+    return {std::exp(a[C::LOG_STRESS] + t * (left + t * (c2 + t * c3))), (left + t * (2.0 * c2 + 3.0 * t * c3)) / h};
+}
+
 Laminar laminar(const double* p, double w, double d, bool slot) {
     const double G = p[slot ? RHEO_SHEAR_SLOT : RHEO_SHEAR_PIPE] / 8.0, shear = 8.0 * G / d, g = shear * w;
     const double ge2 = g * g + p[RHEO_GAMMA] * p[RHEO_GAMMA];
+    if (p[RHEO_KIND] == OWN) {
+        const double ge = std::sqrt(ge2);
+        const Point wall = own_curve(p, slot, ge / G);
+        return {wall.value / ge * shear, 1.0 + g * g / ge2 * (wall.slope - 1.0)};
+    }
     const bool casson = p[RHEO_KIND] == CASSON, implicit = casson || p[RHEO_LAW] == FrictionLaw::EXACT;
     if (!implicit || p[RHEO_YIELD] == 0.0)
         return explicit_laminar(p, shear, g, ge2, p[slot ? RHEO_YIELD_SLOT : RHEO_YIELD_PIPE]);
@@ -165,13 +192,19 @@ WallShear wall_shear_and_slope(const double* p, double w, double d, double alpha
 DP_EXPORT(rheology_kind, RheologyKindText)
 DP_EXPORT(friction_law, FrictionLaw::KindText)
 
+DP_EXPORT(own_curve, OwnCurve::ColumnText)
+
 extern "C" int rheology_size() { return RHEOLOGY_SIZE; }
+
+// The law p has a flow curve of the user, whose table the caller keeps alive.
+extern "C" void rheology_own_curve(double* p, const double* table) { std::memcpy(p + RHEO_TABLE, &table, sizeof table); }
 
 // Fills the law p (RHEOLOGY_SIZE).  kind, law as in fluid/rheology.hpp; consistency [Pa s^n], yield [Pa], gamma [1/s].
 extern "C" void rheology_pack(int kind, int law, double consistency, double n, double yield, double gamma, double* p) {
     const double turbulent = std::max(n, 0.05);  // below, a and b lose their meaning (turbulent would be less than laminar)
     const double pipe = (3.0 * n + 1.0) / (4.0 * n), slot = 1.5 * (2.0 * n + 1.0) / (3.0 * n);
     p[RHEO_KIND] = kind;
+    p[RHEO_TABLE] = 0.0;
     p[RHEO_LAW] = law;
     p[RHEO_YIELD] = yield;
     p[RHEO_CONSISTENCY] = consistency;

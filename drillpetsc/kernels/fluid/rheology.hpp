@@ -26,10 +26,14 @@ enum RheologyEntry {
     RHEO_SHEAR_SLOT,
     RHEO_YIELD_PIPE,   // yield stress times the explicit law's factor [Pa]
     RHEO_YIELD_SLOT,
+    RHEO_TABLE,        // bits of the address of a flow curve of the user, see OwnCurve
     RHEOLOGY_SIZE
 };
-DP_ENUM(RheologyKind, HERSCHEL_BULKLEY, CASSON, RHEOLOGY_KINDS)  // Newton, Bingham and power law are Herschel-Bulkley fluids
+DP_ENUM(RheologyKind, HERSCHEL_BULKLEY, CASSON, OWN, RHEOLOGY_KINDS)  // Newton, Bingham and power law are Herschel-Bulkley fluids
 struct FrictionLaw { DP_ENUM(Kind, BLEND, API, EXACT, LAWS) };
+
+// Flow curve of the user: the number of rows, then the rows of the pipe and those of the slot, by rising speed.
+struct OwnCurve { DP_ENUM(Column, LOG_RATE, LOG_STRESS, SLOPE, COLUMNS) };  // ln of 8 w/d [1/s], ln of the wall stress [Pa], slope of the latter by the former
 
 constexpr double API_ROUNDING = 40.0;  // half width in Re of the rounding of the two kinks of the API law
 

@@ -33,6 +33,32 @@ void swirl_at(int n, double step, double* v) {
     }
 }
 
+// Goes on to the end of a step, 0 at the start of a continued run, with the spins (n) there: their trend and the swirl.
+void swirl_accept(int n, double step, const double* spins, double* v) {
+    if (step > 0.0) {
+        swirl_at(n, step, v);
+        for (int i = 0; i < n; ++i) {
+            v[SWIRL * n + i] = v[NOW * n + i];
+            v[TREND * n + i] = (spins[i] - v[SPIN * n + i]) / step;
+        }
+    }
+    for (int i = 0; i < n; ++i) v[SPIN * n + i] = spins[i];
+}
+
+// Mean spins (n) of pairs of nodes with their spins at places (n, 2) of the rates y.
+void mean_spins(int n, const int* places, const double* y, double* out) {
+    for (int i = 0; i < n; ++i) out[i] = 0.5 * (y[places[2 * i]] + y[places[2 * i + 1]]);
+}
+
+// Whether a rate at which the swirl follows is not known, or a flow at the places (n) of x, none at -1, has changed by more than `limit` since.
+int following_is_old(int n, const int* places, const double* x, const double* flow, const double* v, double limit) {
+    for (int i = 0; i < n; ++i) {
+        if (std::isinf(v[FOLLOW * n + i])) return 1;
+        if (places[i] >= 0 && std::fabs(x[places[i]] - flow[i]) > limit) return 1;
+    }
+    return 0;
+}
+
 // share, swirl, swirl_rate and spin_rate of a block's parameters (count, width) at these columns; rows: of its elements in the state.
 // moves: else the mud is at rest.
 void swirl_parameters(int count, const int* rows, int n, const double* v, int moves, double* parameters, int width, const int* columns) {

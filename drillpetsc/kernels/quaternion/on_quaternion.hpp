@@ -27,6 +27,7 @@ struct OnQuaternion {
     static constexpr const char* ParameterText = K::ParameterText;
     static constexpr bool PACKED = false;
     static constexpr int SPINS[1][2] = {{0, 0}};
+    static OwnLaw* own_law(void* context) { return OwnLawOf<K>::at(static_cast<StartFrames*>(context)->inner); }
 
     template <class T, class S>
     static void force(int e, const T* x, const T* y, const T* a, const S* p, void* context, T* r) {

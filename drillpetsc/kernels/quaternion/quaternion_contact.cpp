@@ -9,6 +9,7 @@ struct QuaternionContact {
     static constexpr const char* ParameterText = BeamContact<false>::ParameterText;
     static constexpr bool PACKED = false;
     static constexpr int SPINS[1][2] = {{0, 0}};
+    static OwnLaw* own_law(void* context) { return static_cast<ContactLaw*>(context)->own; }
 
     template <class T, class S>
     static void force(int e, const T* x, const T* y, const T*, const S* p, void* context, T* r) {
@@ -37,11 +38,13 @@ struct QuaternionContact {
 DP_ENTRY(quaternion_contact, dp::QuaternionContact)
 
 extern "C" void quaternion_contact_results(int n, int, const int* idx, const double* par, void* context, const double* x, const double* y, double* out) {
-    for (int e = 0; e < n; ++e) {
-        double X[16], Y[16], R[16];
-        for (int i = 0; i < 16; ++i) { X[i] = x[idx[16 * e + i]]; Y[i] = y[idx[16 * e + i]]; }
-        dp::ContactResults& now = reinterpret_cast<dp::ContactResults*>(out)[e];
-        now = {};
-        dp::QuaternionContact::evaluate<double>(e, X, Y, par + e * dp::QuaternionContact::NP, *static_cast<dp::ContactLaw*>(context), R, &now);
-    }
+    dp::entries_by_law<dp::QuaternionContact>(context, false, out, [&](double* to) {
+        for (int e = 0; e < n; ++e) {
+            double X[16], Y[16], R[16];
+            for (int i = 0; i < 16; ++i) { X[i] = x[idx[16 * e + i]]; Y[i] = y[idx[16 * e + i]]; }
+            dp::ContactResults& now = reinterpret_cast<dp::ContactResults*>(to)[e];
+            now = {};
+            dp::QuaternionContact::evaluate<double>(e, X, Y, par + e * dp::QuaternionContact::NP, *static_cast<dp::ContactLaw*>(context), R, &now);
+        }
+    });
 }

@@ -29,7 +29,7 @@ def build_steering(
     steer = Steer(item.rss.steer.ratio, item.rss.steer.tool_face)
     zone = steering_zone(item, *case.item_depths[number])
     if isinstance(item.rss, PushSteering):
-        node = int(np.argmin(np.abs(mesh.node_depth - zone[0])))
+        node = mesh.nearest_node(zone[0])
         axis = _axis(case, mesh, well, tangent, node)
         return PushTool(steer, node, axis, well, item.rss.force, item.rss.pads == "rotating", frames)
     upper, lower = zone

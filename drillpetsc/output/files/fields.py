@@ -209,10 +209,17 @@ def read_series(folder: str | os.PathLike) -> list[tuple[float, Path]]:
 
 
 def read_frame(path: str | os.PathLike) -> Frame:
-    """Read a .vtu of this package."""
-    import meshio
+    """Read a .vtu of this package.  Raises FileNotFoundError, and ValueError if the file is damaged."""
+    from meshio import vtu  # not `meshio.read`: it ends the process if a file is damaged
 
-    mesh = meshio.read(path, file_format="vtu")
+    try:
+        mesh = vtu.read(os.fspath(path))
+    except OSError:
+        raise
+    except Exception as error:  # of XML, base64, zlib or numpy, as the damage has it
+        raise ValueError(
+            f"{path} is damaged: {' '.join(str(error).split()) or type(error).__name__}"
+        ) from None
     cells = {block.type: block.data for block in mesh.cells}
     return Frame(
         points=mesh.points,

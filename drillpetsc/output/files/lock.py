@@ -162,3 +162,13 @@ def _state(pid: int) -> list[str]:
     except OSError:
         return []
     return text.rpartition(")")[2].split()
+
+
+def writer_of(folder: Path) -> str | None:
+    """The process that writes into the folder, as text; None if no living one does.  Changes nothing."""
+    try:
+        with open(folder / NAME, "rb") as file:
+            owner = _read(file.fileno())
+    except OSError:
+        return None
+    return f"process {owner['pid']} on {owner['host']}" if owner is not None and _is_alive(owner) else None

@@ -38,6 +38,7 @@ ROADMAP_FILE = "roadmap.json"  # assumptions of the rows of a roadmap
 CALIBRATION_TABLE = "calibration.csv"  # measured points beside the soft string with the fitted factors
 MEASURED_TABLE = "measured.csv"  # measured points beside what the roadmap's case gives at each of them
 TORQUE_DRAG_FILES = (ROADMAP_TABLE, ROADMAP_FILE, CALIBRATION_TABLE, MEASURED_TABLE)
+SENSITIVITIES_TABLE = "sensitivities.csv"  # derivatives of outputs by numbers of the case
 INDICES_TABLE = "indices.csv"  # indices of drilling dynamics over windows of time
 REFLECTION_TABLE = "reflection.csv"  # of torsional waves at a controlled top
 #: files of `import log`

@@ -44,7 +44,7 @@ class RunWriter:
     def __init__(
         self, model: DrillingModel, recorder: Recorder, folder: RunFolder | None, restart_time: float | None
     ) -> None:
-        self.model, self.recorder, self.folder = model, recorder, folder
+        self.recorder, self.folder = recorder, folder
         self.field_output = FieldOutput(model)
         out = model.case.output
         assert out.history_every is not None and out.field_every is not None  # defaults fill them
@@ -54,11 +54,7 @@ class RunWriter:
         )
         self.last_row, self.watch = -1.0, OperationWatch(model.case, recorder.columns)
         self._one_rank = model.system.comm.size == 1
-        # a hole that grows changes the places of points in it
-        self._rows_at_once, self._written = (
-            1 if model.drilling is not None else ROWS_AT_ONCE,
-            clock.monotonic(),
-        )
+        self._written = clock.monotonic()
         self.event = PETSc.Log.Event("Output")
         if folder is not None:
             self.history = Table(folder.history, recorder.columns, restart_time=restart_time)
@@ -128,7 +124,7 @@ class RunWriter:
         if self.folder is None:
             return
         self._background.check()
-        if self.recorder.kept >= self._rows_at_once or self.is_overdue:
+        if self.recorder.kept >= ROWS_AT_ONCE or self.is_overdue:
             self._write_rows()
         if fields is not None:
             self._background.submit(lambda: self.frames.write(t, *fields))

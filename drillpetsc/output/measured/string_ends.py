@@ -72,6 +72,13 @@ class TopEnd:
         vertex = int(np.flatnonzero(self.model.system.chain.vertices == 0)[0])
         return np.array(sample.assembly.x[sample.system.layout.dofs["string.position"][vertex]])
 
+    def positions(self, steps: StepRecord) -> FloatArray:
+        """(k, 3) ``position`` after each of k recorded steps."""
+        if not self._is_here:
+            return np.zeros((len(steps), 3))
+        vertex = int(np.flatnonzero(self.model.system.chain.vertices == 0)[0])
+        return steps.unknowns(steps.assembly.layout.dofs["string.position"][vertex])
+
     def travel(self, point: FloatArray) -> float:
         """Distance [m] of the top at ``point`` (3,) along the hole, from its place in the string free of stress."""
         return along_hole(self.model, point) - along_hole(self.model, self.model.position[0])

@@ -94,6 +94,7 @@ TOP_TRAVEL = Quantity(
     interpolate="motion",
     mean=False,
     value=lambda top, sample: top.position(sample),
+    values=lambda top, steps: top.positions(steps),
     size=3,
     finish=lambda top, point, depth: (top.travel(point),),
 )

@@ -23,9 +23,10 @@ from drillpetsc.physics.bit.bit_profile import CHIPS, chip_for, profile_derivati
 from drillpetsc.physics.bit.bit_side import SideLaw
 from drillpetsc.physics.contact import penetration
 from drillpetsc.physics.interfaces import Bit, SideContact
+from drillpetsc.physics.own_law import OwnLaw
 from drillpetsc.physics.rigid_bodies import VERTEX_SLOTS, local_vertices
 
-_rate = function("rock_rate", "pppddp")
+_rate = function("rock_rate", "pppddpp")
 _beyond = function("bit_beyond", "dd", ctypes.c_double)
 
 _Law = structure("bit_law")  # BitLaw of kernels/bit/bit.hpp
@@ -115,6 +116,7 @@ class Rock:
     reference_speed [rad/s], reference_weight [N]: manual: eq-bit-speed-factor.
     walk: walk angle [rad].
     bit_axis: the hole grows along the bit's axis, otherwise along the rate of penetration.
+    law: of the user for the strength by depth, None: the layers alone.
     post_step: the end moves between the steps, as in the reference formulation (manual: sec-paper-source);
     otherwise the end is a state of the integrator.
     """
@@ -125,6 +127,7 @@ class Rock:
     walk: float = 0.0
     bit_axis: bool = False
     post_step: bool = False
+    law: OwnLaw | None = None
 
 
 @dataclass(frozen=True)
@@ -160,7 +163,7 @@ class RockBit(Bit):
     Unknowns: displacement of the hole's end hole.end (3) [m], length drilled hole.drilled [m], the
     profile bit.chips [m] of a drag bit, and if the side yields the over-gauge hole.overgauge [m] in excess of new hole.
 
-    node: of the bit; shape, contact: of the bit; law: of its torque, None: friction; rock: the formation.
+    node: of the bit; shape, contact: of the bit; law: of its torque, or of the user, None: friction; rock: the formation.
     hole: the growing hole.
     inertia: the string has inertia; without it a drag bit cuts steadily and has no profile.
     pattern: of the bottom under a roller cone, empty: a plane bottom.  Not for a drag bit.
@@ -176,7 +179,7 @@ class RockBit(Bit):
         node: int,
         shape: BitShape,
         contact: BitContact,
-        law: DragBit | Weakening | None,
+        law: DragBit | Weakening | OwnLaw | None,
         rock: Rock,
         hole: GrowingHole,
         inertia: bool = True,
@@ -196,6 +199,10 @@ class RockBit(Bit):
         if pattern:
             assert not isinstance(law, DragBit)
             self.update_size = 13  # and the angle from which the pattern counts
+        self.own = law if isinstance(law, OwnLaw) else None
+        self._memory_from = self.update_size
+        if self.own is not None:
+            self.update_size += len(self.own.memory_names)
         self._zero_angle = 0.0
         self._made = self._law_record()
         self._flags = np.frombuffer(self._made, dtype=np.int32, count=1, offset=_Law.touching.offset)
@@ -242,6 +249,8 @@ class RockBit(Bit):
             ).array
             r.orders, r.order_count = pointer(self._orders), len(self._orders)
         self._torque = 0.0, self.contact.friction * a * 2 / 3
+        if rock.law is not None:
+            r.rock, r.start = rock.law.record(1), self.hole.start
         if isinstance(law, DragBit):
             r.kind, r.blades = KINDS["drag_bit"], law.blades
             r.cut, r.contact = (
@@ -257,6 +266,9 @@ class RockBit(Bit):
             r.derivative = pointer(self._derivative)
             share = r.torque_cut / r.cut
             self._torque = (r.rub - share) * r.contact, share
+        elif isinstance(law, OwnLaw):
+            r.kind, r.own, r.own_rate = KINDS["own"], law.record(1, r.rock or 0), float("rate" in law.gives)
+            r.start = self.hole.start
         elif isinstance(law, Weakening):
             r.kind, r.by_weight = KINDS["velocity_weakening"], float(law.by_weight)
             r.static_torque, r.dynamic_torque, r.speed = law.static, law.dynamic, law.speed
@@ -344,6 +356,17 @@ class RockBit(Bit):
 
     def _note(self, t: float) -> None:
         self._time = t
+        for law in self.own_laws:
+            law.at_time(t)
+
+    @property
+    def own_laws(self) -> tuple[OwnLaw, ...]:
+        return tuple(law for law in (self.own, self.rock.law) if law is not None)
+
+    def _strength(self, drilled: float = 0.0) -> float:
+        """Strength of the rock [-] where ``drilled`` metres are drilled, relative to the layers'."""
+        law = self.rock.law
+        return 1.0 if law is None else law.value(depth=self.hole.start + drilled)["strength"]
 
     def _follow(self) -> None:
         self.params["axis"] = self.hole.direction
@@ -393,15 +416,16 @@ class RockBit(Bit):
 
     def torque_for(self, weight: float, spin: float) -> float:
         """Compute the torque [N m] of the bit that turns with ``spin`` [rad/s] under ``weight`` [N]."""
-        first, second = self._torque_line(spin)
         if weight <= 0:
             return 0.0
-        line, law = first + second * weight, self._made
-        return (
-            line - _beyond(weight, law.saturated) * (second - law.rub)
-            if isinstance(self.law, DragBit)
-            else line
-        )
+        if self.own is not None:
+            return self.own.value(weight=weight, speed=spin, depth=self.hole.start)["torque"]
+        first, second = self._torque_line(spin)
+        if not isinstance(self.law, DragBit):
+            return first + second * weight
+        law, strength = self._made, self._strength()
+        share = weight / strength
+        return strength * (first + second * share - _beyond(share, law.saturated) * (second - law.rub))
 
     def depth_for(self, weight: float) -> float:
         """Compute the depth [m] at which the bit carries ``weight`` [N] at rest."""
@@ -448,21 +472,25 @@ class RockBit(Bit):
         depth, _ = self.depth_of_face(state)
         weight = max(0.0, depth) * self.contact.stiffness
         down, axis, r = float(state.y[i[:3]] @ self.params["axis"][0]), state.y[i[6]], self._made
-        flat = 0.5 * r.contact * (1 + down / np.hypot(down, r.rest))
-        chip = chip_for(weight, r.cut * r.blades, flat, r.onset)
+        flat, strength = 0.5 * r.contact * (1 + down / np.hypot(down, r.rest)), self._strength(state.x[i[10]])
+        chip = chip_for(weight / strength, r.cut * r.blades, flat, r.onset)
         cut = min(chip, r.exposure)
         if chip > cut:  # the body carries the rest
-            chip = cut + (weight - r.cut * r.blades * cut - flat) / self.contact.stiffness
+            chip = cut + (weight - strength * (r.cut * r.blades * cut + flat)) / self.contact.stiffness
         place = np.arange(CHIPS) / CHIPS
         ahead = 0.5 * (1 - np.cos(np.pi * place)) if axis > 0 else np.zeros(CHIPS)
         state.x[i[11 : 11 + CHIPS]] = (depth - chip + cut * ahead) if weight > 0 else 0.0
 
     # ------------------------------------------------------------------ growth
+    def accept(self, t: float, state) -> None:
+        for law in self.own_laws:
+            law.at_time(t)
+
     def local_update(self, state) -> FloatArray:
         """Return (12,) after an accepted step, zero without the bit; (13,) with a pattern.
 
-        Displacement of the end (3) [m] and length drilled since the start [m], time [s], number of bits, the bit's centre from the
-        end (3) [m], its direction (3), angle from which the pattern counts [rad].
+        Displacement of the end (3) [m] and length drilled since the start [m], time [s], number of bits; where the hole grows, the
+        bit's centre from the end (3) [m] and its direction (3); angle from which the pattern counts [rad].
         With ``post_step`` the end is moved in this call.
         """
         now = np.zeros(self.update_size)
@@ -472,11 +500,15 @@ class RockBit(Bit):
             i = state.index_of(self._block)[0]
             now[:4] = self.params["hold"][0] if self.rock.post_step else state.x[i[7:11]]
             now[4:6] = self._time, 1.0
-            direction = state.x[i[3:6]] / np.linalg.norm(state.x[i[3:6]])
-            place = state.x[i[:3]] + self.params["centre"][0] * direction
-            now[6:9], now[9:12] = place - self.params["end"][0] - now[:3], direction
+            if self.hole.grows_to(now.item(3)):
+                direction = state.x[i[3:6]] / np.linalg.norm(state.x[i[3:6]])
+                place = state.x[i[:3]] + self.params["centre"][0] * direction
+                now[6:9], now[9:12] = place - self.params["end"][0] - now[:3], direction
             if self.pattern:
                 now[12] = self.params["angle"][0]
+            if self.own is not None and self.own.memory_names:
+                self.element_results_at(state)
+                now[self._memory_from :] = self.own.next_memory
         return now
 
     def apply_update(self, total: FloatArray) -> None:
@@ -484,6 +516,9 @@ class RockBit(Bit):
         self._end, self._accepted = total[:4].copy(), float(total[4])
         if self.pattern:
             self._zero_angle = float(total[12])
+        if self.own is not None:
+            self.own.raise_error()
+            self.own.set_memory(total[self._memory_from :])
         before = self.hole.direction
         if self.hole.follow(total[3], self.hole.start_point + total[:3]):
             self._follow()
@@ -519,7 +554,8 @@ class RockBit(Bit):
         """History variables for a checkpoint, the same on all ranks; includes the history of the hole."""
         angle = {"pattern_angle": np.array([self._zero_angle])} if self.pattern else {}
         own = {"hold": self._end, "accepted": np.array([self._accepted]), "turned": self._turned}
-        return own | angle | self.hole.get_state()
+        memory = {} if self.own is None else {f"memory.{name}": q for name, q in self.own.memory.items()}
+        return own | angle | memory | self.hole.get_state()
 
     def set_state(self, saved: dict[str, FloatArray]) -> None:
         """Continue from the history variables of a checkpoint."""
@@ -530,6 +566,9 @@ class RockBit(Bit):
         self._accepted = self._time = float(saved["accepted"][0])
         if self.pattern:
             self.params["angle"] = self._zero_angle = float(saved["pattern_angle"][0])
+        if self.own is not None:
+            none = np.full(1, np.nan)
+            self.own.set_memory([saved.get(f"memory.{name}", none)[0] for name in self.own.memory_names])
         self._follow()
 
     def contact_flags(self) -> tuple[ContactFlags, ...]:
@@ -541,6 +580,22 @@ class RockBit(Bit):
         energy [J], power into the rock [W], depth [m], offset of the bit's centre from the hole's axis [m],
         rate of penetration in space (3) [m/s], forces and couple of the side; zero without the bit; not to be changed."""
         return np.asarray(state.results(self._block, self._results, RESULTS.width).sums)
+
+    def element_results_at(self, state) -> FloatArray:
+        """``element_results`` (1, columns) computed anew, on the rank that has the bit."""
+        out, index = np.zeros((1, RESULTS.width)), np.ascontiguousarray(state.index_of(self._block))
+        compute = function(self._results, "iipppppp")
+        compute(
+            1,
+            index.shape[1],
+            pointer(index),
+            pointer(self.params.array),
+            self._block.context,
+            pointer(state.x),
+            pointer(state.y),
+            pointer(out),
+        )
+        return out
 
     def element_results_of(self, steps) -> FloatArray:
         return np.asarray(steps.sums(self._block, self._results, RESULTS.width))
@@ -605,8 +660,14 @@ class RockBit(Bit):
         force: (3,) of the bit on the rock [N]; axis: (3,) of the bit; omega: rotation [rad/s]; drilled:
         length [m].
         """
-        out, F, e = np.zeros(3), np.array(force, dtype=float), np.array(axis, dtype=float)
-        _rate(ctypes.addressof(self._made), pointer(F), pointer(e), omega, drilled, pointer(out))
+        out, e = np.zeros(3), np.array(axis, dtype=float)
+        F = np.array(force, dtype=float) / self._strength(drilled)
+        along, known = np.zeros(1), None
+        if self.own is not None and "rate" in self.own.gives:
+            weight = float(np.dot(force, e))
+            along[0] = self.own.value(weight=weight, speed=omega, depth=self.hole.start + drilled)["rate"]
+            known = pointer(along)
+        _rate(ctypes.addressof(self._made), pointer(F), pointer(e), omega, drilled, known, pointer(out))
         return out
 
     def energies(self, t: float, state) -> Energies:

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from drillpetsc.arrays import FloatArray
+from drillpetsc.arrays import FloatArray, IntArray
 from drillpetsc.fem.component import Component, ElementBlock, Powers
 from drillpetsc.fem.string_mesh import StringMesh
 from drillpetsc.geometry.well import Well
@@ -19,7 +19,7 @@ from drillpetsc.kernels.parameters import Parameters, Table
 from drillpetsc.physics.fluid.channel_flow import SPEED, ChannelFlow, FluidConstants
 from drillpetsc.physics.fluid.channels import Annulus
 from drillpetsc.physics.fluid.moving_hole import OTHER_SIZE, LateralCoefficients, MovingHole
-from drillpetsc.physics.fluid.swirl import OTHER_FLOW, Swirl
+from drillpetsc.physics.fluid.swirl import OTHER_FLOW, MeanSpins, Swirl
 from drillpetsc.physics.rigid_bodies import VERTEX_SLOTS, local_vertices
 from drillpetsc.time_function import TimeFunction
 
@@ -82,6 +82,7 @@ class AnnulusFlow(ChannelFlow):
         self.flow_line = flow_line
         self._top_place: FloatArray | None = None  # (3,) upper node at the last evaluation of the hole [m]
         self._swirl: Swirl | None = None  # of a string that may turn
+        self._flow_at: IntArray | None = None  # see ``_present_flow``
         self._outer, self._hole = (
             self.annulus.outer_diameter,
             self.annulus.hole_diameter,
@@ -180,6 +181,7 @@ class AnnulusFlow(ChannelFlow):
             self._swirl = Swirl(np.where(across_joint, 0.0, self.lateral.swirl)[part.cells])
             for b in elements:
                 self._swirl.attach(b, b.update)
+            self._spins = MeanSpins(part.ends)
         if self.moving_hole is not None:
             self.moving_hole.nodes = np.asarray(part.vertices)
         if self.flow_line.choke:
@@ -257,28 +259,24 @@ class AnnulusFlow(ChannelFlow):
         if self._swirl is not None:
             self._swirl.start(t, self._spins(state))
 
-    def _spins(self, state) -> FloatArray:
-        """(nc,) mean spin of the string in the local elements [rad/s]."""
-        spin = state.y[state.dofs_of("string.spin")][:, 0]
-        return np.asarray(0.5 * (spin[self._part.ends[:, 0]] + spin[self._part.ends[:, 1]]))
-
     def _renew_following(self, swirl: Swirl, state) -> None:
         """Compute the rates at which the swirl follows, if the flow has changed."""
-        following, flow, e = self.lateral.following, self._present_flow(state), self._part.cells
-        changed = np.abs(flow - swirl.flow).max(initial=0.0) > OTHER_FLOW * self.fluid.usual_flow
-        if following is not None and (changed or np.isinf(swirl.follow).any()):
+        following, e = self.lateral.following, self._part.cells
+        if following is None:
+            return
+        places, values = self._present_flow(state)
+        if swirl.follows_other_flow(places, values, OTHER_FLOW * self.fluid.usual_flow):
             outer, hole = self._outer[e], self._hole[e]
-            swirl.follow[:], swirl.flow = (
-                following(4 / np.pi * flow / (hole**2 - outer**2), outer, hole),
-                flow,
-            )
+            swirl.flow[:] = np.where(places >= 0, values[places], 0.0)
+            swirl.follow[:] = following(4 / np.pi * swirl.flow / (hole**2 - outer**2), outer, hole)
 
-    def _present_flow(self, state) -> FloatArray:
-        """(nc,) flow rates in the local elements [m3/s]."""
-        flow = np.zeros(len(self._part.cells))
-        for b in self._blocks:
-            flow[b.points] = state.x[state.index_of(b)[:, -1]]
-        return flow
+    def _present_flow(self, state) -> tuple[IntArray, FloatArray]:
+        """Places (nc,) of the flow rates of the local elements in an array of values [m3/s], -1 for none; that array."""
+        if self._flow_at is None:
+            self._flow_at = np.full(len(self._part.cells), -1, dtype=np.int32)
+            for b in self._blocks:
+                self._flow_at[b.points] = state.index_of(b)[:, -1]
+        return self._flow_at, state.x
 
     def accept(self, t, state) -> None:
         """Update the hole to the string's position after an accepted step."""

@@ -15,6 +15,7 @@ import numpy as np
 from drillpetsc.arrays import FloatArray
 from drillpetsc.fem.component import ElementBlock, Energies, Field, Powers
 from drillpetsc.geometry.growing_hole import GrowingHole
+from drillpetsc.geometry.well import Well
 from drillpetsc.kernels.parameters import Parameters, Table, columns, constant
 from drillpetsc.physics.flow_interfaces import Nozzle
 from drillpetsc.physics.fluid.channel_flow import FluidConstants
@@ -102,6 +103,7 @@ class BitFlow(Nozzle):
         self.has_link, self.has_annulus = end.bore > 0, end.hole > 0
         self.growing = hole if self.has_annulus and held_at is None else None
         self._depth: float | None = None  # measured depth of the node at the last evaluation of the hole [m]
+        self._well: Well | None = None  # that hole
         self._size = end.hole  # area of the hole to which the added mass belongs [m2]
 
     def fields(self) -> tuple[Field, ...]:
@@ -239,10 +241,11 @@ class BitFlow(Nozzle):
             return
         node = int(block.points[0])
         depth = around.depth.item(node)
-        if (
-            keep and depth == self._depth and self.growing is None
-        ):  # then the direction of the hole has not changed either
+        well = around.current_well()
+        # then the direction of the hole has not changed either
+        if keep and depth == self._depth and (self.growing is None or well is self._well):
             return
+        self._well = well
         p, x = block.named, state.x[state.index_of(block)[0]]
         end, axis, distance = self._lower_end(x, depth, p["face"][0])
         if depth == self._depth and np.array_equal(axis, p["axis"][0]):

@@ -14,10 +14,12 @@ import numpy as np
 from drillpetsc.arrays import FloatArray
 from drillpetsc.fem.component import Component, ElementBlock, Energies, Powers
 from drillpetsc.geometry.well import Well
+from drillpetsc.kernels import function, pointer
 from drillpetsc.kernels.parameters import Parameters, columns
-from drillpetsc.physics.fluid.swirl import Swirl
+from drillpetsc.physics.fluid.swirl import MeanSpins, Swirl
 from drillpetsc.physics.rigid_bodies import VERTEX_SLOTS, local_vertices
 
+_axes = function("mud_item_axes", "pipppp")
 RESULTS = columns("mud_item_results")
 SIZE = len(RESULTS.names)
 
@@ -61,6 +63,7 @@ class MudItems(Component):
     def blocks(self, part) -> tuple[ElementBlock, ...]:
         self._chosen, self._vertices = local_vertices(part, np.array([q.node for q in self.items]))
         self._count = len(part.vertices)
+        self._segments = np.full(len(self._vertices), -1, dtype=np.int32)  # of the hole, at the last search
         here = [self.items[k] for k in self._chosen]
         params = Parameters(
             "mud_item",
@@ -79,6 +82,7 @@ class MudItems(Component):
         if any(q.share for q in self.items):
             self._swirl = Swirl(np.array([q.share for q in here]))
             self._swirl.attach(self._block, rows=np.arange(len(here)))
+            self._spins = MeanSpins(np.column_stack([self._vertices, self._vertices]))
         return (self._block,)
 
     # ------------------------------------------------------------------ hole and swirl
@@ -99,17 +103,12 @@ class MudItems(Component):
         if self._swirl is not None:
             self._swirl.accept(t, self._spins(state))
 
-    def _spins(self, state) -> FloatArray:
-        return np.asarray(state.y[state.dofs_of("string.spin")][self._vertices, 0])
-
     def _locate(self, state) -> None:
         if not len(self._vertices):
             return
-        r, v = (state.x[state.dofs_of(f"string.{n}")][self._vertices] for n in ("position", "tangent"))
-        p = self._block.named
-        middle = r + v / np.linalg.norm(v, axis=1)[:, None] * p["arm"][:, None]
-        found = self.current_well().project(middle)
-        p["axis"], p["tangent"] = middle - found.offset, found.tangent
+        packed, index = self.current_well().packed(), state.index_of(self._block)
+        at = pointer(index), pointer(state.x), pointer(self._block.params), pointer(self._segments)
+        _axes(pointer(packed), len(index), *at)
 
     # ------------------------------------------------------------------ energy
     def energies(self, t: float, state) -> Energies:

@@ -20,6 +20,7 @@ api     power law only, Baker Hughes, Drilling Fluids Reference Manual (2006), p
 number, f = 16/Re in a
         pipe, 24/Re in an annulus, a/Re^b above 4270-1370n, a straight line from 3470-1370n; the two kinks are
         rounded within 40 in Re (the values outside do not change).
+python  tau_lam of a flow curve that is a function of the user, from its integrated profile; transition and turbulence as blend.
 exact   tau_lam from the integrated profile of the pipe (Rabinowitsch, Buckingham) or of the slot; transition
 and turbulence as blend.
 
@@ -36,15 +37,17 @@ from numpy.typing import ArrayLike, NDArray
 
 from drillpetsc.kernels import function, pointer
 from drillpetsc.kernels.parameters import columns
+from drillpetsc.physics.fluid.own_rheology import FlowCurve
 
 Array = NDArray[np.float64]
 
-MODELS = ("newtonian", "bingham", "power_law", "casson", "herschel_bulkley")
+MODELS = ("newtonian", "bingham", "power_law", "casson", "herschel_bulkley", "python")
 LAWS = columns("friction_law").names
 _KINDS = columns("rheology_kind")
 
 _size = function("rheology_size", "", int)
 _pack = function("rheology_pack", "iiddddp")
+_own_curve = function("rheology_own_curve", "pp")
 _wall_shear = function("rheology_wall_shear", "pipppppp")
 
 
@@ -56,6 +59,8 @@ class Rheology:
     consistency: K [Pa s^n]; with n = 1 the viscosity or plastic viscosity [Pa s].
     index: n [-]; yield_stress: [Pa].
     shear_rate_eps: shear rate below which stresses go smoothly to zero [1/s].
+    curve: flow curve of the user (``own_rheology.flow_curve``), None for the models with a formula; consistency and index are then
+    those of turbulence.
 
     Raises ValueError for combinations that no kernel can evaluate.
     """
@@ -66,6 +71,7 @@ class Rheology:
     index: float = 1.0
     yield_stress: float = 0.0
     shear_rate_eps: float = 1.0
+    curve: FlowCurve | None = field(default=None, compare=False)
     _parameters: Array = field(init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:
@@ -90,7 +96,7 @@ class Rheology:
         if self.law == "api" and self.model not in ("newtonian", "power_law"):
             raise ValueError("rheology: the law api is for a power law")
         packed = np.zeros(_size())
-        kind = _KINDS["casson" if self.model == "casson" else "herschel_bulkley"]
+        kind = _KINDS[{"casson": "casson", "python": "own"}.get(self.model, "herschel_bulkley")]
         _pack(
             kind,
             LAWS.index(self.law),
@@ -100,6 +106,8 @@ class Rheology:
             self.shear_rate_eps,
             pointer(packed),
         )
+        if self.curve is not None:
+            _own_curve(pointer(packed), pointer(self.curve.table))
         packed.setflags(write=False)
         object.__setattr__(self, "_parameters", packed)
 
@@ -148,6 +156,8 @@ class Rheology:
     def apparent_viscosity(self, shear_rate: ArrayLike) -> Array:
         """Compute stress over shear rate (n,) [Pa s] at shear_rate (n,) [1/s], smoothed below shear_rate_eps."""
         rate = np.hypot(np.asarray(shear_rate, dtype=float), self.shear_rate_eps)
+        if self.curve is not None:
+            return self.curve.stress(rate) / rate
         if self.model == "casson":
             return (np.sqrt(self.yield_stress / rate) + np.sqrt(self.consistency)) ** 2
         return self.yield_stress / rate + self.consistency * rate ** (self.index - 1)

@@ -11,7 +11,9 @@ extrapolated linearly.
 
 from __future__ import annotations
 
+import ctypes
 from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 
@@ -21,6 +23,8 @@ from drillpetsc.kernels import function, pointer
 from drillpetsc.kernels.parameters import columns
 
 _at, _set_parameters = function("swirl_at", "idp"), function("swirl_parameters", "ipipipip")
+_accept, _mean_spins = function("swirl_accept", "idpp"), function("mean_spins", "ippp")
+_following_is_old = function("following_is_old", "ippppd", ctypes.c_int)
 _ROWS = columns("swirl_rows")  # of the state of all elements
 _NAMES = "share", "swirl", "swirl_rate", "spin_rate"  # of the parameters
 OTHER_FLOW = 0.02  # relative change of the flow after which the rates of following are recomputed
@@ -33,6 +37,23 @@ def steady_share(outer_diameter: FloatArray, hole_diameter: FloatArray) -> Float
     """
     inner, outer = outer_diameter**2, hole_diameter**2
     return np.asarray(inner / (inner + outer))
+
+
+class MeanSpins:
+    """Mean spins of the string between pairs of nodes.  nodes: (n, 2) local numbers."""
+
+    def __init__(self, nodes: np.ndarray) -> None:
+        self._nodes, self._out = nodes, np.zeros(len(nodes))
+        self._places: np.ndarray | None = None  # of the spins in the rates
+        self._out_at = pointer(self._out)
+
+    def __call__(self, state: Any) -> FloatArray:
+        """(n,) [rad/s] at the assembly's rates; the next call overwrites them."""
+        dofs = state.dofs_of("string.spin")
+        if self._places is None:
+            self._places = np.ascontiguousarray(dofs[self._nodes, 0], dtype=np.int32)
+        _mean_spins(len(self._out), pointer(self._places), pointer(state.y), self._out_at)
+        return self._out
 
 
 class Swirl:
@@ -111,12 +132,19 @@ class Swirl:
         if self._start is None:
             return self.start(t, spin)
         step = t - self._start
+        _accept(self._count, step, pointer(spin), self._state_at)
         if step > 0.0:  # not at the start of a continued run
-            self.swirl[:], _ = self.at(t)
-            self.trend[:], self._start = (spin - self.spin) / step, t
-        self.spin[:] = spin
+            self._start = t
         self._write(t)
         return None
+
+    def follows_other_flow(self, places: np.ndarray, x: FloatArray, limit: float) -> bool:
+        """Whether ``follow`` is not known, or a flow has changed since by more than ``limit`` [m3/s].
+
+        places: (n,) of the flows in the unknowns x, int32, -1 for none.
+        """
+        here = pointer(places), pointer(x), pointer(self.flow)
+        return bool(_following_is_old(self._count, *here, self._state_at, limit))
 
     def at(self, t: float) -> tuple[FloatArray, FloatArray]:
         """Swirl (n,) [rad/s] and its rate (n,) [rad/s2] at ``t`` [s], the spins going on along their trends.
@@ -137,8 +165,6 @@ class Swirl:
 
     def set_state(self, saved: FloatArray) -> None:
         """Continue from the result of ``get_state``."""
-        self.spin[:], self.swirl[:], self.trend[:], self.follow[:], self.flow, time = np.array(
-            saved.T, order="C"
-        )
+        self.spin[:], self.swirl[:], self.trend[:], self.follow[:], self.flow[:], time = saved.T
         self._start = float(time[0]) if len(time) and not np.isnan(time[0]) else None
         self._written = np.nan

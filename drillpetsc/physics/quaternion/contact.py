@@ -50,6 +50,7 @@ class QuaternionContact(Contact):
                     params.array,
                     context=self._context(len(chosen), ends),
                     component="contact",
+                    update=self._update,
                 )
             )
         self._blocks += self._on_items(part)

@@ -38,6 +38,7 @@ from drillpetsc.plotting.command.frequency import (
 from drillpetsc.plotting.command.hydraulics import hydraulics_drawers, units_of
 from drillpetsc.plotting.command.limits import limits_drawers
 from drillpetsc.plotting.command.modes import draw_modes
+from drillpetsc.plotting.command.sensitivities import sensitivity_drawers
 from drillpetsc.plotting.command.sweep import draw_sweep
 from drillpetsc.plotting.command.top_drive import draw_reflection
 from drillpetsc.plotting.command.torque_drag import torque_drag_drawers
@@ -199,6 +200,7 @@ def _drawers(folder: RunFolder, units: System | None) -> dict[str, Callable[[], 
     drawers |= hydraulics_drawers(folder.path, title, system)
     drawers |= torque_drag_drawers(folder.path, title, system)
     drawers |= limits_drawers(folder.path, title, system)
+    drawers |= sensitivity_drawers(folder.path, title, system)
     if folder.trajectory.exists():
         path, drilled = (
             read_table(folder.trajectory),

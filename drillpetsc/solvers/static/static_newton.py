@@ -381,8 +381,38 @@ class StaticNewton:
         way -= with_top
         return self.sum(float(self._pull()[self._owned] @ way[self._owned]))
 
-    def _bring_to_depth(self, p: FloatArray) -> tuple[float, FloatArray]:
+    def missing_depth(self) -> float:
+        """Distance [m] from the depth of the bit to that of the requested weight on bit; 0 without a request; collective."""
+        if self.depth is None:
+            return 0.0
+        depth, _, target = self.depth(self.system)
+        return target - self.sum(depth)
+
+    def gradient(self) -> FloatArray:
+        """Gradient (n,) of the energy at x with the errors of the prescribed components, zero at an equilibrium; collective."""
+        return self._with_constraints(self._gradient(self.rows()))
+
+    def factor_here(self) -> None:
+        """Factor the stiffness at x; collective.  Raises SolveError if it is singular."""
+        self._stiffness()
+        self._factor()
+
+    def step_for(self, source: FloatArray, missing: float) -> tuple[FloatArray, float]:
+        """Solve for the step (n,) that changes ``gradient`` by ``source`` (n,), and the depth by ``missing`` [m]; collective.
+
+        Returns the step, and the motion of the top in it [m].
+        """
+        p = np.zeros(self.system.layout.size)
+        self.factor.solve(source, p)
+        if self.depth is None:
+            return p, 0.0
+        move, with_top = self._bring_to_depth(p, missing)
+        return p + with_top, move
+
+    def _bring_to_depth(self, p: FloatArray, missing: float | None = None) -> tuple[float, FloatArray]:
         """Compute the motion of the top that brings the bit to its depth beside the step ``p`` (n,) (manual: eq-statics-wob).
+
+        missing: way to that depth [m], by default from the present one.
 
         Returns the motion of the top [m], and the step (n,) that belongs to it.  Raises SolveError if the top does not
         move the bit.
@@ -392,7 +422,8 @@ class StaticNewton:
         self.factor.solve(-self._gradient(system.sum_local(self._by_top)), s)
         if self._top_rows is not None:
             s[self._top_rows.rows] += self._advance(self._top_rows)
-        depth, gradient, target = self.depth(system)  # type: ignore[misc]
+        _, gradient, _ = self.depth(system)  # type: ignore[misc]
+        missing = self.missing_depth() if missing is None else missing
         by_step = self.sum(float(gradient[self._owned] @ p[self._owned]))
         by_top = self.sum(float(gradient[self._owned] @ s[self._owned]))
         if abs(by_top) < 1e-12:
@@ -400,7 +431,7 @@ class StaticNewton:
                 "the top's position does not reach the bit",
                 hint="wob needs a top with a prescribed axial position",
             )
-        move = (target - self.sum(depth) - by_step) / by_top
+        move = (missing - by_step) / by_top
         return move, move * s
 
     def newton(

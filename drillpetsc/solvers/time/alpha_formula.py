@@ -10,8 +10,8 @@ Hulbert, Comput. Methods Appl. Mech. Eng. 190 (2000) 305 (first-order rows).
 from __future__ import annotations
 
 import ctypes
-from copy import copy
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -21,8 +21,7 @@ from drillpetsc.kernels.parameters import columns, structure
 
 _AlphaCall = structure("alpha_call")
 _alpha_begin = function("alpha_begin", "ppddddppp")
-_alpha_advance = function("alpha_advance", "ppddpppp")
-_alpha_error = function("alpha_error", "ppdpdp")
+_alpha_advance = function("alpha_advance", "ppddppppp")
 _third_difference_weights = function("third_difference_weights", "dpp")
 
 #: arrays of ``AlphaHistory``, in the order of its values
@@ -44,42 +43,42 @@ class AlphaFormula:
         if not 0.0 <= self.radius <= 1.0:
             raise ValueError(f"spectral radius {self.radius:g} is not from 0 to 1")
 
-    @property
+    @cached_property
     def mean_mass(self) -> float:
         """Weight of the earlier algorithmic acceleration."""
         return (2 * self.radius - 1) / (1 + self.radius)
 
-    @property
+    @cached_property
     def mean_force(self) -> float:
         """Weight of the earlier true acceleration, and of the earlier rate of first-order unknowns."""
         return self.radius / (1 + self.radius)
 
-    @property
+    @cached_property
     def gamma(self) -> float:
         """Weight of the later acceleration in the velocity; 1/2 + shift of the acceleration gives order 2."""
         return 0.5 - self.mean_mass + self.mean_force
 
-    @property
+    @cached_property
     def beta(self) -> float:
         """Weight of the later acceleration in the position."""
         return 0.25 * (1 - self.mean_mass + self.mean_force) ** 2
 
-    @property
+    @cached_property
     def mean_rate(self) -> float:
         """Weight of the earlier algorithmic rate of first-order unknowns."""
         return (3 * self.radius - 1) / (2 * (1 + self.radius))
 
-    @property
+    @cached_property
     def gamma_rate(self) -> float:
         """Weight of the later algorithmic rate in a first-order unknown."""
         return 0.5 - self.mean_rate + self.mean_force
 
-    @property
+    @cached_property
     def lead(self) -> float:
         """Time by which an algorithmic acceleration is ahead of its step's end, as a fraction of the step."""
         return self.mean_mass - self.mean_force
 
-    @property
+    @cached_property
     def lead_rate(self) -> float:
         """The same for the algorithmic rate of first-order unknowns."""
         return self.mean_rate - self.mean_force
@@ -214,7 +213,8 @@ class AlphaHistory:
 
     begun: whether it has a state.
     step: length of the last step [s]; 0 before the first one, when ``ax`` and ``ay`` do not lead.
-    arrays: views (n,) of the rows of ``values``:
+    error: (n,) local error of the step that ``advance`` tried last (manual: eq-time-alpha-error).
+    arrays: views (n,) of the rows of ``values`` by name:
     x, y: unknowns and the rates that the equations contain.
     w: true accelerations.
     rate, second: first and second derivative of x by the formula.  They are y and w, but for spin angles,
@@ -228,57 +228,69 @@ class AlphaHistory:
         self.formula, self.second_order = formula, second_order
         self._mask = np.ascontiguousarray(second_order, dtype=np.int8)
         position, rate = formula.error_constants
+        n = len(second_order)
         self._call = _AlphaCall(
             second_order=pointer(self._mask), gamma=formula.gamma, beta=formula.beta, mean_mass=formula.mean_mass,
             mean_force=formula.mean_force, mean_rate=formula.mean_rate, gamma_rate=formula.gamma_rate, lead=formula.lead,
-            lead_rate=formula.lead_rate, position_error=position, rate_error=rate, n=len(second_order),
+            lead_rate=formula.lead_rate, position_error=position, rate_error=rate, n=n,
         )  # fmt: skip
         self._at = ctypes.addressof(self._call)
-        self.begun, self.step, self.values = False, 0.0, np.zeros((len(ARRAYS), len(second_order)))
+        self.begun, self.step, self.error = False, 0.0, np.zeros(n)
+        self._error_at = pointer(self.error)
+        # a step is tried beside the history, and an accepted one takes its place: no step allocates memory
+        self.values, self._later, self._later_step = (
+            np.zeros((len(ARRAYS), n)),
+            np.zeros((len(ARRAYS), n)),
+            0.0,
+        )
+        self.arrays, self._later_arrays = _by_name(self.values), _by_name(self._later)
+        self._values_at, self._later_at = pointer(self.values), pointer(self._later)
 
-    def with_values(self, step: float, values: FloatArray) -> AlphaHistory:
-        """Return a history of the same unknowns with other ``values`` (len(ARRAYS), n), which it takes over.
-
-        step: the last one [s].
-        """
-        other = copy(self)
-        other.begun, other.step, other.values = True, step, values
-        return other
-
-    @property
-    def arrays(self) -> dict[str, FloatArray]:
-        """The rows of ``values`` by name."""
-        return dict(zip(ARRAYS, self.values, strict=True))
+    def restore(self, step: float, values: FloatArray) -> None:
+        """Continue with the ``values`` (len(ARRAYS), n) of another history, whose last step was ``step`` [s]."""
+        self.begun, self.step, self.values[:] = True, step, values
 
     def start(
         self, x: FloatArray, y: FloatArray, w: FloatArray, rate: FloatArray, second: FloatArray
     ) -> None:
         """Begin at a state (n,), consistent with the equations: y of a first-order unknown is its rate."""
-        two = self.second_order
-        self.begun, self.step, self.values = True, 0.0, np.zeros((len(ARRAYS), len(x)))
-        q = self.arrays
+        two, q = self.second_order, self.arrays
+        self.begun, self.step, self.values[:] = True, 0.0, 0.0
         q["x"][:], q["y"][:], q["w"][:] = x, y, np.where(two, w, 0.0)
         q["rate"][:], q["second"][:] = np.where(two, rate, 0.0), np.where(two, second, 0.0)
-        # without earlier steps there is no derivative by which they could lead; see ``begun_with``
+        # without earlier steps there is no derivative by which they could lead; see ``lead_by_trial``
         q["ax"][:], q["ay"][:] = np.where(two, second, y), np.where(two, w, 0.0)
 
-    def begin(self, step: float) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Return v0 and v1 of y = shift x + v0 (without transport) and a = second shift y + v1, and a first guess of x.
+    def begin(self, step: float, v0: int, v1: int, x: int) -> None:
+        """Write v0 and v1 of y = shift x + v0 (without transport) and a = second shift y + v1, and a first guess of x.
 
-        In the guess the true acceleration stays, or the algorithmic rate.  step: [s].
+        In the guess the true acceleration stays, or the algorithmic rate.  step: [s]; v0, v1, x: addresses of arrays (n,).
         """
-        out = np.empty((3, self.values.shape[1]))
-        v0, row = pointer(out), 8 * out.shape[1]
         shifts = self.formula.shifts(step)
-        _alpha_begin(self._at, pointer(self.values), self.step, step, *shifts, v0, v0 + row, v0 + 2 * row)
-        return out[0], out[1], out[2]
+        _alpha_begin(self._at, self._values_at, self.step, step, *shifts, v0, v1, x)
 
-    def advanced(self, step: float, x: FloatArray, y: FloatArray, w: FloatArray) -> AlphaHistory:
-        """Return the history after a ``step`` [s] to the state x, y, w (n,)."""
-        out = np.empty_like(self.values)
-        state = pointer(x), pointer(y), pointer(w)
-        _alpha_advance(self._at, pointer(self.values), self.step, step, *state, pointer(out))
-        return self.with_values(step, out)
+    def advance(self, step: float, x: int, y: int, w: int) -> None:
+        """Try a ``step`` [s] to the state at the addresses x, y, w of arrays (n,): ``error`` is its local error.
+
+        ``accept`` takes it.
+        """
+        self._later_step = step
+        _alpha_advance(self._at, self._values_at, self.step, step, x, y, w, self._later_at, self._error_at)
+
+    def accept(self) -> None:
+        """Go on to the end of the step that ``advance`` tried last."""
+        self.values, self._later = self._later, self.values
+        self._values_at, self._later_at = self._later_at, self._values_at
+        self.arrays, self._later_arrays = self._later_arrays, self.arrays
+        self.step = self._later_step
+
+    def lead_by_trial(self) -> None:
+        """Take the derivatives of a first step, which ``advance`` has tried, to a start: the step is then repeated.
+
+        They shift the algorithmic accelerations of the first step to their lead.
+        """
+        for key in ("dw", "dsecond", "du"):
+            self.arrays[key][:] = self._later_arrays[key]
 
     def jump(self, change: FloatArray, second: FloatArray) -> None:
         """Let true accelerations and rates of first-order unknowns jump by ``change`` (n,), where a force does.
@@ -293,18 +305,6 @@ class AlphaHistory:
         q["ax"] += np.where(two, second, change)
         q["y"] += np.where(two, 0.0, change)
 
-    def begun_with(self, trial: AlphaHistory) -> AlphaHistory:
-        """Return this history at a start, with the derivatives of a ``trial`` first step.
 
-        They shift the algorithmic accelerations of the first step to their lead.
-        """
-        begun = self.with_values(self.step, self.values.copy())
-        for key in ("dw", "dsecond", "du"):
-            begun.arrays[key][:] = trial.arrays[key]
-        return begun
-
-    def local_error(self, later: AlphaHistory) -> FloatArray:
-        """Return the local error (n,) of the step that led to ``later`` (manual: eq-time-alpha-error)."""
-        e = np.empty(self.values.shape[1])
-        _alpha_error(self._at, pointer(self.values), self.step, pointer(later.values), later.step, pointer(e))
-        return e
+def _by_name(values: FloatArray) -> dict[str, FloatArray]:
+    return dict(zip(ARRAYS, values, strict=True))

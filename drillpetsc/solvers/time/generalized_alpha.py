@@ -6,12 +6,15 @@ integrator therefore takes its steps itself.  It has the interface of ``TimeInte
 
 from __future__ import annotations
 
+from math import isfinite, log2, sqrt
+
 import numpy as np
 from petsc4py import PETSc
 
 from drillpetsc import petsc_compat
 from drillpetsc.arrays import FloatArray
 from drillpetsc.errors import OptionError, SolveError
+from drillpetsc.kernels import function, pointer
 from drillpetsc.kernels.denormals import flushed_denormals
 from drillpetsc.parallel import total
 from drillpetsc.solvers.time.alpha_formula import (
@@ -37,6 +40,7 @@ from drillpetsc.solvers.time.time_integrator import (
     TimeIntegrator,
 )
 
+_error_over_tolerance = function("error_over_tolerance", "ipppp")
 NAMES = ("alpha2", "genalpha")  # of -ts_type
 RADIUS = 0.8  # default of -ts_alpha_radius
 FAILURE_FACTOR = 0.25  # of the step after Newton has failed
@@ -48,6 +52,26 @@ STRETCH = 1e-3  # the last step may be longer by this fraction instead of being 
 #: steps are counted in classes of a quarter of an octave, the first one of 2^-40 s
 CLASSES_PER_OCTAVE, FIRST_OCTAVE, CLASSES = 4, -40, 4 * 64
 REFRAME_INTERVAL = 4  # steps between two checks of the reference directions
+
+
+class _Controlled:
+    """Owned unknowns with error control.  rows: (m,) of the local unknowns; tolerance: (m,) of each [SI]."""
+
+    def __init__(self, rows: np.ndarray, tolerance: FloatArray) -> None:
+        self._rows, self._tolerance = (
+            np.ascontiguousarray(rows, dtype=np.int32),
+            np.ascontiguousarray(tolerance),
+        )
+        self._shares = np.zeros(len(rows))
+        self._head, self._tail = (
+            (len(rows), pointer(self._rows)),
+            (pointer(self._tolerance), pointer(self._shares)),
+        )
+
+    def squares(self, error: FloatArray) -> float:
+        """Sum of the squares of the local ``error`` (n,) over the tolerances [-]."""
+        _error_over_tolerance(*self._head, pointer(error), *self._tail)
+        return float(self._shares.dot(self._shares))
 
 
 class GeneralizedAlpha(TimeIntegrator):
@@ -114,8 +138,8 @@ class GeneralizedAlpha(TimeIntegrator):
         for key in set(self.options) - given:
             options.delValue(key)
 
-    def _row_tolerances(self) -> dict[bool, tuple[np.ndarray, FloatArray]]:
-        """Owned unknowns with error control and their tolerances; by whether the mud has none."""
+    def _row_tolerances(self) -> dict[bool, _Controlled]:
+        """Owned unknowns with error control; by whether the mud has none."""
         layout, owned = self.system.layout, self.system.layout.local_of_owned
         found = {}
         for masked in (False, True):
@@ -126,23 +150,29 @@ class GeneralizedAlpha(TimeIntegrator):
                 ]
             )
             rows = owned[judged[layout.field_of[owned]]]
-            found[masked] = rows, self.tolerance * self.system.scale[rows]
+            found[masked] = _Controlled(rows, self.tolerance * self.system.scale[rows])
         return found
 
+    @property
+    def next_step(self) -> float:
+        """``TimeIntegrator.next_step``."""
+        return self._next_step
+
     # ------------------------------------------------------------------ one step
-    def _solve_step(self, t: float, h: float) -> tuple[int, AlphaHistory | None]:
-        """Solve the step of length ``h`` [s] that ends at ``t`` [s]: reason, and the history after it."""
-        asm, n = self.system.assembly, self.system.layout.size
-        asm.v0[:n], asm.v1[:n], asm.x[:n] = self.alpha.begin(h)
+    def _solve_step(self, t: float, h: float) -> int:
+        """Solve the step of length ``h`` [s] that ends at ``t`` [s], which is then tried in the history: reason, negative without a solution."""
+        asm = self.system.assembly
+        x, y, a, _ = asm.state_at
+        self.alpha.begin(h, *asm.history_at, x)
         self._t = self.input_time(t)
         for call in self.before_solve:
             call(self._t)
         reason = self.newton.solve(self._t, *self.formula.shifts(h))
-        if reason < 0:
-            return reason, None
-        for component in self._restoring:
-            component.restore_constraints(asm)
-        return reason, self.alpha.advanced(h, asm.x[:n], asm.y[:n], asm.a[:n])
+        if reason >= 0:
+            for component in self._restoring:
+                component.restore_constraints(asm)
+            self.alpha.advance(h, x, y, a)
+        return reason
 
     def _load(self) -> None:
         """Put the state at the start of the step back into the assembly."""
@@ -150,12 +180,10 @@ class GeneralizedAlpha(TimeIntegrator):
         q = self.alpha.arrays
         asm.x[:n], asm.y[:n], asm.a[:n] = q["x"], q["y"], q["w"]
 
-    def _error(self, later: AlphaHistory) -> float:
-        """Return the weighted norm of the step's local error; 1 is the tolerance; collective."""
-        rows, tolerance = self._tolerances[self._mud_masked]
-        share = self.alpha.local_error(later)[rows] / tolerance
-        squares = float(share @ share)
-        return float(np.sqrt(total(self.system.comm, squares) / self._rows))
+    def _error(self) -> float:
+        """Return the weighted norm of the local error of the step that was tried; 1 is the tolerance; collective."""
+        squares = self._tolerances[self._mud_masked].squares(self.alpha.error)
+        return sqrt(total(self.system.comm, squares) / self._rows)
 
     def _step(self, t: float, h: float, stop: float) -> tuple[float, float]:
         """Take one step from ``t`` [s], of about ``h`` [s], not beyond ``stop`` [s].
@@ -171,12 +199,12 @@ class GeneralizedAlpha(TimeIntegrator):
             elif left < 2 * h and not self._fixed:
                 h = 0.5 * left
             end = stop if h == left else t + h
-            reason, later = self._solve_step(end, h)
-            if later is not None and self.alpha.step == 0.0:
+            reason = self._solve_step(end, h)
+            if reason >= 0 and self.alpha.step == 0.0:
                 # the first step gives the derivative by which a_0 leads, and is then repeated
-                self.alpha = self.alpha.begun_with(later)
-                reason, later = self._solve_step(end, h)
-            if later is None:
+                self.alpha.lead_by_trial()
+                reason = self._solve_step(end, h)
+            if reason < 0:
                 h = self._after_failure(reason, t, h)
                 rejected += 1
                 continue
@@ -186,17 +214,17 @@ class GeneralizedAlpha(TimeIntegrator):
                 self.counters.rejected += 1
                 self._load()
                 continue
-            error = 0.0 if self._fixed else self._error(later)
+            error = 0.0 if self._fixed else self._error()
             if error <= 1.0 or h <= self.shortest:
                 break
             rejected += 1
             self.counters.rejected += 1
             self._load()
-            if not np.isfinite(error) or rejected > self.max_rejections:
+            if not isfinite(error) or rejected > self.max_rejections:
                 raise self.failure(f"the time integrator stopped: {rejected} rejected steps in a row")
             safety = self.safety * (REPEATED if rejected > 1 else 1.0)
             h = max(self.shortest, h * max(self.clip[0], min(self.safety, safety * error ** (-1 / 3))))
-        self.alpha = later
+        self.alpha.accept()
         factor = 1.0
         if not self._fixed:
             now = max(error, SMALLEST_ERROR)
@@ -208,9 +236,6 @@ class GeneralizedAlpha(TimeIntegrator):
         if self._fixed:
             self._next_step = min(self.first_step, 2 * h) if rejected else self.first_step
         self._finish(end)
-        # the limit by whirl is for the contacts of the accepted state (manual: sec-time-choice)
-        if self.step_limit is not None and not self._fixed:
-            self._next_step = min(self._next_step, self.step_limit())
         return end, self._next_step
 
     def _after_failure(self, reason: int, t: float, h: float) -> float:
@@ -231,15 +256,19 @@ class GeneralizedAlpha(TimeIntegrator):
         self._last = t
         self.counters.steps += 1
         self._step_number += 1
-        k = int((np.log2(dt) - FIRST_OCTAVE) * CLASSES_PER_OCTAVE)
+        k = int((log2(dt) - FIRST_OCTAVE) * CLASSES_PER_OCTAVE)
         self._step_time[:, min(max(k, 0), CLASSES - 1)] += dt, dt * dt
         if self._monitored:
             print(f"{self.counters.steps} TS dt {dt:g} time {t:g}", flush=True)
         self.system.accept(t)
-        if self.work is not None:
-            self.work.after_step(t, dt, self.newton.last_rows(), self.input_time(t), self.jumped)
-        for call in self.after_step:
-            call(t, dt)
+        with self.system.assembly.unchanged():  # results of the step are shared by all that follows
+            if self.work is not None:
+                self.work.after_step(t, dt, self.newton.last_rows(), self.input_time(t), self.jumped)
+            for call in self.after_step:
+                call(t, dt)
+            # the limit by whirl is for the contacts of the accepted state (manual: sec-time-choice)
+            if self.step_limit is not None and not self._fixed:
+                self._next_step = min(self._next_step, self.step_limit())
         self._steps_over_jump, self.fresh = max(0, self._steps_over_jump - 1), False
         # after the jump the mud has error control again
         self._mud_masked = self._mud_masked and self._steps_over_jump > 0
@@ -448,7 +477,7 @@ class GeneralizedAlpha(TimeIntegrator):
         self._step_time = np.array(state["alpha_steps"])
         empty = np.zeros(n)
         values = np.array([local(self.system, row, empty) for row in state["alpha"]])
-        self.alpha = self.alpha.with_values(float(clock[1]), values)
+        self.alpha.restore(float(clock[1]), values)
         if at_break:  # the formula starts from the assembly's state, in which others than the checkpoint's may have begun
             self.system.assembly.a[:n] = self.alpha.arrays["w"]
         else:

@@ -246,6 +246,11 @@ class TimeIntegrator:
         vector.assemble()
         return vector
 
+    @property
+    def next_step(self) -> float:
+        """Length of the step that follows an accepted one [s], if it is neither rejected nor shortened; for use in ``after_step``."""
+        return self.ts.getTimeStep()
+
     def input_time(self, t: float) -> float:
         """Return the time [s] at which inputs are evaluated for a step to ``t`` [s].
 

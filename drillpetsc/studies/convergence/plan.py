@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from drillpetsc.analysis.motion.integrator_choice import is_alpha
-from drillpetsc.case import Case, case_from_data, override, read_case_file
+from drillpetsc.case import Case, case_from_data, data_of_case, override
 from drillpetsc.case.blocks.items.string import Flexible
 from drillpetsc.errors import CaseError
 
@@ -120,15 +120,14 @@ class Base:
 
 
 def read_base(
-    path: str | Path,
+    case: Case | str | Path,
     options: Options,
     changes: Sequence[str] = (),
     steps: Sequence[str] = (),
     tolerances: Sequence[str] = (),
 ) -> Base:
     """Read the case file of a study; raises CaseError for a case that cannot run."""
-    path = Path(path)
-    data, lines = read_case_file(path)
+    path, data, lines = data_of_case(case)
     for change in changes:
         data = override(data, change)
     case = case_from_data(data, path, lines)

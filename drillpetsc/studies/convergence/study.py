@@ -19,6 +19,7 @@ import numpy as np
 from petsc4py import PETSc
 
 from drillpetsc.analysis.linear.linearise import refuse_unknown
+from drillpetsc.case import Case
 from drillpetsc.errors import CaseError
 from drillpetsc.model.drilling_model import build_model
 from drillpetsc.output import RunFolder
@@ -72,7 +73,7 @@ class StudyResult:
 class StudyRequest:
     """The runs and comparisons of a study.
 
-    case: path of the case file.
+    case: a Case, or the path of a case file.
     vary: the one thing that varies (VARIED); or
     curves: names of the curves (an empty list for DEFAULT_CURVES).
     values: values along the curve, or names of the curves.
@@ -88,7 +89,7 @@ class StudyRequest:
     changes: `key=value` of the case file, for every run.
     """
 
-    case: str | Path
+    case: Case | str | Path
     vary: str | None = None
     curves: Sequence[str] | None = None
     values: Sequence[str | float] = ()
@@ -117,7 +118,7 @@ class StudyRequest:
 
 
 def study(
-    case: str | Path,
+    case: Case | str | Path,
     vary: str | None = None,
     curves: Sequence[str] | None = None,
     *,
@@ -126,7 +127,7 @@ def study(
     say: Callable[[str], None] | None = None,
     **settings: Any,
 ) -> StudyResult:
-    """Run the study of a case file; ``settings`` are the other fields of StudyRequest. See ``run_study``."""
+    """Run the study of a case; ``settings`` are the other fields of StudyRequest. See ``run_study``."""
     return run_study(StudyRequest(case, vary, curves, **settings), run=run, exact=exact, say=say)
 
 
@@ -154,7 +155,7 @@ def run_study(
         [str(v) for v in request.tolerances],
     )
     _refuse_invalid(request, base)
-    folder = _folder(request)
+    folder = _folder(request, base.path.stem)
     runs = StudyRuns(base, folder, request.limit, run, request.restart, report)
     runs = replace(runs, base=_with_pilot(runs))
     points = _points(request, runs.base, request.few)
@@ -215,10 +216,10 @@ def _points(request: StudyRequest, base: Base, few: bool) -> list[Point]:
     return points
 
 
-def _folder(request: StudyRequest) -> Path:
+def _folder(request: StudyRequest, case: str) -> Path:
     """Create or find the folder of the study."""
     out, overwrite = request.out, request.overwrite
-    name = f"{Path(request.case).stem}-study"
+    name = f"{case}-study"
     try:
         folder = RunFolder.create(name, out, restart=request.restart, overwrite=overwrite).path
         if overwrite:

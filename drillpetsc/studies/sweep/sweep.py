@@ -61,7 +61,7 @@ class SweepResult:
 
 
 def sweep(
-    case: str | Path,
+    case: Case | str | Path,
     values: Mapping[str, Iterable[Any]],
     out: str | Path | None = None,
     *,
@@ -70,10 +70,10 @@ def sweep(
     comm: PETSc.Comm | None = None,
     progress: str | Receiver = "auto",
 ) -> SweepResult:
-    """Simulate every combination of ``values`` of a case file (collective over ``comm``).
+    """Simulate every combination of ``values`` of a case (collective over ``comm``).
 
-    case: path of the case file.
-    values: key of the case file -> values.
+    case: a Case, or the path of a case file.
+    values: key of the case -> values.
     out: folder of the sweep; by default results/<case>-NNN.
     restart: keep members that are done, continue those with a checkpoint, run the others.
     overwrite: replace the results in an existing ``out``.
@@ -89,7 +89,7 @@ def sweep(
         numbers = {key: x for key in v.values if (x := v.number_of(key)) is not None}
         members.append(Member(number, f"member-{number:03d}", v.values, v.case, _elements(v.case), numbers))
     refuse_unread_options(comm, [m.case for m in members])
-    title, name = members[0].case.title, Path(case).stem
+    title, name = members[0].case.title, "case" if isinstance(case, Case) else Path(case).stem
     return _run_all(comm, progress, lambda: plan_sweep(title, name, members, out, restart, overwrite))
 
 

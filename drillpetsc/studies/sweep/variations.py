@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from drillpetsc.case import Case, case_from_data, read_case_file
+from drillpetsc.case import Case, case_from_data, data_of_case
 from drillpetsc.case.case import system_of
 from drillpetsc.case.changes import changed, text_of
 from drillpetsc.case.key_paths import Path as KeyPath
@@ -123,14 +123,13 @@ def split_values(text: str) -> list[str]:
     return [part.strip() for part in parts]
 
 
-def variations(path: str | Path, choices: dict[str, list[str]]) -> list[Variation]:
+def variations(case: Case | str | Path, choices: dict[str, list[str]]) -> list[Variation]:
     """All combinations, the last key varying fastest.
 
     Combinations that differ only inside a block that is off make one member. Raises one CaseError that names
     the keys and values of all errors.
     """
-    path = Path(path)
-    data, lines = read_case_file(path)
+    path, data, lines = data_of_case(case)
     found: list[Variation] = []
     errors: dict[str, CaseError] = {}
     seen: set[tuple[str, ...]] = set()

@@ -7,12 +7,14 @@ import re
 import shutil
 import subprocess
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 import pytest
 
 from drillpetsc import kernels
+from drillpetsc.analysis.commands.check import TERMS
 from drillpetsc.fem.discrete_system import DiscreteSystem
 from drillpetsc.fem.string_mesh import uniform_string
 from drillpetsc.geometry.frames import transported_frames
@@ -117,3 +119,14 @@ def test_the_component_declares_no_hook_of_its_own(damper: Any) -> None:
 
     public = {name for name in vars(damper) if not name.startswith("_")}
     assert public <= set(vars(Component))
+
+
+def test_the_lines_of_model_and_check(damper: Any) -> None:
+    """The line of the model builds a damper at the nearest node; the line of `check` names the component, among pairs of its kind."""
+    mesh = falling(damper(0, DAMPING)).mesh
+    case = SimpleNamespace(dampers=[SimpleNamespace(at=0.6 * LENGTH, damping=DAMPING)])
+    names = {"GroundDamper": damper, "mesh": mesh, "case": case}
+    (built,) = eval("(" + code("add-component-model", "python") + ")", names)
+    assert (built.node, built.damping) == (1, DAMPING)
+    (line,) = eval("(" + code("add-component-check", "python") + ")")
+    assert line[0] == damper.name and {type(q) for pair in (line, *TERMS) for q in pair} == {str}

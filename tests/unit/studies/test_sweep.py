@@ -7,8 +7,10 @@ from pathlib import Path
 
 import pytest
 
+from drillpetsc.case import Case, case_from_data
 from drillpetsc.errors import CaseError
 from drillpetsc.output import read_table
+from drillpetsc.studies.convergence.plan import read_base
 from drillpetsc.studies.sweep.plan import plan_sweep, plan_wells
 from drillpetsc.studies.sweep.table import Action, Member, Outcome, claim, outcomes, store_outcome, write
 from drillpetsc.studies.sweep.variations import choices_from, choices_of, split_values, variations
@@ -269,3 +271,20 @@ def test_the_table_has_the_state_of_each_member(file, tmp_path):
         3,
     }
     assert summary["units"] == {"fluid.density": "kg/m3"}
+
+
+def test_a_case_built_in_python_is_varied_like_its_file() -> None:
+    """Bare numbers keep the units of the case (1 ft = 0.3048 m), and an error names no file."""
+    case = Case(
+        units="field",
+        string=[{"kind": "pipe", "length": 300, "od": 5, "id": 4.276}],
+        top="clamped",
+        time={"end": 1.0},
+    )
+    found = variations(case, choices_from({"string[0].length": [400, 500]}))
+    assert [v.case.string[0].length for v in found] == pytest.approx([121.92, 152.4], rel=1e-14)
+    base = read_base(case, {})
+    assert base.end == 1.0 and case_from_data(base.data, base.path, base.lines).string == case.string
+    with pytest.raises(CaseError) as caught:
+        variations(case, choices_from({"string[0].length": ["3 s"]}))
+    assert caught.value.file is None and "string[0].length" in str(caught.value)

@@ -74,7 +74,7 @@ def places(model: DrillingModel) -> list[Place]:
     mesh = model.mesh
     found = [Place("top", 0, float(mesh.node_depth[0]))]
     for depth in model.case.output.probes:
-        node = int(np.argmin(np.abs(mesh.node_depth - depth)))
+        node = mesh.nearest_node(depth)
         found.append(
             Place(
                 f"probe {shown(depth, 'length', model.case.output.units or 'metric', 6)}",

@@ -86,9 +86,13 @@ class Hole:
 
     edges: (k+1,) [m]; section: (k,) number of the hole's section; placed: the strings.
     max_step: longest step [m].
+    like: another hole with these strings, slightly changed, whose number of steps is taken.  Raises ValueError if the steps of both
+    do not correspond.
     """
 
-    def __init__(self, well: Well, placed: Sequence[StringRows], max_step: float = MAX_STEP) -> None:
+    def __init__(
+        self, well: Well, placed: Sequence[StringRows], max_step: float = MAX_STEP, like: Hole | None = None
+    ) -> None:
         self.well, self.placed = well, tuple(placed)
         end = max(rows.depth for rows in placed)
         marks = np.concatenate([well.node_md, well.section_to, *(rows.edges for rows in placed), [0.0, end]])
@@ -96,7 +100,10 @@ class Hole:
         keep = np.append(True, np.diff(marks) > 1e-7)
         marks = marks[keep]
         marks[-1] = end
-        pieces = np.ceil(np.diff(marks) / max_step).astype(int)
+        pieces = np.ceil(np.diff(marks) / max_step).astype(int) if like is None else like.pieces
+        if len(pieces) != len(marks) - 1:
+            raise ValueError("the steps of both holes do not correspond")
+        self.pieces = pieces
         first = np.repeat(np.cumsum(pieces) - pieces, pieces)
         fraction = (np.arange(pieces.sum()) - first) / np.repeat(pieces, pieces)
         self.edges = np.append(
@@ -152,85 +159,142 @@ def soft_strings(hole: Hole, loads: Columns) -> Batch:
         return _soft_strings(hole, loads)
 
 
-def _soft_strings(hole: Hole, loads: Columns) -> Batch:
-    k, placed, of = len(hole.h), loads.placed, hole.of
-    own = of["friction"][:, placed] * loads.item_factor
-    mu = np.where(np.isnan(own), loads.friction.T[hole.section], own)
-    around = loads.rotation * of["contact_radius"][:, placed]
-    speed = np.hypot(loads.axial_velocity, around)
-    scale = np.divide(1.0, speed, out=np.zeros_like(speed), where=speed > 0)
-    along, hoop = loads.axial_velocity * scale, around * scale
-    weight = of["weight"][:, placed] * loads.weight_factor
-    inside = hole.inside[:, placed]
-    stiffness, clearance = of["bending_stiffness"][:, placed], of["clearance"][:, placed]
-    extra = clearance / (4 * stiffness)
-    root = np.sqrt(stiffness / clearance)
-    hanging = np.where(hole.vertical[:, None], np.cbrt(weight**2 * stiffness), 0.0)
-    h_inside = np.where(inside, hole.h[:, None], 0.0)
+@dataclass(frozen=True)
+class Step:
+    """Result of one step, or of all at once: rows (.., c) of each.
 
-    end_weight = np.array([rows.end_weight for rows in hole.placed])[placed] * loads.weight_factor
-    lower_end = np.array([rows.depth for rows in hole.placed])
-    at_end = np.asarray(hole.well.at(lower_end)[1])[:, 2][placed]
-    count = len(placed)
-    tension = np.empty((k + 1, count))
-    tension[-1] = t = end_weight * at_end - loads.wob - (0.0 if loads.thrust is None else loads.thrust)
-    contact, state = np.zeros((k, count)), np.zeros((k, count), dtype=np.int8)
-    mean, slope = np.zeros((k, count)), np.zeros((k, count))
-    broken, stop = np.zeros(count, dtype=bool), np.full(count, np.nan)
-    for i in range(k - 1, -1, -1):
-        step, w, drag = h_inside[i], weight[i], along[i] * mu[i]
-        lift = 0.0 if loads.lift is None else loads.lift[i]
-        (k1, k2), (g1, g2) = hole.kk[i], (w * hole.down[i, 0] - lift, w * hole.down[i, 1] - lift)
-        c1, c2 = 2 * w * hole.kz[i, 0], 2 * w * hole.kz[i, 1]
-        w1, w2 = w * w * hole.zz[i, 0], w * w * hole.zz[i, 1]
+    above: force at the upper end [N]; contact: mean wall force per length [N/m]; mean: force [N].
+    state: 0 straight, 1 sinusoidal, 2 helical; growth: of a change of the force over the step.
+    """
+
+    above: FloatArray
+    contact: FloatArray
+    mean: FloatArray
+    state: np.ndarray
+    growth: FloatArray
+
+
+class Steps:
+    """The steps of soft strings under their loads: the force at the upper end of a step from that at its lower end."""
+
+    def __init__(self, hole: Hole, loads: Columns) -> None:
+        self.hole, self.loads = hole, loads
+        placed, of = loads.placed, hole.of
+        own = of["friction"][:, placed] * loads.item_factor
+        self.mu = np.where(np.isnan(own), loads.friction.T[hole.section], own)
+        around = loads.rotation * of["contact_radius"][:, placed]
+        speed = np.hypot(loads.axial_velocity, around)
+        scale = np.divide(1.0, speed, out=np.zeros_like(speed), where=speed > 0)
+        along, self.hoop = loads.axial_velocity * scale, around * scale
+        self.drag = along * self.mu
+        self.weight = of["weight"][:, placed] * loads.weight_factor
+        self.inside = hole.inside[:, placed]
+        stiffness, clearance = of["bending_stiffness"][:, placed], of["clearance"][:, placed]
+        self.extra = clearance / (4 * stiffness)
+        self.root = np.sqrt(stiffness / clearance)
+        self.hanging = np.where(hole.vertical[:, None], np.cbrt(self.weight**2 * stiffness), 0.0)
+        self.h = np.where(self.inside, hole.h[:, None], 0.0)
+        self.lift = np.zeros((len(hole.h), 1)) if loads.lift is None else loads.lift
+
+    @property
+    def end(self) -> FloatArray:
+        """(c,) force at the lower ends [N]."""
+        hole, loads, placed = self.hole, self.loads, self.loads.placed
+        weight = np.array([rows.end_weight for rows in hole.placed])[placed] * loads.weight_factor
+        lower_end = np.array([rows.depth for rows in hole.placed])
+        at_end = np.asarray(hole.well.at(lower_end)[1])[:, 2][placed]
+        return np.asarray(weight * at_end - loads.wob - (0.0 if loads.thrust is None else loads.thrust))
+
+    def from_below(self, t: FloatArray, i: int | slice = slice(None), h: FloatArray | None = None) -> Step:
+        """Take the step number ``i``, or all, from the forces ``t`` (.., c) [N] at the lower ends.
+
+        h: (c,) length of the step [m], by default that of the part inside the string.
+        """
+        hole, w, drag = self.hole, self.weight[i], self.drag[i]
+        step = self.h[i] if h is None else h
+        down, kk, kz, zz = (q[i][..., None] for q in (hole.down, hole.kk, hole.kz, hole.zz))
+        (d1, d2), (k1, k2), (z1, z2), (y1, y2) = ((q[..., 0, :], q[..., 1, :]) for q in (down, kk, kz, zz))
+        lift = self.lift[i]
+        g1, g2 = w * d1 - lift, w * d2 - lift
+        c1, c2 = 2 * w * z1, 2 * w * z2
+        w1, w2 = w * w * y1, w * w * y2
         push = np.maximum(-t, 0.0)
         side = np.sqrt(np.maximum((t * k2 + c2) * t + w2, 0.0))
-        load = root[i] * np.sqrt(side)
-        helical = push > np.maximum(HELICAL * load, VERTICAL_HELICAL * hanging[i])
-        buckled = push > np.maximum(SINUSOIDAL * load, VERTICAL_SINUSOIDAL * hanging[i])
-        e = np.where(helical, extra[i], 0.0)
+        load, hanging = self.root[i] * np.sqrt(side), self.hanging[i]
+        helical = push > np.maximum(HELICAL * load, VERTICAL_HELICAL * hanging)
+        buckled = push > np.maximum(SINUSOIDAL * load, VERTICAL_SINUSOIDAL * hanging)
+        e = np.where(helical, self.extra[i], 0.0)
         upper, n1, f1, lower, n2, f2 = _stages(t, step, drag, e, (g1, k1, c1, w1), (g2, k2, c2, w2))
-        t = t + 0.5 * step * (f1 + f2)
+        middle = 0.5 * (lower + upper)
+        dn = np.divide(
+            middle * k2 + 0.5 * c2, side, out=np.zeros(t.shape), where=side > 1e-9
+        )  # dN/dT without the helix
+        growth = step * drag * (dn + 2 * e * middle)
+        state = np.where(helical, 2, buckled)
+        return Step(t + 0.5 * step * (f1 + f2), 0.5 * (n1 + n2), middle, state, growth)
+
+    def batch(
+        self,
+        tension: FloatArray,
+        steps: Step,
+        broken: np.ndarray | None = None,
+        stop: FloatArray | None = None,
+    ) -> Batch:
+        """Everything that forces (k+1, c) [N] at the edges give, with their ``steps``.
+
+        broken, stop: (c,) strings that cannot bear their weight on bit, and measured depths [m] of the places; None: none.
+        """
+        hole, loads, placed, inside = self.hole, self.loads, self.loads.placed, self.inside
+        count = len(placed)
+        broken = np.zeros(count, dtype=bool) if broken is None else broken
+        stop = np.full(count, np.nan) if stop is None else stop
+        h, mean = self.h, steps.mean
+        torque_step = h * self.hoop * hole.of["contact_radius"][:, placed] * self.mu * steps.contact
+        torque = loads.torque + np.vstack([np.cumsum(torque_step[::-1], axis=0)[::-1], np.zeros((1, count))])
+        elongation = (h * mean / hole.of["axial_stiffness"][:, placed]).sum(0)
+        twist = (h * 0.5 * (torque[:-1] + torque[1:]) / hole.of["torsional_stiffness"][:, placed]).sum(0)
+        locked = np.where(broken, stop, _locked(hole, steps.growth, loads.axial_velocity < 0))
+        for values in (elongation, twist):
+            values[broken] = np.nan
+        below = np.vstack([np.ones((1, count), dtype=bool), inside])
+        tension = np.where(below, tension, np.nan)
+        torque = np.where(below, torque, np.nan)
+        above = np.isnan(stop) | (hole.edges[:, None] >= stop)
+        return Batch(
+            hole.edges,
+            np.where(above, tension, np.nan),
+            np.where(above, torque, np.nan),
+            np.where(inside, steps.contact, np.nan),
+            np.where(inside & above[:-1], steps.state, 0),
+            elongation,
+            twist,
+            locked,
+            broken,
+            inside,
+            hole.item[:, placed],
+        )
+
+
+def _soft_strings(hole: Hole, loads: Columns) -> Batch:
+    steps, k, count = Steps(hole, loads), len(hole.h), len(loads.placed)
+    h_inside = steps.h.copy()
+    tension = np.empty((k + 1, count))
+    tension[-1] = t = steps.end
+    contact, state = np.zeros((k, count)), np.zeros((k, count), dtype=np.int8)
+    mean, growth = np.zeros((k, count)), np.zeros((k, count))
+    broken, stop = np.zeros(count, dtype=bool), np.full(count, np.nan)
+    for i in range(k - 1, -1, -1):
+        step = steps.from_below(t, i, h_inside[i])
+        t = step.above
         lost = ~broken & ~(np.abs(t) < LARGEST_FORCE)
         if lost.any() or broken.any():
             broken |= lost
             stop = np.where(lost, hole.edges[i + 1], stop)
             t = np.where(broken, -LARGEST_FORCE, t)
             h_inside[: i + 1, broken] = 0.0
-        tension[i] = t
-        contact[i] = 0.5 * (n1 + n2)
-        mean[i] = 0.5 * (lower + upper)
-        state[i] = np.where(helical, 2, buckled)
-        middle = mean[i]
-        dn = np.divide(
-            middle * k2 + 0.5 * c2, side, out=np.zeros(count), where=side > 1e-9
-        )  # dN/dT without the helix
-        slope[i] = step * drag * (dn + 2 * e * middle)
-    h = np.where(inside, hole.h[:, None], 0.0)
-    torque_step = h * hoop * of["contact_radius"][:, placed] * mu * contact
-    torque = loads.torque + np.vstack([np.cumsum(torque_step[::-1], axis=0)[::-1], np.zeros((1, count))])
-    elongation = (h * mean / of["axial_stiffness"][:, placed]).sum(0)
-    twist = (h * 0.5 * (torque[:-1] + torque[1:]) / of["torsional_stiffness"][:, placed]).sum(0)
-    locked = np.where(broken, stop, _locked(hole, slope, loads.axial_velocity < 0))
-    for values in (elongation, twist):
-        values[broken] = np.nan
-    below = np.vstack([np.ones((1, count), dtype=bool), inside])
-    tension = np.where(below, tension, np.nan)
-    torque = np.where(below, torque, np.nan)
-    above = np.isnan(stop) | (hole.edges[:, None] >= stop)
-    return Batch(
-        hole.edges,
-        np.where(above, tension, np.nan),
-        np.where(above, torque, np.nan),
-        np.where(inside, contact, np.nan),
-        np.where(inside & above[:-1], state, 0),
-        elongation,
-        twist,
-        locked,
-        broken,
-        inside,
-        hole.item[:, placed],
-    )
+        tension[i], contact[i], mean[i], state[i] = t, step.contact, step.mean, step.state
+        growth[i] = step.growth
+    return steps.batch(tension, Step(tension[:-1], contact, mean, state, growth), broken, stop)
 
 
 def _stages(t: FloatArray, step: FloatArray, drag: FloatArray, e: FloatArray, up: tuple, low: tuple) -> tuple:

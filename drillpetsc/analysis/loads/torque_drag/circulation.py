@@ -51,9 +51,21 @@ def circulation(case: Case, depth: float, flow: float, at: str, speed: float = 0
     """
     if case.fluid is None or (flow and not case.has_bore):
         raise CaseError(at=at, got=f"{flow:g} m3/s", want="a fluid in the bore, through which it flows")
-    pipe: Pipe = "pumping" if flow else "closed" if case.bottom.plugged else "open"
-    model = FlowModel(case, string_at(case, depth), pipe, moving=bool(speed))
+    model = flow_of_row(case, depth, flow, speed)
     model.solve(flow, speed)
+    return forces_of(model, speed)
+
+
+def flow_of_row(
+    case: Case, depth: float, flow: float, speed: float, like: FlowModel | None = None
+) -> FlowModel:
+    """The flow model of ``circulation``, not yet solved; like: as for ``FlowModel``."""
+    pipe: Pipe = "pumping" if flow else "closed" if case.bottom.plugged else "open"
+    return FlowModel(case, string_at(case, depth), pipe, bool(speed), like)
+
+
+def forces_of(model: FlowModel, speed: float) -> Circulation:
+    """Forces on the string of a steady flow that is solved, at the ``speed`` [m/s] of the string along the hole."""
     count = len(model.md) - 1
     force, channel, mesh = np.zeros(count), model.fluid.annulus, model.mesh
     if channel is not None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, Literal
@@ -11,7 +11,7 @@ from typing import Any, Literal
 import numpy as np
 from petsc4py import PETSc
 
-from drillpetsc.analysis.loads.torque_drag.batch import Columns, Hole, soft_strings
+from drillpetsc.analysis.loads.torque_drag.batch import Batch, Columns, Hole, soft_strings
 from drillpetsc.analysis.loads.torque_drag.circulation import Circulation, circulation
 from drillpetsc.analysis.loads.torque_drag.left_out import bends_left_out, cutters_left_out
 from drillpetsc.analysis.loads.torque_drag.operations import (
@@ -137,25 +137,52 @@ def rows_asked(case: Case, model: str) -> RowsAsked:
     return RowsAsked(case, well, pairs, strings, notes)
 
 
-def soft_rows(asked: RowsAsked) -> list[dict[str, Any]]:
-    """Rows of a roadmap [SI] with the soft string: by operation, pair and bit depth."""
+@dataclass(frozen=True)
+class SoftProblem:
+    """Soft strings of all rows, ready to be integrated.
+
+    mud: pressures in and around the strings; found: of each row the forces of the flow, the error where there is no steady
+    flow, None where the mud stands still.
+    """
+
+    asked: RowsAsked
+    hole: Hole
+    columns: Columns
+    mud: Pressures
+    found: list[Circulation | SolveError | None]
+
+    def rows(self, batch: Batch) -> list[dict[str, Any]]:
+        """Rows [SI] of solved strings: by operation, pair and bit depth."""
+        asked = self.asked
+        rows = rows_of(self.hole, self.columns, batch, self.mud, asked.block_weight or 0.0)
+        for row, flow, (_, _, d) in zip(rows, self.found, asked.keys(), strict=True):
+            if asked.strings[d].misfit:
+                row |= failed(asked.strings[d].misfit)
+            elif isinstance(flow, SolveError):
+                row |= failed(f"the flow: {flow}")
+        return asked.named(rows)
+
+
+def soft_problem(
+    asked: RowsAsked, flows: Mapping[tuple[str, int], Circulation | SolveError], like: Hole | None = None
+) -> SoftProblem:
+    """Soft strings of the rows of a roadmap, with the ``flows`` of ``circulations``; like: as for ``Hole``."""
     case, pairs, strings, keys, loads = asked.case, asked.pairs, asked.strings, asked.keys(), asked.loads()
-    flows = circulations(case, strings, loads)
     columns = columns_of(
         [loads[o] for o, _, _ in keys], [d for _, _, d in keys], [pairs[p] for _, p, _ in keys]
     )
-    hole = Hole(asked.well, strings)
+    hole = Hole(asked.well, strings, like=like)
     mud = still_mud(hole, len(keys), densities_of(case), gravity_of(case, "roadmap"), mud_level(case))
     found = [flows.get((o, d)) for o, _, d in keys]
     if flows:
         columns, mud = _with_flow(hole, columns, mud, found)
-    rows = rows_of(hole, columns, soft_strings(hole, columns), mud, asked.block_weight or 0.0)
-    for row, flow, (_, _, d) in zip(rows, found, keys, strict=True):
-        if strings[d].misfit:
-            row |= failed(strings[d].misfit)
-        elif isinstance(flow, SolveError):
-            row |= failed(f"the flow: {flow}")
-    return asked.named(rows)
+    return SoftProblem(asked, hole, columns, mud, found)
+
+
+def soft_rows(asked: RowsAsked) -> list[dict[str, Any]]:
+    """Rows of a roadmap [SI] with the soft string: by operation, pair and bit depth."""
+    problem = soft_problem(asked, circulations(asked.case, asked.strings, asked.loads()))
+    return problem.rows(soft_strings(problem.hole, problem.columns))
 
 
 def circulations(
@@ -250,7 +277,7 @@ def run_roadmap(
     asked = rows_asked(case, model)
     rows, stiff = _solved(asked, model, job.comm)
     sensor = sensor_of(case)
-    _add_readings(asked, sensor, rows)
+    add_readings(asked, sensor, rows)
     plan = asked.plan
     read = (plan.measured if measured is None else measured) or ()
     points = corrected_points(case, read, plan.hookload_excludes_block)
@@ -317,7 +344,7 @@ def _solved(asked: RowsAsked, model: str, comm: PETSc.Comm) -> tuple[list[dict[s
     return rows, stiff
 
 
-def _add_readings(asked: RowsAsked, sensor: Sensor, rows: list[dict[str, Any]]) -> None:
+def add_readings(asked: RowsAsked, sensor: Sensor, rows: list[dict[str, Any]]) -> None:
     """Add the hook load with the block, and the reading of a sensor that is not ideal, to each row [N]."""
     for row in rows:
         if asked.block_weight is not None:

@@ -5,18 +5,15 @@ Manual: sec-python-controller, sec-top-drive-sampled.
 
 from __future__ import annotations
 
-import importlib
-import inspect
-import sys
 from collections.abc import Callable
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from drillpetsc.case.blocks.top_drive import PythonController
-from drillpetsc.errors import CaseError, SolveError
+from drillpetsc.errors import SolveError
 from drillpetsc.model.drilling_model import DrillingModel
+from drillpetsc.own_code import parameters_of
 from drillpetsc.parallel import total
 from drillpetsc.physics.top.sampled_law import SampledLaw
 from drillpetsc.physics.top.sampled_torque import SampledTorque
@@ -30,7 +27,6 @@ class SampledControl:
     """Calls the function or the laws of ``top.control`` at its samples; every rank calls it with the same numbers.
 
     model: with a sampled controller; period: between two samples [s].
-    Raises CaseError where the function cannot be imported.
     """
 
     def __init__(self, model: DrillingModel) -> None:
@@ -48,14 +44,8 @@ class SampledControl:
             self._held.kind = self._law.laws[0].kind
             return
         self._name = controller.function
-        self._function = load_function(controller.function)
-        self._parameters = len(inspect.signature(self._function).parameters)
-        if self._parameters not in (2, 3):
-            raise CaseError(
-                at="top.control.function",
-                got=f"{self._name} with {self._parameters} parameters",
-                want="a function of t and measured, or of t, measured and memory",
-            )
+        self._function = controller.call
+        self._parameters = len(parameters_of(self._function))
 
     def __call__(self, t: float) -> None:
         """Set the torque from the time ``t`` [s] on; collective.  Raises SolveError for anything but a finite number."""
@@ -78,27 +68,6 @@ class SampledControl:
         self._held.torque = value
         if self._law is not None:
             self._held.kind = self._law.laws[self._law.phase(t)].kind
-
-
-def load_function(path: str) -> Callable[..., Any]:
-    """Import ``module.function``; modules of the present folder are found, too.  Raises CaseError."""
-    module, _, name = path.rpartition(".")
-    here = str(Path.cwd())
-    sys.path.insert(0, here)
-    try:
-        function = getattr(importlib.import_module(module), name)
-    except (ImportError, AttributeError) as error:
-        raise CaseError(
-            at="top.control.function",
-            got=path,
-            want="module.function of a module in this folder or of an installed one",
-            hint=str(error),
-        ) from None
-    finally:
-        sys.path.remove(here)
-    if not callable(function):
-        raise CaseError(at="top.control.function", got=path, want="a function")
-    return function
 
 
 def sampled_control(model: DrillingModel) -> SampledControl | None:

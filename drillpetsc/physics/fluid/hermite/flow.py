@@ -17,7 +17,7 @@ from typing import Any
 
 import numpy as np
 
-from drillpetsc.arrays import FloatArray
+from drillpetsc.arrays import FloatArray, IntArray
 from drillpetsc.fem.component import Component, ElementBlock, Field
 from drillpetsc.kernels.parameters import Parameters, Table
 from drillpetsc.physics.fluid.annulus_flow import AnnulusFlow
@@ -314,8 +314,8 @@ class HermiteAnnulus(_OneByOne, AnnulusFlow):
 
         return update
 
-    def _present_flow(self, state) -> FloatArray:
-        return np.full(len(self._part.cells), self._now)
+    def _present_flow(self, state) -> tuple[IntArray, FloatArray]:
+        return np.zeros(len(self._part.cells), dtype=np.int32), np.array([self._now])
 
     def upper_flow(self, state) -> float | None:
         if self._top is None:

@@ -1,0 +1,228 @@
+"""The `sensitivities` command: derivatives of the outputs of statics, roadmap or hydraulics by numbers of the case."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from petsc4py import PETSc
+
+from drillpetsc.analysis.motion.run_options import options_of
+from drillpetsc.analysis.sensitivities.derivatives import ONE_SIDED, Derivative, checked, derivatives
+from drillpetsc.analysis.sensitivities.doubts import Checked
+from drillpetsc.analysis.sensitivities.hydraulics import SteadyHydraulics
+from drillpetsc.analysis.sensitivities.keys import Key, every_key, key_of
+from drillpetsc.analysis.sensitivities.roadmap import SoftRoadmap
+from drillpetsc.analysis.sensitivities.solution import Solution
+from drillpetsc.analysis.sensitivities.statics import StaticsSolution
+from drillpetsc.case.case import Case
+from drillpetsc.case.key_paths import suggestion
+from drillpetsc.doubts import doubts_at
+from drillpetsc.errors import CaseError
+from drillpetsc.output import write_summary, write_table
+from drillpetsc.output.files.case_files import write_case
+from drillpetsc.output.files.run_folder import SENSITIVITIES_TABLE
+from drillpetsc.output.job import Job
+from drillpetsc.output.quantities.sensitivities import SENSITIVITIES
+from drillpetsc.output.result import RunResult
+from drillpetsc.output.shown_units import key_unit, shown_unit
+from drillpetsc.output.summaries.sensitivities import SensitivitiesSummary
+
+#: outputs that are differentiated unless others are named
+USUAL = {
+    "statics": ("hook_load", "surface_torque"),
+    "roadmap": ("hook_load", "surface_torque"),
+    "hydraulics": ("pump_pressure", "ecd_bit"),
+}
+SHOWN = 15  # keys printed for an output
+ALL = "all"
+
+
+@dataclass(frozen=True)
+class Question:
+    """What is differentiated by what.
+
+    analysis: statics, roadmap or hydraulics; motion, operation: of statics; depths: deepest or all, of a roadmap.
+    outputs: names, none: the usual ones, `all`: every one; keys: paths, none with ``every``.
+    every: all continuous numbers of the case; check: number of derivatives compared with full solutions.
+    """
+
+    analysis: str
+    outputs: Sequence[str]
+    keys: Sequence[str]
+    every: bool = False
+    check: int = 0
+    motion: str | None = None
+    operation: str | None = None
+    depths: str = "deepest"
+
+
+def run_sensitivities(job: Job, question: Question) -> RunResult:
+    """Solve once, differentiate, write sensitivities.csv and summary.json (collective).
+
+    Raises CaseError for an output that the case does not have, and for a key that is not a continuous number of it.
+    """
+    case = job.case
+    if bool(question.keys) == question.every:
+        raise CaseError(at="--to", want="keys of the case, such as fluid.density, or --all instead")
+    keys = every_key(case) if question.every else [key_of(case, name) for name in question.keys]
+    with options_of(case):
+        solution = solved(case, question, job.comm)
+        chosen = chosen_outputs(solution, question)
+        found, skipped = _differentiated(case, solution, chosen, keys, question.every)
+        compared = checked(case, solution, found, question.check)
+    warnings = [sentence for at in compared for sentence in doubts_at(at)]
+    notes = [*solution.notes, *_notes(found, question)]
+    rows = [_row(d) for d in found]
+    summary = SensitivitiesSummary(
+        title=case.title,
+        analysis=question.analysis,
+        outputs={solution.outputs[i].name: float(solution.found.values[i]) for i in chosen},
+        sensitivities=[{k: _plain(v) for k, v in row.items()} for row in rows],
+        checked=[_compared(at) for at in compared],
+        skipped=skipped,
+        units=case.shown_units,
+        warnings=warnings,
+        notes=notes,
+    ).as_dict()
+    folder = job.make_folder()
+    if job.comm.rank == 0:
+        write_case(case, folder)
+        columns = [q.column for q in SENSITIVITIES]
+        write_table(
+            folder.path / SENSITIVITIES_TABLE, columns, [[row[q.name] for row in rows] for q in SENSITIVITIES]
+        )
+        write_summary(folder.summary, summary)
+    return job.result(folder, summary, _lines(case, found, compared, summary))
+
+
+def solved(case: Case, question: Question, comm: PETSc.Comm) -> Solution:
+    """Solve the problem whose outputs are differentiated; collective."""
+    if question.analysis == "roadmap":
+        return SoftRoadmap(case, question.depths == "deepest")
+    if question.analysis == "hydraulics":
+        return SteadyHydraulics(case)
+    return StaticsSolution(case, comm, question.motion, question.operation)
+
+
+def chosen_outputs(solution: Solution, question: Question) -> list[int]:
+    """Numbers of the outputs that are asked for: by name, or `trip_out.hook_load` in one operation.
+
+    Raises CaseError for an output that does not exist.
+    """
+    outputs, values = solution.outputs, solution.found.values
+    present = [i for i in range(len(outputs)) if np.isfinite(values[i])]
+    names = list(dict.fromkeys(q for i in present for q in (outputs[i].quantity.name, outputs[i].name)))
+    if list(question.outputs) == [ALL]:
+        return present
+    wanted = list(question.outputs) or [name for name in USUAL[question.analysis] if name in names]
+    for name in wanted:
+        if name not in names:
+            want = f"outputs that the case has: {', '.join(dict.fromkeys(outputs[i].quantity.name for i in present))}, or all"
+            raise CaseError(at="--of", got=name, want=want, hint=suggestion(name, names))
+    return [i for i in present if {outputs[i].quantity.name, outputs[i].name} & set(wanted)]
+
+
+def _differentiated(
+    case: Case, solution: Solution, chosen: Sequence[int], keys: Sequence[Key], skips: bool
+) -> tuple[list[Derivative], dict[str, str]]:
+    """Derivatives by all keys; with ``skips`` those that cannot be changed are left out, with the reasons."""
+    found: list[Derivative] = []
+    skipped: dict[str, str] = {}
+    for key in keys:
+        try:
+            found += derivatives(case, solution, chosen, [key])
+        except CaseError as error:
+            if not skips:
+                raise
+            skipped[key.name] = error.want
+    return found, skipped
+
+
+def _notes(found: Sequence[Derivative], question: Question) -> list[str]:
+    notes = []
+    if question.analysis == "roadmap":
+        notes.append("friction: that of the hole's sections; roadmap.friction_factor is left out")
+    without = [name for name in dict.fromkeys(d.key.name for d in found) if not _has_effect(found, name)]
+    if without:
+        notes.append(f"no effect on these outputs: {', '.join(without)}")
+    if any(ONE_SIDED in d.flag for d in found):
+        notes.append(
+            "one-sided: a contact, a buckling state, a regime or a place changes closer than the stated change; "
+            "both sides are in sensitivities.csv"
+        )
+    return notes
+
+
+def _has_effect(found: Sequence[Derivative], key: str) -> bool:
+    return any(d.slope for d in found if d.key.name == key)
+
+
+def _row(d: Derivative) -> dict[str, Any]:
+    """A row of sensitivities.csv."""
+    return {
+        "output": d.output.name,
+        "output_unit": d.output.quantity.unit,
+        "bit_depth": d.output.bit_depth,
+        "value": d.value,
+        "key": d.key.name,
+        "key_unit": d.key.unit or "-",
+        "key_value": d.key.value,
+        "derivative": d.slope,
+        "relative": d.relative,
+        "per": d.key.per,
+        "effect": d.effect,
+        "effect_below": d.below,
+        "effect_above": d.above,
+        "flag": d.flag,
+    }
+
+
+def _plain(value: Any) -> Any:
+    return None if isinstance(value, float) and np.isnan(value) else value
+
+
+def _compared(at: Checked) -> dict[str, Any]:
+    return {
+        "output": at.output,
+        "key": at.key,
+        "derivative": at.derivative,
+        "difference": at.difference,
+        "error": at.error,
+    }
+
+
+# ---------------------------------------------------------------------- screen
+def _lines(
+    case: Case, found: Sequence[Derivative], compared: Sequence[Checked], summary: dict[str, Any]
+) -> list[str]:
+    system = case.shown_units
+    lines = [
+        f"{case.title or 'case'}: sensitivities of {summary['analysis']}, effect of a change of each key"
+    ]
+    deepest = max((d.output.bit_depth for d in found), default=np.nan)
+    for output in dict.fromkeys(d.output for d in found):
+        if output.bit_depth == output.bit_depth and output.bit_depth != deepest:
+            continue
+        mine = sorted((d for d in found if d.output == output and d.slope), key=lambda d: -abs(d.effect))
+        size, unit = shown_unit(output.quantity.name, output.quantity.unit, system)
+        value = next(d.value for d in found if d.output == output)
+        lines.append(f"  {output.name} {value / size:.6g} {unit}".rstrip())
+        for d in mine[:SHOWN]:
+            step, word = key_unit(d.key.name, d.key.unit, system)
+            change = f"{d.key.value / step:.6g} + {d.key.per / step:.3g} {word}".rstrip()
+            relative = "" if np.isnan(d.relative) else f"{d.relative:>10.3f}"
+            lines.append(
+                f"    {d.key.name:<40} {change:<28} {d.effect / size:>+12.5g} {unit:<6} {relative:>10}  {d.flag}".rstrip()
+            )
+        if len(mine) > SHOWN:
+            lines.append(f"    and {len(mine) - SHOWN} keys of less effect in sensitivities.csv")
+    if compared:
+        worst = max(at.error for at in compared)
+        lines.append(f"  {len(compared)} derivatives checked by full solutions: largest error {worst:.1e}")
+    lines += [f"  WARNING: {w}" for w in summary["warnings"]]
+    if summary["skipped"]:
+        lines.append(f"  note: {len(summary['skipped'])} keys left out, with reasons in summary.json")
+    return lines + [f"  note: {note}" for note in summary["notes"]]

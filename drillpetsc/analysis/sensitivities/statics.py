@@ -1,0 +1,225 @@
+"""Static equilibrium as a solution: the stiffness at the state is factored once, and each key costs one back-substitution."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import Any
+
+import numpy as np
+from petsc4py import PETSc
+
+from drillpetsc.analysis.commands.statics import question_of
+from drillpetsc.analysis.sensitivities.points import Point, difference, points_of, solve_exactly
+from drillpetsc.analysis.sensitivities.solution import Found, Output, number
+from drillpetsc.analysis.statics.answer import static_summary
+from drillpetsc.analysis.statics.equilibrium import set_weight_on_bit
+from drillpetsc.analysis.statics.find_equilibrium import find_equilibrium
+from drillpetsc.analysis.statics.flow_coupling import surge_rates
+from drillpetsc.analysis.statics.placement import (
+    place_along_hole,
+    prescribed_motion,
+    take_unknowns,
+    top_depth,
+)
+from drillpetsc.analysis.statics.static_problem import StaticState
+from drillpetsc.analysis.statics.steady_flow import STORAGE_WEIGHT, fluid_unknowns
+from drillpetsc.arrays import FloatArray
+from drillpetsc.case.case import Case
+from drillpetsc.errors import CaseError
+from drillpetsc.fem.quantity import Quantity
+from drillpetsc.model.drilling_model import DrillingModel, build_model
+from drillpetsc.model.mesh import MeshOf
+from drillpetsc.output.quantities.mud import MUD
+from drillpetsc.output.quantities.statics import ECD, STATIC_SUMMARY
+from drillpetsc.physics.tools.mud_motor import MudMotor
+from drillpetsc.solvers.static.static_newton import StaticNewton
+
+RESOLUTION, RESOLUTION_IN_MUD = (
+    1e-5,
+    5e-4,
+)  # relative changes of outputs that are rounding, or of the hole as the mud sees it [-]
+ACROSS = ("top.side_reaction_1", "top.side_reaction_2")
+#: of differences of the residual, relative: the wall yields by micrometres, beyond which a change of a diameter opens contacts
+RESIDUAL_STEP = 1e-7
+BENT, NOISE = (
+    1e-3,
+    1e-9,
+)  # share of a derivative that the residual beside the state may lack; rounding in the fields' scales
+MUD_MOVE = 1.0  # of the unknowns in their scales, over which the rows of the mud are differenced
+HIDDEN = ("top_travel",)  # where the top is, not what the rig reads
+QUANTITIES: tuple[Quantity, ...] = (*(q for q in STATIC_SUMMARY if q.name not in HIDDEN), *MUD, ECD)
+Motion = tuple[float, float] | None
+
+
+class StaticTangent:
+    """A static state and its factored stiffness.
+
+    start: (m,) place of the top before the state was sought; motion: that friction opposes, None: that of the top.
+    Raises CaseError for a state that is not differentiable here.
+    """
+
+    def __init__(
+        self, model: DrillingModel, state: StaticState, start: FloatArray | None, motion: Motion
+    ) -> None:
+        if state.path is not None:
+            want = "a state that Newton's method finds: this one has a history of friction, which the derivative must follow"
+            raise CaseError(at="statics", got="the end of a path", want=want)
+        if model.parts(MudMotor):
+            raise CaseError(
+                at="string", got="pdm", want="a string without a downhole motor, or --run roadmap"
+            )
+        self.model, self.state, self.motion = model, state, motion
+        self.top = None if model.top is None or start is None else model.top.anchor - start
+        self.x = model.system.assembly.x.copy()
+        self.solver = self._solver(model)
+        self.solver.factor_here()
+
+    def _solver(self, model: DrillingModel) -> StaticNewton:
+        """Equations of a model at the state, with the friction of its motion."""
+        motion = prescribed_motion(model) if self.motion is None else self.motion
+        for component in model.components:
+            component.impose_sliding_direction(*motion, self.state.lateral_fraction, 0.0)
+        asm, solver = model.system.assembly, StaticNewton(model.system, symmetric=model.conservative)
+        if self.motion is None:
+            solver.rates = surge_rates(model, motion[0])
+        if model.case.initial.wob is not None:
+            set_weight_on_bit(model, solver, model.case.initial.wob)
+        if model.fluid is not None:
+            solver.rate_weight = STORAGE_WEIGHT
+        asm.release(ACROSS if self._top_on_wall else ())
+        return solver
+
+    @property
+    def _top_on_wall(self) -> bool:
+        """Whether the top lies across the hole where nothing pushes it."""
+        return self.top is not None and len(self.top) > 2 and bool(np.abs(self.top[1:3]).max() > 1e-9)
+
+    def near(
+        self,
+        points: Sequence[Point],
+        sources: Sequence[Point],
+        build: Callable[[Case], DrillingModel],
+    ) -> tuple[list[DrillingModel], bool]:
+        """Models at the points, with the state moved along its derivative, and whether it has a kink there; collective.
+
+        sources: points so near that no contact of the state opens there; build: model of a case, with the elements of the state.
+        """
+        rows = [self._rows_of(self._take(build(q.case), self.x)) for q in sources]
+        source = -difference(sources, rows)
+        step = solve_exactly(self._solve, lambda step: self._left(source, step), source, self._size)
+        models = [build(point.case) for point in points]
+        rows = []
+        for point, model in zip(points, models, strict=True):
+            solver = self._take(model, self.x[:-1] + point.change * step[:-1], point.change * step[-1])
+            rows.append(self._rows_of(solver))
+        return models, self._bends(points, rows, step)
+
+    def _take(self, model: DrillingModel, x: FloatArray, move: float = 0.0) -> StaticNewton:
+        """Put a new model into the state with unknowns ``x``, its top ``move`` [m] further down; returns its equations."""
+        place_along_hole(model, top_depth(model))
+        take_unknowns(model, self.model)
+        if model.top is not None and self.top is not None:
+            model.top.anchor[:] += self.top
+        return self._moved_to(model, self._solver(model), x, move)
+
+    @staticmethod
+    def _moved_to(model: DrillingModel, solver: StaticNewton, x: FloatArray, move: float) -> StaticNewton:
+        asm, n = model.system.assembly, model.system.layout.size
+        asm.x[:n] = x[:n]
+        for component in model.components:
+            component.locate_hole(asm)
+        if move and model.top is not None:
+            model.top.shift(move)
+        asm.invalidate_prescribed_values()
+        return solver
+
+    @staticmethod
+    def _rows_of(solver: StaticNewton) -> FloatArray:
+        """Residual (n + 1,): the gradient, and less the way of the bit to its depth."""
+        return np.append(solver.gradient(), -solver.missing_depth())
+
+    def _solve(self, rows: FloatArray) -> FloatArray:
+        step, move = self.solver.step_for(rows[:-1], float(rows[-1]))
+        return np.append(step, move)
+
+    def _bends(self, points: Sequence[Point], rows: Sequence[FloatArray], step: FloatArray) -> bool:
+        """Whether the state bends within the steps of the key, so that its derivative is not that of the outputs; collective.
+
+        rows: (n + 1,) residual at each point.  What they require as a change of the derivative is compared field by field.
+        """
+        wanted, layout = self._solve(-difference(points, rows)), self.model.system.layout
+        of = layout.field_of
+        for field in range(len(layout.fields)):
+            mine = np.flatnonzero(of == field)
+            own, more = (float(np.abs(q[mine]).max(initial=0.0)) for q in (step, wanted))
+            own, more = self.solver.largest(own), self.solver.largest(more)
+            noise = NOISE * layout.fields[field].scale / abs(points[-1].change)
+            if more > BENT * own + noise:
+                return True
+        return False
+
+    def _left(self, source: FloatArray, step: FloatArray) -> FloatArray:
+        """What J s lacks of the ``source`` in the rows of the mud, whose matrix leaves out a little; that of the string is exact."""
+        lacks = np.zeros_like(step)
+        if self.model.fluid is not None:
+            part, mud = MUD_MOVE / self._size(step), np.append(fluid_unknowns(self.model.system), False)
+            lacks[mud] = (source - (self._moved(part * step) - self._moved(-part * step)) / (2 * part))[mud]
+        return lacks
+
+    def _moved(self, step: FloatArray) -> FloatArray:
+        """Residual of the state moved by a step; the model then has the state again."""
+        model, solver, move = self.model, self.solver, float(step[-1])
+        rows = self._rows_of(self._moved_to(model, solver, self.x[:-1] + step[:-1], move))
+        self._moved_to(model, solver, self.x, -move)
+        return rows
+
+    def _size(self, step: FloatArray) -> float:
+        system = self.model.system
+        return self.solver.largest(float(np.max(np.abs(step[:-1]) / system.scale, initial=0.0)))
+
+
+class StaticsSolution:
+    """Static equilibrium of a case.
+
+    motion, operation: as in ``run_statics``.
+    """
+
+    far = False
+
+    def __init__(
+        self, case: Case, comm: PETSc.Comm, motion: str | None = None, operation: str | None = None
+    ) -> None:
+        self.notes: list[str] = []
+        self._case = case
+        self._comm, self._words = comm, (motion, operation)
+        posed, moving = question_of(case, *self._words)
+        if posed.hold_string:
+            raise CaseError(at="--run", got="statics", want="a string that is not held, or --run hydraulics")
+        model = build_model(posed, comm, moving)
+        self.resolution = RESOLUTION if model.fluid is None else RESOLUTION_IN_MUD
+        self._mesh = MeshOf(posed, model.mesh)
+        start = None if model.top is None else model.top.anchor.copy()
+        state = find_equilibrium(model, moving, False)
+        figures = static_summary(model, state)
+        self.outputs = [Output(q) for q in QUANTITIES if np.isfinite(number(figures.get(q.name)))]
+        self.found = self._found(figures)
+        self._tangent = StaticTangent(model, state, start, moving)
+
+    def near(self, points: Sequence[Point]) -> list[Found]:
+        """As of ``Solution``; collective."""
+        sources, _ = points_of(self._case, points[0].key, RESIDUAL_STEP)
+        models, bends = self._tangent.near(points, sources, lambda case: self._built(case)[0])
+        return [self._found(static_summary(model, self._tangent.state), bends) for model in models]
+
+    def solved(self, case: Case) -> Found:
+        """As of ``Solution``; collective."""
+        model, moving = self._built(case)
+        return self._found(static_summary(model, find_equilibrium(model, moving, False)))
+
+    def _built(self, case: Case) -> tuple[DrillingModel, Motion]:
+        posed, moving = question_of(case, *self._words)
+        return build_model(posed, self._comm, moving, like=self._mesh), moving
+
+    def _found(self, figures: dict[str, Any], bends: bool = False) -> Found:
+        values = np.array([number(figures.get(output.quantity.name)) for output in self.outputs])
+        return Found(values, (bends,) * len(values))

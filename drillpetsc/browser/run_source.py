@@ -1,0 +1,329 @@
+"""What the page of a run shows, from its files, in the units of the reader: only what is new goes to the page.
+
+Numbers travel as base64 of little-endian float32 (times: float64).
+"""
+
+from __future__ import annotations
+
+import base64
+import threading
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from drillpetsc.browser.tail import Tail
+from drillpetsc.case import Case, load_case
+from drillpetsc.errors import DrillError
+from drillpetsc.geometry.frames import high_sides
+from drillpetsc.output.files.fields import Frame, cross_section_axes, read_frame, read_series
+from drillpetsc.output.files.json_file import read_summary
+from drillpetsc.output.files.lock import writer_of
+from drillpetsc.output.files.run_folder import RunFolder
+from drillpetsc.output.files.tables import read_table
+from drillpetsc.output.shown_units import unit_of
+from drillpetsc.plotting import style
+from drillpetsc.plotting.run.plot import grouped
+from drillpetsc.reporting.units import label_of
+from drillpetsc.unit_systems import System
+
+PLACE = ("md [m]", "outer_radius [m]", "hole_radius [m]", "offset_x [m]", "offset_y [m]")
+DISTANCE = "distance_from_centre [m]"
+MOST_ROWS = 50_000  # of a history in one answer: the page asks again for the others
+MOST_FRAMES = 120  # read in one answer for the ranges of the colours
+
+
+def packed(values: Any, kind: str = "<f4") -> str:
+    """Numbers (n,) as text for the page."""
+    return base64.b64encode(np.ascontiguousarray(values, dtype=kind).tobytes()).decode("ascii")
+
+
+def shown(title: str, values: Any, units: System) -> np.ndarray:
+    """Values (n,) of a column [SI] in the unit of an axis."""
+    size, zero, _ = unit_of(title, units, True)
+    return (np.asarray(values, dtype=float) - zero) / size
+
+
+class RunSource:
+    """Reads a run folder again and again, while a run may write there; safe for several threads.
+
+    path: the run folder, which may be empty, and may go and come back; units: of the page, by default the case's.
+    """
+
+    def __init__(self, path: str | Path, units: System | None = None) -> None:
+        self.folder, self._units = RunFolder(Path(path)), units
+        self._lock = threading.Lock()
+        self._begin_anew()
+
+    def _begin_anew(self) -> None:
+        """Forget everything that was read."""
+        self._history = Tail(self.folder.history)
+        self._series = ""
+        self._ranges: dict[str, list[float]] = {}
+        self._ranged: set[Path] = set()
+        self._case: tuple[int, Case | None] = (0, None)
+        self._hole: tuple[str, dict[str, np.ndarray] | None] = ("", None)
+        self.notes: list[str] = []
+
+    # ------------------------------------------------------------------ what is new
+    def news(self, series: str = "", rows: int = 0, hole: str = "") -> dict[str, Any]:
+        """State of the run, the rows after the first ``rows``, and the hole unless the page has it.
+
+        series, hole: what the page has, as an earlier answer named it.
+        """
+        with self._lock:
+            self.notes = []
+            self._try("history.csv", self._history.read, None)
+            case, units, series_now = self._read_case(), self.units, self._name_series()
+            first = rows if series == series_now else 0
+            last = min(first + MOST_ROWS, len(self._history))
+            frames = self._try("string.pvd", lambda: read_series(self.folder.path), [])
+            self._read_ranges(frames)
+            hole_now = self._read_hole()
+            title = self._summary().get("title") or (case.title if case is not None else "")
+            answer: dict[str, Any] = {
+                "series": series_now,
+                "status": self._status(case),
+                "title": title or self.folder.path.resolve().name,
+                "folder": str(self.folder.path),
+                "first": first,
+                "rows": last,
+                "more": last < len(self._history),
+                "columns": self._columns(first, last, units),
+                "panels": self._panels(),
+                "times": [time for time, _ in frames],
+                "fields": self._fields(units),
+                "depth": unit_of("md [m]", units)[2],
+                "lateral": unit_of("offset_x [m]", units)[2],
+                "lateral_per_depth": unit_of("md [m]", units)[0] / unit_of("offset_x [m]", units)[0],
+                "hole": hole_now,
+            }
+            if hole_now and hole_now != hole:
+                assert self._hole[1] is not None
+                answer["wall"] = {name: packed(values) for name, values in self._hole[1].items()}
+            answer["notes"] = self.notes
+            return answer
+
+    @property
+    def units(self) -> System:
+        """Units in which the page shows numbers."""
+        return (
+            self._units
+            or self._try("case.yaml", lambda: style.units_of_run(self.folder.case), None)
+            or "metric"
+        )
+
+    def frame(self, number: int) -> dict[str, Any]:
+        """One frame of the string.  Raises ValueError if there is none, or if it is damaged."""
+        with self._lock:
+            series = read_series(self.folder.path)
+            if not 0 <= number < len(series):
+                raise ValueError(f"frame {number}: the run has {len(series)}")
+            time, file = series[number]
+            frame, units = self._with_statics(read_frame(file)), self.units
+            place = self._place(frame)
+            depth, lateral = unit_of("md [m]", units)[0], unit_of("offset_x [m]", units)[0]
+            arrays: dict[str, np.ndarray] = {
+                "md": place["md"] / depth,
+                **{
+                    name: values / lateral
+                    for name, values in place.items()
+                    if name in ("ox", "oy", "radius", "hole")
+                },
+                **{f"c{k}": place["centre"][:, k] / depth for k in range(3)},
+                **{f"l{k}": place["lateral"][:, k] / depth for k in range(3)},
+                **{f"f:{name}": shown(name, values, units) for name, values in self._values(frame).items()},
+            }
+            return {"number": number, "time": time, "arrays": {key: packed(v) for key, v in arrays.items()}}
+
+    # ------------------------------------------------------------------ parts
+    def _try(self, what: str, read: Callable[[], Any], otherwise: Any) -> Any:
+        """The value of ``read``; what is wrong with a file becomes a note."""
+        try:
+            return read()
+        except (OSError, ValueError, SyntaxError, KeyError, DrillError) as error:  # SyntaxError: of XML
+            if self.folder.path.is_dir():
+                self.notes.append(f"{what} cannot be read: {' '.join(str(error).split())}")
+            return otherwise
+
+    def _name_series(self) -> str:
+        """A name for the results in the folder: another one when they were begun anew."""
+        name = self._history.series
+        if not name and self.folder.summary.is_file():
+            name = str(self.folder.summary.stat().st_mtime_ns)
+        if name != self._series:
+            self._series, self._ranges, self._ranged = name, {}, set()
+        return name
+
+    def _read_case(self) -> Case | None:
+        """The case of the run, read again when its file has changed."""
+        if not self.folder.case.is_file():
+            return None
+        changed = self.folder.case.stat().st_mtime_ns
+        if changed != self._case[0]:
+            self._case = changed, self._try("case.yaml", lambda: load_case(self.folder.case), None)
+        return self._case[1]
+
+    def _summary(self) -> dict[str, Any]:
+        if not self.folder.summary.is_file():
+            return {}
+        return self._try("summary.json", lambda: read_summary(self.folder.summary), {})
+
+    def _status(self, case: Case | None) -> dict[str, str]:
+        """A word for the state of the run, and a sentence."""
+        if not self.folder.path.is_dir():
+            return {"word": "missing", "text": f"the run folder {self.folder.path} is gone: moved or removed"}
+        if writer_of(self.folder.path) is not None:
+            end = case.time.end if case is not None and case.time is not None else None
+            until = f" of {end:.6g} s" if end is not None else ""
+            at = self._history.last_time
+            return {
+                "word": "running",
+                "text": "running: no rows yet" if at is None else f"running: {at:.5g} s{until}",
+            }
+        summary = self._summary()
+        status = str(summary.get("status", "done"))
+        if summary and status == "done":
+            return {"word": "done", "text": "finished"}
+        if summary:
+            return {"word": "stopped" if summary.get("interrupted") else "failed", "text": status}
+        if len(self._history):
+            return {
+                "word": "failed",
+                "text": "broken off: no process writes here, and there is no summary.json",
+            }
+        return {"word": "empty", "text": "no results in this folder yet"}
+
+    def _columns(self, first: int, last: int, units: System) -> dict[str, str]:
+        """New rows of the history, by title."""
+        rows = self._history.rows(first, last)
+        return {
+            title: packed(rows[:, 0], "<f8") if k == 0 else packed(shown(title, rows[:, k], units))
+            for k, title in enumerate(self._history.titles)
+        }
+
+    def _panels(self) -> list[dict[str, Any]]:
+        """Columns of the history that share a panel: those of the operation, then those of the numerics."""
+        if len(self._history.titles) < 2:
+            return []
+        units = self.units
+        return [
+            {
+                "unit": unit_of(panel[0], units, True)[2],
+                "of": {q: label_of(q, units) for q in panel},
+                "numerics": late,
+            }
+            for late, panels in enumerate(grouped(self._history.titles))
+            for panel in panels
+        ]
+
+    def _fields(self, units: System) -> dict[str, dict[str, Any]]:
+        """Quantities along the string, with their range over all frames."""
+        out = {}
+        for name, (low, high) in self._ranges.items():
+            a, b = shown(name, [low, high], units).tolist()
+            out[name] = {
+                "label": label_of(name, units),
+                "unit": unit_of(name, units, True)[2],
+                "low": a,
+                "high": b,
+            }
+        return out
+
+    def _read_ranges(self, frames: list[tuple[float, Path]]) -> None:
+        """Widen the ranges by frames that were not read yet."""
+        new = [file for _, file in frames if file not in self._ranged][:MOST_FRAMES]
+        for file in new:
+            self._ranged.add(file)
+            frame = self._try(f"string/{file.name}", lambda file=file: read_frame(file), None)  # type: ignore[misc]
+            for name, values in self._values(self._with_statics(frame)).items() if frame is not None else ():
+                finite = values[np.isfinite(values)]
+                if finite.size:
+                    low, high = self._ranges.get(name, (np.inf, -np.inf))
+                    self._ranges[name] = [min(low, float(finite.min())), max(high, float(finite.max()))]
+
+    def _with_statics(self, frame: Frame) -> Frame:
+        """The frame of a static state with the columns of its table that it does not have."""
+        if not self.folder.statics.is_file():
+            return frame
+        table = self._try("statics.csv", lambda: read_table(self.folder.statics), {})
+        count = len(frame.points)
+        more = {
+            k: v
+            for k, v in table.items()
+            if k not in frame.point_data and len(v) == count and v.dtype.kind == "f"
+        }
+        return Frame(frame.points, {**frame.point_data, **more}, frame.cell_data, frame.cells)
+
+    def _values(self, frame: Frame) -> dict[str, np.ndarray]:
+        """Numbers (n,) at the nodes that a track or a colour can show [SI]."""
+        data = frame.point_data
+        shown = {k: np.asarray(v, dtype=float) for k, v in data.items() if k not in PLACE and np.ndim(v) == 1}
+        place = self._place(frame)
+        return {**shown, DISTANCE: np.hypot(place["ox"], place["oy"])}
+
+    def _place(self, frame: Frame) -> dict[str, np.ndarray]:
+        """Where the string is [m].
+
+        md, radius, hole (n,): measured depth, radii of pipe and hole, the latter two only if known; ox, oy (n,): offset to
+        the high side and to the right; centre (n, 3): of the hole at the node; lateral (n, 3): from there to the string.
+        """
+        data, points = frame.point_data, np.asarray(frame.points, dtype=float)
+        rest = points - data.get("displacement [m]", np.zeros_like(points))
+        md = data.get("md [m]", np.append(0.0, np.cumsum(np.linalg.norm(np.diff(rest, axis=0), axis=1))))
+        out = {"md": md}
+        for key, name in (("radius", "outer_radius [m]"), ("hole", "hole_radius [m]")):
+            if name in data:
+                out[key] = np.asarray(data[name])
+        wall = self._wall()
+        if wall is not None and "offset_x [m]" in data:
+            first = high_sides(_tangents(wall, md))
+            second = np.cross(_tangents(wall, md), first)
+            out["ox"], out["oy"] = data["offset_x [m]"], data["offset_y [m]"]
+            out["lateral"] = out["ox"][:, None] * first + out["oy"][:, None] * second
+            out["centre"] = points - out["lateral"]
+        else:  # without a hole: from the place at rest
+            first, second = cross_section_axes(rest)
+            out["lateral"], out["centre"] = points - rest, rest
+            out["ox"] = np.sum(out["lateral"] * first, axis=1)
+            out["oy"] = np.sum(out["lateral"] * second, axis=1)
+        return out
+
+    def _wall(self) -> dict[str, np.ndarray] | None:
+        """Stations of the hole [m]: md (n,), radius (n,), centre (n, 3); None without a hole."""
+        if not self.folder.well.is_file():
+            return None
+        changed = str(self.folder.well.stat().st_mtime_ns)
+        if changed != self._hole[0].partition("/")[0]:
+            self._hole = changed, self._try("well.vtu", self._read_wall, None)
+        return self._raw_wall if self._hole[1] is not None else None
+
+    def _read_wall(self) -> dict[str, np.ndarray]:
+        frame = read_frame(self.folder.well)
+        sides = int(
+            frame.cells["quad"][0][3]
+        )  # of the tube: the fourth corner of its first face is in the second ring
+        md, radius = (frame.point_data[name][::sides] for name in ("md [m]", "radius [m]"))
+        centre = frame.points.reshape(len(md), sides, 3).mean(axis=1)
+        self._raw_wall = {"md": md, "radius": radius, "centre": centre}
+        units = self.units
+        depth, lateral = unit_of("md [m]", units)[0], unit_of("offset_x [m]", units)[0]
+        return {
+            "md": md / depth,
+            "radius": radius / lateral,
+            **{f"c{k}": centre[:, k] / depth for k in range(3)},
+        }
+
+    def _read_hole(self) -> str:
+        """A name for the present hole, empty without one."""
+        return self._hole[0] if self._wall() is not None else ""
+
+
+def _tangents(wall: Mapping[str, np.ndarray], md: np.ndarray) -> np.ndarray:
+    """Unit tangents (n, 3) of the hole at depths (n,) [m], between those of its stations."""
+    keep = np.append(True, np.diff(wall["md"]) > 0)  # a step of the radius is a station given twice
+    at, centre = wall["md"][keep], wall["centre"][keep]
+    along = np.gradient(centre, at, axis=0)
+    out = np.column_stack([np.interp(md, at, along[:, k]) for k in range(3)])
+    return np.asarray(out / np.linalg.norm(out, axis=1, keepdims=True))

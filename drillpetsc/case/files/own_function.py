@@ -1,0 +1,179 @@
+"""A function of the user that a case names: where it is, and the digest of its source (manual: sec-own-physics)."""
+
+from __future__ import annotations
+
+import hashlib
+import importlib
+import importlib.util
+import sys
+import traceback
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import dataclass
+from functools import reduce
+from importlib.metadata import entry_points
+from pathlib import Path
+from types import ModuleType
+from typing import Any
+
+import numpy as np
+
+from drillpetsc.case.files.survey_file import FOLDER
+from drillpetsc.case.key_paths import refuse
+from drillpetsc.kernels import KernelsUnavailable, plug_in, text_of
+from drillpetsc.own_code import CompiledLaw, file_of
+
+INSTALLED = "drillpetsc.components"  # group of entry points: components of installed packages, by name
+WANTED = "file.py:function beside the case file, or module:function of a module that can be imported"
+
+_objects: dict[str, Callable[..., Any]] = {}  # functions given as objects, by their names
+_modules: dict[tuple[Path, str], ModuleType] = {}  # files that were run, by path and digest
+
+
+@dataclass(frozen=True)
+class Found:
+    """name: as a case file writes it, with the whole path of a file; call: the function.
+
+    source: SHA-256 of the file that holds it, empty if there is none.
+    """
+
+    name: str
+    call: Any
+    source: str
+
+
+def name_of(value: Any) -> Any:
+    """Name under which a function object stands in a case; anything else is returned unchanged."""
+    if not callable(value):
+        return value
+    kind = value if hasattr(value, "__qualname__") else type(value)
+    base = name = f"{kind.__module__}:{kind.__qualname__}"
+    number = 1
+    while _objects.setdefault(name, value) is not value:  # another one of the same name
+        number += 1
+        name = f"{base}#{number}"
+    return name
+
+
+def load(name: str) -> Found:
+    """Find ``file.py:function``, ``module:function`` or ``module.function``.
+
+    A file is looked for beside the case file and in the working directory; a module there and among the installed ones.
+    Raises the error of the key ``function`` if it cannot be loaded; the hint gives the user's line.
+    """
+    if name in _objects:
+        return Found(name, _objects[name], _digest(file_of(_objects[name])))
+    target = next((q.value for q in entry_points(group=INSTALLED) if q.name == name), name)
+    place, _, words = target.rpartition(":" if ":" in target else ".")
+    if not place or not all(word.isidentifier() for word in words.split(".")):
+        raise refuse("function", got=name, want=WANTED)
+    file = _find(place) if place.endswith(".py") else None
+    if file is None and (place.endswith(".py") or not all(word.isidentifier() for word in place.split("."))):
+        raise refuse(
+            "function",
+            got=name,
+            want=WANTED,
+            hint=f"there is no file {place}" if place.endswith(".py") else "",
+        )
+    try:
+        module = _imported(place) if file is None else _run(file)
+        call: Any = reduce(getattr, words.split("."), module)
+    except (Exception, SystemExit) as error:  # the user's file may raise anything
+        raise refuse("function", got=name, want=WANTED, hint=_reason(error)) from None
+    if not callable(call):
+        raise refuse("function", got=name, want="a function")
+    if file is None:
+        return Found(name, call, _digest(file_of(call)))
+    return Found(f"{file}:{words}", call, _digest(file))
+
+
+def load_compiled(name: str, of: str, parameters: Mapping[str, float]) -> Found:
+    """Find the law ``file.cpp:law`` of a plug-in that is compiled.
+
+    of: name in C++ of what the law is about; parameters: that it takes.
+    Raises the error of the key ``function`` or ``parameters``.
+    """
+    place, _, law = name.rpartition(":")
+    file = _find(place) if place.endswith(".cpp") else None
+    if file is None or not law.isidentifier():
+        raise refuse("function", got=name, want="file.cpp:law, a file beside the case file")
+    try:
+        library = plug_in(file.parent)
+    except KernelsUnavailable as error:
+        raise refuse(
+            "function", got=name, want="a law of a compiled plug-in", hint=f"{error.what}; {error.hint}"
+        ) from None
+    symbol = f"own_{law}"
+    kind = text_of(library, f"{symbol}_kind") if hasattr(library, symbol) else ""
+    if kind != f"dp::{of}":
+        has = (
+            f"it is a law of {kind.removeprefix('dp::')}"
+            if kind
+            else f"there is no law {law} in {file.parent}"
+        )
+        raise refuse("function", got=name, want=f"a law of {of}", hint=has)
+    names = [word.strip().lower() for word in text_of(library, f"{symbol}_parameters_columns").split(",")][
+        :-1
+    ]
+    for key in {*names} ^ {*parameters}:
+        raise refuse(
+            "parameters",
+            key,
+            got=parameters.get(key),
+            want=f"all parameters of the law, and no others: {', '.join(names)}",
+        )
+    call = CompiledLaw(getattr(library, symbol), np.array([parameters[key] for key in names], dtype=float))
+    digest = hashlib.sha256(b"".join(path.read_bytes() for path in sorted(file.parent.glob("*.[ch]pp"))))
+    return Found(f"{file}:{law}", call, digest.hexdigest())
+
+
+def _find(name: str) -> Path | None:
+    return next((path.resolve() for path in (FOLDER.get() / name, Path(name)) if path.is_file()), None)
+
+
+def _imported(name: str) -> ModuleType:
+    with _importable(FOLDER.get(), Path()):
+        return importlib.import_module(name)
+
+
+def _run(file: Path) -> ModuleType:
+    """The module of a file, which is run again if it has changed."""
+    key = file, _digest(file)
+    if key not in _modules:
+        spec = importlib.util.spec_from_file_location(f"_own_{file.stem}_{key[1][:12]}", file)
+        assert spec is not None and spec.loader is not None
+        module = importlib.util.module_from_spec(spec)
+        sys.modules[module.__name__] = module  # data classes look their module up
+        try:
+            with _importable(file.parent):
+                spec.loader.exec_module(module)
+        except BaseException:
+            del sys.modules[module.__name__]
+            raise
+        _modules[key] = module
+    return _modules[key]
+
+
+@contextmanager
+def _importable(*folders: Path) -> Iterator[None]:
+    """Modules in these folders can be imported."""
+    paths = [str(folder.resolve()) for folder in folders]
+    sys.path[:0] = paths
+    try:
+        yield
+    finally:
+        for path in paths:
+            sys.path.remove(path)
+
+
+def _digest(file: Path | None) -> str:
+    return hashlib.sha256(file.read_bytes()).hexdigest() if file is not None and file.is_file() else ""
+
+
+def _reason(error: BaseException) -> str:
+    text = f"{type(error).__name__}: {error}" if str(error) else type(error).__name__
+    if isinstance(error, SyntaxError):
+        return text
+    last = traceback.extract_tb(error.__traceback__)[-1:]
+    own = [at for at in last if "importlib" not in at.filename and Path(at.filename) != Path(__file__)]
+    return f"{text} ({own[0].filename}, line {own[0].lineno})" if own else text

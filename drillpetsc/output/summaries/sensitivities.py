@@ -1,0 +1,31 @@
+"""Result of the command on sensitivities."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Annotated, Any
+
+from drillpetsc.output.summaries.summary import Summary
+
+
+@dataclass(frozen=True, kw_only=True)
+class SensitivitiesSummary(Summary):
+    """summary.json of sensitivities."""
+
+    title: Annotated[str, "", "Title of the case."]
+    analysis: Annotated[str, "", "Command whose outputs are differentiated: statics, roadmap or hydraulics."]
+    outputs: Annotated[dict[str, float], "", "Values of the outputs at the deepest bit depth [SI], by name."]
+    sensitivities: Annotated[
+        list[dict[str, Any]],
+        "",
+        "List: the rows of sensitivities.csv by name, those of the largest relative derivative of each output first.",
+    ]
+    checked: Annotated[
+        list[dict[str, Any]],
+        "",
+        "List: pairs compared with differences of full solutions: output, key, derivative and difference (relative), error; empty without --check.",
+    ]
+    skipped: Annotated[dict[str, str], "", "With --all: keys left out, and the reasons."]
+    units: Annotated[str, "", "Units of printed and plotted figures; files are in SI."]
+    warnings: Annotated[list[str], "", "What makes the numbers doubtful."]
+    notes: Annotated[list[str], "", "Omissions of the results, and choices made."]

@@ -1,0 +1,96 @@
+"""Picture of the command `sensitivities`: a tornado of bars, the largest effect on top."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from drillpetsc.output.files.run_folder import SENSITIVITIES_TABLE
+from drillpetsc.output.files.tables import read_table
+from drillpetsc.output.shown_units import key_unit, shown_unit
+from drillpetsc.plotting import style
+from drillpetsc.plotting.style import LINE_COLORS
+from drillpetsc.unit_systems import System
+
+MOST_BARS, MOST_PANELS = 12, 6
+UP, DOWN = LINE_COLORS[0], LINE_COLORS[1]
+
+
+def sensitivity_drawers(folder: Path, title: str, system: System) -> dict[str, Callable[[], Any]]:
+    """A function that draws the tornado; none if the folder has no sensitivities.csv, or no key has an effect."""
+    if not (folder / SENSITIVITIES_TABLE).exists():
+        return {}
+    table = {
+        name.partition(" [")[0]: values for name, values in read_table(folder / SENSITIVITIES_TABLE).items()
+    }
+    effect = np.asarray(table["effect"], dtype=float)
+    if not np.any(np.nan_to_num(effect)):
+        return {}
+    return {"tornado": lambda: _tornado(table, effect, f"{title}: effect of a change of each key", system)}
+
+
+def _tornado(table: dict[str, np.ndarray], effect: np.ndarray, title: str, system: System) -> Any:
+    """A panel for each output at the deepest bit depth, in units of the axes."""
+    depth = np.asarray(table["bit_depth"], dtype=float)
+    deepest = np.ones(len(depth), dtype=bool)
+    if np.isfinite(depth).any():
+        deepest = depth == np.nanmax(depth)
+    names = [
+        n
+        for n in dict.fromkeys(table["output"][deepest].astype(str))
+        if _bars(table, effect, deepest, n).size
+    ]
+    names = names[:MOST_PANELS]
+    rows = -(-len(names) // 2) if len(names) > 1 else 1
+    bars = max(_bars(table, effect, deepest, name).size for name in names)
+    drawing = style.figure(13.0 if len(names) > 1 else 8.5, 1.2 + rows * (1.1 + 0.34 * bars), dpi=110)
+    top = style.heading(drawing, title)
+    grid = drawing.subplots(rows, min(len(names), 2), squeeze=False)
+    for axes, name in zip(grid.flat, names, strict=False):
+        _panel(axes, table, effect, _bars(table, effect, deepest, name), system)
+    for axes in list(grid.flat)[len(names) :]:
+        axes.set_visible(False)
+    drawing.tight_layout(rect=(0, 0, 1, top))
+    return drawing
+
+
+def _bars(table: dict[str, np.ndarray], effect: np.ndarray, chosen: np.ndarray, name: str) -> np.ndarray:
+    """Rows of the bars of an output, the largest effect first."""
+    mine = np.flatnonzero(
+        chosen & (table["output"].astype(str) == name) & (effect != 0) & np.isfinite(effect)
+    )
+    return mine[np.argsort(-np.abs(effect[mine]))][:MOST_BARS]
+
+
+def _panel(
+    axes: Any, table: dict[str, np.ndarray], effect: np.ndarray, rows: np.ndarray, system: System
+) -> None:
+    output = str(table["output"][rows[0]])
+    size, unit = shown_unit(output.rpartition(".")[2], str(table["output_unit"][rows[0]]), system, plot=True)
+    values = effect[rows] / size
+    labels = []
+    for i in rows:
+        step, word = key_unit(str(table["key"][i]), str(table["key_unit"][i]), system)
+        flag = " *" if str(table["flag"][i]) not in ("", "-") else ""
+        labels.append(f"{table['key'][i]}  + {float(table['per'][i]) / step:.3g} {word}".rstrip() + flag)
+    place = np.arange(len(rows))
+    axes.barh(place, values, color=[UP if v > 0 else DOWN for v in values], height=0.7)
+    axes.axvline(0.0, color="0.35", linewidth=0.8)
+    axes.set_yticks(place, labels, fontsize=8.5)
+    axes.set_ylim(len(rows) - 0.4, -0.6)
+    axes.margins(x=0.18)
+    for y, value in zip(place, values, strict=True):
+        side = "left" if value > 0 else "right"
+        axes.annotate(
+            f"{value:+.3g}", (value, y), (3 if value > 0 else -3, 0), textcoords="offset points",
+            va="center", ha=side, fontsize=8,
+        )  # fmt: skip
+    present = float(table["value"][rows[0]]) / size
+    axes.set_xlabel(
+        f"{output.replace('_', ' ')}: {present:.5g} {unit} and its change [{unit or '-'}]", fontsize=9
+    )
+    if any(label.endswith("*") for label in labels):
+        axes.text(1.0, 0.02, "* flagged", transform=axes.transAxes, ha="right", fontsize=7.5, color="0.4")

@@ -1,0 +1,90 @@
+"""Laws of the user against the built-in laws that they repeat (manual: verif-own-laws)."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from drillpetsc import load_case, run
+from drillpetsc.output import read_table
+from tests.helpers import laws
+
+STUDY = Path(__file__).parents[2] / "cases" / "verification" / "study-stick-slip.yaml"
+SLIDING = """
+string:
+  - {kind: pipe, length: 60, od: 0.127, id: 0.1086, element_length: 5}
+  - {kind: stabilizer, length: 1, od: 0.2, id: 0.07}
+  - {kind: pipe, length: 20, od: 0.165, id: 0.07, element_length: 5}
+well:
+  survey: {md: [0, 100], inclination: [1.2, 1.2], azimuth: [1, 1]}
+  sections: [{to: 100, kind: open_hole, diameter: 0.216, friction: 0.25}]
+contact: {stribeck: {static: 0.375, speed: 0.1}}
+top: {kind: top_drive, rotation: {ramp: 0.2, value: 6}, lowering: 0.02}
+initial: {from: statics}
+time: {end: 0.4}
+output: {history_every: 0.01}
+"""
+#: outputs that hang on the times of the steps: they are those at the end of a step, not at the time of the row
+OF_STEPS = ("time", "step", "newton", "energy_error", "kinetic_energy", "strain_energy")
+
+
+def histories(base, change: dict, folder: Path) -> tuple[dict[str, np.ndarray], dict[str, np.ndarray]]:
+    """Histories of the case with the built-in law and with another."""
+    out = []
+    for name, case in (("built_in", base), ("own", base.replace(change))):
+        run(case, out=folder / name, progress="silent")
+        out.append(read_table(folder / name / "history.csv"))
+    return out[0], out[1]
+
+
+def largest_difference(one: dict[str, np.ndarray], other: dict[str, np.ndarray]) -> float:
+    """Largest difference of an output, over its largest value."""
+    found = [
+        np.abs(other[name] - values).max() / np.abs(values).max()
+        for name, values in one.items()
+        if not name.startswith(OF_STEPS) and np.abs(values).max() > 0
+    ]
+    return max(found)
+
+
+@pytest.mark.parametrize(("function", "most"), [(laws.weakening, 1e-6), (laws.weakening_alone, 1e-4)])
+def test_a_bit_law_of_the_user_repeats_stick_slip(function, most, tmp_path):
+    """The bit sticks, slips and sticks.  The same steps are taken with exact derivatives; with differences Newton's method ends elsewhere
+    within its tolerance, and the steps' tolerance of 1e-4 is what counts."""
+    base = load_case(STUDY).replace({"time.end": 10})
+    change = {"formation.bit_law": {"kind": "python", "function": function}}
+    one, own = histories(base, change, tmp_path)
+    assert np.abs(one["bit_speed [rad/s]"][:60]).max() < 0.02  # it sticks
+    assert one["bit_speed [rad/s]"].max() > 15
+    assert largest_difference(one, own) < most
+
+
+def test_a_friction_law_of_the_user_repeats_stribeck(tmp_path):
+    base = _case(SLIDING, tmp_path)
+    change = {"contact": {"friction_law": {"kind": "python", "function": laws.stribeck}}}
+    one, own = histories(base, change, tmp_path)
+    assert one["surface_torque [N m]"].max() > 500
+    assert largest_difference(one, own) < 1e-6
+
+
+def test_statics_with_a_friction_law_of_the_user(tmp_path):
+    """The hook load of a sliding string is that of the coefficient at 1 m/s, which is the kinetic one."""
+    base = _case(SLIDING, tmp_path)
+    own = base.replace({"contact": {"friction_law": {"kind": "python", "function": laws.stribeck}}})
+    from drillpetsc import statics
+
+    first, second = (statics(case).summary for case in (base, own))
+    assert second["hook_load"] == pytest.approx(first["hook_load"], rel=1e-9)
+    twice = base.replace({"contact": {"friction_law": {"kind": "python", "function": _half}}})
+    assert abs(statics(twice).summary["hook_load"] - first["hook_load"]) > 100
+
+
+def _half(state):
+    return 0.5 * state.given
+
+
+def _case(text: str, folder: Path):
+    (folder / "case.yaml").write_text(text)
+    return load_case(folder / "case.yaml")
