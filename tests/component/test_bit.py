@@ -24,7 +24,7 @@ from drillpetsc.physics.bit.rock_bit import (
     RockBit,
     Weakening,
 )
-from tests.helpers.bit_models import drilling
+from tests.helpers.bit_models import DRAG, RADIUS, TURNING, drilling
 from tests.helpers.component_models import (
     GRAVITY,
     SECTION,
@@ -173,6 +173,23 @@ def test_first_chip_of_a_sharp_bit(weight):
     cut = 0.6 * 60e6 * 0.108
     assert chip_for(weight, cut, 0.0, 1e-6) == pytest.approx(weight / cut, rel=1e-14)
     assert chip_for(0.0, cut, 0.0, 1e-6) == 0.0
+
+
+@each_row("weight", [10e3, 50e3, 100e3])
+def test_torque_of_a_drag_bit_under_a_weight(weight):
+    """T = e a^2 d/2 + mu a W_f/2 with W = zeta e a d + W_f: cutters, and wear flats that carry W_f = a l sigma (Detournay and
+    Defourny, Int. J. Rock Mech. 29 (1992) 13, with a bit of bluntness one)."""
+    a, energy, ratio, flats = (
+        RADIUS,
+        DRAG["specific_energy"],
+        DRAG["inclination_ratio"],
+        RADIUS * 1.2e-3 * 60e6,
+    )
+    assert flats < 10e3
+    model = drilling({"bit_law": DRAG}, {"kind": "top_drive", "rotation": TURNING})
+    depth = (weight - flats) / (ratio * energy * a)
+    expected = 0.5 * energy * a**2 * depth + 0.5 * DRAG["friction"] * a * flats
+    assert model.drilling.torque_for(weight, TURNING) == pytest.approx(expected, rel=1e-9)
 
 
 @each_row("contact", ["none", {"slip_velocity": 0.5}])

@@ -10,8 +10,10 @@ import pytest
 
 from drillpetsc.fem.bound_parts import ROW_SCALE
 from drillpetsc.kernels.parameters import columns
+from drillpetsc.physics import beam as beam_physics
 from drillpetsc.physics.contact import Contact
 from drillpetsc.physics.top.hoist import FIGURES
+from drillpetsc.time_function import Ramp
 from tests.helpers.component_models import KINDS, SHIFT, both_jacobians, build, meet_conditions
 from tests.helpers.tables import each_row
 
@@ -55,6 +57,17 @@ def test_rows_times_velocity_is_the_change_of_energy(kind):
     assert power - 0.0 == pytest.approx(
         rate + powers.dissipated - powers.supplied, rel=2e-7, abs=1e-6 * (abs(rate) + abs(power))
     )
+
+
+@each_row("kind", [k for k in KINDS if k.startswith("beam")])
+def test_tables_have_the_energies_of_the_balance(kind):
+    """Energies of the elements, as written to files, add up to those of the balance, whose sums the test above holds to the rows."""
+    system = build(kind)
+    asm, beam = system.assembly, system.components[0]
+    table, names = beam.element_results(system.layout, asm.x, asm.y), beam_physics.RESULT_NAMES
+    of_elements = [table[:, names.index(name)].sum() for name in ("kinetic", "strain", "potential")]
+    balance = beam.energies(0.4, asm)
+    assert of_elements == pytest.approx([balance.kinetic, balance.strain, balance.potential], rel=1e-12)
 
 
 @each_row("kind", ["beam", "beam_damped", "bodies_junction", "curvature"])
@@ -154,6 +167,19 @@ def test_the_motors_of_the_contract_are_at_their_limits(kind, limited):
     assert r[RESULTS["limited"]] == limited
     if kind == "motor_rounded":
         assert 0 < abs(r[RESULTS["command"]] - r[RESULTS["torque"]]) < 2.5e-3 * abs(r[RESULTS["command"]])
+
+
+@each_row(("kind", "most"), [("motor_given_lag", np.inf), ("motor_given_rate", 0.5)])
+def test_torque_follows_its_command_with_a_lag(kind, most):
+    """M' = (command - M)/lag, no faster than the motor's torque may change; the lag is 0.2 s."""
+    system = build(kind)
+    asm = system.assembly
+    ready = next(b for b in asm.bound_blocks if b.block.name == "top_motor")
+    place = ready.index[0, 8]  # after position, slope, spin and the integrator
+    for torque in (-3.0, 0.75, 5.0):
+        asm.x[place] = torque
+        wanted = np.clip((Ramp(1.0, 2.0).value(0.4) - torque) / 0.2, -most, most)
+        assert asm.block_rows(ready, 0.4)[0, 8] == pytest.approx(asm.y[place] - wanted, rel=1e-12)
 
 
 @each_row(("kind", "speed"), [("hoist_wob_upper", 0.02), ("hoist_wob_lower", 0.0), ("hoist_wob", None)])

@@ -83,6 +83,22 @@ def test_rows_of_a_link(kind):
         assert result[RESULTS["jet"]] == pytest.approx(q * thin / link.area, rel=1e-12)
 
 
+@each_row("kind", ["pipe_annulus_bit", "pipe_annulus_bit_held"])
+def test_power_of_a_link(kind):
+    """Lost in the nozzles, and given to mud that leaves with the string's speed V: rho0 q V^2/2; the rest is of the velocity
+    heads at the nodes (manual: eq-mud-side-power)."""
+    system = build(kind)
+    asm, side = system.assembly, system.components[-1]
+    ready = next(b for b in asm.bound_blocks if b.block.name == "side_nozzles")
+    heads = sum(c.velocity_power(*side._beside, asm) for c in (side.bore, side.annulus))
+    want = side.element_results(asm)[:, RESULTS["lost"]].sum()
+    if "held" not in kind:
+        speed = asm.y[ready.index[:, :3]]
+        want += 0.5 * 3.0 * asm.x[ready.index[:, -1]] @ np.sum(speed**2, axis=1)
+    powers = side.powers(0.4, asm)
+    assert powers.dissipated - heads == pytest.approx(want, rel=1e-12) and powers.supplied == 0
+
+
 @pytest.mark.parametrize("kind", ["pipe_annulus_bit", "pipe_annulus_bit_held"])
 def test_velocity_heads_at_nodes_without_a_step(kind):
     """What the flow brings to nodes 1 and 3 less what it takes away: q rho0 (w + V)^2/2 above less below."""

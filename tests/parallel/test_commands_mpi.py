@@ -14,7 +14,7 @@ from tests.helpers.tables import each_row
 from tests.parallel.commands import DRILLING, LAW, LOOP, ROWS, out_folder
 
 pytestmark = [pytest.mark.parallel, pytest.mark.skipif(not have_mpi(), reason="no mpirun")]
-GROUPS = 2  # jobs on each number of ranks: tests that workers share
+GROUPS = 3  # jobs on each number of ranks: tests that workers share
 
 
 @pytest.mark.parametrize("group", range(GROUPS))
@@ -30,7 +30,7 @@ def test_ranks_agree(group: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
         lines = [ROWS[name].line(tmp_path, name, ranks) for name in names if ranks in ROWS[name].ranks]
         (tmp_path / "jobs.json").write_text(json.dumps(lines))
         run_mpi(
-            ranks, Path(__file__).with_name("run_commands.py"), [str(tmp_path / "jobs.json")], timeout=400
+            ranks, Path(__file__).with_name("run_commands.py"), [str(tmp_path / "jobs.json")], timeout=900
         )
 
     @each_row("name", names)

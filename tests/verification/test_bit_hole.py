@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -15,6 +16,7 @@ from drillpetsc.geometry.growing_hole import GrowingHole
 from drillpetsc.geometry.well import Well, direction
 from drillpetsc.model.drilling_model import DrillingModel, build_model
 from drillpetsc.output import read_table
+from drillpetsc.physics.quantities import BIT_SIDE
 from drillpetsc.solvers.petsc_options import applied
 from tests.helpers.bit_models import RADIUS, TURNING, bit_of, unknowns
 from tests.helpers.motion import beam
@@ -135,6 +137,10 @@ def test_radius_of_the_new_hole(overgauge, interval):
     assert bit.hole.radial_clearance(RADIUS) == pytest.approx(max(overgauge, 0.0), abs=1e-12)
     figures = bit.element_results(model.system.assembly)
     assert figures[7] == pytest.approx(max(overgauge, 0.0) + figures[3] / 1e8, abs=1e-6)
+    sample = SimpleNamespace(once=lambda function: function(model.system.assembly))
+    columns = {quantity.name: quantity.value(bit, sample) for quantity in BIT_SIDE}
+    assert columns["bit_orbit"] == pytest.approx(max(overgauge, 0.0) + figures[3] / 1e8, abs=1e-6)
+    assert columns["bit_overgauge"] == pytest.approx(max(overgauge, 0.0), abs=1e-12)
     assert figures[3] == pytest.approx(
         1e3 - WEIGHT * 0.02, rel=0.02
     )  # the bottom, tilted by 0.2 * 0.1, carries a part of it
