@@ -14,8 +14,8 @@ from drillpetsc.output.summaries.linear import (
     StabilitySummary,
 )
 from drillpetsc.output.summaries.loads import LimitsSummary
-from drillpetsc.output.summaries.sensitivities import SensitivitiesSummary
 from drillpetsc.output.summaries.run import RunSummary
+from drillpetsc.output.summaries.sensitivities import SensitivitiesSummary
 from drillpetsc.output.summaries.statics import StaticsSummary
 from drillpetsc.output.summaries.summary import SummaryKey
 

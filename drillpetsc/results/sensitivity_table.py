@@ -22,7 +22,9 @@ def sensitivity_table(table: Table, title: str = "") -> Columns:
     columns = {split_name(heading)[0]: (heading, np.asarray(values)) for heading, values in table.items()}
     names, depths = columns["output"][1].astype(str), columns["bit_depth"][1].astype(float)
     several = len(np.unique(depths[np.isfinite(depths)])) > 1
-    words = [f"{n} at {d:.6g} m" if several and np.isfinite(d) else n for n, d in zip(names, depths, strict=True)]
+    words = [
+        f"{n} at {d:.6g} m" if several and np.isfinite(d) else n for n, d in zip(names, depths, strict=True)
+    ]
     keys = columns["key"][1].astype(str)
     outputs, names_of_keys = list(dict.fromkeys(words)), list(dict.fromkeys(keys.tolist()))
     row = np.array([outputs.index(word) for word in words]), np.array([names_of_keys.index(k) for k in keys])

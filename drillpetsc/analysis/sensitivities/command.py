@@ -91,7 +91,9 @@ def run_sensitivities(job: Job, question: Question) -> RunResult:
     if job.comm.rank == 0:
         write_case(case, folder)
         columns = [q.column for q in SENSITIVITIES]
-        write_table(folder.path / SENSITIVITIES_TABLE, columns, [[row[q.name] for row in rows] for q in SENSITIVITIES])
+        write_table(
+            folder.path / SENSITIVITIES_TABLE, columns, [[row[q.name] for row in rows] for q in SENSITIVITIES]
+        )
         write_summary(folder.summary, summary)
     return job.result(folder, summary, _lines(case, found, compared, summary))
 
@@ -145,7 +147,8 @@ def _notes(found: Sequence[Derivative], question: Question) -> list[str]:
         notes.append("friction: that of the hole's sections; roadmap.friction_factor is left out")
     without = [name for name in dict.fromkeys(d.key.name for d in found) if not _has_effect(found, name)]
     if without:
-        notes.append(f"no effect on these outputs: {', '.join(without)}")
+        more = f" and {len(without) - SHOWN} other keys" if len(without) > SHOWN else ""
+        notes.append(f"no effect on these outputs: {', '.join(without[:SHOWN])}{more}")
     if any(ONE_SIDED in d.flag for d in found):
         notes.append(
             "one-sided: a contact, a buckling state, a regime or a place changes closer than the stated change; "
@@ -193,9 +196,13 @@ def _compared(at: Checked) -> dict[str, Any]:
 
 
 # ---------------------------------------------------------------------- screen
-def _lines(case: Case, found: Sequence[Derivative], compared: Sequence[Checked], summary: dict[str, Any]) -> list[str]:
+def _lines(
+    case: Case, found: Sequence[Derivative], compared: Sequence[Checked], summary: dict[str, Any]
+) -> list[str]:
     system = case.shown_units
-    lines = [f"{case.title or 'case'}: sensitivities of {summary['analysis']}, effect of a change of each key"]
+    lines = [
+        f"{case.title or 'case'}: sensitivities of {summary['analysis']}, effect of a change of each key"
+    ]
     deepest = max((d.output.bit_depth for d in found), default=np.nan)
     for output in dict.fromkeys(d.output for d in found):
         if output.bit_depth == output.bit_depth and output.bit_depth != deepest:

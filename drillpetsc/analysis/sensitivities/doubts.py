@@ -45,9 +45,7 @@ class Disagrees(Doubt):
     """
 
     about = (Checked,)
-    sentence = (
-        "the derivative of {output} by {key} is {derivative:.6g}, full solutions give {difference:.6g} (relative numbers)"
-    )
+    sentence = "the derivative of {output} by {key} is {derivative:.6g}, full solutions give {difference:.6g} (relative numbers)"
     remedy = "Use the differences: a contact, a regime or a place changes within the step of the key."
 
     def look(self, at: Checked) -> Iterable[dict[str, Any]]:

@@ -8,8 +8,8 @@ import numpy as np
 
 from drillpetsc.analysis.hydraulics.flow_model import FlowModel
 from drillpetsc.analysis.sensitivities.points import MOVE, Point, difference, solve_exactly
-from drillpetsc.arrays import FloatArray
 from drillpetsc.analysis.statics.steady_flow import flow_rows
+from drillpetsc.arrays import FloatArray
 from drillpetsc.solvers.time.newton import shared_factor
 
 

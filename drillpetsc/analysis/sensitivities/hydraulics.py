@@ -61,7 +61,8 @@ class SteadyHydraulics:
         moved = [self._rate + point.change * turn for point in points]
         gradient = difference(sides, [f.values for f in by_rate])
         return [
-            replace(f, values=f.values + (rate - self._rate) * gradient) for f, rate in zip(own, moved, strict=True)
+            replace(f, values=f.values + (rate - self._rate) * gradient)
+            for f, rate in zip(own, moved, strict=True)
         ]
 
     def solved(self, case: Case) -> Found:
@@ -87,7 +88,9 @@ class SteadyHydraulics:
         def build(i: int) -> tuple[FlowModel, float, float]:
             return self._model(points[i].case), rates[i], 0.0
 
-        return [self._at(flow, rate) for flow, rate in zip(self._tangent.near(points, build), rates, strict=True)]
+        return [
+            self._at(flow, rate) for flow, rate in zip(self._tangent.near(points, build), rates, strict=True)
+        ]
 
     @staticmethod
     def _at(flow: FlowModel, rate: float) -> Found:

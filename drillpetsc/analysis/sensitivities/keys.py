@@ -20,7 +20,19 @@ STEP = 1e-4  # of differences by a key, relative to its value [-]
 SHARE = 0.01  # of a key's value for which its effect is stated
 FRICTION_STEP = 0.05  # of a friction coefficient for which its effect is stated
 #: size of a quantity whose value is zero, by its SI unit; 1 for others
-USUAL_SIZE = {"Pa": 1e5, "N": 1e4, "N m": 1e3, "m": 0.1, "m3/s": 1e-3, "N/m": 100.0, "kg": 10.0, "": 0.1, "rad": 0.01}
+USUAL_SIZE = {
+    "Pa": 1e5,
+    "N": 1e4,
+    "N m": 1e3,
+    "m": 0.1,
+    "m3/s": 1e-3,
+    "N/m": 100.0,
+    "kg": 10.0,
+    "": 0.1,
+    "rad": 0.01,
+    "1/m": 1e-3,
+    "m/s": 0.1,
+}
 #: blocks and keys that set the numerics or the output -> why they are refused
 NUMERICS = {
     "mesh": "the mesh is held: its error is what `study --vary mesh` measures",
@@ -86,7 +98,11 @@ def key_of(case: Case, name: str) -> Key:
     if found is None and given is not None:
         found = _at(given, path)
     if isinstance(found, Mapping | list | tuple):
-        inside = [str(step) for step in found] if isinstance(found, Mapping) else [f"[{i}]" for i in range(len(found))]
+        inside = (
+            [str(step) for step in found]
+            if isinstance(found, Mapping)
+            else [f"[{i}]" for i in range(len(found))]
+        )
         raise _refused(name, f"it is a block: name one of its keys ({', '.join(inside[:8])})")
     if found is None:
         raise _refused(name, "the case has no such number")
@@ -148,13 +164,21 @@ def _at(data: Any, path: Path) -> Any:
 def _has_place(given: Any, path: Path) -> bool:
     """Whether the value at a path can be set in the keys of a case as they were given."""
     for number, step in enumerate(path[:-1]):
-        if isinstance(given, Mapping) and step not in given and all(isinstance(q, str) for q in path[number:]):
+        if (
+            isinstance(given, Mapping)
+            and step not in given
+            and all(isinstance(q, str) for q in path[number:])
+        ):
             return True  # a block that the file leaves to its defaults
         if _at(given, (step,)) is None:
             return False
         given = given[step]
     last = path[-1]
-    return isinstance(given, Mapping) if isinstance(last, str) else isinstance(given, list | tuple) and last < len(given)
+    return (
+        isinstance(given, Mapping)
+        if isinstance(last, str)
+        else isinstance(given, list | tuple) and last < len(given)
+    )
 
 
 def _number(value: Any, unit: str, own: str) -> float | None:

@@ -55,7 +55,10 @@ def points_of(case: Case, key: Key, step: float = STEP) -> tuple[list[Point], bo
         return points, stencil is not CENTRAL
     first = errors[0]
     raise CaseError(
-        at="--to", got=key.name, want=f"a number that can change a little: {first.at} {first.want}", hint=first.hint
+        at="--to",
+        got=key.name,
+        want=f"a number that can change a little: {first.at} {first.want}",
+        hint=first.hint,
     )
 
 

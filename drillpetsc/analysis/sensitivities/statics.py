@@ -34,11 +34,17 @@ from drillpetsc.output.quantities.statics import ECD, STATIC_SUMMARY
 from drillpetsc.physics.tools.mud_motor import MudMotor
 from drillpetsc.solvers.static.static_newton import StaticNewton
 
-RESOLUTION, RESOLUTION_IN_MUD = 1e-5, 5e-4  # relative changes of outputs that are rounding, or of the hole as the mud sees it [-]
+RESOLUTION, RESOLUTION_IN_MUD = (
+    1e-5,
+    5e-4,
+)  # relative changes of outputs that are rounding, or of the hole as the mud sees it [-]
 ACROSS = ("top.side_reaction_1", "top.side_reaction_2")
 #: of differences of the residual, relative: the wall yields by micrometres, beyond which a change of a diameter opens contacts
 RESIDUAL_STEP = 1e-7
-BENT, NOISE = 1e-3, 1e-9  # share of a derivative that the residual beside the state may lack; rounding in the fields' scales
+BENT, NOISE = (
+    1e-3,
+    1e-9,
+)  # share of a derivative that the residual beside the state may lack; rounding in the fields' scales
 MUD_MOVE = 1.0  # of the unknowns in their scales, over which the rows of the mud are differenced
 HIDDEN = ("top_travel",)  # where the top is, not what the rig reads
 QUANTITIES: tuple[Quantity, ...] = (*(q for q in STATIC_SUMMARY if q.name not in HIDDEN), *MUD, ECD)
@@ -52,12 +58,16 @@ class StaticTangent:
     Raises CaseError for a state that is not differentiable here.
     """
 
-    def __init__(self, model: DrillingModel, state: StaticState, start: FloatArray | None, motion: Motion) -> None:
+    def __init__(
+        self, model: DrillingModel, state: StaticState, start: FloatArray | None, motion: Motion
+    ) -> None:
         if state.path is not None:
             want = "a state that Newton's method finds: this one has a history of friction, which the derivative must follow"
             raise CaseError(at="statics", got="the end of a path", want=want)
         if model.parts(MudMotor):
-            raise CaseError(at="string", got="pdm", want="a string without a downhole motor, or --run roadmap")
+            raise CaseError(
+                at="string", got="pdm", want="a string without a downhole motor, or --run roadmap"
+            )
         self.model, self.state, self.motion = model, state, motion
         self.top = None if model.top is None or start is None else model.top.anchor - start
         self.x = model.system.assembly.x.copy()

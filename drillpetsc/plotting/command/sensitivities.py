@@ -23,7 +23,9 @@ def sensitivity_drawers(folder: Path, title: str, system: System) -> dict[str, C
     """A function that draws the tornado; none if the folder has no sensitivities.csv, or no key has an effect."""
     if not (folder / SENSITIVITIES_TABLE).exists():
         return {}
-    table = {name.partition(" [")[0]: values for name, values in read_table(folder / SENSITIVITIES_TABLE).items()}
+    table = {
+        name.partition(" [")[0]: values for name, values in read_table(folder / SENSITIVITIES_TABLE).items()
+    }
     effect = np.asarray(table["effect"], dtype=float)
     if not np.any(np.nan_to_num(effect)):
         return {}
@@ -36,7 +38,11 @@ def _tornado(table: dict[str, np.ndarray], effect: np.ndarray, title: str, syste
     deepest = np.ones(len(depth), dtype=bool)
     if np.isfinite(depth).any():
         deepest = depth == np.nanmax(depth)
-    names = [n for n in dict.fromkeys(table["output"][deepest].astype(str)) if _bars(table, effect, deepest, n).size]
+    names = [
+        n
+        for n in dict.fromkeys(table["output"][deepest].astype(str))
+        if _bars(table, effect, deepest, n).size
+    ]
     names = names[:MOST_PANELS]
     rows = -(-len(names) // 2) if len(names) > 1 else 1
     bars = max(_bars(table, effect, deepest, name).size for name in names)
@@ -53,11 +59,15 @@ def _tornado(table: dict[str, np.ndarray], effect: np.ndarray, title: str, syste
 
 def _bars(table: dict[str, np.ndarray], effect: np.ndarray, chosen: np.ndarray, name: str) -> np.ndarray:
     """Rows of the bars of an output, the largest effect first."""
-    mine = np.flatnonzero(chosen & (table["output"].astype(str) == name) & (effect != 0) & np.isfinite(effect))
+    mine = np.flatnonzero(
+        chosen & (table["output"].astype(str) == name) & (effect != 0) & np.isfinite(effect)
+    )
     return mine[np.argsort(-np.abs(effect[mine]))][:MOST_BARS]
 
 
-def _panel(axes: Any, table: dict[str, np.ndarray], effect: np.ndarray, rows: np.ndarray, system: System) -> None:
+def _panel(
+    axes: Any, table: dict[str, np.ndarray], effect: np.ndarray, rows: np.ndarray, system: System
+) -> None:
     output = str(table["output"][rows[0]])
     size, unit = shown_unit(output.rpartition(".")[2], str(table["output_unit"][rows[0]]), system, plot=True)
     values = effect[rows] / size
@@ -79,6 +89,8 @@ def _panel(axes: Any, table: dict[str, np.ndarray], effect: np.ndarray, rows: np
             va="center", ha=side, fontsize=8,
         )  # fmt: skip
     present = float(table["value"][rows[0]]) / size
-    axes.set_xlabel(f"{output.replace('_', ' ')}: {present:.5g} {unit} and its change [{unit or '-'}]", fontsize=9)
+    axes.set_xlabel(
+        f"{output.replace('_', ' ')}: {present:.5g} {unit} and its change [{unit or '-'}]", fontsize=9
+    )
     if any(label.endswith("*") for label in labels):
         axes.text(1.0, 0.02, "* flagged", transform=axes.transAxes, ha="right", fontsize=7.5, color="0.4")

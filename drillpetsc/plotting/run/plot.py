@@ -37,8 +37,8 @@ from drillpetsc.plotting.command.frequency import (
 )
 from drillpetsc.plotting.command.hydraulics import hydraulics_drawers, units_of
 from drillpetsc.plotting.command.limits import limits_drawers
-from drillpetsc.plotting.command.sensitivities import sensitivity_drawers
 from drillpetsc.plotting.command.modes import draw_modes
+from drillpetsc.plotting.command.sensitivities import sensitivity_drawers
 from drillpetsc.plotting.command.sweep import draw_sweep
 from drillpetsc.plotting.command.top_drive import draw_reflection
 from drillpetsc.plotting.command.torque_drag import torque_drag_drawers

@@ -56,7 +56,9 @@ def circulation(case: Case, depth: float, flow: float, at: str, speed: float = 0
     return forces_of(model, speed)
 
 
-def flow_of_row(case: Case, depth: float, flow: float, speed: float, like: FlowModel | None = None) -> FlowModel:
+def flow_of_row(
+    case: Case, depth: float, flow: float, speed: float, like: FlowModel | None = None
+) -> FlowModel:
     """The flow model of ``circulation``, not yet solved; like: as for ``FlowModel``."""
     pipe: Pipe = "pumping" if flow else "closed" if case.bottom.plugged else "open"
     return FlowModel(case, string_at(case, depth), pipe, bool(speed), like)
