@@ -32,7 +32,7 @@ def test_equal_on_1_2_and_3_ranks(case, tmp_path):
         run_mpi(n, SCRIPT, ["sensitivities", str(ROOT / case), "--to", keys, *words, "--out", str(out)])
         rows = json.loads((out / "summary.json").read_text())["sensitivities"]
         found.append({(row["output"], row["key"]): row["relative"] for row in rows if row["relative"]})
-    assert len(found[0]) >= 3
+    assert len(found[0]) >= 2
     for other in found[1:]:
         assert other.keys() == found[0].keys()
         assert np.abs([other[k] - found[0][k] for k in other]).max() < 1e-5
