@@ -67,13 +67,6 @@ def plug_in(folder: Path) -> ctypes.CDLL:
     return opened
 
 
-def text_of(opened: ctypes.CDLL, name: str) -> str:
-    """Text that a function of an opened library returns."""
-    entry = getattr(opened, name)
-    entry.restype = ctypes.c_char_p
-    return str(entry().decode())
-
-
 _plug_ins: list[ctypes.CDLL] = []  # that were opened
 
 
