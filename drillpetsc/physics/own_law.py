@@ -16,7 +16,7 @@ import numpy as np
 from drillpetsc.arrays import FloatArray
 from drillpetsc.errors import CaseError, SolveError
 from drillpetsc.kernels import KernelsUnavailable, plug_in, pointer
-from drillpetsc.kernels.parameters import columns, structure
+from drillpetsc.kernels.parameters import structure
 from drillpetsc.own_code import (
     MEMORY,
     BitState,
@@ -139,9 +139,10 @@ class OwnLaw:
         self._known = {f"{name}_by_{by}" for name in self.results for by in self.states} | {*self.results}
         given = kind.given
         self._usual = [given[name] for name in self.states]
-        self._entry, self._values = (
-            self._opened(call) if isinstance(call, CompiledLaw) else (None, np.zeros(1))
-        )
+        self._entry: Any = None
+        self._values = np.zeros(1)
+        if isinstance(call, CompiledLaw):
+            self._open(call)
         self._takes_memory = any(q.name == MEMORY for q in parameters_of(call))
         if self._takes_memory and not kind.memory:
             want = f"a function without the parameter {MEMORY}: the points of contact change"
@@ -150,12 +151,16 @@ class OwnLaw:
         sample = {name: given[name].sample for name in self.states} | dict(samples or {})
         self._try_out(np.array([sample[name] for name in self.states], dtype=float).T)
 
-    def _opened(self, law: CompiledLaw) -> tuple[Any, FloatArray]:
-        """The entry point of a law in C++ and the values of its parameters.  Raises CaseError."""
+    def _open(self, law: CompiledLaw) -> None:
+        """Find the entry point of a law in C++, and fill its parameters.  Raises CaseError."""
         key = self.kind.key
         try:
             library = plug_in(law.folder)
-            names = columns(f"own_{law.law}_parameters").names
+            text = getattr(
+                library, f"own_{law.law}_parameters_columns"
+            )  # of this library: two may have a law of one name
+            text.restype = ctypes.c_char_p
+            names = [name.strip().lower() for name in text().decode().split(",")][:-1]
         except KernelsUnavailable as error:
             want = "a law of a compiled plug-in"
             raise CaseError(
@@ -164,9 +169,9 @@ class OwnLaw:
         for name in {*names} ^ {*self.parameters}:
             want = f"all parameters of the law, and no others: {', '.join(names)}"
             raise CaseError(at=f"{key}.parameters.{name}", got=self.parameters.get(name), want=want)
-        entry = getattr(library, f"own_{law.law}")
-        entry.argtypes, entry.restype = _ARGUMENTS, None
-        return entry, np.array([self.parameters[name] for name in names] or [0.0])
+        self._entry = getattr(library, f"own_{law.law}")
+        self._entry.argtypes, self._entry.restype = _ARGUMENTS, None
+        self._values = np.array([self.parameters[name] for name in names] or [0.0])
 
     # ------------------------------------------------------------------ for kernels
     def record(self, capacity: int, more: int = 0) -> int:
