@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from drillpetsc import load_case, run
+from drillpetsc import hydraulics, load_case, run
 from drillpetsc.output import read_table
 from tests.helpers import laws
 from tests.helpers.bit_models import DRAG, rock_bit
@@ -80,6 +80,37 @@ def test_statics_with_a_friction_law_of_the_user(tmp_path):
     assert second["hook_load"] == pytest.approx(first["hook_load"], rel=1e-9)
     twice = base.replace({"contact": {"friction_law": {"kind": "python", "function": _half}}})
     assert abs(statics(twice).summary["hook_load"] - first["hook_load"]) > 100
+
+
+MUD = """
+string:
+  - {kind: pipe, length: 990, od: 0.127, id: 0.1086, element_length: 90}
+  - {kind: bit, length: 0.5, od: 0.2159, mass: 60, nozzle_area: 400 mm2}
+well:
+  survey: {md: [0, 991], inclination: [0.3, 0.3], azimuth: [1, 1]}
+  sections: [{to: 991, kind: open_hole, diameter: 0.216, friction: 0.25}]
+fluid: {density: 1200, flow_rate: {ramp: 0.2, value: 0.03}, rheology: {model: power_law, consistency: 0.5, index: 0.6, law: exact}}
+top: {kind: top_drive, rotation: 6}
+initial: {from: statics}
+time: {end: 0.3}
+output: {history_every: 0.05}
+"""
+
+
+def test_a_rheology_of_the_user_repeats_a_power_law(tmp_path):
+    """The pump starts in a run; losses of steady flow, laminar around the pipe and turbulent in it."""
+    base = _case(MUD, tmp_path)
+    own = {"fluid.rheology": {"model": "python", "function": laws.shear_stress}}
+    one, other = histories(base, own, tmp_path)
+    assert one["pump_pressure [Pa]"].max() > 1e6
+    assert largest_difference(one, other) < 1e-6
+    cases = base, base.replace(own)
+    steady = [
+        hydraulics(case, tmp_path / f"h{k}", flow=0.03).summary["flows"][0] for k, case in enumerate(cases)
+    ]
+    for loss in ("string_loss", "annulus_loss", "pump_pressure"):
+        assert steady[0][loss] > 1e5
+        assert steady[1][loss] == pytest.approx(steady[0][loss], rel=1e-9)
 
 
 TOP, WIDTH = 100.53, 0.1  # of the lower layer, and of its beginning [m]
