@@ -49,7 +49,6 @@ def library() -> ctypes.CDLL:
     return ctypes.CDLL(str(path))
 
 
-@cache
 def plug_in(folder: Path) -> ctypes.CDLL:
     """The opened library of a plug-in: the C++ sources in ``folder``.
 
@@ -68,19 +67,12 @@ def plug_in(folder: Path) -> ctypes.CDLL:
         raise KernelsUnavailable(
             f"the plug-in is not opened: {error}", hint=f"build it again: {command}"
         ) from None
-    opened = ctypes.CDLL(str(path))
-    _plug_ins.append(opened)
-    return opened
+    if path not in _plug_ins:
+        _plug_ins[path] = ctypes.CDLL(str(path))
+    return _plug_ins[path]
 
 
-def text_of(opened: ctypes.CDLL, name: str) -> str:
-    """Text that a function of an opened library returns."""
-    entry = getattr(opened, name)
-    entry.restype = ctypes.c_char_p
-    return str(entry().decode())
-
-
-_plug_ins: list[ctypes.CDLL] = []  # that were opened
+_plug_ins: dict[Path, ctypes.CDLL] = {}  # that were opened
 
 
 def _reads_header() -> bool:
@@ -108,7 +100,9 @@ def pointer(array: np.ndarray) -> int:
 
 def function(name: str, arguments: str, result: type | None = None) -> Any:
     """Entry point ``name``; ``arguments`` is a letter each: p pointer, i int, d double."""
-    entry = next((getattr(q, name) for q in (library(), *_plug_ins) if hasattr(q, name)), None)
+    entry = next(
+        (getattr(q, name) for q in (library(), *reversed(_plug_ins.values())) if hasattr(q, name)), None
+    )
     if entry is None:
         raise AttributeError(f"there is no kernel function {name}")
     entry.argtypes = [{"p": ctypes.c_void_p, "i": ctypes.c_int, "d": ctypes.c_double}[c] for c in arguments]
