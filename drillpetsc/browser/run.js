@@ -34,7 +34,10 @@ function numbers(text, Kind = Float32Array) {
 }
 
 async function ask(what, values) {
-  const answer = await fetch(`api/${what}?${new URLSearchParams(values)}`, { headers: { "X-Token": token } });
+  let answer;
+  try { answer = await fetch(`api/${what}?${new URLSearchParams(values)}`, { headers: { "X-Token": token } }); } catch {
+    throw new Error("the server does not answer: drillpetsc serve has ended");
+  }
   const found = await answer.json();
   if (!answer.ok) throw new Error(found.error);
   return found;
@@ -70,7 +73,7 @@ function joined(a, b) {
 async function poll() {
   let found;
   try { found = await news(); } catch (error) {
-    say({ word: "failed", text: "the server does not answer: drillpetsc serve has ended" }, []);
+    say({ word: "failed", text: error.message }, []);
     return 3000;
   }
   const anew = found.series !== state.series;
@@ -109,8 +112,9 @@ function say(status, notes) {
 async function lay_out(anew, more, changed) {
   const frames = state.times.length, rows = state.rows;
   byId("empty").hidden = Boolean(frames || rows);
-  byId("empty").textContent = state.status.word === "missing" ? "Nothing to show: the folder is gone. The page goes on when it is back."
-    : "Nothing to show yet. The page fills as soon as a run writes here.";
+  byId("empty").textContent = { missing: "Nothing to show: the folder is gone. The page goes on when it is back.",
+    done: "This folder has no histories and no frames of the string. drillpetsc report shows what it has." }[state.status.word]
+    || "Nothing to show yet. The page fills as soon as a run writes here.";
   const appeared = byId("scene-panel").hidden === Boolean(frames) || byId("histories-panel").hidden === Boolean(rows);
   byId("controls").hidden = !frames && !rows;
   for (const id of ["scene-panel", "tracks-panel"]) byId(id).hidden = !frames;
