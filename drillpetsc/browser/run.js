@@ -272,7 +272,9 @@ function tubes(now) {  // string and hole for Plotly, and the ranges of the axes
     : sweep([1, 0, 2].map((k) => Float32Array.from(at, (i) => now[`c${k}`][i] + scale * now[`l${k}`][i])), radius.map((r) => r * toDepth), false);
   let hole = null;
   if (state.wall) {
-    const w = state.wall, inside = rings(w.md, low, high), take = (values2) => Float32Array.from(inside, (i) => values2[i]);
+    const w = state.wall, all = rings(w.md, low, high), differs = (i, j) => w.radius[i] !== w.radius[j];
+    const inside = straight ? all.filter((i, n) => n === 0 || n === all.length - 1 || differs(i, all[n - 1]) || differs(i, all[n + 1])) : all;
+    const take = (values2) => Float32Array.from(inside, (i) => values2[i]);
     const wide = take(w.radius).map((r) => r * WALL_WIDER);
     hole = straight ? sweep([new Float32Array(inside.length), new Float32Array(inside.length), take(w.md).map((v) => Math.min(Math.max(v, low), high))], wide, true, HOLE_SIDES)
       : sweep([take(w.c1), take(w.c0), take(w.c2)], wide.map((r) => r * toDepth), false, HOLE_SIDES);
