@@ -144,7 +144,7 @@ function choose_fields() {  // whether the tracks are others than before
   if (!state.picked.tracks || !state.tracks.length) {
     const before = String(state.tracks), found = PREFERRED.tracks.filter((name) => name in state.fields && varies(name));
     if (found[0] === PREFERRED.tracks[0] && found[1] === PREFERRED.tracks[1]) found.splice(1, 1);
-    state.tracks = (found.length ? found : names).slice(0, window.innerWidth < 640 ? 3 : 4);
+    state.tracks = (found.length ? found : names).slice(0, window.innerWidth < 640 ? 3 : window.innerWidth < 1200 ? 4 : 5);
     again = before !== String(state.tracks);
   }
   if (String(names) !== byId("colour").now) byId("colour").replaceChildren(...names.map((name) => option(name, named(name))));
@@ -443,10 +443,18 @@ function place_cursor() {
 }
 
 // ---------------------------------------------------------------- time
-let busy = Promise.resolve();
-function show(k, whole = false) {  // one drawing after the other: the last one wins
-  busy = busy.then(() => show_now(k, whole)).catch((error) => say({ word: "failed", text: String(error.message || error) }, []));
-  return busy;
+let pending = null, drawing = null;
+function show(k, whole = false) {  // one drawing after the other; of those that wait, the last one
+  pending = { k, whole: whole || Boolean(pending && pending.whole) };
+  drawing = drawing || (async () => {
+    while (pending) {
+      const next = pending;
+      pending = null;
+      try { await show_now(next.k, next.whole); } catch (error) { say({ word: "failed", text: String(error.message || error) }, []); }
+    }
+    drawing = null;
+  })();
+  return drawing;
 }
 
 async function show_now(k, whole) {

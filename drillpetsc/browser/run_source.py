@@ -64,6 +64,7 @@ class RunSource:
         self._ranged: set[Path] = set()
         self._case: tuple[int, Case | None] = (0, None)
         self._hole: tuple[str, dict[str, np.ndarray] | None] = ("", None)
+        self._frames: tuple[Any, list[tuple[float, Path]]] = (None, [])
         self.notes: list[str] = []
 
     # ------------------------------------------------------------------ what is new
@@ -78,7 +79,7 @@ class RunSource:
             case, units, series_now = self._read_case(), self.units, self._name_series()
             first = rows if series == series_now else 0
             last = min(first + MOST_ROWS, len(self._history))
-            frames = self._try("string.pvd", lambda: read_series(self.folder.path), [])
+            frames = self._try("string.pvd", self._read_series, [])
             self._read_ranges(frames)
             hole_now = self._read_hole()
             title = self._summary().get("title") or (case.title if case is not None else "")
@@ -117,7 +118,7 @@ class RunSource:
     def frame(self, number: int) -> dict[str, Any]:
         """One frame of the string.  Raises ValueError if there is none, or if it is damaged."""
         with self._lock:
-            series = read_series(self.folder.path)
+            series = self._read_series()
             if not 0 <= number < len(series):
                 raise ValueError(f"frame {number}: the run has {len(series)}")
             time, file = series[number]
@@ -230,6 +231,15 @@ class RunSource:
                 "high": b,
             }
         return out
+
+    def _read_series(self) -> list[tuple[float, Path]]:
+        """Times and files of the frames, read again when their list has changed."""
+        file = self.folder.string_series
+        state = file.stat() if file.is_file() else None
+        changed = (state.st_mtime_ns, state.st_ino, state.st_size) if state is not None else None
+        if changed != self._frames[0]:
+            self._frames = changed, read_series(self.folder.path)
+        return self._frames[1] if changed is not None else []
 
     def _read_ranges(self, frames: list[tuple[float, Path]]) -> None:
         """Widen the ranges by frames that were not read yet."""
