@@ -253,7 +253,7 @@ function half_width(now, at) {  // largest sideways distance [lateral unit]
   return most || 1;
 }
 
-const TALL = 1.7, WIDE = 0.36;  // height of the straightened hole, and its width in parts of the height
+const WIDE = 0.36;  // of the straightened hole, in parts of its height
 function automatic_scale(now, at, low, high) {
   const half = half_width(now, at) / state.perDepth;  // [depth unit]
   const raw = state.view === "straight" ? 0.5 * WIDE * (high - low) / (1.12 * half) : 0.012 * (high - low) / half;
@@ -315,8 +315,9 @@ async function draw_scene(now, whole) {
   }
   const span = made.high - made.low, half = 0.5 * WIDE * span / made.scale * state.perDepth;
   const ax = (title, more) => axis({ title: { text: title, font: { size: 11 } }, backgroundcolor: css("--paper"), showbackground: false, showspikes: false, ...more });
+  const box = byId("string"), tall = 1.7 * Math.min(1, box.clientWidth / box.clientHeight / 0.66);  // in a narrow panel with space for the depths
   const scene = straight ? {
-    aspectmode: "manual", aspectratio: { x: TALL * WIDE, y: TALL * WIDE, z: TALL },
+    aspectmode: "manual", aspectratio: { x: tall * WIDE, y: tall * WIDE, z: tall },
     xaxis: ax(`right [${state.lateral}]`, { range: [-half, half], nticks: 4 }), yaxis: ax(`high side [${state.lateral}]`, { range: [-half, half], nticks: 4 }),
     zaxis: ax("", { range: [made.high, made.low], nticks: 8 }),
   } : {
@@ -328,8 +329,8 @@ async function draw_scene(now, whole) {
   byId("caption").textContent = `${straight ? "measured depth" : "east, north, depth"} in ${state.depth}; ` +
     (made.scale > 1.0001 ? `sideways lengths drawn ${format(made.scale)} times larger` : "true scale");
   byId("scale").value = format(made.scale);
-  const box = state.range || [now.md[0], now.md[now.md.length - 1]];
-  byId("from").value = format(box[0]); byId("to").value = format(box[1]);
+  const shown = state.range || [now.md[0], now.md[now.md.length - 1]];
+  byId("from").value = format(shown[0]); byId("to").value = format(shown[1]);
 }
 
 const format = (value) => String(Number(value.toPrecision(5)));
@@ -459,7 +460,13 @@ function show(k, whole = false) {  // one drawing after the other; of those that
 
 async function show_now(k, whole) {
   if (k < 0 || k >= state.times.length) return;
-  const now = await frame(k);
+  let now = null;
+  while (!now) {
+    try { now = await frame(k); } catch (error) {  // damaged: at the start an earlier one is shown
+      if (state.shown >= 0 || k === 0) throw error;
+      k--;
+    }
+  }
   whole = whole || !state.now || state.now.md.length !== now.md.length;
   Object.assign(state, { shown: k, now });
   byId("slider").value = k;

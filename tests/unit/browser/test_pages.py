@@ -82,6 +82,14 @@ def test_a_large_export_leaves_frames_out_and_says_so(folder: Path, monkeypatch:
     assert data["news"]["first"] == 0 and not data["news"]["more"] and data["news"]["wall"]
 
 
+def test_a_damaged_frame_is_left_out_of_an_export(folder: Path) -> None:
+    (folder / "string" / "000001.vtu").write_text("<VTK")
+    text, remarks = export_page(RunSource(folder))
+    data = json.loads(text.split('id="data">')[1].split("</script>")[0])
+    assert data["news"]["times"] == [0.0, 2.0, 3.0] and "000001.vtu" in remarks[0]
+    assert remarks[1] == "damaged frames that are left out: 1"
+
+
 def test_a_title_of_a_run_is_no_markup(folder: Path) -> None:
     (folder / "summary.json").write_text('{"title": "</script><b>bold</b>", "status": "done"}')
     text, _ = export_page(RunSource(folder))
@@ -173,3 +181,12 @@ def test_the_form_of_a_case_checks_and_saves(tmp_path: Path) -> None:
         made.shutdown()
         thread.join()
         made.server_close()
+
+
+@needs_browser
+def test_a_damaged_last_frame_does_not_hide_the_others(server: Server, folder: Path) -> None:
+    (folder / "string" / "000003.vtu").write_text("<VTK")
+    with chromium.browser() as page:
+        page.open(server.url)
+        page.wait("state.shown === 2")
+        assert drawn(page, "string", key="x").size > 0
