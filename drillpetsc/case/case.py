@@ -18,9 +18,9 @@ from drillpetsc.case.files.survey_file import FOLDER
 from drillpetsc.case.key_paths import check_plain, refuse
 from drillpetsc.case.messages import case_error
 from drillpetsc.case.old_words import check_old_words
+from drillpetsc.case.pipe.completed_string import completed_string
 from drillpetsc.case.pipe.figures import Figures
 from drillpetsc.case.pipe.fill import fill_to_bit_depth
-from drillpetsc.case.pipe.tubulars import completed_string
 from drillpetsc.case.quantities import BARE_NUMBERS, MESSAGES, with_text
 from drillpetsc.case.writer import case_data, case_yaml, sourced_yaml
 from drillpetsc.errors import CaseError

@@ -1,21 +1,11 @@
-"""Figures of pipe, stabilizers and bits that a case leaves out: from the catalogue, defaults and formulas.
-
-`completed_string` runs once, when a case is built. Every figure that it adds is recorded with its source. Items come out with
-all keys written in SI and without references, so that the case reads back the same without the catalogue.
-"""
+"""Figures of pipe that a case leaves out: from the catalogue, defaults and formulas."""
 
 from __future__ import annotations
 
-import os
-import re
-from collections.abc import Callable
-from pathlib import Path
 from typing import Any
 
 from drillpetsc.case.block import overlaid
-from drillpetsc.case.blocks.case_blocks import CaseBlocks
-from drillpetsc.case.blocks.items.reamer import Reamer
-from drillpetsc.case.blocks.items.string import Bit, Item, Material, Pipe, Stabilizer
+from drillpetsc.case.blocks.items.string import Item, Material
 from drillpetsc.case.blocks.items.tubulars import (
     Casing,
     CenterUpset,
@@ -38,12 +28,10 @@ from drillpetsc.case.catalogue.reference import (
     find_threads,
     find_tube,
 )
-from drillpetsc.case.catalogue.sizes import FT_LBF, INCH, KSI, LB_PER_FT, size_at_start
-from drillpetsc.case.catalogue.tables import Catalogue, Row
-from drillpetsc.case.files.survey_file import FOLDER
-from drillpetsc.case.key_paths import refuse, suggestion
-from drillpetsc.case.pipe.figures import Figure, Figures
-from drillpetsc.case.pipe.section import BLADE_METAL, ring, stabilizer_metal
+from drillpetsc.case.catalogue.sizes import FT_LBF, INCH, KSI, LB_PER_FT
+from drillpetsc.case.catalogue.tables import Row
+from drillpetsc.case.pipe.completion import Completion
+from drillpetsc.case.pipe.section import ring
 from drillpetsc.case.pipe.weighed import checked_weight, with_weight
 from drillpetsc.case.quantities import said
 
@@ -55,134 +43,40 @@ NONMAGNETIC = Material(density=7860.0, young=193e9)
 HEAVY_YIELD = 55 * KSI
 COLLAR_YIELD = ((6.9375, 110 * KSI), (float("inf"), 100 * KSI))  # below this od [in]: yield strength [Pa]
 RADIUS_UNDER_BORE = INCH / 8  # by which a tool joint's bore may exceed the tube's [m]
-BLADE_OVER_BIT = INCH / 16  # [m]
 
 FORMULA = "formula of API RP 7G for drill pipe with tool joints"
 
 
-def read_catalogue(name: str | None) -> Catalogue:
-    """The built-in catalogue, preceded by the rows of the user's folder or file.
+class TubularCompletion(Completion):
+    """Completes a tubular."""
 
-    Relative names refer to the folder of the case file first, then to the working directory.
-    """
-    if name is None:
-        return Catalogue.built_in()
-    folder = FOLDER.get()
-    for path in (folder / name, Path(name)):
-        if name.strip() and os.path.exists(path):
-            return Catalogue.built_in().with_files(path)
-    others = [p.name for p in folder.iterdir()] if folder.is_dir() else []
-    raise refuse(
-        "catalogue",
-        got=name,
-        want="a folder with CSV files, or one CSV file, beside the case file",
-        hint=suggestion(name, others) or f"looked in {folder} and the working directory",
-    )
-
-
-def completed_string(case: CaseBlocks, fill: str = "") -> tuple[tuple[Item, ...], Figures, tuple[int, ...]]:
-    """(items with all figures, what was added, number in the case file of each item).
-
-    A stabilizer whose body bends becomes up to three items.
-    fill: source of the length of the topmost item, if the case did not give it
-    """
-    if not fill and not any(
-        item.weight is not None or isinstance(item, (Tubular, Stabilizer, Bit)) for item in case.string
-    ):
-        return case.string, Figures(), tuple(range(len(case.string)))
-    catalogue = read_catalogue(case.catalogue)
-    items: list[Item] = []
-    found: dict[int, tuple[Figure, ...]] = {}
-    references: dict[int, str] = {}
-    origins: list[int] = []
-    for number, item in enumerate(case.string):
-        work = _Completion(number, item, case, catalogue)
-        parts = work.items()
-        if fill and number == 0:
-            work.note("length", item.length, "m", fill)
-        for part in parts:
-            if work.figures and (len(parts) == 1 or isinstance(part, Stabilizer)):
-                found[len(items)] = tuple(work.figures)
-            if isinstance(item, Jointed) and item.pipe is not None:
-                references[len(items)] = item.pipe
-            items.append(part)
-            origins.append(number)
-    return tuple(items), Figures(found, references), tuple(origins)
-
-
-class _Completion:
-    """Completes one item.
-
-    values: keys to be set; figures: what was added, with sources.
-    """
-
-    def __init__(self, number: int, item: Item, case: CaseBlocks, catalogue: Catalogue) -> None:
-        self.number, self.item, self.case, self.catalogue = number, item, case, catalogue
-        self.values: dict[str, Any] = {}
-        self.figures: list[Figure] = []
-
-    # ------------------------------------------------------------------ helpers
-    def refuse(self, *key: str, got: Any = None, want: str, hint: str = "") -> Exception:
-        return refuse("string", self.number, *key, got=got, want=want, hint=hint)
-
-    def value(self, key: str) -> Any:
-        """Value of a key: given, or set already."""
-        return self.values.get(key, getattr(self.item, key))
-
-    def note(self, key: str, value: Any, unit: str, source: str) -> None:
-        self.figures.append(Figure(key, value, unit, source))
-
-    def default(self, key: str, value: Any, unit: str, source: str) -> None:
-        """Set a key that is not given."""
-        if self.value(key) is None:
-            self.values[key] = value
-            self.note(key, value, unit, source)
-
-    def looked_up(self, key: str, find: Callable[[], Any], got: Any) -> Any:
-        try:
-            return find()
-        except ReferenceProblem as problem:
-            raise self.refuse(key, got=got, want=problem.want, hint=problem.hint) from None
-
-    # ------------------------------------------------------------------ kinds
     def items(self) -> list[Item]:
         item = self.item
-        if isinstance(item, Tubular):
-            self._material(item)
-            if item.weight is not None and item.adjusted_weight is not None:
-                raise self.refuse("weight", want="weight or adjusted_weight, not both")
-            if item.weight is not None:
-                self.values |= {"adjusted_weight": item.weight, "weight": None}
-            if isinstance(item, DrillPipe):
-                self._drill_pipe(item)
-            elif isinstance(item, HeavyPipe):
-                self._heavy_pipe(item)
-            elif isinstance(item, DrillCollar):
-                self._collar(item)
-            elif isinstance(item, Casing):
-                self._casing(item)
-            else:
-                assert isinstance(item, CoiledTubing)
-                self._wall()
-                self._grade("coiled_tubing")
-            self._plain_weight()
-            if item.weight is None:
-                self._check_weight()
-            self._checked_section()
-            if item.weight is not None:
-                self._weighed(item, item.weight)
-        elif isinstance(item, (Stabilizer, Bit)):
-            if item.nozzles is not None and "nozzle_area" not in item.model_fields_set:
-                text = f"sum of pi d^2/4 of {len(item.nozzles)} nozzles"
-                self.note("nozzle_area", float(item.nozzle_area or 0.0), "m^2", text)
-            if isinstance(item, Stabilizer):
-                return self._stabilizer(item)
-        if item.weight is not None and not isinstance(item, Tubular):
-            self.values |= with_weight(item, self.case.material, self.refuse)
-            self._note_density()
-        if not self.values:
-            return [item]
-        return [item.model_copy(update=self.values)]
+        assert isinstance(item, Tubular)
+        self._material(item)
+        if item.weight is not None and item.adjusted_weight is not None:
+            raise self.refuse("weight", want="weight or adjusted_weight, not both")
+        if item.weight is not None:
+            self.values |= {"adjusted_weight": item.weight, "weight": None}
+        if isinstance(item, DrillPipe):
+            self._drill_pipe(item)
+        elif isinstance(item, HeavyPipe):
+            self._heavy_pipe(item)
+        elif isinstance(item, DrillCollar):
+            self._collar(item)
+        elif isinstance(item, Casing):
+            self._casing(item)
+        else:
+            assert isinstance(item, CoiledTubing)
+            self._wall()
+            self._grade("coiled_tubing")
+        self._plain_weight()
+        if item.weight is None:
+            self._check_weight()
+        self._checked_section()
+        if item.weight is not None:
+            self._weighed(item, item.weight)
+        return self.completed()
 
     def _material(self, item: Tubular) -> None:
         base = self.case.material
@@ -509,17 +403,12 @@ class _Completion:
         if not isinstance(item, Jointed):
             whole = item.model_copy(update={"od": self.value("od"), "id": self.value("id")})
             self.values["material"] = with_weight(whole, self.values["material"], self.refuse)["material"]
-            self._note_density()
+            self.note_density()
             return
         joint = self.values["tool_joint"]
         share = joint.length / self.value("joint_length")
         area = (1 - share) * area + share * ring(joint.od, joint.id)[0]
         checked_weight(weight, formulas.STEEL * area, item.length, self.refuse)
-
-    def _note_density(self) -> None:
-        material = self.values.get("material")
-        if material is not None:
-            self.note("material.density", material.density, "kg/m^3", "weight over the ring of od and id")
 
     def _spiral(self) -> tuple[float, str]:
         item = self.item
@@ -570,114 +459,3 @@ class _Completion:
         if joint.length > self.value("joint_length") / 3:
             want = f"at most a third of a joint, {said(self.value('joint_length') / 3, 'length')}"
             raise self.refuse("tool_joint", "length", got=joint.length, want=want)
-
-    # ------------------------------------------------------------------ stabilizer
-    def _stabilizer(self, item: Stabilizer) -> list[Item]:
-        if item.gauge is not None:
-            self._gauge(item)
-        outer, bit = self.value("od"), self.case.string[-1]
-        asked = item.gauge is not None or item.body_od is not None or item.blade_length is not None
-        if (
-            asked
-            and isinstance(bit, Bit)
-            and not isinstance(item, Reamer)
-            and outer > bit.od + BLADE_OVER_BIT + 1e-9
-        ):
-            units = self.case.output.units or self.case.units
-            want = f"at most 1/16 in above the bit, {said(bit.od + BLADE_OVER_BIT, 'diameter', units)}"
-            key = "blade_od" if "blade_od" in item.model_fields_set else "od"
-            raise self.refuse(key, got=said(outer, "diameter", units), want=want)
-        if item.body_od is not None and item.body_od > outer:
-            raise self.refuse(
-                "body_od",
-                got=item.body_od,
-                want=f"at most the diameter of the blades, {said(outer, 'diameter')}",
-            )
-        if item.id >= outer:
-            raise self.refuse("id", got=item.id, want=f"below the outer diameter, {said(outer, 'diameter')}")
-        if not item.stiff:
-            return self._bending_stabilizer(item, outer)
-        if item.weight is not None:
-            whole = item.model_copy(update={"od": outer})
-            self.values |= with_weight(whole, self.case.material, self.refuse)
-            self._note_density()
-        if item.body_od is not None and self.value("mass") is None:
-            density = overlaid(self.case.material, item.material).density
-            mass = density * stabilizer_metal(item, outer)
-            text = f"body and blades that fill {BLADE_METAL:.0%} of their ring, times density"
-            self.default("mass", mass, "kg", text)
-        return [item.model_copy(update=self.values)] if self.values else [item]
-
-    def _gauge(self, item: Stabilizer) -> None:
-        """Blade diameter relative to the bit."""
-        bit = self.case.string[-1]
-        words = re.fullmatch(r"\s*(.*?)\s*(under|full)(?:\s*gauge)?\s*", item.gauge or "", re.IGNORECASE)
-        want = "full, or a size under gauge, such as 1/8 in under"
-        if words is None:
-            raise self.refuse("gauge", got=item.gauge, want=want)
-        under = 0.0
-        if words[2].lower() == "under":
-            size = size_at_start(words[1])
-            if size is None or size[1].strip() or size[0] > 2:
-                raise self.refuse("gauge", got=item.gauge, want=want)
-            under = size[0] * INCH
-        elif words[1]:
-            raise self.refuse("gauge", got=item.gauge, want=want)
-        if not isinstance(bit, Bit):
-            raise self.refuse("gauge", got=item.gauge, want="od with a string without a bit")
-        self.values |= {"od": bit.od - under, "gauge": None}
-        self.note("od", bit.od - under, "m", f"diameter of the bit, {item.gauge}")
-
-    def _bending_stabilizer(self, item: Stabilizer, outer: float) -> list[Item]:
-        """Pipe above and below the blades, and rigid blades."""
-        assert item.body_od is not None and item.blade_length is not None
-        for key in ("bore_volume", "annulus_od"):
-            if getattr(item, key) is not None:
-                raise self.refuse(key, got=getattr(item, key), want=f"no {key} with stiff: false")
-        key = next((key for key in ("mass", "weight", "unbalance") if getattr(item, key)), "")
-        if key:
-            raise self.refuse(key, got=getattr(item, key), want=f"no {key} with stiff: false")
-        density = overlaid(self.case.material, item.material).density
-        above = item.touching[0]
-        below = item.length - above - item.blade_length
-        mass = density * (ring(item.body_od, item.id)[0] + BLADE_METAL * ring(outer, item.body_od)[0])
-        self.note("mass", mass * item.blade_length, "kg", "blades and the body inside them, times density")
-        parts: list[Item] = []
-        common: dict[str, Any] = {"id": item.id, "friction": item.friction}
-        bend = item.bend
-        for length in (above, None, below):
-            if length is None:
-                parts.append(
-                    item.model_copy(
-                        update=self.values
-                        | {
-                            "od": outer,
-                            "length": item.blade_length,
-                            "mass": mass * item.blade_length,
-                            "stiff": True,
-                            "blade_position": 0.5 * item.blade_length,
-                            "center_of_gravity": (0.5 * item.blade_length, 0.0, 0.0),
-                            "bend": None if bend is None else bend.model_copy(update={"position": None}),
-                        }
-                    )
-                )
-            elif length > 1e-3:
-                parts.append(
-                    Pipe(
-                        kind="pipe",
-                        name=f"{item.name} body",
-                        length=length,
-                        od=item.body_od,
-                        element_length=max(length, 1e-3),
-                        **common,
-                    ).model_copy(
-                        update={
-                            "material": item.material,
-                            "bend": None if bend is None else bend.model_copy(update={"position": None}),
-                        }
-                    )
-                )
-            else:
-                continue
-            bend = None
-        return parts
