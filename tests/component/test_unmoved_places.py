@@ -85,3 +85,25 @@ def test_the_hole_is_evaluated_before_a_node_has_moved_a_centimetre():
     assert max(furthest) < SURELY_NEAR[0] + 1e-5 and max(furthest) > 0.9 * REFRESH
     assert 100 < stayed < 195
     assert (around.depth != first).all()
+
+
+def test_a_continued_run_evaluates_the_hole_at_the_same_steps():
+    """From a checkpoint between two evaluations: at its start no node has a new depth, and later all have those of the run before."""
+    model, other = model_of("directional.yaml"), model_of("directional.yaml")
+    asm, places = model.system.assembly, model.system.layout.dofs["string.position"]
+    around, continued = (m.fluid.annulus.moving_hole for m in (model, other))
+    model.system.accept(0.0)
+    start, renewed, continues = asm.x.copy(), 0, False
+    for k in range(60):
+        before = around.depth.copy()
+        asm.x[places] = start[places] + 4e-4 * k * model.tangent
+        model.system.accept(0.0)
+        other.system.assembly.x[:] = asm.x
+        if REFRESH < 4e-4 * k < SURELY_NEAR[0] and not continues:
+            other.fluid.annulus.set_local_state(model.fluid.annulus.get_local_state())
+            continues = True
+        if continues:
+            other.system.accept(0.0)
+            assert np.array_equal(continued.depth, around.depth), k
+            renewed += int(not np.array_equal(before, around.depth))
+    assert renewed > 1

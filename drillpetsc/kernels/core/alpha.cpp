@@ -54,9 +54,10 @@ void alpha_begin(const AlphaCall* call, const double* q, double last, double h, 
     }
 }
 
-// The history after the step to the state x, y, w (n), and the local error e (n) of that step.
-void alpha_advance(const AlphaCall* call, const double* q, double last, double h, const double* x, const double* y, const double* w,
-                   double* out, double* e) {
+// The history after the step to the state x, y, w (n), and the local error e (n) of that step.  shares (count): local errors over the tolerances
+// (count) of the controlled unknowns at these rows (count).
+void alpha_advance(const AlphaCall* call, const double* q, double last, double h, const double* x, const double* y, const double* w, double* out,
+                   double* e, int count, const int* rows, const double* tolerance, double* shares) {
     const AlphaCall c = *call;
     const long n = c.n;
     const double change = h - last, spread = last != 0.0 ? 2 * h / (h + last) : 0.0, m = c.mean_mass, k = c.mean_force, g = c.gamma;
@@ -79,11 +80,7 @@ void alpha_advance(const AlphaCall* call, const double* q, double last, double h
         out[DU * n + i] = two ? 0.0 : du;
         e[i] = two ? c.position_error * h * h * (ax - a.x) : c.rate_error * h * h * (du - q[DU * n + i]) * spread;
     }
-}
-
-// Local errors e of the m controlled unknowns at these rows, over their tolerances.
-void error_over_tolerance(int m, const int* rows, const double* e, const double* tolerance, double* out) {
 #pragma GCC ivdep
-    for (int k = 0; k < m; ++k) out[k] = e[rows[k]] / tolerance[k];
+    for (int j = 0; j < count; ++j) shares[j] = e[rows[j]] / tolerance[j];
 }
 }

@@ -22,7 +22,7 @@ import numpy as np
 
 from drillpetsc.arrays import FloatArray
 from drillpetsc.fem.string_mesh import StringMesh
-from drillpetsc.geometry.well import Well
+from drillpetsc.geometry.well import ClosestPoints, Well
 from drillpetsc.kernels import function, pointer
 from drillpetsc.physics.fluid.channels import Annulus, AnnulusWalls, HoleVolume
 from drillpetsc.physics.tools.reamer import Reamer
@@ -116,20 +116,32 @@ class MovingHole:
         ringed = any(abs(b - before) > REAMED for b, before in zip(reamed, self._reamed, strict=True))
         if keep and not ringed and self._stays(state):
             return None
-        well, places = self.current_well(), state.layout.dofs["string.position"]
-        position = state.x[places]
-        found = well.project(position, self._near)
-        self._near = found.segment
+        position, found = self._project(state)
+        # a continued run goes on with the hole that its checkpoint has read: other nodes would be renewed now than without the checkpoint
+        if keep and not ringed and self._from is None and self.evaluated:
+            self._remember(state, position, found)
+            return None
         # at the start the shoulder is at its given depth, wherever the string has moved since
         moved = self.update(found.md, keep, ringed or (bool(self.reamers) and not keep))
         if moved.all():
             self._reamed = reamed
-        at_depth = position - found.tangent * (found.md - self.depth)[:, None]
-        places = np.ascontiguousarray(places, dtype=np.int32)
-        nodes = np.hstack([at_depth, found.tangent])
-        self._from = well, places, nodes
-        self._from_at = pointer(places), pointer(nodes)
+        self._remember(state, position, found)
         return moved if moved.any() else None
+
+    def _project(self, state) -> tuple[FloatArray, ClosestPoints]:
+        """Positions (nv, 3) of the local nodes [m], and the points of the present hole's axis next to them."""
+        position = state.x[state.layout.dofs["string.position"]]
+        found = self.current_well().project(position, self._near)
+        self._near = found.segment
+        return position, found
+
+    def _remember(self, state, position: FloatArray, found: ClosestPoints) -> None:
+        """Keep the places of the local nodes in the hole at the depths of its last evaluation, for ``_stays``."""
+        at_depth = position - found.tangent * (found.md - self.depth)[:, None]
+        places = np.ascontiguousarray(state.layout.dofs["string.position"], dtype=np.int32)
+        nodes = np.hstack([at_depth, found.tangent])
+        self._from = self.current_well(), places, nodes
+        self._from_at = pointer(places), pointer(nodes)
 
     @property
     def places(self) -> FloatArray:

@@ -21,7 +21,7 @@ from drillpetsc.kernels.parameters import columns, structure
 
 _AlphaCall = structure("alpha_call")
 _alpha_begin = function("alpha_begin", "ppddddppp")
-_alpha_advance = function("alpha_advance", "ppddppppp")
+_alpha_advance = function("alpha_advance", "ppddpppppippp")
 _third_difference_weights = function("third_difference_weights", "dpp")
 
 #: arrays of ``AlphaHistory``, in the order of its values
@@ -205,6 +205,25 @@ def radius_of(alpha_m: float, alpha_f: float, gamma: float | None = None, beta: 
     return radius
 
 
+class ControlledUnknowns:
+    """Unknowns whose local errors control the step.  rows: (m,) of the unknowns; tolerance: (m,) of each [SI].
+
+    shares: (m,) local errors over the tolerances in the step that was tried last [-].
+    """
+
+    def __init__(self, rows: np.ndarray, tolerance: FloatArray) -> None:
+        self._rows, self._tolerance = (
+            np.ascontiguousarray(rows, dtype=np.int32),
+            np.ascontiguousarray(tolerance),
+        )
+        self.shares = np.zeros(len(rows))
+        #: their number, and the addresses of rows, tolerances and shares
+        self.at = len(rows), pointer(self._rows), pointer(self._tolerance), pointer(self.shares)
+
+
+NONE_CONTROLLED = ControlledUnknowns(np.zeros(0, dtype=int), np.zeros(0))
+
+
 class AlphaHistory:
     """Data that the formula carries from step to step, for n unknowns.
 
@@ -269,13 +288,16 @@ class AlphaHistory:
         shifts = self.formula.shifts(step)
         _alpha_begin(self._at, self._values_at, self.step, step, *shifts, v0, v1, x)
 
-    def advance(self, step: float, x: int, y: int, w: int) -> None:
+    def advance(
+        self, step: float, x: int, y: int, w: int, controlled: ControlledUnknowns = NONE_CONTROLLED
+    ) -> None:
         """Try a ``step`` [s] to the state at the addresses x, y, w of arrays (n,): ``error`` is its local error.
 
-        ``accept`` takes it.
+        The ``controlled`` unknowns get their shares.  ``accept`` takes the step.
         """
         self._later_step = step
-        _alpha_advance(self._at, self._values_at, self.step, step, x, y, w, self._later_at, self._error_at)
+        head = self._at, self._values_at, self.step, step
+        _alpha_advance(*head, x, y, w, self._later_at, self._error_at, *controlled.at)
 
     def accept(self) -> None:
         """Go on to the end of the step that ``advance`` tried last."""

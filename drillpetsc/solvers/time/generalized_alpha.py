@@ -14,7 +14,6 @@ from petsc4py import PETSc
 from drillpetsc import petsc_compat
 from drillpetsc.arrays import FloatArray
 from drillpetsc.errors import OptionError, SolveError
-from drillpetsc.kernels import function, pointer
 from drillpetsc.kernels.denormals import flushed_denormals
 from drillpetsc.parallel import total
 from drillpetsc.solvers.time.alpha_formula import (
@@ -22,6 +21,7 @@ from drillpetsc.solvers.time.alpha_formula import (
     AlphaFormula,
     AlphaHistory,
     AlphaOutputErrors,
+    ControlledUnknowns,
     radius_of,
 )
 from drillpetsc.solvers.time.bdf_history import BdfHistory, local, nodal
@@ -40,7 +40,6 @@ from drillpetsc.solvers.time.time_integrator import (
     TimeIntegrator,
 )
 
-_error_over_tolerance = function("error_over_tolerance", "ipppp")
 NAMES = ("alpha2", "genalpha")  # of -ts_type
 RADIUS = 0.8  # default of -ts_alpha_radius
 FAILURE_FACTOR = 0.25  # of the step after Newton has failed
@@ -52,26 +51,6 @@ STRETCH = 1e-3  # the last step may be longer by this fraction instead of being 
 #: steps are counted in classes of a quarter of an octave, the first one of 2^-40 s
 CLASSES_PER_OCTAVE, FIRST_OCTAVE, CLASSES = 4, -40, 4 * 64
 REFRAME_INTERVAL = 4  # steps between two checks of the reference directions
-
-
-class _Controlled:
-    """Owned unknowns with error control.  rows: (m,) of the local unknowns; tolerance: (m,) of each [SI]."""
-
-    def __init__(self, rows: np.ndarray, tolerance: FloatArray) -> None:
-        self._rows, self._tolerance = (
-            np.ascontiguousarray(rows, dtype=np.int32),
-            np.ascontiguousarray(tolerance),
-        )
-        self._shares = np.zeros(len(rows))
-        self._head, self._tail = (
-            (len(rows), pointer(self._rows)),
-            (pointer(self._tolerance), pointer(self._shares)),
-        )
-
-    def squares(self, error: FloatArray) -> float:
-        """Sum of the squares of the local ``error`` (n,) over the tolerances [-]."""
-        _error_over_tolerance(*self._head, pointer(error), *self._tail)
-        return float(self._shares.dot(self._shares))
 
 
 class GeneralizedAlpha(TimeIntegrator):
@@ -138,7 +117,7 @@ class GeneralizedAlpha(TimeIntegrator):
         for key in set(self.options) - given:
             options.delValue(key)
 
-    def _row_tolerances(self) -> dict[bool, _Controlled]:
+    def _row_tolerances(self) -> dict[bool, ControlledUnknowns]:
         """Owned unknowns with error control; by whether the mud has none."""
         layout, owned = self.system.layout, self.system.layout.local_of_owned
         found = {}
@@ -150,7 +129,7 @@ class GeneralizedAlpha(TimeIntegrator):
                 ]
             )
             rows = owned[judged[layout.field_of[owned]]]
-            found[masked] = _Controlled(rows, self.tolerance * self.system.scale[rows])
+            found[masked] = ControlledUnknowns(rows, self.tolerance * self.system.scale[rows])
         return found
 
     @property
@@ -171,7 +150,7 @@ class GeneralizedAlpha(TimeIntegrator):
         if reason >= 0:
             for component in self._restoring:
                 component.restore_constraints(asm)
-            self.alpha.advance(h, x, y, a)
+            self.alpha.advance(h, x, y, a, self._tolerances[self._mud_masked])
         return reason
 
     def _load(self) -> None:
@@ -182,7 +161,8 @@ class GeneralizedAlpha(TimeIntegrator):
 
     def _error(self) -> float:
         """Return the weighted norm of the local error of the step that was tried; 1 is the tolerance; collective."""
-        squares = self._tolerances[self._mud_masked].squares(self.alpha.error)
+        shares = self._tolerances[self._mud_masked].shares
+        squares = float(shares.dot(shares))
         return sqrt(total(self.system.comm, squares) / self._rows)
 
     def _step(self, t: float, h: float, stop: float) -> tuple[float, float]:
