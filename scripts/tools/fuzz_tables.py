@@ -106,7 +106,7 @@ def _no_unit(rng: random.Random, made: Sheet) -> None:
 
 
 def _other_dimension(rng: random.Random, made: Sheet) -> None:
-    column = rng.choice(list(COLUMNS))
+    column = rng.choice([q for q in COLUMNS if made.unit[q]])
     made.unit[column] = rng.choice(("psi", "degC", "s", "bar"))
     made.may_read = made.may_read and column in ("bore", "weight")  # a column that is not read, and said
     for row in made.truth:

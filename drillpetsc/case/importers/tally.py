@@ -200,8 +200,8 @@ def _of_one_string(sheet: _Sheet, assembly: str | None) -> list[tuple[int, list[
     if assembly is not None and assembly not in names:
         raise CaseError(at="--assembly", got=assembly, want=f"one of {', '.join(names)}")
     if assembly is None and len(names) > 1:
-        want = "one string, or --assembly with its name"
-        got = f"{len(names)} strings: {', '.join(names)}"
+        want = f"one string, or --assembly with {' or '.join(names)}"
+        got = f"{len(names)} strings"
         raise CaseError(got=got, want=want, file=sheet.file, line=sheet.rows[0][0])
     return [row for row in sheet.rows if assembly is None or _cell(sheet, row[1], "string") == assembly]
 
