@@ -5,8 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import Any
 
+from drillpetsc.case.plausible.plausible_string import ONE_JOINT
 from drillpetsc.doubts.doubt import Doubt
-from drillpetsc.doubts.moments import Answer, End, Solved
+from drillpetsc.doubts.moments import Answer, Built, End, Moment, Solved
 from drillpetsc.output.watches.free_end import BEYOND
 from drillpetsc.output.watches.outside_hole import HINT, furthest_outside
 from drillpetsc.output.watches.wall_depth import LARGEST, deepest_in_wall
@@ -30,6 +31,28 @@ class OutsideHole(Doubt):
         if found is not None:
             when = f" at {found.time:.4g} s" if at_end else ""
             yield {"distance": found.distance, "depth": found.depth, "when": when}
+
+
+class ShorterThanHole(Doubt):
+    """The case has no `bit_depth`, and the string ends above the end of the hole: its own length says where the bit is."""
+
+    about = (Built, Answer)
+    sentence = "the lower end is at MD {depth:length 6}, the length of the string; the hole goes on to {end:length 6} (bit_depth)"
+    remedy = "Give `bit_depth`, and `length: fill` for the topmost pipe, to compute another depth."
+    weight = "remark"
+
+    def look(self, at: Moment) -> Iterable[dict[str, Any]]:
+        case = at.case
+        if (
+            case.well is None
+            or case.bit_depth is not None
+            or case.bottom.kind == "bit"
+            or case.top.force is not None
+        ):
+            return
+        end = float(case.well.survey.md[-1])
+        if end - case.string_length > ONE_JOINT:
+            yield {"depth": case.string_length, "end": end}
 
 
 class DeepInWall(Doubt):

@@ -198,9 +198,10 @@ def check_sizes(log: Log, expected: Callable[[FloatArray], FloatArray] | None) -
     """
     out = []
     hook, depth = log.column("hook_load"), log.column("bit_depth")
-    some = ~np.isnan(hook) & (depth > 0)
-    if expected is not None and some.any():
-        ratio = float(np.percentile(hook[some] / expected(depth[some]), 90))
+    weight = np.full(len(hook), np.nan) if expected is None else expected(depth)
+    some = (depth > 0) & ~np.isnan(hook + weight)  # below the hole of the case the weight is not known
+    if some.any():
+        ratio = float(np.percentile(hook[some] / weight[some], 90))
         if not 1 / WORST_RATIO < ratio < WORST_RATIO:
             slip = min(
                 _SLIPS_OF_UNITS, key=lambda name: abs(np.log(max(ratio, 1e-9) / _SLIPS_OF_UNITS[name]))

@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 from scipy.optimize import least_squares
 
+from drillpetsc.analysis.commands.check import describe
 from drillpetsc.analysis.hydraulics.flow_model import FlowModel, whole_string
 from drillpetsc.analysis.hydraulics.losses import balance
 from drillpetsc.analysis.loads.torque_drag.readings.calibration import Calibration
@@ -183,6 +184,14 @@ def test_f4_riser_is_cased_hole() -> None:
     assert Calibration(c, some).computed([{}]) == pytest.approx(Calibration(other, some).computed([{}]))
 
 
+def test_f4_without_bit_depth_says_where_the_bit_is() -> None:
+    """562 and 2054 m of pipe in a hole of 3510 m: one line; none with the bit depth, nor in a hole as long as the string."""
+    line = "the lower end is at MD 2616 m, the length of the string; the hole goes on to 3510 m (bit_depth)"
+    assert line in describe(case("volve-f4"))
+    assert "the hole goes on" not in describe(case("volve-f4", "bit_depth=2616 m"))
+    assert "the hole goes on" not in describe(case("volve-f5"))
+
+
 def stages(well: str) -> list[list[float]]:
     with (WELLS / well / "stages.csv").open(newline="") as lines:
         return [[float(cell) for cell in row] for row in list(csv.reader(lines))[1:]]
@@ -290,6 +299,13 @@ def test_rig_parameters_are_fitted() -> None:
     ]
     rel = bands("ufrj-rig")["fitted again from the record, relative"]
     assert found[:10] == pytest.approx(given, rel=rel, abs=1e-6)
+
+
+def test_rig_with_the_default_slip_velocity_is_doubtful() -> None:
+    """10 mm/s over 2/3 of the bit's radius of 50 mm are 0.3 rad/s or 2.86 rpm; the case has 0.5 mm/s."""
+    said = describe(case("ufrj-rig", "contact.slip_velocity=10 mm/s"))
+    assert "contact.slip_velocity (10 mm/s) lets a bit that sticks creep at up to 2.86 rpm" in said
+    assert "slip_velocity" not in describe(case("ufrj-rig"))
 
 
 def test_rig_figures_of_a_known_motion() -> None:

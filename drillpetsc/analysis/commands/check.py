@@ -159,7 +159,8 @@ def _lines(model: DrillingModel, verbose: bool) -> list[str]:
     case, units = model.case, model.case.output.units or "SI"
     said = [f"  {line}" for line in notes(case)]
     warnings = [line for line in said if line.startswith("  WARNING")]
-    warnings += [f"  WARNING: {text}" for text in doubts_at(Built(model=model))]
+    built = Built(model=model)
+    warnings += [f"  WARNING: {text}" for text in doubts_at(built, "warning")]
     count = f", {len(warnings)} warning{'s' if len(warnings) > 1 else ''}" if warnings else ""
     return [
         f"{case.title or 'case'}: valid{count}",
@@ -168,6 +169,7 @@ def _lines(model: DrillingModel, verbose: bool) -> list[str]:
         *_operation(model, units),
         *_contents(model, units),
         *_cost(model, verbose),
+        *(f"  {text}" for text in doubts_at(built, "remark")),
         *(line for line in said if not line.startswith("  WARNING")),
         *([] if verbose else ["  --verbose: element lengths, sources of the figures, unknowns, time scales"]),
     ]

@@ -104,13 +104,14 @@ def _units(table: Table, rules: Rules, remarks: list[str]) -> dict[str, str]:
 
 
 def number_of(text: str, comma: str) -> float | None:
-    """Number of a cell; None for a text that is none."""
+    """Number of a cell; None for a text that is not a finite number."""
     text = text.strip().strip("\"'").strip()
     if comma == "decimal" and "," in text:
         text = text.replace(".", "").replace(",", ".") if text.count(",") == 1 else "no number"
     elif "," in text and _THOUSANDS.fullmatch(text):
         text = text.replace(",", "")
-    return float(text) if _NUMBER.fullmatch(text) else None
+    number = float(text) if _NUMBER.fullmatch(text) else math.inf
+    return number if math.isfinite(number) else None
 
 
 _ALLOWED = {

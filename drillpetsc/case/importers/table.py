@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import csv
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -255,7 +255,7 @@ def table_of_text(file: Path, given: Mapping[str, str] | None = None) -> Table:
     if len(rows) > MAX_ROWS:
         raise CaseError(got="more", want=f"at most {MAX_ROWS} stations", file=file, line=at)
     table.rows = rows
-    table.comma = _comma(table, separator)
+    table.comma = comma_in_numbers(file, table.rows, [i for i, _ in table.columns.values()], separator)
     return table
 
 
@@ -459,18 +459,18 @@ def unit_in_comments(comments: Sequence[str]) -> str:
 _THOUSANDS = re.compile(r"[+-]?\d{1,3}(?:,\d{3})+(?:\.\d*)?")
 
 
-def _comma(table: Table, separator: str) -> str:
-    """Meaning of commas in numbers. With semicolons between cells they may be either: the file must show which."""
-    texts = [
-        (number, cells[i].strip())
-        for number, cells in table.rows
-        for i, _ in table.columns.values()
-        if i < len(cells)
-    ]
+def comma_in_numbers(
+    file: Path, rows: list[tuple[int, list[str]]], columns: Iterable[int], separator: str
+) -> str:
+    """Meaning of commas in numbers: decimal, thousands, or "" without any.
+
+    Between cells that a comma does not separate it may be either, and the file must show which; CaseError if it does not.
+    """
+    texts = [(number, cells[i].strip()) for number, cells in rows for i in columns if i < len(cells)]
     with_comma = [(number, text) for number, text in texts if "," in text]
     if not with_comma:
         return ""
-    if separator != ";":
+    if separator == ",":
         return "thousands"
     both = [text for _, text in with_comma if "." in text]
     if both:
@@ -480,4 +480,4 @@ def _comma(table: Table, separator: str) -> str:
     number, text = with_comma[0]
     want = "a decimal point, or numbers that show what the comma is"
     hint = f"{text} may be {text.replace(',', '')} or {text.replace(',', '.')}"
-    raise CaseError(got=text, want=want, hint=hint, file=table.file, line=number)
+    raise CaseError(got=text, want=want, hint=hint, file=file, line=number)

@@ -9,7 +9,7 @@ from pathlib import Path
 
 from drillpetsc.case.importers.components import Component, Kind, items_of
 from drillpetsc.case.importers.stations import number_of, together
-from drillpetsc.case.importers.table import _cells, _is_comment, _lines, unit_text
+from drillpetsc.case.importers.table import _cells, _is_comment, _lines, comma_in_numbers, unit_text
 from drillpetsc.case.importers.witsml import Imported
 from drillpetsc.errors import CaseError
 from drillpetsc.units import UnitError, to_si
@@ -49,13 +49,18 @@ KINDS: tuple[tuple[Kind, str], ...] = (
 
 @dataclass(frozen=True)
 class _Sheet:
-    """A table: number of its header, columns (quantity -> index, unit), rows with their numbers, titles not read."""
+    """A table: number of its header, columns (quantity -> index, unit), rows with their numbers, titles not read.
+
+    separator: between cells, "" in a workbook; comma: what one in a number means.
+    """
 
     file: Path
     head_at: int
     columns: dict[str, tuple[int, str]]
     rows: list[tuple[int, list[str]]]
     unread: list[str]
+    separator: str
+    comma: str = ""
 
 
 def _column(title: str) -> tuple[str, int, str] | None:
@@ -105,20 +110,20 @@ def _sheet(file: Path) -> _Sheet | None:
     if file.suffix.casefold() in (".xlsx", ".xlsm"):
         from drillpetsc.case.importers.sheet import rows_of_sheets
 
-        tables = [[(i, row) for i, row in enumerate(rows, 1)] for rows in rows_of_sheets(file)]
+        tables = [("", [(i, row) for i, row in enumerate(rows, 1)]) for rows in rows_of_sheets(file)]
     else:
         lines = _lines(file, [])
         lines = ["" if _is_comment(line, ";") else line for line in lines]
         tables = [
-            [(i, _cells(line, mark, file, i)) for i, line in enumerate(lines, 1) if line.strip()]
+            (mark, [(i, _cells(line, mark, file, i)) for i, line in enumerate(lines, 1) if line.strip()])
             for mark in ("\t", ";", ",")
         ]
-    for rows in tables:
+    for mark, rows in tables:
         for k, (number, heads) in enumerate(rows[:HEADER_LINES]):
             found = _columns(heads)
             if found is not None:
                 below = [(i, row) for i, row in rows[k + 1 :] if any(cell.strip() for cell in row)]
-                return _Sheet(file, number, found[0], below, found[1])
+                return _Sheet(file, number, found[0], below, found[1], mark)
     return None
 
 
@@ -143,6 +148,8 @@ def import_tally(file: Path, assembly: str | None) -> Imported:
             want = f"a unit in the title, such as {quantity if quantity != 'bore' else 'id'} [{unit}]"
             at = "id" if quantity == "bore" else quantity
             raise CaseError(at=at, got="no unit", want=want, file=file, line=sheet.head_at)
+    numbers = [sheet.columns[quantity][0] for quantity in UNIT if quantity in sheet.columns]
+    sheet = replace(sheet, comma=comma_in_numbers(sheet.file, sheet.rows, numbers, sheet.separator))
     sheet = _with_names(sheet, out.remarks)
     rows = _of_one_string(sheet, assembly)
     components, errors = [], []
@@ -193,8 +200,8 @@ def _of_one_string(sheet: _Sheet, assembly: str | None) -> list[tuple[int, list[
     if assembly is not None and assembly not in names:
         raise CaseError(at="--assembly", got=assembly, want=f"one of {', '.join(names)}")
     if assembly is None and len(names) > 1:
-        want = "one string, or --assembly with its name"
-        got = f"{len(names)} strings: {', '.join(names)}"
+        want = f"one string, or --assembly with {' or '.join(names)}"
+        got = f"{len(names)} strings"
         raise CaseError(got=got, want=want, file=sheet.file, line=sheet.rows[0][0])
     return [row for row in sheet.rows if assembly is None or _cell(sheet, row[1], "string") == assembly]
 
@@ -206,7 +213,7 @@ def _component(sheet: _Sheet, number: int, cells: Sequence[str]) -> Component:
         values[quantity] = None
         if not text:
             continue
-        value = number_of(text, "")
+        value = number_of(text, sheet.comma)
         at = "id" if quantity == "bore" else quantity
         if value is None or value < 0:
             raise CaseError(at=at, got=text, want="a number, 0 or above", file=sheet.file, line=number)

@@ -215,6 +215,11 @@ class RockBit(Bit):
         )  # displacement of the hole's end (3) and metres drilled at the last accepted step
 
     # ------------------------------------------------------------------ constants
+    @property
+    def rounding(self) -> float:
+        """Speed of rotation over which torque builds up in a bit that sticks [rad/s]."""
+        return self.contact.slip / (2 / 3 * self.shape.radius)
+
     def _law_record(self) -> Any:
         rock, law, a = self.rock, self.law, self.shape.radius
         self._layers = Table(
@@ -236,7 +241,7 @@ class RockBit(Bit):
             width=LAYER_WIDTH,
             layers=pointer(self._layers),
             count=len(self._layers),
-            turn_rounding=self.contact.slip / (2 / 3 * a),
+            turn_rounding=self.rounding,
             rest=1e-4,
             kind=KINDS["rop"],
         )

@@ -71,6 +71,16 @@ def test_a_workbook() -> None:
     assert [item.name for item in load_case("case.yaml").string] == [name for _, name, _ in KINDS]
 
 
+def test_commas_show_what_they_are_or_are_refused() -> None:
+    """With semicolons a comma may mean decimals: 9,5 does, 12,345 alone may be both. An infinite length is not a number."""
+    head = "name;od [in];id [in];length [m]\n"
+    assert "length: 9.5 m" in read(head + "jar;8,375;3,25;9,5\n")[0]
+    with pytest.raises(CaseError, match="may be 12345 or 12.345"):
+        read(head + "jar;8;3;12,345\n")
+    with pytest.raises(CaseError, match="a number, 0 or above"):
+        read(head + "jar;8;3;1e999\n")
+
+
 def test_swapped_weights_are_named() -> None:
     """Drill pipe at 49.3 lb/ft and heavy-wall pipe at 19.5 lb/ft: 2.8 and 0.46 times steel of their size."""
     swapped = SHEET.replace("600,49.3", "600,19.5").replace('"9,000",19.5', '"9,000",49.3')
@@ -102,7 +112,7 @@ def test_refused(old: str, new: str, words: str) -> None:
 
 def test_several_strings() -> None:
     text = "run,name,od_m,length_m\n1,pipe,0.127,9\n2,tubing,0.1778,12\n"
-    with pytest.raises(CaseError, match="2 strings: 1, 2"):
+    with pytest.raises(CaseError, match="--assembly with 1 or 2"):
         read(text)
     assert "177.8 mm" in read(text, "2")[0]
     with pytest.raises(CaseError, match="--assembly[\\s\\S]*one of 1, 2"):

@@ -100,7 +100,8 @@ def run_limits(job: Job, operation: str | None = None, choices: Choices | None =
         buckled = buckling(model, columns, nodal) if nodal is not None else None
         statics = static_summary(model, state)
         rotation = state.motion[1] and prescribed_motion(model)[1]
-        doubts = doubts_at(Answer(model=model, figures=statics, rotation=rotation, table=(columns, nodal)))
+        at_rest = Answer(model=model, figures=statics, rotation=rotation, table=(columns, nodal))
+        doubts, remarks = doubts_at(at_rest, "warning"), doubts_at(at_rest, "remark")
         found, forces = static_state(model), item_forces(model)
         answer: Any = None
         if comm.rank == 0:
@@ -137,6 +138,7 @@ def run_limits(job: Job, operation: str | None = None, choices: Choices | None =
                 contacts=[{k: _plain(v) for k, v in row.items()} for row in contacts],
                 rig=None if case.rig is None else case.rig.model_dump(),
                 notes=[
+                    *remarks,
                     *doubts_at(judged, "remark"),
                     *grades_assumed(case),
                     *_torque_notes(given, word),
