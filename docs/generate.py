@@ -392,6 +392,7 @@ OUTPUT_TABLES = {
     "outputs/surge.md": ("surge.csv", "column"),
     "outputs/max-trip-speed.md": ("max_trip_speed.csv", "column"),
     "outputs/roadmap.md": ("roadmap.csv", "column"),
+    "outputs/sensitivities.md": ("sensitivities.csv", "column"),
     "outputs/limits.md": ("limits.csv", "column"),
     "outputs/contacts.md": ("contacts.csv", "column"),
     "outputs/calibration.md": ("calibration.csv", "column"),
@@ -405,6 +406,7 @@ OUTPUT_TABLES = {
     "outputs/summary-hydraulics.md": ("summary.json of hydraulics", "key"),
     "outputs/summary-surge.md": ("summary.json of surge", "key"),
     "outputs/summary-roadmap.md": ("summary.json of roadmap", "key"),
+    "outputs/summary-sensitivities.md": ("summary.json of sensitivities", "key"),
     "outputs/summary-limits.md": ("summary.json of limits", "key"),
     "outputs/summary-calibrate.md": ("summary.json of calibrate", "key"),
 }

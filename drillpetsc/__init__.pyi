@@ -3099,7 +3099,7 @@ def calibrate(
     measured: measured points, such as points.csv of import log: CSV, xlsx or LAS (default: the case's)
     log: instead, a rig's log, read as by import log
     every: length of a point of log while drilling, such as 1m or 10s (default: 10 m)
-    fit: what is fitted: cased, open_hole, groups of sections by their ff_group, block_weight, weight_factor, running_drag (default: all friction factors)
+    fit: what is fitted: cased, open_hole, groups of sections by their ff_group, block_weight, weight_factor, running_drag, sheave_efficiency (default: all friction factors)
     hold_out: points that are not fitted but predicted: the deepest share, as 0.5, or those below 2150m
     errors: intervals by a bootstrap of blocks along depth, or of independent errors (default: correlated from 30 bit depths)
     prior: what is known of a parameter beforehand, such as cased=0.2+-0.05; may be given several times
@@ -3107,6 +3107,32 @@ def calibrate(
     overwrite: replace the results in an existing out
     name: name of the case in the default folder
     comm: PETSc communicator; by default all ranks
+    """
+    ...
+
+def import_log(
+    files: tuple[str, ...],
+    *,
+    case: _Case | str | Path | None = None,
+    out: str | None = None,
+    map: tuple[str, ...] = (),
+    between: str | None = None,
+    every: str | None = None,
+    states: tuple[str, ...] = (),
+    overwrite: bool = False,
+) -> Any:
+    """Read a rig's log (`import log FILE`): channels in SI, quality, rig states, points for `calibrate`.
+
+    Writes log.csv, states.csv, points.csv, quality.json and log.html.
+
+    files: the log: CSV or another text table, LAS, WITSML 1.4.1.1 log (.xml), xlsx; several files of the same columns are joined
+    case: a Case, or the path of a case file
+    out: folder of the results (default: named after the log)
+    map: the column of a channel, such as hook_load=HKLD:t; may be given several times
+    between: a part of the log: two clock times, as 2020-12-31T01:00,2020-12-31T15:00, or two depths with units
+    every: length of a point while drilling, such as 1m or 10s (default: 10 m)
+    states: a figure of the rig states, such as 'edge_time=14 s'; may be given several times
+    overwrite: replace an existing out
     """
     ...
 

@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import inspect
+import math
 import traceback
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Any
-
-import numpy as np
 
 MEMORY = "memory"  # parameter of a function that keeps numbers from step to step
 
@@ -26,7 +25,7 @@ class Given:
     sample: tuple[float, float, float]
     size: float
     relative: bool = True
-    least: float = -np.inf
+    least: float = -math.inf
 
 
 @dataclass(frozen=True)
@@ -47,7 +46,7 @@ class BitState:
     @property
     def depth_of_cut(self) -> Any:
         """Advance per turn [m]."""
-        return 2 * np.pi * self.advance / self.speed
+        return 2 * math.pi * self.advance / self.speed
 
 
 @dataclass(frozen=True)
@@ -87,10 +86,10 @@ class RheologyState:
 
 @dataclass(frozen=True)
 class CompiledLaw:
-    """A law of a plug-in in C++.  entry: its compiled function (core/own_law.hpp); values: of its parameters."""
+    """A law of a plug-in in C++.  folder: of its sources; law: its name."""
 
-    entry: Any
-    values: np.ndarray
+    folder: Path
+    law: str
 
 
 def parameters_of(call: Any) -> tuple[inspect.Parameter, ...]:

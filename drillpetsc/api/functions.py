@@ -7,12 +7,12 @@ import re
 from collections.abc import Callable
 from typing import Any, get_origin
 
-from drillpetsc.operations.operation import RENAMED_OPTIONS, CaseOperation, DrawnOperation, Mark, Option
+from drillpetsc.operations.operation import RENAMED_OPTIONS, DrawnOperation, Mark, Operation, Option
 
 CASE = "a Case, or the path of a case file"
 
 
-def function_of(operation: type[CaseOperation]) -> Callable[..., Any]:
+def function_of(operation: type[Operation]) -> Callable[..., Any]:
     """Make the Python function of an operation."""
     options = [q for q in operation.options() if Mark.SHELL not in q.marks]
     options.sort(key=_place)
@@ -54,7 +54,7 @@ def _parameter(option: Option) -> inspect.Parameter:
     return inspect.Parameter(option.name, kind, default=default, annotation=option.type)
 
 
-def _docstring(operation: type[CaseOperation], options: list[Option]) -> str:
+def _docstring(operation: type[Operation], options: list[Option]) -> str:
     """The docstring of the class, and a line for each parameter, with the names that Python has."""
     lines = [inspect.getdoc(operation) or "", ""]
     for option in options:

@@ -133,6 +133,8 @@ def _function(name: str, function: Callable[..., Any]) -> str:
     lines, named = [], False
     for parameter in signature.parameters.values():
         kind = "_Case | str | Path" if parameter.name == "case" else _annotation(parameter.annotation)
+        if parameter.default is None and "None" not in kind and kind != "Any":
+            kind += " | None"
         star = "**" if parameter.kind is parameter.VAR_KEYWORD else ""
         if parameter.kind is parameter.KEYWORD_ONLY and not named:
             lines.append("*")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import base64
+import contextlib
 import json
 from pathlib import Path
 from typing import Any
@@ -41,32 +42,42 @@ def export_page(source: RunSource) -> tuple[str, list[str]]:
     parts = [news]
     while parts[-1]["more"]:
         parts.append(source.news(news["series"], parts[-1]["rows"], news["hole"]))
-    times, remarks = news["times"], list(news["notes"])
-    numbers = list(range(len(times)))
-    size = sum(map(len, source.frame(0)["arrays"].values())) if times else 0
-    if size * len(times) > MOST_BYTES:
-        step = -(-size * len(times) // MOST_BYTES)
-        numbers = numbers[::step]
-        remarks.append(f"{len(numbers)} of {len(times)} frames, to keep the file small")
+    remarks = list(parts[-1]["notes"])
+    kept = _fitting(source, len(news["times"]), remarks)
     pool: dict[str, int] = {}  # arrays that do not change over time are there once
-    frames = []
-    for new, number in enumerate(numbers):
-        found = source.frame(number)
-        arrays = {name: pool.setdefault(text, len(pool)) for name, text in found["arrays"].items()}
-        frames.append({"number": new, "time": found["time"], "arrays": arrays})
+    frames: list[dict[str, Any]] = []
+    for number in kept:
+        with contextlib.suppress(OSError, ValueError):  # a damaged frame
+            found = source.frame(number)
+            arrays = {name: pool.setdefault(text, len(pool)) for name, text in found["arrays"].items()}
+            frames.append({"number": len(frames), "time": found["time"], "arrays": arrays})
+    lost = len(kept) - len(frames)
+    remarks += [f"damaged frames that are left out: {lost}"] if lost else []
     last = parts[-1]
     news = {
         **last,
         "first": 0,
         "more": False,
         "wall": parts[0].get("wall"),
-        "times": [times[k] for k in numbers],
+        "times": [frame["time"] for frame in frames],
     }
     news["columns"] = {
         title: _joined([part["columns"][title] for part in parts]) for title in last["columns"]
     }
     data = json.dumps({"news": news, "frames": frames, "arrays": list(pool)}).replace("<", "\\u003c")
     return render("run", title=news["title"], data=data, plotly=script_that_draws()), remarks
+
+
+def _fitting(source: RunSource, count: int, remarks: list[str]) -> range:
+    """Numbers of the frames that a file holds: all, or evenly chosen ones, which becomes a remark."""
+    size = 0
+    if count:
+        with contextlib.suppress(OSError, ValueError):
+            size = sum(map(len, source.frame(count - 1)["arrays"].values()))
+    kept = range(0, count, max(-(-size * count // MOST_BYTES), 1))
+    if len(kept) < count:
+        remarks.append(f"{len(kept)} of {count} frames, to keep the file small")
+    return kept
 
 
 def _joined(texts: list[str]) -> str:

@@ -34,7 +34,10 @@ function numbers(text, Kind = Float32Array) {
 }
 
 async function ask(what, values) {
-  const answer = await fetch(`api/${what}?${new URLSearchParams(values)}`, { headers: { "X-Token": token } });
+  let answer;
+  try { answer = await fetch(`api/${what}?${new URLSearchParams(values)}`, { headers: { "X-Token": token } }); } catch {
+    throw new Error("the server does not answer: drillpetsc serve has ended");
+  }
   const found = await answer.json();
   if (!answer.ok) throw new Error(found.error);
   return found;
@@ -70,7 +73,7 @@ function joined(a, b) {
 async function poll() {
   let found;
   try { found = await news(); } catch (error) {
-    say({ word: "failed", text: "the server does not answer: drillpetsc serve has ended" }, []);
+    say({ word: "failed", text: error.message }, []);
     return 3000;
   }
   const anew = found.series !== state.series;
@@ -109,8 +112,9 @@ function say(status, notes) {
 async function lay_out(anew, more, changed) {
   const frames = state.times.length, rows = state.rows;
   byId("empty").hidden = Boolean(frames || rows);
-  byId("empty").textContent = state.status.word === "missing" ? "Nothing to show: the folder is gone. The page goes on when it is back."
-    : "Nothing to show yet. The page fills as soon as a run writes here.";
+  byId("empty").textContent = { missing: "Nothing to show: the folder is gone. The page goes on when it is back.",
+    done: "This folder has no histories and no frames of the string. drillpetsc report shows what it has." }[state.status.word]
+    || "Nothing to show yet. The page fills as soon as a run writes here.";
   const appeared = byId("scene-panel").hidden === Boolean(frames) || byId("histories-panel").hidden === Boolean(rows);
   byId("controls").hidden = !frames && !rows;
   for (const id of ["scene-panel", "tracks-panel"]) byId(id).hidden = !frames;
@@ -140,7 +144,7 @@ function choose_fields() {  // whether the tracks are others than before
   if (!state.picked.tracks || !state.tracks.length) {
     const before = String(state.tracks), found = PREFERRED.tracks.filter((name) => name in state.fields && varies(name));
     if (found[0] === PREFERRED.tracks[0] && found[1] === PREFERRED.tracks[1]) found.splice(1, 1);
-    state.tracks = (found.length ? found : names).slice(0, window.innerWidth < 640 ? 3 : 4);
+    state.tracks = (found.length ? found : names).slice(0, window.innerWidth < 640 ? 3 : window.innerWidth < 1200 ? 4 : 5);
     again = before !== String(state.tracks);
   }
   if (String(names) !== byId("colour").now) byId("colour").replaceChildren(...names.map((name) => option(name, named(name))));
@@ -249,7 +253,7 @@ function half_width(now, at) {  // largest sideways distance [lateral unit]
   return most || 1;
 }
 
-const TALL = 1.7, WIDE = 0.36;  // height of the straightened hole, and its width in parts of the height
+const WIDE = 0.36;  // of the straightened hole, in parts of its height
 function automatic_scale(now, at, low, high) {
   const half = half_width(now, at) / state.perDepth;  // [depth unit]
   const raw = state.view === "straight" ? 0.5 * WIDE * (high - low) / (1.12 * half) : 0.012 * (high - low) / half;
@@ -268,7 +272,9 @@ function tubes(now) {  // string and hole for Plotly, and the ranges of the axes
     : sweep([1, 0, 2].map((k) => Float32Array.from(at, (i) => now[`c${k}`][i] + scale * now[`l${k}`][i])), radius.map((r) => r * toDepth), false);
   let hole = null;
   if (state.wall) {
-    const w = state.wall, inside = rings(w.md, low, high), take = (values2) => Float32Array.from(inside, (i) => values2[i]);
+    const w = state.wall, all = rings(w.md, low, high), differs = (i, j) => w.radius[i] !== w.radius[j];
+    const inside = straight ? all.filter((i, n) => n === 0 || n === all.length - 1 || differs(i, all[n - 1]) || differs(i, all[n + 1])) : all;
+    const take = (values2) => Float32Array.from(inside, (i) => values2[i]);
     const wide = take(w.radius).map((r) => r * WALL_WIDER);
     hole = straight ? sweep([new Float32Array(inside.length), new Float32Array(inside.length), take(w.md).map((v) => Math.min(Math.max(v, low), high))], wide, true, HOLE_SIDES)
       : sweep([take(w.c1), take(w.c0), take(w.c2)], wide.map((r) => r * toDepth), false, HOLE_SIDES);
@@ -309,8 +315,9 @@ async function draw_scene(now, whole) {
   }
   const span = made.high - made.low, half = 0.5 * WIDE * span / made.scale * state.perDepth;
   const ax = (title, more) => axis({ title: { text: title, font: { size: 11 } }, backgroundcolor: css("--paper"), showbackground: false, showspikes: false, ...more });
+  const box = byId("string"), tall = 1.7 * Math.min(1, box.clientWidth / box.clientHeight / 0.66);  // in a narrow panel with space for the depths
   const scene = straight ? {
-    aspectmode: "manual", aspectratio: { x: TALL * WIDE, y: TALL * WIDE, z: TALL },
+    aspectmode: "manual", aspectratio: { x: tall * WIDE, y: tall * WIDE, z: tall },
     xaxis: ax(`right [${state.lateral}]`, { range: [-half, half], nticks: 4 }), yaxis: ax(`high side [${state.lateral}]`, { range: [-half, half], nticks: 4 }),
     zaxis: ax("", { range: [made.high, made.low], nticks: 8 }),
   } : {
@@ -322,8 +329,8 @@ async function draw_scene(now, whole) {
   byId("caption").textContent = `${straight ? "measured depth" : "east, north, depth"} in ${state.depth}; ` +
     (made.scale > 1.0001 ? `sideways lengths drawn ${format(made.scale)} times larger` : "true scale");
   byId("scale").value = format(made.scale);
-  const box = state.range || [now.md[0], now.md[now.md.length - 1]];
-  byId("from").value = format(box[0]); byId("to").value = format(box[1]);
+  const shown = state.range || [now.md[0], now.md[now.md.length - 1]];
+  byId("from").value = format(shown[0]); byId("to").value = format(shown[1]);
 }
 
 const format = (value) => String(Number(value.toPrecision(5)));
@@ -437,15 +444,29 @@ function place_cursor() {
 }
 
 // ---------------------------------------------------------------- time
-let busy = Promise.resolve();
-function show(k, whole = false) {  // one drawing after the other: the last one wins
-  busy = busy.then(() => show_now(k, whole)).catch((error) => say({ word: "failed", text: String(error.message || error) }, []));
-  return busy;
+let pending = null, drawing = null;
+function show(k, whole = false) {  // one drawing after the other; of those that wait, the last one
+  pending = { k, whole: whole || Boolean(pending && pending.whole) };
+  drawing = drawing || (async () => {
+    while (pending) {
+      const next = pending;
+      pending = null;
+      try { await show_now(next.k, next.whole); } catch (error) { say({ word: "failed", text: String(error.message || error) }, []); }
+    }
+    drawing = null;
+  })();
+  return drawing;
 }
 
 async function show_now(k, whole) {
   if (k < 0 || k >= state.times.length) return;
-  const now = await frame(k);
+  let now = null;
+  while (!now) {
+    try { now = await frame(k); } catch (error) {  // damaged: at the start an earlier one is shown
+      if (state.shown >= 0 || k === 0) throw error;
+      k--;
+    }
+  }
   whole = whole || !state.now || state.now.md.length !== now.md.length;
   Object.assign(state, { shown: k, now });
   byId("slider").value = k;

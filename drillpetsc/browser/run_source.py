@@ -6,6 +6,7 @@ Numbers travel as base64 of little-endian float32 (times: float64).
 from __future__ import annotations
 
 import base64
+import contextlib
 import threading
 from collections.abc import Callable, Mapping
 from pathlib import Path
@@ -54,17 +55,14 @@ class RunSource:
     def __init__(self, path: str | Path, units: System | None = None) -> None:
         self.folder, self._units = RunFolder(Path(path)), units
         self._lock = threading.Lock()
-        self._begin_anew()
-
-    def _begin_anew(self) -> None:
-        """Forget everything that was read."""
         self._history = Tail(self.folder.history)
         self._series = ""
         self._ranges: dict[str, list[float]] = {}
         self._ranged: set[Path] = set()
         self._case: tuple[int, Case | None] = (0, None)
         self._hole: tuple[str, dict[str, np.ndarray] | None] = ("", None)
-        self.notes: list[str] = []
+        self._frames: tuple[Any, list[tuple[float, Path]]] = (None, [])
+        self._faults: dict[str, str] = {}  # by file: what is wrong with it, until it is read well
 
     # ------------------------------------------------------------------ what is new
     def news(self, series: str = "", rows: int = 0, hole: str = "") -> dict[str, Any]:
@@ -73,14 +71,15 @@ class RunSource:
         series, hole: what the page has, as an earlier answer named it.
         """
         with self._lock:
-            self.notes = []
             self._try("history.csv", self._history.read, None)
             case, units, series_now = self._read_case(), self.units, self._name_series()
             first = rows if series == series_now else 0
             last = min(first + MOST_ROWS, len(self._history))
-            frames = self._try("string.pvd", lambda: read_series(self.folder.path), [])
+            frames = self._try("string.pvd", self._read_series, [])
             self._read_ranges(frames)
-            hole_now = self._read_hole()
+            wall = self._wall()
+            hole_now = self._hole[0] if wall is not None else ""
+            depth, lateral = (unit_of(name, units) for name in ("md [m]", "offset_x [m]"))
             title = self._summary().get("title") or (case.title if case is not None else "")
             answer: dict[str, Any] = {
                 "series": series_now,
@@ -94,30 +93,28 @@ class RunSource:
                 "panels": self._panels(),
                 "times": [time for time, _ in frames],
                 "fields": self._fields(units),
-                "depth": unit_of("md [m]", units)[2],
-                "lateral": unit_of("offset_x [m]", units)[2],
-                "lateral_per_depth": unit_of("md [m]", units)[0] / unit_of("offset_x [m]", units)[0],
+                "depth": depth[2],
+                "lateral": lateral[2],
+                "lateral_per_depth": depth[0] / lateral[0],
                 "hole": hole_now,
             }
-            if hole_now and hole_now != hole:
-                assert self._hole[1] is not None
-                answer["wall"] = {name: packed(values) for name, values in self._hole[1].items()}
-            answer["notes"] = self.notes
+            if wall is not None and hole_now != hole:
+                answer["wall"] = _packed_wall(wall, depth[0], lateral[0])
+            answer["notes"] = self._notes()
             return answer
 
     @property
     def units(self) -> System:
         """Units in which the page shows numbers."""
-        return (
-            self._units
-            or self._try("case.yaml", lambda: style.units_of_run(self.folder.case), None)
-            or "metric"
-        )
+        found = None
+        with contextlib.suppress(OSError, ValueError):  # of a damaged case.yaml, which is named elsewhere
+            found = style.units_of_run(self.folder.case)
+        return self._units or found or "metric"
 
     def frame(self, number: int) -> dict[str, Any]:
         """One frame of the string.  Raises ValueError if there is none, or if it is damaged."""
         with self._lock:
-            series = read_series(self.folder.path)
+            series = self._read_series()
             if not 0 <= number < len(series):
                 raise ValueError(f"frame {number}: the run has {len(series)}")
             time, file = series[number]
@@ -141,11 +138,21 @@ class RunSource:
     def _try(self, what: str, read: Callable[[], Any], otherwise: Any) -> Any:
         """The value of ``read``; what is wrong with a file becomes a note."""
         try:
-            return read()
+            found = read()
+            self._faults.pop(what, None)
+            return found
         except (OSError, ValueError, SyntaxError, KeyError, DrillError) as error:  # SyntaxError: of XML
-            if self.folder.path.is_dir():
-                self.notes.append(f"{what} cannot be read: {' '.join(str(error).split())}")
+            self._faults[what] = f"{what} cannot be read: {' '.join(str(error).split())}"
             return otherwise
+
+    def _notes(self) -> list[str]:
+        """What is wrong with files that are there, or that should be."""
+        lost, folder = self._history.damaged, self.folder.path
+        for file in list(self._faults):
+            if not folder.is_dir() or not (file.startswith("string/") or (folder / file).exists()):
+                del self._faults[file]
+        rows = [f"history.csv: damaged rows that are left out: {lost}"] if lost else []
+        return [*self._faults.values(), *rows]
 
     def _name_series(self) -> str:
         """A name for the results in the folder: another one when they were begun anew."""
@@ -154,6 +161,9 @@ class RunSource:
             name = str(self.folder.summary.stat().st_mtime_ns)
         if name != self._series:
             self._series, self._ranges, self._ranged = name, {}, set()
+            self._faults = {
+                file: text for file, text in self._faults.items() if not file.startswith("string/")
+            }
         return name
 
     def _read_case(self) -> Case | None:
@@ -231,6 +241,15 @@ class RunSource:
             }
         return out
 
+    def _read_series(self) -> list[tuple[float, Path]]:
+        """Times and files of the frames, read again when their list has changed."""
+        file = self.folder.string_series
+        state = file.stat() if file.is_file() else None
+        changed = (state.st_mtime_ns, state.st_ino, state.st_size) if state is not None else None
+        if changed != self._frames[0]:
+            self._frames = changed, read_series(self.folder.path)
+        return self._frames[1] if changed is not None else []
+
     def _read_ranges(self, frames: list[tuple[float, Path]]) -> None:
         """Widen the ranges by frames that were not read yet."""
         new = [file for _, file in frames if file not in self._ranged][:MOST_FRAMES]
@@ -292,32 +311,26 @@ class RunSource:
 
     def _wall(self) -> dict[str, np.ndarray] | None:
         """Stations of the hole [m]: md (n,), radius (n,), centre (n, 3); None without a hole."""
-        if not self.folder.well.is_file():
-            return None
-        changed = str(self.folder.well.stat().st_mtime_ns)
-        if changed != self._hole[0].partition("/")[0]:
-            self._hole = changed, self._try("well.vtu", self._read_wall, None)
-        return self._raw_wall if self._hole[1] is not None else None
+        changed = str(self.folder.well.stat().st_mtime_ns) if self.folder.well.is_file() else ""
+        if changed != self._hole[0]:
+            found = self._try("well.vtu", self._read_wall, None) if changed else None
+            self._hole = changed, found
+        return self._hole[1]
 
     def _read_wall(self) -> dict[str, np.ndarray]:
         frame = read_frame(self.folder.well)
-        sides = int(
-            frame.cells["quad"][0][3]
-        )  # of the tube: the fourth corner of its first face is in the second ring
+        sides = int(frame.cells["quad"][0][3])  # the fourth corner of the first face is in the second ring
         md, radius = (frame.point_data[name][::sides] for name in ("md [m]", "radius [m]"))
-        centre = frame.points.reshape(len(md), sides, 3).mean(axis=1)
-        self._raw_wall = {"md": md, "radius": radius, "centre": centre}
-        units = self.units
-        depth, lateral = unit_of("md [m]", units)[0], unit_of("offset_x [m]", units)[0]
-        return {
-            "md": md / depth,
-            "radius": radius / lateral,
-            **{f"c{k}": centre[:, k] / depth for k in range(3)},
-        }
+        return {"md": md, "radius": radius, "centre": frame.points.reshape(len(md), sides, 3).mean(axis=1)}
 
-    def _read_hole(self) -> str:
-        """A name for the present hole, empty without one."""
-        return self._hole[0] if self._wall() is not None else ""
+
+def _packed_wall(wall: Mapping[str, np.ndarray], depth: float, lateral: float) -> dict[str, str]:
+    """The hole for the page.  depth, lateral: sizes of the units along and across [m]."""
+    along = {"md": wall["md"], **{f"c{k}": wall["centre"][:, k] for k in range(3)}}
+    return {
+        "radius": packed(wall["radius"] / lateral),
+        **{name: packed(v / depth) for name, v in along.items()},
+    }
 
 
 def _tangents(wall: Mapping[str, np.ndarray], md: np.ndarray) -> np.ndarray:

@@ -13,7 +13,8 @@ from drillpetsc.output.files.tables import read_titles
 class Tail:
     """The rows of a CSV table of numbers that a run may be writing.
 
-    titles: of its columns; series: a name that changes when the file is another one, so that its rows count from 0.
+    titles: of its columns; damaged: rows that are no numbers, which are left out.
+    series: a name that changes when the file is another one, so that its rows count from 0.
     """
 
     def __init__(self, path: Path) -> None:
@@ -22,10 +23,11 @@ class Tail:
 
     def _forget(self) -> None:
         self.titles: list[str] = []
+        self.damaged = 0
         self.series, self._offset, self._rows, self._parts = "", 0, 0, list[np.ndarray]()
 
     def read(self) -> str:
-        """Read what is new; returns the series.  Raises ValueError for rows that are no numbers, which are left out."""
+        """Read what is new; returns the series.  Raises ValueError for a file without a header."""
         try:
             state = os.stat(self.path)
         except FileNotFoundError:
@@ -48,8 +50,7 @@ class Tail:
         if rows:
             self._parts.append(np.array(rows))
             self._rows += len(rows)
-        if len(rows) < len(lines):
-            raise ValueError(f"{len(lines) - len(rows)} of {len(lines)} rows are damaged and left out")
+        self.damaged += len(lines) - len(rows)
         return self.series
 
     def __len__(self) -> int:

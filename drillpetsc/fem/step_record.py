@@ -18,7 +18,7 @@ from drillpetsc.fem.component import ElementBlock
 from drillpetsc.fem.quantity import Sample
 from drillpetsc.kernels import function, pointer
 
-_record_step = function("record_step", "ipiipp")
+_record_step = function("record_step", "ipipp")
 Places = int | Sequence[int] | np.ndarray
 
 
@@ -42,7 +42,10 @@ class StepRecord:
         self._kept: list[Any] = []  # whose addresses and ids are in use
         self._functions: list[tuple[Callable[[Sample], Any], slice, bool]] = []
         self._own = 0  # columns of the functions' values
-        self._table: FloatArray | None = None
+        self._table: FloatArray | None = (
+            None  # a row for each step, so that a step writes to one place in memory
+        )
+        self._columns = np.zeros((0, 0))  # the same by number, in which sums run along contiguous memory
         self._always = True
 
     # ------------------------------------------------------------------ before the first step
@@ -56,9 +59,7 @@ class StepRecord:
         self._always = False
 
     def _close(self) -> None:
-        self._table = np.zeros(
-            (len(self._addresses), self.capacity)
-        )  # numbers computed from a number are in its row
+        self._table = np.zeros((self.capacity, len(self._addresses)))
         self._values = np.zeros((self.capacity, self._own))
         self._from = (ctypes.c_void_p * max(1, len(self._addresses)))(*self._addresses)
         self._start = pointer(self._table)
@@ -83,7 +84,8 @@ class StepRecord:
             count = 0
             for found in members:
                 asm.results(*self._results[found][0])
-        _record_step(count, calls, len(self._addresses), self.capacity, self._from, self._start + 8 * k)
+        n = len(self._addresses)
+        _record_step(count, calls, n, self._from, self._start + 8 * n * k)
         asm.have_results(members)
         if self._functions:
             sample, row = Sample(self.system, time), self._values[k]
@@ -94,7 +96,7 @@ class StepRecord:
 
     def clear(self) -> None:
         """Forget all steps."""
-        self.times = []
+        self.times, self._columns = [], np.zeros((0, 0))
 
     # ------------------------------------------------------------------ numbers
     def results(self, block: ElementBlock, kernel: str, columns: int) -> BlockResults:
@@ -129,7 +131,9 @@ class StepRecord:
         if self._table is None:
             found = array.reshape(-1)[np.asarray(places, dtype=int).reshape(-1)][None].copy()
         else:
-            found = self._table[span, : len(self.times)].T
+            if self._columns.shape[1] != len(self.times):
+                self._columns = np.ascontiguousarray(self._table[: len(self.times)].T)
+            found = self._columns[span].T
         return np.asarray(found[:, 0] if one else found)
 
     def sums(self, block: ElementBlock, kernel: str, columns: int) -> FloatArray:

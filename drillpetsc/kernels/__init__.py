@@ -1,7 +1,7 @@
-"""The compiled kernels: one shared library, made when the package is installed (drillpetsc/kernels/build.py).
+"""The compiled kernels: one shared library, made at set-up or at first use (drillpetsc/kernels/build.py).
 
-Importing this package compiles nothing.  The library is opened when the first kernel is used, from the
-package's folder only, and only if no other user can have written it.
+Importing this package compiles nothing.  The library is opened when the first kernel is used, and only if no other user can
+have written it.
 """
 
 from __future__ import annotations
@@ -16,6 +16,7 @@ import numpy as np
 
 from drillpetsc.errors import SolveError
 from drillpetsc.kernels.build import UntrustedLibrary, check_trusted, library_path, plug_in_path
+from drillpetsc.kernels.build import build as build_library
 
 BUILD_COMMAND = "python -m drillpetsc.kernels build"
 
@@ -26,14 +27,19 @@ class KernelsUnavailable(SolveError):
 
 @cache
 def library() -> ctypes.CDLL:
-    """The opened library.  Raises KernelsUnavailable if it is not built, or if others can write it."""
-    path = library_path()
-    if not path.exists():
+    """The opened library, compiled first if it is missing, of older sources or of another processor.
+
+    Raises KernelsUnavailable if it cannot be built, or if others can write it.
+    """
+    try:
+        path = library_path()
+        path = path if path.exists() else build_library()
+    except (RuntimeError, OSError) as error:
         raise KernelsUnavailable(
-            "the compiled kernels are missing, or older than their sources, or of another processor "
-            f"(looked for {path})",
-            hint=f"build them: {BUILD_COMMAND} (scripts/setup does it too)",
-        )
+            f"the kernels are not compiled for this processor: {error}",
+            hint=f"where a compiler is: {BUILD_COMMAND}; DRILLPETSC_KERNELS names a folder for them, and DRILLPETSC_ARCH=x86-64-v3 serves several "
+            "processors",
+        ) from None
     try:
         check_trusted(path)
     except UntrustedLibrary as error:
@@ -43,7 +49,6 @@ def library() -> ctypes.CDLL:
     return ctypes.CDLL(str(path))
 
 
-@cache
 def plug_in(folder: Path) -> ctypes.CDLL:
     """The opened library of a plug-in: the C++ sources in ``folder``.
 
@@ -62,19 +67,12 @@ def plug_in(folder: Path) -> ctypes.CDLL:
         raise KernelsUnavailable(
             f"the plug-in is not opened: {error}", hint=f"build it again: {command}"
         ) from None
-    opened = ctypes.CDLL(str(path))
-    _plug_ins.append(opened)
-    return opened
+    if path not in _plug_ins:
+        _plug_ins[path] = ctypes.CDLL(str(path))
+    return _plug_ins[path]
 
 
-def text_of(opened: ctypes.CDLL, name: str) -> str:
-    """Text that a function of an opened library returns."""
-    entry = getattr(opened, name)
-    entry.restype = ctypes.c_char_p
-    return str(entry().decode())
-
-
-_plug_ins: list[ctypes.CDLL] = []  # that were opened
+_plug_ins: dict[Path, ctypes.CDLL] = {}  # that were opened
 
 
 def _reads_header() -> bool:
@@ -102,7 +100,9 @@ def pointer(array: np.ndarray) -> int:
 
 def function(name: str, arguments: str, result: type | None = None) -> Any:
     """Entry point ``name``; ``arguments`` is a letter each: p pointer, i int, d double."""
-    entry = next((getattr(q, name) for q in (library(), *_plug_ins) if hasattr(q, name)), None)
+    entry = next(
+        (getattr(q, name) for q in (library(), *reversed(_plug_ins.values())) if hasattr(q, name)), None
+    )
     if entry is None:
         raise AttributeError(f"there is no kernel function {name}")
     entry.argtypes = [{"p": ctypes.c_void_p, "i": ctypes.c_int, "d": ctypes.c_double}[c] for c in arguments]

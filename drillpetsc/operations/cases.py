@@ -96,12 +96,13 @@ class ImportLog(Operation):
     files: Annotated[
         tuple[str, ...],
         Mark.ARGUMENT,
+        Mark.POSITIONAL,
         "FILE",
         "the log: CSV or another text table, LAS, WITSML 1.4.1.1 log (.xml), xlsx; several files of the same columns are joined",
     ]
-    case: Annotated[
-        str | None, "CASE.yaml", "the case, whose string tells slips and the units of the hook load"
-    ] = None
+    case: Annotated[Any, "CASE.yaml", "the case, whose string tells slips and the units of the hook load"] = (
+        None
+    )
     set: Changes = ()
     out: Annotated[str | None, "DIR", "folder of the results (default: named after the log)"] = None
     map: Annotated[
@@ -126,14 +127,17 @@ class ImportLog(Operation):
 
     def compute(self, job: Any) -> Any:
         from drillpetsc.analysis.commands.import_log import Choices, import_log
-        from drillpetsc.case import load_case
+        from drillpetsc.case import Case, load_case
         from drillpetsc.plotting.command.log import log_page
 
         if self.set and self.case is None:
             raise CaseError(at="--set", got=self.set[0], want="--case, the case that is changed")
-        case = None if self.case is None else load_case(self.case, self.set)
+        case = self.case
+        if not (case is None or isinstance(case, Case)):
+            case = load_case(case, self.set)
         choices = Choices(self.map, self.every, self.states, self.between)
-        result = import_log(self.files, case, self.out, self.overwrite, choices)
+        files = (self.files,) if isinstance(self.files, str | Path) else self.files
+        result = import_log(tuple(map(str, files)), case, self.out, self.overwrite, choices)
         log_page(result.folder)
         return result
 

@@ -197,8 +197,8 @@ class Calibrate(DrawnOperation):
     fit: Annotated[
         str | None,
         "A,B",
-        "what is fitted: cased, open_hole, groups of sections by their ff_group, block_weight, weight_factor, running_drag "
-        "(default: all friction factors)",
+        "what is fitted: cased, open_hole, groups of sections by their ff_group, block_weight, weight_factor, running_drag, "
+        "sheave_efficiency (default: all friction factors)",
     ] = None
     hold_out: Annotated[
         str | None,

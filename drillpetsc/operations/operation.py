@@ -189,6 +189,10 @@ class Operation:
         operation = self.read(None)
         return operation.show(operation.compute(None))
 
+    def call(self) -> Any:
+        """Run the operation for Python; returns its result."""
+        return self.read("SI").compute(None)
+
     def show(self, result: Any) -> int:
         """Print the lines of a result once for the whole job; returns the exit status."""
         print_once(self.printed(result))

@@ -155,6 +155,10 @@ class Serve(Operation):
         from drillpetsc.browser.server import run_server, serve
         from drillpetsc.operations.cases import writing
 
+        inside = runs_in(Path(self.path))
+        if inside:
+            want = f"one run folder, such as {inside[0]}"
+            raise CaseError(at="RUN", got=f"{self.path}, which holds {len(inside)} of them", want=want)
         source = RunSource(self.path, self.units)
         if self.export is None:
             serve(run_server(self.host, self.port, source), not self.no_open)
@@ -250,6 +254,15 @@ class Export(Operation):
         columns = self.columns or ()
         files, remarks = export(self.folder, self.out, units=self.units, format=self.format, columns=columns)
         return [*files, *(f"  note: {text}" for text in remarks)]
+
+
+def runs_in(folder: Path) -> list[Path]:
+    """Run folders in a folder that is not one itself, such as the folder of a sweep."""
+    from drillpetsc.output import RunFolder
+
+    if RunFolder(folder).case.is_file():
+        return []
+    return sorted(inner for inner in folder.iterdir() if inner.is_dir() and RunFolder(inner).case.is_file())
 
 
 def say_unfinished(run: str) -> None:

@@ -15,7 +15,7 @@ import numpy as np
 
 from drillpetsc.arrays import FloatArray
 from drillpetsc.errors import CaseError, SolveError
-from drillpetsc.kernels import pointer
+from drillpetsc.kernels import KernelsUnavailable, plug_in, pointer
 from drillpetsc.kernels.parameters import structure
 from drillpetsc.own_code import (
     MEMORY,
@@ -139,6 +139,10 @@ class OwnLaw:
         self._known = {f"{name}_by_{by}" for name in self.results for by in self.states} | {*self.results}
         given = kind.given
         self._usual = [given[name] for name in self.states]
+        self._entry: Any = None
+        self._values = np.zeros(1)
+        if isinstance(call, CompiledLaw):
+            self._open(call)
         self._takes_memory = any(q.name == MEMORY for q in parameters_of(call))
         if self._takes_memory and not kind.memory:
             want = f"a function without the parameter {MEMORY}: the points of contact change"
@@ -146,6 +150,28 @@ class OwnLaw:
         self.one_by_one = False
         sample = {name: given[name].sample for name in self.states} | dict(samples or {})
         self._try_out(np.array([sample[name] for name in self.states], dtype=float).T)
+
+    def _open(self, law: CompiledLaw) -> None:
+        """Find the entry point of a law in C++, and fill its parameters.  Raises CaseError."""
+        key = self.kind.key
+        try:
+            library = plug_in(law.folder)
+            text = getattr(
+                library, f"own_{law.law}_parameters_columns"
+            )  # of this library: two may have a law of one name
+            text.restype = ctypes.c_char_p
+            names = [name.strip().lower() for name in text().decode().split(",")][:-1]
+        except KernelsUnavailable as error:
+            want = "a law of a compiled plug-in"
+            raise CaseError(
+                at=f"{key}.function", got=self.name, want=want, hint=f"{error.what}; {error.hint}"
+            ) from None
+        for name in {*names} ^ {*self.parameters}:
+            want = f"all parameters of the law, and no others: {', '.join(names)}"
+            raise CaseError(at=f"{key}.parameters.{name}", got=self.parameters.get(name), want=want)
+        self._entry = getattr(library, f"own_{law.law}")
+        self._entry.argtypes, self._entry.restype = _ARGUMENTS, None
+        self._values = np.array([self.parameters[name] for name in names] or [0.0])
 
     # ------------------------------------------------------------------ for kernels
     def record(self, capacity: int, more: int = 0) -> int:
@@ -163,10 +189,9 @@ class OwnLaw:
                 self._error = self._error or error
                 out[:n] = np.nan
 
-        compiled = self.call if isinstance(self.call, CompiledLaw) else None
-        called = _CALL(fill) if compiled is None else compiled.entry
+        called = _CALL(fill) if self._entry is None else self._entry
         record = _Record(
-            call=ctypes.cast(called, ctypes.c_void_p).value, context=compiled and pointer(compiled.values), state=pointer(state), results=pointer(out), states=S,
+            call=ctypes.cast(called, ctypes.c_void_p).value, context=pointer(self._values), state=pointer(state), results=pointer(out), states=S,
             result_count=R, capacity=len(state), next=more or None,
         )  # fmt: skip
         self._keep += [state, out, called, record]
@@ -219,8 +244,8 @@ class OwnLaw:
             out[:] = np.nan
             return out
         differenced = self._differenced if derivatives else ()
-        if isinstance(self.call, CompiledLaw):
-            return self._compiled(self.call, state, derivatives)
+        if self._entry is not None:
+            return self._compiled(self._entry, state, derivatives)
         points, spans = self._with_neighbours(state, differenced) if differenced else (state, [])
         found = self._called(points, n)
         for j, name in enumerate(self.results):
@@ -241,11 +266,10 @@ class OwnLaw:
                 out[:, self.results.index(name)] = default(out[:, 0])
         return out
 
-    def _compiled(self, law: CompiledLaw, state: FloatArray, derivatives: bool) -> FloatArray:
+    def _compiled(self, entry: Any, state: FloatArray, derivatives: bool) -> FloatArray:
         """The same of a law in C++, results that it does not give left nan."""
         at, out = np.ascontiguousarray(state), np.empty((len(state), len(self.results), 1 + len(self.states)))
-        law.entry.argtypes, law.entry.restype = _ARGUMENTS, None
-        law.entry(pointer(law.values), len(at), int(derivatives), pointer(at), pointer(out))
+        entry(pointer(self._values), len(at), int(derivatives), pointer(at), pointer(out))
         for j, name in enumerate(self.results):
             bad = np.flatnonzero(~np.isfinite(out[:, j]).all(axis=1))
             if name in self._gives and len(bad):
@@ -350,8 +374,8 @@ class OwnLaw:
         self._differenced: tuple[int, ...] = ()
         self.mismatches: tuple[Mismatch, ...] = ()
         self.memory_names: tuple[str, ...] = ()
-        if isinstance(self.call, CompiledLaw):
-            self._try_compiled(self.call, state)
+        if self._entry is not None:
+            self._try_compiled(self._entry, state)
             return
         try:
             found = self._called(state, len(state))
@@ -373,9 +397,9 @@ class OwnLaw:
         self.memory_names = tuple(sorted(self._next))
         self._next = {}
 
-    def _try_compiled(self, law: CompiledLaw, state: FloatArray) -> None:
+    def _try_compiled(self, entry: Any, state: FloatArray) -> None:
         self._gives = frozenset()
-        found = self._compiled(law, state, True)
+        found = self._compiled(entry, state, True)
         self._gives = frozenset(name for j, name in enumerate(self.results) if np.isfinite(found[:, j]).all())
         if self.results[0] not in self._gives:
             raise self._refused(

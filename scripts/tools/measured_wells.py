@@ -16,6 +16,7 @@ from pathlib import Path
 from typing import Any
 
 import measured_rig
+import measured_torque
 import numpy as np
 
 import drillpetsc
@@ -232,6 +233,7 @@ def main() -> None:
         )
         rows += found
         parts["volve-f5"] += _picture(folder / "f5-half", "measured-f5-half")
+    parts["volve-f5"] += "\n" + measured_torque.section(folder, log)
     found, _ = _calibrated("volve-f4", "Volve F-4 trips", "cased,weight_factor,running_drag", folder / "f4")
     rows += found
     parts["volve-f4"] = _picture(folder / "f4", "measured-f4")
@@ -266,7 +268,7 @@ def main() -> None:
         *(row.line for row in rows),
         "",
         "What this does not show: dynamic loads of a well, and wells whose string or mud is not known. A fit with two numbers to the points that it is then compared with is no prediction. Torque drifts with depth in F-5,",
-        "more than one friction factor for the open hole can follow: its prediction below the fitted depths is the weakest of this page.",
+        "more than one friction factor for the open hole can follow: its prediction below the fitted depths is the weakest of this page. Predictions carry the drift on ({ref}`sec-calibrate-prediction`).",
         "",
     ]
     for well, title in titles.items():

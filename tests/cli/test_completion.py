@@ -20,7 +20,15 @@ def test_bash_offers_commands_options_and_words(capsys: pytest.CaptureFixture[st
         ask = f'{script}\nCOMP_WORDS=({line}); COMP_CWORD={len(words) - 1}; _drillpetsc; echo "${{COMPREPLY[@]}}"'
         return subprocess.run(["bash", "-c", ask], capture_output=True, text=True, check=True).stdout.split()
 
-    assert offered("drillpetsc", "s") == ["sweep", "study", "schema", "statics", "surge", "stability"]
+    assert offered("drillpetsc", "s") == [
+        "sweep",
+        "study",
+        "schema",
+        "statics",
+        "surge",
+        "stability",
+        "serve",
+    ]
     assert offered("drillpetsc", "surge", "case.yaml", "--sp") == ["--speeds"]
     assert offered("drillpetsc", "modes", "--kind", "") == ["lateral", "axial", "torsional", "fluid"]
     assert offered("drillpetsc", "statics", "case.yaml", "--motion", "h") == ["hoist"]

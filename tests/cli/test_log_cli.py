@@ -7,8 +7,10 @@ import json
 import numpy as np
 import pytest
 
+import drillpetsc
 from drillpetsc.case.files.measured_file import read_measured
 from drillpetsc.cli import main
+from drillpetsc.errors import CaseError
 from drillpetsc.output.files.tables import read_table
 
 
@@ -47,6 +49,32 @@ def test_import_log_writes_its_folder(log, tmp_path, capsys):
     assert "data:image/png;base64," in page and "http" not in page.replace("http-equiv", "")
     assert main(["import", "log", str(log), "--out", str(out)]) == 2
     assert "--overwrite" in capsys.readouterr().err
+
+
+def test_a_log_without_points_is_doubtful(tmp_path, capsys):
+    """Rows that hang make no points, and trips none without the hook load in slips; the log of the other tests does."""
+    head = "time_s,bit_md_m,hole_md_m,hookload_t,rpm,flow_in_lpm\n"
+    still = [f"{10 * i},1000,1500,100,0,0" for i in range(30)]
+    trips = [f"{10 * i},{1000 + 5 * i},1500,100,0,0" for i in range(30)]
+    for rows, why in (
+        (still, "no row trips, drills or rotates off bottom"),
+        (trips, "the hook load in slips"),
+    ):
+        (tmp_path / "rig.csv").write_text(head + "\n".join(rows))
+        out = tmp_path / "out"
+        assert main(["import", "log", str(tmp_path / "rig.csv"), "--out", str(out), "--overwrite"]) == 0
+        text = capsys.readouterr().out
+        assert "WARNING: the log makes no points for calibrate" in text and why in text
+        assert any(why in q for q in json.loads((out / "quality.json").read_text())["warnings"])
+
+
+def test_import_log_in_python(log, tmp_path):
+    """The function writes what the command writes, and returns log, states, points and checks."""
+    found = drillpetsc.import_log(log, out=tmp_path / "out", every="5m")
+    assert len(found.points) == 4 and found.states.count() == {"drilling": 200}
+    assert (tmp_path / "out" / "log.html").exists() and not any("WARNING" in q for q in found.lines)
+    with pytest.raises(CaseError, match="--every"):
+        drillpetsc.import_log([log], out=tmp_path / "other", every="5 kg")
 
 
 def test_a_data_frame_of_the_log(log, tmp_path):

@@ -24,6 +24,7 @@ from drillpetsc.physics.bit.rock_bit import (
     RockBit,
     Weakening,
 )
+from drillpetsc.physics.own_law import BIT, ROCK, OwnLaw
 from tests.helpers.bit_models import DRAG, RADIUS, TURNING, drilling
 from tests.helpers.component_models import (
     GRAVITY,
@@ -42,8 +43,14 @@ KINDS = [
     "weakening_byweight", "cone", "cone_loose", "cone_weakening", "cone_statics", "rop_poststep",
     "drag_statics", "drag_body_statics", "rop_statics", "rop_quasi", "drag_quasi", "drag_body_quasi",
     "rop_guided", "rop_loose_guided", "rop_guided_statics", "rop_cutting", "drag_cutting", "cone_cutting",
-    "rop_cutting_statics", "rop_cutting_quasi",
+    "rop_cutting_statics", "rop_cutting_quasi", "own", "own_rate", "own_statics", "own_rate_quasi", "own_cutting", "cone_own", "rop_rocklaw",
+    "drag_rocklaw", "drag_body_rocklaw", "drag_rocklaw_quasi", "drag_body_rocklaw_statics", "own_rate_rocklaw",
 ]  # fmt: skip
+
+
+def own_torque(s):
+    """A torque [N m] of every field of the state."""
+    return 0.05 * s.weight * np.tanh(s.speed) * (1 + 0.2 * np.sin(s.angle) + 0.1 * s.depth) + 0.3 * s.advance
 
 
 def bit(kind: str, hole: GrowingHole) -> RockBit:
@@ -58,10 +65,17 @@ def bit(kind: str, hole: GrowingHole) -> RockBit:
         walk=0.2,
         bit_axis="bitaxis" in words,
         post_step="poststep" in words,
+        law=OwnLaw(ROCK, "rock", lambda s: 1.2 + 0.5 * np.sin(4 * s.depth)) if "rocklaw" in words else None,
+    )
+    own = (
+        (lambda s: {"torque": own_torque(s), "rate": 1e-3 * s.weight * s.speed})
+        if "rate" in words
+        else own_torque
     )
     law = {
         "drag": DragBit(3, 2e3, 0.6, 400.0, 0.05, 0.5, 4e-3 if "body" in words else np.inf),
         "weakening": Weakening(0.8, 0.3, 2.0, "byweight" in words),
+        "own": OwnLaw(BIT, "own", own),
     }.get(words[-1] if "cone" in words else words[0])
     lobes = (PatternOrder(3.0, 0.03, 0.4), PatternOrder(1.7, 0.02)) if "cone" in words else ()
     damping = 0.0 if "statics" in words or "quasi" in words else 0.2

@@ -55,7 +55,7 @@ def test_outputs_of_steps_together_are_those_of_each_step(scene: str) -> None:
     model = build_model(load_case(CASES / file, [*changes, "output.probes=[310 m, 520 m]"]))
     recorder, integrator, system = Recorder(model), make_integrator(model), model.system
     initial_state(model, model.case, None, None)
-    recorder._record = StepRecord(system, 2 * STEPS)  # while a bit drills, steps are not kept
+    recorder._record = StepRecord(system, 2 * STEPS)
     recorder.start(0.0)
     alone: list[np.ndarray] = []
 

@@ -15,6 +15,7 @@ from drillpetsc.physics.bit.bit_on_bottom import BitOnBottom
 from drillpetsc.physics.contact import Contact, ContactLaw
 from drillpetsc.physics.end_conditions import EndPlace, FixedEnd, Loads, NodeLoad, RotaryDrive, TopDrive
 from drillpetsc.physics.fluid.mud_items import MudItem, MudItems
+from drillpetsc.physics.own_law import FRICTION, OwnLaw
 from drillpetsc.physics.precurvature import Precurvature
 from drillpetsc.physics.rigid_bodies import RigidBodies
 from drillpetsc.physics.tools.steering import PointTool, PushTool, Steer
@@ -109,6 +110,15 @@ def hoist_line(kind: str, position: np.ndarray, tangent: np.ndarray) -> HoistLin
     return hoist
 
 
+def own_friction(s):
+    """A friction coefficient of every field of the state."""
+    return (
+        s.given
+        * (1 + 0.4 * np.exp(-s.slip_speed) + 0.1 * np.sin(s.axial + 2 * s.around + s.depth))
+        / (1 + 1e-3 * s.normal)
+    )
+
+
 def build(kind: str, seed: int = 3) -> DiscreteSystem:
     """DiscreteSystem of ``kind`` (words joined by _) in a random state with random rates and history."""
     rng = np.random.default_rng(seed)
@@ -168,6 +178,7 @@ def build(kind: str, seed: int = 3) -> DiscreteSystem:
             slip_velocity=0.5,
             static_ratio=1.5 if "stribeck" in kind else 1.0,
             points=3,
+            own=OwnLaw(FRICTION, "own", own_friction) if "own" in kind else None,
         )
         components.append(Contact(mesh, well, law))
         position, tangents, _ = well.at(np.arange(5.0))
@@ -217,7 +228,8 @@ KINDS = [
     "motor_power", "motor_rate", "hoist_line", "hoist_heave_damped", "hoist_wob",
     "hoist_wob_rop_torque_filter_damped", "hoist_wob_sample", "hoist_wob_upper", "hoist_wob_lower", "pads",
     "pads_turning", "tilt", "topdrive", "clamped", "contact", "contact_hertz_stribeck", "mud_items",
-    "contact_junction_bodies_bit", "contact_junction_bodies_guided",
+    "contact_junction_bodies_bit", "contact_junction_bodies_guided", "contact_own",
+    "contact_junction_bodies_own",
 ]  # fmt: skip
 
 

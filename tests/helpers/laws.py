@@ -33,3 +33,8 @@ def warming(state, memory, torque=600.0, time=0.01):
     friction = torque * (1 - 0.5 * np.tanh(heat / 3e3)) * np.tanh(state.speed)
     heat = heat + np.clip(passed / time, 0, 1) * (friction * state.speed - heat)
     return {"torque": friction, "rate": 2e-6 * state.weight, "memory": {"heat": heat, "time": state.time}}
+
+
+def shear_stress(state, consistency=0.5, index=0.6):
+    """A power law (manual: eq-mud-laminar)."""
+    return consistency * state.shear_rate**index

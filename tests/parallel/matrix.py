@@ -229,6 +229,13 @@ ROWS["friction of the user"] = Row(
     steps("2e-3"),
     restarts=slice(None, -1, 2),
 )  # fmt: skip
+#: a flow curve of the user, in the string and around it
+ROWS["rheology of the user"] = Row(
+    STEERED.replace("TOOL", TOOLS["push"][0])
+    + "fluid: {density: 1200, flow_rate: 0.02, rheology: {model: python, function: tests.helpers.laws:shear_stress}}\n",
+    steps("2e-3"),
+    restarts=slice(None, -1, 2),
+)
 ROWS |= {f"steerable, {kind}": steered(*tool) for kind, tool in TOOLS.items()}
 ROWS |= {f"reamer, {mud}": reamed(mud) for mud in ("dry", "removed", "returned")}
 

@@ -9,12 +9,12 @@ import pytest
 
 from drillpetsc.analysis.loads.torque_drag.batch import Columns, Hole, soft_strings
 from drillpetsc.analysis.loads.torque_drag.circulation import circulation
-from drillpetsc.analysis.loads.torque_drag.readings.along_depth import walk_of
 from drillpetsc.analysis.loads.torque_drag.readings.by_depth import drift_by_windows
 from drillpetsc.analysis.loads.torque_drag.readings.calibrate import Choices, run_calibrate
 from drillpetsc.analysis.loads.torque_drag.readings.calibration import Calibration
 from drillpetsc.analysis.loads.torque_drag.readings.flow_table import flow_table
-from drillpetsc.analysis.loads.torque_drag.readings.held_out import predict
+from drillpetsc.analysis.loads.torque_drag.readings.reading import corrected_points
+from drillpetsc.analysis.loads.torque_drag.readings.sensor import weight_over_line
 from drillpetsc.analysis.loads.torque_drag.soft_ends import SoftEnds
 from drillpetsc.analysis.loads.torque_drag.string_rows import need_well, rows_at
 from drillpetsc.analysis.statics.start.soft_string import torque_drag
@@ -293,6 +293,28 @@ def test_running_drag_comes_back():
     assert "tripping" in Calibration(case(), still).fit(("running_drag",)).reasons["running_drag"]
 
 
+@pytest.mark.parametrize("excludes", [False, True])
+def test_sheave_efficiency_comes_back(excludes):
+    """12 lines with 0.97 a sheave, of which the case knows 0.99: readings are weights times n F/W of the closed form."""
+    rig = {"block_weight": "100 kN"}
+    weights = synthetic(block=BLOCK)
+    hoisting, lowering = weight_over_line(12, 0.97, "still")
+    over = {"trip_out": 12 / hoisting, "trip_in": 12 / lowering, "rotate_off_bottom": 1.0}
+    points = tuple(
+        p.model_copy(update={"hook_load": p.hook_load * over[p.operation] - BLOCK * excludes})
+        for p in weights
+    )
+    sensor = {"at": "dead_line", "lines": 12, "sheave_efficiency": 0.99}
+    given = case(rig=rig | {"hookload_sensor": sensor})
+    names = ("cased", "open_hole", "sheave_efficiency")
+    fit = Calibration(given, corrected_points(given, points, excludes), excludes).fit(names)
+    assert fit.value == pytest.approx([*TRUTH.values(), 0.97], abs=1e-3)
+    at_hook = case(rig=rig)
+    assert "dead line" in Calibration(at_hook, points).fit(names).reasons["sheave_efficiency"]
+    still = tuple(p for p in points if p.operation == "rotate_off_bottom")
+    assert "block moved" in Calibration(given, still).fit(names).reasons["sheave_efficiency"]
+
+
 def test_held_out_points_are_predicted(tmp_path):
     choices = Choices(hold_out="0.4")
     result = run_calibrate(
@@ -425,19 +447,3 @@ def test_compiled_soft_string_is_the_batch():
         np.testing.assert_allclose(tension, batch.tension[0], rtol=1e-10, atol=1e-6)
         np.testing.assert_allclose(torque, batch.torque[0], rtol=1e-10, atol=1e-6)
         assert (batch.state == 2).any()
-
-
-def test_band_of_a_prediction_grows_as_residuals_walk():
-    """Ten windows whose means step by 0.01 have a walk of 9 x 1e-4 over the distance of the outer ones; readings further away get it."""
-    depth = np.repeat(np.arange(1000.0, 2000.0, 100.0), 5) + 50.0
-    share = np.repeat(0.01 * (-1.0) ** np.arange(10) / 2, 5)
-    assert walk_of(depth, share) == pytest.approx(9 * 1e-4 / 900, rel=1e-9)
-    assert walk_of(depth[:10], share[:10]) == 0.0
-    points = _drilling(2)
-    half = len(points) // 2
-    work, rest = (Calibration(case(), part) for part in (points[:half], points[half:]))
-    fit = work.fit(("open_hole",), correlated=True)
-    found = predict(work, fit, rest)
-    share = found.band / rest.data.value
-    assert np.all(np.diff(share) > 0) and share[-1] > 1.2 * share[0]
-    assert found.errors()["surface_torque"]["in_band"] > 0.7

@@ -13,7 +13,7 @@ import drillpetsc as dp
 from drillpetsc.analysis.hydraulics.flow_model import whole_string
 from drillpetsc.analysis.hydraulics.surge import Tripping
 from drillpetsc.analysis.loads.torque_drag.circulation import circulation
-from drillpetsc.analysis.loads.torque_drag.readings.reading import weight_over_line
+from drillpetsc.analysis.loads.torque_drag.readings.sensor import weight_over_line
 from drillpetsc.analysis.loads.torque_drag.roadmap import run_roadmap
 from drillpetsc.case.case import Case
 from drillpetsc.case.writer import case_data

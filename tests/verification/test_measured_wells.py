@@ -15,6 +15,7 @@ from scipy.optimize import least_squares
 from drillpetsc.analysis.hydraulics.flow_model import FlowModel, whole_string
 from drillpetsc.analysis.hydraulics.losses import balance
 from drillpetsc.analysis.loads.torque_drag.readings.calibration import Calibration
+from drillpetsc.analysis.loads.torque_drag.readings.held_out import hold_out_depth, predict
 from drillpetsc.analysis.loads.torque_drag.string_rows import rows_at
 from drillpetsc.case import load_case
 from drillpetsc.case.blocks.roadmap import MeasuredPoint
@@ -116,6 +117,30 @@ def test_f5_lower_half_predicted() -> None:
     found = errors(Calibration(c, lower), dict(zip(FITTED, fit.value, strict=True)))["hook_load"]
     band = bands("volve-f5")["record in 10 m groups, fitted above 2150 m, predicted below"]
     assert rms(found) <= band["hook_load_rms"] and np.abs(found).max() <= band["hook_load_max"]
+
+
+def predicted(well: str, below: str, fitted: tuple[str, ...]) -> dict[str, dict[str, Any]]:
+    """Errors of the deeper points of a case, predicted with a fit to the others."""
+    c = case(well)
+    depth = hold_out_depth(below, points(c))
+    upper, lower = (tuple(p for p in points(c) if (p.bit_depth > depth) == deep) for deep in (False, True))
+    work = Calibration(c, upper)
+    return predict(work, work.fit(fitted), Calibration(c, lower)).errors()
+
+
+def test_f5_drift_is_carried_on() -> None:
+    """The ten upper points fitted, torque of the ten lower ones within 5 % and in the band; hook load within 1 %."""
+    found = predicted("volve-f5", "2150 m", FITTED)
+    band = bands("volve-f5")["points, fitted above 2150 m, predicted below"]
+    assert found["hook_load"]["rms"] <= band["hook_load_rms"]
+    assert abs(found["surface_torque"]["bias"]) <= band["torque_bias"]
+    assert found["surface_torque"]["rms"] <= band["torque_rms"] and found["surface_torque"]["in_band"] >= 0.85
+
+
+def test_f4_deeper_half_is_predicted() -> None:
+    found = predicted("volve-f4", "0.5", ("cased", "weight_factor", "running_drag"))
+    assert found["hook_load"]["readings"] == 18
+    assert found["hook_load"]["rms"] <= bands("volve-f4")["deeper half predicted"]["hook_load_rms"]
 
 
 def test_f5_weight_of_the_planner() -> None:

@@ -7,9 +7,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from drillpetsc import load_case, run
+from drillpetsc import hydraulics, load_case, run
 from drillpetsc.output import read_table
 from tests.helpers import laws
+from tests.helpers.bit_models import DRAG, rock_bit
 
 STUDY = Path(__file__).parents[2] / "cases" / "verification" / "study-stick-slip.yaml"
 SLIDING = """
@@ -79,6 +80,81 @@ def test_statics_with_a_friction_law_of_the_user(tmp_path):
     assert second["hook_load"] == pytest.approx(first["hook_load"], rel=1e-9)
     twice = base.replace({"contact": {"friction_law": {"kind": "python", "function": _half}}})
     assert abs(statics(twice).summary["hook_load"] - first["hook_load"]) > 100
+
+
+MUD = """
+string:
+  - {kind: pipe, length: 990, od: 0.127, id: 0.1086, element_length: 90}
+  - {kind: bit, length: 0.5, od: 0.2159, mass: 60, nozzle_area: 400 mm2}
+well:
+  survey: {md: [0, 991], inclination: [0.3, 0.3], azimuth: [1, 1]}
+  sections: [{to: 991, kind: open_hole, diameter: 0.216, friction: 0.25}]
+fluid: {density: 1200, flow_rate: {ramp: 0.2, value: 0.03}, rheology: {model: power_law, consistency: 0.5, index: 0.6, law: exact}}
+top: {kind: top_drive, rotation: 6}
+initial: {from: statics}
+time: {end: 0.3}
+output: {history_every: 0.05}
+"""
+
+
+def test_a_rheology_of_the_user_repeats_a_power_law(tmp_path):
+    """The pump starts in a run; losses of steady flow, laminar around the pipe and turbulent in it."""
+    base = _case(MUD, tmp_path)
+    own = {"fluid.rheology": {"model": "python", "function": laws.shear_stress}}
+    one, other = histories(base, own, tmp_path)
+    assert one["pump_pressure [Pa]"].max() > 1e6
+    assert largest_difference(one, other) < 1e-6
+    cases = base, base.replace(own)
+    steady = [
+        hydraulics(case, tmp_path / f"h{k}", flow=0.03).summary["flows"][0] for k, case in enumerate(cases)
+    ]
+    for loss in ("string_loss", "annulus_loss", "pump_pressure"):
+        assert steady[0][loss] > 1e5
+        assert steady[1][loss] == pytest.approx(steady[0][loss], rel=1e-9)
+
+
+TOP, WIDTH = 100.53, 0.1  # of the lower layer, and of its beginning [m]
+
+
+def lower_layer(state):
+    """Half the drillability below TOP, reached as the built-in layers do."""
+    share = np.clip((state.depth - TOP) / WIDTH, 0, 1)
+    return 1 / (1 - 0.5 * share**2 * (3 - 2 * share))
+
+
+def test_a_rock_of_the_user_repeats_a_layer(tmp_path):
+    """Drillability that halves over 0.1 m (manual: sec-bit-layers)."""
+    bit = {
+        "formation.bit_law": "rop",
+        "formation.drillability": 2e-6,
+        "formation.rotary_exponent": 0,
+        "time.end": 13,
+        "top.lowering": 0.02,
+        "petsc": {"ts_rtol": 1e-5},
+    }
+    base = load_case(STUDY).replace(bit | {"formation.layers": [{"from": TOP, "drillability": 1e-6}]})
+    own = {"formation.layers": [], "formation.rock_law": {"kind": "python", "function": lower_layer}}
+    one, other = histories(base, own, tmp_path)
+    assert one["hole_depth [m]"][-1] > TOP + 2 * WIDTH
+    weight = one["wob [N]"]
+    assert weight[-1] == pytest.approx(
+        2 * weight[20], rel=1e-3
+    )  # 1 s and 13 s: the same rate in half the drillability
+    assert largest_difference(one, other) < 1e-6
+
+
+def test_a_rock_twice_as_strong_is_a_drag_bit_of_twice_the_energy():
+    """Torque and rate under a weight are those of twice the specific energy and contact stress."""
+    energy = {key: 2 * DRAG[key] for key in ("specific_energy", "contact_stress")}
+    hard = rock_bit(bit_law=DRAG | energy | {"exposure": 2e-3})
+    twice = {"kind": "python", "function": lambda state: 2.0}
+    own = rock_bit(bit_law=DRAG | {"exposure": 2e-3}, rock_law=twice)
+    axis = np.array([0.0, 0.0, 1.0])
+    for weight in (1e3, 2e4, 5e4, 2e5):  # below the contact of the flats, cutting, and on the body
+        assert own.torque_for(weight, 10.0) == pytest.approx(hard.torque_for(weight, 10.0), rel=1e-12)
+        rates = [b.rate_under(weight * axis, axis, 10.0)[2] for b in (own, hard)]
+        assert rates[0] == pytest.approx(rates[1], rel=1e-12)
+    assert rates[0] > 1e-3
 
 
 def _half(state):

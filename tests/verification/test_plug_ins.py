@@ -16,6 +16,7 @@ from drillpetsc.analysis.commands.contract import check_jacobian, check_ranks
 from drillpetsc.case.files import own_function
 from drillpetsc.errors import CaseError
 from drillpetsc.kernels.build import build_plug_in
+from drillpetsc.model.drilling_model import build_model
 from drillpetsc.output import read_table
 from tests.helpers.mpi import have_mpi
 from tests.verification.test_own_laws import STUDY, histories, largest_difference
@@ -85,16 +86,16 @@ def test_what_is_refused_of_a_compiled_law(law, tmp_path):
 
     def refused(**keys) -> str:
         with pytest.raises(CaseError) as error:
-            base.replace({"formation.bit_law": LAW | {"function": function} | keys})
+            build_model(base.replace({"formation.bit_law": LAW | {"function": function} | keys}))
         return str(error.value)
 
     assert "all parameters of the law, and no others: static, dynamic, speed" in refused(
         parameters={"static": 1.0}
     )
     assert "parameters.arm" in refused(parameters=LAW["parameters"] | {"arm": 1.0})
-    assert "there is no law missing" in refused(function=function.replace(":weakening", ":missing"))
+    assert "the file exports weakening" in refused(function=function.replace(":weakening", ":missing"))
     assert "file.cpp:law" in refused(function=str(law))
-    with pytest.raises(CaseError, match="it is a law of OwnBit"):
+    with pytest.raises(CaseError, match="it is exported by DP_BIT_LAW"):
         base.replace({"contact": {"friction_law": LAW | {"function": function}}})
     (tmp_path / "weakening.cpp").write_text((law / "weakening.cpp").read_text())
     message = refused(function=f"{tmp_path}/weakening.cpp:weakening")
@@ -181,8 +182,6 @@ BUILDERS = [
 
 @pytest.mark.parametrize(("text", "message"), BUILDERS)
 def test_a_builder_that_fails_is_refused(text, message, tmp_path):
-    from drillpetsc.model.drilling_model import build_model
-
     (tmp_path / "own.py").write_text(text)
     (tmp_path / "case.yaml").write_text(re.sub(r"- \{.*\}", '- {function: "own.py:f"}', PIPE))
     with pytest.raises(CaseError) as error:

@@ -10,11 +10,13 @@ from typing import Any
 
 import numpy as np
 
+from drillpetsc.analysis.commands.doubts import Imported
 from drillpetsc.analysis.loads.torque_drag.string_rows import need_well, rows_at
 from drillpetsc.arrays import FloatArray
 from drillpetsc.case.blocks.roadmap import MeasuredPoint
 from drillpetsc.case.case import Case
 from drillpetsc.case.quantities import InSI
+from drillpetsc.doubts import doubts_at
 from drillpetsc.errors import CaseError
 from drillpetsc.logs.channels import CHANNELS
 from drillpetsc.logs.log import Log, between, read_log, read_map
@@ -252,9 +254,15 @@ def _summary(found: Divided) -> dict[str, Any]:
         "states": states.count(),
         "block_weight": states.block,
         "points": len(found.points),
-        "warnings": list(log.warnings),
+        "warnings": [*log.warnings, *_doubts(found)],
         "notes": list(log.remarks),
     }
+
+
+def _doubts(found: Divided) -> list[str]:
+    """What is doubtful about a log as a whole."""
+    states = found.states
+    return doubts_at(Imported(states.count(), len(found.points), states.block is not None))
 
 
 def _lines(folder: Path, found: Divided, case: Case | None) -> list[str]:
@@ -282,6 +290,7 @@ def _lines(folder: Path, found: Divided, case: Case | None) -> list[str]:
         f"  {len(points)} points for calibrate"
         + "".join(f", {word} {count}" for word, count in kinds.items())
     )
-    lines += [f"  WARNING: {text}" for text in log.warnings] + [f"  note: {text}" for text in log.remarks]
+    lines += [f"  WARNING: {text}" for text in (*log.warnings, *_doubts(found))]
+    lines += [f"  note: {text}" for text in log.remarks]
     names = ", ".join((LOG_TABLE, LOG_STATES, LOG_POINTS, LOG_QUALITY, LOG_PAGE))
     return [*lines, f"  results: {folder}: {names}"]

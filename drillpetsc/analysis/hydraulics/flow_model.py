@@ -270,9 +270,9 @@ class FlowModel:
     ) -> None:
         bare, self.string = flow_case(case, string, pipe, moving)
         self.case, self.pipe, self.moving = case, pipe, moving
-        mesh_of = None if like is None else like.mesh_of
+        mesh_of: MeshOf | None = None if like is None else like.mesh_of
         self.model: DrillingModel = build_model(bare, PETSc.COMM_SELF, like=mesh_of)
-        self.mesh_of = MeshOf(bare, self.model.mesh)
+        self.mesh_of: MeshOf = MeshOf(bare, self.model.mesh)
         assert self.model.fluid is not None
         self.fluid, self.system, self.mesh = self.model.fluid, self.model.system, self.model.mesh
         self._placed = False

@@ -100,7 +100,7 @@ class WhirlSteps:
                 np.zeros(len(self._parts), dtype=int),
                 np.full(len(self._parts), np.inf),
             )
-            self._fastest = np.zeros(len(self._parts))
+            self._spins = np.zeros(len(self._parts))  # largest beside the contacts of each part
         return self._parts
 
     def _find(self) -> list[_Part]:
@@ -203,8 +203,8 @@ class WhirlSteps:
         if self._contacts is None:
             self._contacts = self._find_contacts(parts)
         at, spins, of = self._contacts
-        _fastest_on_wall(len(at), *map(pointer, (at, spins, asm.y, of)), len(parts), pointer(self._fastest))
-        out = np.array([part.rate(spin) for part, spin in zip(parts, self._fastest.tolist(), strict=True)])
+        _fastest_on_wall(len(at), *map(pointer, (at, spins, asm.y, of)), len(parts), pointer(self._spins))
+        out = np.array([part.rate(spin) for part, spin in zip(parts, self._spins.tolist(), strict=True)])
         comm = self.model.system.comm
         if comm.size > 1:
             from mpi4py import MPI

@@ -147,7 +147,8 @@ def _notes(found: Sequence[Derivative], question: Question) -> list[str]:
         notes.append("friction: that of the hole's sections; roadmap.friction_factor is left out")
     without = [name for name in dict.fromkeys(d.key.name for d in found) if not _has_effect(found, name)]
     if without:
-        notes.append(f"no effect on these outputs: {', '.join(without)}")
+        more = f" and {len(without) - SHOWN} other keys" if len(without) > SHOWN else ""
+        notes.append(f"no effect on these outputs: {', '.join(without[:SHOWN])}{more}")
     if any(ONE_SIDED in d.flag for d in found):
         notes.append(
             "one-sided: a contact, a buckling state, a regime or a place changes closer than the stated change; "

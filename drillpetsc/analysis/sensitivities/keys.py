@@ -30,6 +30,8 @@ USUAL_SIZE = {
     "kg": 10.0,
     "": 0.1,
     "rad": 0.01,
+    "1/m": 1e-3,
+    "m/s": 0.1,
 }
 #: blocks and keys that set the numerics or the output -> why they are refused
 NUMERICS = {

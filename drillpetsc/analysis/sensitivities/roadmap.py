@@ -27,7 +27,6 @@ from drillpetsc.analysis.loads.torque_drag.table import FOUND
 from drillpetsc.analysis.sensitivities.flow import FlowTangent
 from drillpetsc.analysis.sensitivities.points import Point, difference
 from drillpetsc.analysis.sensitivities.solution import Found, Output, number
-from drillpetsc.arrays import FloatArray
 from drillpetsc.case.case import Case
 from drillpetsc.errors import SolveError
 from drillpetsc.output.quantities.torque_drag import ROADMAP
@@ -177,6 +176,6 @@ class SoftRoadmap:
         return Found(np.array(values), tuple(states))
 
 
-def _first(mask: FloatArray) -> int:
+def _first(mask: np.ndarray) -> int:
     """Index of the first True, -1 without one."""
     return int(np.argmax(mask)) if mask.any() else -1

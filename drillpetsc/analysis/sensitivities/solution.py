@@ -54,9 +54,9 @@ class Solution(Protocol):
     far: states at the distance of a stated change are worth looking at: they follow from smooth steps, without contacts.
     """
 
-    outputs: Sequence[Output]
+    outputs: list[Output]
     found: Found
-    notes: Sequence[str]
+    notes: list[str]
     resolution: float
     far: bool
 

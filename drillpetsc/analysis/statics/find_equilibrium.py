@@ -66,7 +66,7 @@ def _equilibrium_at_weight(
     take_unknowns(model, held)
     model.copy_sliding_direction(held)
     align_top(model)
-    force, hook_load = model.case.top.force, -held.reaction("top.axial_reaction")
+    force, hook_load = model.case.top.force, -held.system.reaction("top.axial_reaction")
     assert force is not None
     state.warnings += doubts_at(Freed(model=model, force=force.value(0.0), hook_load=hook_load))
     return state

@@ -25,7 +25,7 @@ class Stribeck(Block):
 class OwnFriction(LawOfKind):
     """A law of the user that gives the friction coefficient from the state at a contact point."""
 
-    of: ClassVar[str] = "OwnFriction"
+    of: ClassVar[str] = "FRICTION"
 
 
 STIFFNESS_UNIT = {"linear": "Pa", "hertz": "N/m^2.5", "hertz_point": "N/m^1.5"}  # by contact law

@@ -6,7 +6,6 @@ import math
 from collections.abc import Mapping
 from typing import Annotated, Any, ClassVar, Literal
 
-import numpy as np
 from pydantic import (
     BeforeValidator,
     Discriminator,
@@ -117,7 +116,7 @@ class HerschelBulkley(WithYieldStress):
 
 
 #: shear rates of 300 and 600 rpm of a viscometer [1/s], between which the stress of a function counts as a power law
-POWER_LAW_RATES = np.array([511.0, 1022.0])
+POWER_LAW_RATES = 511.0, 1022.0
 
 
 class OwnRheology(OwnLaw, Rheology):
@@ -138,7 +137,7 @@ class OwnRheology(OwnLaw, Rheology):
     @property
     def power_law(self) -> tuple[float, float]:
         """Consistency [Pa s^n] and index [-] between 300 and 600 rpm."""
-        low, high = (float(np.ravel(self.stress(rate))[0]) for rate in POWER_LAW_RATES)
+        low, high = (float(self.stress(rate)) for rate in POWER_LAW_RATES)
         index = math.log(high / low) / math.log(2.0)
         return low / POWER_LAW_RATES[0] ** index, index
 
@@ -203,7 +202,7 @@ def stress_at(rheology: Rheology, shear_rate: float) -> float:
     if isinstance(rheology, Casson):
         return (math.sqrt(yield_stress) + math.sqrt(consistency * shear_rate)) ** 2
     if isinstance(rheology, OwnRheology):
-        return float(np.ravel(rheology.stress(shear_rate))[0])
+        return float(rheology.stress(shear_rate))
     return float(yield_stress + consistency * shear_rate**index)
 
 

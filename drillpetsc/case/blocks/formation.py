@@ -205,7 +205,7 @@ class VelocityWeakening(AnyLaw):
 class OwnBitLaw(AnyLaw, LawOfKind):  # type: ignore[misc]  # kind: one of its words
     """A law of the user that gives the torque on bit, and if it likes the rate of penetration, from the state of the bit."""
 
-    of: ClassVar[str] = "OwnBit"
+    of: ClassVar[str] = "BIT"
 
     stiffness: Stiffness = Field(default=None, description=_STIFFNESS)
 
@@ -213,7 +213,7 @@ class OwnBitLaw(AnyLaw, LawOfKind):  # type: ignore[misc]  # kind: one of its wo
 class OwnRockLaw(LawOfKind):
     """A law of the user that gives the strength of the rock from the depth."""
 
-    of: ClassVar[str] = "OwnRock"
+    of: ClassVar[str] = "ROCK"
 
 
 _base, _base_tag = tagged_union(RopLaw, VelocityWeakening, OwnBitLaw, short=("rop",))

@@ -92,18 +92,14 @@ class LawOfKind(OwnLaw):
     """A law that is a function in Python, or compiled."""
 
     of: ClassVar[str]
-    """Name in C++ of what the law is about."""
+    """What the law is about, as the macro names it that exports one in C++."""
 
     kind: Literal["python", "compiled"] = Field(
         description="python: a function in Python; compiled: a law in a C++ file, file.cpp:law, whose folder is a plug-in"
     )
 
     def find(self) -> Found:
-        return (
-            load(self.function)
-            if self.kind == "python"
-            else load_compiled(self.function, self.of, self.parameters)
-        )
+        return load(self.function) if self.kind == "python" else load_compiled(self.function, self.of)
 
     def check_signature(self) -> None:
         if self.kind == "python":

@@ -210,7 +210,7 @@ def _depth_or_end(value: Any, depth: Callable[[Any], float]) -> float | None:
 
 
 #: what `calibrate` fits beside friction factors: no names of groups
-OTHER_FITS = ("block_weight", "weight_factor")
+OTHER_FITS = ("block_weight", "weight_factor", "running_drag", "sheave_efficiency")
 
 
 class Section(Block):

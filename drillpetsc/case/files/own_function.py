@@ -5,9 +5,10 @@ from __future__ import annotations
 import hashlib
 import importlib
 import importlib.util
+import re
 import sys
 import traceback
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import reduce
@@ -16,11 +17,8 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any
 
-import numpy as np
-
 from drillpetsc.case.files.survey_file import FOLDER
 from drillpetsc.case.key_paths import refuse
-from drillpetsc.kernels import KernelsUnavailable, plug_in, text_of
 from drillpetsc.own_code import CompiledLaw, file_of
 
 INSTALLED = "drillpetsc.components"  # group of entry points: components of installed packages, by name
@@ -87,44 +85,27 @@ def load(name: str) -> Found:
     return Found(f"{file}:{words}", call, _digest(file))
 
 
-def load_compiled(name: str, of: str, parameters: Mapping[str, float]) -> Found:
-    """Find the law ``file.cpp:law`` of a plug-in that is compiled.
+def load_compiled(name: str, of: str) -> Found:
+    """Find the law ``file.cpp:law`` of a plug-in in its source; the library is opened for the model (``physics.own_law``).
 
-    of: name in C++ of what the law is about; parameters: that it takes.
-    Raises the error of the key ``function`` or ``parameters``.
+    of: what the law is about, as in the macro that exports it: BIT for ``DP_BIT_LAW``.
+    Raises the error of the key ``function``.
     """
     place, _, law = name.rpartition(":")
     file = _find(place) if place.endswith(".cpp") else None
     if file is None or not law.isidentifier():
         raise refuse("function", got=name, want="file.cpp:law, a file beside the case file")
-    try:
-        library = plug_in(file.parent)
-    except KernelsUnavailable as error:
-        raise refuse(
-            "function", got=name, want="a law of a compiled plug-in", hint=f"{error.what}; {error.hint}"
-        ) from None
-    symbol = f"own_{law}"
-    kind = text_of(library, f"{symbol}_kind") if hasattr(library, symbol) else ""
-    if kind != f"dp::{of}":
+    exported = re.findall(r"^DP_(\w+)_LAW\(\s*(\w+)\s*,", file.read_text(encoding="utf-8"), re.MULTILINE)
+    laws = {name: kind for kind, name in exported}
+    if laws.get(law) != of:
         has = (
-            f"it is a law of {kind.removeprefix('dp::')}"
-            if kind
-            else f"there is no law {law} in {file.parent}"
+            f"it is exported by DP_{laws[law]}_LAW"
+            if law in laws
+            else f"the file exports {', '.join(laws) or 'none'}"
         )
-        raise refuse("function", got=name, want=f"a law of {of}", hint=has)
-    names = [word.strip().lower() for word in text_of(library, f"{symbol}_parameters_columns").split(",")][
-        :-1
-    ]
-    for key in {*names} ^ {*parameters}:
-        raise refuse(
-            "parameters",
-            key,
-            got=parameters.get(key),
-            want=f"all parameters of the law, and no others: {', '.join(names)}",
-        )
-    call = CompiledLaw(getattr(library, symbol), np.array([parameters[key] for key in names], dtype=float))
+        raise refuse("function", got=name, want=f"a law that DP_{of}_LAW exports", hint=has)
     digest = hashlib.sha256(b"".join(path.read_bytes() for path in sorted(file.parent.glob("*.[ch]pp"))))
-    return Found(f"{file}:{law}", call, digest.hexdigest())
+    return Found(f"{file}:{law}", CompiledLaw(file.parent, law), digest.hexdigest())
 
 
 def _find(name: str) -> Path | None:

@@ -8,6 +8,7 @@ from pydantic import ValidationError
 from pydantic_core import PydanticCustomError
 
 from drillpetsc.case.blocks.roadmap import MeasuredPoint
+from drillpetsc.case.blocks.well import OTHER_FITS
 from drillpetsc.case.case import Case
 from drillpetsc.case.files.measured_file import read_measured
 from drillpetsc.case.messages import case_error
@@ -46,7 +47,7 @@ def measured_option(name: str, case: Case) -> tuple[MeasuredPoint, ...]:
         BARE_NUMBERS.reset(token)
 
 
-FITTED = ("cased", "open_hole", "block_weight", "weight_factor", "running_drag")
+FITTED = ("cased", "open_hole", *OTHER_FITS)
 
 
 def fit_option(text: str, case: Case) -> tuple[str, ...]:

@@ -55,7 +55,6 @@ inline void plug_in_law(const void* context, int n, int derivatives, const doubl
     extern "C" void own_##name(const void* context, int n, int derivatives, const double* state, double* results) {                  \
         dp::plug_in_law<Law, Of>(context, n, derivatives, state, results);                                                            \
     }                                                                                                                               \
-    extern "C" const char* own_##name##_kind() { return #Of; }                                                                      \
     DP_EXPORT(own_##name##_parameters, Law::ParameterText)
 #define DP_BIT_LAW(name, Law) DP_PLUG_IN_LAW(name, Law, dp::OwnBit)
 #define DP_FRICTION_LAW(name, Law) DP_PLUG_IN_LAW(name, Law, dp::OwnFriction)

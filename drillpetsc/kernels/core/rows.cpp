@@ -56,10 +56,10 @@ extern "C" void run_all_results(int n, const ResultCall* const* calls) {
     for (int k = 0; k < n; ++k) run_results(calls[k]);
 }
 
-// The same, and then n numbers from anywhere into a column of a table (n, steps): what is kept of a step.
-extern "C" void record_step(int blocks, const ResultCall* const* calls, int n, int steps, const double* const* from, double* column) {
+// The same, and then n numbers from anywhere, one after the other: what is kept of a step.
+extern "C" void record_step(int blocks, const ResultCall* const* calls, int n, const double* const* from, double* to) {
     run_all_results(blocks, calls);
-    for (int i = 0; i < n; ++i) column[(long)i * steps] = *from[i];
+    for (int i = 0; i < n; ++i) to[i] = *from[i];
 }
 
 extern "C" {

@@ -9,9 +9,13 @@ namespace {
 // [1/s]; at the time asked for last: swirl and its rate.
 DP_ENUM(Swirl, SHARE, SPIN, SWIRL, TREND, FOLLOW, NOW, RATE, ROWS)
 
+// A block whose parameters (count, width) have share, swirl, swirl_rate and spin_rate at these columns; rows: of its elements in the state.
+DP_RECORD(SwirlBlock, const int* rows; double* parameters; const int* columns; int count, width;)
+
 }  // namespace
 
 DP_EXPORT(swirl_rows, SwirlText)
+DP_EXPORT_RECORD(swirl_block, SwirlBlock)
 
 extern "C" {
 
@@ -59,16 +63,17 @@ int following_is_old(int n, const int* places, const double* x, const double* fl
     return 0;
 }
 
-// share, swirl, swirl_rate and spin_rate of a block's parameters (count, width) at these columns; rows: of its elements in the state.
-// moves: else the mud is at rest.
-void swirl_parameters(int count, const int* rows, int n, const double* v, int moves, double* parameters, int width, const int* columns) {
-    for (int e = 0; e < count; ++e) {
-        const int i = rows[e];
-        double* p = parameters + (long)e * width;
-        p[columns[0]] = moves ? v[SHARE * n + i] : 0.0;
-        p[columns[1]] = moves ? v[NOW * n + i] : 0.0;
-        p[columns[2]] = moves ? v[RATE * n + i] : 0.0;
-        p[columns[3]] = v[TREND * n + i];
-    }
+// Sets the parameters of all blocks a time `step` after the last step; moves: else the mud is at rest.
+void swirl_write(int n, double* v, int moves, double step, int blocks, const SwirlBlock* block) {
+    if (moves) swirl_at(n, step, v);
+    for (int b = 0; b < blocks; ++b, ++block)
+        for (int e = 0; e < block->count; ++e) {
+            const int i = block->rows[e], *columns = block->columns;
+            double* p = block->parameters + (long)e * block->width;
+            p[columns[0]] = moves ? v[SHARE * n + i] : 0.0;
+            p[columns[1]] = moves ? v[NOW * n + i] : 0.0;
+            p[columns[2]] = moves ? v[RATE * n + i] : 0.0;
+            p[columns[3]] = v[TREND * n + i];
+        }
 }
 }

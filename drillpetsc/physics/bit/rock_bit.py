@@ -519,8 +519,9 @@ class RockBit(Bit):
         if self.own is not None:
             self.own.raise_error()
             self.own.set_memory(total[self._memory_from :])
-        before = self.hole.direction
-        if self.hole.follow(total[3], self.hole.start_point + total[:3]):
+        if self.hole.grows_to(total.item(3)):
+            before = self.hole.direction
+            self.hole.follow(total[3], self.hole.start_point + total[:3])
             self._follow()
             self._turn_bottom(before, self.hole.direction, total[6:9], total[9:12])
 

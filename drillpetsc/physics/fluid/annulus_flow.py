@@ -290,7 +290,7 @@ class AnnulusFlow(ChannelFlow):
         if around is None or self.held:
             return
         moved = around.follow(state, keep)
-        if not moved.any():
+        if moved is None:
             return
         if moved[0] and self._top is not None and self.resizes:
             place = state.x[state.layout.dofs["string.position"][0]]

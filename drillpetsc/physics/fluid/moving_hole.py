@@ -107,15 +107,15 @@ class MovingHole:
             self._hole = HoleVolume(well)
         return self._hole
 
-    def follow(self, state, keep: bool) -> np.ndarray:
-        """Re-evaluate the hole at the local nodes that have moved; returns their mask (nv,).
+    def follow(self, state, keep: bool) -> np.ndarray | None:
+        """Re-evaluate the hole at the local nodes that have moved; returns their mask (nv,), None if no node has moved.
 
         keep: volumes change by the integral of the rates, as in ``update``.
         """
         reamed = [reamer.reamed for reamer in self.reamers]
         ringed = any(abs(b - before) > REAMED for b, before in zip(reamed, self._reamed, strict=True))
         if keep and not ringed and self._stays(state):
-            return np.zeros(len(self.depth), dtype=bool)
+            return None
         well, places = self.current_well(), state.layout.dofs["string.position"]
         position = state.x[places]
         found = well.project(position, self._near)
@@ -126,8 +126,10 @@ class MovingHole:
             self._reamed = reamed
         at_depth = position - found.tangent * (found.md - self.depth)[:, None]
         places = np.ascontiguousarray(places, dtype=np.int32)
-        self._from = well, places, np.hstack([at_depth, found.tangent])
-        return moved
+        nodes = np.hstack([at_depth, found.tangent])
+        self._from = well, places, nodes
+        self._from_at = pointer(places), pointer(nodes)
+        return moved if moved.any() else None
 
     @property
     def places(self) -> FloatArray:
@@ -139,8 +141,8 @@ class MovingHole:
         """Whether no local node has moved by SURELY_NEAR; found without a projection."""
         if self._from is None or self._from[0] is not self.current_well():
             return False
-        _, places, nodes = self._from
-        return not _moved_along(len(places), pointer(places), pointer(state.x), pointer(nodes), *SURELY_NEAR)
+        places, nodes = self._from_at
+        return not _moved_along(len(self.depth), places, pointer(state.x), nodes, *SURELY_NEAR)
 
     def annulus(self, e: np.ndarray, ends: FloatArray) -> Annulus:
         """Create the annulus of the elements ``e`` (k,) whose nodes are at measured depths ``ends`` (k, 2) [m]."""

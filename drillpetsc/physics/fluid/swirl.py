@@ -20,9 +20,10 @@ import numpy as np
 from drillpetsc.arrays import FloatArray
 from drillpetsc.fem.component import ElementBlock
 from drillpetsc.kernels import function, pointer
-from drillpetsc.kernels.parameters import columns
+from drillpetsc.kernels.parameters import columns, structure
 
-_at, _set_parameters = function("swirl_at", "idp"), function("swirl_parameters", "ipipipip")
+_at, _write_parameters = function("swirl_at", "idp"), function("swirl_write", "ipidip")
+_Block = structure("swirl_block")
 _accept, _mean_spins = function("swirl_accept", "idpp"), function("mean_spins", "ippp")
 _following_is_old = function("following_is_old", "ippppd", ctypes.c_int)
 _ROWS = columns("swirl_rows")  # of the state of all elements
@@ -76,7 +77,7 @@ class Swirl:
         self.flow = np.zeros(self._count)
         self._start: float | None = None  # of the trend: time of the last step [s]; None: before a motion
         self._written = np.nan  # time to which the parameters of the blocks belong [s]
-        self._blocks: list[tuple[int, ...]] = []  # arguments of the calls that set their parameters
+        self._blocks = (_Block * 0)()  # whose parameters it sets
         self._kept: list[np.ndarray] = []  # whose addresses are among them
 
     # ------------------------------------------------------------------ parameters
@@ -94,9 +95,14 @@ class Swirl:
         places = np.ascontiguousarray(block.points if rows is None else rows, dtype=np.int32)
         at = np.array([named.columns[name] for name in _NAMES], dtype=np.int32)
         self._kept += [places, at, block.params]
-        self._blocks.append(
-            (len(places), pointer(places), pointer(block.params), named.columns.width, pointer(at))
+        record = _Block(
+            rows=pointer(places),
+            parameters=pointer(block.params),
+            columns=pointer(at),
+            count=len(places),
+            width=named.columns.width,
         )
+        self._blocks = (_Block * (len(self._blocks) + 1))(*self._blocks, record)
 
         def update(t: float) -> None:
             if others is not None:
@@ -108,11 +114,9 @@ class Swirl:
 
     def _write(self, t: float) -> None:
         """Set the parameters of all blocks for time ``t`` [s]."""
-        moves = self._start is not None
-        if moves:
-            self.at(t)
-        for count, places, parameters, width, at in self._blocks:
-            _set_parameters(count, places, self._count, self._state_at, moves, parameters, width, at)
+        moves, step = self._start is not None, 0.0 if self._start is None else max(0.0, t - self._start)
+        blocks = len(self._blocks), ctypes.addressof(self._blocks)
+        _write_parameters(self._count, self._state_at, moves, step, *blocks)
         self._written = t
 
     # ------------------------------------------------------------------ steps

@@ -89,8 +89,7 @@ def _panel(
             va="center", ha=side, fontsize=8,
         )  # fmt: skip
     present = float(table["value"][rows[0]]) / size
-    axes.set_xlabel(
-        f"{output.replace('_', ' ')}: {present:.5g} {unit} and its change [{unit or '-'}]", fontsize=9
-    )
+    words = output.replace("_", " ").replace(".", ", ")
+    axes.set_xlabel(f"{words}: change from {present:.5g} {unit} [{unit or '-'}]", fontsize=9)
     if any(label.endswith("*") for label in labels):
         axes.text(1.0, 0.02, "* flagged", transform=axes.transAxes, ha="right", fontsize=7.5, color="0.4")

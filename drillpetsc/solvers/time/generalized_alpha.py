@@ -276,21 +276,23 @@ class GeneralizedAlpha(TimeIntegrator):
         if self._eventful and self._change_laws(t):
             pass
         elif self._step_number % REFRAME_INTERVAL == 0:
-            before = self.begin.second_derivative()
+            earlier = self.system.assembly.reference.copy()
             if self.system.renew_reference_frames():
-                self._reframe(before)
+                self._reframe(earlier)
         self.alpha.arrays["x"][:] = self.system.assembly.x[:n]  # a hole that grows after a step
         for finish in self.on_step_end:
             finish(t)
 
-    def _reframe(self, before: FloatArray) -> None:
-        """Measure spin angles from new reference directions and continue their formula.
-
-        before: second derivatives (n,) of the unknowns with the earlier reference directions.
-        """
+    def _reframe(self, earlier: FloatArray) -> None:
+        """Measure spin angles from new reference directions, after the ``earlier`` ones (nv, 3), and continue their formula."""
+        asm = self.system.assembly
+        present, after = asm.reference.copy(), self.begin.second_derivative()
+        asm.reference[:] = earlier
+        before = self.begin.second_derivative()
+        asm.reference[:] = present
         # only spin angles and their derivatives change, so the formula continues (manual: sec-time-alpha-start)
         q = self.alpha.arrays
-        change = self.begin.second_derivative() - before
+        change = after - before
         q["second"] += change
         q["ax"] += change
         q["rate"][:] = np.where(self.alpha.second_order, self.begin.rate_of_unknowns(), 0.0)

@@ -13,6 +13,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from drillpetsc.browser import page as page_module
+from drillpetsc.browser import run_source
 from drillpetsc.browser.case_form import CaseForm
 from drillpetsc.browser.page import export_page
 from drillpetsc.browser.run_source import RunSource
@@ -64,6 +66,28 @@ def test_an_exported_page_has_every_number_and_loads_nothing(folder: Path) -> No
         np.testing.assert_allclose(offset, expected, rtol=1e-5, atol=1e-4)
     depths = {frame["arrays"]["md"] for frame in data["frames"]}
     assert len(depths) == 1, "what does not change is there once"
+
+
+def test_a_large_export_leaves_frames_out_and_says_so(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    source = RunSource(folder)
+    size = sum(map(len, source.frame(0)["arrays"].values()))
+    monkeypatch.setattr(page_module, "MOST_BYTES", 2 * size)
+    monkeypatch.setattr(run_source, "MOST_ROWS", 40)  # and a history that comes in parts
+    text, remarks = export_page(source)
+    assert remarks == ["2 of 4 frames, to keep the file small"]
+    data = json.loads(text.split('id="data">')[1].split("</script>")[0])
+    assert data["news"]["times"] == [0.0, 2.0] and [frame["number"] for frame in data["frames"]] == [0, 1]
+    time = np.frombuffer(base64.b64decode(data["news"]["columns"]["time [s]"]), "<f8")
+    np.testing.assert_allclose(time, np.linspace(0, 3, 101))
+    assert data["news"]["first"] == 0 and not data["news"]["more"] and data["news"]["wall"]
+
+
+def test_a_damaged_frame_is_left_out_of_an_export(folder: Path) -> None:
+    (folder / "string" / "000001.vtu").write_text("<VTK")
+    text, remarks = export_page(RunSource(folder))
+    data = json.loads(text.split('id="data">')[1].split("</script>")[0])
+    assert data["news"]["times"] == [0.0, 2.0, 3.0] and "000001.vtu" in remarks[0]
+    assert remarks[1] == "damaged frames that are left out: 1"
 
 
 def test_a_title_of_a_run_is_no_markup(folder: Path) -> None:
@@ -157,3 +181,12 @@ def test_the_form_of_a_case_checks_and_saves(tmp_path: Path) -> None:
         made.shutdown()
         thread.join()
         made.server_close()
+
+
+@needs_browser
+def test_a_damaged_last_frame_does_not_hide_the_others(server: Server, folder: Path) -> None:
+    (folder / "string" / "000003.vtu").write_text("<VTK")
+    with chromium.browser() as page:
+        page.open(server.url)
+        page.wait("state.shown === 2")
+        assert drawn(page, "string", key="x").size > 0

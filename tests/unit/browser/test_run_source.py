@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from drillpetsc.browser import run_source
 from drillpetsc.browser.run_source import DISTANCE, RunSource
 from drillpetsc.browser.tail import Tail
 from drillpetsc.output import FieldWriter, Table
@@ -162,11 +163,13 @@ def test_damage_is_named_and_the_rest_is_shown(tmp_path: Path, change: Any, name
     run = make_run(tmp_path / "run")
     run.release()
     change(run.path)
-    news = RunSource(run.path).news()
+    source = RunSource(run.path)
+    first, news = source.news(), source.news()
+    assert news["notes"] == first["notes"], "a note stays"
     assert any(named in note for note in news["notes"]), news["notes"]
     assert news["rows"] or named == "history.csv"
     if change is damage_history:
-        assert news["rows"] == 100 and "1 of 101 rows" in news["notes"][0]
+        assert news["rows"] == 100 and news["notes"] == ["history.csv: damaged rows that are left out: 1"]
 
 
 def test_a_tail_reads_each_byte_once(tmp_path: Path) -> None:
@@ -181,3 +184,14 @@ def test_a_tail_reads_each_byte_once(tmp_path: Path) -> None:
     np.testing.assert_array_equal(tail.rows(0, 9), [[0, 1], [1, 2], [2, 3]])
     file.unlink()
     assert tail.read() == "" and len(tail) == 0
+
+
+def test_long_histories_come_in_parts(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(run_source, "MOST_ROWS", 40)
+    source = RunSource(make_run(tmp_path / "run").path)
+    parts = [source.news()]
+    while parts[-1]["more"]:
+        parts.append(source.news(parts[0]["series"], parts[-1]["rows"]))
+    assert [part["rows"] for part in parts] == [40, 80, 101]
+    time = np.concatenate([numbers(part["columns"]["time [s]"], "<f8") for part in parts])
+    np.testing.assert_allclose(time, np.linspace(0, 3, 101))

@@ -169,3 +169,11 @@ def test_without_plotly_the_message_says_what_to_install(
     with pytest.raises(CaseError) as error:
         run_server("127.0.0.1", 0, RunSource(folder))
     assert "plotly" in error.value.want and error.value.hint == "pip install 'drillpetsc[browser]'"
+
+
+def test_a_folder_of_runs_is_refused_with_their_names(tmp_path: Path) -> None:
+    for name in ("b", "a"):
+        (make_run(tmp_path / name).path / "case.yaml").write_text("title: a\n")
+    command = [sys.executable, "-P", "-m", "drillpetsc", "serve", str(tmp_path), "--no-open"]
+    found = subprocess.run(command, capture_output=True, text=True)
+    assert found.returncode == 2 and f"one run folder, such as {tmp_path / 'a'}" in found.stderr

@@ -13,7 +13,17 @@ from drillpetsc.case.blocks.ends import DrivenTop, HeldTop, TopDrive
 from drillpetsc.case.blocks.items.string import Beam, Pipe
 
 ROOT = Path(__file__).parents[3]
-ALLOWED = {"arrays", "case", "errors", "time_function", "unit_systems", "unit_tables", "units", "version"}
+ALLOWED = {
+    "arrays",
+    "case",
+    "errors",
+    "own_code",
+    "time_function",
+    "unit_systems",
+    "unit_tables",
+    "units",
+    "version",
+}
 
 
 def imports_of(file: Path) -> set[str]:

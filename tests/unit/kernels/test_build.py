@@ -16,8 +16,44 @@ from tests.helpers.tables import each_row
 HAS_ROOT = os.getuid() == 0
 
 
-def test_library_lies_in_the_package():
-    assert build.library_path().parent == Path(kernels.__file__).parent / "_build"
+def test_library_lies_in_the_package_in_the_cache_or_where_told(monkeypatch, tmp_path):
+    """In the package where that can be written, else in the user's cache; DRILLPETSC_KERNELS goes before both."""
+    package = Path(kernels.__file__).parent / "_build"
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
+    assert build.library_path().parent == package
+    monkeypatch.setattr(build, "FLAGS", ("-O1",))  # a library that is not there
+    assert build.library_path().parent == package
+    monkeypatch.setattr(build.os, "access", lambda path, mode: package not in (path, path / "_build"))
+    assert build.library_path().parent == tmp_path / "cache" / "drillpetsc"
+    monkeypatch.setenv("DRILLPETSC_KERNELS", str(tmp_path / "own"))
+    assert build.library_path().parent == tmp_path / "own"
+    monkeypatch.setattr(build.os, "access", lambda path, mode: False)
+    with pytest.raises(RuntimeError, match="own cannot be written"):
+        build.library_path()
+
+
+def test_a_portable_library_serves_every_processor_that_has_its_instructions(monkeypatch, tmp_path):
+    """Built for x86-64-v3, opened without the variable by a processor that has it, and by no other."""
+    source = tmp_path / "source"
+    source.mkdir()
+    (source / "one.cpp").write_text('extern "C" int one() { return 1; }\n')
+    monkeypatch.setattr(build, "SOURCES", source)
+    monkeypatch.setenv("DRILLPETSC_KERNELS", str(tmp_path / "out"))
+    v2, v3 = build.PORTABLE["x86-64-v2"], build.PORTABLE["x86-64-v3"]
+    monkeypatch.setattr(build, "_processor", lambda: f"flags : {v2} {v3}")
+    monkeypatch.setenv("DRILLPETSC_ARCH", "x86-64-v3")
+    path = build.library_path()
+    path.parent.mkdir()
+    path.touch()
+    monkeypatch.delenv("DRILLPETSC_ARCH")
+    assert build.library_path() == path
+    monkeypatch.setattr(build, "_processor", lambda: f"flags : {v2} {v3} another")
+    assert build.library_path() == path
+    monkeypatch.setattr(build, "_processor", lambda: f"flags : {v2}")
+    assert build.library_path() != path and build._architectures() == ["native", "x86-64-v2"]
+    monkeypatch.setenv("DRILLPETSC_ARCH", "x86-64-v9")
+    with pytest.raises(RuntimeError, match="allowed: native, x86-64-v4"):
+        build.library_path()
 
 
 def test_sources_flags_and_processor_name_the_library(monkeypatch):
@@ -39,11 +75,27 @@ def test_import_opens_nothing_and_compiles_nothing(tmp_path):
     assert done.stdout.split() == ["0", "False"]
 
 
-def test_missing_library_names_the_command(monkeypatch, tmp_path):
-    monkeypatch.setattr(kernels, "library_path", lambda: tmp_path / "kernels-0.so")
+def test_a_missing_library_is_built_at_first_use(monkeypatch, tmp_path, capfd):
+    source = tmp_path / "source"
+    source.mkdir()
+    (source / "one.cpp").write_text('extern "C" int one() { return 7; }\n')
+    monkeypatch.setattr(build, "SOURCES", source)
+    monkeypatch.setenv("DRILLPETSC_KERNELS", str(tmp_path / "out"))
     kernels.library.cache_clear()
-    with pytest.raises(KernelsUnavailable, match="python -m drillpetsc.kernels build"):
+    assert kernels.library().one() == 7 and kernels.library().one() == 7
+    assert capfd.readouterr().err.count("compiling the kernels") == 1
+    kernels.library.cache_clear()
+
+
+def test_without_a_compiler_the_ways_are_named(monkeypatch, tmp_path):
+    monkeypatch.setenv("DRILLPETSC_KERNELS", str(tmp_path / "out"))
+    monkeypatch.setattr(build.shutil, "which", lambda name: None)
+    kernels.library.cache_clear()
+    with pytest.raises(KernelsUnavailable, match="install g") as caught:
         kernels.library()
+    assert (
+        "python -m drillpetsc.kernels build" in caught.value.hint and "DRILLPETSC_ARCH" in caught.value.hint
+    )
     kernels.library.cache_clear()
 
 

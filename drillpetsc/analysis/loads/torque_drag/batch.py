@@ -100,10 +100,10 @@ class Hole:
         keep = np.append(True, np.diff(marks) > 1e-7)
         marks = marks[keep]
         marks[-1] = end
-        pieces = np.ceil(np.diff(marks) / max_step).astype(int) if like is None else like.pieces
+        pieces: np.ndarray = np.ceil(np.diff(marks) / max_step).astype(int) if like is None else like.pieces
         if len(pieces) != len(marks) - 1:
             raise ValueError("the steps of both holes do not correspond")
-        self.pieces = pieces
+        self.pieces: np.ndarray = pieces
         first = np.repeat(np.cumsum(pieces) - pieces, pieces)
         fraction = (np.arange(pieces.sum()) - first) / np.repeat(pieces, pieces)
         self.edges = np.append(

@@ -33,12 +33,8 @@ from drillpetsc.analysis.loads.torque_drag.readings.measured import (
     measured_warnings,
 )
 from drillpetsc.analysis.loads.torque_drag.readings.measured_table import BesidePoints, beside_points
-from drillpetsc.analysis.loads.torque_drag.readings.reading import (
-    DIRECTION,
-    Sensor,
-    corrected_points,
-    sensor_of,
-)
+from drillpetsc.analysis.loads.torque_drag.readings.reading import corrected_points
+from drillpetsc.analysis.loads.torque_drag.readings.sensor import DIRECTION, Sensor, sensor_of
 from drillpetsc.analysis.loads.torque_drag.string_rows import StringRows, gravity_of, mud_level, need_well
 from drillpetsc.analysis.loads.torque_drag.table import OK, Pressures, failed, rows_of, still_mud
 from drillpetsc.analysis.loads.torque_drag.torque_lines import passed, torque_lines

@@ -159,16 +159,3 @@ def drift_of(name: str, middle: FloatArray, value: FloatArray, sigma: float) -> 
     return Drift(
         name, middle, value, slope, spread, rank, bool(spread > DRIFT_SIGMA * sigma or abs(rank) > DRIFT_RANK)
     )
-
-
-def walk_of(depth: FloatArray, share: FloatArray) -> float:
-    """Mean square change per metre of relative residuals (n,) from window to window of depth; 0 for too few windows [1/m].
-
-    By as much residuals may go on to change below the readings.
-    """
-    parts = windows(depth)
-    if len(parts) < 3:
-        return 0.0
-    middle = np.array([depth[rows].mean() for rows in parts])
-    mean = np.array([share[rows].mean() for rows in parts])
-    return float(np.sum(np.diff(mean) ** 2) / (middle[-1] - middle[0]))

@@ -18,13 +18,17 @@ FEWEST_WINDOWS, DRIFT_STEPS = 5, 4  # of a drift; steps of Newton's method in ea
 ALONE_GRID = 41  # friction factors from 0 to 1 between which a point alone is solved
 
 
+def deepest_factor(work: Calibration, fit: Fit) -> str:
+    """The friction factor of the deepest hole that readings determine; of the deepest hole if they determine none."""
+    names = [name for name in fit.kept if name not in BOUNDS] or list(work.factors)
+    return "open_hole" if "open_hole" in names else names[-1]
+
+
 def drift_by_windows(work: Calibration, fit: Fit) -> Drift | None:
     """The deepest friction factor window by window of depth, the others as fitted; None where there are too few readings."""
-    names = [name for name in fit.kept if name not in BOUNDS]
-    if fit.lengths is None or not names:
+    if fit.lengths is None or not set(fit.kept) - set(BOUNDS):
         return None
-    name = "open_hole" if "open_hole" in names else names[-1]
-    d = work.data
+    name, d = deepest_factor(work, fit), work.data
     depth = np.array([work.points[i].bit_depth for i in d.point])
     parts = windows(depth)
     if len(parts) < FEWEST_WINDOWS:

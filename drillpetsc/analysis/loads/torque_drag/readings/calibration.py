@@ -22,6 +22,7 @@ from drillpetsc.analysis.loads.torque_drag.readings.along_depth import (
     small_sample,
 )
 from drillpetsc.analysis.loads.torque_drag.readings.flow_table import flow_table
+from drillpetsc.analysis.loads.torque_drag.readings.sensor import DIRECTION, sensor_of
 from drillpetsc.analysis.loads.torque_drag.soft_ends import SoftEnds
 from drillpetsc.analysis.loads.torque_drag.string_rows import gravity_of, need_well, rows_at
 from drillpetsc.arrays import FloatArray
@@ -31,9 +32,20 @@ from drillpetsc.errors import CaseError, SolveError
 from drillpetsc.unit_systems import shown
 
 FACTOR_BOUNDS, FACTOR_STEP = (0.0, 1.0), 1e-4  # of every friction factor
-BOUNDS = {"block_weight": (0.0, 5e6), "weight_factor": (0.5, 1.5), "running_drag": (0.0, 1e6)}
-START = {"cased": 0.25, "open_hole": 0.3, "weight_factor": 1.0, "running_drag": 5e4}
-STEP = {"block_weight": 10.0, "weight_factor": 1e-5, "running_drag": 10.0}
+BOUNDS = {
+    "block_weight": (0.0, 5e6),
+    "weight_factor": (0.5, 1.5),
+    "running_drag": (0.0, 1e6),
+    "sheave_efficiency": (0.8, 1.0),
+}
+START = {
+    "cased": 0.25,
+    "open_hole": 0.3,
+    "weight_factor": 1.0,
+    "running_drag": 5e4,
+    "sheave_efficiency": 0.98,
+}
+STEP = {"block_weight": 10.0, "weight_factor": 1e-5, "running_drag": 10.0, "sheave_efficiency": 1e-6}
 RELATIVE_SIGMA, SMALLEST_SIGMA = 0.02, {"hook_load": 10e3, "surface_torque": 500.0}  # [N], [N m]
 SOFT_SCALE = 3.0  # of soft_l1, in standard errors
 LARGEST_CONDITION = 1e3  # of the scaled Jacobian
@@ -47,7 +59,7 @@ ALIKE, WIDEST_ALIKE = (
 FEWEST_WEIGHTS, SLOPE_BY_CHANCE = 4, 0.01  # rotating weights that show a slope with depth; probability of one
 PRIOR_KEPT = 0.8  # share of the prior's interval that is left, above which the points have added nothing
 #: half width of a 95 % interval beyond which a parameter is not determined: friction factors are between 0.1 and 0.5
-WIDEST_FACTOR, WIDEST = 0.25, {"weight_factor": 0.1, "running_drag": 1e5}
+WIDEST_FACTOR, WIDEST = 0.25, {"weight_factor": 0.1, "running_drag": 1e5, "sheave_efficiency": 0.02}
 BLOCK_SHARE = 0.25  # that of the block weight, of the largest hook load read
 LONGEST_STEP = 25.0  # of the integration where the hole is straight: there it is exact without a helix [m]
 MOST_FLOWS, FLOW_SPACING = 60, 20.0  # steady flows beyond which they are interpolated; between bit depths [m]
@@ -184,6 +196,8 @@ class Calibration:
         self.excludes_block = excludes_block
         block = None if case.rig is None else case.rig.block_weight
         self.block = 0.0 if excludes_block else (block or 0.0)
+        self.hidden = (block or 0.0) if excludes_block else 0.0
+        self.direction = np.array([DIRECTION[point.operation] for point in points])
         self.priors: dict[str, tuple[float, float]] = {}
         self.readings_alike = 1.0  # readings that count as one, beside a prior
         self.fixed: dict[str, float] = {}  # parameters that have the mean of their prior
@@ -236,7 +250,16 @@ class Calibration:
     # ------------------------------------------------------------------ soft strings
     def default(self, name: str) -> float:
         """Value of a parameter that is not fitted: of the case."""
-        held = {"block_weight": self.block, "weight_factor": 1.0, "running_drag": 0.0}
+        sensor = None if self.case.rig is None else self.case.rig.hookload_sensor
+        efficiency = (
+            np.nan if sensor is None or sensor.sheave_efficiency is None else sensor.sheave_efficiency
+        )
+        held = {
+            "block_weight": self.block,
+            "weight_factor": 1.0,
+            "running_drag": 0.0,
+            "sheave_efficiency": efficiency,
+        }
         if name in held:
             return held[name]
         some = self.own[self.group == name]
@@ -271,10 +294,21 @@ class Calibration:
         tension, moment = self.strings.ends(columns, self.lift * count if self.pumped else None)
         drag = np.array([(self.fixed | values).get("running_drag", 0.0) for values in sets])
         hook = tension.reshape(count, n) + block[:, None] + drag[:, None] * self.loads[:, 2]
+        hook = self._over_sheaves(sets) * (hook + self.hidden) - self.hidden
         moment = moment.reshape(count, n)
         d = self.data
         out = np.where(d.hook, hook[:, d.point], moment[:, d.point])
         return np.where(np.isfinite(out), out, 1e9)  # a locked string fits nothing
+
+    def _over_sheaves(self, sets: list[dict[str, float]]) -> FloatArray:
+        """(s, n) weight over the reading as it was corrected, over that with the set's efficiency of a sheave."""
+        out, given = np.ones((len(sets), len(self.points))), sensor_of(self.case)
+        for row, values in zip(out, sets, strict=True):
+            efficiency = (self.fixed | values).get("sheave_efficiency")
+            if efficiency is not None:
+                sensor = sensor_of(self.case, efficiency)
+                row *= [given.factor(q) / sensor.factor(q) for q in self.direction]
+        return out
 
     # ------------------------------------------------------------------ fit
     def fit(
@@ -559,6 +593,11 @@ class Calibration:
             out["block_weight"] = "the hook loads are those of the string, without the block"
         if "running_drag" in parameters and not (self.loads[d.point[d.hook], 2] != 0).any():
             out["running_drag"] = "no hook load was read while tripping"
+        if "sheave_efficiency" in parameters:
+            if np.isnan(self.default("sheave_efficiency")):
+                out["sheave_efficiency"] = "rig.hookload_sensor is not in the dead line"
+            elif not self.direction[d.point[d.hook]].any():
+                out["sheave_efficiency"] = "no hook load was read while the block moved"
         for name in parameters[max(0, len(d.value)) :]:
             out.setdefault(name, "fewer readings than parameters")
         return out

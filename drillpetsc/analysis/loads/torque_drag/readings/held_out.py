@@ -7,8 +7,9 @@ from typing import Any
 
 import numpy as np
 
-from drillpetsc.analysis.loads.torque_drag.readings.along_depth import walk_of
-from drillpetsc.analysis.loads.torque_drag.readings.calibration import FACTOR_STEP, STEP, Calibration, Fit
+from drillpetsc.analysis.loads.torque_drag.readings.by_depth import deepest_factor
+from drillpetsc.analysis.loads.torque_drag.readings.calibration import Calibration, Fit
+from drillpetsc.analysis.loads.torque_drag.readings.model_error import ModelError, relative
 from drillpetsc.arrays import FloatArray
 from drillpetsc.case.blocks.roadmap import MeasuredPoint
 from drillpetsc.errors import CaseError
@@ -22,7 +23,7 @@ BAND, BAND_SIGMAS = 0.90, 1.645  # share of readings that the band of a predicti
 class Prediction:
     """Readings that were not fitted.
 
-    work: the points; computed: (n,) with the fitted values; band: (n,) half width of the 90 % band of a reading [N], [N m].
+    work: the points; computed: (n,) expected readings; band: (n,) half width of the 90 % band of a reading [N], [N m].
     """
 
     work: Calibration
@@ -69,32 +70,18 @@ def hold_out_depth(text: str, points: tuple[MeasuredPoint, ...]) -> float:
     return at
 
 
-def _depths(work: Calibration) -> FloatArray:
-    """(n,) bit depth of each reading [m]."""
-    return np.array([work.points[i].bit_depth for i in work.data.point])
-
-
 def predict(fitted: Calibration, fit: Fit, held: Calibration) -> Prediction:
     """Predict points with the result of a fit to others.
 
-    The band has the errors of the parameters and, relative to the reading and by quantity, the scatter of the fitted residuals and
-    their walk: beyond the fitted depths it grows by as much as they change along the fitted ones.
+    Errors of the fitted readings are carried on along depth by `ModelError`, which gives the band, too.
     """
-    best, held.fixed = fit.best, fitted.fixed
-    computed = held.computed([best])[0]
-    steps = [STEP.get(name, FACTOR_STEP) for name in fit.kept]
-    variance = np.zeros(len(computed))
-    if fit.kept:
-        sets = [{**best, name: best[name] + step} for name, step in zip(fit.kept, steps, strict=True)]
-        slope = (held.computed(sets) - computed) / np.array(steps)[:, None]
-        covariance = fit.covariance * (1.0 if fit.lengths is not None else fit.chi2)
-        variance = np.einsum("in,ij,jn->n", slope, covariance, slope)
-    for rows, mine in ((held.data.hook, fitted.data.hook), (~held.data.hook, ~fitted.data.hook)):
-        if rows.any() and mine.any():
-            error, read = (fit.computed - fitted.data.value)[mine], fitted.data.value[mine]
-            size = max(float(np.sqrt(np.mean(read**2))), TINY)
-            depth, away = _depths(fitted)[mine], _depths(held)[rows]
-            beyond = np.maximum(np.maximum(away - depth.max(), depth.min() - away), 0.0)
-            share = np.mean(error**2) / size**2 + walk_of(depth, error / size) * beyond
-            variance[rows] += share * held.data.value[rows] ** 2
-    return Prediction(held, computed, BAND_SIGMAS * np.sqrt(variance))
+    held.fixed = fitted.fixed
+    names = (*fit.kept, *fitted.fixed)
+    values, deepest = {**fit.best, **fitted.fixed}, deepest_factor(fitted, fit)
+    known = np.array([fitted.priors[q][1] ** -2 if q in fitted.priors else 0.0 for q in names])
+    away = np.array([fitted.priors[q][0] - values[q] if q in fitted.priors else 0.0 for q in names])
+    error = ModelError(relative(fitted, values, names, deepest), known, away)
+    rest = relative(held, values, names, deepest)
+    mean, sigma = error.predict(rest)
+    computed = held.computed([values])[0]
+    return Prediction(held, computed + mean * rest.size, BAND_SIGMAS * sigma * rest.size)

@@ -11,7 +11,7 @@ import numpy as np
 from drillpetsc.analysis.loads.torque_drag.circulation import circulation
 from drillpetsc.analysis.loads.torque_drag.operations import Pair, load_of, plan_of, running_speed
 from drillpetsc.analysis.loads.torque_drag.readings.calibration import Calibration
-from drillpetsc.analysis.loads.torque_drag.readings.reading import DIRECTION, sensor_of
+from drillpetsc.analysis.loads.torque_drag.readings.sensor import DIRECTION, sensor_of
 from drillpetsc.analysis.loads.torque_drag.string_rows import rows_at
 from drillpetsc.arrays import FloatArray
 from drillpetsc.case.blocks.roadmap import MeasuredPoint

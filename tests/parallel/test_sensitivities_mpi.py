@@ -1,0 +1,38 @@
+"""Derivatives on 1, 2 and 3 ranks."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from tests.helpers.mpi import ROOT, run_mpi
+
+SCRIPT = Path(__file__).with_name("run_command.py")
+CASES = {
+    "cases/verification/p16-j-well.yaml": (
+        "well.sections[0].friction,string[0].material.density",
+        "--motion",
+        "hoist",
+    ),
+    "cases/directional.yaml": ("well.sections[0].friction,material.density,fluid.density,initial.wob",),
+}
+
+
+@pytest.mark.parallel
+@pytest.mark.parametrize("case", CASES)
+def test_equal_on_1_2_and_3_ranks(case, tmp_path):
+    """Relative derivatives of hook load and torque agree to 1e-5: those of the residual have a rounding of 1e-7 over a small step."""
+    keys, *words = CASES[case]
+    found = []
+    for n in (1, 2, 3):
+        out = tmp_path / str(n)
+        run_mpi(n, SCRIPT, ["sensitivities", str(ROOT / case), "--to", keys, *words, "--out", str(out)])
+        rows = json.loads((out / "summary.json").read_text())["sensitivities"]
+        found.append({(row["output"], row["key"]): row["relative"] for row in rows if row["relative"]})
+    assert len(found[0]) >= 2
+    for other in found[1:]:
+        assert other.keys() == found[0].keys()
+        assert np.abs([other[k] - found[0][k] for k in other]).max() < 1e-5

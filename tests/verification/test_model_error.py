@@ -1,0 +1,135 @@
+"""Predictions of `calibrate --hold-out`: errors that are alike along depth are carried on, and their band holds."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from drillpetsc.analysis.loads.torque_drag.readings.calibration import Calibration
+from drillpetsc.analysis.loads.torque_drag.readings.held_out import predict
+from drillpetsc.analysis.loads.torque_drag.readings.model_error import SECTION, ModelError, Relative, relative
+from tests.verification.test_calibrate_command import TRUTH, _drilling, case
+
+FREE = np.zeros(1)  # no prior of the friction factor
+
+
+@pytest.fixture(scope="module")
+def well() -> Relative:
+    """50 torques from 1900 to 2400 m without errors."""
+    work = Calibration(case(), _drilling(0)[::5])
+    work.own[0] = TRUTH["cased"]
+    clean = relative(work, {"open_hole": TRUTH["open_hole"]}, ("open_hole",), "open_hole")
+    return replace(clean, error=np.zeros(50), noise=np.ones(50))
+
+
+def some(of: Relative, rows: np.ndarray, error: np.ndarray) -> Relative:
+    """Some of the readings, with errors."""
+    at = {name: value[rows] for name, value in vars(of).items() if name in Relative.__dataclass_fields__}
+    return Relative(**at | {"error": error[rows]})
+
+
+def process(rng: np.random.Generator, depth: np.ndarray, over: float) -> np.ndarray:
+    """A first-order Markov process of size 1."""
+    covariance = np.exp(-np.abs(depth[:, None] - depth) / over)
+    return np.asarray(
+        np.linalg.cholesky(covariance + 1e-12 * np.eye(len(depth))) @ rng.standard_normal(len(depth))
+    )
+
+
+def walk(rng: np.random.Generator, depth: np.ndarray, rate: float) -> np.ndarray:
+    return np.asarray(
+        np.cumsum(rate * np.sqrt(np.diff(depth, prepend=depth[0])) * rng.standard_normal(len(depth)))
+    )
+
+
+def matern(apart: np.ndarray) -> np.ndarray:
+    x = np.sqrt(3.0) * apart / SECTION
+    return np.asarray((1 + x) * np.exp(-x))
+
+
+ERRORS = {
+    "alike over 60 m": lambda rng, at: (0.03 * process(rng, at, 60.0), 0.0),
+    "friction walks": lambda rng, at: (0.0, walk(rng, at, 0.002)),
+    "alike, and friction drifts": lambda rng, at: (
+        0.03 * process(rng, at, 60.0),
+        rng.choice([-1, 1]) * 2e-4 * (at - at[0]),
+    ),
+    "alike, and friction walks": lambda rng, at: (0.03 * process(rng, at, 60.0), walk(rng, at, 0.002)),
+}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("kind", ERRORS)
+def test_band_holds_on_twins(well: Relative, kind: str) -> None:
+    """The upper half fitted, 100 seeds: the 90 % band of the lower half holds 85 to 97 % of its readings.
+
+    Torques have 1.5 % of noise of their own.  Friction walks by 0.002 per root metre, or drifts by 0.02 per 100 m."""
+    upper, hits = well.depth < 2150, []
+    for seed in range(100):
+        rng = np.random.default_rng(seed)
+        reading, friction = ERRORS[kind](rng, well.depth)
+        error = 0.015 * rng.standard_normal(50) + reading + well.source[:, 0] * friction
+        slope = well.slope[upper, 0]
+        error = error - well.slope[:, 0] * (slope @ error[upper]) / (slope @ slope)  # about the fitted factor
+        mean, sigma = ModelError(some(well, upper, error), FREE, FREE).predict(some(well, ~upper, error))
+        hits.append(np.mean(np.abs(error[~upper] - mean) <= 1.645 * sigma))
+    assert 0.85 <= np.mean(hits) <= 0.97, np.mean(hits)
+
+
+def test_what_is_alike_is_carried_on(well: Relative) -> None:
+    """One exact reading shows a friction that is 0.02 off; the rest follows Matern's correlation c = (1 + x) exp(-x), x = sqrt(3) d/1000 m.
+
+    The error below is c times that, its variance s^2 (1 - c^2)."""
+    one, far = np.arange(1), np.arange(1, 50)
+    error = 0.02 * well.source[:, 0]
+    fitted = some(well, one, error)
+    certain = np.array([1e12])  # the friction factor itself is known
+    model = ModelError(fitted, certain, FREE)
+    sizes = np.log([0.1, 1e-9, 1e-9, 1e-9, 30.0])
+    mean, variance = model._given(sizes, some(well, far, error))
+    apart = well.depth[far] - well.depth[0]
+    friction = well.source[far, 0]
+    c = matern(apart)
+    assert mean == pytest.approx(0.02 * friction * c, rel=1e-5)
+    assert variance == pytest.approx((0.1 * friction) ** 2 * (1 - c**2), rel=1e-5)
+
+
+def test_pulling_out_says_nothing_of_friction_running_in(well: Relative) -> None:
+    """Another operation has the same weight and another friction."""
+    model = ModelError(some(well, np.arange(25), well.error), FREE, FREE)
+    other = replace(well, operation=np.full(50, "trip_in"))
+    sizes = np.log([0.1, 0.01, 0.01, 0.01, 30.0])
+    apart = np.abs(well.depth[:, None] - well.depth[:25])
+    weight = 0.01**2 * np.outer(well.source[:, 1], well.source[:25, 1]) * matern(apart)
+    assert model._alike(sizes, other) == pytest.approx(weight, abs=1e-15)
+
+
+def test_neighbours_are_averaged_beyond_a_hundred() -> None:
+    """500 readings of one series become 100 with a fifth of the variance."""
+    many = Relative(
+        *(
+            np.arange(500.0),
+            np.full(500, "drilling"),
+            np.ones(500, dtype=bool),
+            np.arange(500.0),
+            np.ones(500),
+        ),
+        *(np.ones((500, 1)), np.ones((500, 2)), np.ones(500)),
+    )
+    found = many.condensed()
+    assert found.depth == pytest.approx(np.arange(2.0, 500.0, 5.0)) and found.error == pytest.approx(
+        found.depth
+    )
+    assert found.noise == pytest.approx(np.full(100, 0.2))
+
+
+def test_prior_of_a_fitted_factor_bounds_the_band() -> None:
+    """A prior narrows the band of predicted readings, and adds to it if it replaces the fit."""
+    points = _drilling(2)[::5]
+    work, rest = (Calibration(case(), part) for part in (points[:12], points[12:]))
+    free = predict(work, work.fit(("open_hole",)), rest)
+    priors = {"open_hole": (TRUTH["open_hole"], 1e-4)}
+    known = predict(work, work.fit(("open_hole",), priors=priors), rest)
+    assert known.band.max() < free.band.max()
