@@ -254,3 +254,16 @@ def test_orientations_follow_the_frames():
     third = np.cross(frames.reference, frames.second_director)
     assert np.abs(vector(e1, q) - frames.reference).max() < 1e-14
     assert np.abs(vector(e2, q) - np.cos(0.4) * frames.second_director - np.sin(0.4) * third).max() < 1e-14
+
+
+def test_first_node_of_a_stretched_section_that_turned():
+    """Slope (1 + strain) times the axis, and the angle about it from the frame of the start."""
+    beam = build("beam").components[0]
+    frame, angle = beam.start[0], 0.7
+    q = np.cos(angle / 2) * frame + np.sin(angle / 2) * spun(frame)
+    fields = {"position": np.array([[1.0, 2.0, 3.0]]), "strain": np.array([[0.1]]), "quaternion": q[None]}
+    place, slope, found = beam.first_node({f"string.{name}": values for name, values in fields.items()})
+    assert place.tolist() == [1.0, 2.0, 3.0] and slope == pytest.approx(
+        1.1 * curved_tangents(5)[0], rel=1e-12
+    )
+    assert found == pytest.approx([angle], rel=1e-12)

@@ -211,6 +211,9 @@ def test_restart_restores_the_mud_in_the_hole():
     for old, new in zip(model.system.assembly.bound_blocks, again.system.assembly.bound_blocks, strict=True):
         if old.block.name.startswith(("annulus_flow", "bit_flow")):
             assert np.array_equal(old.block.params, new.block.params), old.block.name
+    # on which the next renewal of the added mass depends
+    old, new = (m.fluid.annulus.lateral_sizes() for m in (model, again))
+    assert np.array_equal(old, new) and np.ptp(new[:, 1]) > 0.01
 
 
 def test_drilling_round_a_bend(tmp_path):

@@ -9,6 +9,8 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from drillpetsc import Case
+from drillpetsc.analysis.loads.torque_drag.batch import Columns, Hole, soft_strings
+from drillpetsc.analysis.loads.torque_drag.string_rows import need_well, rows_at
 from drillpetsc.analysis.statics.start.soft_string import slip_direction, torque_drag
 from drillpetsc.analysis.statics.start.soft_string_start import soft_string
 from drillpetsc.geometry.well import Well
@@ -207,3 +209,27 @@ def test_rigid_items_weigh_once(place: int, mud: float, element: float) -> None:
     above = np.where(np.diff(found.md) > element + 1.0, element, np.diff(found.md))
     middle = found.axial_force[1:] + 0.5 * (found.axial_force[:-1] - found.axial_force[1:])
     assert found.stretch == pytest.approx(float(np.sum(middle * above)) / (206e9 * area), rel=0.05)
+
+
+def test_a_string_breaks_where_its_force_grows_without_bound():
+    """Pushed into a long level hole: `locked` is the end of the forces that the string bears, and none is shown above it."""
+    md = [0.0, 500.0, 900.0, 6000.0]
+    survey = {"md": md, "inclination": np.radians([0.0, 0.0, 90.0, 90.0]).tolist(), "azimuth": [0.0] * 4}
+    section = {"to": 6000.0, "kind": "open_hole", "diameter": 0.2159, "friction": 0.4}
+    made = Case(
+        well={"survey": survey, "sections": [section]},
+        string=[{"kind": "pipe", "length": 6000.0, "od": 0.127, "id": 0.1086}],
+        top="clamped",
+    )
+    frictions = np.array([[0.0], [0.4], [0.6]])  # without friction any weight arrives
+    one = np.ones(3)
+    loads = Columns(
+        np.zeros(3, dtype=int), frictions, one, 3e5 * one, 0 * one, -0.3 * one, 0 * one, one, None, 0 * one
+    )
+    found = soft_strings(Hole(need_well(made, "roadmap"), [rows_at(made, 6000.0)], 25.0), loads)
+    assert found.broken.tolist() == [False, True, True]
+    for c in (1, 2):
+        shown = np.isfinite(found.tension[:, c])
+        assert found.md[shown].min() == found.locked[c] and np.abs(found.tension[shown, c]).max() < 5e7
+        assert shown[np.argmax(shown) :].all() and found.locked[c] > 900.0
+    assert found.locked[2] > found.locked[1]  # more friction: sooner

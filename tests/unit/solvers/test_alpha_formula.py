@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from drillpetsc.kernels import pointer
-from drillpetsc.solvers.time.alpha_formula import AlphaFormula, AlphaHistory, radius_of
+from drillpetsc.solvers.time.alpha_formula import AlphaFormula, AlphaHistory, AlphaOutputErrors, radius_of
 from tests.helpers.tables import each_row
 
 Rows = Callable[[float, np.ndarray, np.ndarray, np.ndarray], np.ndarray]
@@ -222,3 +222,17 @@ def test_frequency_above_which_a_period_loses_one_per_cent():
     found = [AlphaFormula(radius).damped_product() for radius in (0.0, 0.5, 0.8, 0.9)]
     assert all(p is not None for p in found) and found == sorted(found)  # type: ignore[type-var]
     assert AlphaFormula(1.0).damped_product() is None
+
+
+@each_row("radius", [0.0, 0.8, 1.0])
+def test_local_error_of_a_cubic(radius):
+    """Uneven times, values 2 t^3 and t^2: the third derivative is 12 and 0, and the error of a step 12 C h^3 with
+    C = 1/12 + 3/8 ((1 - rho)/(1 + rho))^2; so it is by the weights of the four values (manual: eq-time-alpha-phase)."""
+    times = np.array([0.0, 0.1, 0.25, 0.3, 0.5, 0.9])
+    values = np.column_stack([2 * times**3, times**2])
+    constant = 1 / 12 + 0.375 * ((1 - radius) / (1 + radius)) ** 2
+    expected = np.column_stack([12 * constant * np.diff(times)[2:] ** 3, np.zeros(3)])
+    errors = AlphaOutputErrors(AlphaFormula(radius))
+    assert errors.local_errors(times, values) == pytest.approx(expected, rel=1e-9, abs=1e-12)
+    weights = [errors.weights(times[k : k + 4].tolist()) @ values[k : k + 4] for k in range(3)]
+    assert np.array(weights) == pytest.approx(expected, rel=1e-9, abs=1e-12)
