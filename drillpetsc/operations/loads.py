@@ -56,7 +56,7 @@ class Sensitivities(AtBitDepth, DrawnOperation):
     ] = ""
     analysis: Annotated[
         Literal["statics", "roadmap", "hydraulics"],
-        "whose outputs are meant; of a roadmap the soft string with the friction of the hole's sections",
+        "whose outputs are meant; a roadmap has the friction of the hole's sections",
     ] = "statics"
     all: Annotated[bool, "every continuous number of the case, instead of --to"] = False
     check: Annotated[
@@ -70,6 +70,7 @@ class Sensitivities(AtBitDepth, DrawnOperation):
     ] = None
     operation: Annotated[str | None, "WORD", "of statics: operation, as of the command statics"] = None
     depths: Annotated[Literal["deepest", "all"], "of a roadmap: its bit depths"] = "deepest"
+    model: Annotated[Literal["soft", "stiff"], "of a roadmap: soft string or beam"] = "soft"
 
     def compute(self, job: Any) -> Any:
         from drillpetsc.analysis.sensitivities.command import Question, run_sensitivities
@@ -77,7 +78,15 @@ class Sensitivities(AtBitDepth, DrawnOperation):
         if self.analysis != "statics" and (self.motion or self.operation):
             raise CaseError(at="--motion", got=self.motion or self.operation, want="--analysis statics")
         question = Question(
-            self.analysis, self.of, self.to, self.all, self.check, self.motion, self.operation, self.depths
+            self.analysis,
+            self.of,
+            self.to,
+            self.all,
+            self.check,
+            self.motion,
+            self.operation,
+            self.depths,
+            self.model,
         )
         return run_sensitivities(job, question)
 

@@ -19,8 +19,11 @@ from drillpetsc.analysis.sensitivities.keys import key_of
 from drillpetsc.analysis.sensitivities.roadmap import SoftRoadmap, own_friction
 from drillpetsc.analysis.sensitivities.solution import Solution
 from drillpetsc.analysis.sensitivities.statics import StaticsSolution
+from drillpetsc.analysis.sensitivities.stiff import StiffRoadmap
 from drillpetsc.case import Case, load_case
 from drillpetsc.case.writer import case_data
+from drillpetsc.doubts import doubts_at
+from drillpetsc.errors import CaseError
 from drillpetsc.parallel import initialise_petsc
 from tests.helpers.wells import simple_well
 
@@ -225,7 +228,45 @@ def test_equal_to_differences_of_full_solutions(name):
     assert not bad
 
 
-# ---------------------------------------------------------------------- kinks and limits
+def test_a_stiff_row():
+    """Hook load and torque of the beam pulled out of F-5 (the torque is that of a string held at its top) by friction and weight: 1e-5."""
+    case = load_case(F5).replace({"roadmap.operations": ["trip_out"]})
+    keys = [
+        key_of(case, k)
+        for k in ("well.sections[0].friction", "well.sections[1].friction", "string[0].weight")
+    ]
+    with options_of(case):
+        solution = StiffRoadmap(case)
+        chosen = [
+            i for i, o in enumerate(solution.outputs) if o.quantity.name in ("hook_load", "surface_torque")
+        ]
+        every = derivatives(case, solution, chosen, keys)
+        compared = checked(case, solution, every, 6)
+    assert len(compared) == 6
+    assert max(at.error for at in compared) < 1e-5
+
+
+# ---------------------------------------------------------------------- refusals, kinks and limits
+def test_a_motor_is_refused():
+    """Its speed follows from the torque by rounds of statics, whose derivative is not taken."""
+    with pytest.raises(CaseError) as error:
+        StaticsSolution(load_case(ROOT / "cases/motor-slide.yaml"), PETSc.COMM_SELF)
+    assert error.value.got == "pdm" and "--analysis roadmap" in error.value.want
+
+
+def test_doubt_if_full_solutions_disagree():
+    """A derivative that is wrong by 1e-3 is reported with both numbers."""
+    case = slanted(np.radians(50.0), roadmap={"operations": ["trip_out"], "bit_depth": [LENGTH]})
+    with options_of(case):
+        solution = SoftRoadmap(case)
+        d = derivatives(case, solution, [0], [key_of(case, "material.density")])
+        (right,) = checked(case, solution, d, 3)
+        (wrong,) = checked(case, solution, [replace(d[0], slope=d[0].slope * 1.001)], 1)
+    assert not doubts_at(right)
+    (sentence,) = doubts_at(wrong)
+    assert "trip_out.hook_load at 1000 m by material.density is 1.001, full solutions give 1" in sentence
+
+
 def test_key_at_its_limit():
     """Friction cannot be below zero: the derivative is that of the allowed side, and says so."""
     slope = np.radians(50.0)

@@ -11,12 +11,13 @@ from petsc4py import PETSc
 
 from drillpetsc.analysis.motion.run_options import options_of
 from drillpetsc.analysis.sensitivities.derivatives import ONE_SIDED, Derivative, checked, derivatives
-from drillpetsc.analysis.sensitivities.doubts import Checked
+from drillpetsc.analysis.sensitivities.doubts import Checked, Differentiated
 from drillpetsc.analysis.sensitivities.hydraulics import SteadyHydraulics
 from drillpetsc.analysis.sensitivities.keys import Key, every_key, key_of
 from drillpetsc.analysis.sensitivities.roadmap import SoftRoadmap
 from drillpetsc.analysis.sensitivities.solution import Solution
 from drillpetsc.analysis.sensitivities.statics import StaticsSolution
+from drillpetsc.analysis.sensitivities.stiff import StiffRoadmap
 from drillpetsc.case.case import Case
 from drillpetsc.case.key_paths import suggestion
 from drillpetsc.doubts import doubts_at
@@ -44,7 +45,7 @@ ALL = "all"
 class Question:
     """What is differentiated by what.
 
-    analysis: statics, roadmap or hydraulics; motion, operation: of statics; depths: deepest or all, of a roadmap.
+    analysis: statics, roadmap or hydraulics; motion, operation: of statics; depths: deepest or all, of a roadmap; model: soft or stiff.
     outputs: names, none: the usual ones, `all`: every one; keys: paths, none with ``every``.
     every: all continuous numbers of the case; check: number of derivatives compared with full solutions.
     """
@@ -57,6 +58,7 @@ class Question:
     motion: str | None = None
     operation: str | None = None
     depths: str = "deepest"
+    model: str = "soft"
 
 
 def run_sensitivities(job: Job, question: Question) -> RunResult:
@@ -74,7 +76,11 @@ def run_sensitivities(job: Job, question: Question) -> RunResult:
         found, skipped = _differentiated(case, solution, chosen, keys, question.every)
         compared = checked(case, solution, found, question.check)
     warnings = [sentence for at in compared for sentence in doubts_at(at)]
-    notes = [*solution.notes, *_notes(found, question)]
+    one_sided = any(ONE_SIDED in d.flag for d in found)
+    differentiated = Differentiated(
+        case, question.analysis, one_sided, _without_effect(found), solution.left_out
+    )
+    notes = [*solution.notes, *doubts_at(differentiated)]
     rows = [_row(d) for d in found]
     summary = SensitivitiesSummary(
         title=case.title,
@@ -101,7 +107,8 @@ def run_sensitivities(job: Job, question: Question) -> RunResult:
 def solved(case: Case, question: Question, comm: PETSc.Comm) -> Solution:
     """Solve the problem whose outputs are differentiated; collective."""
     if question.analysis == "roadmap":
-        return SoftRoadmap(case, question.depths == "deepest")
+        kind = StiffRoadmap if question.model == "stiff" else SoftRoadmap
+        return kind(case, question.depths == "deepest")
     if question.analysis == "hydraulics":
         return SteadyHydraulics(case)
     return StaticsSolution(case, comm, question.motion, question.operation)
@@ -141,24 +148,10 @@ def _differentiated(
     return found, skipped
 
 
-def _notes(found: Sequence[Derivative], question: Question) -> list[str]:
-    notes = []
-    if question.analysis == "roadmap":
-        notes.append("friction: that of the hole's sections; roadmap.friction_factor is left out")
-    without = [name for name in dict.fromkeys(d.key.name for d in found) if not _has_effect(found, name)]
-    if without:
-        more = f" and {len(without) - SHOWN} other keys" if len(without) > SHOWN else ""
-        notes.append(f"no effect on these outputs: {', '.join(without[:SHOWN])}{more}")
-    if any(ONE_SIDED in d.flag for d in found):
-        notes.append(
-            "one-sided: a contact, a buckling state, a regime or a place changes closer than the stated change; "
-            "both sides are in sensitivities.csv"
-        )
-    return notes
-
-
-def _has_effect(found: Sequence[Derivative], key: str) -> bool:
-    return any(d.slope for d in found if d.key.name == key)
+def _without_effect(found: Sequence[Derivative]) -> list[str]:
+    """Keys that change none of the outputs."""
+    effective = {d.key.name for d in found if d.slope}
+    return list(dict.fromkeys(d.key.name for d in found if d.key.name not in effective))
 
 
 def _row(d: Derivative) -> dict[str, Any]:

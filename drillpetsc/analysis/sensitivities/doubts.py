@@ -7,11 +7,40 @@ from dataclasses import dataclass
 from typing import Any
 
 from drillpetsc.case.case import Case
-from drillpetsc.doubts.doubt import Doubt
+from drillpetsc.doubts.doubt import Doubt, remark
 from drillpetsc.unit_systems import System
 
 DISAGREES = 1e-4  # error of a derivative, relative, above which it is reported
 SMALL = 1e-4  # relative derivatives below it are judged by their absolute error
+
+
+MOST_NAMED = 15  # keys without effect that are named
+
+
+@dataclass(frozen=True)
+class Differentiated:
+    """Outputs are differentiated (sensitivities).
+
+    analysis: statics, roadmap or hydraulics; one_sided: some derivatives have a kink beside them; without: keys without effect.
+    left_out: why rows at a bit depth [m] have no derivative.
+    """
+
+    case: Case
+    analysis: str
+    one_sided: bool
+    without: list[str]
+    left_out: dict[float, str]
+
+    @property
+    def units(self) -> System:
+        """Units of the reader."""
+        return self.case.shown_units
+
+    @property
+    def named(self) -> str:
+        """The keys without effect, the first of many."""
+        more = f" and {len(self.without) - MOST_NAMED} others" if len(self.without) > MOST_NAMED else ""
+        return ", ".join(self.without[:MOST_NAMED]) + more
 
 
 @dataclass(frozen=True)
@@ -56,3 +85,29 @@ class Disagrees(Doubt):
                 "derivative": at.derivative,
                 "difference": at.difference,
             }
+
+
+class LeftOut(Doubt):
+    """A row of a roadmap with the beam has no state with a derivative: it ends on a path of friction, or was not found."""
+
+    about = (Differentiated,)
+    sentence = "rows at {depth:length 6} are left out: {reason}"
+    remedy = "Use --model soft for these rows, or follow the path of friction with statics."
+    weight = "remark"
+
+    def look(self, at: Differentiated) -> Iterable[dict[str, Any]]:
+        yield from ({"depth": depth, "reason": reason} for depth, reason in at.left_out.items())
+
+
+remark(
+    Differentiated,
+    "friction is that of the hole's sections; roadmap.friction_factor is left out",
+    lambda at: at.analysis == "roadmap",
+)
+remark(Differentiated, "no effect on these outputs: {names}", lambda at: at.without and {"names": at.named})
+remark(
+    Differentiated,
+    "one-sided: a contact, a buckling state, a regime or a place changes closer than the stated change; sensitivities.csv has the "
+    "effects of both sides",
+    lambda at: at.one_sided,
+)

@@ -32,6 +32,7 @@ class SteadyHydraulics:
 
     def __init__(self, case: Case) -> None:
         self.notes: list[str] = []
+        self.left_out: dict[float, str] = {}
         hydraulics = Hydraulics(case)
         self._flow, self._rate = hydraulics.flow, self._solve(case, hydraulics.flow)
         self._tangent = FlowTangent(self._flow, self._rate)

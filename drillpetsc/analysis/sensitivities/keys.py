@@ -76,6 +76,16 @@ class Key:
         text = f"{value!r} {self.unit}".rstrip()
         given = case._given.keys
         keys = case_data(case) if self.resolved or given is None else given
+        well = keys.get("well")
+        if (
+            isinstance(well, Mapping)
+            and "survey" in well
+            and not self.name.startswith(("well.survey", "bit_depth"))
+        ):
+            keys = {
+                **keys,
+                "well": {**well, "survey": case.given_well.survey},
+            }  # read once, not for every key
         token = FOLDER.set(case._given.folder)
         try:
             return Case(**changed(keys, {self.name: text}))

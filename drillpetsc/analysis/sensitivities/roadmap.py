@@ -67,12 +67,14 @@ class SoftRoadmap:
         self._deepest = deepest
         self.asked = asked = own_friction(case, deepest)
         self._tangents: dict[tuple[int, float, float], FlowTangent] = {}
-        problem = soft_problem(asked, self._flows_here())
+        self.flows = self._flows_here()
+        problem = soft_problem(asked, self.flows)
         self._hole, batch = problem.hole, soft_strings(problem.hole, problem.columns)
         rows = self._rows(problem, batch)
         self.outputs = outputs_of(asked, rows)
         self.found = self._found(rows, batch)
         self.notes = asked.notes
+        self.left_out: dict[float, str] = {}
         steps = Steps(problem.hole, problem.columns)
         self._tension = np.where(np.isnan(batch.tension), steps.end, batch.tension)
         below, h = self._tension[1:], FORCE_STEP * max(float(np.abs(self._tension).max()), 1.0)
@@ -134,6 +136,12 @@ class SoftRoadmap:
 
     def _problems(self, points: Sequence[Point]) -> list[SoftProblem]:
         """Soft strings at the points, the flow moved along its derivative."""
+        return [soft_problem(a, f, self._hole) for a, f in zip(*self.beside(points), strict=True)]
+
+    def beside(
+        self, points: Sequence[Point]
+    ) -> tuple[list[RowsAsked], list[dict[tuple[str, int], Circulation | SolveError]]]:
+        """What the rows are computed for at the points, and forces of the mud by operation and string, moved along their derivative."""
         asked = [own_friction(point.case, self._deepest) for point in points]
         flows: list[dict[tuple[str, int], Circulation | SolveError]] = [{} for _ in points]
         moved = [self._moved(q) for q in asked]
@@ -155,7 +163,7 @@ class SoftRoadmap:
                 shared[key] = [forces_of(model, q[2]) for model, q in zip(models, at, strict=True)]
             for i, forces in enumerate(shared[key]):
                 flows[i][operation, d] = forces
-        return [soft_problem(a, f, self._hole) for a, f in zip(asked, flows, strict=True)]
+        return asked, flows
 
     def _rows(self, problem: SoftProblem, batch: Batch) -> list[dict[str, Any]]:
         rows = problem.rows(batch)

@@ -50,13 +50,14 @@ class Found:
 class Solution(Protocol):
     """A solved problem of a case, with the matrix of its equations.
 
-    notes: what was assumed; resolution: relative change of an output [-] that is rounding.
+    notes: what was assumed; left_out: why rows at a bit depth [m] have no derivative; resolution: relative change of an output [-] that is rounding.
     far: states at the distance of a stated change are worth looking at: they follow from smooth steps, without contacts.
     """
 
     outputs: list[Output]
     found: Found
     notes: list[str]
+    left_out: dict[float, str]
     resolution: float
     far: bool
 

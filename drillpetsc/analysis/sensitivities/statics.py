@@ -66,13 +66,15 @@ class StaticTangent:
             raise CaseError(at="statics", got="the end of a path", want=want)
         if model.parts(MudMotor):
             raise CaseError(
-                at="string", got="pdm", want="a string without a downhole motor, or --run roadmap"
+                at="string", got="pdm", want="a string without a downhole motor, or --analysis roadmap"
             )
         self.model, self.state, self.motion = model, state, motion
         self.top = None if model.top is None or start is None else model.top.anchor - start
         self.x = model.system.assembly.x.copy()
         self.solver = self._solver(model)
         self.solver.factor_here()
+        self.solver.rows()
+        self._contacts = [flags.values.copy() for flags in model.system.contact_flags]
 
     def _solver(self, model: DrillingModel) -> StaticNewton:
         """Equations of a model at the state, with the friction of its motion."""
@@ -112,7 +114,7 @@ class StaticTangent:
         for point, model in zip(points, models, strict=True):
             solver = self._take(model, self.x[:-1] + point.change * step[:-1], point.change * step[-1])
             rows.append(self._rows_of(solver))
-        return models, self._bends(points, rows, step)
+        return models, self._bends(points, rows, step) or self._opens(models)
 
     def _take(self, model: DrillingModel, x: FloatArray, move: float = 0.0) -> StaticNewton:
         """Put a new model into the state with unknowns ``x``, its top ``move`` [m] further down; returns its equations."""
@@ -158,6 +160,17 @@ class StaticTangent:
                 return True
         return False
 
+    def _opens(self, models: Sequence[DrillingModel]) -> bool:
+        """Whether contacts of a model are open that are closed in the state, or closed that are open there; collective.
+
+        The matrix has closed contacts, which hide in ``_bends`` how far an open one moves.
+        """
+        changed = 0
+        for model in models:
+            for flags, own in zip(model.system.contact_flags, self._contacts, strict=True):
+                changed += not np.array_equal(flags.values, own)
+        return self.solver.sum(float(changed)) > 0
+
     def _left(self, source: FloatArray, step: FloatArray) -> FloatArray:
         """What J s lacks of the ``source`` in the rows of the mud, whose matrix leaves out a little; that of the string is exact."""
         lacks = np.zeros_like(step)
@@ -190,11 +203,14 @@ class StaticsSolution:
         self, case: Case, comm: PETSc.Comm, motion: str | None = None, operation: str | None = None
     ) -> None:
         self.notes: list[str] = []
+        self.left_out: dict[float, str] = {}
         self._case = case
         self._comm, self._words = comm, (motion, operation)
         posed, moving = question_of(case, *self._words)
         if posed.hold_string:
-            raise CaseError(at="--run", got="statics", want="a string that is not held, or --run hydraulics")
+            raise CaseError(
+                at="--analysis", got="statics", want="a string that is not held, or --analysis hydraulics"
+            )
         model = build_model(posed, comm, moving)
         self.resolution = RESOLUTION if model.fluid is None else RESOLUTION_IN_MUD
         self._mesh = MeshOf(posed, model.mesh)

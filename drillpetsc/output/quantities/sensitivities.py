@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from drillpetsc.fem.quantity import Quantity
+from drillpetsc.output.quantities.hydraulics import BIT_DEPTH
 
 
 def _row(name: str, label: str, mnemonic: str, doc: str) -> Quantity:
@@ -12,15 +13,7 @@ def _row(name: str, label: str, mnemonic: str, doc: str) -> Quantity:
 SENSITIVITIES: tuple[Quantity, ...] = (
     _row("output", "Output", "SOUT", "Output; of a roadmap with its operation, trip_out.hook_load."),
     _row("output_unit", "Unit of the output", "SOUN", "SI unit of the output."),
-    Quantity(
-        "bit_depth",
-        "m",
-        kind="length",
-        on="item",
-        label="Bit depth",
-        mnemonic="DBTM",
-        doc="Measured depth of the bit of a row of a roadmap; empty for other outputs.",
-    ),
+    BIT_DEPTH,
     _row("value", "Value of the output", "SVAL", "Value of the output in the case [SI]."),
     _row("key", "Key", "SKEY", "Path of the number in the case."),
     _row(
@@ -61,5 +54,5 @@ SENSITIVITIES: tuple[Quantity, ...] = (
         "SEFA",
         "Of a flagged row: value of a full solution with the stated change, less the value.",
     ),
-    _row("flag", "Flag", "SFLG", "one-sided, limit, differences; empty without."),
+    _row("flag", "Flag", "SFLG", "One-sided, limit or differences; empty without a flag."),
 )

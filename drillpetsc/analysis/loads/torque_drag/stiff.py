@@ -36,6 +36,7 @@ from drillpetsc.case.pipe.section import ring
 from drillpetsc.errors import CaseError, SolveError
 from drillpetsc.geometry.well import Well
 from drillpetsc.model.drilling_model import DrillingModel, build_model
+from drillpetsc.model.mesh import MeshOf
 from drillpetsc.output.watches.buckling import ELEMENTS_PER_PITCH
 from drillpetsc.output.watches.coarse_mesh import TOLERANCE
 
@@ -151,6 +152,16 @@ def _weighing(item: Item, mass: float, length: float, factor: float) -> Item:
     return item.model_copy(update=update)
 
 
+def motion_of(job: Job) -> tuple[float, float]:
+    """Axial velocity [m/s, down positive] and rotation [rad/s] of a row, which friction opposes."""
+    return -job.load.axial_velocity, job.load.rotation
+
+
+def model_of(case: Case, well: Well, job: Job, like: MeshOf | None = None) -> DrillingModel:
+    """The model of a row; like: as for ``build_model``."""
+    return build_model(stiff_case(case, well, job), PETSc.COMM_SELF, motion_of(job), like=like)
+
+
 def stiff_row(case: Case, well: Well, job: Job) -> dict[str, Any]:
     """One row [SI]; nan for every number, and the reason as its status, where there is no trustworthy state."""
     load = job.load
@@ -159,22 +170,22 @@ def stiff_row(case: Case, well: Well, job: Job) -> dict[str, Any]:
         return row | failed(job.rows.misfit)
     if isinstance(job.flow, SolveError):
         return row | failed(f"the flow: {job.flow}")
-    motion = (-load.axial_velocity, load.rotation)
+    motion = motion_of(job)
     try:
-        model = build_model(stiff_case(case, well, job), PETSc.COMM_SELF, motion)
+        model = model_of(case, well, job)
         state = find_equilibrium(model, motion, False)
     except (SolveError, CaseError) as error:
         return row | failed(str(error))
     if not state.stable and state.path is None:
         pivots = state.equilibrium.negative_pivots
         return row | failed(f"the state is not stable ({pivots} negative pivots)")
-    row |= _values(model, job)
+    row |= values_of(model, job)
     if state.path is not None:
         row["status"] = "; ".join([*([row["status"]] if row["status"] != OK else []), BY_PATH])
     return row
 
 
-def _values(model: DrillingModel, job: Job) -> dict[str, Any]:
+def values_of(model: DrillingModel, job: Job) -> dict[str, Any]:
     """What a state gives, with the torque on bit, which twists the string alike from end to end."""
     found = static_state(model)
     assert found is not None
