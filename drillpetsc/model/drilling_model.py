@@ -250,8 +250,7 @@ def _ancf_string(
     loads = _loads(case, mesh, tangent)
     breaks = tuple(b for q in case.loads for b in q.value_over.breaks()) + _top_breaks(case)
     reamers = build_reamers(case, mesh, well, bit)
-    site = Site(case, mesh, frames, well, position, tangent)
-    components = (
+    components: tuple[Component, ...] = (
         beam,
         *_optional_components(mesh, frames, gravity, balanced=is_quasi_static(case)),
         *joints,
@@ -259,8 +258,9 @@ def _ancf_string(
         *_bottom_components(case, EndPlace(position[-1], tangent[-1], mesh.nodes - 1)),
         *((Loads(loads, frames, breaks),) if loads else ()),
         *_present(contact, bit, *reamers, build_steering(case, mesh, well, frames, tangent)),
-        *own_components(site),
     )
+    site = Site(case, mesh, frames, well, position, tangent)
+    components += own_components(site, (component.name for component in components))
     return _String(components, beam, top, contact, bit, reamers)
 
 

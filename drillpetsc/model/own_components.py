@@ -43,12 +43,13 @@ class Site:
         return self.mesh.nearest_node(depth)
 
 
-def own_components(site: Site) -> tuple[Component, ...]:
-    """Build the components of ``components`` in a case.
+def own_components(site: Site, taken: Iterable[str]) -> tuple[Component, ...]:
+    """Build the components of ``components`` in a case; ``taken``: names of the others.
 
     Raises CaseError if a function fails, or returns something else than components with names of their own.
     """
     out: list[Component] = []
+    names = set(taken)
     for k, given in enumerate(site.case.components):
         at = f"components[{k}].function"
         try:
@@ -62,7 +63,6 @@ def own_components(site: Site) -> tuple[Component, ...]:
             )
             raise CaseError(at=at, got=got, want="a function that builds components", longest=600) from error
         found = tuple(built) if isinstance(built, Iterable) else (built,)
-        names = {q.name for q in out}
         for q in found:
             if not isinstance(q, Component) or not q.name or q.name in names:
                 want = "a Component, or several, each with a name that no other has"

@@ -177,7 +177,14 @@ BUILDERS = [
     ("def f(site):\n    return 1 / 0\n", "ZeroDivisionError: division by zero ("),
     ("def f(site):\n    return 5\n", "returned 5"),
     ("from drillpetsc.fem.component import Component\ndef f(site):\n    return Component()\n", "a name that no other has"),
+    ("from drillpetsc.fem.component import Component\nclass C(Component):\n    name = 'beam'\ndef f(site):\n    return C()\n", "a name that no other has"),
 ]  # fmt: skip
+
+
+def test_components_need_a_string_of_ancf_elements(component):
+    base = load_case(component / "case.yaml")
+    with pytest.raises(CaseError, match="no components of the user"):
+        build_model(base.replace({"beam": {"formulation": "quaternion"}}))
 
 
 @pytest.mark.parametrize(("text", "message"), BUILDERS)

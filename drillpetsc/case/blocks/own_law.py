@@ -87,6 +87,8 @@ class OwnLaw(OwnFunction):
 class OwnComponent(OwnLaw):
     """A component of the user: a function that builds it from the string and its hole."""
 
+    parameters: dict[str, Any] = Field(default={}, description="what the function takes by name, in SI units")
+
 
 class LawOfKind(OwnLaw):
     """A law that is a function in Python, or compiled."""

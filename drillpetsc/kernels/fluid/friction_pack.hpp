@@ -11,7 +11,7 @@ struct WallShears { Pack stress, slope, by_density; };  // as WallShear
 // Laminar stress explicit in the speed (no profile to solve for), with the blend to turbulence.
 inline bool is_explicit(const double* p) {
     const bool profile = p[RHEO_YIELD] > 0.0 && (p[RHEO_KIND] == CASSON || p[RHEO_LAW] == FrictionLaw::EXACT);
-    return !profile && p[RHEO_KIND] != OWN && p[RHEO_LAW] != FrictionLaw::API && (p[RHEO_CONSISTENCY] > 0.0 || p[RHEO_YIELD] > 0.0) && p[RHEO_LIMIT] > 10.0;
+    return !profile && p[RHEO_LAW] != FrictionLaw::API && (p[RHEO_CONSISTENCY] > 0.0 || p[RHEO_YIELD] > 0.0) && p[RHEO_LIMIT] > 10.0;
 }
 
 inline WallShears explicit_wall_shear(const double* p, const Pack& w, const Pack& diameter, bool slot, const Pack& density) {

@@ -120,17 +120,20 @@ Point own_curve(const double* p, bool slot, double rate) {
 Laminar laminar(const double* p, double w, double d, bool slot) {
     const double G = p[slot ? RHEO_SHEAR_SLOT : RHEO_SHEAR_PIPE] / 8.0, shear = 8.0 * G / d, g = shear * w;
     const double ge2 = g * g + p[RHEO_GAMMA] * p[RHEO_GAMMA];
-    if (p[RHEO_KIND] == OWN) {
-        const double ge = std::sqrt(ge2);
-        const Point wall = own_curve(p, slot, ge / G);
-        return {wall.value / ge * shear, 1.0 + g * g / ge2 * (wall.slope - 1.0)};
-    }
     const bool casson = p[RHEO_KIND] == CASSON, implicit = casson || p[RHEO_LAW] == FrictionLaw::EXACT;
     if (!implicit || p[RHEO_YIELD] == 0.0)
         return explicit_laminar(p, shear, g, ge2, p[slot ? RHEO_YIELD_SLOT : RHEO_YIELD_PIPE]);
     const double ge = std::sqrt(ge2);
     Point wall = {p[RHEO_YIELD], 0.0};  // no viscosity: the stress stays at its yield value
     if (p[RHEO_CONSISTENCY] > 0.0) wall = casson ? exact_casson(p, slot, G, ge) : exact_herschel_bulkley(p, slot, G, ge);
+    return {wall.value / ge * shear, 1.0 + g * g / ge2 * (wall.slope - 1.0)};
+}
+
+// The same of a flow curve of the user.
+__attribute__((noinline)) Laminar own_laminar(const double* p, double w, double d, bool slot) {
+    const double G = p[slot ? RHEO_SHEAR_SLOT : RHEO_SHEAR_PIPE] / 8.0, shear = 8.0 * G / d, g = shear * w;
+    const double ge2 = g * g + p[RHEO_GAMMA] * p[RHEO_GAMMA], ge = std::sqrt(ge2);
+    const Point wall = own_curve(p, slot, ge / G);
     return {wall.value / ge * shear, 1.0 + g * g / ge2 * (wall.slope - 1.0)};
 }
 
@@ -179,7 +182,7 @@ namespace dp {
 
 WallShear wall_shear_and_slope(const double* p, double w, double d, double alpha, double density) {
     const bool slot = alpha > 0.5;
-    const Laminar l = laminar(p, w, d, slot);
+    const Laminar l = p[RHEO_KIND] == OWN ? own_laminar(p, w, d, slot) : laminar(p, w, d, slot);
     if (!(l.drag > 0.0)) return {0.0, 0.0, 0.0};  // an inviscid fluid has no wall friction, turbulent or not
     const double Re = std::min(8.0 * density * std::fabs(w) / l.drag, 1e100);
     const Factor F = p[RHEO_LAW] == FrictionLaw::API ? api_factor(p, slot ? 1.5 * Re : Re, slot ? 24.0 : 16.0) : blend_factor(p, Re);
@@ -196,8 +199,12 @@ DP_EXPORT(own_curve, OwnCurve::ColumnText)
 
 extern "C" int rheology_size() { return RHEOLOGY_SIZE; }
 
-// The law p has a flow curve of the user, whose table the caller keeps alive.
-extern "C" void rheology_own_curve(double* p, const double* table) { std::memcpy(p + RHEO_TABLE, &table, sizeof table); }
+// The law p has a flow curve of the user, whose table the caller keeps alive.  Its stress is not explicit in the speed, as if it had a yield stress.
+extern "C" void rheology_own_curve(double* p, const double* table) {
+    std::memcpy(p + RHEO_TABLE, &table, sizeof table);
+    p[RHEO_LAW] = FrictionLaw::EXACT;
+    p[RHEO_YIELD] = 1.0;
+}
 
 // Fills the law p (RHEOLOGY_SIZE).  kind, law as in fluid/rheology.hpp; consistency [Pa s^n], yield [Pa], gamma [1/s].
 extern "C" void rheology_pack(int kind, int law, double consistency, double n, double yield, double gamma, double* p) {

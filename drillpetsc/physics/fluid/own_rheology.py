@@ -1,4 +1,4 @@
-"""A flow curve of the user as a table of the wall stress in pipe and slot (manual: sec-own-physics).
+"""A flow curve of the user as a table of the wall stress in pipe and slot (manual: eq-mud-own-curve).
 
 The profile of a laminar flow gives the mean speed w under the wall stress T, with the shear rate g at the wall (Rabinowitsch):
 
