@@ -8,7 +8,9 @@ from __future__ import annotations
 
 import hmac
 import json
+import os
 import secrets
+import sys
 from collections.abc import Callable, Mapping
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from typing import Any
@@ -178,7 +180,8 @@ def serve(server: Server, open_page: bool) -> None:
             "WARNING: other machines can open this page if they know its address; the token and the data travel in the clear"
         )
     print("Ctrl-C ends the server", flush=True)
-    if open_page:
+    screen = sys.platform != "linux" or {"DISPLAY", "WAYLAND_DISPLAY"} & set(os.environ)
+    if open_page and screen:  # without a screen a text browser would take the terminal
         webbrowser.open(server.url)
     try:
         server.serve_forever(poll_interval=0.2)

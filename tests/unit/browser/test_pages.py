@@ -96,6 +96,7 @@ def test_a_title_of_a_run_is_no_markup(folder: Path) -> None:
     assert "<b>bold</b>" not in text and "\\u003c/script>" in text
 
 
+@pytest.mark.slow
 @needs_browser
 def test_a_page_draws_and_follows_a_run(server: Server, folder: Path) -> None:
     with chromium.browser() as page:
@@ -125,6 +126,7 @@ def test_a_page_draws_and_follows_a_run(server: Server, folder: Path) -> None:
         assert [text for text in page.said if "409" not in text] == []
 
 
+@pytest.mark.slow
 @needs_browser
 def test_an_exported_page_plays_from_a_file(folder: Path, tmp_path: Path) -> None:
     file = tmp_path / "page.html"
@@ -143,6 +145,7 @@ def test_an_exported_page_plays_from_a_file(folder: Path, tmp_path: Path) -> Non
         assert page.said == []
 
 
+@pytest.mark.slow
 @needs_browser
 def test_the_form_of_a_case_checks_and_saves(tmp_path: Path) -> None:
     file = tmp_path / "case.yaml"
@@ -183,6 +186,7 @@ def test_the_form_of_a_case_checks_and_saves(tmp_path: Path) -> None:
         made.server_close()
 
 
+@pytest.mark.slow
 @needs_browser
 def test_a_damaged_last_frame_does_not_hide_the_others(server: Server, folder: Path) -> None:
     (folder / "string" / "000003.vtu").write_text("<VTK")
