@@ -199,10 +199,8 @@ class RunSource:
         if summary:
             return {"word": "stopped" if summary.get("interrupted") else "failed", "text": status}
         if len(self._history):
-            return {
-                "word": "failed",
-                "text": "broken off: no process writes here, and there is no summary.json",
-            }
+            cure = "; run --restart continues it" if self.folder.checkpoint.is_file() else ""
+            return {"word": "failed", "text": f"broken off: no process writes here any more{cure}"}
         return {"word": "empty", "text": "no results in this folder yet"}
 
     def _columns(self, first: int, last: int, units: System) -> dict[str, str]:

@@ -114,7 +114,9 @@ def test_status_of_runs_that_are_written_finished_stopped_and_broken_off(tmp_pat
     run.summary.write_text('{"status": "failed: no convergence"}')
     assert source.news()["status"] == {"word": "failed", "text": "failed: no convergence"}
     run.summary.unlink()
-    assert "broken off" in source.news()["status"]["text"]
+    assert source.news()["status"]["text"] == "broken off: no process writes here any more"
+    run.checkpoint.touch()
+    assert source.news()["status"]["text"].endswith("run --restart continues it")
     assert lock.writer_of(run.path) is None and not (run.path / lock.NAME).exists()
 
 
