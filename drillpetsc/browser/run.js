@@ -11,15 +11,17 @@ const AHEAD = 6;    // frames that are read before they are played
 const TRACKED = 60; // ms between two drawings of the tracks while frames are played: nobody reads a curve faster
 const KEPT = 400;   // frames in memory
 const LINES = ["#2f7bc4", "#d9662f", "#3f9a55", "#9a6cc0", "#a88532", "#c9507f"];
+const DISTANCE = "distance_from_centre [m]", BENT = 0.02;  // of its length: a string without a hole that moves farther is shown as it lies
 const PREFERRED = {
   colour: ["effective_tension [N]", "axial_force [N]", "annulus_pressure [Pa]", "internal_pressure [Pa]"],
-  tracks: ["effective_tension [N]", "axial_force [N]", "torque [N m]", "contact_force [N/m]", "distance_from_centre [m]", "annulus_pressure [Pa]"],
+  tracks: ["effective_tension [N]", "axial_force [N]", "torque [N m]", "contact_force [N/m]", DISTANCE, "annulus_pressure [Pa]", "internal_pressure [Pa]"],
 };
 
 const state = {
   series: "", rows: 0, hole: "", columns: {}, panels: [], times: [], fields: {}, wall: null, status: {}, first: true,
   frames: new Map(), wanted: new Map(), shown: -1, now: null, view: "straight", scale: null, range: null, colour: null,
   tracks: null, histories: null, playing: false, tracked: 0,
+  reach: null, reached: 0,  // of a bent string, and the number of frames that it is of
   picked: { tracks: false, histories: false },  // by the reader, not by the page
 };
 
@@ -77,7 +79,7 @@ async function poll() {
     return 3000;
   }
   const anew = found.series !== state.series;
-  if (anew) Object.assign(state, { rows: 0, columns: {}, frames: new Map(), wanted: new Map(), shown: -1, now: null, series: found.series });
+  if (anew) Object.assign(state, { rows: 0, columns: {}, frames: new Map(), wanted: new Map(), shown: -1, now: null, reach: null, reached: 0, series: found.series });
   const more = found.rows > state.rows || anew;
   if (found.first === state.rows || anew) {
     for (const [title, text] of Object.entries(found.columns)) {
@@ -144,6 +146,7 @@ function choose_fields() {  // whether the tracks are others than before
   if (!state.picked.tracks || !state.tracks.length) {
     const before = String(state.tracks), found = PREFERRED.tracks.filter((name) => name in state.fields && varies(name));
     if (found[0] === PREFERRED.tracks[0] && found[1] === PREFERRED.tracks[1]) found.splice(1, 1);
+    if (found.length < 3) found.push(...names.filter((name) => varies(name) && !found.includes(name)));
     state.tracks = (found.length ? found : names).slice(0, window.innerWidth < 640 ? 3 : window.innerWidth < 1200 ? 4 : 5);
     again = before !== String(state.tracks);
   }
@@ -257,14 +260,15 @@ const WIDE = 0.36;  // of the straightened hole, in parts of its height
 function automatic_scale(now, at, low, high) {
   const half = half_width(now, at) / state.perDepth;  // [depth unit]
   const raw = state.view === "straight" ? 0.5 * WIDE * (high - low) / (1.12 * half) : 0.012 * (high - low) / half;
-  const digits = 10 ** (Math.floor(Math.log10(Math.max(raw, 1))) - 1);
-  return Math.max(Math.floor(raw / digits) * digits, 1);
+  const digits = 10 ** (Math.floor(Math.log10(raw)) - 1), round = Math.floor(raw / digits) * digits;
+  return state.view === "straight" ? round : Math.max(round, 1);
 }
 
 function tubes(now) {  // string and hole for Plotly, and the ranges of the axes of the straightened view
   const [low, high] = bounds(now.md), at = rings(now.md, low, high), straight = state.view === "straight";
   const scale = state.scale || automatic_scale(now, at, low, high), pick = (values, factor = 1) => Float32Array.from(at, (i) => values[i] * factor);
-  const radius = now.radius ? pick(now.radius) : new Float32Array(at.length).fill(half_width(now, at) / 20);
+  const thin = state.view === "straight" ? half_width(now, at) / 20 : 0.01 * (high - low) * state.perDepth / scale;  // of a beam without a diameter
+  const radius = now.radius && now.radius.some((r) => r > 0) ? pick(now.radius) : new Float32Array(at.length).fill(thin);
   const values = now[`f:${state.colour}`], intensity = new Float32Array(at.length * SIDES);
   for (let r = 0; r < at.length; r++) intensity.fill(values ? values[at[r]] : 0, r * SIDES, (r + 1) * SIDES);
   const toDepth = scale / state.perDepth;
@@ -287,7 +291,7 @@ function true_box(string, hole, axis_of) {  // the same scale in all directions,
   const ends = string.map((values, k) => {
     const all = hole ? [values, hole["xyz"[k]]] : [values];
     return [Math.min(...all.map((v) => Math.min(...v))), Math.max(...all.map((v) => Math.max(...v)))];
-  });
+  }).map(([a, b], k) => state.reach ? [Math.min(a, state.reach[k][0]), Math.max(b, state.reach[k][1])] : [a, b]);
   const most = Math.max(...ends.map(([a, b]) => b - a)) || 1, ratio = {}, axes = {};
   ["east", "north", "depth"].forEach((title, k) => {
     const [a, b] = ends[k], half = 0.5 * Math.max(b - a, 0.2 * most), middle = 0.5 * (a + b);
@@ -308,7 +312,7 @@ async function draw_scene(now, whole) {
   state.count = count;
   const lighting = { ambient: 0.75, diffuse: 0.5, specular: 0.1, roughness: 0.7 };
   const traces = [{ type: "mesh3d", x, y, z, intensity, ...faces(count), cmin: ends[0], cmax: ends[1], colorscale: scale, lighting, hoverinfo: "skip",
-    colorbar: { title: { text: named(state.colour), side: "right", font: { size: 11 } }, thickness: 12, len: 0.7, x: 1, xpad: 2, tickfont: { size: 11 } } }];
+    colorbar: { title: { text: named(state.colour), side: "right", font: { size: 11 } }, thickness: 12, len: 0.7, x: 1, xpad: 2, tickfont: { size: 11 }, exponentformat: "none" } }];
   if (made.hole) {
     const { count: n, ...corners } = made.hole;
     traces.push({ type: "mesh3d", ...corners, ...faces(n, HOLE_SIDES), color: css("--wall"), opacity: 0.16, hoverinfo: "skip", lighting: { ambient: 0.9 } });
@@ -327,7 +331,7 @@ async function draw_scene(now, whole) {
   Object.assign(scene, { camera: { eye, projection: { type: "orthographic" } }, uirevision: state.view, dragmode: "turntable" });
   await Plotly.react("string", traces, look({ margin: { l: 0, r: 0, t: 0, b: 0 }, scene, uirevision: state.view }), CONFIG);
   byId("caption").textContent = `${straight ? "measured depth" : "east, north, depth"} in ${state.depth}; ` +
-    (made.scale > 1.0001 ? `sideways lengths drawn ${format(made.scale)} times larger` : "true scale");
+    (Math.abs(made.scale - 1) > 1e-4 ? `sideways lengths drawn ${format(made.scale)} times larger` : "true scale");
   byId("scale").value = format(made.scale);
   const shown = state.range || [now.md[0], now.md[now.md.length - 1]];
   byId("from").value = format(shown[0]); byId("to").value = format(shown[1]);
@@ -467,6 +471,9 @@ async function show_now(k, whole) {
       k--;
     }
   }
+  const bent = !state.wall && DISTANCE in state.fields && state.fields[DISTANCE].high > BENT * state.perDepth * (now.md[now.md.length - 1] - now.md[0]);
+  if (bent && !state.now && state.view === "straight") set_view("true");
+  if (bent && state.reached !== state.times.length) [state.reach, state.reached, whole] = [await reach(), state.times.length, true];
   whole = whole || !state.now || state.now.md.length !== now.md.length;
   Object.assign(state, { shown: k, now });
   byId("slider").value = k;
@@ -476,6 +483,18 @@ async function show_now(k, whole) {
   await Promise.all([draw_scene(now, whole), tracks && draw_tracks(now, whole)]);
   place_cursor();
   for (let i = 1; i <= (state.playing ? AHEAD : 1); i++) if (k + i < state.times.length) frame(k + i).catch(() => {});
+}
+
+async function reach() {  // east, north and depth that a string without a hole passes, from some of its frames
+  const step = Math.max(Math.ceil(state.times.length / 60), 1), ends = [1, 0, 2].map(() => [Infinity, -Infinity]);
+  for (let k = 0; k < state.times.length; k += step) {
+    const now = await frame(k);
+    [1, 0, 2].forEach((j, n) => now.md.forEach((_, i) => {
+      const at = now[`c${j}`][i] + now[`l${j}`][i];
+      ends[n] = [Math.min(ends[n][0], at), Math.max(ends[n][1], at)];
+    }));
+  }
+  return ends;
 }
 
 async function play() {
@@ -496,9 +515,13 @@ async function play() {
   if (state.playing) play();
 }
 
-function view(which) {
+function set_view(which) {
   Object.assign(state, { view: which, scale: null });
   for (const id of ["straight", "true"]) byId(id).classList.toggle("on", id === which);
+}
+
+function view(which) {
+  set_view(which);
   if (state.shown >= 0) show(state.shown, true);
 }
 

@@ -199,10 +199,8 @@ class RunSource:
         if summary:
             return {"word": "stopped" if summary.get("interrupted") else "failed", "text": status}
         if len(self._history):
-            return {
-                "word": "failed",
-                "text": "broken off: no process writes here, and there is no summary.json",
-            }
+            cure = "; run --restart continues it" if self.folder.checkpoint.is_file() else ""
+            return {"word": "failed", "text": f"broken off: no process writes here any more{cure}"}
         return {"word": "empty", "text": "no results in this folder yet"}
 
     def _columns(self, first: int, last: int, units: System) -> dict[str, str]:
@@ -278,15 +276,20 @@ class RunSource:
     def _values(self, frame: Frame) -> dict[str, np.ndarray]:
         """Numbers (n,) at the nodes that a track or a colour can show [SI]."""
         data = frame.point_data
-        shown = {k: np.asarray(v, dtype=float) for k, v in data.items() if k not in PLACE and np.ndim(v) == 1}
+        fields = {
+            k: np.asarray(v, dtype=float) for k, v in data.items() if k not in PLACE and np.ndim(v) == 1
+        }
         place = self._place(frame)
-        return {**shown, DISTANCE: np.hypot(place["ox"], place["oy"])}
+        return {**fields, DISTANCE: np.hypot(place["ox"], place["oy"])}
 
     def _place(self, frame: Frame) -> dict[str, np.ndarray]:
         """Where the string is [m].
 
-        md, radius, hole (n,): measured depth, radii of pipe and hole, the latter two only if known; ox, oy (n,): offset to
-        the high side and to the right; centre (n, 3): of the hole at the node; lateral (n, 3): from there to the string.
+        md (n,): measured depth.
+        radius, hole (n,): radii of pipe and hole, if known.
+        ox, oy (n,): offset to the high side and to the right.
+        centre (n, 3): of the hole at the node.
+        lateral (n, 3): from the centre to the string.
         """
         data, points = frame.point_data, np.asarray(frame.points, dtype=float)
         rest = points - data.get("displacement [m]", np.zeros_like(points))
@@ -297,8 +300,9 @@ class RunSource:
                 out[key] = np.asarray(data[name])
         wall = self._wall()
         if wall is not None and "offset_x [m]" in data:
-            first = high_sides(_tangents(wall, md))
-            second = np.cross(_tangents(wall, md), first)
+            along = _tangents(wall, md)
+            first = high_sides(along)
+            second = np.cross(along, first)
             out["ox"], out["oy"] = data["offset_x [m]"], data["offset_y [m]"]
             out["lateral"] = out["ox"][:, None] * first + out["oy"][:, None] * second
             out["centre"] = points - out["lateral"]
@@ -334,7 +338,7 @@ def _packed_wall(wall: Mapping[str, np.ndarray], depth: float, lateral: float) -
 
 
 def _tangents(wall: Mapping[str, np.ndarray], md: np.ndarray) -> np.ndarray:
-    """Unit tangents (n, 3) of the hole at depths (n,) [m], between those of its stations."""
+    """Unit tangents (n, 3) of the hole at depths (n,) [m], interpolated between its stations."""
     keep = np.append(True, np.diff(wall["md"]) > 0)  # a step of the radius is a station given twice
     at, centre = wall["md"][keep], wall["centre"][keep]
     along = np.gradient(centre, at, axis=0)

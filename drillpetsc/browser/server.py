@@ -1,14 +1,16 @@
 """The server of the local pages: HTTP on this machine, for who has the token.
 
-A page of another site must not read or change files here. So each request needs the token, which is in the address that
-the program prints; the name of the host must be this server's, which stops rebinding of names; and no address is a path of a file.
+A page of another site must not read or change files here. Therefore each request needs the token, which is part of the
+printed address. The host name must be local, which stops rebinding of names. No address corresponds to a path of a file.
 """
 
 from __future__ import annotations
 
 import hmac
 import json
+import os
 import secrets
+import sys
 from collections.abc import Callable, Mapping
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from typing import Any
@@ -73,7 +75,7 @@ class Handler(BaseHTTPRequestHandler):
     server_version, sys_version = "drillpetsc", ""
 
     def do_GET(self) -> None:
-        """Send a page, or what a function answers."""
+        """Send a page, or the result of a function as JSON."""
         self._answer(self.server.get, None)
 
     def do_POST(self) -> None:
@@ -85,7 +87,7 @@ class Handler(BaseHTTPRequestHandler):
         body = self.rfile.read(int(size))
         origin = self.headers.get("Origin")
         if origin is not None and urlsplit(origin).netloc != self.headers.get("Host"):
-            return self._send_error(403, "a page of another site asks")
+            return self._send_error(403, "requests of other sites are refused")
         try:
             values = json.loads(body)
         except ValueError:
@@ -100,7 +102,7 @@ class Handler(BaseHTTPRequestHandler):
         given = self.headers.get("X-Token") or values.pop("token", "")
         names = self.server.names
         if names is not None and self.headers.get("Host") not in names:
-            return self._send_error(403, "this server answers to its local name only")
+            return self._send_error(403, "only the local name of this server is allowed")
         if not hmac.compare_digest(given.encode(), self.server.token.encode()):
             return self._send_error(
                 403, "the token is missing or old: use the address that drillpetsc serve printed"
@@ -135,7 +137,7 @@ class Handler(BaseHTTPRequestHandler):
             self.close_connection = True
 
     def log_message(self, format: str, *args: Any) -> None:
-        """Print nothing: a page asks every second."""
+        """Print nothing: there is a request every second."""
 
 
 def run_server(host: str, port: int, source: Any) -> Server:
@@ -175,10 +177,11 @@ def serve(server: Server, open_page: bool) -> None:
     print(f"page: {server.url}", flush=True)
     if server.names is None:
         print(
-            "WARNING: other machines can open this page if they know its address; the token and the data travel in the clear"
+            "WARNING: other machines can open this page if they know its address; token and data travel unencrypted"
         )
     print("Ctrl-C ends the server", flush=True)
-    if open_page:
+    screen = sys.platform != "linux" or {"DISPLAY", "WAYLAND_DISPLAY"} & set(os.environ)
+    if open_page and screen:  # without a screen a text browser would take the terminal
         webbrowser.open(server.url)
     try:
         server.serve_forever(poll_interval=0.2)

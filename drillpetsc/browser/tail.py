@@ -13,8 +13,9 @@ from drillpetsc.output.files.tables import read_titles
 class Tail:
     """The rows of a CSV table of numbers that a run may be writing.
 
-    titles: of its columns; damaged: rows that are no numbers, which are left out.
-    series: a name that changes when the file is another one, so that its rows count from 0.
+    titles: of its columns.
+    damaged: number of rows that cannot be read and are left out.
+    series: a name of the file; it changes if the file is replaced, and rows count from 0 again.
     """
 
     def __init__(self, path: Path) -> None:

@@ -19,9 +19,9 @@ from drillpetsc.browser.case_form import CaseForm
 from drillpetsc.browser.page import export_page
 from drillpetsc.browser.run_source import RunSource
 from drillpetsc.browser.server import Server, case_server, run_server
-from drillpetsc.output import FieldWriter
+from drillpetsc.output import FieldWriter, read_frame, read_series
 from tests.helpers import chromium
-from tests.helpers.output_samples import helix_frame, make_run
+from tests.helpers.output_samples import helix_frame, make_pendulum, make_run
 
 pytest.importorskip("plotly")
 needs_browser = pytest.mark.skipif(chromium.program() is None, reason="no Chromium on this machine")
@@ -96,6 +96,7 @@ def test_a_title_of_a_run_is_no_markup(folder: Path) -> None:
     assert "<b>bold</b>" not in text and "\\u003c/script>" in text
 
 
+@pytest.mark.slow
 @needs_browser
 def test_a_page_draws_and_follows_a_run(server: Server, folder: Path) -> None:
     with chromium.browser() as page:
@@ -125,6 +126,7 @@ def test_a_page_draws_and_follows_a_run(server: Server, folder: Path) -> None:
         assert [text for text in page.said if "409" not in text] == []
 
 
+@pytest.mark.slow
 @needs_browser
 def test_an_exported_page_plays_from_a_file(folder: Path, tmp_path: Path) -> None:
     file = tmp_path / "page.html"
@@ -143,6 +145,7 @@ def test_an_exported_page_plays_from_a_file(folder: Path, tmp_path: Path) -> Non
         assert page.said == []
 
 
+@pytest.mark.slow
 @needs_browser
 def test_the_form_of_a_case_checks_and_saves(tmp_path: Path) -> None:
     file = tmp_path / "case.yaml"
@@ -183,6 +186,7 @@ def test_the_form_of_a_case_checks_and_saves(tmp_path: Path) -> None:
         made.server_close()
 
 
+@pytest.mark.slow
 @needs_browser
 def test_a_damaged_last_frame_does_not_hide_the_others(server: Server, folder: Path) -> None:
     (folder / "string" / "000003.vtu").write_text("<VTK")
@@ -190,3 +194,25 @@ def test_a_damaged_last_frame_does_not_hide_the_others(server: Server, folder: P
         page.open(server.url)
         page.wait("state.shown === 2")
         assert drawn(page, "string", key="x").size > 0
+
+
+@pytest.mark.slow
+@needs_browser
+def test_a_bent_string_is_shown_as_it_lies_in_a_box_of_all_frames(tmp_path: Path) -> None:
+    run = make_pendulum(tmp_path / "run")
+    run.release()
+    points = np.concatenate([read_frame(file).points for _, file in read_series(run.path)])
+    file = tmp_path / "page.html"
+    file.write_text(export_page(RunSource(run.path, "metric"))[0], encoding="utf-8")
+    with chromium.browser() as page:
+        page.open(file.as_uri())
+        page.wait("state.now && state.view === 'true' && state.reach")
+        page.wait("document.getElementById('string').layout.scene.zaxis.title.text.startsWith('depth')")
+        scene = page.run("document.getElementById('string').layout.scene")
+        for axis, column in (("xaxis", 1), ("yaxis", 0), ("zaxis", 2)):
+            low, high = sorted(scene[axis]["range"])
+            assert low <= points[:, column].min() + 1e-6 and high >= points[:, column].max() - 1e-6
+        sizes = {axis: abs(np.diff(scene[f"{axis}axis"]["range"])[0]) for axis in "xyz"}
+        ratios = [scene["aspectratio"][axis] / sizes[axis] for axis in "xyz"]
+        np.testing.assert_allclose(ratios, ratios[0], rtol=1e-6)  # one scale in all directions
+        assert page.said == []

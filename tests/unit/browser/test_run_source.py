@@ -5,6 +5,9 @@ from __future__ import annotations
 import base64
 import os
 import shutil
+import subprocess
+import sys
+import time
 from pathlib import Path
 from typing import Any
 
@@ -16,6 +19,7 @@ from drillpetsc.browser.run_source import DISTANCE, RunSource
 from drillpetsc.browser.tail import Tail
 from drillpetsc.output import FieldWriter, Table
 from drillpetsc.output.files import lock
+from drillpetsc.output.files.tables import read_table
 from tests.helpers.output_samples import AMPLITUDE, HOLE, LENGTH, PIPE, helix_frame, make_run
 
 
@@ -110,7 +114,9 @@ def test_status_of_runs_that_are_written_finished_stopped_and_broken_off(tmp_pat
     run.summary.write_text('{"status": "failed: no convergence"}')
     assert source.news()["status"] == {"word": "failed", "text": "failed: no convergence"}
     run.summary.unlink()
-    assert "broken off" in source.news()["status"]["text"]
+    assert source.news()["status"]["text"] == "broken off: no process writes here any more"
+    run.checkpoint.touch()
+    assert source.news()["status"]["text"].endswith("run --restart continues it")
     assert lock.writer_of(run.path) is None and not (run.path / lock.NAME).exists()
 
 
@@ -195,3 +201,47 @@ def test_long_histories_come_in_parts(tmp_path: Path, monkeypatch: pytest.Monkey
     assert [part["rows"] for part in parts] == [40, 80, 101]
     time = np.concatenate([numbers(part["columns"]["time [s]"], "<f8") for part in parts])
     np.testing.assert_allclose(time, np.linspace(0, 3, 101))
+
+
+@pytest.mark.slow
+def test_a_run_of_another_process_is_followed_to_its_end(tmp_path: Path) -> None:
+    folder = tmp_path / "run"
+    folder.mkdir()
+    source = RunSource(folder)
+    case = Path(__file__).parents[3] / "cases" / "lying-string.yaml"
+    changes = [
+        "--set",
+        "time.end=3 s",
+        "--set",
+        "output.field_every=0.05 s",
+        "--set",
+        "output.history_every=0.001 s",
+    ]
+    command = [
+        sys.executable,
+        "-P",
+        "-m",
+        "drillpetsc",
+        "run",
+        str(case),
+        "--out",
+        str(folder),
+        "--overwrite",
+        *changes,
+    ]
+    parts: list[dict[str, Any]] = []
+    words = []
+    with subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL) as run:
+        while run.poll() is None or not parts:
+            news = source.news(parts[-1]["series"] if parts else "", parts[-1]["rows"] if parts else 0)
+            words.append(news["status"]["word"])
+            parts += [news] if news["series"] else []
+            time.sleep(0.1)
+        assert run.returncode == 0
+    parts.append(source.news(parts[-1]["series"], parts[-1]["rows"]))
+    assert "running" in words and parts[-1]["status"]["word"] == "done"
+    assert len({part["rows"] for part in parts}) > 2, "rows came in several parts"
+    got = np.concatenate([numbers(part["columns"]["hook_load [N]"]) for part in parts])
+    whole = read_table(folder / "history.csv")["hook_load [N]"]
+    np.testing.assert_allclose(got, whole / 1e3, rtol=1e-6, atol=1e-6)
+    assert len(parts[-1]["times"]) == 61 and parts[-1]["notes"] == []
