@@ -1565,7 +1565,7 @@ class OwnComponent(PythonBlock):
 
     function: file.py:function, beside the case file, or module:function; from Python also the function itself
     source: SHA-256 of the file with the function, filled in; a case that gives it does not run with another file
-    parameters: numbers that the function takes by name, in SI units
+    parameters: what the function takes by name, in SI units
     """
     def __init__(
         self,
@@ -2900,6 +2900,7 @@ def sensitivities(
     motion: Literal['hoist', 'lower', 'rotate'] | None = None,
     operation: str | None = None,
     depths: Literal['deepest', 'all'] = 'deepest',
+    model: Literal['soft', 'stiff'] = 'soft',
     units: Literal['field', 'metric', 'metric_t', 'SI'] | None = None,
     overwrite: bool = False,
     name: str | None = None,
@@ -2914,12 +2915,13 @@ def sensitivities(
     out: run folder (default: results/<case>-NNN)
     to: keys of the case: 'well.sections[1].friction,string[jar].weight,fluid.density,top.rotation'
     of: outputs, such as hook_load or trip_out.hook_load, or all (default: hook load and surface torque; pump pressure and ECD)
-    analysis: whose outputs are meant; of a roadmap the soft string with the friction of the hole's sections (default: statics)
+    analysis: whose outputs are meant; a roadmap has the friction of the hole's sections (default: statics)
     all: every continuous number of the case, instead of to
     check: compare N derivatives with differences of full solutions: the largest, the median, others at random (default: 0)
     motion: of statics: motion that friction opposes
     operation: of statics: operation, as of the command statics
     depths: of a roadmap: its bit depths (default: deepest)
+    model: of a roadmap: soft string or beam (default: soft)
     units: units of what is printed and plotted (default: the case's; files stay in SI); metric_t: forces in tonnes
     overwrite: replace the results in an existing out
     name: name of the case in the default folder
