@@ -137,6 +137,9 @@ class Case(CaseBlocks):
         parts = [items, f"{self.string_length:g} m", *blocks, *end]
         return f"<Case {self.title!r}: {', '.join(parts)}>"
 
+    def __str__(self) -> str:
+        return repr(self)
+
     def _repr_html_(self) -> str:
         """The string as a table, for a notebook."""
         from drillpetsc.case.pipe.string_table import case_html

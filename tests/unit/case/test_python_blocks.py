@@ -177,7 +177,7 @@ def test_reprs_and_names_for_a_notebook() -> None:
             "sections": [dp.Section(to=9990.0, kind="open_hole", diameter=0.2159)],
         },
     )
-    assert repr(case) == "<Case 'Long': 1 item, 90 m, well, contact>"
+    assert str(case) == repr(case) == "<Case 'Long': 1 item, 90 m, well, contact>"
     assert (
         repr(case.well.survey).startswith("Survey(md=(0.0, ..., 9990.0: 1000), ")
         and len(repr(case.well)) < 300
