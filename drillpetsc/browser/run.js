@@ -8,7 +8,7 @@ const SIDES = 12, HOLE_SIDES = 24;  // corners of the cross-sections of string a
 const WALL_WIDER = 1.03;  // than the hole: surfaces that coincide would flicker; and the corners lie on this circle
 const POINTS = 3000;  // of a line of a history
 const AHEAD = 6;    // frames that are read before they are played
-const TRACKED = 60; // ms between two drawings of the tracks while frames are played: nobody reads a curve faster
+const TRACKED = 100; // ms between two drawings of the tracks while frames are played: nobody reads a curve faster
 const KEPT = 400;   // frames in memory
 const LINES = ["#2f7bc4", "#d9662f", "#3f9a55", "#9a6cc0", "#a88532", "#c9507f"];
 const DISTANCE = "distance_from_centre [m]", BENT = 0.02;  // of its length: a string without a hole that moves farther is shown as it lies
