@@ -8,7 +8,7 @@ const SIDES = 12, HOLE_SIDES = 24;  // corners of the cross-sections of string a
 const WALL_WIDER = 1.03;  // than the hole: surfaces that coincide would flicker; and the corners lie on this circle
 const POINTS = 3000;  // of a line of a history
 const AHEAD = 6;    // frames that are read before they are played
-const TRACKED = 60; // ms between two drawings of the tracks while frames are played: nobody reads a curve faster
+const TRACKED = 100; // ms between two drawings of the tracks while frames are played: nobody reads a curve faster
 const KEPT = 400;   // frames in memory
 const LINES = ["#2f7bc4", "#d9662f", "#3f9a55", "#9a6cc0", "#a88532", "#c9507f"];
 const DISTANCE = "distance_from_centre [m]", BENT = 0.02;  // of its length: a string without a hole that moves farther is shown as it lies
@@ -292,10 +292,12 @@ function true_box(string, hole, axis_of) {  // the same scale in all directions,
     const all = hole ? [values, hole["xyz"[k]]] : [values];
     return [Math.min(...all.map((v) => Math.min(...v))), Math.max(...all.map((v) => Math.max(...v)))];
   }).map(([a, b], k) => state.reach ? [Math.min(a, state.reach[k][0]), Math.max(b, state.reach[k][1])] : [a, b]);
-  const most = Math.max(...ends.map(([a, b]) => b - a)) || 1, ratio = {}, axes = {};
+  const most = Math.max(...ends.map(([a, b]) => b - a)) || 1, ratio = {}, axes = {}, box = byId("string");
+  const spans = ends.map(([a, b]) => Math.max(b - a, 0.2 * most)), wide = Math.hypot(spans[0], spans[1]) * box.clientHeight / box.clientWidth;
+  const whole = Math.max(spans[2], 0.9 * wide);  // fits the panel in both directions
   ["east", "north", "depth"].forEach((title, k) => {
     const [a, b] = ends[k], half = 0.5 * Math.max(b - a, 0.2 * most), middle = 0.5 * (a + b);
-    ratio["xyz"[k]] = 2 * half / most * 1.5;
+    ratio["xyz"[k]] = 2 * half / whole * 1.5;
     axes[`${"xyz"[k]}axis`] = axis_of(title, k < 2 ? [middle - half, middle + half] : [middle + half, middle - half]);
   });
   return { aspectratio: ratio, ...axes };
