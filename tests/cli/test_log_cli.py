@@ -68,6 +68,26 @@ def test_a_log_without_points_is_doubtful(tmp_path, capsys):
         assert any(why in q for q in json.loads((out / "quality.json").read_text())["warnings"])
 
 
+def test_rows_below_the_hole_of_the_case_have_no_weight(tmp_path):
+    """Half of the rows are below a case of 1010 m: the others show the size of the hook load, and the log is read."""
+    case = {
+        "well": {
+            "survey": {"md": ["0 m", "1010 m"], "inclination": ["0 deg"] * 2, "azimuth": ["0 deg"] * 2},
+            "sections": [{"kind": "open_hole", "diameter": "216 mm"}],
+        },
+        "string": [{"kind": "pipe", "length": "1010 m", "od": "127 mm", "id": "108.6 mm"}],
+        "top": "clamped",
+    }
+    rows = ["md_m,hookload_t,torque_kNm,rpm,rop_m_per_h"]
+    rows += [f"{1000 + 0.1 * i},30,12,120,20" for i in range(200)]
+    (tmp_path / "rig.csv").write_text("\n".join(rows))
+    found = drillpetsc.import_log(tmp_path / "rig.csv", case=drillpetsc.Case(**case), out=tmp_path / "out")
+    assert found.states.count() == {"drilling": 200}
+    (tmp_path / "rig.csv").write_text("\n".join(rows).replace(",30,", ",3000,"))
+    with pytest.raises(CaseError, match="times the computed weight"):
+        drillpetsc.import_log(tmp_path / "rig.csv", case=drillpetsc.Case(**case), out=tmp_path / "other")
+
+
 def test_import_log_in_python(log, tmp_path):
     """The function writes what the command writes, and returns log, states, points and checks."""
     found = drillpetsc.import_log(log, out=tmp_path / "out", every="5m")
