@@ -9,6 +9,7 @@ Importing the package starts no MPI and imports nothing else of it. The types of
 """
 
 from importlib import import_module
+from importlib.util import find_spec
 from typing import Any
 
 from drillpetsc.version import __version__ as __version__
@@ -20,7 +21,9 @@ def __getattr__(name: str) -> Any:
         return import_module(f"drillpetsc.{name}")
     if name == "Session":
         return import_module("drillpetsc.analysis.motion.session.session").Session
-    public = {} if name.startswith("_") else import_module("drillpetsc.api").PUBLIC
+    # `from drillpetsc import operations` asks here before it loads the module: the help would wait for all of the face
+    own = name.startswith("_") or find_spec(f"drillpetsc.{name}") is not None
+    public = {} if own else import_module("drillpetsc.api").PUBLIC
     if name in public:
         return public[name]
     raise AttributeError(f"module 'drillpetsc' has no attribute {name!r}")

@@ -84,6 +84,7 @@ COMMANDS = {
     "run": "--out OUT --progress silent",
     "sweep": "top.rotation=50,60 --out OUT --progress silent",
     "statics": "--out OUT",
+    "sensitivities": "--to fluid.density --out OUT",
     "limits": "--out OUT",
     "roadmap": "--out OUT",
     "roadmap --model stiff": "--out OUT",

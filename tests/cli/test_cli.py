@@ -235,8 +235,8 @@ def test_python_face():
     import drillpetsc as package
     from drillpetsc import api
 
-    assert all(getattr(package, name) is getattr(api, name) for name in api.__all__)
-    assert set(api.__all__) <= set(package.__all__) <= set(dir(package))
+    assert all(getattr(package, name) is value for name, value in api.PUBLIC.items())
+    assert set(api.PUBLIC) <= set(dir(package))
     with pytest.raises(AttributeError):
         package.simulate  # noqa: B018
 
