@@ -142,9 +142,15 @@ def _differentiated(
         try:
             found += derivatives(case, solution, chosen, [key])
         except CaseError as error:
-            if not skips:
-                raise
             skipped[key.name] = error.want
+            if skips:
+                continue
+            if error.at == "--to":
+                raise
+            want = (
+                f"a number that can change a little: {error.at} {error.want}"  # the changed case is refused
+            )
+            raise CaseError(at="--to", got=key.name, want=want, hint=error.hint) from None
     return found, skipped
 
 

@@ -38,7 +38,6 @@ RESOLUTION, RESOLUTION_IN_MUD = (
     1e-5,
     5e-4,
 )  # relative changes of outputs that are rounding, or of the hole as the mud sees it [-]
-ACROSS = ("top.side_reaction_1", "top.side_reaction_2")
 #: of differences of the residual, relative: the wall yields by micrometres, beyond which a change of a diameter opens contacts
 RESIDUAL_STEP = 1e-7
 BENT, NOISE = (
@@ -81,19 +80,18 @@ class StaticTangent:
         motion = prescribed_motion(model) if self.motion is None else self.motion
         for component in model.components:
             component.impose_sliding_direction(*motion, self.state.lateral_fraction, 0.0)
-        asm, solver = model.system.assembly, StaticNewton(model.system, symmetric=model.conservative)
+        solver = StaticNewton(model.system, symmetric=model.conservative)
         if self.motion is None:
             solver.rates = surge_rates(model, motion[0])
         if model.case.initial.wob is not None:
             set_weight_on_bit(model, solver, model.case.initial.wob)
         if model.fluid is not None:
             solver.rate_weight = STORAGE_WEIGHT
-        asm.release(ACROSS if self._top_on_wall else ())
         return solver
 
     @property
     def _top_on_wall(self) -> bool:
-        """Whether the top lies across the hole where nothing pushes it."""
+        """Whether the top lies across the hole where nothing pushes it.  It is held there, which the derivative does not know."""
         return self.top is not None and len(self.top) > 2 and bool(np.abs(self.top[1:3]).max() > 1e-9)
 
     def near(
@@ -114,7 +112,8 @@ class StaticTangent:
         for point, model in zip(points, models, strict=True):
             solver = self._take(model, self.x[:-1] + point.change * step[:-1], point.change * step[-1])
             rows.append(self._rows_of(solver))
-        return models, self._bends(points, rows, step) or self._opens(models)
+        bends = self._bends(points, rows, step) or self._opens(models)
+        return models, bends or self._top_on_wall
 
     def _take(self, model: DrillingModel, x: FloatArray, move: float = 0.0) -> StaticNewton:
         """Put a new model into the state with unknowns ``x``, its top ``move`` [m] further down; returns its equations."""
