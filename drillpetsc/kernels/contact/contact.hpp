@@ -41,7 +41,7 @@ struct OwnFriction {
 constexpr double STATICS_SLIP = 1.0;  // slip speed at which a law of the user counts if only the direction of sliding is given [m/s]
 
 template <class T>
-inline T own_friction_at(const ContactLaw& law, const T& normal, const T& axial, const T& around, const T& given, const T& depth) {
+__attribute__((noinline)) T own_friction_at(const ContactLaw& law, const T& normal, const T& axial, const T& around, const T& given, const T& depth) {
     const T state[OwnFriction::STATES] = {normal, sqrt(axial * axial + around * around), axial, around, given, depth};
     T found[OwnFriction::RESULTS];
     own_results(*law.own, state, found);
@@ -106,9 +106,9 @@ inline bool touches(const ContactLaw& law, const Well& well, const Vec<double>& 
 // Touching point x of the axis with velocity u, section turning with `turning`, radius R; weight: length it stands for, times its hardness.
 // guided: friction has a torque and a force along the hole, none round it.  So has that of a part without clearance, which friction and the
 // spring of the wall would otherwise drive to a whirl whose force the stiffness of the wall decides.
-template <class T>
-inline void touch(const ContactLaw& law, const Well& well, const Foot& foot, const Vec<T>& x, const Vec<T>& u, const Vec<T>& turning, double R,
-                  double own_friction, double weight, Touch<T>& out, PointResults* results = nullptr, bool guided = false) {
+template <bool OWN, class T>
+inline void touch_by(const ContactLaw& law, const Well& well, const Foot& foot, const Vec<T>& x, const Vec<T>& u, const Vec<T>& turning, double R,
+                  double own_friction, double weight, Touch<T>& out, PointResults* results, bool guided) {
     const HolePoint<T> h = hole_point(well, foot, x);
     T depth = h.rho;
     Vec<T> gradient = h.n;
@@ -128,21 +128,21 @@ inline void touch(const ContactLaw& law, const Well& well, const Foot& foot, con
     }
     const T N = elastic * factor, load = clearance ? N : N * offset_share(h.e, h.rho);
     const Vec<T> around = cross(h.t, h.n);
-    const T mu0 = own_friction < 0 ? h.friction : T(own_friction);
+    T mu0 = own_friction < 0 ? h.friction : T(own_friction);
     Vec<T> drag, push = {T(0.0), T(0.0), T(0.0)};
     if (law.imposed) {
         const double va = law.axial, vb = law.spin * R, speed = std::sqrt(va * va + vb * vb);
         const double share = speed > 0 ? 1 / speed : 0.0;
-        const T mu = law.own ? own_friction_at<T>(law, load, T(STATICS_SLIP * va * share), T(STATICS_SLIP * vb * share), mu0, h.s) : mu0;
-        drag = (h.t * (va * share) + around * (vb * share)) * (-(mu * load));
-        push = (h.t * (va * share) + around * (guided ? 0.0 : vb * share * law.side)) * (-(mu * load));
+        if constexpr (OWN) mu0 = own_friction_at<T>(law, load, T(STATICS_SLIP * va * share), T(STATICS_SLIP * vb * share), mu0, h.s);
+        drag = (h.t * (va * share) + around * (vb * share)) * (-(mu0 * load));
+        push = (h.t * (va * share) + around * (guided ? 0.0 : vb * share * law.side)) * (-(mu0 * load));
         if (results) results->friction_power = 0;
     } else {
         const Vec<T> rim = cross(turning, h.n) * R, surface = u + rim;
         const T va = dot(surface, h.t) + law.axial, vb = dot(guided ? rim : surface, around), v2 = va * va + vb * vb;
         const T speed = sqrt(v2 + law.slip * law.slip);
         T mu = mu0;
-        if (law.own) mu = own_friction_at<T>(law, load, va, vb, mu0, h.s);
+        if constexpr (OWN) mu = own_friction_at<T>(law, load, va, vb, mu0, h.s);
         else if (law.extra != 0) mu = mu0 * (1.0 + law.extra * exp(-v2 / (law.decay * law.decay)));
         const T grip = -(mu * load) / speed;
         push = drag = (h.t * va + around * vb) * grip;
@@ -161,6 +161,20 @@ inline void touch(const ContactLaw& law, const Well& well, const Foot& foot, con
         results->push = values(gradient) * -val(N);
         results->along = values(h.t) * val(N);
     }
+}
+
+// With a law of the user the code stands apart, so that the other is as fast, and rounds as it does, without one.
+template <class T>
+__attribute__((noinline)) void touch_by_own_law(const ContactLaw& law, const Well& well, const Foot& foot, const Vec<T>& x, const Vec<T>& u, const Vec<T>& turning, double R,
+                                                double own_friction, double weight, Touch<T>& out, PointResults* results, bool guided) {
+    touch_by<true>(law, well, foot, x, u, turning, R, own_friction, weight, out, results, guided);
+}
+
+template <class T>
+inline void touch(const ContactLaw& law, const Well& well, const Foot& foot, const Vec<T>& x, const Vec<T>& u, const Vec<T>& turning, double R,
+                  double own_friction, double weight, Touch<T>& out, PointResults* results = nullptr, bool guided = false) {
+    if (law.own) return touch_by_own_law(law, well, foot, x, u, turning, R, own_friction, weight, out, results, guided);
+    touch_by<false>(law, well, foot, x, u, turning, R, own_friction, weight, out, results, guided);
 }
 
 // Load of a contact point of the axis on the centre line: force, and couple as bending (on r') and torque.

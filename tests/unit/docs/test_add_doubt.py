@@ -24,11 +24,11 @@ def tally(monkeypatch: pytest.MonkeyPatch) -> Any:
     """The doubt of the page, as if its class stood in doubts/state.py."""
     found = re.search(r"```{code-block} python\n:name: add-doubt\n\n(.*?)^```", PAGE.read_text(), re.S | re.M)
     assert found is not None
-    before = list(DOUBTS)
     monkeypatch.setattr(state, "StretchedTally", None, raising=False)  # gone afterwards
     exec(compile(found[1], str(PAGE), "exec"), vars(state))
-    yield DOUBTS[-1]
-    DOUBTS[:] = before
+    added = DOUBTS[-1]
+    yield added
+    DOUBTS.remove(added)  # others may have been registered meanwhile
 
 
 def hanging(length: float, units: str = "metric") -> Case:
