@@ -37,6 +37,8 @@ _UNITS = {
     "knm": "kN/m",
     "inch": "in",
 }
+#: a row that begins with an error of a spreadsheet is not a comment
+_SPOILT = re.compile(r"\s*#(?:REF|N/A|VALUE|DIV/0|NAME|NUM|NULL)")
 #: kind of an item -> the words of a sheet for it; the first that fits
 KINDS: tuple[tuple[Kind, str], ...] = (
     ("other", r"\b(?:sub|motor|mwd|lwd|jars?|xo|x.?over|cross.?over|box|stab\w*|reamer)\b"),
@@ -113,7 +115,7 @@ def _sheet(file: Path) -> _Sheet | None:
         tables = [("", [(i, row) for i, row in enumerate(rows, 1)]) for rows in rows_of_sheets(file)]
     else:
         lines = _lines(file, [])
-        lines = ["" if _is_comment(line, ";") else line for line in lines]
+        lines = ["" if _is_comment(line, ";") and not _SPOILT.match(line) else line for line in lines]
         tables = [
             (mark, [(i, _cells(line, mark, file, i)) for i, line in enumerate(lines, 1) if line.strip()])
             for mark in ("\t", ";", ",")

@@ -81,6 +81,13 @@ def test_commas_show_what_they_are_or_are_refused() -> None:
         read(head + "jar;8;3;1e999\n")
 
 
+def test_a_row_that_begins_with_an_error_of_a_spreadsheet_is_not_a_comment() -> None:
+    rows = "length [m],od [in],id [in],name\n9,8,3,jar\n"
+    assert "jar" in read(rows + "# a comment,8,3,MWD\n")[0]
+    with pytest.raises(CaseError, match="#REF!"):
+        read(rows + "#REF!,8,3,MWD\n")
+
+
 def test_swapped_weights_are_named() -> None:
     """Drill pipe at 49.3 lb/ft and heavy-wall pipe at 19.5 lb/ft: 2.8 and 0.46 times steel of their size."""
     swapped = SHEET.replace("600,49.3", "600,19.5").replace('"9,000",19.5', '"9,000",49.3')
