@@ -25,7 +25,7 @@ class Derivative:
     """One output by one key; numbers in the SI units of both.
 
     value: of the output; slope: derivative; flag: one-sided: a kink lies closer than the stated change; limit: the key has a limit
-    there, and the derivative is that of the allowed side; differences: of full solutions, as the elements do not correspond.
+    there, and the derivative is that of the allowed side; differences: of full solutions, as the elements do not correspond or the string stands in mud.
     below, above: effects of the stated change to either side by full solutions, nan where they were not computed.
     """
 
@@ -69,13 +69,15 @@ def derivatives(
 
 def _slopes(case: Case, solution: Solution, key: Key) -> tuple[FloatArray, list[str]]:
     """Derivative (m,) of each output by a key, and its flag."""
-    points, limited = points_of(case, key)
+    points, limited = points_of(case, key, CHECK_STEPS[0]) if solution.by_solutions else points_of(case, key)
     far = [] if limited or not solution.far else _far(case, key)
     word = LIMIT if limited else ""
     base = solution.found
     try:
-        found = solution.near([*points, *far])
+        found = [] if solution.by_solutions else solution.near([*points, *far])
     except ValueError:
+        found = []
+    if not found:
         found, word = [solution.solved(point.case) for point in points], DIFFERENCES
     near = found[: len(points)]
     slopes, sizes = difference(points, [f.values for f in near]), largest_size(base, solution.outputs)

@@ -28,7 +28,7 @@ class SteadyHydraulics:
     given, dq/dp = (dP/dp - dp_s/dp)/(dp_s/dq).
     """
 
-    resolution, far = 1e-9, True
+    resolution, far, by_solutions = 1e-9, True, False
 
     def __init__(self, case: Case) -> None:
         self.notes: list[str] = []

@@ -61,7 +61,7 @@ class SoftRoadmap:
     deepest: only at the deepest bit depth.
     """
 
-    resolution, far = 1e-9, True
+    resolution, far, by_solutions = 1e-9, True, False
 
     def __init__(self, case: Case, deepest: bool = False) -> None:
         self._deepest = deepest

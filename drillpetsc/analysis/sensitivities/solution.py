@@ -51,6 +51,7 @@ class Solution(Protocol):
     """A solved problem of a case, with the matrix of its equations.
 
     notes: what was assumed; left_out: why rows at a bit depth [m] have no derivative; resolution: relative change of an output [-] that is rounding.
+    by_solutions: derivatives are differences of full solutions.
     far: states at the distance of a stated change are worth looking at: they follow from smooth steps, without contacts.
     """
 
@@ -60,6 +61,7 @@ class Solution(Protocol):
     left_out: dict[float, str]
     resolution: float
     far: bool
+    by_solutions: bool
 
     def near(self, points: Sequence[Point]) -> list[Found]:
         """Outputs at the points, of the solution moved along its derivative.  Raises ValueError if the elements do not correspond."""

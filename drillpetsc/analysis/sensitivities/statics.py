@@ -9,12 +9,11 @@ import numpy as np
 from petsc4py import PETSc
 
 from drillpetsc.analysis.commands.statics import question_of
-from drillpetsc.analysis.sensitivities.points import Point, difference, points_of, solve_exactly
+from drillpetsc.analysis.sensitivities.points import Point, difference, points_of
 from drillpetsc.analysis.sensitivities.solution import Found, Output, number
 from drillpetsc.analysis.statics.answer import static_summary
 from drillpetsc.analysis.statics.equilibrium import set_weight_on_bit
 from drillpetsc.analysis.statics.find_equilibrium import find_equilibrium
-from drillpetsc.analysis.statics.flow_coupling import surge_rates
 from drillpetsc.analysis.statics.placement import (
     place_along_hole,
     prescribed_motion,
@@ -22,7 +21,6 @@ from drillpetsc.analysis.statics.placement import (
     top_depth,
 )
 from drillpetsc.analysis.statics.static_problem import StaticState
-from drillpetsc.analysis.statics.steady_flow import STORAGE_WEIGHT, fluid_unknowns
 from drillpetsc.arrays import FloatArray
 from drillpetsc.case.case import Case
 from drillpetsc.errors import CaseError
@@ -37,17 +35,27 @@ from drillpetsc.solvers.static.static_newton import StaticNewton
 RESOLUTION, RESOLUTION_IN_MUD = (
     1e-5,
     5e-4,
-)  # relative changes of outputs that are rounding, or of the hole as the mud sees it [-]
+)  # relative changes of outputs that are rounding, alone and with flow [-]
 #: of differences of the residual, relative: the wall yields by micrometres, beyond which a change of a diameter opens contacts
 RESIDUAL_STEP = 1e-7
 BENT, NOISE = (
     1e-3,
     1e-9,
 )  # share of a derivative that the residual beside the state may lack; rounding in the fields' scales
-MUD_MOVE = 1.0  # of the unknowns in their scales, over which the rows of the mud are differenced
 HIDDEN = ("top_travel",)  # where the top is, not what the rig reads
 QUANTITIES: tuple[Quantity, ...] = (*(q for q in STATIC_SUMMARY if q.name not in HIDDEN), *MUD, ECD)
 Motion = tuple[float, float] | None
+
+
+def _refuse_history(model: DrillingModel, state: StaticState) -> None:
+    """Raise CaseError for a state that is not differentiable here."""
+    if state.path is not None:
+        want = "a state that Newton's method finds: this one has a history of friction, which the derivative must follow"
+        raise CaseError(at="statics", got="the end of a path", want=want)
+    if model.parts(MudMotor):
+        raise CaseError(
+            at="string", got="pdm", want="a string without a downhole motor, or --analysis roadmap"
+        )
 
 
 class StaticTangent:
@@ -60,13 +68,7 @@ class StaticTangent:
     def __init__(
         self, model: DrillingModel, state: StaticState, start: FloatArray | None, motion: Motion
     ) -> None:
-        if state.path is not None:
-            want = "a state that Newton's method finds: this one has a history of friction, which the derivative must follow"
-            raise CaseError(at="statics", got="the end of a path", want=want)
-        if model.parts(MudMotor):
-            raise CaseError(
-                at="string", got="pdm", want="a string without a downhole motor, or --analysis roadmap"
-            )
+        _refuse_history(model, state)
         self.model, self.state, self.motion = model, state, motion
         self.top = None if model.top is None or start is None else model.top.anchor - start
         self.x = model.system.assembly.x.copy()
@@ -81,12 +83,8 @@ class StaticTangent:
         for component in model.components:
             component.impose_sliding_direction(*motion, self.state.lateral_fraction, 0.0)
         solver = StaticNewton(model.system, symmetric=model.conservative)
-        if self.motion is None:
-            solver.rates = surge_rates(model, motion[0])
         if model.case.initial.wob is not None:
             set_weight_on_bit(model, solver, model.case.initial.wob)
-        if model.fluid is not None:
-            solver.rate_weight = STORAGE_WEIGHT
         return solver
 
     @property
@@ -106,7 +104,7 @@ class StaticTangent:
         """
         rows = [self._rows_of(self._take(build(q.case), self.x)) for q in sources]
         source = -difference(sources, rows)
-        step = solve_exactly(self._solve, lambda step: self._left(source, step), source, self._size)
+        step = self._solve(source)
         models = [build(point.case) for point in points]
         rows = []
         for point, model in zip(points, models, strict=True):
@@ -170,28 +168,10 @@ class StaticTangent:
                 changed += not np.array_equal(flags.values, own)
         return self.solver.sum(float(changed)) > 0
 
-    def _left(self, source: FloatArray, step: FloatArray) -> FloatArray:
-        """What J s lacks of the ``source`` in the rows of the mud, whose matrix leaves out a little; that of the string is exact."""
-        lacks = np.zeros_like(step)
-        if self.model.fluid is not None:
-            part, mud = MUD_MOVE / self._size(step), np.append(fluid_unknowns(self.model.system), False)
-            lacks[mud] = (source - (self._moved(part * step) - self._moved(-part * step)) / (2 * part))[mud]
-        return lacks
-
-    def _moved(self, step: FloatArray) -> FloatArray:
-        """Residual of the state moved by a step; the model then has the state again."""
-        model, solver, move = self.model, self.solver, float(step[-1])
-        rows = self._rows_of(self._moved_to(model, solver, self.x[:-1] + step[:-1], move))
-        self._moved_to(model, solver, self.x, -move)
-        return rows
-
-    def _size(self, step: FloatArray) -> float:
-        system = self.model.system
-        return self.solver.largest(float(np.max(np.abs(step[:-1]) / system.scale, initial=0.0)))
-
 
 class StaticsSolution:
-    """Static equilibrium of a case.
+    """Static equilibrium of a case.  With mud its derivatives are differences of full solutions: string and flow are solved
+    in turn, and no single matrix has both.
 
     motion, operation: as in ``run_statics``.
     """
@@ -218,10 +198,13 @@ class StaticsSolution:
         figures = static_summary(model, state)
         self.outputs = [Output(q) for q in QUANTITIES if np.isfinite(number(figures.get(q.name)))]
         self.found = self._found(figures)
-        self._tangent = StaticTangent(model, state, start, moving)
+        _refuse_history(model, state)
+        self.by_solutions = model.fluid is not None
+        self._tangent = None if self.by_solutions else StaticTangent(model, state, start, moving)
 
     def near(self, points: Sequence[Point]) -> list[Found]:
         """As of ``Solution``; collective."""
+        assert self._tangent is not None
         sources, _ = points_of(self._case, points[0].key, RESIDUAL_STEP)
         models, bends = self._tangent.near(points, sources, lambda case: self._built(case)[0])
         return [self._found(static_summary(model, self._tangent.state), bends) for model in models]

@@ -31,7 +31,7 @@ class StiffRoadmap:
     deepest: only those of the deepest bit depth.
     """
 
-    resolution, far = RESOLUTION, False
+    resolution, far, by_solutions = RESOLUTION, False, False
 
     def __init__(self, case: Case, deepest: bool = True) -> None:
         self._case, self._deepest = case, deepest
