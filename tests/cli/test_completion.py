@@ -26,6 +26,7 @@ def test_bash_offers_commands_options_and_words(capsys: pytest.CaptureFixture[st
         "schema",
         "statics",
         "surge",
+        "sensitivities",
         "stability",
         "serve",
     ]
