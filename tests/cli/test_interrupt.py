@@ -219,3 +219,21 @@ def test_a_signal_reaches_the_run_once():
     with RunControl(Alone()) as control, pytest.raises(KeyboardInterrupt):
         os.kill(os.getpid(), signal.SIGINT)
         os.kill(os.getpid(), signal.SIGINT)
+
+
+def test_a_run_whose_folder_is_moved_ends_and_says_where_its_rows_are(tmp_path: Path) -> None:
+    """It went on in a new folder of the old name, without its rows, and ended with exit status 0."""
+    (tmp_path / "case.yaml").write_text(CASE.replace("{end: 1 s}", "{end: 1000 s}"), encoding="utf-8")
+    process = start(tmp_path, "case.yaml", "--out", "run")
+    try:
+        for _ in range(600):
+            if (tmp_path / "run" / "string" / "000001.vtu").exists():
+                break
+            time.sleep(0.1)
+        (tmp_path / "run").rename(tmp_path / "moved")
+        _, said = process.communicate(timeout=120)
+    finally:
+        process.kill()
+    assert process.returncode == 1 and f"was moved to {tmp_path / 'moved'}" in said, said
+    assert not (tmp_path / "run").exists()
+    assert len(read_table(tmp_path / "moved" / "history.csv")["time [s]"]) > 1

@@ -426,6 +426,8 @@ class TransientRun:
                 put()
             except OSError as failure:  # the run ends with a separate message
                 self.bar.message(cannot_write(failure, str(folder.summary)))
+            except SolveError:  # the folder is gone, which the error says already
+                pass
         return result
 
     def _summary(self, error: BaseException | None) -> dict[str, Any]:

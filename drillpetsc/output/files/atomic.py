@@ -7,6 +7,8 @@ import re
 from collections.abc import Callable
 from pathlib import Path
 
+from drillpetsc.output.files.lock import check_place
+
 LEFTOVER = re.compile(r"\.\d+-.+")
 
 
@@ -19,6 +21,7 @@ def replace_file(path: str | os.PathLike, write: Callable[[Path], object], *, la
     leaves one of them.
     """
     path = Path(path)
+    check_place(path)
     path.parent.mkdir(parents=True, exist_ok=True)
     temporary = path.with_name(f".{os.getpid()}-{path.name}")
     try:

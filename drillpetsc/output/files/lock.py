@@ -13,10 +13,12 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
+from drillpetsc.errors import SolveError
+
 NAME = ".lock"
 
-_held: dict[Path, int] = {}
-"""Lock files that this process holds, and by which process id (a fork is another process)."""
+_held: dict[Path, tuple[int, int]] = {}
+"""Lock files that this process holds: by which process id (a fork is another process), and its open folder, which follows a move."""
 
 
 class RunFolderBusy(FileExistsError):
@@ -48,7 +50,8 @@ def take(folder: Path) -> None:
             "since": time.strftime("%F %T"),
         }
         _write(number, me)
-    _held[file] = os.getpid()
+    if file not in _held:
+        _held[file] = os.getpid(), os.open(folder, os.O_RDONLY | os.O_DIRECTORY)
 
 
 def release(folder: Path) -> None:
@@ -56,8 +59,31 @@ def release(folder: Path) -> None:
     _release((folder / NAME).absolute())
 
 
+def check_place(path: Path) -> None:
+    """Raise SolveError if ``path`` is in a folder that this process holds, and the folder was moved or removed meanwhile."""
+    for file, (_, number) in _held.items():
+        folder = file.parent
+        if folder not in path.absolute().parents or _is_at(number, folder):
+            continue
+        try:
+            now = os.readlink(f"/proc/self/fd/{number}")
+        except OSError:  # not Linux
+            now = ""
+        if not now or now.endswith("(deleted)"):
+            raise SolveError(
+                f"the run folder {folder} was removed while the run wrote to it", hint="run it again"
+            )
+        raise SolveError(
+            f"the run folder {folder} was moved to {now} while the run wrote to it",
+            hint="what was written is there; --restart with --out and this folder continues",
+        )
+
+
 def _release(file: Path) -> None:
-    if _held.pop(file, None) != os.getpid() or not file.exists():
+    pid, number = _held.pop(file, (0, -1))
+    if number >= 0:
+        os.close(number)
+    if pid != os.getpid() or not file.exists():
         return
     with _guarded(file) as number:
         owner = _read(number)

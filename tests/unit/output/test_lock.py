@@ -6,6 +6,7 @@ from __future__ import annotations
 import json
 import multiprocessing
 import os
+import shutil
 import signal
 import socket
 import subprocess
@@ -14,8 +15,10 @@ from pathlib import Path
 
 import pytest
 
+from drillpetsc.errors import SolveError
 from drillpetsc.output import RunFolder, RunFolderBusy
 from drillpetsc.output.files import lock
+from drillpetsc.output.files.atomic import replace_text
 from tests.helpers.tables import each_row
 
 fork = multiprocessing.get_context("fork")
@@ -145,3 +148,19 @@ def test_a_run_lets_go_of_its_folder(tmp_path: Path) -> None:
     case = Case(top="clamped", string=[pipe], time={"end": 1e-3}, initial={"from": "rest"})
     result = run(case, tmp_path / "run", progress="silent")
     assert not (result.folder / lock.NAME).exists() and (result.folder / "summary.json").is_file()
+
+
+@each_row("removed", [False, True])
+def test_a_folder_that_is_moved_or_removed_is_not_made_again(removed: bool, tmp_path: Path) -> None:
+    folder = RunFolder.create("case", tmp_path / "run").path
+    replace_text(folder / "one.txt", "1")
+    if removed:
+        shutil.rmtree(folder)
+    else:
+        folder.rename(tmp_path / "moved")
+    with pytest.raises(SolveError) as caught:
+        replace_text(folder / "string" / "two.txt", "2")
+    assert ("was removed" if removed else f"was moved to {tmp_path / 'moved'}") in str(caught.value)
+    assert not folder.exists()
+    lock.release(folder)
+    replace_text(folder / "three.txt", "3")  # nobody holds it any more
