@@ -65,6 +65,7 @@ def test_python_function(folder):
     ("words", "said"),
     [
         (["--to", "fluid.density", "--of", "hok_load"], "did you mean 'hook_load'?"),
+        (["--to", "fluid.densty"], "did you mean 'fluid.density'?"),
         (["--to", "fluid.density", "--of", "bit_depth"], "outputs that the case has: hook_load"),
         ([], "keys of the case"),
         (["--to", "string[bit].kind"], "a word"),

@@ -10,7 +10,7 @@ from typing import Any
 from drillpetsc.case.case import Case, system_of
 from drillpetsc.case.changes import changed
 from drillpetsc.case.files.survey_file import FOLDER
-from drillpetsc.case.key_paths import Path, parsed, written
+from drillpetsc.case.key_paths import Path, parsed, suggestion, written
 from drillpetsc.case.schema import bare_unit_of
 from drillpetsc.case.writer import case_data
 from drillpetsc.errors import CaseError
@@ -115,7 +115,8 @@ def key_of(case: Case, name: str) -> Key:
         )
         raise _refused(name, f"it is a block: name one of its keys ({', '.join(inside[:8])})")
     if found is None:
-        raise _refused(name, "the case has no such number")
+        leaves = [written(q) for q in _leaves(resolved, ())]
+        raise _refused(name, "the case has no such number", suggestion(written(path), leaves))
     if isinstance(found, bool | int) and not isinstance(_at(given, path) if given else None, float):
         raise _refused(name, f"{found} is a whole number or a switch, which has no derivative")
     unit = bare_unit_of(written(path), "SI")
@@ -143,8 +144,8 @@ def every_key(case: Case) -> list[Key]:
     return found
 
 
-def _refused(name: str, reason: str) -> CaseError:
-    return CaseError(at="--to", got=name, want=f"a continuous number of the case: {reason}")
+def _refused(name: str, reason: str, hint: str = "") -> CaseError:
+    return CaseError(at="--to", got=name, want=f"a continuous number of the case: {reason}", hint=hint)
 
 
 def _with_index(case: Case, name: str) -> str:
