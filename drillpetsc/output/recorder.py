@@ -138,9 +138,7 @@ class Recorder:
         self._rows: list[tuple[FloatArray, FloatArray]] = []  # that are computed: of both tables
         self._keeps = False
         self._record = StepRecord(self.system, STEPS_AT_ONCE)  # steps whose outputs are not computed yet
-        if model.bit is not None and model.bit.hole is not None:
-            # places in a hole are found in the hole at their time
-            model.bit.hole.before_change.append(self._before_hole_changes)
+        self._follow_hole()
         self._waiting: list[_Step] = []
         self._event = PETSc.Log.Event("Output")
 
@@ -466,6 +464,12 @@ class Recorder:
             values = np.concatenate(self._kept)
             self._kept, self._now = [], []
             self._rows.append((self._history_row.rows(values, history), self._probe_row.rows(values, probes)))
+
+    def _follow_hole(self) -> None:
+        """Find places in a hole that grows in the hole at their time."""
+        bit = self.model.bit
+        if bit is not None and bit.hole is not None:
+            bit.hole.before_change.append(self._before_hole_changes)
 
     def _before_hole_changes(self) -> None:
         self.catch_up()

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict
 from typing import Any
 
@@ -46,7 +46,7 @@ from drillpetsc.model.drilling_model import DrillingModel, build_model
 from drillpetsc.model.string_forces import held_at_weight
 from drillpetsc.output import write_summary, write_table
 from drillpetsc.output.files.case_files import write_case
-from drillpetsc.output.files.run_folder import CONTACTS_TABLE, LIMITS_TABLE
+from drillpetsc.output.files.run_folder import CONTACTS_TABLE, LIMITS_TABLE, RunFolder
 from drillpetsc.output.job import Job
 from drillpetsc.output.quantities.limits import CONTACTS, LIMITS
 from drillpetsc.output.result import RunResult
@@ -86,9 +86,8 @@ def run_limits(job: Job, operation: str | None = None, choices: Choices | None =
     choices, units = choices or Choices(), given.shown_units
     refuse_quaternion(given, "limits")
     if given.hold_string:
-        raise CaseError(
-            at="hold_string", got=True, want="a string that is free to move: a held one has no forces"
-        )
+        want = "a string that is free to move: a held one has no forces"
+        raise CaseError(at="hold_string", got=True, want=want)
     word = read_operation(operation)
     case = held_at_weight(given if word is None else case_of(given, word))
     motion = None if word is None else motion_of(case, word)
@@ -101,7 +100,7 @@ def run_limits(job: Job, operation: str | None = None, choices: Choices | None =
         statics = static_summary(model, state)
         rotation = state.motion[1] and prescribed_motion(model)[1]
         at_rest = Answer(model=model, figures=statics, rotation=rotation, table=(columns, nodal))
-        doubts, remarks = doubts_at(at_rest, "warning"), doubts_at(at_rest, "remark")
+        doubts, remarks = (doubts_at(at_rest, kind) for kind in ("warning", "remark"))
         found, forces = static_state(model), item_forces(model)
         answer: Any = None
         if comm.rank == 0:
@@ -149,16 +148,21 @@ def run_limits(job: Job, operation: str | None = None, choices: Choices | None =
                 warnings=[*_state_warnings(state, word), *doubts_at(judged, "warning"), *doubts],
             ).as_dict()
             write_case(given, folder)  # as the user has it; the summary has the operation
-            present = [q for q in LIMITS if q.name in table]
-            write_table(
-                folder.path / LIMITS_TABLE, [q.column for q in present], [table[q.name] for q in present]
-            )
-            cells = [[row[q.name] for row in contacts] for q in CONTACTS]
-            write_table(folder.path / CONTACTS_TABLE, [q.column for q in CONTACTS], cells)
+            _write_tables(folder, table, contacts)
             write_summary(folder.summary, summary)
             answer = summary
         summary = comm.tompi4py().bcast(answer)
     return job.result(folder, summary, _lines(given, summary, units))
+
+
+def _write_tables(
+    folder: RunFolder, table: Mapping[str, FloatArray], contacts: Sequence[Mapping[str, Any]]
+) -> None:
+    """Write limits.csv and contacts.csv."""
+    present = [q for q in LIMITS if q.name in table]
+    write_table(folder.path / LIMITS_TABLE, [q.column for q in present], [table[q.name] for q in present])
+    cells = [[row[q.name] for row in contacts] for q in CONTACTS]
+    write_table(folder.path / CONTACTS_TABLE, [q.column for q in CONTACTS], cells)
 
 
 def _rotation(case: Case, word: str | None) -> float:

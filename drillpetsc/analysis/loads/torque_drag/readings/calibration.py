@@ -25,10 +25,11 @@ from drillpetsc.analysis.loads.torque_drag.readings.flow_table import flow_table
 from drillpetsc.analysis.loads.torque_drag.readings.sensor import DIRECTION, sensor_of
 from drillpetsc.analysis.loads.torque_drag.soft_ends import SoftEnds
 from drillpetsc.analysis.loads.torque_drag.string_rows import gravity_of, need_well, rows_at
-from drillpetsc.arrays import FloatArray
+from drillpetsc.arrays import FloatArray, IntArray
 from drillpetsc.case.blocks.roadmap import MeasuredPoint
 from drillpetsc.case.case import Case
 from drillpetsc.errors import CaseError, SolveError
+from drillpetsc.geometry.well import Well
 from drillpetsc.unit_systems import shown
 
 FACTOR_BOUNDS, FACTOR_STEP = (0.0, 1.0), 1e-4  # of every friction factor
@@ -131,6 +132,33 @@ class Calibration:
         self.case, self.points = case, points
         self.units = case.shown_units
         gravity_of(case, "calibrate")
+        self.strings, self.placed = self._placed_points(well)
+        self.group = groups_of(case)
+        #: names of the groups of sections, each with one friction factor
+        self.factors = tuple(
+            dict.fromkeys([*(k for k in KINDS if (self.group == k).any()), *map(str, self.group)])
+        )
+        self.own = np.array([s.friction for s in case.given_well.sections])
+        self.loads, flows = self._loads_of_points()
+        self.pumped = any(flow for flow, _ in flows)
+        #: operations of points with the pumps off
+        self.still = tuple(
+            dict.fromkeys(p.operation for p, (flow, _) in zip(points, flows, strict=True) if not flow)
+        )
+        self._set_flow(flows)
+        self.excludes_block = excludes_block
+        block = None if case.rig is None else case.rig.block_weight
+        self.block = 0.0 if excludes_block else (block or 0.0)
+        self.hidden = (block or 0.0) if excludes_block else 0.0
+        self.direction = np.array([DIRECTION[point.operation] for point in points])
+        self.priors: dict[str, tuple[float, float]] = {}
+        self.readings_alike = 1.0  # readings that count as one, beside a prior
+        self.fixed: dict[str, float] = {}  # parameters that have the mean of their prior
+        self.data = self._data()
+
+    def _placed_points(self, well: Well) -> tuple[SoftEnds, IntArray]:
+        """The strings at the bit depths of the points, and the number of its string for each point."""
+        case, points = self.case, self.points
         end = float(case.given_well.survey.md[-1])
         for i, point in enumerate(points):
             if point.bit_depth > end + 1e-6:
@@ -151,14 +179,13 @@ class Calibration:
                     "a depth at which the string fits the hole",
                 )
                 raise CaseError(at=f"measured[{i}].bit_depth", got=got, want=want, hint=unfit)
-        self.strings = SoftEnds(well, strings, LONGEST_STEP)
-        self.placed = np.array([depths.index(point.bit_depth) for point in points])
-        self.group = groups_of(case)
-        #: names of the groups of sections, each with one friction factor
-        self.factors = tuple(
-            dict.fromkeys([*(k for k in KINDS if (self.group == k).any()), *map(str, self.group)])
+        return SoftEnds(well, strings, LONGEST_STEP), np.array(
+            [depths.index(point.bit_depth) for point in points]
         )
-        self.own = np.array([s.friction for s in case.given_well.sections])
+
+    def _loads_of_points(self) -> tuple[FloatArray, list[tuple[float | None, str]]]:
+        """(n, 4) weight on bit, its torque, axial velocity and rotation of each point; and its flow rate with the key that gives it."""
+        case, points = self.case, self.points
         plan = plan_of(case)
         loads: list[tuple[float, ...]] = []
         flows: list[tuple[float | None, str]] = []
@@ -186,22 +213,7 @@ class Calibration:
                     key if own else f"roadmap.{point.operation}.flow_rate",
                 )
             )
-        self.loads = np.array(loads, dtype=float).reshape(-1, 4)
-        self.pumped = any(flow for flow, _ in flows)
-        #: operations of points with the pumps off
-        self.still = tuple(
-            dict.fromkeys(p.operation for p, (flow, _) in zip(points, flows, strict=True) if not flow)
-        )
-        self._set_flow(flows)
-        self.excludes_block = excludes_block
-        block = None if case.rig is None else case.rig.block_weight
-        self.block = 0.0 if excludes_block else (block or 0.0)
-        self.hidden = (block or 0.0) if excludes_block else 0.0
-        self.direction = np.array([DIRECTION[point.operation] for point in points])
-        self.priors: dict[str, tuple[float, float]] = {}
-        self.readings_alike = 1.0  # readings that count as one, beside a prior
-        self.fixed: dict[str, float] = {}  # parameters that have the mean of their prior
-        self.data = self._data()
+        return np.array(loads, dtype=float).reshape(-1, 4), flows
 
     def _set_flow(self, flows: Sequence[tuple[float | None, str]]) -> None:
         """Forces of flowing mud on the string of each point.
