@@ -124,7 +124,7 @@ def _no_name(rng: random.Random, made: Sheet) -> None:
 
 
 def _no_weight(rng: random.Random, made: Sheet) -> None:
-    k = rng.randrange(len(made.rows))
+    k = rng.choice([i for i, row in enumerate(made.rows) if row["weight"] not in JUNK])  # junk stays
     made.rows[k]["weight"] = ""
     made.truth[k].pop("weight", None)
 
