@@ -21,20 +21,32 @@ def replace_file(path: str | os.PathLike, write: Callable[[Path], object], *, la
     leaves one of them.
     """
     path = Path(path)
-    check_place(path)
-    path.parent.mkdir(parents=True, exist_ok=True)
+    held = check_place(path)
     temporary = path.with_name(f".{os.getpid()}-{path.name}")
     try:
+        _make_parent(path, held)
         write(temporary)
         if lasting:
             to_disk(temporary)
         os.replace(temporary, path)
         if lasting:
             to_disk(path.parent)
-    except BaseException:
+    except BaseException as error:
         temporary.unlink(missing_ok=True)
+        if isinstance(error, OSError):  # the folder may have been moved since it was looked for
+            check_place(path)
         raise
     return path
+
+
+def _make_parent(path: Path, held: Path | None) -> None:
+    """Make the folder of a file; ``held``, the folder of a run that goes on, is not made again."""
+    if held is None:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        return
+    for part in reversed(path.absolute().parents):
+        if held in part.parents:
+            part.mkdir(exist_ok=True)
 
 
 def to_disk(path: str | os.PathLike) -> None:

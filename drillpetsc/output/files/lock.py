@@ -59,12 +59,14 @@ def release(folder: Path) -> None:
     _release((folder / NAME).absolute())
 
 
-def check_place(path: Path) -> None:
-    """Raise SolveError if ``path`` is in a folder that this process holds, and the folder was moved or removed meanwhile."""
+def check_place(path: Path) -> Path | None:
+    """The folder that this process holds and ``path`` is in, None outside; raises SolveError if it was moved or removed meanwhile."""
     for file, (_, number) in _held.items():
         folder = file.parent
-        if folder not in path.absolute().parents or _is_at(number, folder):
+        if folder not in path.absolute().parents:
             continue
+        if _is_at(number, folder):
+            return folder
         try:
             now = os.readlink(f"/proc/self/fd/{number}")
         except OSError:  # not Linux
@@ -77,6 +79,7 @@ def check_place(path: Path) -> None:
             f"the run folder {folder} was moved to {now} while the run wrote to it",
             hint="what was written is there; --restart with --out and this folder continues",
         )
+    return None
 
 
 def _release(file: Path) -> None:

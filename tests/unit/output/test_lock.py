@@ -18,7 +18,7 @@ import pytest
 from drillpetsc.errors import SolveError
 from drillpetsc.output import RunFolder, RunFolderBusy
 from drillpetsc.output.files import lock
-from drillpetsc.output.files.atomic import replace_text
+from drillpetsc.output.files.atomic import replace_file, replace_text
 from tests.helpers.tables import each_row
 
 fork = multiprocessing.get_context("fork")
@@ -164,3 +164,16 @@ def test_a_folder_that_is_moved_or_removed_is_not_made_again(removed: bool, tmp_
     assert not folder.exists()
     lock.release(folder)
     replace_text(folder / "three.txt", "3")  # nobody holds it any more
+
+
+def test_a_folder_that_is_moved_while_a_file_is_written(tmp_path: Path) -> None:
+    folder = RunFolder.create("case", tmp_path / "run").path
+
+    def write(file: Path) -> None:
+        folder.rename(tmp_path / "moved")
+        file.write_text("1", encoding="utf-8")
+
+    with pytest.raises(SolveError, match="was moved to"):
+        replace_file(folder / "one.txt", write)
+    assert not folder.exists()
+    lock.release(folder)
