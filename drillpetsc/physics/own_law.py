@@ -43,6 +43,7 @@ class LawKind:
 
     key: of the case; state: class of what the function gets, with fields in the order of the kernel.
     results: name -> (unit, meaning); the first is the one that a bare number means.
+    least: result -> its smallest value; below it, friction would drive the string, or rock push the bit.
     defaults: result that is left out -> its value from the results that are given, None: the built-in law has it.
     memory: the function may keep numbers from step to step.
     """
@@ -51,6 +52,7 @@ class LawKind:
     state: type
     results: Mapping[str, tuple[str, str]]
     defaults: Mapping[str, Callable[[FloatArray], FloatArray] | None] = field(default_factory=dict)
+    least: Mapping[str, float] = field(default_factory=dict)
     memory: bool = False
 
     @property
@@ -83,6 +85,7 @@ FRICTION = LawKind(
     "contact.friction_law",
     FrictionState,
     {"coefficient": ("", "friction coefficient; the wall multiplies it by the normal force")},
+    least={"coefficient": 0.0},
 )
 
 
@@ -95,6 +98,7 @@ ROCK = LawKind(
             "how many times the force the rock needs for the same cut, relative to the rock of the other keys",
         )
     },
+    least={"strength": 1e-6},
 )
 RHEOLOGY = LawKind(
     "fluid.rheology", RheologyState, {"stress": ("Pa", "shear stress, which grows with the shear rate")}
@@ -274,7 +278,16 @@ class OwnLaw:
             bad = np.flatnonzero(~np.isfinite(out[:, j]).all(axis=1))
             if name in self._gives and len(bad):
                 raise self._failed(f"{self.name} gave {name} = {out[bad[0], j, 0]}", state[bad[:1]], 1)
+            self._check_least(name, out[:, j, 0], state, len(state))
         return out
+
+    def _check_least(self, name: str, values: FloatArray, points: FloatArray, n: int) -> None:
+        """Raise SolveError if a result is below its smallest value at one of the first ``n`` points, the states of the kernel."""
+        least = self.kind.least.get(name)
+        if least is not None and (values[:n] < least).any():
+            k = int(np.argmin(values[:n]))
+            what = f"{self.name} returned {name} = {values[k]:.6g}, which is below {least:g}"
+            raise self._failed(what, points[k : k + 1], 1)
 
     def _with_neighbours(
         self, state: FloatArray, which: tuple[int, ...]
@@ -330,6 +343,8 @@ class OwnLaw:
             allowed = f"{', '.join(self.results)} and their derivatives, such as {first}_by_{self.states[1]}"
             raise self._failed(f"{self.name} returned {wrong}; it returns {allowed}", points, n)
         out = {name: self._row(name, value, points, n) for name, value in given.items()}
+        for name in self.kind.least:
+            self._check_least(name, out[name], points, n)
         if self._takes_memory:
             if not isinstance(memory, Mapping):
                 raise self._failed(f"{self.name} takes a memory and returned none", points, n)

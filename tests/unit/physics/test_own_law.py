@@ -13,7 +13,7 @@ from drillpetsc import Case, load_case, run
 from drillpetsc.analysis.commands.check import describe
 from drillpetsc.errors import CaseError, SolveError
 from drillpetsc.kernels.parameters import columns
-from drillpetsc.physics.own_law import BIT, FRICTION, OwnLaw
+from drillpetsc.physics.own_law import BIT, FRICTION, ROCK, OwnLaw
 from tests.helpers import laws
 from tests.helpers.tables import each_row
 
@@ -140,6 +140,28 @@ def test_a_function_that_fails_at_usual_states_is_refused(call, message):
     with pytest.raises(CaseError) as error:
         law(call)
     assert message in str(error.value) and "formation.bit_law.function" in str(error.value)
+
+
+@each_row(
+    ("kind", "call", "message"),
+    [
+        (FRICTION, lambda s: -0.2 + 0 * s.normal, "returned coefficient = -0.2, which is below 0"),
+        (ROCK, lambda s: 0 * s.depth, "returned strength = 0, which is below 1e-06"),
+    ],
+)
+def test_friction_that_drives_and_rock_without_strength_are_refused(kind, call, message):
+    with pytest.raises(CaseError) as error:
+        law(call, kind)
+    assert message in str(error.value) and f"{kind.key}.function" in str(error.value)
+
+
+def test_friction_that_turns_negative_later_ends_the_run():
+    own = law(lambda s: np.where(s.slip_speed > 50, -0.1, 0.3), FRICTION)
+    assert own.value(slip_speed=1.0)["coefficient"] == 0.3
+    with pytest.raises(
+        SolveError, match=r"coefficient = -0.1, which is below 0, at normal 0 N, slip_speed 60 m/s"
+    ):
+        own.value(slip_speed=60.0)
 
 
 def test_friction_has_no_memory():
