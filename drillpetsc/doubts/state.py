@@ -42,7 +42,7 @@ class MudAboveTop(Doubt):
 
     def look(self, at: Rest) -> Values:
         model, fluid = at.model, at.model.fluid
-        absent = fluid is None or fluid.annulus is None or model.well is None or model.beam is None
+        absent = fluid is None or fluid.annulus is None or model.well is None or not model.beam.moves
         if absent or at.continued:
             return
         assert fluid is not None and fluid.annulus is not None

@@ -38,6 +38,7 @@ from drillpetsc.physics.bit.bit_on_bottom import BitOnBottom
 from drillpetsc.physics.bit.rock_bit import RockBit
 from drillpetsc.physics.contact import Contact, ContactLaw
 from drillpetsc.physics.end_conditions import EndPlace, FixedEnd, Loads, NodeLoad, RotaryDrive, TopDrive
+from drillpetsc.physics.held_string import HeldString
 from drillpetsc.physics.hole_path import HolePath, is_curved
 from drillpetsc.physics.joints import Joints
 from drillpetsc.physics.own_law import FRICTION, OwnLaw
@@ -62,7 +63,8 @@ class DrillingModel:
     position: (n_nodes, 3) unstrained string along the axis of the hole [m]; tangent: (n_nodes, 3) unit
     tangents.
     components: all components, in the order of the discrete system.
-    beam, top, contact, bit: the components of these kinds, None if absent.  A held string has no beam.
+    beam: the string; top: its upper end.
+    contact, bit: the components of these kinds, None if absent.  A contact is between a string and a hole, its ``well``.
     system: the discrete system.
     fluid: components of the drilling fluid, None in a dry model.
 
@@ -77,8 +79,8 @@ class DrillingModel:
     position: FloatArray
     tangent: FloatArray
     components: tuple
-    beam: interfaces.Beam | None
-    top: interfaces.Top | None
+    beam: interfaces.Beam
+    top: interfaces.Top
     contact: Contact | None
     bit: interfaces.Bit | None
     system: DiscreteSystem
@@ -193,7 +195,7 @@ def build_model(
         position,
         tangent,
         tuple(components),
-        string.beam,
+        string.beam or HeldString(position, tangent, system.chain.vertices),
         string.top,
         string.contact,
         bit,
@@ -213,7 +215,7 @@ class _String(NamedTuple):
 
     components: tuple[Component, ...] = ()
     beam: interfaces.Beam | None = None
-    top: interfaces.Top | None = None
+    top: interfaces.Top = interfaces.FreeTop()
     contact: Contact | None = None
     bit: BitOnBottom | RockBit | None = None
     reamers: tuple[Reamer, ...] = ()
@@ -254,7 +256,8 @@ def _ancf_string(
         beam,
         *_optional_components(mesh, frames, gravity, balanced=is_quasi_static(case)),
         *joints,
-        *_present(top, *machines),
+        top,
+        *machines,
         *_bottom_components(case, EndPlace(position[-1], tangent[-1], mesh.nodes - 1)),
         *((Loads(loads, frames, breaks),) if loads else ()),
         *_present(contact, bit, *reamers, build_steering(case, mesh, well, frames, tangent)),
@@ -366,12 +369,12 @@ def _top_path(well: Well | None, frames: Frames) -> HolePath | None:
 
 def _top_components(
     case: Case, mesh: StringMesh, place: EndPlace
-) -> tuple[interfaces.Top | None, tuple[Component, ...]]:
-    """Create the top end, None if absent, and the machines above it: a drive of its rotation, a hoist."""
+) -> tuple[interfaces.Top, tuple[Component, ...]]:
+    """Create the top end and the machines above it: a drive of its rotation, a hoist."""
     top = case.top
     if isinstance(top, HeldTop):
         if top.kind == "free":
-            return None, ()
+            return interfaces.FreeTop(), ()
         return FixedEnd(place, top.kind), ()
     if isinstance(top, TopDriveCase):
         # without inertia rotation acts through the direction of friction only

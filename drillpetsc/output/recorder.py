@@ -22,7 +22,7 @@ from drillpetsc.output.balances.mass_balance import MassBalance
 from drillpetsc.output.balances.time_error import TimeError
 from drillpetsc.output.catalogue import in_order
 from drillpetsc.output.files.tables import Column
-from drillpetsc.output.measured.flow_recorder import FlowRecorder
+from drillpetsc.output.measured.flow_recorder import flow_recorder
 from drillpetsc.output.measured.probes import Probes
 from drillpetsc.output.measured.rigid_items import RigidItems
 from drillpetsc.output.measured.string_ends import DrilledHole, LowerEnd, TopEnd
@@ -82,13 +82,13 @@ class Recorder:
         self.model, self.system = model, model.system
         self.comm = self.system.comm.tompi4py()
         self.probes = Probes(model)
-        self.mud = FlowRecorder(model.system, model.fluid) if model.fluid is not None else None
+        self.mud = flow_recorder(model)
         self.energy = None if is_quasi_static(model.case) else EnergyBalance(model.system)
         self._energies_at: float | None = None  # time [s] of the last row for which energies were taken
         self.mass = MassBalance() if self.mud is not None else None
         self.sensors = Sensors(model, self.mud) if model.case.output.sensors else None
         self._row = Row()
-        joints = [j.depth for j in model.mesh.joints] if model.beam is not None else []
+        joints = [j.depth for j in model.mesh.joints] if model.beam.moves else []
         self._items = RigidItems(model)
         self._depths = {
             "joint": tuple(joints),

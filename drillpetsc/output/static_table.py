@@ -12,7 +12,7 @@ from drillpetsc.model.drilling_model import DrillingModel
 from drillpetsc.output.catalogue import outputs_by_file
 from drillpetsc.output.files.tables import Column
 from drillpetsc.output.measured.bending import curvatures
-from drillpetsc.output.measured.flow_recorder import FlowRecorder
+from drillpetsc.output.measured.flow_recorder import FlowRecorder, flow_recorder
 from drillpetsc.output.measured.in_hole import offsets
 from drillpetsc.output.measured.mud_column import below_flow_line, equivalent_density
 from drillpetsc.output.measured.rigid_items import RigidItems
@@ -27,9 +27,9 @@ def static_table(model: DrillingModel) -> tuple[list[Column], FloatArray | None]
 
     Values of elements are means over the elements that meet at a node; the catalogue describes the columns.
     """
-    mud = FlowRecorder(model.system, model.fluid) if model.fluid is not None else None
+    mud = flow_recorder(model)
     wet = _of_mud(model, mud) if mud is not None else {}
-    dry = _of_string(model, mud, wet) if model.beam is not None else {"md": model.mesh.node_depth}
+    dry = _of_string(model, mud, wet) if model.beam.moves else {"md": model.mesh.node_depth}
     if wet is None or dry is None:
         return [], None
     data = wet | dry
@@ -156,9 +156,10 @@ def _linear(values: FloatArray, element: np.ndarray) -> FloatArray:
 def _buckling_load(model: DrillingModel, position: FloatArray, tension: FloatArray) -> FloatArray:
     """(n_nodes,) load of sinusoidal buckling [N] of nodes at ``position`` (n_nodes, 3) [m] under an effective tension
     (n_nodes,) [N]; nan if the string has no side load or no clearance."""
-    mesh, well = model.mesh, model.well
-    if well is None or model.contact is None:
+    mesh, contact = model.mesh, model.contact
+    if contact is None:
         return np.full(mesh.nodes, np.nan)
+    well = contact.well
     depth = well.project(position).md  # of the hole at the node, which may be lowered or stretched to there
     _, t, kappa = well.at(depth)
     weight = at_nodes(model.effective_mass, model.effective_mass)[:, None] * np.array(model.case.gravity)

@@ -18,6 +18,8 @@ from drillpetsc.geometry.well import Well
 class Beam(Component):
     """Elements of the string."""
 
+    #: whether the string moves; one that is held has no unknowns
+    moves: bool = True
     #: name of the formation in the case file: ``ancf`` or ``quaternion``
     formulation: str = ""
     #: statics starts from the equilibrium of the ANCF element, which Newton's method corrects
@@ -98,6 +100,8 @@ class Top(Component):
     """
 
     anchor: FloatArray
+    #: whether anything is prescribed at this end
+    prescribes: bool = True
 
     @abstractmethod
     def shift(self, distance: float) -> None:
@@ -131,6 +135,18 @@ class Top(Component):
         """Prescribe at time 0 the given position (3,) [m], slope (3,) [-] and spin angle (1,) [rad] of the top node."""
         for condition in self.prescribed():
             self.anchor[:] = condition.directions @ np.concatenate([position, slope, spin])
+
+
+class FreeTop(Top):
+    """Upper end at which nothing is prescribed."""
+
+    name, prescribes = "top", False
+
+    def __init__(self) -> None:
+        self.anchor = np.empty(0)
+
+    def shift(self, distance: float) -> None:
+        """Nothing moves: the axial position is not prescribed."""
 
 
 @dataclass(frozen=True)

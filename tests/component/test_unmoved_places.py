@@ -19,7 +19,6 @@ CASES = Path(__file__).parents[2] / "cases"
 def model_of(name: str) -> DrillingModel:
     """A model whose string lies on the axis of the hole."""
     model = build_model(load_case(CASES / name))
-    assert model.beam is not None
     model.beam.place(model.system, model.position, model.tangent)
     if "string.ratio" in model.system.layout.dofs:
         model.system.set_field("string.ratio", np.ones((model.mesh.nodes, 1)))

@@ -49,7 +49,7 @@ def surplus(model: DrillingModel, t: float) -> float:
     at = model.system.layout.dofs["annulus.pressure"][-1, 0]
     p, rate, soft = asm.x[at], asm.y[at], 1 / f.constants.bulk_modulus
     stored += f.bit.element_results(asm)[4] * (soft + end.elasticity / (1 + end.elasticity * p)) * rate
-    if model.beam is not None:
+    if model.beam.moves:
         speed = model.system.field("string.position", "y")[:, 2]
         stored -= np.exp(p * soft) * (1 + end.elasticity * p) * end.hole * speed[-1]
         stored += (f.annulus.annulus.hole[0] - f.annulus.annulus.outer[0]) * speed[0]

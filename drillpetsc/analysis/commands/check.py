@@ -228,7 +228,7 @@ def _contents(model: DrillingModel, units: System) -> list[str]:
     # stress-free curvature is part of the quaternion element, not a component
     names |= {"curvature"} if mesh.curvature.any() else set()
     damped = bool(mesh.stiffness_damping.any() or mesh.mass_damping.any())
-    string = model.beam is not None
+    string = model.beam.moves
     parts = [
         (string, "axial, bending, torsion"),
         (bool(np.any(case.gravity)), "gravity"),

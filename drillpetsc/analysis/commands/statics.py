@@ -82,7 +82,7 @@ def run_statics(
                 "motion": motion or word or "as the top prescribes",
                 "warnings": list(state.warnings),
                 **(state.path.as_dict() if state.path is not None else {}),
-                **({"buckling": buckled.as_dict()} if model.beam is not None else {}),
+                **({"buckling": buckled.as_dict()} if model.beam.moves else {}),
                 **({"helix_band": asdict(state.band)} if buckled and state.band is not None else {}),
             }
         ).as_dict()

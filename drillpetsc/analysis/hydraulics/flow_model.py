@@ -299,7 +299,6 @@ class FlowModel:
             set_fluid_at_rest(self.system, self.fluid, flow)
             self._axis = hole_at_string(model)
             self._placed = True
-        assert model.beam is not None
         model.beam.set_rigid_motion(self.system, *self._axis, speed, 0.0)
 
     def _solve_from_here(self, flow: float, speed: float) -> None:

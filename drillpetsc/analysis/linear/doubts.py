@@ -164,7 +164,7 @@ class GrowthOfMesh(Doubt):
     remedy = "Repeat with the shorter `element_length` of the message."
 
     def look(self, at: Modal) -> Values:
-        if at.model.fluid is None or at.model.beam is None:
+        if at.model.fluid is None or not at.model.beam.moves:
             return
         mud, mesh = at.model.fluid.constants, at.model.mesh
         pipe = ~mesh.is_joint & (mesh.mass > 0)
@@ -203,7 +203,7 @@ class FedBySwirl(Doubt):
 
     def look(self, at: Modal) -> Values:
         annulus = None if at.model.fluid is None else at.model.fluid.annulus
-        if annulus is None or at.model.beam is None:
+        if annulus is None or not at.model.beam.moves:
             return
         own = float(np.abs(annulus.parameter("swirl")).max(initial=0.0))
         fastest = max(at.model.system.comm.tompi4py().allgather(own)) / (2 * np.pi)

@@ -124,7 +124,7 @@ def reference_rate(model: DrillingModel) -> float:
     For a held string it is the inverse travel time of sound along the string.
     """
     mesh, length = model.mesh, model.mesh.total_length
-    if model.beam is None and model.fluid is not None:
+    if not model.beam.moves and model.fluid is not None:
         fluid = model.fluid.constants
         return float(np.sqrt(fluid.bulk_modulus / fluid.density) / length)
     mass = float(mesh.mass @ mesh.length + sum(b.mass for b in mesh.bodies)) / length

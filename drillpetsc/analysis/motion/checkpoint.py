@@ -46,7 +46,7 @@ class Checkpoint:
     (``Component.get_local_state``).
     recorder: state of the recorder; stepper: state of the integrator.
     imperfection: (n_nodes, 3) dead load at the nodes [N], None without one.
-    top: anchor of the top end, None without one.
+    top: anchor of the top end, empty if nothing is prescribed there.
     notes: texts and numbers.
     provenance: case, versions and PETSc options (``provenance.record``).
     """
@@ -61,7 +61,7 @@ class Checkpoint:
     recorder: dict[str, FloatArray] = field(default_factory=dict)
     stepper: dict[str, FloatArray] = field(default_factory=dict)
     imperfection: FloatArray | None = None
-    top: FloatArray | None = None
+    top: FloatArray = field(default_factory=lambda: np.empty(0))
     notes: dict[str, Any] = field(default_factory=dict)
     provenance: dict[str, Any] = field(default_factory=dict)
 
@@ -106,7 +106,6 @@ def take(
         "second": system.frames.second_director,
         "twist0": system.frames.twist0,
     }
-    top = model.top.anchor if model.top is not None else None
     return Checkpoint(
         time,
         fields,
@@ -118,7 +117,7 @@ def take(
         balances,
         stepper,
         dead_load,
-        top,
+        model.top.anchor,
         notes or {},
         provenance.record(model.case, integrator.user_options),
     )
@@ -149,11 +148,7 @@ def write(path: Path, c: Checkpoint) -> None:
         **{f"components/{name}": state for name, state in c.components.items()},
         **{f"places/{name}": state for name, state in c.local_components.items()},
     }
-    single_arrays: dict[str, FloatArray | None] = {
-        "depths": c.depths,
-        "imperfection": c.imperfection,
-        "top": c.top,
-    }
+    single_arrays = {"depths": c.depths, "imperfection": c.imperfection, "top": c.top}
     # in memory, since HDF5 does not recover cleanly when the disk becomes full
     image = io.BytesIO()
     with h5py.File(image, "w", userblock_size=BLOCK) as file:
@@ -204,9 +199,8 @@ def read(path: str | Path) -> Checkpoint:
                 {name: _arrays(group) for name, group in file[kind].items()} if kind in file else {}
                 for kind in ("components", "places")
             )
-            imperfection, top = (
-                np.array(file[name]) if name in file else None for name in ("imperfection", "top")
-            )
+            imperfection = np.array(file["imperfection"]) if "imperfection" in file else None
+            top = np.array(file["top"]) if "top" in file else np.empty(0)
             return Checkpoint(
                 float(file.attrs["time"]),
                 groups["fields"],
@@ -301,7 +295,7 @@ def restore(model: DrillingModel, c: Checkpoint, at: str = "--restart") -> None:
         owned = system.chain.owned
         dead_load[dofs[owned]] = c.imperfection[system.chain.vertices[owned]]
         system.assembly.dead_load = dead_load
-    if c.top is not None and model.top is not None:
+    if len(c.top) and model.top.prescribes:  # a changed case may have another kind of top
         model.top.anchor[:] = c.top
     for component in model.components:
         if component.name in c.components:
@@ -315,5 +309,4 @@ def restore(model: DrillingModel, c: Checkpoint, at: str = "--restart") -> None:
 
 def restart_clock(model: DrillingModel, c: Checkpoint) -> None:
     """Set the time to 0 with the state of ``c``: the top continues from its position and angle in ``c``."""
-    if model.top is not None and model.beam is not None:
-        model.top.align(*model.beam.first_node(c.fields))
+    model.top.align(*model.beam.first_node(c.fields))

@@ -110,7 +110,6 @@ class QuasiStatic:
         """Set the rates of all nodes and the sliding direction of friction to their values at ``t`` [s]."""
         lowering, rotation = self.motion(t)
         model = self.model
-        assert model.beam is not None  # a held string has no quasi-static motion
         model.beam.impose_rigid_motion(self.system, self.rates, lowering, rotation)
         average_over_turn(model, rotation)
         for component in model.components:

@@ -100,7 +100,7 @@ def time_scales(model: DrillingModel) -> TimeScales:
     Waves and impacts use the mass of steel only (added mud would slow them).
     """
     mesh, scales = model.mesh, {}
-    if model.beam is not None:
+    if model.beam.moves:
         e = ~mesh.is_joint
         L, mass = mesh.length[e], mesh.mass[e]
         scales["axial"] = _period(AXIAL * mesh.axial_stiffness[e] / (mass * L**2))

@@ -415,7 +415,7 @@ class TransientRun:
         def put() -> None:
             if model.drilling is not None:
                 write_well_files(model, folder)
-            if error is None and self.case.output.indices is not None and model.beam is not None:
+            if error is None and self.case.output.indices is not None and model.beam.moves:
                 self._find_indices(result, *self.case.output.indices.span)
             write_summary(folder.summary, result)
 

@@ -19,6 +19,7 @@ from drillpetsc.fem.string_mesh import RigidItem
 from drillpetsc.kernels import function, pointer
 from drillpetsc.model.drilling_model import DrillingModel
 from drillpetsc.output.measured.rigid_items import RigidItems
+from drillpetsc.physics.contact import Contact
 
 _fastest_on_wall = function("fastest_on_wall", "ippppip")
 SLOWEST = 0.1  # rotation [rad/s] below which nothing whirls
@@ -93,9 +94,7 @@ class WhirlSteps:
     def parts(self) -> list[_Part]:
         """The parts, at the clearances that they have at the start."""
         if self._parts is None:
-            self._parts = (
-                self._find() if self.model.beam is not None and self.model.contact is not None else []
-            )
+            self._parts = [] if self.model.contact is None else self._find(self.model.contact)
             self._limited, self._shortest = (
                 np.zeros(len(self._parts), dtype=int),
                 np.full(len(self._parts), np.inf),
@@ -103,9 +102,8 @@ class WhirlSteps:
             self._spins = np.zeros(len(self._parts))  # largest beside the contacts of each part
         return self._parts
 
-    def _find(self) -> list[_Part]:
-        model, mesh = self.model, self.model.mesh
-        assert model.well is not None
+    def _find(self, contact: Contact) -> list[_Part]:
+        model, mesh, well = self.model, self.model.mesh, contact.well
         chain, out = model.system.chain, []
         local = {int(v): i for i, v in enumerate(chain.vertices) if chain.owned[i]}
         # the initial place of the string in the hole of the case: a restarted run finds the same parts
@@ -113,7 +111,7 @@ class WhirlSteps:
         for k in RigidItems(model).items:
             body = mesh.bodies[k]
             md = float(place[body.node])
-            clearance = float(np.asarray(model.well.radius(md))) - body.radius
+            clearance = float(np.asarray(well.radius(md))) - body.radius
             if clearance >= SMALLEST_CLEARANCE * body.radius:
                 node = local.get(body.node, -1)
                 rolling = _rolling(body.radius / clearance, self._fastest(body))
@@ -133,7 +131,7 @@ class WhirlSteps:
                 )
         radius = 0.5 * mesh.contact_diameter
         middle = 0.5 * (place[:-1] + place[1:])
-        clearance = np.asarray(model.well.radius(middle)) - radius
+        clearance = np.asarray(well.radius(middle)) - radius
         rolls = (radius > 0) & ~mesh.is_joint & (clearance > SMALLEST_CLEARANCE * radius)
         ratio = np.where(rolls, radius / np.maximum(clearance, 1e-9), 0.0)
         # one part for each item and clearance, however many elements it has

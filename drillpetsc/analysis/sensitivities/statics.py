@@ -65,12 +65,10 @@ class StaticTangent:
     Raises CaseError for a state that is not differentiable here.
     """
 
-    def __init__(
-        self, model: DrillingModel, state: StaticState, start: FloatArray | None, motion: Motion
-    ) -> None:
+    def __init__(self, model: DrillingModel, state: StaticState, start: FloatArray, motion: Motion) -> None:
         _refuse_history(model, state)
         self.model, self.state, self.motion = model, state, motion
-        self.top = None if model.top is None or start is None else model.top.anchor - start
+        self.top = model.top.anchor - start
         self.x = model.system.assembly.x.copy()
         self.solver = self._solver(model)
         self.solver.factor_here()
@@ -90,7 +88,7 @@ class StaticTangent:
     @property
     def _top_on_wall(self) -> bool:
         """Whether the top lies across the hole where nothing pushes it.  It is held there, which the derivative does not know."""
-        return self.top is not None and len(self.top) > 2 and bool(np.abs(self.top[1:3]).max() > 1e-9)
+        return len(self.top) > 2 and bool(np.abs(self.top[1:3]).max() > 1e-9)
 
     def near(
         self,
@@ -117,8 +115,7 @@ class StaticTangent:
         """Put a new model into the state with unknowns ``x``, its top ``move`` [m] further down; returns its equations."""
         place_along_hole(model, top_depth(model))
         take_unknowns(model, self.model)
-        if model.top is not None and self.top is not None:
-            model.top.anchor[:] += self.top
+        model.top.anchor += self.top
         return self._moved_to(model, self._solver(model), x, move)
 
     @staticmethod
@@ -127,7 +124,7 @@ class StaticTangent:
         asm.x[:n] = x[:n]
         for component in model.components:
             component.locate_hole(asm)
-        if move and model.top is not None:
+        if move:
             model.top.shift(move)
         asm.invalidate_prescribed_values()
         return solver
@@ -193,7 +190,7 @@ class StaticsSolution:
         model = build_model(posed, comm, moving)
         self.resolution = RESOLUTION if model.fluid is None else RESOLUTION_IN_MUD
         self._mesh = MeshOf(posed, model.mesh)
-        start = None if model.top is None else model.top.anchor.copy()
+        start = model.top.anchor.copy()
         state = find_equilibrium(model, moving, False)
         figures = static_summary(model, state)
         self.outputs = [Output(q) for q in QUANTITIES if np.isfinite(number(figures.get(q.name)))]

@@ -107,7 +107,7 @@ class StiffRoadmap:
             if job.rows.misfit or isinstance(job.flow, SolveError):
                 raise CaseError(at="roadmap", want=job.rows.misfit or f"a steady flow: {job.flow}")
             model = stiff.model_of(self.asked.case, self.asked.well, job)
-            start = None if model.top is None else model.top.anchor.copy()
+            start = model.top.anchor.copy()
             state = find_equilibrium(model, motion, False)
             values = stiff.values_of(model, job)
             self._tangents.append(StaticTangent(model, state, start, motion))

@@ -11,7 +11,7 @@ from drillpetsc.analysis.statics.placement import top_depth
 from drillpetsc.fem.component import FloatArray
 from drillpetsc.fem.quantity import Sample
 from drillpetsc.model.drilling_model import DrillingModel
-from drillpetsc.output.measured.flow_recorder import FlowRecorder
+from drillpetsc.output.measured.flow_recorder import flow_recorder
 from drillpetsc.output.measured.mud_column import below_flow_line, equivalent_density
 from drillpetsc.output.measured.rigid_items import RigidItems
 from drillpetsc.output.measured.string_ends import TopEnd
@@ -25,7 +25,7 @@ NOISE = 1e-12  # share of the largest load below which a load is rounding noise
 def static_summary(model: DrillingModel, state: StaticState) -> dict[str, Any]:
     """Numbers of a static state [SI], the same on all ranks; the catalogue describes them."""
     system, mesh = model.system, model.mesh
-    if model.beam is None:
+    if not model.beam.moves:
         return flow_summary(model)
     asm, cells, report = system.assembly, system.chain.cells, state.equilibrium
     beam = model.beam.element_results(system.layout, asm.x, asm.y)
@@ -58,7 +58,7 @@ def static_summary(model: DrillingModel, state: StaticState) -> dict[str, Any]:
         "imperfection": report.imperfection,
         "warnings": list(state.warnings),
     }
-    if model.top is not None or force is not None:
+    if model.top.prescribes or force is not None:
         top, sample = TopEnd(model), Sample(system, 0.0)
         out["top_travel"] = top.travel(_sum_over_ranks(model, top.position(sample)))
     if model.case.rig is not None and model.case.rig.block_weight is not None:
@@ -88,14 +88,14 @@ def flow_summary(model: DrillingModel) -> dict[str, Any]:
     ecd: equivalent circulating density at the bottom [kg/m3], of the column from the flow line to where the lower end is now; that
     of still mud is the density, if it is stiff.
     """
-    if model.fluid is None:
+    mud, sample = flow_recorder(model), Sample(model.system, 0.0)
+    if mud is None:
         return {}
-    mud, sample = FlowRecorder(model.system, model.fluid), Sample(model.system, 0.0)
     ends = [q for q in mud.quantities() if q.on == "scalar" and q.value is not None]
     values = _sum_over_ranks(model, np.array([q.value(mud, sample) for q in ends]))  # type: ignore[misc]
     out: dict[str, Any] = dict(zip([q.name for q in ends], map(float, values), strict=True))
-    if model.fluid.annulus is not None:
-        gravity = float(np.linalg.norm(model.fluid.constants.gravity))
+    if mud.fluid.annulus is not None:
+        gravity = float(np.linalg.norm(mud.fluid.constants.gravity))
         density = equivalent_density(out["bit_pressure"], below_flow_line(model, _lower_end(model)), gravity)[
             0
         ]
@@ -106,8 +106,6 @@ def flow_summary(model: DrillingModel) -> dict[str, Any]:
 
 def _lower_end(model: DrillingModel) -> FloatArray:
     """(1, 3) position of the last node [m], the same on all ranks."""
-    if model.beam is None:
-        return np.asarray(model.position[-1:])
     chain, place = model.system.chain, np.zeros(3)
     mine = np.flatnonzero(chain.owned & (chain.vertices == model.mesh.nodes - 1))
     if len(mine):

@@ -63,7 +63,7 @@ def director_equilibrium(
     lowering = prescribed_motion(model)[0] if motion is None else 0.0
     motion = prescribed_motion(model) if motion is None else motion
     place_along_hole(model, top_depth(model))
-    if model.beam is None:
+    if not model.beam.moves:
         flow = steady_flow(model.system)
         return StaticState(
             (0.0, 0.0), Equilibrium(iterations=flow.iterations, increment=flow.increment, converged=True)
@@ -84,7 +84,7 @@ def director_equilibrium(
             raise
     placed, no_lateral_friction = True, False
     if state.path is None:
-        placed = found is None or not found.top_on_wall or model.top is None
+        placed = found is None or not found.top_on_wall or not model.top.prescribes
         placed = placed or balance_across(model, solver, report)
         problem.set_friction_aside()  # stability is counted without it
         count = solver.negative_pivots()
@@ -311,7 +311,7 @@ def set_weight_on_bit(model: DrillingModel, solver: StaticNewton, wob: float) ->
             got=said(wob, "force", model.case.output.units or "SI"),
             want="a bottom of kind bit, which carries the weight",
         )
-    if top is None or model.case.top.force is not None:
+    if not top.prescribes or model.case.top.force is not None:
         raise CaseError(
             at="initial.wob",
             got=said(wob, "force", model.case.output.units or "SI"),

@@ -31,7 +31,7 @@ def find_equilibrium(
     path: the motion whose history the string follows, see ``director_equilibrium``.
     Raises SolveError if no equilibrium is found.
     """
-    if model.beam is not None and model.beam.needs_ancf_equilibrium:
+    if model.beam.needs_ancf_equilibrium:
         return quaternion_equilibrium(model, motion, lateral_friction)
     # the weight on bit sets the static state, although the force of the top acts from time 0 on
     if model.case.top.force is not None and model.case.initial.wob is not None:

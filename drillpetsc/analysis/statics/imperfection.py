@@ -19,7 +19,7 @@ def add_imperfection_of_rest(model: DrillingModel) -> None:
     the weight of the node.
     """
     fractions = imperfections(model)
-    if model.beam is None or not fractions.any():
+    if not model.beam.moves or not fractions.any():
         return
     size = fractions * nodal_weight(model)
     model.system.assembly.dead_load = lateral_loads(model.system, size)

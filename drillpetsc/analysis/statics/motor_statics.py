@@ -35,10 +35,9 @@ def motor_equilibrium(
     if path is not None:
         raise CaseError(at="--path", got=path, want="a string without a downhole motor")
     motor.run_statically(0.0 if motion == (0.0, 0.0) else _given_flow(model))
-    start = None if model.top is None else model.top.anchor.copy()
+    start = model.top.anchor.copy()
     for _ in range(MOST_ROUNDS):
-        if model.top is not None:
-            model.top.anchor[:] = start  # statics moves the top from there
+        model.top.anchor[:] = start  # statics moves the top from there
         state = director_equilibrium(model, motion, lateral_friction, None, may_follow_path=False)
         torque, flow = _torque_and_flow(model, motor)
         if motion == (0.0, 0.0):

@@ -50,11 +50,10 @@ def place_along_hole(model: DrillingModel, top: float = 0.0) -> None:
     system = model.system
     for component in model.components:
         component.hold()
-    if model.beam is not None:
-        position, tangent = model.position, model.tangent
-        if top and model.well is not None:
-            position, tangent, _ = (np.asarray(q) for q in model.well.at(model.mesh.node_depth + top))
-        model.beam.place(system, position, tangent)
+    position, tangent = model.position, model.tangent
+    if top and model.well is not None:
+        position, tangent, _ = (np.asarray(q) for q in model.well.at(model.mesh.node_depth + top))
+    model.beam.place(system, position, tangent)
     for field in system.layout.fields:
         if field.physics in (JOINT, DRIVE) or field.name == "string.ratio":
             system.set_field(field.name, np.full((system.mesh.nodes, field.size), field.default))
@@ -124,7 +123,7 @@ def move_rigidly(model: DrillingModel) -> None:
 
     Those of a string whose lower end is held fall to zero there.
     """
-    if model.beam is not None:
+    if model.beam.moves:
         tangent, curvature = hole_at_string(model)
         lowering, rotation = prescribed_motion(model)
         along, turn = share_of_top(model)
@@ -177,6 +176,5 @@ def align_top(model: DrillingModel) -> None:
     here = np.flatnonzero(system.chain.owned & (system.chain.vertices == 0))
     local = np.hstack([system.field(name)[here].sum(axis=0) for name in names])
     place = local if system.comm.size == 1 else np.asarray(system.comm.tompi4py().allreduce(local))
-    if model.top is not None:
-        model.top.align(place[:3], place[3:6], place[6:])
+    model.top.align(place[:3], place[3:6], place[6:])
     system.assembly.invalidate_prescribed_values()

@@ -44,8 +44,7 @@ def quaternion_equilibrium(
     place_along_hole(model)
     copy_ancf_state(ancf.system, model.system)
     # statics may have moved the top across the hole, to the wall
-    if model.top is not None and ancf.top is not None:
-        model.top.copy_position(ancf.top)
+    model.top.copy_position(ancf.top)
     model.copy_sliding_direction(ancf)
     for (
         component

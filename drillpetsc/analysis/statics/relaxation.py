@@ -12,7 +12,9 @@ from drillpetsc.analysis.statics.placement import top_depth
 from drillpetsc.analysis.statics.snapshot import Snapshot
 from drillpetsc.analysis.statics.start.march import March
 from drillpetsc.errors import SolveError
+from drillpetsc.geometry.well import Well
 from drillpetsc.model.drilling_model import DrillingModel
+from drillpetsc.physics.contact import Contact
 from drillpetsc.solvers.static.static_newton import CONVERGED_INCREMENT, Drag, Equilibrium, StaticNewton
 
 FIRST_DRAG, LAST_DRAG = 1e3, 1e-2  # over the length of the step [N/m2]
@@ -51,13 +53,14 @@ def relax(
     downhill: as for ``relax_with_drag``.
     Raises SolveError if no equilibrium is found.
     """
-    if model.contact is not None:
+    contact = model.contact
+    if contact is not None and contact.law.law == "linear":
         try:
-            for factor in _softening(model, load):
-                model.contact.set_stiffness(factor)
+            for factor in _softening(model, contact, load):
+                contact.set_stiffness(factor)
                 newton_or_drag(model, solver, report, SOFT_INCREMENT, downhill=downhill)
         finally:
-            model.contact.set_stiffness(1.0)
+            contact.set_stiffness(1.0)
     newton_or_drag(model, solver, report, tolerance, downhill=downhill)
 
 
@@ -133,23 +136,18 @@ def _convex(solver: StaticNewton, drag: float) -> float:
     return drag
 
 
-def _softening(model: DrillingModel, load: float) -> tuple[float, ...]:
+def _softening(model: DrillingModel, contact: Contact, load: float) -> tuple[float, ...]:
     """Factors of the contact stiffness before 1; none if the wall is soft."""
-    gap = _clearance(model)
-    if model.contact is None or model.contact.law.law != "linear" or gap is None:
-        return ()
-    softest = load / (SOFT_PENETRATION * gap * model.contact.law.stiffness)
+    softest = load / (SOFT_PENETRATION * _clearance(model, contact.well) * contact.law.stiffness)
     if not 0 < softest < 0.1:
         return ()
     return tuple(np.geomspace(softest, 1.0, int(np.ceil(-np.log10(softest) / 2)) + 1)[:-1])
 
 
-def _clearance(model: DrillingModel) -> float | None:
-    """Smallest radial clearance [m], 1 mm at least; None without contact."""
-    if model.well is None or model.contact is None:
-        return None
+def _clearance(model: DrillingModel, well: Well) -> float:
+    """Smallest radial clearance [m], 1 mm at least."""
     middle = 0.5 * (model.mesh.upper + model.mesh.lower) + top_depth(model)
-    gap = np.asarray(model.well.radius(middle)) - 0.5 * model.mesh.contact_diameter
+    gap = np.asarray(well.radius(middle)) - 0.5 * model.mesh.contact_diameter
     return float(max(1e-3, np.min(gap[model.mesh.contact_diameter > 0], initial=0.1)))
 
 
@@ -161,4 +159,5 @@ def helix_load(model: DrillingModel, found: March) -> float:
     """
     force, pipe = model.case.top.force, ~model.mesh.is_joint
     push = max(-float(found.effective_tension.min()), 0.0 if force is None else -force.value(0.0), 0.0)
-    return (_clearance(model) or 0.0) * push**2 / (4 * float(np.min(model.mesh.bending_stiffness[pipe])))
+    gap = 0.0 if model.contact is None else _clearance(model, model.contact.well)
+    return gap * push**2 / (4 * float(np.min(model.mesh.bending_stiffness[pipe])))

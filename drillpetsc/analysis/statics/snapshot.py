@@ -10,10 +10,9 @@ class Snapshot:
 
     def __init__(self, model: DrillingModel):
         self.model, self.x = model, model.system.assembly.x.copy()
-        self.top = None if model.top is None else model.top.anchor.copy()
+        self.top = model.top.anchor.copy()
 
     def restore(self) -> None:
         """Put the copied state back."""
         self.model.system.assembly.x[:] = self.x
-        if self.model.top is not None:
-            self.model.top.anchor[:] = self.top
+        self.model.top.anchor[:] = self.top

@@ -23,7 +23,6 @@ def balance_across(model: DrillingModel, solver: StaticNewton, report: Equilibri
 
     Returns whether the place was found; otherwise the state is the former one.
     """
-    assert model.top is not None
     start, asm = Snapshot(model), model.system.assembly
     asm.release(_ACROSS)
     try:

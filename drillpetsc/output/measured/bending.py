@@ -59,7 +59,6 @@ def end_forces(model: DrillingModel, time: float = 0.0) -> EndForces:
     by the element (manual: eq-beam-nodal-moment).  time: of inputs [s].
     """
     system, beam = model.system, model.beam
-    assert beam is not None
     asm, mesh, cells = system.assembly, system.mesh, system.chain.cells
     count = len(cells)
     turned = asm.x[asm.dofs_of(beam.orientation)][system.chain.ends]  # (nc, 2, k)

@@ -11,7 +11,7 @@ from drillpetsc.fem.quantity import Quantity, Sample, Source
 from drillpetsc.model.drilling_model import DrillingModel
 from drillpetsc.output import quantities as declared
 from drillpetsc.output.catalogue import in_order
-from drillpetsc.output.measured.flow_recorder import FlowRecorder
+from drillpetsc.output.measured.flow_recorder import flow_recorder
 from drillpetsc.output.measured.string_fields import StringFields
 
 Key = tuple[int, Any]  # of a value: its source, its function
@@ -22,7 +22,7 @@ class FieldOutput:
 
     def __init__(self, model: DrillingModel) -> None:
         self.model, self.system = model, model.system
-        mud = FlowRecorder(model.system, model.fluid) if model.fluid is not None else None
+        mud = flow_recorder(model)
         self.string, optional = StringFields(model, mud), (mud,) if mud is not None else ()
         found: list[tuple[Source, Quantity]] = [
             (source, q)

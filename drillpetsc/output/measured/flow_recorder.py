@@ -9,6 +9,7 @@ import numpy as np
 from drillpetsc.fem.component import FloatArray
 from drillpetsc.fem.discrete_system import DiscreteSystem
 from drillpetsc.fem.quantity import Quantity, Sample
+from drillpetsc.model.drilling_model import DrillingModel
 from drillpetsc.model.fluid import FluidComponents
 from drillpetsc.output import quantities as declared
 from drillpetsc.output.measured.flows_of_steps import BIT_FLOW, CHAMBER, CUTTINGS, FlowsOfSteps
@@ -156,3 +157,8 @@ class FlowRecorder:
         for _, channel, area, sign in self.pressed_areas():
             out += -sign * area[chain.cells][:, None] * channel.pressures(self.system)[chain.ends]
         return out
+
+
+def flow_recorder(model: DrillingModel) -> FlowRecorder | None:
+    """The recorder of a model's mud, None in a dry one."""
+    return None if model.fluid is None else FlowRecorder(model.system, model.fluid)

@@ -44,7 +44,7 @@ class MotionClasses:
         self.model, self.begin, self.comm = model, begin, model.system.comm.tompi4py()
         self._probes, self._items = Probes(model), RigidItems(model)
         mesh = model.mesh
-        self._bodies = [mesh.bodies[k] for k in self._items.items] if model.beam is not None else []
+        self._bodies = [mesh.bodies[k] for k in self._items.items] if model.beam.moves else []
         self.names = [*self._items.names[: len(self._bodies)], *("probe" for _ in self._probes.depths)]
         self.depths = [*self._items.depths[: len(self._bodies)], *self._probes.depths]
         cells = [
@@ -67,8 +67,6 @@ class MotionClasses:
         state = self.model.system.assembly
         out = np.zeros((len(self.names) + 1, 5))
         beam = self.model.beam
-        if beam is None:
-            return out
         nodes = [
             *((k, b.node) for k, b in enumerate(self._bodies)),
             (len(self.names), self.model.mesh.nodes - 1),
@@ -139,7 +137,7 @@ class MotionClasses:
                 part["sliding_share"] = sliding
             part |= _whirl(float(self._whirl[k]), float(self._spin[k]))
             out.append(part)
-        if self.model.beam is not None:
+        if self.model.beam.moves:
             out.append(
                 {"name": "lower end", "md [m]": float(self.model.mesh.total_length), **self._rotation()}
             )

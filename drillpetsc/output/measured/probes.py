@@ -27,7 +27,7 @@ class Probes:
 
     def __init__(self, model: DrillingModel) -> None:
         self.model = model
-        self.depths = tuple(model.case.output.probes) if model.beam is not None else ()
+        self.depths = tuple(model.case.output.probes) if model.beam.moves else ()
         self._probes = [self._locate(depth) for depth in self.depths]
         self._local = {int(c): i for i, c in enumerate(model.system.chain.cells)}
         here = [k for k, probe in enumerate(self._probes) if probe.cell in self._local]
@@ -66,7 +66,7 @@ class Probes:
         """Positions (4, k, 3) in the unknowns of positions and slopes at both ends, (2, k) of the spins, weights (4, k, 1), of the k probes
         of this rank; None if the motion between two nodes is not the cubic through them."""
         beam, dofs = self.model.beam, self.model.system.layout.dofs
-        if beam is None or beam.formulation != "ancf" or self._below_item or not len(self._here):
+        if beam.formulation != "ancf" or self._below_item or not len(self._here):
             return None
         ratio = dofs.get("string.ratio")
         if ratio is not None and ratio[self._upper].max() >= 0:
@@ -101,7 +101,6 @@ class Probes:
             out[self._here, 3] = (1 - self._share) * spin0 + self._share * spin1
             return out
         beam = self.model.beam
-        assert beam is not None
         r0, v0, spin0 = beam.section(state, self._upper)
         r1, v1, spin1 = beam.section(state, self._lower)
         if self._below_item:

@@ -58,7 +58,7 @@ class TopEnd:
 
     def quantities(self) -> tuple[Quantity, ...]:
         m = self.model
-        exists = m.beam is not None and (m.top is not None or self.force is not None)
+        exists = m.beam.moves and (m.top.prescribes or self.force is not None)
         if not exists:
             return ()
         total = () if self.block is None else (declared.HOOK_LOAD_TOTAL,)
@@ -124,12 +124,12 @@ class LowerEnd:
         self.vertex = int(local[0]) if len(local) else None
 
     def quantities(self) -> tuple[Quantity, ...]:
-        return declared.LOWER_END if self.model.beam is not None else ()
+        return declared.LOWER_END if self.model.beam.moves else ()
 
     def motion(self, state) -> FloatArray:
         """(4,) position of the face [m] and spin rate [rad/s]; zero if another rank has the end."""
         out = np.zeros(4)
-        if self.vertex is not None and self.model.beam is not None:
+        if self.vertex is not None:
             end, slope, out[3] = self.model.beam.section(state, self.vertex)
             out[:3] = end + self.face * slope / sqrt(slope.dot(slope))
         return out
@@ -137,7 +137,7 @@ class LowerEnd:
     def motions(self, steps: StepRecord) -> FloatArray | None:
         """(k, 4) ``motion`` after each of k recorded steps; None if it is found one by one only."""
         beam = self.model.beam
-        if self.vertex is None or beam is None:
+        if self.vertex is None:
             return np.zeros((len(steps), 4))
         if beam.formulation != "ancf":
             return None

@@ -29,7 +29,7 @@ class StringFields:
         self._is_tube = bool((model.mesh.outer_diameter > 0).all())
 
     def quantities(self) -> tuple[Quantity, ...]:
-        if self.model.beam is None:
+        if not self.model.beam.moves:
             string = tuple(q for q in declared.STRING_FIELDS if q.name in ("md", "outer_radius"))
         else:
             absent = {"stress": not self._is_tube, "effective_tension": self.mud is None}
@@ -49,12 +49,11 @@ class StringFields:
 
     def motion(self, sample: Sample) -> FloatArray:
         """(nv, 8) position [m], velocity [m/s], spin rate [rad/s] and spin angle [rad]."""
-        assert self.model.beam is not None
         return np.asarray(sample.once(self.model.beam.columns))
 
     def position(self, sample: Sample) -> FloatArray:
         """(nv, 3) position [m]; for a held string, the initial position."""
-        return self.start[self._vertices] if self.model.beam is None else self.motion(sample)[:, :3]
+        return self.motion(sample)[:, :3]
 
     def offset(self, position: FloatArray, depth: FloatArray) -> FloatArray:
         """(k, 2) offset [m] of points (k, 3) from the hole's axis."""
@@ -74,7 +73,6 @@ class StringFields:
     def _element_results(self, state) -> FloatArray:
         """(nc, 9) results of the beam, with the mud's share of the wall's tension."""
         beam = self.model.beam
-        assert beam is not None
         results = beam.element_results(self.model.system.layout, state.x, state.y)
         if self.mud is not None:
             results[:, _AXIAL] += self.mud.wall_tension()

@@ -50,7 +50,7 @@ class SensorSection:
         self.lever = depth - inside  # in a rigid item: below the end of the element
         local = np.flatnonzero(chain.cells == cell)
         self.is_here = bool(len(local))
-        self.period = 0.0 if model.beam is None else model.beam.angle_period
+        self.period = model.beam.angle_period
         self.stiffness = float(mesh.bending_stiffness[cell])
         self.curvature = np.array(mesh.curvature[cell]) if mesh.curvature.any() else np.zeros(2)
         self._wants = set(sensor.channels)
@@ -69,7 +69,6 @@ class SensorSection:
         """Unknowns, rates and accelerations of the element's nodes, their reference frame and the loads; cheap."""
         asm, frames = self.model.system.assembly, self.model.frames
         cell, beam, out = self.cell, self.model.beam, np.empty(RAW_WIDTH)
-        assert beam is not None
         out[:42] = beam.nodal_motion(asm, self._vertices).ravel()
         out[42:45] = 1.0, 0.0, 0.0
         if self._ratio is not None:

@@ -50,7 +50,7 @@ def buckling(model: DrillingModel, columns: list[Column], values: FloatArray) ->
     columns, values: of ``static_table``, (n_nodes, columns) on rank 0.
     """
     table = dict(zip([c[0] for c in columns], values.T, strict=True))
-    if model.beam is None or model.contact is None or model.well is None or "buckling_load" not in table:
+    if model.contact is None or "buckling_load" not in table:
         return Buckling()
     mesh = model.mesh
     push = -table.get("effective_tension", table["axial_force"])

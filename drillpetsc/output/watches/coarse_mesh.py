@@ -74,7 +74,7 @@ def of_state(
 
     columns, values: of ``static_table``, computed here where ``columns`` is None.
     """
-    if model.beam is None or model.beam.needs_ancf_equilibrium:
+    if not model.beam.moves or model.beam.needs_ancf_equilibrium:
         return LongElements()
     if columns is None:
         columns, values = static_table(model)
@@ -122,17 +122,12 @@ def expected(model: DrillingModel) -> LongElements:
 
 def _of_state(model: DrillingModel, columns: list[Column], values: FloatArray) -> _Loads:
     table = dict(zip([c[0] for c in columns], values.T, strict=True))
-    mesh = model.mesh
+    mesh, contact = model.mesh, model.contact
     clearance = np.full(mesh.nodes, np.inf)
-    if model.well is not None and model.contact is not None:
+    if contact is not None:
         radius = at_nodes(0.5 * mesh.contact_diameter, 0.5 * mesh.contact_diameter)
-        clearance = (
-            np.asarray(
-                model.well.radius(mesh.node_depth + top_of_string(model.case, model.mesh.total_length))
-            )
-            - radius
-        )
-        clearance = np.maximum(clearance, 1e-3)
+        place = mesh.node_depth + top_of_string(model.case, mesh.total_length)
+        clearance = np.maximum(np.asarray(contact.well.radius(place)) - radius, 1e-3)
     stiffness = at_nodes(mesh.bending_stiffness, mesh.bending_stiffness)
     load = np.nan_to_num(table["buckling_load"]) if "buckling_load" in table else np.zeros(mesh.nodes)
     side = (
@@ -197,9 +192,10 @@ def _supports(model: DrillingModel, load: _Loads) -> list[Found]:
 
 def _jumps(model: DrillingModel, load: _Loads) -> list[Found]:
     """Bending layers beside jumps of the hole's curvature."""
-    well, mesh = model.well, model.mesh
-    if well is None or model.contact is None:
+    contact, mesh = model.contact, model.mesh
+    if contact is None:
         return []
+    well = contact.well
     shift = top_of_string(model.case, model.mesh.total_length)
     depth = np.asarray(well.node_md)[1:-1] - shift
     depth = depth[(depth > mesh.node_depth[0] + 1e-6) & (depth < mesh.node_depth[-1] - 1e-6)]
@@ -216,9 +212,10 @@ def _jumps(model: DrillingModel, load: _Loads) -> list[Found]:
 
 def _steps(model: DrillingModel, load: _Loads) -> list[Found]:
     """Bending layers beside steps of the clearance: of the pipe's diameter, or of the hole's."""
-    well, mesh = model.well, model.mesh
-    if well is None or model.contact is None:
+    contact, mesh = model.contact, model.mesh
+    if contact is None:
         return []
+    well = contact.well
     place = mesh.node_depth[1:-1] + top_of_string(model.case, model.mesh.total_length)
     gap = [
         np.asarray(well.radius(place + d)) - 0.5 * diameter

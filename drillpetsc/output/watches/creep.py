@@ -15,7 +15,7 @@ def held_by_creep(model: DrillingModel) -> tuple[float, float]:
     the limit and would hold without regularisation. The slip speed is the power of the friction over its force.
     """
     contact, system, mesh = model.contact, model.system, model.mesh
-    if contact is None or model.beam is None:
+    if contact is None:
         return 0.0, 0.0
     results, _ = contact.element_results(system.assembly)
     radius = 0.5 * mesh.contact_diameter[system.chain.cells]

@@ -16,7 +16,7 @@ def end_is_free(model: DrillingModel) -> bool:
     """Whether the lower end of a string in a hole is free: not held, and without a bit on the bottom."""
     bottom = model.case.bottom
     held = isinstance(bottom, HeldBottom) and bottom.kind != "free"
-    return model.well is not None and model.beam is not None and model.bit is None and not held
+    return model.well is not None and model.beam.moves and model.bit is None and not held
 
 
 class FreeEnd:

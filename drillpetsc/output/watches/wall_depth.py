@@ -21,17 +21,18 @@ def deepest_in_wall(model: DrillingModel) -> dict[str, Any] | None:
 
     Returns name, md, depth in the wall and radial clearance [m]; None without a part that has a clearance.
     """
-    if model.contact is None or model.well is None or model.beam is None:
+    contact = model.contact
+    if contact is None:
         return None
     system, mesh = model.system, model.mesh
     place = system.gather(system.field("string.position"))
     sample = Sample(system, 0.0)
-    cells, _ = sample.once(model.contact.element_results)
+    cells, _ = sample.once(contact.element_results)
     depth = system.gather(np.ascontiguousarray(cells[:, [RESULTS["penetration"]]]), "cell")
     bodies = total(system.comm, RigidItems(model).wall_results(sample)[:, RESULTS["penetration"]])
     found: dict[str, Any] | None = None
     if place is not None and depth is not None:
-        hole = model.well.project(place)
+        hole = contact.well.project(place)
         nodes = [*range(len(mesh.upper)), *(b.node for b in mesh.bodies)]
         below = [*(0.5 * mesh.length), *(b.middle for b in mesh.bodies)]
         radii = np.array([*(0.5 * mesh.contact_diameter), *(b.radius for b in mesh.bodies)])

@@ -39,7 +39,7 @@ from drillpetsc.output import write_summary, write_table
 from drillpetsc.output.files.case_files import write_case
 from drillpetsc.output.files.run_folder import RESPONSE_TABLE
 from drillpetsc.output.job import Job
-from drillpetsc.output.measured.flow_recorder import FlowRecorder
+from drillpetsc.output.measured.flow_recorder import flow_recorder
 from drillpetsc.output.quantities.frequency import RESPONSE, RESPONSE_STRESS
 from drillpetsc.output.result import RunResult
 from drillpetsc.output.summaries.linear import ResponseSummary
@@ -113,7 +113,7 @@ class Gaps:
 
 def gaps(model: DrillingModel, position: FloatArray, slope: FloatArray) -> Gaps | None:
     """Points at the nodes and at rigid items, from positions and slopes (n, 3) of all nodes; None without contact."""
-    if model.well is None or model.contact is None:
+    if model.contact is None:
         return None
     mesh = model.mesh
     radius = np.zeros(mesh.nodes)
@@ -124,7 +124,7 @@ def gaps(model: DrillingModel, position: FloatArray, slope: FloatArray) -> Gaps 
     arm = np.concatenate([np.zeros(mesh.nodes), [b.contact_above + 0.5 * b.contact_length for b in bodies]])
     radius = np.concatenate([radius, [b.radius for b in bodies]])
     direction = slope / np.linalg.norm(slope, axis=1, keepdims=True)
-    foot = model.well.project(position[node] + arm[:, None] * direction[node])
+    foot = model.contact.well.project(position[node] + arm[:, None] * direction[node])
     used = radius > 0
     return Gaps(node[used], arm[used], foot.offset[used], (np.asarray(foot.radius) - radius)[used])
 
@@ -312,7 +312,7 @@ def run_response(
             want = "a pdm with rotor_mass, eccentricity and lobes, which the case does not have"
             raise CaseError(at="--excite", got="motor", want=want)
         folder = job.make_folder()
-        mud = FlowRecorder(model.system, model.fluid) if model.fluid is not None else None
+        mud = flow_recorder(model)
         table: list[list[Any]] = []
         notes: list[str] = []
         valid: list[tuple[str, float]] = []

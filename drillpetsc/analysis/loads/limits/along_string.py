@@ -12,7 +12,7 @@ from drillpetsc.arrays import FloatArray
 from drillpetsc.fem.quantity import Sample
 from drillpetsc.model.drilling_model import DrillingModel
 from drillpetsc.output.measured.bending import curvatures
-from drillpetsc.output.measured.flow_recorder import FlowRecorder
+from drillpetsc.output.measured.flow_recorder import flow_recorder
 from drillpetsc.output.measured.string_fields import StringFields
 
 VERTICAL = np.radians(3.0)  # inclination below which a string buckles as in a vertical hole
@@ -48,7 +48,7 @@ class State:
 def static_state(model: DrillingModel) -> State | None:
     """The model's present state on rank 0, None elsewhere.  Collective."""
     system, mesh, sample = model.system, model.mesh, Sample(model.system, 0.0)
-    mud = FlowRecorder(system, model.fluid) if model.fluid is not None else None
+    mud = flow_recorder(model)
     string, local = StringFields(model, mud), system.chain.cells
     pushed = np.full(len(local), np.nan)
     if model.contact is not None:

@@ -28,9 +28,9 @@ def contact_rows(
     has a couple, a direction and a tilt, too: clock directions are those of a tool face, 0 at the high side (north below 5 deg),
     clockwise looking down [rad].
     """
-    if model.contact is None or model.well is None:
+    if model.contact is None:
         return []
-    mesh, well = model.mesh, model.well
+    mesh, well = model.mesh, model.contact.well
     on_cells, on_bodies = forces
     normal = RESULTS["normal"]
     noise = NOISE * max(float(part[:, normal].max(initial=0.0)) for part in forces)

@@ -119,7 +119,7 @@ class FrictionPath:
         self._scale = (
             abs(model.case.top.force.value(0.0)) if model.case.top.force is not None else self._wob or 0.0
         )
-        self._anchor = None if model.top is None else model.top.anchor.copy()
+        self._anchor = model.top.anchor.copy()
         self.steps, self.most_steps = 0, MOST_STEPS
         self._longest_done = 0.0  # of the steps so far [s]
         #: (n,) push at the lower end of a string that nothing pushes there, of the largest push of the straight one [N]
@@ -171,8 +171,7 @@ class FrictionPath:
         Raises SolveError if a step collapses.
         """
         model, self.steps, self.report = self.model, 0, Equilibrium()
-        if model.top is not None:
-            model.top.anchor[:] = self._anchor
+        model.top.anchor[:] = self._anchor
         place_along_hole(model, top_depth(model))
         freeze_flow(model)
         along = self.velocity if self.turns else (self.sign, 0.0)
@@ -289,7 +288,7 @@ class FrictionPath:
         centre, tangent = found.position - found.offset, found.tangent
         if not forced:
             place_marched(model, found)
-        elif model.top is not None:
+        else:
             model.top.displace(offset[0])
             centre, tangent = model.position, model.tangent
         system.set_field("string.position", centre + offset)
@@ -353,7 +352,6 @@ class FrictionPath:
     def _run_in(self) -> None:
         """Let the string slide with its bit above the bottom."""
         model, system, own = self.model, self.model.system, (self.settings, self._slip)
-        assert model.top is not None
         dofs = system.layout.dofs["string.position"]
         system.assembly.x[dofs] -= LIFT * self._tangent[system.chain.vertices]
         model.top.shift(-LIFT)
@@ -443,7 +441,7 @@ class FrictionPath:
         again = guess is not None and self.most_steps != MOST_STEPS_ON
         for guessed in (guess, None) if again else (guess,):
             before.restore()
-            if moved and self.model.top is not None:
+            if moved:
                 self.model.top.shift(moved)
             iterations = self._step(dt, guessed)
             if iterations is not None:

@@ -48,7 +48,7 @@ def refuse_path(model: DrillingModel, motion: tuple[float, float], got: str) -> 
             want="a case without initial.wob where the string is hoisted: it slides upward only once the bit is off bottom",
             hint="leave initial.wob and --path out for the pick-up load off bottom; with initial.wob, --motion lower or rotate",
         )
-    if model.contact is None or model.well is None or model.beam is None:
+    if model.contact is None:
         raise CaseError(at=at, got=got, want="a string in a hole with contact")
     if nothing_holds(model):
         raise CaseError(at=at, got=got, want="a string that its top or its bottom holds along the hole")

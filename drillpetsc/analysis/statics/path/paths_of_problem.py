@@ -16,6 +16,7 @@ from drillpetsc.analysis.statics.static_problem import StaticProblem
 from drillpetsc.arrays import FloatArray
 from drillpetsc.errors import SolveError
 from drillpetsc.geometry.hole_steps import HoleSteps
+from drillpetsc.geometry.well import Well
 from drillpetsc.model.drilling_model import DrillingModel
 from drillpetsc.physics.tools.reamer import Reamer
 
@@ -90,10 +91,9 @@ def _take(problem: StaticProblem, answer: PathAnswer, imperfection: float) -> No
     state.warnings += answer.lines(problem.model.case.shown_units)
 
 
-def _gap(model: DrillingModel) -> FloatArray:
+def _gap(model: DrillingModel, well: Well) -> FloatArray:
     """Radial clearance (n_nodes,) [m] of the thicker pipe at each node, not below zero."""
-    mesh, well = model.mesh, model.well
-    assert well is not None
+    mesh = model.mesh
     outer = np.zeros(mesh.nodes)
     np.maximum.at(outer, np.arange(mesh.nodes - 1), mesh.contact_diameter)
     np.maximum.at(outer, np.arange(1, mesh.nodes), mesh.contact_diameter)
@@ -102,9 +102,9 @@ def _gap(model: DrillingModel) -> FloatArray:
 
 def node_clearance(model: DrillingModel) -> FloatArray | None:
     """Clearance (n_nodes,) [m] that limits steps, ``LEAST_CLEARANCE`` at least; None without contact."""
-    if model.well is None or model.contact is None:
+    if model.contact is None:
         return None
-    return np.maximum(_gap(model), LEAST_CLEARANCE)
+    return np.maximum(_gap(model, model.contact.well), LEAST_CLEARANCE)
 
 
 def steps_in_hole(model: DrillingModel) -> HoleSteps | None:
@@ -113,13 +113,13 @@ def steps_in_hole(model: DrillingModel) -> HoleSteps | None:
     Ends with prescribed positions take plain steps; rigid items, joints and their neighbours do not move
     about the axis.
     """
-    if model.well is None or model.contact is None:
+    if model.contact is None:
         return None
-    system, mesh = model.system, model.mesh
-    gap = _gap(model)
+    system, mesh, well = model.system, model.mesh, model.contact.well
+    gap = _gap(model, well)
     gap[[b.node for b in mesh.bodies]] = 0.0
     vertices, dofs = system.chain.vertices, system.layout.dofs
     at = np.column_stack([dofs["string.position"][:, 0], dofs["string.tangent"][:, 0]])
     prescribed = {f.condition.vertex for f in system.assembly.row_replacements}
     free = np.array([v not in prescribed for v in vertices], dtype=bool)
-    return HoleSteps(model.well, at[free], gap[vertices[free]])
+    return HoleSteps(well, at[free], gap[vertices[free]])

@@ -34,8 +34,7 @@ def place_like(model: DrillingModel, coarse: DrillingModel) -> None:
 
     Between the coarse nodes positions are those of the coarse elements, cubic Hermite polynomials.
     """
-    if model.top is not None and coarse.top is not None:
-        model.top.anchor[:] = coarse.top.anchor
+    model.top.anchor[:] = coarse.top.anchor
     position, slope, spin = (_whole(coarse, f"string.{name}") for name in ("position", "tangent", "spin"))
     ratio = (
         _whole(coarse, "string.ratio") if "string.ratio" in coarse.system.layout.dofs else np.ones_like(spin)

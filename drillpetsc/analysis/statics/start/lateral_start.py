@@ -162,7 +162,7 @@ def _solved(
         start[:, 0], start[:, 1] = (np.sum(found.offset * e, axis=1)[parts.nodes] for e in frame)
     else:
         start = np.concatenate(last[1:], axis=1)[parts.nodes]
-    if not found.top_on_wall and model.top is not None and parts.nodes[0] == 0:
+    if not found.top_on_wall and model.top.prescribes and parts.nodes[0] == 0:
         start[0] = 0.0
     return lateral_state(beam, start, parts.gathered(disturbance), last is not None and last[0])
 
@@ -290,10 +290,10 @@ class _Parts:
         centre, t, second, third: (n_nodes, 3) axis of the hole at the nodes, its tangent and the directors.
         """
         model = self.model
-        mesh, well = model.mesh, model.well
-        assert well is not None and model.contact is not None
-        law, md = model.contact.law, self.md
-        upper, lower = exposed_ends(mesh, model.contact.free_top)
+        mesh, contact = model.mesh, model.contact
+        assert contact is not None
+        well, law, md = contact.well, contact.law, self.md
+        upper, lower = exposed_ends(mesh, contact.free_top)
         upper, lower = upper[self.nodes[:-1]], lower[self.nodes[1:] - 1]
         radius = 0.5 * np.append(mesh.contact_diameter, mesh.contact_diameter[-1])
 
@@ -321,9 +321,9 @@ class _Parts:
                     + L[:, None] * (x * (1 - x) ** 2 * t[a] - x**2 * (1 - x) * t[b])
                 )
                 off = across(ends_at - np.asarray(well.at(at)[0]), a)
-                wall = weight * self.length[e] * model.contact.hardness[0][a]
+                wall = weight * self.length[e] * contact.hardness[0][a]
                 columns.append((e, self._shape(e, depth), gap, wall, off, depth))
-        for b, hardness in zip(mesh.bodies, model.contact.hardness[1], strict=True):
+        for b, hardness in zip(mesh.bodies, contact.hardness[1], strict=True):
             if b.radius <= 0 or b.node < self.nodes[0]:
                 continue
             last, node = b.node == mesh.nodes - 1, np.array([b.node])

@@ -25,7 +25,7 @@ from drillpetsc.case.blocks.ends import HeldBottom
 from drillpetsc.fem.string_mesh import StringMesh
 from drillpetsc.model.drilling_model import DrillingModel
 from drillpetsc.model.hole import hole_depth
-from drillpetsc.output.measured.flow_recorder import FlowRecorder
+from drillpetsc.output.measured.flow_recorder import flow_recorder
 from drillpetsc.output.static_table import at_nodes
 from drillpetsc.physics.tools.reamer import Reamer
 
@@ -137,10 +137,9 @@ def pressure_tension(model: DrillingModel) -> FloatArray:
 
     Collective; the same on all ranks.  Manual: eq-mud-effective-tension.
     """
-    system = model.system
-    if model.fluid is None:
+    system, mud = model.system, flow_recorder(model)
+    if mud is None:
         return np.zeros(model.mesh.nodes - 1)
-    mud = FlowRecorder(system, model.fluid)
     whole = system.gather((mud.wall_tension() + mud.pressure_force()).mean(axis=1, keepdims=True), "cell")
     if system.comm.size > 1:
         whole = system.comm.tompi4py().bcast(whole)
@@ -355,13 +354,13 @@ def march(
     rates: of a steady motion that the mud sees, as of ``nodal_loads``.
     The string must lie unstrained along the hole, its top at ``top_depth``.  Collective; the same on all ranks.
     """
-    if model.contact is None or model.well is None:
+    if model.contact is None:
         return None
     marcher, case, start = _Marcher(model, motion, coils, rates), model.case, top_depth(model)
     weight = (case.initial.wob or 0.0) if wob is None else wob
     if model.bit is None:
         held = isinstance(case.bottom, HeldBottom) and case.bottom.kind != "free"
-        if held and model.top is not None and case.top.force is None:
+        if held and model.top.prescribes and case.top.force is None:
             return _closed(marcher, start)
         return marcher.result(-weight, weight, start)
     if case.top.force is not None:
@@ -382,7 +381,7 @@ def helix_band(
     hole.  Collective.
     """
     case = model.case
-    if model.contact is None or model.well is None or not motion[0] or motion[1] or stands(model):
+    if model.contact is None or not motion[0] or motion[1] or stands(model):
         return None
     column, values, push = _Marcher(model, motion, True, rates).column, [], 1.0
     for factor in HELIX_FACTORS:
@@ -453,10 +452,7 @@ def stands(model: DrillingModel) -> bool:
     """Whether the bit may stand on the bottom under a top that is held, with a weight that no one gives."""
     case = model.case
     return (
-        model.bit is not None
-        and model.top is not None
-        and case.initial.wob is None
-        and case.top.force is None
+        model.bit is not None and model.top.prescribes and case.initial.wob is None and case.top.force is None
     )
 
 

@@ -24,9 +24,10 @@ def soft_string(
     wob: weight on bit instead of that of the case [N]; negative: a pull at the bit.
     Returns None without contact, or where gravity is not vertical.
     """
-    mesh, well, case = model.mesh, model.well, model.case
-    if model.contact is None or well is None:
+    mesh, case = model.mesh, model.case
+    if model.contact is None:
         return None
+    well = model.contact.well
     gravity = np.array(case.gravity)
     g = float(np.linalg.norm(gravity))
     if gravity[0] or gravity[1] or gravity[2] < 0:
@@ -65,13 +66,12 @@ def soft_string(
 def place_marched(model: DrillingModel, found: March) -> None:
     """Put the string at the start that ``march`` found, and its top at the wall where the string is on it."""
     system, top = model.system, model.top
-    if top is not None:
-        if model.case.top.force is None:
-            top.shift(found.top_motion)
-        if found.top_on_wall:
-            # the top is at the wall with the string: on the axis it would carry the first tens of metres, which
-            # changes torque and drag of a short string by percents
-            top.displace(found.offset[0])
+    if model.case.top.force is None:
+        top.shift(found.top_motion)
+    if found.top_on_wall:
+        # the top is at the wall with the string: on the axis it would carry the first tens of metres, which
+        # changes torque and drag of a short string by percents
+        top.displace(found.offset[0])
     system.set_field("string.position", found.position)
     system.set_field("string.tangent", found.tangent)
     system.set_field("string.spin", found.twist[:, None])
