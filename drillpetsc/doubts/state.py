@@ -41,22 +41,20 @@ class MudAboveTop(Doubt):
     remedy = "To compare with a rig, add the push and the buoyed weight of the running string, or model it as an item."
 
     def look(self, at: Rest) -> Values:
-        model, fluid = at.model, at.model.fluid
-        absent = fluid is None or fluid.annulus is None or model.well is None or not model.beam.moves
-        if absent or at.continued:
+        model, annulus = at.model, at.model.annulus
+        if annulus is None or model.well is None or not model.beam.moves or at.continued:
             return
-        assert fluid is not None and fluid.annulus is not None
         system, found = model.system, np.zeros(2)
         here = np.flatnonzero(system.chain.owned & (system.chain.vertices == 0))
         if len(here):
             position = system.field("string.position")[here[:1]]
-            pressure = float(
-                system.field("annulus.pressure")[here[0], 0]
-            ) - fluid.annulus.flow_line.pressure.value(0.0)
+            pressure = float(system.field("annulus.pressure")[here[0], 0]) - annulus.flow_line.pressure.value(
+                0.0
+            )
             found[:] = float(below_flow_line(model, position)[0]), pressure
         found = np.asarray(total(system.comm, found))
         if found[0] >= LEAST_DEPTH:  # not with nan, without gravity
-            push = found[1] * float(fluid.annulus.annulus.outer[0])
+            push = found[1] * float(annulus.annulus.outer[0])
             load = at.figures.get("hook_load")
             both = (
                 ""
@@ -128,7 +126,7 @@ class SwirlLeftOut(Doubt):
     def look(self, at: Answer) -> Values:
         model = at.model
         fluid, contact, torque = model.case.fluid, model.contact, abs(at.figures.get("surface_torque") or 0.0)
-        annulus = None if model.fluid is None else model.fluid.annulus
+        annulus = model.annulus
         if fluid is None or annulus is None or contact is None or not at.rotation or fluid.swirl == 0.0:
             return
         cells, _ = contact.element_results(model.system.assembly)

@@ -38,6 +38,7 @@ from drillpetsc.physics.bit.bit_on_bottom import BitOnBottom
 from drillpetsc.physics.bit.rock_bit import RockBit
 from drillpetsc.physics.contact import Contact, ContactLaw
 from drillpetsc.physics.end_conditions import EndPlace, FixedEnd, Loads, NodeLoad, RotaryDrive, TopDrive
+from drillpetsc.physics.fluid.annulus_flow import AnnulusFlow
 from drillpetsc.physics.held_string import HeldString
 from drillpetsc.physics.hole_path import HolePath, is_curved
 from drillpetsc.physics.joints import Joints
@@ -108,11 +109,16 @@ class DrillingModel:
         mass = self.mesh.mass.copy()
         for motor in self.parts(MudMotor):  # its rotor, over the element above its joint
             mass[motor.cell - 1] += motor.rotor.mass / self.mesh.length[motor.cell - 1]
-        if self.fluid is not None and self.fluid.bore is not None:
-            mass += self.fluid.constants.density * self.fluid.bore.bore.area
-        if self.fluid is not None and self.fluid.annulus is not None:
-            mass -= self.fluid.constants.density * self.fluid.annulus.annulus.outer
+        mud = self.fluid
+        if mud is not None:
+            mass += mud.constants.density * mud.bore.bore.area if mud.bore is not None else 0.0
+            mass -= mud.constants.density * mud.annulus.annulus.outer if mud.annulus is not None else 0.0
         return mass
+
+    @property
+    def annulus(self) -> AnnulusFlow | None:
+        """The flow around the string, None without one."""
+        return None if self.fluid is None else self.fluid.annulus
 
     @property
     def motor_speed(self) -> float:

@@ -76,10 +76,11 @@ def dynamic_surge(
         }
     )
     model = build_model(moving, PETSc.COMM_SELF)
-    assert model.fluid is not None and model.fluid.annulus is not None
     integrator = make_integrator(model)
     initial_state(model, moving, None, None)
-    annulus, f = model.fluid.annulus, model.fluid.constants
+    annulus, fluid = model.annulus, model.fluid
+    assert annulus is not None and fluid is not None
+    f = fluid.constants
 
     def still() -> float:
         """Pressure under the bit less the weight of the mud above it, up to a constant [Pa]."""

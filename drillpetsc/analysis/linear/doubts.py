@@ -202,7 +202,7 @@ class FedBySwirl(Doubt):
     remedy = "Compare with a smaller `fluid.swirl`."
 
     def look(self, at: Modal) -> Values:
-        annulus = None if at.model.fluid is None else at.model.fluid.annulus
+        annulus = at.model.annulus
         if annulus is None or not at.model.beam.moves:
             return
         own = float(np.abs(annulus.parameter("swirl")).max(initial=0.0))

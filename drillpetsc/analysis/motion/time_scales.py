@@ -15,6 +15,7 @@ import numpy as np
 from drillpetsc.arrays import FloatArray
 from drillpetsc.doubts.motion import RESOLVED_FRACTION
 from drillpetsc.model.drilling_model import DrillingModel
+from drillpetsc.model.fluid import FluidComponents
 from drillpetsc.physics.contact import ContactLaw
 from drillpetsc.unit_systems import duration
 
@@ -127,7 +128,7 @@ def time_scales(model: DrillingModel) -> TimeScales:
         )
         scales["bit"] = pi * sqrt(float(mass_at_end) / stiffness)
     if model.fluid is not None:
-        scales["mud"] = _mud(model)
+        scales["mud"] = _mud(model, model.fluid)
     return TimeScales(**scales)
 
 
@@ -137,16 +138,15 @@ def _period(squares: FloatArray) -> float:
     return 2 * pi / sqrt(float(valid.max())) if valid.size else np.inf
 
 
-def _mud(model: DrillingModel) -> float:
+def _mud(model: DrillingModel, fluid: FluidComponents) -> float:
     """Compute the period [s] of the fastest element of both channels.
 
     Wave speed (rho (1/K + wall))^(-1/2) (Korteweg).
     """
-    assert model.fluid is not None
     # a joint has no length and stores next to nothing
-    f, L = model.fluid.constants, np.where(model.mesh.is_joint, np.inf, model.mesh.length)
-    walls = [component.bore.wall for component in (model.fluid.bore,) if component is not None]
-    walls += [component.annulus.wall for component in (model.fluid.annulus,) if component is not None]
+    f, L = fluid.constants, np.where(model.mesh.is_joint, np.inf, model.mesh.length)
+    walls = [] if fluid.bore is None else [fluid.bore.bore.wall]
+    walls += [] if fluid.annulus is None else [fluid.annulus.annulus.wall]
     return min(_period(MUD / (f.density * (1 / f.bulk_modulus + wall) * L**2)) for wall in walls)
 
 

@@ -41,8 +41,7 @@ def outside(model: DrillingModel, t: float) -> Outside | None:
 
 def may_leave_hole(model: DrillingModel) -> bool:
     """Whether mud surrounds a string that no contact keeps in its hole."""
-    mud = model.fluid is not None and model.fluid.annulus is not None
-    return mud and model.contact is None and model.well is not None and model.beam.moves
+    return model.annulus is not None and model.contact is None and model.well is not None and model.beam.moves
 
 
 def furthest_outside(model: DrillingModel) -> Outside | None:

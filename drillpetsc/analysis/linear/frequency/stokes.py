@@ -30,8 +30,7 @@ def present(model: DrillingModel) -> bool:
     return (
         fluid is not None
         and fluid.added_mass == "stokes"
-        and model.fluid is not None
-        and model.fluid.annulus is not None
+        and model.annulus is not None
         and not model.case.hold_string
     )
 
@@ -57,12 +56,12 @@ class StokesForces:
     def __post_init__(self) -> None:
         """Tell the elements apart; collective."""
         model, f = self.model, self.model.case.fluid
-        assert f is not None and model.fluid is not None and model.fluid.annulus is not None
+        assert f is not None and model.annulus is not None
         self.density, self.reference = f.density, f.lateral_damping_speed
         self.given = None if f.lateral_damping == "stokes" else float(f.lateral_damping)
-        sizes = model.fluid.annulus.lateral_sizes()
+        sizes = model.annulus.lateral_sizes()
         viscosity = lateral_viscosity(model.case, sizes[:, 0], sizes[:, 1]) / f.density
-        own = _rounded(np.column_stack([sizes, viscosity, model.fluid.annulus.parameter("swirl")]))
+        own = _rounded(np.column_stack([sizes, viscosity, model.annulus.parameter("swirl")]))
         comm = model.system.comm
         whole = own if comm.size == 1 else np.concatenate(comm.tompi4py().allgather(own))
         kinds = np.unique(whole, axis=0)
@@ -104,8 +103,8 @@ class StokesForces:
 
     def set(self, chi: FloatArray, damping: FloatArray) -> None:
         """Give the elements the coefficients (k,) of their kinds."""
-        assert self.model.fluid is not None and self.model.fluid.annulus is not None
-        self.model.fluid.annulus.set_lateral(chi[self.kind], damping[self.kind])
+        assert self.model.annulus is not None
+        self.model.annulus.set_lateral(chi[self.kind], damping[self.kind])
 
     def set_frequency(self, omega: float, direction: float = 0.0) -> None:
         """Give the elements the coefficients at a frequency [rad/s]; direction as in ``coefficients``."""
