@@ -337,9 +337,8 @@ class Assembly(BlockState):
                 return None
             f.evaluate(t, self.x)
         calls = self.calls
-        for b in calls.blocks:
-            if b.block.update:
-                b.update_parameters(t)
+        for b in calls.updated:
+            b.update_parameters(t)
         step = calls.step
         step.sigma, step.second = sigma, second
         step.dead = None if self.dead_load is None else pointer(self.dead_load)
@@ -529,11 +528,12 @@ class StepCalls:
     """Arguments of the compiled calls of one assembly (kernels/core/step.hpp), as long as its blocks and their states are the same.
 
     step, jacobian: the records; step_at, jacobian_at: their addresses.
-    blocks: the blocks with elements on this rank, in the order of the records.
+    blocks: the blocks with elements on this rank, in the order of the records; updated: those with time-dependent parameters.
     """
 
     def __init__(self, asm: Assembly):
         self.blocks = [b for b in asm.bound_blocks if b.count]
+        self.updated = [b for b in self.blocks if b.block.update]
         calls = (_BlockCall * len(self.blocks))()
         for call, b in zip(calls, self.blocks, strict=True):
             block_call(call, b, asm.held_state if b.holds_rates else asm.state_at)

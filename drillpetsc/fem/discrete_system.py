@@ -73,6 +73,10 @@ class DiscreteSystem:
         #: components that store energy, and components with powers
         self._storing = [c for c in self.components if type(c).energies is not Component.energies]
         self._working = [c for c in self.components if type(c).powers is not Component.powers]
+        #: components with history variables
+        self._remembering = [
+            c for c in self.components if c.update_size or type(c).accept is not Component.accept
+        ]
         #: of all components
         self.contact_flags = tuple(f for c in self.components for f in c.contact_flags())
         layout = self.layout
@@ -282,7 +286,7 @@ class DiscreteSystem:
         Rank-local changes are returned by ``local_update``; their sum over ranks is passed to
         ``apply_update``.
         """
-        for component in self.components:
+        for component in self._remembering:
             component.accept(t, self.assembly)
             if component.update_size:
                 change = component.local_update(self.assembly)

@@ -14,7 +14,6 @@ from math import pi
 import numpy as np
 
 from drillpetsc.analysis.statics.placement import top_depth
-from drillpetsc.arrays import FloatArray
 from drillpetsc.fem.string_mesh import RigidItem
 from drillpetsc.kernels import function, pointer
 from drillpetsc.model.drilling_model import DrillingModel
@@ -84,9 +83,12 @@ class WhirlSteps:
         self.model, self.product = model, product
         self._parts: list[_Part] | None = None
         #: (parts,) steps that a part has limited, and the shortest limit [s]
-        self._limited: np.ndarray = np.zeros(0, dtype=int)
-        self._shortest: FloatArray = np.zeros(0)
+        self._limited: list[int] = []
+        self._shortest: list[float] = []
         self._contacts: tuple[np.ndarray, np.ndarray, np.ndarray] | None = None  # see ``_find_contacts``
+        self._spins_call: tuple[
+            int, ...
+        ] = ()  # arguments of the compiled call, whose arrays keep their places
         self._always = np.ones(1)
         self._always_at = pointer(self._always)
 
@@ -95,10 +97,7 @@ class WhirlSteps:
         """The parts, at the clearances that they have at the start."""
         if self._parts is None:
             self._parts = [] if self.model.contact is None else self._find(self.model.contact)
-            self._limited, self._shortest = (
-                np.zeros(len(self._parts), dtype=int),
-                np.full(len(self._parts), np.inf),
-            )
+            self._limited, self._shortest = [0] * len(self._parts), [np.inf] * len(self._parts)
             self._spins = np.zeros(len(self._parts))  # largest beside the contacts of each part
         return self._parts
 
@@ -191,50 +190,52 @@ class WhirlSteps:
         places = np.ascontiguousarray(dofs[np.reshape(nodes, (-1, 2)).astype(int)], dtype=np.int32)
         return np.array(at, dtype=np.uintp), places, np.array(of, dtype=np.int32)
 
-    def _rates(self) -> FloatArray:
-        """(parts,) whirl rates [rad/s] of the parts that turn and touch the wall, at present; the same on all ranks."""
+    def _rates(self) -> list[float]:
+        """Whirl rate [rad/s] of each part at present, 0 if it does not turn or touch the wall; the same on all ranks."""
         parts, asm, contact = self.parts, self.model.system.assembly, self.model.contact
         if not parts or contact is None:
-            return np.zeros(len(parts))
+            return [0.0] * len(parts)
         # a part off the wall cannot roll, so it does not limit the step (manual: sec-time-choice)
         contact.evaluate(asm)
         if self._contacts is None:
-            self._contacts = self._find_contacts(parts)
-        at, spins, of = self._contacts
-        _fastest_on_wall(len(at), *map(pointer, (at, spins, asm.y, of)), len(parts), pointer(self._spins))
-        out = np.array([part.rate(spin) for part, spin in zip(parts, self._spins.tolist(), strict=True)])
+            self._contacts = at, spins, of = self._find_contacts(parts)
+            arrays = *map(pointer, (at, spins, asm.y, of)), len(parts), pointer(self._spins)
+            self._spins_call = len(at), *arrays
+        _fastest_on_wall(*self._spins_call)
+        out = [part.rate(spin) for part, spin in zip(parts, self._spins.tolist(), strict=True)]
         comm = self.model.system.comm
         if comm.size > 1:
             from mpi4py import MPI
 
             # a part may have elements on several ranks, and all ranks take the same step
-            found = np.empty_like(out)
-            comm.tompi4py().Allreduce(out, found, op=MPI.MAX)
-            out = found
-        return np.where(out > SLOWEST, out, 0.0)
+            found = np.array(out)
+            comm.tompi4py().Allreduce(MPI.IN_PLACE, found, op=MPI.MAX)
+            out = found.tolist()
+        return [rate if rate > SLOWEST else 0.0 for rate in out]
 
     def __call__(self) -> float:
         """Longest step [s] that keeps the energy of all parts that turn and touch the wall at present; collective."""
         rates = self._rates()
-        k = int(rates.argmax()) if len(rates) else 0
-        if not len(rates) or rates[k] == 0.0:
+        fastest = max(rates, default=0.0)
+        if fastest == 0.0:
             return np.inf
-        step = self.product / float(rates[k])
+        k, step = rates.index(fastest), self.product / fastest
         self._limited[k] += 1
         self._shortest[k] = min(self._shortest[k], step)
         return step
 
     def summary(self, steps: int) -> dict[str, object] | None:
         """Part that limits most of the ``steps`` of a run, for summary.json; None if none does."""
-        if not self._limited.any():
+        most = max(self._limited, default=0)
+        if not most:
             return None
-        k = int(self._limited.argmax())
+        k = self._limited.index(most)
         part = self.parts[k]
         return {
             "name": part.name,
             "md [m]": part.depth,
-            "share": float(self._limited[k] / max(1, steps)),
-            "shortest [s]": float(self._shortest[k]),
+            "share": most / max(1, steps),
+            "shortest [s]": self._shortest[k],
         }
 
     def damped(self, step: float, turned: float) -> dict[str, object] | None:

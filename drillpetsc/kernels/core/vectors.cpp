@@ -35,6 +35,13 @@ extern "C" double gathered_product(int n, const int* i, const double* a, const i
     return sum;
 }
 
+// Whether any of the numbers of x at n places is below the limit.
+extern "C" int any_below(int n, const int* places, const double* x, double limit) {
+    bool below = false;
+    for (int k = 0; k < n; ++k) below |= x[places[k]] < limit;
+    return below;
+}
+
 namespace {
 // A function of its own, so that the last bit of a point does not depend on how many points there are.
 __attribute__((noinline)) void high_side_offset(const double* tangent, const double* offset, double* out) {

@@ -30,37 +30,11 @@ void swirl_at(int n, double step, double* v) {
             continue;
         }
         const double behind = v[SWIRL * n + i] - share * spin;
-        const double fallen = k > 0.0 ? -std::expm1(-k * step) : 0.0, waited = k > 0.0 ? fallen / k : step;
+        const double fallen = k > 0.0 && step > 0.0 ? -std::expm1(-k * step) : 0.0, waited = k > 0.0 ? fallen / k : step;
         const double left = behind * (1.0 - fallen) - share * trend * waited;
         v[NOW * n + i] = steady + left;
         v[RATE * n + i] = -k * left;
     }
-}
-
-// Goes on to the end of a step, 0 at the start of a continued run, with the spins (n) there: their trend and the swirl.
-void swirl_accept(int n, double step, const double* spins, double* v) {
-    if (step > 0.0) {
-        swirl_at(n, step, v);
-        for (int i = 0; i < n; ++i) {
-            v[SWIRL * n + i] = v[NOW * n + i];
-            v[TREND * n + i] = (spins[i] - v[SPIN * n + i]) / step;
-        }
-    }
-    for (int i = 0; i < n; ++i) v[SPIN * n + i] = spins[i];
-}
-
-// Mean spins (n) of pairs of nodes with their spins at places (n, 2) of the rates y.
-void mean_spins(int n, const int* places, const double* y, double* out) {
-    for (int i = 0; i < n; ++i) out[i] = 0.5 * (y[places[2 * i]] + y[places[2 * i + 1]]);
-}
-
-// Whether a rate at which the swirl follows is not known, or a flow at the places (n) of x, none at -1, has changed by more than `limit` since.
-int following_is_old(int n, const int* places, const double* x, const double* flow, const double* v, double limit) {
-    for (int i = 0; i < n; ++i) {
-        if (std::isinf(v[FOLLOW * n + i])) return 1;
-        if (places[i] >= 0 && std::fabs(x[places[i]] - flow[i]) > limit) return 1;
-    }
-    return 0;
 }
 
 // Sets the parameters of all blocks a time `step` after the last step; moves: else the mud is at rest.
@@ -75,5 +49,33 @@ void swirl_write(int n, double* v, int moves, double step, int blocks, const Swi
             p[columns[2]] = moves ? v[RATE * n + i] : 0.0;
             p[columns[3]] = v[TREND * n + i];
         }
+}
+
+// Goes on to the end of a step, 0 at the start of a continued run, with the spins (n) there: their trend, the swirl, the parameters of all
+// blocks.  known: v has the swirl at that time.
+void swirl_accept(int n, double step, int known, const double* spins, double* v, int blocks, const SwirlBlock* block) {
+    if (step > 0.0) {
+        if (!known) swirl_at(n, step, v);
+        for (int i = 0; i < n; ++i) {
+            v[SWIRL * n + i] = v[NOW * n + i];
+            v[TREND * n + i] = (spins[i] - v[SPIN * n + i]) / step;
+        }
+    }
+    for (int i = 0; i < n; ++i) v[SPIN * n + i] = spins[i];
+    swirl_write(n, v, 1, 0.0, blocks, block);
+}
+
+// Mean spins (n) of pairs of nodes with their spins at places (n, 2) of the rates y.
+void mean_spins(int n, const int* places, const double* y, double* out) {
+    for (int i = 0; i < n; ++i) out[i] = 0.5 * (y[places[2 * i]] + y[places[2 * i + 1]]);
+}
+
+// Whether a rate at which the swirl follows is not known, or a flow at the places (n) of x, none at -1, has changed by more than `limit` since.
+int following_is_old(int n, const int* places, const double* x, const double* flow, const double* v, double limit) {
+    for (int i = 0; i < n; ++i) {
+        if (std::isinf(v[FOLLOW * n + i])) return 1;
+        if (places[i] >= 0 && std::fabs(x[places[i]] - flow[i]) > limit) return 1;
+    }
+    return 0;
 }
 }

@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+import ctypes
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from drillpetsc.fem.discrete_system import DiscreteSystem
+from drillpetsc.kernels import function, pointer
 from drillpetsc.model.fluid import FluidComponents
 
+_any_below = function("any_below", "ippd", ctypes.c_int)
 VAPOUR_PRESSURE = -1.0e5  # gauge pressure [Pa]: absolute zero, below which there is no liquid
 
 
@@ -42,10 +45,11 @@ class BoilingMonitor:
         """After an accepted step to ``t`` [s]; not collective."""
         if self._places is None:
             places = [channel.pressure_places(self.system) for channel in self._channels]
-            self._places = np.concatenate([np.zeros(0, dtype=int), *(p for p in places if p is not None)])
+            known = [np.zeros(0, dtype=int), *(p for p in places if p is not None)]
+            self._places = np.concatenate(known).astype(np.int32)
+            self._pressures = len(self._places), pointer(self._places), self.system.assembly.state_at[0]
             self._computed = [c for c, p in zip(self._channels, places, strict=True) if p is None]
-        low = len(self._places) > 0 and self.system.assembly.x.take(self._places).min() < VAPOUR_PRESSURE
-        if not low and not self._computed:
+        if not _any_below(*self._pressures, VAPOUR_PRESSURE) and not self._computed:
             return
         for channel in self._channels:
             pressures = channel.pressures(self.system)

@@ -113,7 +113,9 @@ class MovingHole:
         keep: volumes change by the integral of the rates, as in ``update``.
         """
         reamed = [reamer.reamed for reamer in self.reamers]
-        ringed = any(abs(b - before) > REAMED for b, before in zip(reamed, self._reamed, strict=True))
+        ringed = bool(reamed) and any(
+            abs(b - before) > REAMED for b, before in zip(reamed, self._reamed, strict=True)
+        )
         if keep and not ringed and self._stays(state):
             return None
         position, found = self._project(state)

@@ -24,7 +24,7 @@ from drillpetsc.kernels.parameters import columns, structure
 
 _at, _write_parameters = function("swirl_at", "idp"), function("swirl_write", "ipidip")
 _Block = structure("swirl_block")
-_accept, _mean_spins = function("swirl_accept", "idpp"), function("mean_spins", "ippp")
+_accept, _mean_spins = function("swirl_accept", "idippip"), function("mean_spins", "ippp")
 _following_is_old = function("following_is_old", "ippppd", ctypes.c_int)
 _ROWS = columns("swirl_rows")  # of the state of all elements
 _NAMES = "share", "swirl", "swirl_rate", "spin_rate"  # of the parameters
@@ -77,7 +77,9 @@ class Swirl:
         self.flow = np.zeros(self._count)
         self._start: float | None = None  # of the trend: time of the last step [s]; None: before a motion
         self._written = np.nan  # time to which the parameters of the blocks belong [s]
+        self._computed = np.nan  # time to which the swirl and its rate in the state belong [s]
         self._blocks = (_Block * 0)()  # whose parameters it sets
+        self._blocks_at = 0, ctypes.addressof(self._blocks)
         self._kept: list[np.ndarray] = []  # whose addresses are among them
 
     # ------------------------------------------------------------------ parameters
@@ -103,6 +105,7 @@ class Swirl:
             width=named.columns.width,
         )
         self._blocks = (_Block * (len(self._blocks) + 1))(*self._blocks, record)
+        self._blocks_at = len(self._blocks), ctypes.addressof(self._blocks)
 
         def update(t: float) -> None:
             if others is not None:
@@ -115,9 +118,8 @@ class Swirl:
     def _write(self, t: float) -> None:
         """Set the parameters of all blocks for time ``t`` [s]."""
         moves, step = self._start is not None, 0.0 if self._start is None else max(0.0, t - self._start)
-        blocks = len(self._blocks), ctypes.addressof(self._blocks)
-        _write_parameters(self._count, self._state_at, moves, step, *blocks)
-        self._written = t
+        _write_parameters(self._count, self._state_at, moves, step, *self._blocks_at)
+        self._written = self._computed = t
 
     # ------------------------------------------------------------------ steps
     def start(self, t: float, spin: FloatArray) -> None:
@@ -136,10 +138,10 @@ class Swirl:
         if self._start is None:
             return self.start(t, spin)
         step = t - self._start
-        _accept(self._count, step, pointer(spin), self._state_at)
+        _accept(self._count, step, t == self._computed, pointer(spin), self._state_at, *self._blocks_at)
         if step > 0.0:  # not at the start of a continued run
             self._start = t
-        self._write(t)
+        self._written, self._computed = t, np.nan
         return None
 
     def follows_other_flow(self, places: np.ndarray, x: FloatArray, limit: float) -> bool:
@@ -148,7 +150,10 @@ class Swirl:
         places: (n,) of the flows in the unknowns x, int32, -1 for none.
         """
         here = pointer(places), pointer(x), pointer(self.flow)
-        return bool(_following_is_old(self._count, *here, self._state_at, limit))
+        old = bool(_following_is_old(self._count, *here, self._state_at, limit))
+        if old:  # the caller will change ``follow``
+            self._computed = np.nan
+        return old
 
     def at(self, t: float) -> tuple[FloatArray, FloatArray]:
         """Swirl (n,) [rad/s] and its rate (n,) [rad/s2] at ``t`` [s], the spins going on along their trends.
@@ -159,6 +164,7 @@ class Swirl:
             still = np.zeros_like(self.spin)
             return still, still
         _at(self._count, max(0.0, t - self._start), self._state_at)
+        self._computed = t
         return self._now, self._rate
 
     # ------------------------------------------------------------------ checkpoints
@@ -171,4 +177,4 @@ class Swirl:
         """Continue from the result of ``get_state``."""
         self.spin[:], self.swirl[:], self.trend[:], self.follow[:], self.flow[:], time = saved.T
         self._start = float(time[0]) if len(time) and not np.isnan(time[0]) else None
-        self._written = np.nan
+        self._written = self._computed = np.nan

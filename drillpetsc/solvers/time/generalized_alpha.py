@@ -237,15 +237,18 @@ class GeneralizedAlpha(TimeIntegrator):
         self.counters.steps += 1
         self._step_number += 1
         k = int((log2(dt) - FIRST_OCTAVE) * CLASSES_PER_OCTAVE)
-        self._step_time[:, min(max(k, 0), CLASSES - 1)] += dt, dt * dt
+        k, (spent, moment) = min(max(k, 0), CLASSES - 1), self._step_time
+        spent[k] += dt
+        moment[k] += dt * dt
         if self._monitored:
             print(f"{self.counters.steps} TS dt {dt:g} time {t:g}", flush=True)
         self.system.accept(t)
         with self.system.assembly.unchanged():  # results of the step are shared by all that follows
-            if self.work is not None:
-                self.work.after_step(t, dt, self.newton.last_rows(), self.input_time(t), self.jumped)
             for call in self.after_step:
                 call(t, dt)
+            # last, since it uses the results that the others have computed
+            if self.work is not None:
+                self.work.after_step(t, dt, self.newton.last_rows(), self.input_time(t), self.jumped)
             # the limit by whirl is for the contacts of the accepted state (manual: sec-time-choice)
             if self.step_limit is not None and not self._fixed:
                 self._next_step = min(self._next_step, self.step_limit())

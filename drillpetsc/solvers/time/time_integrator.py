@@ -410,11 +410,12 @@ class TimeIntegrator:
             )
         self.system.accept(self._last)
         with self.system.assembly.unchanged():  # results of the step are shared by all that follows
+            for call in self.after_step:
+                call(self._last, dt)
+            # last, since it uses the results that the others have computed
             if self.work is not None:
                 rows = self.newton.last_rows()
                 self.work.after_step(self._last, dt, rows, self.input_time(self._last), self.jumped)
-            for call in self.after_step:
-                call(self._last, dt)
         self._steps_over_jump, self.fresh = max(0, self._steps_over_jump - 1), False
         if self._mud_masked and not self._steps_over_jump:
             self._set_tolerances(False)
