@@ -8,8 +8,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from drillpetsc.output.files.fields import Frame, cross_section_axes
+from drillpetsc.output.files.fields import cross_section_axes
 from drillpetsc.output.files.tables import split_name
+from drillpetsc.output.files.vtk import Frame
 from drillpetsc.plotting import style
 
 LARGE = (

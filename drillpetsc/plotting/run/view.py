@@ -16,9 +16,10 @@ from typing import Any, Literal
 
 import numpy as np
 
-from drillpetsc.output.files.fields import read_frame, read_series
+from drillpetsc.output.files.fields import read_series
 from drillpetsc.output.files.json_file import read_summary
 from drillpetsc.output.files.run_folder import RunFolder
+from drillpetsc.output.files.vtk import read_frame
 from drillpetsc.plotting import style
 from drillpetsc.plotting.run import panels, render
 from drillpetsc.plotting.run.animation import check_suffix, write_animation
