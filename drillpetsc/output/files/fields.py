@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import os
 import xml.etree.ElementTree as ElementTree
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -97,16 +97,26 @@ class FieldWriter:
         self._new = []
 
     def _write_series(self) -> None:
-        self._listed += [
-            f'    <DataSet timestep="{time!r}" group="" part="0" file="{name}"/>\n'
-            for time, name in self._entries[len(self._listed) :]
-        ]
-        sets = "".join(self._listed)
-        replace_text(
-            self.series,
-            '<?xml version="1.0"?>\n<VTKFile type="Collection" version="0.1" byte_order="LittleEndian">\n'
-            f"  <Collection>\n{sets}  </Collection>\n</VTKFile>\n",
-        )
+        self._listed += map(_listed, self._entries[len(self._listed) :])
+        _write_list(self.series, self._listed)
+
+
+def _listed(entry: tuple[float, str]) -> str:
+    """Line of a series for a time [s] and its file."""
+    return f'    <DataSet timestep="{entry[0]!r}" group="" part="0" file="{entry[1]}"/>\n'
+
+
+def _write_list(path: Path, lines: list[str]) -> None:
+    replace_text(
+        path,
+        '<?xml version="1.0"?>\n<VTKFile type="Collection" version="0.1" byte_order="LittleEndian">\n'
+        f"  <Collection>\n{''.join(lines)}  </Collection>\n</VTKFile>\n",
+    )
+
+
+def write_series(path: Path, entries: Sequence[tuple[float, str]]) -> None:
+    """Write a .pvd of times [s] and the files that it lists, relative to it."""
+    _write_list(path, [_listed(entry) for entry in entries])
 
 
 def read_series(folder: str | os.PathLike) -> list[tuple[float, Path]]:
