@@ -8,7 +8,7 @@ from __future__ import annotations
 import base64
 import contextlib
 import threading
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -17,14 +17,15 @@ import numpy as np
 from drillpetsc.browser.tail import Tail
 from drillpetsc.case import Case, load_case
 from drillpetsc.errors import DrillError
-from drillpetsc.geometry.frames import high_sides
-from drillpetsc.output.files.fields import Frame, cross_section_axes, read_frame, read_series
+from drillpetsc.output.files.fields import read_series
 from drillpetsc.output.files.json_file import read_summary
 from drillpetsc.output.files.lock import writer_of
 from drillpetsc.output.files.run_folder import RunFolder
 from drillpetsc.output.files.tables import read_table
+from drillpetsc.output.files.vtk import Frame, read_frame
 from drillpetsc.output.shown_units import unit_of
 from drillpetsc.plotting import style
+from drillpetsc.plotting.run.place import Wall, place_of, read_wall
 from drillpetsc.plotting.run.plot import grouped
 from drillpetsc.reporting.units import label_of
 from drillpetsc.unit_systems import System
@@ -60,7 +61,7 @@ class RunSource:
         self._ranges: dict[str, list[float]] = {}
         self._ranged: set[Path] = set()
         self._case: tuple[int, Case | None] = (0, None)
-        self._hole: tuple[str, dict[str, np.ndarray] | None] = ("", None)
+        self._hole: tuple[str, Wall | None] = ("", None)
         self._frames: tuple[Any, list[tuple[float, Path]]] = (None, [])
         self._faults: dict[str, str] = {}  # by file: what is wrong with it, until it is read well
 
@@ -119,17 +120,19 @@ class RunSource:
                 raise ValueError(f"frame {number}: the run has {len(series)}")
             time, file = series[number]
             frame, units = self._with_statics(read_frame(file)), self.units
-            place = self._place(frame)
+            place = place_of(frame, self._wall())
             depth, lateral = unit_of("md [m]", units)[0], unit_of("offset_x [m]", units)[0]
             arrays: dict[str, np.ndarray] = {
-                "md": place["md"] / depth,
+                "md": place.md / depth,
+                "ox": place.offset[:, 0] / lateral,
+                "oy": place.offset[:, 1] / lateral,
                 **{
-                    name: values / lateral
-                    for name, values in place.items()
-                    if name in ("ox", "oy", "radius", "hole")
+                    key: frame.point_data[name] / lateral
+                    for key, name in (("radius", "outer_radius [m]"), ("hole", "hole_radius [m]"))
+                    if name in frame.point_data
                 },
-                **{f"c{k}": place["centre"][:, k] / depth for k in range(3)},
-                **{f"l{k}": place["lateral"][:, k] / depth for k in range(3)},
+                **{f"c{k}": place.centre[:, k] / depth for k in range(3)},
+                **{f"l{k}": place.lateral[:, k] / depth for k in range(3)},
                 **{f"f:{name}": shown(name, values, units) for name, values in self._values(frame).items()},
             }
             return {"number": number, "time": time, "arrays": {key: packed(v) for key, v in arrays.items()}}
@@ -279,68 +282,21 @@ class RunSource:
         fields = {
             k: np.asarray(v, dtype=float) for k, v in data.items() if k not in PLACE and np.ndim(v) == 1
         }
-        place = self._place(frame)
-        return {**fields, DISTANCE: np.hypot(place["ox"], place["oy"])}
+        return {**fields, DISTANCE: np.hypot(*place_of(frame, self._wall()).offset.T)}
 
-    def _place(self, frame: Frame) -> dict[str, np.ndarray]:
-        """Where the string is [m].
-
-        md (n,): measured depth.
-        radius, hole (n,): radii of pipe and hole, if known.
-        ox, oy (n,): offset to the high side and to the right.
-        centre (n, 3): of the hole at the node.
-        lateral (n, 3): from the centre to the string.
-        """
-        data, points = frame.point_data, np.asarray(frame.points, dtype=float)
-        rest = points - data.get("displacement [m]", np.zeros_like(points))
-        md = data.get("md [m]", np.append(0.0, np.cumsum(np.linalg.norm(np.diff(rest, axis=0), axis=1))))
-        out = {"md": md}
-        for key, name in (("radius", "outer_radius [m]"), ("hole", "hole_radius [m]")):
-            if name in data:
-                out[key] = np.asarray(data[name])
-        wall = self._wall()
-        if wall is not None and "offset_x [m]" in data:
-            along = _tangents(wall, md)
-            first = high_sides(along)
-            second = np.cross(along, first)
-            out["ox"], out["oy"] = data["offset_x [m]"], data["offset_y [m]"]
-            out["lateral"] = out["ox"][:, None] * first + out["oy"][:, None] * second
-            out["centre"] = points - out["lateral"]
-        else:  # without a hole: from the place at rest
-            first, second = cross_section_axes(rest)
-            out["lateral"], out["centre"] = points - rest, rest
-            out["ox"] = np.sum(out["lateral"] * first, axis=1)
-            out["oy"] = np.sum(out["lateral"] * second, axis=1)
-        return out
-
-    def _wall(self) -> dict[str, np.ndarray] | None:
-        """Stations of the hole [m]: md (n,), radius (n,), centre (n, 3); None without a hole."""
+    def _wall(self) -> Wall | None:
+        """The hole; None without one."""
         changed = str(self.folder.well.stat().st_mtime_ns) if self.folder.well.is_file() else ""
         if changed != self._hole[0]:
-            found = self._try("well.vtu", self._read_wall, None) if changed else None
+            found = self._try("well.vtu", lambda: read_wall(self.folder.well), None) if changed else None
             self._hole = changed, found
         return self._hole[1]
 
-    def _read_wall(self) -> dict[str, np.ndarray]:
-        frame = read_frame(self.folder.well)
-        sides = int(frame.cells["quad"][0][3])  # the fourth corner of the first face is in the second ring
-        md, radius = (frame.point_data[name][::sides] for name in ("md [m]", "radius [m]"))
-        return {"md": md, "radius": radius, "centre": frame.points.reshape(len(md), sides, 3).mean(axis=1)}
 
-
-def _packed_wall(wall: Mapping[str, np.ndarray], depth: float, lateral: float) -> dict[str, str]:
+def _packed_wall(wall: Wall, depth: float, lateral: float) -> dict[str, str]:
     """The hole for the page.  depth, lateral: sizes of the units along and across [m]."""
-    along = {"md": wall["md"], **{f"c{k}": wall["centre"][:, k] for k in range(3)}}
+    along = {"md": wall.md, **{f"c{k}": wall.centre[:, k] for k in range(3)}}
     return {
-        "radius": packed(wall["radius"] / lateral),
+        "radius": packed(wall.radius / lateral),
         **{name: packed(v / depth) for name, v in along.items()},
     }
-
-
-def _tangents(wall: Mapping[str, np.ndarray], md: np.ndarray) -> np.ndarray:
-    """Unit tangents (n, 3) of the hole at depths (n,) [m], interpolated between its stations."""
-    keep = np.append(True, np.diff(wall["md"]) > 0)  # a step of the radius is a station given twice
-    at, centre = wall["md"][keep], wall["centre"][keep]
-    along = np.gradient(centre, at, axis=0)
-    out = np.column_stack([np.interp(md, at, along[:, k]) for k in range(3)])
-    return np.asarray(out / np.linalg.norm(out, axis=1, keepdims=True))

@@ -9,7 +9,7 @@ from drillpetsc.operations.linear import Campbell, Fmu, Linearise, Modes, Respon
 from drillpetsc.operations.loads import Calibrate, Freepoint, Limits, Roadmap, Sensitivities, Statics
 from drillpetsc.operations.operation import RENAMED_OPTIONS as RENAMED_OPTIONS
 from drillpetsc.operations.operation import Operation
-from drillpetsc.operations.pictures import Export, Plot, Report, Serve, Vibration, View
+from drillpetsc.operations.pictures import Export, Paraview, Plot, Report, Serve, Vibration, View
 from drillpetsc.operations.runs import Run, Study, Sweep
 
 #: in the order in which the help lists them
@@ -18,7 +18,7 @@ OPERATIONS: list[type[Operation]] = [
     *(Check, Catalogue, Import, ImportLog, Schema),
     *(Statics, Hydraulics, Surge, Roadmap, Limits, Freepoint, Calibrate, Sensitivities),
     *(Modes, Campbell, Stability, Response, Linearise, Fmu, TopDrive),
-    *(View, Plot, Serve, Vibration, Report, Export),
+    *(View, Paraview, Plot, Serve, Vibration, Report, Export),
     Completion,
 ]
 Completion.offered = OPERATIONS

@@ -1,4 +1,4 @@
-"""Commands that show results: view, plot, serve, vibration, report, export."""
+"""Commands that show results: view, paraview, plot, serve, vibration, report, export."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ class View(Operation):
     """Picture or animation of the string in its hole."""
 
     folder: RunFolder
-    field: Annotated[str | None, "field that colours the string (default: the axial force)"] = None
+    field: Annotated[str | None, "field that colours the string (default: the effective tension)"] = None
     time: Annotated[float | None, "simulated time of the picture [s] (default: the last frame)"] = None
     animate: Annotated[bool, "all frames, as an animation"] = False
     lateral_scale: Annotated[
@@ -53,6 +53,37 @@ class View(Operation):
                 units=self.units,
             )
         return [file]
+
+
+class Paraview(Operation):
+    """Scene of a run for ParaView: the curved string as a tube, its hole, contact forces, mud."""
+
+    folder: RunFolder
+    out: Annotated[str | None, "DIR", "folder of the files (default: paraview in the run folder)"] = None
+    field: Annotated[str | None, "field that colours the string (default: the effective tension)"] = None
+    pieces: Annotated[
+        int, holds(lambda count: 1 <= count <= 64, "1 to 64"), "N", "straight lines along an element"
+    ] = 4
+    lateral_scale: Annotated[
+        float | None, "exaggeration of lengths across the hole (default: automatic; 1: true to scale)"
+    ] = None
+
+    def compute(self, job: Any) -> Any:
+        from drillpetsc.plotting.run.paraview import export_scene
+
+        say_unfinished(self.folder)
+        with reading(self.folder):
+            scene = export_scene(
+                self.folder,
+                self.out,
+                field=self.field,
+                pieces=self.pieces,
+                lateral_scale=self.lateral_scale,
+            )
+        return [
+            f"{scene.script}  (frames: {scene.frames}, lengths across the hole {scene.lateral_scale:g} times larger than along it)",
+            f"  open it: paraview --script={scene.script}",
+        ]
 
 
 class Plot(Operation):

@@ -140,6 +140,7 @@ def _of_states() -> dict[str, tuple[Listed, ...]]:
                 where.STRING,
                 md="",
                 outer_radius="",
+                slope=where.SLOPES,
                 stress=where.TUBES,
                 effective_tension=where.MUD_AND_STRING,
             ),

@@ -2,6 +2,7 @@
 
 STRING = "string that is not held"
 TUBES = f"{STRING}, every element a pipe"
+SLOPES = f"{STRING}, formulation not quaternion"
 TOP = "top end that is held, driven or pulled"
 MOTOR = "top.motor"
 HOIST = "top.hoist"

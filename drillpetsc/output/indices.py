@@ -15,9 +15,10 @@ from drillpetsc.case.blocks.rig import STANDARD_GRAVITY
 from drillpetsc.case.case import Case
 from drillpetsc.errors import CaseError
 from drillpetsc.output import catalogue
-from drillpetsc.output.files.fields import read_frame, read_series
+from drillpetsc.output.files.fields import read_series
 from drillpetsc.output.files.run_folder import INDICES_TABLE, RunFolder
 from drillpetsc.output.files.tables import read_table, split_name, write_table
+from drillpetsc.output.files.vtk import read_frame
 from drillpetsc.output.sensors.files import read_sensor, sensor_names
 from drillpetsc.output.shown_units import unit_of
 from drillpetsc.output.summaries.run import Vibration

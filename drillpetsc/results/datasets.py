@@ -9,8 +9,9 @@ from typing import Any
 import numpy as np
 
 from drillpetsc.errors import CaseError
-from drillpetsc.output.files.fields import read_frame, read_series
+from drillpetsc.output.files.fields import read_series
 from drillpetsc.output.files.tables import split_name
+from drillpetsc.output.files.vtk import read_frame
 from drillpetsc.results.described import attributes, in_system
 from drillpetsc.unit_systems import System
 

@@ -48,7 +48,7 @@ from drillpetsc.model.top.top_drive import continuous_control
 from drillpetsc.output import FieldWriter, RunFolder, write_summary, write_table
 from drillpetsc.output.files.atomic import replace_file
 from drillpetsc.output.files.case_files import write_case
-from drillpetsc.output.files.fields import _write_vtu
+from drillpetsc.output.files.vtk import write_vtu
 from drillpetsc.output.files.well_files import write_well_files
 from drillpetsc.output.job import Job
 from drillpetsc.output.measured.field_output import FieldOutput
@@ -469,7 +469,7 @@ def _write(model: DrillingModel, folder: RunFolder, found: Modes, summary: dict[
 
 
 def _write_shape(points: FloatArray, lines: np.ndarray, data: dict[str, FloatArray], file: Path) -> None:
-    _write_vtu(file, points, "line", lines, data, {}, False)
+    write_vtu(file, points, "line", lines, data, {}, False)
 
 
 def _point_data(model: DrillingModel, found: Modes, m: int) -> dict[str, FloatArray]:

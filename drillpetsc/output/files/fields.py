@@ -1,108 +1,18 @@
 """The string over time (string.pvd, string/NNNNNN.vtu) and the hole's wall (well.vtu), for ParaView and
 pyvista as they are.
-
-`_write_vtu` writes every .vtu; `read_frame` reads it with meshio, which a run does not import.
 """
 
 from __future__ import annotations
 
 import os
-import sys
 import xml.etree.ElementTree as ElementTree
-import zlib
-from base64 import b64encode
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
 
 from drillpetsc.output.files.atomic import replace_file, replace_text, to_disk
-
-
-@dataclass(frozen=True)
-class Frame:
-    """One .vtu as read back.
-
-    points: (n, 3) [m]. point_data: {"name [unit]": (n,) or (n, 3)}; cell_data: the same with m.
-    cells: {type: (m, k) point numbers}.
-    """
-
-    points: np.ndarray
-    point_data: dict[str, np.ndarray]
-    cell_data: dict[str, np.ndarray]
-    cells: dict[str, np.ndarray]
-
-
-VTK_CELLS = {"line": 3, "quad": 9}  # numbers of the kinds of cells in VTK files
-ZLIB_BLOCK = 32768  # bytes that zlib compresses at once
-
-
-def _write_vtu(
-    path: Path,
-    points: np.ndarray,
-    kind: str,
-    cells: np.ndarray,
-    point_data: Mapping[str, np.ndarray],
-    cell_data: Mapping[str, np.ndarray],
-    compress: bool,
-) -> None:
-    """Write an unstructured grid: XML with base64 data (VTK file formats, "XML formats"; a header of UInt32).
-
-    points: (n, 3); cells: (m, k) numbers of points, all of one ``kind``.
-    compress: with zlib: a smaller file, in about four times the time.
-    """
-    order = "LittleEndian" if sys.byteorder == "little" else "BigEndian"
-    compressor = ' compressor="vtkZLibDataCompressor"' if compress else ""
-    count, width = cells.shape
-    topology = {
-        "connectivity": cells.ravel().astype(np.int64, copy=False),
-        "offsets": np.arange(width, width * count + 1, width, dtype=np.int64),
-        "types": np.full(count, VTK_CELLS[kind], dtype=np.int64),
-    }
-    groups = [
-        ("Points", {"Points": points}),
-        ("Cells", topology),
-        ("PointData", point_data),
-        ("CellData", cell_data),
-    ]
-    parts = [
-        f'<?xml version="1.0"?>\n<VTKFile type="UnstructuredGrid" version="0.1" byte_order="{order}"{compressor}>\n'
-        f'<UnstructuredGrid>\n<Piece NumberOfPoints="{len(points)}" NumberOfCells="{count}">\n'.encode()
-    ]
-    for group, arrays in groups:
-        if arrays:
-            parts.append(f"<{group}>\n".encode())
-            parts += [_data_array(name, values, compress) for name, values in arrays.items()]
-            parts.append(f"</{group}>\n".encode())
-    parts.append(b"</Piece>\n</UnstructuredGrid>\n</VTKFile>\n")
-    path.write_bytes(b"".join(parts))
-
-
-def _escaped(text: str) -> str:
-    """The text as XML.  ``xml.sax.saxutils`` has the same function, but imports a client for the web with it."""
-    return text.replace("&", "&amp;").replace("<", "&lt;").replace(">", "&gt;")
-
-
-def _data_array(name: str, values: np.ndarray, compress: bool) -> bytes:
-    """One array of a .vtu: (n,) or (n, k)."""
-    kind = {"f": "Float", "i": "Int", "u": "UInt"}[values.dtype.kind] + str(8 * values.dtype.itemsize)
-    size = f' NumberOfComponents="{values.shape[1]}"' if values.ndim == 2 else ""
-    raw = values.tobytes()
-    if compress:
-        blocks = [zlib.compress(raw[i : i + ZLIB_BLOCK]) for i in range(0, len(raw), ZLIB_BLOCK)]
-        last = len(raw) - ZLIB_BLOCK * (len(blocks) - 1)
-        header = np.array([len(blocks), ZLIB_BLOCK, last, *map(len, blocks)], dtype=np.uint32)
-        text = b64encode(header.tobytes()) + b64encode(b"".join(blocks))
-    else:
-        text = b64encode(np.uint32(len(raw)).tobytes() + raw)
-    return b"".join(
-        (
-            f'<DataArray type="{kind}" Name="{_escaped(name)}"{size} format="binary">\n'.encode(),
-            text,
-            b"\n</DataArray>\n",
-        )
-    )
+from drillpetsc.output.files.vtk import write_vtu
 
 
 def _checked(data: Mapping[str, np.ndarray] | None, count: int, where: str) -> dict[str, np.ndarray]:
@@ -171,7 +81,7 @@ class FieldWriter:
         name = f"{self._next:06d}.vtu"
         path = replace_file(
             self.frames / name,
-            lambda file: _write_vtu(file, points, "line", lines, at_points, on_cells, self.compress),
+            lambda file: write_vtu(file, points, "line", lines, at_points, on_cells, self.compress),
         )
         self._next += 1
         self._new.append(path)
@@ -187,16 +97,26 @@ class FieldWriter:
         self._new = []
 
     def _write_series(self) -> None:
-        self._listed += [
-            f'    <DataSet timestep="{time!r}" group="" part="0" file="{name}"/>\n'
-            for time, name in self._entries[len(self._listed) :]
-        ]
-        sets = "".join(self._listed)
-        replace_text(
-            self.series,
-            '<?xml version="1.0"?>\n<VTKFile type="Collection" version="0.1" byte_order="LittleEndian">\n'
-            f"  <Collection>\n{sets}  </Collection>\n</VTKFile>\n",
-        )
+        self._listed += map(_listed, self._entries[len(self._listed) :])
+        _write_list(self.series, self._listed)
+
+
+def _listed(entry: tuple[float, str]) -> str:
+    """Line of a series for a time [s] and its file."""
+    return f'    <DataSet timestep="{entry[0]!r}" group="" part="0" file="{entry[1]}"/>\n'
+
+
+def _write_list(path: Path, lines: list[str]) -> None:
+    replace_text(
+        path,
+        '<?xml version="1.0"?>\n<VTKFile type="Collection" version="0.1" byte_order="LittleEndian">\n'
+        f"  <Collection>\n{''.join(lines)}  </Collection>\n</VTKFile>\n",
+    )
+
+
+def write_series(path: Path, entries: Sequence[tuple[float, str]]) -> None:
+    """Write a .pvd of times [s] and the files that it lists, relative to it."""
+    _write_list(path, [_listed(entry) for entry in entries])
 
 
 def read_series(folder: str | os.PathLike) -> list[tuple[float, Path]]:
@@ -206,27 +126,6 @@ def read_series(folder: str | os.PathLike) -> list[tuple[float, Path]]:
         return []
     sets = ElementTree.parse(series).getroot().iter("DataSet")
     return sorted((float(item.attrib["timestep"]), series.parent / item.attrib["file"]) for item in sets)
-
-
-def read_frame(path: str | os.PathLike) -> Frame:
-    """Read a .vtu of this package.  Raises FileNotFoundError, and ValueError if the file is damaged."""
-    from meshio import vtu  # not `meshio.read`: it ends the process if a file is damaged
-
-    try:
-        mesh = vtu.read(os.fspath(path))
-    except OSError:
-        raise
-    except Exception as error:  # of XML, base64, zlib or numpy, as the damage has it
-        raise ValueError(
-            f"{path} is damaged: {' '.join(str(error).split()) or type(error).__name__}"
-        ) from None
-    cells = {block.type: block.data for block in mesh.cells}
-    return Frame(
-        points=mesh.points,
-        point_data=dict(mesh.point_data),
-        cell_data={name: np.concatenate(parts) for name, parts in mesh.cell_data.items()},
-        cells=cells,
-    )
 
 
 def write_well(
@@ -264,7 +163,7 @@ def write_well(
         (ring + corner, ring + beside, ring + sides + beside, ring + sides + corner), axis=-1
     ).reshape(-1, 4)
     data = {name: np.repeat(values, sides, axis=0) for name, values in stations.items()}
-    return replace_file(path, lambda file: _write_vtu(file, points, "quad", quads, data, {}, True))
+    return replace_file(path, lambda file: write_vtu(file, points, "quad", quads, data, {}, True))
 
 
 def cross_section_axes(center: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -14,6 +14,7 @@ from drillpetsc.output.measured.in_hole import offsets
 from drillpetsc.physics.beam import RESULT_NAMES
 
 _COLUMN = {name: i for i, name in enumerate(RESULT_NAMES)}
+SLOPES = "string.tangent"  # unknowns, which a string of quaternions does not have
 _AXIAL = [_COLUMN["axial_upper"], _COLUMN["axial_lower"]]
 
 
@@ -32,7 +33,11 @@ class StringFields:
         if not self.model.beam.moves:
             string = tuple(q for q in declared.STRING_FIELDS if q.name in ("md", "outer_radius"))
         else:
-            absent = {"stress": not self._is_tube, "effective_tension": self.mud is None}
+            absent = {
+                "stress": not self._is_tube,
+                "effective_tension": self.mud is None,
+                "slope": SLOPES not in self.model.system.layout.dofs,
+            }
             string = tuple(q for q in declared.STRING_FIELDS if not absent.get(q.name, False))
         return string + ((declared.HOLE_RADIUS,) if self.model.well is not None else ())
 
@@ -54,6 +59,10 @@ class StringFields:
     def position(self, sample: Sample) -> FloatArray:
         """(nv, 3) position [m]; for a held string, the initial position."""
         return self.motion(sample)[:, :3]
+
+    def slope(self, sample: Sample) -> FloatArray:
+        """(nv, 3) derivative of the position by the length of the unstrained string [-]."""
+        return np.asarray(sample.assembly.x[self.model.system.layout.dofs[SLOPES]])
 
     def offset(self, position: FloatArray, depth: FloatArray) -> FloatArray:
         """(k, 2) offset [m] of points (k, 3) from the hole's axis."""

@@ -214,6 +214,18 @@ STRING_FIELDS: tuple[Quantity, ...] = (
         index=None,
     ),
     Quantity(
+        "slope",
+        "-",
+        on="node",
+        label="Slope",
+        mnemonic="SLOP",
+        sign="north, east, down",
+        doc="Derivative of the position by the length of the unstrained string: with it the string is a cubic between two nodes.",
+        value=lambda string, sample: string.slope(sample),
+        size=3,
+        index=None,
+    ),
+    Quantity(
         "velocity",
         "m/s",
         on="node",

@@ -7,8 +7,9 @@ from typing import Any
 
 import numpy as np
 
-from drillpetsc.output.files.fields import cross_section_axes, read_frame
+from drillpetsc.output.files.fields import cross_section_axes
 from drillpetsc.output.files.tables import read_table
+from drillpetsc.output.files.vtk import read_frame
 from drillpetsc.plotting import style
 from drillpetsc.plotting.style import LINE_COLORS
 

@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 
 from drillpetsc.output.catalogue import find
-from drillpetsc.output.files.fields import read_frame, read_series
+from drillpetsc.output.files.fields import read_series
 from drillpetsc.output.files.json_file import read_summary
 from drillpetsc.output.files.run_folder import (
     CAMPBELL_TABLE,
@@ -28,6 +28,7 @@ from drillpetsc.output.files.run_folder import (
     RunFolder,
 )
 from drillpetsc.output.files.tables import read_table, read_titles, split_name
+from drillpetsc.output.files.vtk import read_frame
 from drillpetsc.plotting import style
 from drillpetsc.plotting.command.frequency import (
     draw_campbell,

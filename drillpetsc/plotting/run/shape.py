@@ -8,8 +8,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from drillpetsc.output.files.fields import Frame, cross_section_axes
+from drillpetsc.output.files.fields import cross_section_axes
 from drillpetsc.output.files.tables import split_name
+from drillpetsc.output.files.vtk import Frame
 from drillpetsc.plotting import style
 
 LARGE = (
@@ -38,6 +39,21 @@ class Shape:
     points: np.ndarray
     values: np.ndarray
     bent: bool
+
+
+#: fields that colour the string, the first that a run has; the last two are of a string that is held
+COLOURS = (
+    "effective_tension [N]",
+    "axial_force [N]",
+    "annulus_pressure [Pa]",
+    "internal_pressure [Pa]",
+)
+
+
+def colour_field(wanted: str | None, available: Iterable[str]) -> str:
+    """Full name of the field that colours the string; ValueError as of ``find_field``."""
+    names = set(available)
+    return find_field(wanted or next((name for name in COLOURS if name in names), COLOURS[1]), names)
 
 
 def find_field(wanted: str, available: Iterable[str]) -> str:
@@ -128,25 +144,37 @@ def smooth(shape: Shape, pieces: int) -> Shape:
 
 
 def _cubic(md: np.ndarray, values: np.ndarray, at: np.ndarray) -> np.ndarray:
-    """Cubic Hermite interpolation of values (n, k) at depths md (n,), slopes from central differences.
+    """Cubic interpolation of values (n, k) at depths md (n,), slopes from central differences."""
+    cell = np.clip(np.searchsorted(md, at, side="right") - 1, 0, len(md) - 2)
+    step = (md[cell + 1] - md[cell])[:, None]
+    x = (at - md[cell])[:, None] / np.where(step > 0, step, 1.0)
+    return hermite(md, values, central_slopes(md, values), cell, x)
+
+
+def central_slopes(md: np.ndarray, values: np.ndarray) -> np.ndarray:
+    """Slopes (n, k) by central differences of values (n, k) at depths md (n,).
 
     A joint has two nodes at one depth: slopes do not go across it, and values jump there.
     """
     parts = np.split(np.arange(len(md)), np.flatnonzero(np.diff(md) <= 0) + 1)
-    slope = np.concatenate(
+    return np.concatenate(
         [
             np.gradient(values[p], md[p], axis=0) if len(p) > 1 else np.zeros((1, values.shape[1]))
             for p in parts
         ]
     )
-    cell = np.clip(np.searchsorted(md, at, side="right") - 1, 0, len(md) - 2)
+
+
+def hermite(
+    md: np.ndarray, values: np.ndarray, slopes: np.ndarray, cell: np.ndarray, x: np.ndarray
+) -> np.ndarray:
+    """Cubic Hermite interpolation (m, k) of values and slopes (n, k) at depths md (n,), at the shares x (m, 1) of cells (m,)."""
     step = (md[cell + 1] - md[cell])[:, None]
-    x = (at - md[cell])[:, None] / np.where(step > 0, step, 1.0)
     return (
         (1 + 2 * x) * (1 - x) ** 2 * values[cell]
-        + x * (1 - x) ** 2 * step * slope[cell]
+        + x * (1 - x) ** 2 * step * slopes[cell]
         + x**2 * (3 - 2 * x) * values[cell + 1]
-        + x**2 * (x - 1) * step * slope[cell + 1]
+        + x**2 * (x - 1) * step * slopes[cell + 1]
     )
 
 

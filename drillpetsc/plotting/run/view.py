@@ -16,20 +16,20 @@ from typing import Any, Literal
 
 import numpy as np
 
-from drillpetsc.output.files.fields import read_frame, read_series
+from drillpetsc.output.files.fields import read_series
 from drillpetsc.output.files.json_file import read_summary
 from drillpetsc.output.files.run_folder import RunFolder
+from drillpetsc.output.files.vtk import read_frame
 from drillpetsc.plotting import style
 from drillpetsc.plotting.run import panels, render
 from drillpetsc.plotting.run.animation import check_suffix, write_animation
 from drillpetsc.plotting.run.panels import Paint, Update
-from drillpetsc.plotting.run.shape import Shape, cut, find_field, half_width, shape_of, smooth
+from drillpetsc.plotting.run.shape import Shape, colour_field, cut, half_width, shape_of, smooth
 from drillpetsc.unit_systems import System
 
 Renderer = Literal["auto", "pyvista", "matplotlib"]
 Interval = tuple[float, float]
 SIZE = (15.0, 9.4)  # inches
-HELD_FIELDS = ("annulus_pressure [Pa]", "internal_pressure [Pa]")  # shown of a string that is held
 TRACKS_HEIGHT = 7.55  # inches of a depth track
 TRACK_WIDTH = 1.75
 SHADED_WIDTH = 2.6
@@ -64,8 +64,8 @@ def view(
 
     out: file to write; by default view.png or view.gif in the run's plots folder. A .mp4 needs imageio with
     ffmpeg.
-    field: what colours the string, with or without its unit; by default the axial force, of a held string the first
-    of ``HELD_FIELDS`` that exists.
+    field: what colours the string, with or without its unit; by default the effective tension, which decides on
+    buckling, or the first of ``shape.COLOURS`` that exists.
     time: a float is a simulated time [s] (the nearest frame is taken), an int an index (-1 the last, as by
     default).
     animate: all times, at most max_frames evenly chosen ones.
@@ -79,10 +79,7 @@ def view(
     folder = RunFolder.open(run)
     chosen = _chosen(read_series(folder.path), time, animate, max_frames, folder.path)
     frames = [(moment, read_frame(file)) for moment, file in chosen]
-    data = frames[-1][1].point_data
-    if field is None:
-        field = next((name for name in ("axial_force [N]", *HELD_FIELDS) if name in data), "axial_force [N]")
-    field = find_field(field, data)
+    field = colour_field(field, frames[-1][1].point_data)
     shapes = [shape_of(frame, moment, field) for moment, frame in frames]
     if any(shape.bent for shape in shapes):
         shapes = [replace(shape, bent=True) for shape in shapes]

@@ -83,18 +83,18 @@ _STRING = {"", where.STRING, where.INERTIA, STATIC_START}
 _MUD = {where.MUD, where.BORE, where.ANNULUS}
 _IN_WELL = {where.WELL, where.CONTACT, where.TOP}
 CONDITIONS: dict[str, set[str]] = {
-    "dry with bit": {*_STRING, *_IN_WELL, where.TUBES, where.BIT, where.BLOCK, WHIRLS},
-    "mud": {*_STRING, *_IN_WELL, *_MUD, where.TUBES, where.MUD_AND_STRING, WHIRLS},
+    "dry with bit": {*_STRING, *_IN_WELL, where.TUBES, where.SLOPES, where.BIT, where.BLOCK, WHIRLS},
+    "mud": {*_STRING, *_IN_WELL, *_MUD, where.TUBES, where.SLOPES, where.MUD_AND_STRING, WHIRLS},
     "quasi-steady mud": {
-        *_STRING, *_IN_WELL, *_MUD, where.TUBES, where.MUD_AND_STRING, where.FOLLOWS, WHIRLS,
+        *_STRING, *_IN_WELL, *_MUD, where.TUBES, where.SLOPES, where.MUD_AND_STRING, where.FOLLOWS, WHIRLS,
     },
-    "joints": {*_STRING, where.TUBES, where.TOP, where.JOINTS},
+    "joints": {*_STRING, where.TUBES, where.SLOPES, where.TOP, where.JOINTS},
     "drilling with mud": {
-        *_STRING, *_IN_WELL, *_MUD, where.TUBES, where.MUD_AND_STRING, where.BIT, where.DRILLS,
+        *_STRING, *_IN_WELL, *_MUD, where.TUBES, where.SLOPES, where.MUD_AND_STRING, where.BIT, where.DRILLS,
         where.CUTS_SIDE, where.CUTTINGS, WHIRLS,
     },
     "held": {"", *_MUD, where.WELL, where.INERTIA, STATIC_START},
-    "free top, quasi-static": {"", where.STRING, where.TUBES, STATIC_START},
+    "free top, quasi-static": {"", where.STRING, where.TUBES, where.SLOPES, STATIC_START},
 }  # fmt: skip
 
 
