@@ -1,4 +1,8 @@
-"""One job at a time in a run folder: a file that says which process writes there."""
+"""One job at a time in a run folder: a locked file, which says which process writes there.
+
+The lock is the operating system's (flock), held for as long as the process lives. It ends with the process, however that
+ends, and works between containers, which share neither process numbers nor the name of the host.
+"""
 
 from __future__ import annotations
 
@@ -8,50 +12,62 @@ import json
 import os
 import socket
 import time
-from collections.abc import Iterator
-from contextlib import contextmanager
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 from drillpetsc.errors import SolveError
 
 NAME = ".lock"
-
-_held: dict[Path, tuple[int, int]] = {}
-"""Lock files that this process holds: by which process id (a fork is another process), and its open folder, which follows a move."""
+TRIES, PAUSE = 20, 0.01  # to get the lock, which `writer_of` of another process holds for microseconds; [s]
 
 
 class RunFolderBusy(FileExistsError):
     """Another process writes into the folder."""
 
 
+class _Held(NamedTuple):
+    """Open descriptors of the locked file, and of its folder, which follows a move."""
+
+    lock: int
+    folder: int
+
+
+_held: dict[Path, _Held] = {}
+"""What this process holds, by the lock file."""
+
+
 def take(folder: Path) -> None:
     """Hold the folder for this process; raises RunFolderBusy if another living process holds it.
 
-    A lock of a process that has ended (on this host) is taken over. The state of a process on another host is
-    unknown here, so it counts as alive. A lock of the operating system on the file guards reading and writing
-    meanwhile, so that only one of two processes can win.
+    The folder of a process that has ended is taken over. If it ran on another machine, it counts as alive,
+    because some network file systems lock for one machine only.
     """
     file = (folder / NAME).absolute()
-    with _guarded(file) as number:
-        owner = _read(number)
-        if owner is not None and not _is_me(owner) and _is_alive(owner):
-            reported = (
-                f"{folder} is in use by process {owner['pid']} on {owner['host']} since {owner['since']}"
-            )
-            elsewhere = (
-                "" if owner["host"] == socket.gethostname() else f" (if that run is over, remove {file})"
-            )
-            raise RunFolderBusy(f"{reported}: wait for it, or give another --out{elsewhere}")
-        me = {
-            "host": socket.gethostname(),
-            "pid": os.getpid(),
-            "started": _started(os.getpid()),
-            "since": time.strftime("%F %T"),
-        }
-        _write(number, me)
-    if file not in _held:
-        _held[file] = os.getpid(), os.open(folder, os.O_RDONLY | os.O_DIRECTORY)
+    if file in _held:
+        if _is_at(_held[file].lock, file):
+            return
+        _close(file)  # the folder was moved, and this is another one of its name
+    lock, got = _locked(file)
+    owner = _read(lock)
+    if owner is not None and _is_me(owner) and got is False:  # held by another name of the folder
+        os.close(lock)
+        return
+    if _is_alive(owner, got):
+        os.close(lock)
+        raise RunFolderBusy(
+            f"{folder} is in use by {_named(owner)}: wait for it, or give another --out"
+            + (f" (if that run is over, remove {file})" if got is not False and not _is_here(owner) else "")
+        )
+    me = {
+        "host": socket.gethostname(),
+        "boot": _boot(),
+        "pid": os.getpid(),
+        "started": _started(os.getpid()),
+        "since": time.strftime("%F %T"),
+    }
+    os.ftruncate(lock, 0)
+    os.pwrite(lock, json.dumps(me).encode(), 0)
+    _held[file] = _Held(lock, os.open(folder, os.O_RDONLY | os.O_DIRECTORY))
 
 
 def release(folder: Path) -> None:
@@ -61,14 +77,14 @@ def release(folder: Path) -> None:
 
 def check_place(path: Path) -> Path | None:
     """The folder that this process holds and ``path`` is in, None outside; raises SolveError if it was moved or removed meanwhile."""
-    for file, (_, number) in _held.items():
+    for file, held in _held.items():
         folder = file.parent
         if folder not in path.absolute().parents:
             continue
-        if _is_at(number, folder):
+        if _is_at(held.folder, folder):
             return folder
         try:
-            now = os.readlink(f"/proc/self/fd/{number}")
+            now = os.readlink(f"/proc/self/fd/{held.folder}")
         except OSError:  # not Linux
             now = ""
         if not now or now.endswith("(deleted)"):
@@ -82,16 +98,29 @@ def check_place(path: Path) -> Path | None:
     return None
 
 
+def writer_of(folder: Path) -> str | None:
+    """The process that writes into the folder, as text; None if no living one does.  Changes nothing."""
+    try:
+        lock = os.open(folder / NAME, os.O_RDONLY)
+    except OSError:
+        return None
+    try:
+        got = _try_lock(lock, fcntl.LOCK_SH)
+        owner = _read(lock)
+        return _named(owner) if _is_alive(owner, got) else None
+    finally:
+        os.close(lock)
+
+
 def _release(file: Path) -> None:
-    pid, number = _held.pop(file, (0, -1))
-    if number >= 0:
+    if file in _held and _is_at(_held[file].lock, file):
+        file.unlink()  # while it is locked: whoever opened it meanwhile finds that it has lost its name
+    _close(file)
+
+
+def _close(file: Path) -> None:
+    for number in _held.pop(file, ()):
         os.close(number)
-    if pid != os.getpid() or not file.exists():
-        return
-    with _guarded(file) as number:
-        owner = _read(number)
-        if owner is not None and _is_me(owner):
-            file.unlink(missing_ok=True)
 
 
 @atexit.register
@@ -103,27 +132,42 @@ def _release_all() -> None:
             pass
 
 
-@contextmanager
-def _guarded(file: Path) -> Iterator[int]:
-    """The open lock file (descriptor), while no other process reads it."""
-    while True:
+def _close_all() -> None:
+    for file in list(_held):
+        _close(file)
+
+
+os.register_at_fork(after_in_child=_close_all)  # a child that outlives this process must not keep its locks
+
+
+def _locked(file: Path) -> tuple[int, bool | None]:
+    """The open lock file (descriptor), and whether this process has got the lock: see ``_try_lock``."""
+    for k in range(TRIES):
         number = os.open(file, os.O_RDWR | os.O_CREAT, 0o644)
-        try:
-            try:
-                fcntl.flock(number, fcntl.LOCK_EX)
-            except (
-                OSError
-            ):  # some network file systems have none: then two that start within a millisecond may both win
-                pass
-            if _is_at(number, file):
-                yield number
-                return
-        finally:
-            os.close(number)  # also releases the guard
+        got = _try_lock(number, fcntl.LOCK_EX)
+        if k == TRIES - 1 or (got is not False and _is_at(number, file)):
+            break
+        os.close(number)
+        time.sleep(PAUSE if got is False else 0.0)
+    return number, got
+
+
+def _try_lock(number: int, kind: int) -> bool | None:
+    """Whether the open file could be locked; None on a network file system that has no locks.
+
+    Without them, two processes that start within a millisecond may both win.
+    """
+    try:
+        fcntl.flock(number, kind | fcntl.LOCK_NB)
+    except BlockingIOError:
+        return False
+    except OSError:
+        return None
+    return True
 
 
 def _is_at(number: int, file: Path) -> bool:
-    """Whether the open file still has its name: its owner may have removed it before this process got the guard."""
+    """Whether the open file or folder still has its name."""
     try:
         return os.path.samestat(os.fstat(number), os.stat(file))
     except FileNotFoundError:
@@ -145,22 +189,30 @@ def _read(number: int) -> dict[str, Any] | None:
         return None
 
 
-def _write(number: int, owner: dict[str, Any]) -> None:
-    text = json.dumps(owner).encode()
-    os.ftruncate(number, 0)
-    os.pwrite(number, text, 0)
+def _named(owner: dict[str, Any] | None) -> str:
+    if owner is None:
+        return "another process"
+    return f"process {owner['pid']} on {owner['host']} since {owner['since']}"
 
 
 def _is_me(owner: dict[str, Any]) -> bool:
-    return (owner["host"], owner["pid"], owner.get("started")) == (
-        socket.gethostname(),
-        os.getpid(),
-        _started(os.getpid()),
-    )
+    return _is_here(owner) and (owner["pid"], owner.get("started")) == (os.getpid(), _started(os.getpid()))
 
 
-def _is_alive(owner: dict[str, Any]) -> bool:
-    if owner["host"] != socket.gethostname():
+def _is_here(owner: dict[str, Any] | None) -> bool:
+    """Whether the owner is a process of this host by name."""
+    return owner is None or owner["host"] == socket.gethostname()
+
+
+def _is_alive(owner: dict[str, Any] | None, got: bool | None) -> bool:
+    """Whether a process that wrote ``owner`` may live.  got: whether its lock could be had, ``_try_lock``."""
+    if got is False:
+        return True
+    if owner is None or _is_me(owner):
+        return False
+    if got and owner.get("boot") is not None and owner["boot"] == _boot():
+        return False  # it held the lock on this very machine, in whichever container
+    if not _is_here(owner):
         return True
     try:
         os.kill(owner["pid"], 0)
@@ -170,10 +222,16 @@ def _is_alive(owner: dict[str, Any]) -> bool:
         pass
     if _state(owner["pid"])[:1] in (["Z"], ["X"]):  # it has ended, but its exit status has not been collected
         return False
-    return owner.get("started") in (
-        None,
-        _started(owner["pid"]),
-    )  # else its number has gone to another process
+    # else its number has gone to another process
+    return owner.get("started") in (None, _started(owner["pid"]))
+
+
+def _boot() -> str | None:
+    """A name of this machine's kernel since its start, the same in all containers; None if the system has none."""
+    try:
+        return Path("/proc/sys/kernel/random/boot_id").read_text(encoding="ascii").strip()
+    except OSError:
+        return None
 
 
 def _started(pid: int) -> int | None:
@@ -191,13 +249,3 @@ def _state(pid: int) -> list[str]:
     except OSError:
         return []
     return text.rpartition(")")[2].split()
-
-
-def writer_of(folder: Path) -> str | None:
-    """The process that writes into the folder, as text; None if no living one does.  Changes nothing."""
-    try:
-        with open(folder / NAME, "rb") as file:
-            owner = _read(file.fileno())
-    except OSError:
-        return None
-    return f"process {owner['pid']} on {owner['host']}" if owner is not None and _is_alive(owner) else None

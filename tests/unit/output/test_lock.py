@@ -3,6 +3,7 @@ killed."""
 
 from __future__ import annotations
 
+import errno
 import json
 import multiprocessing
 import os
@@ -24,15 +25,21 @@ from tests.helpers.tables import each_row
 fork = multiprocessing.get_context("fork")
 
 
-def holder(folder: Path) -> subprocess.Popen[str]:
-    """A process that holds the folder until it is killed or its input ends."""
+def holder(folder: Path, *launcher: str) -> subprocess.Popen[str]:
+    """A process that holds the folder until it is killed or its input ends.  launcher: command that starts it."""
     code = "import sys; from pathlib import Path; from drillpetsc.output.files import lock; lock.take(Path(sys.argv[1]))"
     code += "; print('held', flush=True); sys.stdin.read()"
     process = subprocess.Popen(
-        [sys.executable, "-c", code, str(folder)], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True
+        [*launcher, sys.executable, "-c", code, str(folder)],
+        stdin=subprocess.PIPE,
+        stdout=subprocess.PIPE,
+        text=True,
     )
     assert process.stdout is not None and process.stdout.readline() == "held\n"
     return process
+
+
+CONTAINER = ["unshare", "--pid", "--uts", "--fork", "--kill-child", "--mount-proc", "--"]
 
 
 def refused(folder: Path) -> str:
@@ -92,6 +99,55 @@ def test_nobody_here_knows_whether_a_process_elsewhere_is_alive(tmp_path: Path) 
     assert "elsewhere" in (reported := refused(tmp_path)) and f"remove {tmp_path / lock.NAME}" in reported
     lock.release(tmp_path)
     assert (tmp_path / lock.NAME).is_file()  # not ours to remove
+
+
+@pytest.mark.skipif(
+    not shutil.which("unshare") or subprocess.run([*CONTAINER, "true"], capture_output=True).returncode != 0,
+    reason="no namespaces for this user",
+)
+@each_row("name", [socket.gethostname(), "container"])
+def test_a_process_of_another_container_holds_the_folder_while_it_lives(tmp_path: Path, name: str) -> None:
+    """Its number is unknown here or another process's, and its host has another name, or by chance the same."""
+    first = holder(tmp_path, *CONTAINER, "sh", "-c", f'hostname {name}; exec "$0" "$@"')
+    assert f"on {name}" in refused(tmp_path)
+    assert name in (lock.writer_of(tmp_path) or "")
+    first.kill()
+    first.communicate()
+    lock.take(tmp_path)
+    assert json.loads((tmp_path / lock.NAME).read_text())["pid"] == os.getpid()
+    lock.release(tmp_path)
+
+
+def test_a_child_that_outlives_the_owner_does_not_hold_the_folder(tmp_path: Path) -> None:
+    code = "import os, sys, time; from pathlib import Path; from drillpetsc.output.files import lock; lock.take(Path(sys.argv[1]))"
+    code += (
+        "\nif os.fork() == 0: print(os.getpid(), flush=True); time.sleep(600)\nelse: os.kill(os.getpid(), 9)"
+    )
+    parent = subprocess.Popen([sys.executable, "-c", code, str(tmp_path)], stdout=subprocess.PIPE, text=True)
+    assert parent.stdout is not None
+    child = int(parent.stdout.readline())
+    parent.wait()
+    try:
+        lock.take(tmp_path)
+    finally:
+        os.kill(child, signal.SIGKILL)
+        parent.stdout.close()
+    lock.release(tmp_path)
+
+
+def test_without_locks_of_the_file_system_the_number_of_the_process_tells(
+    tmp_path: Path, monkeypatch
+) -> None:
+    def none(number: int, kind: int) -> None:
+        raise OSError(errno.ENOLCK, "No locks available")
+
+    first = holder(tmp_path)
+    monkeypatch.setattr(lock.fcntl, "flock", none)
+    assert f"process {first.pid}" in refused(tmp_path) and lock.writer_of(tmp_path) is not None
+    first.kill()
+    first.communicate()
+    lock.take(tmp_path)
+    lock.release(tmp_path)
 
 
 @each_row("text", ["", "{", "[]", '{"pid": 1}', '{"host": "x", "pid": "y", "since": ""}', "\x00" * 9])
