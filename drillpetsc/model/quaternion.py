@@ -40,7 +40,7 @@ def quaternion_components(
         mesh, frames, np.array(case.gravity, dtype=float), case.beam.constraint or "index3", finest
     )
     top, bottom = _top(case, beam, ends[0]), _bottom(case, beam, ends[1])
-    components = [beam, top, *((bottom,) if bottom is not None else ())]
+    components = [beam, *((top,) if top.prescribes else ()), *((bottom,) if bottom is not None else ())]
     if loads:
         components.append(QuaternionLoads(tuple(loads), breaks))
     if contact is not None:

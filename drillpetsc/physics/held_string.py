@@ -18,7 +18,7 @@ class HeldString(Beam):
     position, tangent: (n_nodes, 3) of its nodes [m, -]; vertices: those of this rank.
     """
 
-    name, moves = "string", False
+    moves = False
 
     def __init__(self, position: FloatArray, tangent: FloatArray, vertices: IntArray) -> None:
         self._top = position[0], tangent[0]

@@ -140,7 +140,7 @@ class Top(Component):
 class FreeTop(Top):
     """Upper end at which nothing is prescribed."""
 
-    name, prescribes = "top", False
+    prescribes = False
 
     def __init__(self) -> None:
         self.anchor = np.empty(0)

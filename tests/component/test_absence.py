@@ -143,7 +143,7 @@ WET = {
     ),
 }  # fmt: skip
 USUAL = {
-    "md [m]", "displacement [m]", "velocity [m/s]", "spin [rad/s]", "spin_angle [rad]", "offset_x [m]",
+    "md [m]", "slope [-]", "displacement [m]", "velocity [m/s]", "spin [rad/s]", "spin_angle [rad]", "offset_x [m]",
     "offset_y [m]", "axial_force [N]", "torque [N m]", "bending_moment [N m]", "bending_moment_x [N m]",
     "bending_moment_y [N m]", "shear_force [N]", "shear_force_x [N]", "shear_force_y [N]", "outer_radius [m]",
     "stress [Pa]",
