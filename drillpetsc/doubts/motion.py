@@ -15,7 +15,8 @@ from drillpetsc.model.top.hoist import autodriller_of
 from drillpetsc.output.balances.energy_balance import GAINED
 from drillpetsc.output.watches.creep import held_by_creep
 from drillpetsc.output.watches.operation_watch import NEAR_STALL, Spell
-from drillpetsc.physics.bit.rock_bit import RockBit, Weakening
+from drillpetsc.physics.bit.bit_laws import Weakening
+from drillpetsc.physics.bit.rock_bit import RockBit
 from drillpetsc.physics.joints import Joints
 from drillpetsc.physics.top.hoist import HoistLine
 from drillpetsc.physics.top.top_drive import MotorDrive

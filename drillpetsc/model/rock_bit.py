@@ -13,17 +13,17 @@ from drillpetsc.fem.string_mesh import StringMesh
 from drillpetsc.geometry.growing_hole import GrowingHole
 from drillpetsc.geometry.well import Well
 from drillpetsc.model.wall import ITEM_LOAD, LEAST_CLEARANCE, rock_young
-from drillpetsc.physics.bit.bit_side import Gauge, SideLaw
-from drillpetsc.physics.bit.rock_bit import (
+from drillpetsc.physics.bit.bit_laws import (
     BitContact,
     BitShape,
     DragBit,
     Layer,
     PatternOrder,
     Rock,
-    RockBit,
     Weakening,
 )
+from drillpetsc.physics.bit.bit_side import Gauge, SideLaw
+from drillpetsc.physics.bit.rock_bit import RockBit
 from drillpetsc.physics.contact import damping_factor
 from drillpetsc.physics.own_law import BIT, ROCK, OwnLaw
 from drillpetsc.physics.wall_stiffness import ROCK_POISSON, STEEL_YOUNG, line_stiffness

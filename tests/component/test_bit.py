@@ -12,18 +12,18 @@ from drillpetsc.geometry.frames import transported_frames
 from drillpetsc.geometry.growing_hole import GrowingHole
 from drillpetsc.geometry.well import Well
 from drillpetsc.physics.beam import AncfBeam
-from drillpetsc.physics.bit.bit_profile import CHIPS, chip_for
-from drillpetsc.physics.bit.bit_side import Gauge, SideLaw
-from drillpetsc.physics.bit.rock_bit import (
+from drillpetsc.physics.bit.bit_laws import (
     BitContact,
     BitShape,
     DragBit,
     Layer,
     PatternOrder,
     Rock,
-    RockBit,
     Weakening,
 )
+from drillpetsc.physics.bit.bit_profile import CHIPS, chip_for
+from drillpetsc.physics.bit.bit_side import Gauge, SideLaw
+from drillpetsc.physics.bit.rock_bit import RockBit
 from drillpetsc.physics.own_law import BIT, ROCK, OwnLaw
 from tests.helpers.bit_models import DRAG, RADIUS, TURNING, drilling
 from tests.helpers.component_models import (

@@ -15,8 +15,9 @@ from drillpetsc.fem.string_mesh import RigidItem, uniform_string
 from drillpetsc.geometry.growing_hole import GrowingHole
 from drillpetsc.geometry.well import Well
 from drillpetsc.model.drilling_model import DrillingModel
+from drillpetsc.physics.bit.bit_laws import BitContact, BitShape, Layer, Rock
 from drillpetsc.physics.bit.bit_side import SideLaw
-from drillpetsc.physics.bit.rock_bit import BitContact, BitShape, Layer, Rock, RockBit
+from drillpetsc.physics.bit.rock_bit import RockBit
 from drillpetsc.physics.end_conditions import EndPlace, TopDrive
 from drillpetsc.physics.rigid_bodies import RigidBodies
 from drillpetsc.solvers.petsc_options import applied

@@ -10,8 +10,9 @@ import pytest
 from drillpetsc.geometry.growing_hole import GrowingHole
 from drillpetsc.geometry.well import Well
 from drillpetsc.kernels import function, pointer
+from drillpetsc.physics.bit.bit_laws import BitContact, BitShape, Layer, Rock
 from drillpetsc.physics.bit.bit_side import Gauge, SideLaw
-from drillpetsc.physics.bit.rock_bit import MOTION, BitContact, BitShape, Layer, Rock, RockBit
+from drillpetsc.physics.bit.rock_bit import MOTION, RockBit
 
 MASS, SPRING, DAMPING = 300.0, 4.05e4, 0.01  # [kg], [N/m], share of critical damping
 RADIUS, SPIN, FRICTION, BOTTOM = 0.10795, 80 * np.pi / 30, 0.3, 1e8  # [m], [rad/s], [-], [N/m]
