@@ -70,7 +70,9 @@ def _from_coarse_mesh(problem: StaticProblem) -> float | None:
         return None
     finally:
         problem.set_friction_aside()
-    if solver.negative_pivots():
+    if (
+        solver.negative_pivots()
+    ):  # coarse elements are stiffer: their stable state may be a saddle of the fine ones
         start.restore()
         return None
     return asked
@@ -110,7 +112,7 @@ def from_lateral_start(problem: StaticProblem) -> float | None:
                 return _with_side_force(problem, first, full, climbs=start.side_loads is None)
         except SolveError:
             problem.set_friction_aside()
-        placed.restore()
+        placed.restore()  # what a failed solve leaves is no start for the next
         # a helix may creep along the wall for ever: it has no state, and a relaxation would not end
         if near and start.side_loads is not None and slides_on(problem):
             return first
@@ -154,6 +156,7 @@ def _by_relaxation(problem: StaticProblem) -> float:
             if strength and model.fluid is None:
                 _take_side_loads_away(problem, reached)
             return reached
+        # an unstable state is better than none: the first, without side loads, is symmetric and can be repeated
         saddle = saddle or (Snapshot(model), reached)
     model.system.assembly.dead_load, report.imperfection = None, 0.0
     if saddle is None:

@@ -72,6 +72,7 @@ def lateral_start(
     mesh, fraction = model.mesh, model.case.initial.imperfection
     if model.contact is None or model.contact.law.law == "hertz_point" or not fraction:
         return None
+    # the elements of the lateral problem are rigid or hinged in both directions alike
     if any(_ties_slope(joint) is None for joint in mesh.joints):
         return None
     if coiled is not None and (motion[0] or stands(model)):
@@ -181,6 +182,7 @@ class _Parts:
         share = LYING_SHARE * float(-found.effective_tension.min())
         free = not (len(lying) and lying[-1] > share)
         joints = np.flatnonzero(mesh.is_joint)
+        # where stiffness, load or slope jumps, an element has to end
         marks = {b.node for b in mesh.bodies} | set(joints) | set(joints + 1)
         self.rough = bool((2 * mesh.length[buckling:] <= least)[~mesh.is_joint[buckling:]].any())
         nodes, length = [mesh.nodes - 1], least
@@ -480,6 +482,7 @@ def _placed(model: DrillingModel, found: March, first: int, across: FloatArray, 
     offset, lean = (np.einsum("npi,np->ni", frames, q) for q in after)
     tangent = t + lean
     tangent *= (np.linalg.norm(found.tangent, axis=1) / np.linalg.norm(tangent, axis=1))[:, None]
+    # a weight that is given keeps the bit on the bottom: the string comes down by what its buckles take up
     down = short[-1] if model.bit is not None and model.case.initial.wob is not None else 0.0
     shifted = replace(found, tangent=tangent, offset=offset)
     return replace(moved_along(model, shifted, down - short), top_motion=found.top_motion + down)

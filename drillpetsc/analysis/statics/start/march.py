@@ -169,17 +169,20 @@ class _Column:
             load, drag, kk, kw, ww, length, bending, clearance, vertical, crushing, wet = self.rows[i]
             load -= standing.get(i, 0.0)
             above, total, coils = below + load, 0.0, False
-            for _ in range(3):
+            for _ in range(
+                3
+            ):  # friction changes the mean tension by which the wall pushes; each round leaves little of that
                 mean = 0.5 * (below + above)
                 side = max(kk * mean * mean + 2 * kw * mean + ww, 0.0) ** 0.5
                 push, coil = -mean - wet, 0.0
                 if push > 0 and length > 0 and clearance > 0:
                     critical = coils_above * (bending * side / length / clearance) ** 0.5
+                    # in a vertical hole nothing lies on the wall, and weight alone keeps the string straight
                     if push > max(critical, vertical):
                         coil = clearance * push * push / (4 * bending) * length
                 total, coils = max(side, coil), coil > 0
                 above = below + load - drag * total
-            if above + wet < -crushing:
+            if above + wet < -crushing:  # the march goes on with this push: the caller names the place
                 locked, above = (i if locked is None else locked), -crushing - wet
             helical[i], contact[i], tension[i] = coils, total, above
             below = above
@@ -205,6 +208,7 @@ class _Marcher:
         along = np.sum(force * t, axis=1)
         across = force - along[:, None] * t
         bending = np.append(mesh.bending_stiffness, mesh.bending_stiffness[-1])
+        # a joint has no stiffness, with which its node would coil first
         bending[:-1][mesh.is_joint] = mesh.bending_stiffness[~mesh.is_joint].max()
         radius = _radius(model)
         clearance = np.maximum(np.asarray(well.radius(depth)) - radius, 0.0)
@@ -254,6 +258,7 @@ class _Marcher:
         steps = self.around * contact - self.load_torque
         for node, (_, rocks) in reamers.items():
             steps[node] += rocks * np.sign(self.around[node])
+        # rows are loads on the string: from the bit up, each node adds what it takes from the pipe above
         torque = np.append(np.cumsum(steps[::-1])[::-1], 0.0) + rock
         inner = tension[1:-1]
         coils = helical[:-1] & helical[1:] & ~mesh.is_joint
@@ -274,6 +279,7 @@ class _Marcher:
         shape, across, slope, share = lateral_shape(
             model, measured_depth, OnWall(load, per_length, clearance, on_wall), beam, helical, phase
         )
+        # a helix is longer than the axis about which it winds
         longer -= 0.5 * (gap * pitch) ** 2 * mesh.length
         for _ in range(BEND_ROUNDS):  # where the hole's curvature changes, it depends on the place
             short = (1 - share) * shortening(model, measured_depth, across, slope)
@@ -420,11 +426,12 @@ def _closed(marcher: _Marcher, top: float) -> March:
         return depth - float(found.measured_depth[-1]), found
 
     gap, found = gap_under(0.0)
-    if gap == 0.0 or (bit is not None and gap > 0):
+    if gap == 0.0 or (bit is not None and gap > 0):  # the bit hangs free above the bottom
         return found
     most = 2 * CRUSHING_STRAIN * float(mesh.axial_stiffness[~mesh.is_joint].max())
     near, miss_near, far = 0.0, gap, -gap / axial_compliance(mesh)
     miss_far, found = gap_under(far)
+    # friction and coils make the string softer or stiffer than its pipe: the guess need not reach beyond the root
     while miss_far * gap > 0:
         if abs(far) > most:
             return found  # no push shortens the string that much
@@ -475,7 +482,7 @@ def with_contact(
     if push is not None:
         change -= push + found.axial_force[-1]
     if case.top.force is not None:
-        change -= change[0]
+        change -= change[0]  # the top is given, so the bit feels the difference
     tension = found.axial_force + change
     torque = found.torque + np.append(np.cumsum((around * more)[::-1])[::-1], 0.0)
     with np.errstate(divide="ignore", invalid="ignore"):
@@ -486,7 +493,7 @@ def with_contact(
     more_travel = travels(mesh, tension[1:-1]) - travels(mesh, found.axial_force[1:-1])
     down = np.concatenate([[0.0], np.cumsum((strain - before) * mesh.length + more_travel)])
     if model.bit is not None and (case.initial.wob is not None or case.top.force is not None):
-        down -= down[-1]
+        down -= down[-1]  # the bit stays on the bottom, and the top follows
     above, below = _nodal_strains(mesh, strain)
     moved = moved_along(model, found, down)
     unit = moved.tangent / np.linalg.norm(moved.tangent, axis=1, keepdims=True)
@@ -568,6 +575,7 @@ def _bottom_force(column: _Column, coils_above: float = HELIX_FACTOR) -> float:
     low, high = -1e7, 0.0
     if column.run(high, coils_above)[0][0] <= 0:  # friction takes the push, or the top pulls
         return 0.0
+    # the force at the top rises with that at the bottom, but with kinks where the string begins to coil
     for _ in range(60):
         middle = 0.5 * (low + high)
         if column.run(middle, coils_above)[0][0] > 0:
