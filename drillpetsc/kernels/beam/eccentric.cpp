@@ -14,8 +14,7 @@ void eccentric_energies(int n, const int* idx, const double* par, const double* 
             lanes.gather(D, idx, y, Y);
             lanes.rows(Kernel::NP, par, P);
             Kernel::energy(X, Y, P, both);
-            for (int l = 0; l < lanes.count; ++l)
-                for (int i = 0; i < 2; ++i) out[2 * (e + l) + i] = both[i].v[l];
+            lanes.store_rows(2, both, out);
         }
     } else {
         for (int e = 0; e < n; ++e) {
