@@ -103,8 +103,8 @@ class PathEnd(Top):
             + ["torque_reaction"] * spin
         )
         D = _rows(self._position_rows(axes), axes[1:] if tilt else axes[:0], spin)
-        along, about = np.zeros(len(D)), np.zeros(len(D))
-        along[:1], about[-1:] = float(axial), float(spin)
+        along = np.zeros(len(D))
+        along[:1] = float(axial)
         start = D @ np.concatenate([position, tangent, [angle]])
         if path is not None:
             start = np.append(path.coordinates(position), angle)
@@ -113,11 +113,20 @@ class PathEnd(Top):
             float(start[0]) if len(start) else 0.0
         )  # measured depth of the last evaluation on a path [m]
         down, turn, self._first_row = self._down, self._turn, along
+
+        def moved(rows: FloatArray, along: float, about: float) -> FloatArray:
+            # every step needs it: two sums instead of seven arrays
+            if axial:
+                rows[0] += along
+            if spin:
+                rows[-1] += about
+            return rows
+
         self._condition = PrescribedMotion(
             vertex,
             D,
-            lambda t: start + along * down.integral(t) + about * turn.integral(t),
-            lambda t: along * down.value(t) + about * turn.value(t),
+            lambda t: moved(start.copy(), down.integral(t), turn.integral(t)),
+            lambda t: moved(np.zeros(len(D)), down.value(t), turn.value(t)),
             tuple(f"{where}.{n}" for n in names),
             along_path=None if path is None else self._at,
             advance=None if path is None else self._advance,

@@ -6,10 +6,22 @@ namespace dp {
 template <class Kernel>
 void eccentric_energies(int n, const int* idx, const double* par, const double* x, const double* y, double* out) {
     constexpr int D = Kernel::D;
-    for (int e = 0; e < n; ++e) {
-        double X[D], Y[D];
-        for (int i = 0; i < D; ++i) { X[i] = x[idx[e * D + i]]; Y[i] = y[idx[e * D + i]]; }
-        Kernel::energy(X, Y, par + e * Kernel::NP, out + 2 * e);
+    if constexpr (Kernel::PACKED) {
+        for (int e = 0; e < n; e += 4) {
+            Pack X[D], Y[D], P[Kernel::NP], both[2];
+            const Lanes lanes(e, n);
+            lanes.gather(D, idx, x, X);
+            lanes.gather(D, idx, y, Y);
+            lanes.rows(Kernel::NP, par, P);
+            Kernel::energy(X, Y, P, both);
+            lanes.store_rows(2, both, out);
+        }
+    } else {
+        for (int e = 0; e < n; ++e) {
+            double X[D], Y[D];
+            for (int i = 0; i < D; ++i) { X[i] = x[idx[e * D + i]]; Y[i] = y[idx[e * D + i]]; }
+            Kernel::energy(X, Y, par + e * Kernel::NP, out + 2 * e);
+        }
     }
 }
 

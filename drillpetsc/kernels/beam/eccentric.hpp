@@ -92,12 +92,15 @@ struct Eccentric {
     }
 
     // kinetic and potential energy [J]
-    static void energy(const double* x, const double* y, const double* p, double* out) {
-        const double L = p[LENGTH], m = p[MASS], a[15] = {0.0};
-        const Ride<double, JUNCTION> on(x, y, a, p[RIGID]);
-        const Centre<double> one(vec(x + 3), vec(y + 3), vec(a), x[6], y[6], 0.0, p + REFERENCE1, p + SECOND1, p + OFFSET);
-        const Centre<double> two(vec(x + 10), vec(y + 10), vec(a), x[13], y[13], 0.0, p + REFERENCE2, p + SECOND2, p + OFFSET);
-        const double own = (dot(one.c1, one.c1) + dot(one.c1, two.c1) + dot(two.c1, two.c1)) * (L / 6);
+    template <class T>
+    static void energy(const T* x, const T* y, const T* p, T* out) {
+        const T L = p[LENGTH], m = p[MASS], none = T(0.0);
+        T a[15];
+        for (T& one : a) one = none;
+        const Ride<T, JUNCTION> on(x, y, a, p[RIGID]);
+        const Centre<T> one(vec(x + 3), vec(y + 3), vec(a), x[6], y[6], none, p + REFERENCE1, p + SECOND1, p + OFFSET);
+        const Centre<T> two(vec(x + 10), vec(y + 10), vec(a), x[13], y[13], none, p + REFERENCE2, p + SECOND2, p + OFFSET);
+        const T own = (dot(one.c1, one.c1) + dot(one.c1, two.c1) + dot(two.c1, two.c1)) * (L / 6.0);
         out[0] = m * (dot(upper(on.y, L), one.c1) + dot(lower(on.y, L), two.c1) + own);
         out[1] = -m * 0.5 * L * dot(vec(p + GRAVITY), one.c + two.c);
     }

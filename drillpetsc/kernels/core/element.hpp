@@ -32,13 +32,16 @@ struct Lanes {
     void rows(int N, const double* table, Pack* P) const {
         for (int i = 0; i < N; ++i) P[i] = Pack(V4{table[at[0] * N + i], table[at[1] * N + i], table[at[2] * N + i], table[at[3] * N + i]});
     }
-    // the other way: N (a multiple of 4) results of each lane to its row of the table
+    // the other way: N results of each lane to its row of the table
     void store_rows(int N, const Pack* P, double* table) const {
-        for (int i = 0; i < N; i += 4) {
+        int i = 0;
+        for (; i + 4 <= N; i += 4) {
             V4 row[4] = {P[i].v, P[i + 1].v, P[i + 2].v, P[i + 3].v};
             transpose(row);
             for (int l = 3; l >= 0; --l) *reinterpret_cast<Unaligned*>(table + (long)at[l] * N + i) = row[l];  // unused lanes are overwritten
         }
+        for (; i < N; ++i)
+            for (int l = 3; l >= 0; --l) table[(long)at[l] * N + i] = P[i].v[l];
     }
 };
 

@@ -177,9 +177,7 @@ __attribute__((flatten)) void run_channel_results(int n, const int* idx, const d
         for (int i = 0; i < D; ++i) A[i] = Pack(0.0);
         lanes.rows(NP, par, P);
         Kernel::template evaluate<true, Pack, Pack>(X, Y, A, P, *static_cast<const Fluid*>(fluid), R, &results);
-        const Pack* q = &results.kinetic;
-        for (int l = 0; l < lanes.count; ++l)
-            for (int i = 0; i < N; ++i) out[(e + l) * N + i] = q[i].v[l];
+        lanes.store_rows(N, &results.kinetic, out);
     }
 }
 

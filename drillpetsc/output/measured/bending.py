@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -30,17 +31,17 @@ class EndForces:
     force: FloatArray
     moment: FloatArray
 
-    @property
+    @cached_property
     def shear(self) -> FloatArray:
         """(nc, 2, 3) force across the tangent [N]."""
         return self.force - self.tangent * np.sum(self.tangent * self.force, axis=2, keepdims=True)
 
-    @property
+    @cached_property
     def moment_size(self) -> FloatArray:
         """(nc, 2) bending moment [N m]."""
         return np.asarray(np.linalg.norm(self.moment, axis=2))
 
-    @property
+    @cached_property
     def shear_size(self) -> FloatArray:
         """(nc, 2) shear force [N]."""
         return np.asarray(np.linalg.norm(self.shear, axis=2))

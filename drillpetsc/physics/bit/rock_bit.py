@@ -383,8 +383,8 @@ class RockBit(Bit):
             if self.rock.post_step:
                 self._move(state)
             i = state.index_of(self._block)[0]
-            now[:4] = self.params["hold"][0] if self.rock.post_step else state.x[i[7:11]]
-            now[4:6] = self._time, 1.0
+            now[:4] = self.params["hold"][0] if self.rock.post_step else state.x.take(i[7:11])
+            now[4], now[5] = self._time, 1.0
             if self.hole.grows_to(now.item(3)):
                 direction = state.x[i[3:6]] / np.linalg.norm(state.x[i[3:6]])
                 place = state.x[i[:3]] + self.params["centre"][0] * direction

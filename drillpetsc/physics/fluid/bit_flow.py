@@ -29,6 +29,7 @@ STRING_UNKNOWNS = 7  # of the last node, before the unknowns of the mud
 NEAR = 2.0  # distance from the bottom up to which the mud under the bit is measured from the hole's end [m]
 RESULTS = columns("bit_flow_results")
 LIFTED = columns("bit_flow_parameters").span("lift", "head")
+_POTENTIAL, _CONTENT = RESULTS["potential"], RESULTS["content"]
 NOZZLE_LENGTH = 0.1  # length over which mud speeds up in a nozzle [m]
 
 
@@ -224,7 +225,7 @@ class BitFlow(Nozzle):
         ):  # a state that is counted, as after a restart: its rounding is not counted again
             return
         results = self.element_results(state)
-        lifted[:] = results[RESULTS["potential"]], results[RESULTS["content"]], head
+        lifted[0], lifted[1], lifted[2] = results[_POTENTIAL], results[_CONTENT], head
 
     @property
     def _moves_in_mud(self) -> bool:
