@@ -6,11 +6,12 @@ import os
 import shutil
 import sys
 import time
-from collections.abc import Callable
-from typing import Any, Literal, TextIO
+from collections.abc import Callable, Iterable, Iterator
+from typing import Any, Literal, TextIO, TypeVar
 
 from drillpetsc.errors import CaseError
 
+Item = TypeVar("Item")
 Mode = Literal["auto", "live", "log", "silent"]
 Receiver = Callable[[float, str], Any]
 """A function called with the share of the work done, from 0 to 1, and a line of text."""
@@ -129,6 +130,30 @@ class Progress:
         if self._shown:
             self.stream.write("\r\x1b[K")
             self._shown = False
+
+
+def counted(items: Iterable[Item], what: str, rank: int = 0, stream: TextIO | None = None) -> Iterator[Item]:
+    """Yield the items, and show on rank 0 how many are done and how long the others will take.
+
+    Nothing is shown in the first three seconds, or ten in a log: most commands are shorter.
+    what: the items, such as `points`.
+    """
+    items, stream = list(items), sys.stderr if stream is None else stream
+    live = _mode_of(stream) == "live"
+    began, width = time.monotonic(), 0
+    shown = began + (3.0 if live else 10.0)
+    for done, item in enumerate(items):
+        now = time.monotonic()
+        if done and rank == 0 and now >= shown:
+            left = duration((now - began) / done * (len(items) - done))
+            text = f"{done} of {len(items)} {what} ({100 * done // len(items)} %)  ETA {left}"
+            stream.write(f"\r{text}\x1b[K" if live else text + "\n")
+            stream.flush()
+            width, shown = len(text), now + (0.2 if live else 10.0)
+        yield item
+    if live and width:
+        stream.write("\r\x1b[K")
+        stream.flush()
 
 
 def _mode_of(stream: TextIO) -> Mode:

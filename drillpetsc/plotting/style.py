@@ -243,3 +243,38 @@ def level(axes: Any, values: np.ndarray, noise: bool) -> None:
     limits = limits_of_level(values, noise)
     if limits is not None:
         axes.set_ylim(*limits)
+
+
+def contours(axes: Any, at: tuple[Any, Any], values: Any) -> None:
+    """Draw labelled lines of equal values (m, n) over a grid.
+
+    at: coordinates (n,) and (m,); values may be nan. There is no line of zero: a straight line between values of which one is
+    far larger meets zero at another place than the boundary that was searched for.
+    Without two by two values, or without a change, there is nothing to draw.
+    """
+    from matplotlib.ticker import MaxNLocator
+
+    values = np.asarray(values, dtype=float)
+    finite = values[np.isfinite(values)]
+    if min(values.shape) < 2 or not finite.size or np.ptp(finite) <= 1e-9 * np.abs(finite).max():
+        return
+    levels = [
+        v
+        for v in MaxNLocator(6).tick_values(finite.min(), finite.max())
+        if v and finite.min() < v < finite.max()
+    ]
+    if levels:
+        drawn = axes.contour(
+            *at,
+            np.ma.masked_invalid(values),
+            levels=levels,
+            colors="0.25",
+            linewidths=0.7,
+            linestyles="solid",
+        )
+        axes.clabel(drawn, fontsize=7.5)
+
+
+def operating_point(axes: Any, x: float, y: float) -> None:
+    """Mark the point of the case in a map; the axes grow if it lies outside."""
+    axes.plot(x, y, "*", color="#ffd400", markeredgecolor="black", markersize=14, label="the case", zorder=6)

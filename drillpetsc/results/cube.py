@@ -1,10 +1,10 @@
-"""A roadmap as a cube: operation x friction x bit depth."""
+"""Tables over several variables as datasets: a roadmap over operation, friction and bit depth, a stability map over weight and speed."""
 
 from __future__ import annotations
 
 import numpy as np
 
-from drillpetsc.output.files.run_folder import ROADMAP_TABLE
+from drillpetsc.output.files.run_folder import ROADMAP_TABLE, STABILITY_RUNS_TABLE, STABILITY_TABLE
 from drillpetsc.output.files.tables import split_name
 from drillpetsc.results.datasets import Columns, Table, assembled
 from drillpetsc.results.described import attributes
@@ -48,3 +48,31 @@ def roadmap_cube(table: Table, title: str = "") -> Columns:
         for name in arrays
     }
     return assembled(arrays, described, dims, {"operation", "bit_depth", *FACTORS}, title)
+
+
+def stability_map(table: Table, runs: Table, title: str = "") -> Columns:
+    """A dataset of xarray, or `Columns` if xarray is not installed, from the rows of a stability map.
+
+    table: stability_map.csv by heading; runs: stability_runs.csv, which may be empty.
+    Both axes ascend: weight_on_bit [N], rotary_speed [rpm]. A point that is not there gives nan, or an empty text.
+    """
+    axes = {"weight_on_bit": "weight_on_bit [N]", "rotary_speed": "rotary_speed [rpm]"}
+    values = {name: np.unique(table[heading].astype(float)) for name, heading in axes.items()}
+    arrays: dict[str, np.ndarray] = dict(values)
+    dims: dict[str, tuple[str, ...]] = {name: (name,) for name in axes}
+    described = {name: attributes(heading, STABILITY_TABLE) for name, heading in axes.items()}
+    for rows, file in ((table, STABILITY_TABLE), (runs, STABILITY_RUNS_TABLE)):
+        for heading, column in rows.items():
+            name = split_name(heading)[0]
+            if name in axes:
+                continue
+            numeric = column.dtype.kind in "fiu"
+            grid = np.full(
+                [len(v) for v in values.values()],
+                np.nan if numeric else "",
+                dtype=float if numeric else object,
+            )
+            grid[tuple(np.searchsorted(values[a], rows[axes[a]].astype(float)) for a in axes)] = column
+            arrays[name], dims[name] = grid, tuple(axes)
+            described[name] = attributes(heading, file, words=not numeric)
+    return assembled(arrays, described, dims, set(axes), title)

@@ -17,13 +17,15 @@ from drillpetsc.output.files.run_folder import (
     MEASURED_TABLE,
     ROADMAP_TABLE,
     SENSITIVITIES_TABLE,
+    STABILITY_RUNS_TABLE,
+    STABILITY_TABLE,
     RunFolder,
 )
 from drillpetsc.output.files.tables import read_table
 from drillpetsc.output.result import RunResult
 from drillpetsc.output.sensors.files import SENSOR_TABLE, read_sensor, sensor_names
 from drillpetsc.results import report as shown
-from drillpetsc.results.cube import roadmap_cube
+from drillpetsc.results.cube import roadmap_cube, stability_map
 from drillpetsc.results.datasets import Table, dataset, frame, read_string, string_dataset
 from drillpetsc.results.sensitivity_table import sensitivity_table
 from drillpetsc.unit_systems import SYSTEMS, System
@@ -216,6 +218,15 @@ class Result(RunResult):
         """Dataset of roadmap.csv with the dimensions operation, friction and bit_depth; the friction factors are coordinates of
         friction. Rows that the roadmap does not have are nan, or an empty text."""
         return roadmap_cube(self._table("roadmap.csv"), self._title)
+
+    @property
+    def stability(self) -> Any:
+        """Dataset of stability_map.csv, with what runs in time found, with the dimensions weight_on_bit [N] and rotary_speed [rpm]."""
+        return stability_map(
+            self._table(STABILITY_TABLE),
+            self._table(STABILITY_RUNS_TABLE) if STABILITY_RUNS_TABLE in self._files() else {},
+            self._title,
+        )
 
     @property
     def sensitivities(self) -> Any:

@@ -85,6 +85,10 @@ class StabilitySummary(Summary):
     title: Annotated[str, "", "Title of the case."]
     speeds: Annotated[list[float], "rpm", "List: rotary speeds."]
     weights: Annotated[list[float], "N", "List: weights on bit."]
+    case_speed: Annotated[float, "rpm", "Rotation of the case at the end of its run."]
+    case_weight: Annotated[
+        float | Missing, "N", "Weight on bit at the start of the case.", "`initial.wob`"
+    ] = MISSING
     searched: Annotated[str, "", "Kind of the modes, or all kinds."]
     unstable: Annotated[int, "-", "Number of points at which a mode grows."]
     marginal: Annotated[

@@ -153,7 +153,7 @@ def draw_critical_map(folder: Path, title: str) -> Any:
 
 
 def draw_stability(folder: Path, title: str) -> Any:
-    """Largest growth over rotary speed and weight on bit, growth in red, with the boundary."""
+    """Largest growth over rotary speed and weight on bit, growth in red, with contours, the boundary and the case."""
     table = read_table(folder / STABILITY_TABLE)
     if not len(table["weight_on_bit [N]"]):
         return None
@@ -175,6 +175,7 @@ def draw_stability(folder: Path, title: str) -> Any:
     bar = drawing.colorbar(drawn, ax=axes, label="Largest growth rate [1/s]  (red: unstable)")
     ticks = [low, 0.5 * low, 0.0, 0.5 * high, high]  # matplotlib's ticks leave out a narrow side
     bar.set_ticks(ticks, labels=[f"{tick:.2g}" for tick in ticks])
+    style.contours(axes, (speeds, weights / unit), growth)
     if (folder / BOUNDARY_TABLE).exists():
         found = read_table(folder / BOUNDARY_TABLE)
         if len(found["weight_on_bit [N]"]):
@@ -184,6 +185,10 @@ def draw_stability(folder: Path, title: str) -> Any:
             )  # fmt: skip
     if (folder / STABILITY_RUNS_TABLE).exists():
         _mark_runs(axes, read_table(folder / STABILITY_RUNS_TABLE), unit)
+    file = RunFolder(folder).summary
+    summary = read_summary(file) if file.exists() else {}
+    if summary.get("case_speed") and "case_weight" in summary:
+        style.operating_point(axes, summary["case_speed"], summary["case_weight"] / unit)
     if axes.get_legend_handles_labels()[0]:
         axes.legend(frameon=True, loc="upper right", fontsize=8.5)
     axes.set(xlabel="Rotary speed [rpm]", ylabel=f"Weight on bit [{text}]", yticks=weights / unit)

@@ -53,6 +53,9 @@ from drillpetsc.unit_systems import display_unit as display_unit_of
 
 Table = dict[str, np.ndarray]
 LABEL_WIDTH = 26  # characters in one line below a panel of the pictures along depth
+NOTE_WIDTH = 190  # characters in one line below the panels
+ROUNDING = 1e-9  # change of a column over its size below which it is constant
+FLAT = 0.03  # largest change of a column over the span of its panel below which all look constant
 WIDEST_LEGEND = 66  # characters in one line above a panel
 
 
@@ -253,16 +256,25 @@ def grouped(titles: list[str]) -> tuple[list[list[str]], list[list[str]]]:
 
 
 def _histories(table: Table, panels: list[list[str]], title: str) -> Any:
-    """Draw one panel per group of columns, in two columns, over a common time axis."""
+    """Draw one panel per group of columns that change, in two columns, over a common time axis; name the others."""
     time_title, *_ = table
     time = table[time_title]
     panels = [kept for panel in panels if (kept := [c for c in panel if np.isfinite(table[c]).any()])]
     if not panels or len(time) < 2:
         return None
+    panels, constant = _changing(table, panels)
     columns = 1 if len(panels) == 1 else 2
     rows = -(-len(panels) // columns)
-    drawing = style.figure(13.0, 0.9 + 2.15 * rows, dpi=110)
+    lines = textwrap.wrap("Constant: " + ", ".join(constant), NOTE_WIDTH) if constant else []
+    below = 0.1 + 0.17 * len(lines)  # inches
+    height = 0.9 + below + 2.15 * rows
+    drawing = style.figure(13.0, height, dpi=110)
     top = style.heading(drawing, title)
+    drawing.text(
+        0.012, 0.08 / height, "\n".join(lines), fontsize=8.5, color="0.35", va="bottom", parse_math=False
+    )
+    if not panels:
+        return drawing
     grid = drawing.subplots(rows, columns, squeeze=False, sharex=True)
     places = list(grid.T.reshape(-1))
     for axes, panel in zip(places, panels, strict=False):
@@ -276,16 +288,18 @@ def _histories(table: Table, panels: list[list[str]], title: str) -> Any:
                 axes.set_ylim(0, 1.08 * max(float(np.nanmax(table[name])), 1.0))
                 axes.yaxis.get_major_locator().set_params(integer=True)
         style.level(axes, together / size, style.is_noise(panel[0], together))
-        if len(panel) == 1:
-            axes.set_ylabel(label(panel[0], unit))
+        axes.set_ylabel(f"[{unit}]" if unit else "")
+        if (
+            len(panel) == 1
+        ):  # above, as the names of several: beside the axis a long one reaches the next panel
+            axes.set_title(words(panel[0]), loc="left", fontsize=8.5, fontweight="normal")
         else:
-            axes.set_ylabel(f"[{unit}]" if unit else "")
             length = sum(len(words(name)) + 6 for name in panel)  # characters beside the lines
-            rows = 1 + (length > WIDEST_LEGEND)
+            stacked = -(-length // WIDEST_LEGEND)
             axes.legend(
-                loc="lower left" if rows > 1 else "upper left",
-                bbox_to_anchor=(0.0, 1.02 if rows > 1 else 1.17),
-                ncols=-(-len(panel) // rows),
+                loc="lower left",
+                bbox_to_anchor=(0.0, 1.02),
+                ncols=-(-len(panel) // stacked),
                 frameon=False,
                 fontsize=8.5,
                 borderaxespad=0.0,
@@ -297,8 +311,45 @@ def _histories(table: Table, panels: list[list[str]], title: str) -> Any:
         last = [axes for axes in grid[:, column] if axes.figure is not None][-1]
         last.set_xlabel("time [s]")
         last.tick_params(labelbottom=True)
-    drawing.tight_layout(rect=(0, 0, 1, top), h_pad=1.1)
+    drawing.tight_layout(rect=(0, below / height, 1, top), h_pad=1.1)
     return drawing
+
+
+def _changing(table: Table, panels: list[list[str]]) -> tuple[list[list[str]], list[str]]:
+    """Panels of columns that change, and words for those that do not.
+
+    A constant stays beside columns that come near it: a set point. Columns that are flat beside their distance get panels of
+    their own.
+    """
+    kept: list[list[str]] = []
+    constant: list[str] = []
+    for panel in panels:
+        ends = {name: (float(np.nanmin(table[name])), float(np.nanmax(table[name]))) for name in panel}
+        moving = [name for name in panel if not _is_constant(name, table[name])]
+        low, high = _span([ends[name] for name in moving])
+        near = 0.5 * (high - low)
+        shown = [n for n in panel if n in moving or low - near <= ends[n][0] <= high + near]
+        for name in (n for n in panel if n not in shown):
+            size, unit = display_unit(name, table[name])
+            value = 0.0 if style.is_noise(name, table[name]) else ends[name][1] / size
+            constant.append(f"{words(name)} {value:.4g} {unit}".rstrip())
+        low, high = _span([ends[name] for name in shown])
+        if any(ends[name][1] - ends[name][0] >= FLAT * (high - low) for name in shown):
+            kept.append(shown)
+        else:
+            kept += [[name] for name in shown]
+    return kept, constant
+
+
+def _span(ends: list[tuple[float, float]]) -> tuple[float, float]:
+    """Smallest and largest value of columns between their ends; nan without a column."""
+    return min((low for low, _ in ends), default=np.nan), max((high for _, high in ends), default=np.nan)
+
+
+def _is_constant(title: str, values: np.ndarray) -> bool:
+    """Whether a column changes by no more than rounding."""
+    finite = values[np.isfinite(values)]
+    return float(np.ptp(finite)) <= ROUNDING * float(np.abs(finite).max()) or style.is_noise(title, finite)
 
 
 def probe_names(table: Table) -> list[str]:

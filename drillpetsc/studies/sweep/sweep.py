@@ -406,6 +406,8 @@ class _Job:
         )
         line = f"[{ended}/{len(rows)}] {member.label}: {outcome.status}, {duration(outcome.wall)} wall on {ranks}"
         line += f": {outcome.message}" if outcome.message else ""
+        spent = clock.perf_counter() - self.began
+        line += f"  ETA {duration(spent / ended * (len(rows) - ended))}" if ended < len(rows) else ""
         if callable(self.progress):
             self.progress(ended / len(rows), line)
         else:

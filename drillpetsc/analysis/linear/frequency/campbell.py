@@ -35,6 +35,7 @@ from drillpetsc.arrays import FloatArray
 from drillpetsc.errors import DrillError
 from drillpetsc.fem.component import DRIVE
 from drillpetsc.model.drilling_model import DrillingModel
+from drillpetsc.output.progress import counted
 from drillpetsc.output.quantities import MODE_KINDS as KINDS
 from drillpetsc.physics.tools.mud_motor import MudMotor
 from drillpetsc.solvers.linear.linearization import Linearised
@@ -253,7 +254,7 @@ def campbell(states: TurningModel, sought: Sought, natural: bool = False) -> Cam
     found = [at(speeds[0])]
     pairings: list[Pairing] = []
     budget = len(speeds)
-    for speed in speeds[1:]:
+    for speed in counted(speeds[1:], "speeds", states.model.system.comm.rank):
         waiting = [at(speed)]
         step = (speed - found[-1].speed) / SMALLEST_STEP
         while waiting:

@@ -17,7 +17,7 @@ from drillpetsc.analysis.linear.frequency.campbell import (
     campbell,
 )
 from drillpetsc.analysis.linear.frequency.critical_map import critical_map, demand_wall, map_columns
-from drillpetsc.analysis.linear.frequency.response import RPM, rpm_of, write_case_folder
+from drillpetsc.analysis.linear.frequency.response import RPM, case_rpm, rpm_of, write_case_folder
 from drillpetsc.analysis.linear.frequency.tracking import LEAST_MAC, searched_beside
 from drillpetsc.analysis.linear.frequency.turning import TurningModel, turning_case
 from drillpetsc.analysis.motion.run_options import options_of
@@ -116,11 +116,6 @@ def default_lines(case: Case) -> tuple[float | str, ...]:
     return tuple(sorted({*DEFAULT_LINES, *blades}))
 
 
-def _case_speed(case: Case) -> float:
-    """Rotation of the case at time 0 [rpm], 0 without one."""
-    return rpm_of(case.top.rotation.value(0.0)) if case.top.rotation is not None else 0.0
-
-
 def margin(critical: Critical, case_speed: float) -> float:
     """Distance of a critical speed from that of the case [% of the latter]; nan for a case that does not turn."""
     return 100.0 * (critical.speed / RPM - case_speed) / case_speed if case_speed else float("nan")
@@ -134,7 +129,7 @@ def searched_to(found: Campbell) -> FloatArray:
 def _summary(
     case: Case, found: Campbell, sought: Sought, states: TurningModel, frequency: str
 ) -> CampbellSummary:
-    case_speed = _case_speed(case)
+    case_speed = case_rpm(case)
     lost = [b for b in found.branches if b.end == "lost"]
     grows = [rpm_of(m.speed) for m in found.speeds if m.grows.any()]
     near = [

@@ -40,6 +40,7 @@ from drillpetsc.output.files.case_files import write_case
 from drillpetsc.output.files.run_folder import RESPONSE_TABLE
 from drillpetsc.output.job import Job
 from drillpetsc.output.measured.flow_recorder import flow_recorder
+from drillpetsc.output.progress import counted
 from drillpetsc.output.quantities.frequency import RESPONSE, RESPONSE_STRESS
 from drillpetsc.output.result import RunResult
 from drillpetsc.output.summaries.linear import ResponseSummary
@@ -57,6 +58,11 @@ SMALL = 1e-6  # share of the largest amplitude below which a motion is rounding
 def rpm_of(speed: float) -> float:
     """Revolutions per minute of a speed [rad/s], without the rounding of the conversion."""
     return float(f"{speed / RPM:.10g}")
+
+
+def case_rpm(case: Case, time: float = 0.0) -> float:
+    """Rotation of the case at a time [s] [rpm], 0 without one."""
+    return rpm_of(case.top.rotation.value(time)) if case.top.rotation is not None else 0.0
 
 
 @dataclass(frozen=True)
@@ -318,7 +324,7 @@ def run_response(
         valid: list[tuple[str, float]] = []
         losses: list[float] = []
         warnings: list[str] = []
-        for speed in speeds:
+        for speed in counted(speeds, "speeds", comm.rank):
             state = states.at(speed)
             warnings += [w for w in state.warnings if w not in warnings]
             load, omega = _load(model, excitation, asymmetric, speed)

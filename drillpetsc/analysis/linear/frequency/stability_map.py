@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -12,7 +13,7 @@ from petsc4py import PETSc
 from scipy.optimize import brentq
 
 from drillpetsc.analysis.linear.doubts import Mapped
-from drillpetsc.analysis.linear.frequency.response import RPM, rpm_of, write_case_folder
+from drillpetsc.analysis.linear.frequency.response import RPM, case_rpm, rpm_of, write_case_folder
 from drillpetsc.analysis.linear.frequency.stability_runs import BEHAVIOURS, RunPoint, refuse, run_point
 from drillpetsc.analysis.linear.frequency.turning import TurningModel, turning_case
 from drillpetsc.analysis.linear.modal import modes, without_motor
@@ -30,6 +31,7 @@ from drillpetsc.output.files.run_folder import (
     STABILITY_TABLE,
 )
 from drillpetsc.output.job import Job
+from drillpetsc.output.progress import counted
 from drillpetsc.output.quantities.frequency import STABILITY_BOUNDARY, STABILITY_MAP, STABILITY_RUNS
 from drillpetsc.output.result import RunResult
 from drillpetsc.output.summaries.linear import StabilitySummary
@@ -183,14 +185,16 @@ def run_stability(
     run_case = without_motor(case) if without_control else case
     with options_of(case):
         folder = job.make_folder()
-        for weight in weights:
-            growth = StateGrowth(turning, weight, count, kind, comm)
-            points += [growth.at(speed) for speed in speeds]
-            edges += boundaries(growth, speeds)
+        growth = StateGrowth(turning, weights[0], count, kind, comm)
+        for weight, speed in counted(itertools.product(weights, speeds), "points", comm.rank):
+            if weight != growth.weight:
+                growth = StateGrowth(turning, weight, count, kind, comm)
+            points.append(growth.at(speed))
             if duration is not None:
-                for speed in speeds:
-                    lowering = penetration(growth.states.model, weight, speed)
-                    runs.append(run_point(run_case, speed, weight, lowering, duration, comm))
+                lowering = penetration(growth.states.model, weight, speed)
+                runs.append(run_point(run_case, speed, weight, lowering, duration, comm))
+            if speed == speeds[-1]:
+                edges += boundaries(growth, speeds)
     summary = _summary(case, points, len(edges), kind, runs, duration).as_dict()
     if comm.rank == 0:
         write_case_folder(case, folder.path)
@@ -228,6 +232,8 @@ def _summary(
         title=case.title,
         speeds=[rpm_of(s) for s in dict.fromkeys(p.speed for p in points)],
         weights=list(dict.fromkeys(p.weight for p in points)),
+        case_speed=case_rpm(case, case.time.end if case.time is not None else 0.0),
+        case_weight=case.initial.wob if case.initial.wob is not None else MISSING,
         searched=kind or "all kinds",
         unstable=sum(p.unstable for p in points),
         marginal=sum(p.marginal for p in points),

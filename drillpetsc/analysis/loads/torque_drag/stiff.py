@@ -37,6 +37,7 @@ from drillpetsc.errors import CaseError, SolveError
 from drillpetsc.geometry.well import Well
 from drillpetsc.model.drilling_model import DrillingModel, build_model
 from drillpetsc.model.mesh import MeshOf
+from drillpetsc.output.progress import counted
 from drillpetsc.output.watches.buckling import ELEMENTS_PER_PITCH
 from drillpetsc.output.watches.coarse_mesh import TOLERANCE
 
@@ -265,7 +266,8 @@ def solve_jobs(case: Case, well: Well, jobs: list[Job], comm: PETSc.Comm) -> lis
 
     Each rank solves whole strings, so that the rows are the same for any number of ranks.
     """
-    mine = {i: stiff_row(case, well, jobs[i]) for i in range(comm.rank, len(jobs), comm.size)}
+    own = counted(range(comm.rank, len(jobs), comm.size), "rows", comm.rank)
+    mine = {i: stiff_row(case, well, jobs[i]) for i in own}
     every: dict[int, dict[str, Any]] = {}
     for part in [mine] if comm.size == 1 else comm.tompi4py().allgather(mine):
         every |= part
