@@ -212,7 +212,12 @@ display = Show(shown, view)
 ColorBy(display, ("POINTS", FIELD))
 display.RescaleTransferFunctionToDataRange(False, True)
 colours = GetColorTransferFunction(FIELD)
-colours.RescaleTransferFunction(*string.PointData.GetArray(FIELD).GetRange())
+low, high = string.PointData.GetArray(FIELD).GetRange()
+if low < 0 < high:  # as in `drillpetsc view`: blue above zero, red below, each side stretched to its extreme
+    colours.ColorSpace = "Diverging"
+    colours.RGBPoints = [low, 0.71, 0.02, 0.15, 0.0, 0.86, 0.86, 0.86, high, 0.23, 0.3, 0.75]
+else:
+    colours.RescaleTransferFunction(low, high)
 bar = GetScalarBar(colours, view)
 bar.Title, bar.ComponentTitle = FIELD.replace("_", " "), "[" + UNIT + "]"
 bar.TitleFontSize = bar.LabelFontSize = 9
