@@ -54,7 +54,6 @@ from drillpetsc.unit_systems import display_unit as display_unit_of
 Table = dict[str, np.ndarray]
 LABEL_WIDTH = 26  # characters in one line below a panel of the pictures along depth
 NOTE_WIDTH = 190  # characters in one line below the panels
-ROUNDING = 1e-9  # change of a column over its size below which it is constant
 FLAT = 0.03  # largest change of a column over the span of its panel below which all look constant
 WIDEST_LEGEND = 66  # characters in one line above a panel
 
@@ -347,9 +346,8 @@ def _span(ends: list[tuple[float, float]]) -> tuple[float, float]:
 
 
 def _is_constant(title: str, values: np.ndarray) -> bool:
-    """Whether a column changes by no more than rounding."""
-    finite = values[np.isfinite(values)]
-    return float(np.ptp(finite)) <= ROUNDING * float(np.abs(finite).max()) or style.is_noise(title, finite)
+    """Whether a column changes by so little that an axis would be that of a constant."""
+    return style.limits_of_level(values, style.is_noise(title, values)) is not None
 
 
 def probe_names(table: Table) -> list[str]:
