@@ -18,6 +18,8 @@ from drillpetsc.errors import RESTART_HINT, CaseError, DrillError, SolveError, c
 RANK_TIMEOUT = 5.0  # waiting time of a failed rank for the others to fail as well [s]
 POLL_INTERVAL = 0.02  # between two tests of a request [s]; a rank that waits leaves its core to others
 FILE_POLL_INTERVAL = 0.2  # between two looks for a file [s]
+#: signals that end a job; a terminal that closes sends SIGHUP
+ENDING = ("SIGTERM", "SIGINT", "SIGHUP", "SIGQUIT")
 
 _control: Any = None  # control communicator (mpi4py's); None on one rank
 
@@ -44,6 +46,10 @@ def start_job(options: Sequence[str]) -> None:
 
     # PETSc's handler would print a stack if the reader of a pipe has ended; Python raises BrokenPipeError
     signal.signal(signal.SIGPIPE, signal.SIG_IGN)
+    # it would also print one for a signal that ends the job before a run takes signals over
+    for number in (getattr(signal, name) for name in ENDING if hasattr(signal, name)):
+        if signal.getsignal(number) == signal.SIG_DFL:  # what the parent process ignores stays ignored
+            signal.signal(number, signal.default_int_handler)
     PETSc.Log.begin()
     if PETSc.COMM_WORLD.size > 1:
         _control = PETSc.COMM_WORLD.tompi4py().Dup()
