@@ -6,10 +6,12 @@ barrier on a separate communicator, the control communicator. No message of a co
 
 from __future__ import annotations
 
+import os
 import signal
 import sys
 import time as clock
 from collections.abc import Callable, Sequence
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -18,6 +20,8 @@ from drillpetsc.errors import RESTART_HINT, CaseError, DrillError, SolveError, c
 RANK_TIMEOUT = 5.0  # waiting time of a failed rank for the others to fail as well [s]
 POLL_INTERVAL = 0.02  # between two tests of a request [s]; a rank that waits leaves its core to others
 FILE_POLL_INTERVAL = 0.2  # between two looks for a file [s]
+#: signals that end a job; a terminal that closes sends SIGHUP
+ENDING = ("SIGTERM", "SIGINT", "SIGHUP", "SIGQUIT")
 
 _control: Any = None  # control communicator (mpi4py's); None on one rank
 
@@ -39,15 +43,43 @@ def start_job(options: Sequence[str]) -> None:
     options: PETSc options as on a command line
     """
     global _control
+    missing = _missing_options_file([*options, *os.environ.get("PETSC_OPTIONS", "").split()])
+    if (
+        missing
+    ):  # PETSc would end before the ranks know each other: one message from all of them comes afterwards
+        options = ()
+        os.environ["PETSC_OPTIONS"] = ""
     initialise_petsc(options)
     from petsc4py import PETSc
 
     # PETSc's handler would print a stack if the reader of a pipe has ended; Python raises BrokenPipeError
     signal.signal(signal.SIGPIPE, signal.SIG_IGN)
+    # it would also print one for a signal that ends the job before a run takes signals over
+    for number in (getattr(signal, name) for name in ENDING if hasattr(signal, name)):
+        if signal.getsignal(number) == signal.SIG_DFL:  # what the parent process ignores stays ignored
+            signal.signal(number, signal.default_int_handler)
     PETSc.Log.begin()
     if PETSc.COMM_WORLD.size > 1:
         _control = PETSc.COMM_WORLD.tompi4py().Dup()
         sys.excepthook = _end_job_with_traceback
+    if missing:
+        raise CaseError(at="-options_file", got=missing, want="a file with PETSc options")
+    given = {word.lstrip("-") for word in options}
+    others = [
+        f"-{name} {value}".rstrip() for name, value in PETSc.Options().getAll().items() if name not in given
+    ]
+    if others and PETSc.COMM_WORLD.rank == 0:
+        print(
+            f"note: PETSc options from .petscrc, PETSC_OPTIONS or a file: {' '.join(others)}", file=sys.stderr
+        )
+
+
+def _missing_options_file(words: Sequence[str]) -> str:
+    """The file of ``-options_file`` that does not exist; empty if there is none."""
+    for name, value in pairwise(words):
+        if name.lstrip("-") == "options_file" and not Path(value).is_file():
+            return value
+    return ""
 
 
 # ---------------------------------------------------------------------- numbers of all ranks

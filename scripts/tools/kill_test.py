@@ -1,7 +1,9 @@
-"""Kill a run at random moments, restart it, and compare all files with those of an uninterrupted run.
+"""Send runs a signal at random moments, continue each, and compare all files with those of an uninterrupted run.
 
-The moments are uniformly distributed over the wall time from the appearance of the run folder to the end, so
-they hit steps, rows, frames and checkpoints. For an equal number of ranks the files must be identical.
+The moments are uniformly distributed over the wall time of the whole command, so they hit the start of Python, imports, statics, steps,
+rows, frames and checkpoints. SIGKILL goes to one rank or to all, other signals to the command as a user would send them. Then
+`--restart` must end with the same files, for an equal number of ranks to the last byte. Before the folder exists,
+and after a request for a checkpoint, which ends no run, the command itself is repeated or has ended.
 """
 
 from __future__ import annotations
@@ -20,24 +22,29 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
 CASE = ROOT / "cases" / "verification" / "kill-test.yaml"
-NOT_COMPARED = ("summary.json", "checkpoint.h5")  # files with wall times
+NOT_COMPARED = ("summary.json", "checkpoint.h5", ".lock")  # files with wall times and process numbers
+SIGNALS = ("SIGKILL", "SIGTERM", "SIGHUP", "SIGQUIT", "SIGUSR1")
 
 
 @dataclass
-class Kill:
-    """One kill.
+class Blow:
+    """One signal and what followed.
 
-    wall: wall time after the appearance of the folder [s].
+    wall: wall time after the start of the command [s].
+    name: of the signal.
+    status: exit status of the command, negative by a signal.
     row, saved: simulated times of the last row and of the checkpoint [s]; None if there is none yet.
     caught: files that were being written.
-    differ: files that differ at the end.
+    wrong: files that differ at the end, or what else went wrong.
     """
 
     wall: float
+    name: str
+    status: int
     row: float | None
     saved: float | None
     caught: str
-    differ: list[str]
+    wrong: list[str]
 
 
 def command(words: list[str], ranks: int) -> list[str]:
@@ -71,51 +78,45 @@ def start(words: list[str], ranks: int) -> subprocess.Popen:
     )
 
 
-def finish(words: list[str], ranks: int) -> None:
-    """Run a job to the end."""
+def finish(words: list[str], ranks: int) -> str:
+    """Run a job to the end; returns what went wrong, empty if nothing did."""
     job = start(words, ranks)
     _, errors = job.communicate()
-    if job.returncode:
-        raise SystemExit(f"kill-test: an uninterrupted run failed with status {job.returncode}:\n{errors}")
+    return f"status {job.returncode}: {errors.strip()}" if job.returncode else ""
 
 
-def end_all(job: subprocess.Popen) -> None:
-    """Send SIGKILL to the ranks, then to their launcher."""
+def strike(job: subprocess.Popen, name: str) -> None:
+    """Send a signal: SIGKILL to all ranks and their launcher or to one rank, any other to the command."""
+    number = getattr(signal, name)
     children = Path(f"/proc/{job.pid}/task/{job.pid}/children")
     ranks = [int(word) for word in children.read_text().split()] if children.exists() else []
-    for number in [*ranks, job.pid]:
-        try:
-            os.kill(number, signal.SIGKILL)
-        except ProcessLookupError:
-            pass
-    job.communicate()
+    if name == "SIGKILL":
+        one = bool(ranks) and random.random() < 0.5
+        for target in [random.choice(ranks)] if one else [*ranks, job.pid]:
+            try:
+                os.kill(target, number)
+            except ProcessLookupError:
+                pass
+    else:
+        job.send_signal(number)
 
 
-def duration(case: Path, out: Path, ranks: int) -> float:
-    """Wall seconds of a whole run from the appearance of its folder."""
-    job = start([str(case), "--out", str(out)], ranks)
-    while not out.exists() and job.poll() is None:
-        time.sleep(0.001)
-    began = time.monotonic()
-    _, errors = job.communicate()
-    if job.returncode:
-        raise SystemExit(f"kill-test: the run itself fails with status {job.returncode}:\n{errors}")
-    return time.monotonic() - began
-
-
-def kill_once(case: Path, whole: Path, out: Path, wall: float, ranks: int) -> Kill | None:
-    """Start a run, kill it after ``wall`` [s], restart and compare; None if the run ended before."""
+def blow_once(case: Path, whole: Path, out: Path, wall: float, name: str, ranks: int) -> Blow | None:
+    """Start a run, send it a signal after ``wall`` [s], restart and compare; None if the run ended before."""
     shutil.rmtree(out, ignore_errors=True)
     job = start([str(case), "--out", str(out)], ranks)
-    while not out.exists() and job.poll() is None:
-        time.sleep(0.0005)
     time.sleep(wall)
     if job.poll() is not None:
         return None
-    end_all(job)
+    strike(job, name)
+    _, errors = job.communicate()
+    begun = out.is_dir()
     row, saved, caught = last_row(out), saved_time(out), half_way(out)
-    finish([str(case), "--out", str(out), "--restart"], ranks)
-    return Kill(wall, row, saved, caught, differences(whole, out))
+    failed = finish([str(case), "--out", str(out), *(["--restart"] if begun else [])], ranks)
+    wrong = [failed] if failed else differences(whole, out)
+    if "Traceback" in errors and name != "SIGKILL":
+        wrong.append(f"a traceback: {errors.strip().splitlines()[-1]}")
+    return Blow(wall, name, job.returncode, row, saved, caught if begun else "no folder yet", wrong)
 
 
 def last_row(out: Path) -> float | None:
@@ -162,40 +163,49 @@ def differences(one: Path, other: Path) -> list[str]:
     )
 
 
-def show(number: int, kill: Kill) -> str:
+def show(number: int, blow: Blow) -> str:
     def shown(value: float | None) -> str:
         return "none" if value is None else f"{value:.6g}"
 
-    verdict = "identical" if not kill.differ else f"DIFFERENT: {', '.join(kill.differ[:4])}"
-    return f"{number:>4} {kill.wall:>10.3f} {shown(kill.row):>12} {shown(kill.saved):>14}   {verdict:<10}  {kill.caught}"
+    verdict = "identical" if not blow.wrong else f"WRONG: {', '.join(blow.wrong[:4])}"
+    return (
+        f"{number:>4} {blow.wall:>9.3f} {blow.name:>8} {blow.status:>6} {shown(blow.row):>12} {shown(blow.saved):>14}"
+        f"   {verdict:<10}  {blow.caught}"
+    )
 
 
-def main() -> int:
+def main(words: list[str] | None = None) -> int:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--kills", type=int, default=50)
     parser.add_argument("--ranks", type=int, default=1)
     parser.add_argument("--case", type=Path, default=CASE)
     parser.add_argument("--seed", type=int, default=1)
-    arguments = parser.parse_args()
+    parser.add_argument("--signals", nargs="+", default=SIGNALS, choices=SIGNALS, metavar="SIGNAL")
+    arguments = parser.parse_args(words)
     case, ranks = arguments.case.resolve(), arguments.ranks
     random.seed(arguments.seed)
-    bad = 0
+    bad = number = 0
     with tempfile.TemporaryDirectory() as folder:
         whole = Path(folder) / "whole"
-        length = duration(case, whole, ranks)
+        began = time.monotonic()
+        failed = finish([str(case), "--out", str(whole)], ranks)
+        if failed:
+            raise SystemExit(f"kill-test: an uninterrupted run failed with {failed}")
+        length = time.monotonic() - began
+        print(f"{case.name} on {ranks} rank(s), {length:.3g} s of wall time")
         print(
-            f"{case.name} on {ranks} rank(s), {length:.3g} s of wall time; killed, restarted, compared with an uninterrupted run"
+            "kill  wall [s]   signal status last row [s] checkpoint [s]   files       caught while writing",
+            flush=True,
         )
-        print("kill   wall [s]  last row [s] checkpoint [s]   files       caught while writing", flush=True)
-        number = 0
         while number < arguments.kills:
-            kill = kill_once(case, whole, Path(folder) / "killed", random.uniform(0.0, length), ranks)
-            if kill is None:
+            name = arguments.signals[number % len(arguments.signals)]
+            blow = blow_once(case, whole, Path(folder) / "struck", random.uniform(0.0, length), name, ranks)
+            if blow is None:
                 length *= 0.98  # the first run was slower than usual
                 continue
             number += 1
-            bad += bool(kill.differ)
-            print(show(number, kill), flush=True)
+            bad += bool(blow.wrong)
+            print(show(number, blow), flush=True)
     print(f"{number - bad} of {number} identical")
     return 1 if bad else 0
 

@@ -175,3 +175,28 @@ def test_a_closed_pipe_ends_quietly(words, folder):
     done = in_own_process(*words.split(), cwd=folder, stdout=write)
     os.close(write)
     assert done.stderr == "" and done.returncode == 0
+
+
+def test_options_from_outside_the_command_line_are_shown(folder: Path, monkeypatch) -> None:
+    monkeypatch.setenv("PETSC_OPTIONS", "-ts_rtol 2e-3")
+    (folder / ".petscrc").write_text("-q_snes_max_it 24\n")
+    try:
+        done = in_own_process("run case.yaml --out outside --progress silent -ts_dt 1e-3", cwd=folder)
+    finally:
+        (folder / ".petscrc").unlink()
+    notes = [line for line in done.stderr.splitlines() if line.startswith("note: PETSc options")]
+    assert done.returncode == 0 and len(notes) == 1, done.stderr
+    assert "-ts_rtol 2e-3" in notes[0] and "-q_snes_max_it 24" in notes[0] and "-ts_dt" not in notes[0]
+    used = json.loads((folder / "outside" / "summary.json").read_text())["petsc_options"]
+    assert used["ts_rtol"] == "2e-3" and used["q_snes_max_it"] == "24"
+
+
+def test_a_missing_file_of_options_is_refused_once(folder: Path) -> None:
+    """PETSc ended with a stack, and each rank with a traceback."""
+    line = ["run", str(folder / "case.yaml"), "--out", str(folder / "missing"), "-options_file", "nowhere"]
+    script = Path(__file__).parents[1] / "parallel" / "run_command.py"
+    assert in_own_process(" ".join(line), cwd=folder).returncode == 2
+    job = start_mpi(2, script, line)
+    said = "".join(job.communicate(timeout=60))
+    assert job.returncode == 2 and said.count("drillpetsc: -options_file") == 1, said
+    assert "nowhere" in said and "Traceback" not in said

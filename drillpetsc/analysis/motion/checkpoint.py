@@ -27,7 +27,7 @@ from drillpetsc.output.files.atomic import replace_file
 from drillpetsc.output.recorder import Recorder
 from drillpetsc.solvers.time.time_integrator import TimeIntegrator
 
-VERSION = 4
+VERSION = 5
 BLOCK = 512  # bytes of the first block, the smallest size of an HDF5 user block
 MAGIC, OLD_MAGIC = b"drillpetsc checkpoint ", b"\x89HDF\r\n\x1a\n"  # version 1 was plain HDF5
 WANT = "the checkpoint.h5 of a run"

@@ -7,12 +7,11 @@ import threading
 from typing import Any
 
 from drillpetsc.errors import cannot_write
+from drillpetsc.parallel import ENDING
 
 NOTHING, WRITE, SAVE, STOP, FAILED = range(
     5
 )  # actions after a step; of those of all ranks the largest is taken
-#: signals that end a run after a step; a terminal that closes sends SIGHUP
-ENDING = ("SIGTERM", "SIGINT", "SIGHUP", "SIGQUIT")
 POLL_INTERVAL = 16  # steps between two exchanges with the other ranks
 
 

@@ -92,6 +92,7 @@ class MovingHole:
         self._near: np.ndarray | None = None
         #: hole, places (nv, 3) of the nodes' positions in the unknowns, position of each node at its depth and direction there (nv, 6)
         self._from: tuple[Well, np.ndarray, FloatArray] | None = None
+        self._restored: FloatArray | None = None  # the last of them, from a checkpoint
         self.depth = self.volume = self.area = self.ahead = self._ringed = np.zeros(0)
 
     @property
@@ -116,18 +117,18 @@ class MovingHole:
         ringed = bool(reamed) and any(
             abs(b - before) > REAMED for b, before in zip(reamed, self._reamed, strict=True)
         )
+        if self._restored is not None:
+            self._remember(state, self._restored)
         if keep and not ringed and self._stays(state):
             return None
         position, found = self._project(state)
-        # a continued run goes on with the hole that its checkpoint has read: other nodes would be renewed now than without the checkpoint
-        if keep and not ringed and self._from is None and self.evaluated:
-            self._remember(state, position, found)
-            return None
         # at the start the shoulder is at its given depth, wherever the string has moved since
         moved = self.update(found.md, keep, ringed or (bool(self.reamers) and not keep))
         if moved.all():
             self._reamed = reamed
-        self._remember(state, position, found)
+        # positions at the depths of the last evaluation
+        at_depth = position - found.tangent * (found.md - self.depth)[:, None]
+        self._remember(state, np.hstack([at_depth, found.tangent]))
         return moved if moved.any() else None
 
     def _project(self, state) -> tuple[FloatArray, ClosestPoints]:
@@ -137,12 +138,10 @@ class MovingHole:
         self._near = found.segment
         return position, found
 
-    def _remember(self, state, position: FloatArray, found: ClosestPoints) -> None:
-        """Keep the places of the local nodes in the hole at the depths of its last evaluation, for ``_stays``."""
-        at_depth = position - found.tangent * (found.md - self.depth)[:, None]
+    def _remember(self, state, nodes: FloatArray) -> None:
+        """Keep the places of the local ``nodes`` in the hole, and its direction there, (nv, 6), for ``_stays``."""
         places = np.ascontiguousarray(state.layout.dofs["string.position"], dtype=np.int32)
-        nodes = np.hstack([at_depth, found.tangent])
-        self._from = self.current_well(), places, nodes
+        self._from, self._restored = (self.current_well(), places, nodes), None
         self._from_at = pointer(places), pointer(nodes)
 
     @property
@@ -233,13 +232,17 @@ class MovingHole:
         )
 
     def get_state(self) -> FloatArray:
-        """Return (nv, 4) depth, volume, area, ahead, for a checkpoint; with k reamers (nv, 5 + k), also rings and reamed length."""
+        """Return (nv, 10) for a checkpoint: depth, volume, area, ahead, position and direction at the last evaluation; with k reamers
+        (nv, 11 + k), also rings and reamed length."""
+        nodes = self._restored if self._from is None else self._from[2]
+        assert nodes is not None
         rings = [self._ringed, *(np.full(len(self.depth), b) for b in self._reamed)] if self.reamers else []
-        return np.column_stack([self.depth, self.volume, self.area, self.ahead, *rings])
+        return np.column_stack([self.depth, self.volume, self.area, self.ahead, nodes, *rings])
 
     def set_state(self, saved: FloatArray) -> None:
         """Continue from the result of ``get_state``."""
         self.depth, self.volume, self.area, self.ahead = np.array(saved.T[:4], order="C")
-        self._ringed = np.array(saved.T[4]) if self.reamers else np.zeros(len(self.depth))
-        self._reamed = [float(row[0]) for row in saved.T[5:]]
-        self._from = None
+        # anew from the present state, other nodes would be renewed, or at another step, than without the checkpoint
+        self._from, self._restored = None, np.ascontiguousarray(saved[:, 4:10])
+        self._ringed = np.array(saved.T[10]) if self.reamers else np.zeros(len(self.depth))
+        self._reamed = [float(row[0]) for row in saved.T[11:]]
