@@ -193,12 +193,12 @@ def planted_log(case, path, torque_unit: str = "kNm", factor: float = 1.0):
 
 
 def test_restart_gives_the_same_file(case, tmp_path):
-    """A log that is followed in three parts, the second ending amid a line, and at once."""
+    """A log that is followed in three parts and at once."""
     lines = planted_log(case, tmp_path / "rig.csv")
     whole = drillpetsc.follow(CASE, tmp_path / "whole", log=str(tmp_path / "rig.csv"))
-    text, part = "\n".join(lines) + "\n", tmp_path / "part.csv"
-    for k, end in enumerate((5000, 9000, len(text))):
-        part.write_text(text[: text.rfind("\n", 0, end) + 1] if k != 2 else text)
+    part = tmp_path / "part.csv"
+    for k, end in enumerate((120, 250, len(lines))):
+        part.write_text("\n".join(lines[:end]) + "\n")
         drillpetsc.follow(CASE, tmp_path / "parts", log=str(part), restart=k > 0)
     assert (tmp_path / "whole" / "follow.csv").read_bytes() == (
         tmp_path / "parts" / "follow.csv"
@@ -218,10 +218,14 @@ def test_a_wrong_unit_is_refused(case, tmp_path):
     assert not (tmp_path / "out").exists()
 
 
-def test_until_a_depth_and_without_rows(case, tmp_path):
+def test_until_a_depth_then_on_and_a_log_without_rows(case, tmp_path):
     lines = planted_log(case, tmp_path / "rig.csv")
     result = drillpetsc.follow(CASE, tmp_path / "out", log=str(tmp_path / "rig.csv"), until="2040 m")
     assert result.summary["rows"] == 161
+    drillpetsc.follow(CASE, tmp_path / "whole", log=str(tmp_path / "rig.csv"))
+    drillpetsc.follow(CASE, tmp_path / "out", log=str(tmp_path / "rig.csv"), restart=True)
+    files = [tmp_path / name / "follow.csv" for name in ("out", "whole")]
+    assert files[0].read_bytes() == files[1].read_bytes()
     (tmp_path / "empty.csv").write_text(lines[0] + "\n")
     with pytest.raises(CaseError, match="no row"):
         drillpetsc.follow(CASE, tmp_path / "none", log=str(tmp_path / "empty.csv"))

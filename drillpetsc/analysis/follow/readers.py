@@ -90,8 +90,8 @@ class TextReader:
         new = os.read(self._file, CHUNK)
         if not new and (self.name == "-" or not self.waits):
             self.ended = True
-            new, self._rest = self._rest, b""
-            return self.stream.rows([self._text(new)]) if new.strip() else None
+            lines, self._rest = self._text(self._rest).splitlines(), b""
+            return self.stream.rows(lines) if lines else None
         whole, mark, rest = (self._rest + new).rpartition(b"\n")
         self._rest = rest
         return self.stream.rows(self._text(whole).splitlines()) if mark else None

@@ -84,6 +84,11 @@ class _Session:
         self.clock: tuple[float, float] | None = None  # (wall time, log time) of the first row that is paced
         self.folder: RunFolder | None = None
         self.table: Any = None
+        self.position, self.since_position = (
+            reader.position(),
+            0,
+        )  # before the rows at hand, and how many of them are taken
+        self.skip = 0  # rows that were taken before a restart
         if choices.restart:
             self._go_on()
 
@@ -91,7 +96,12 @@ class _Session:
     def run(self) -> None:
         """Take rows until the end."""
         while not self.reader.ended and not self.finished:
+            if not self.first:
+                self.position, self.since_position = self.reader.position(), 0
             log = self.reader.read()
+            if log is not None and self.skip:
+                log, self.skip = log.rows(np.arange(self.skip, len(log))), max(self.skip - len(log), 0)
+                log = log if len(log) else None
             now = time.monotonic()
             if log is not None:
                 self.last_row, self.feed = now, "running"
@@ -111,12 +121,9 @@ class _Session:
             self._points(self.growing.finish())
         self.feed = "ended"
         if self.growing is None:
-            got = (
-                "no row"
-                if not self.reader.titles
-                else f"no row that can be used {dict(self.reader.left_out)}"
-            )
-            raise CaseError(at="--log", got=f"{self.choices.log}: {got}", want="a log with rows")
+            left = ", ".join(f"{count} {reason}" for reason, count in self.reader.left_out.items())
+            got = f"no row ({left})" if left else "no row"
+            raise CaseError(at="--log", got=got, want="a log with rows", hint=self.choices.log)
 
     def _take(self, log: Log) -> None:
         if self.growing is None or self.first:
@@ -151,6 +158,7 @@ class _Session:
         assert self.growing is not None
         for part in self._paced(log):
             self.rows += len(part)
+            self.since_position += len(part)
             self._points(self.growing.add(part))
 
     def _paced(self, log: Log) -> Iterator[Log]:
@@ -181,7 +189,7 @@ class _Session:
                 self.alarms.append(
                     {"row": update.number, "when": self._when(moment), "kind": alarm.kind, "text": words}
                 )
-                print(f"ALARM {self._when(moment)} {words}", flush=True)
+                print(" ".join(filter(None, ("ALARM", self._when(moment), words))), flush=True)
             del self.alarms[:-KEPT_ALARMS]
             for name, error in update.forecast.items():
                 self.score[name].add(error.reading, error.forecast, error.sd, update.last.get(name, math.nan))
@@ -297,7 +305,8 @@ class _Session:
         assert self.growing is not None
         return {
             "log": self.choices.log, "feed": self.feed, "written": datetime.now(UTC).isoformat(timespec="seconds"),
-            "estimate": self._estimate(), "alarms": self.alarms, "position": self.reader.position(), "rows": self.rows,
+            "estimate": self._estimate(), "alarms": self.alarms, "position": self.position if self.finished else self.reader.position(),
+            "skip": self.since_position if self.finished else 0, "rows": self.rows,
             "titles": self.reader.titles, "score": {name: q.__dict__ for name, q in self.score.items()},
             "growing": self.growing.saved(), "follower": self.follower.saved(),
         }  # fmt: skip
@@ -329,6 +338,7 @@ class _Session:
                 at="--restart", got="a case with other friction groups", want="the case of the folder"
             )
         self.reader.go_on_from(saved["position"])
+        self.skip = saved["skip"]
         weigh = weights(self.case, np.array([0.0, float(self.case.given_well.survey.md[-1])]))
         self.growing = GrowingLog(weigh, self.block, self.choices.every, saved["titles"])
         self.growing.restore(saved["growing"])
