@@ -20,6 +20,7 @@ from drillpetsc.analysis.follow.readers import Reader, reader_of
 from drillpetsc.analysis.follow.strings import SLIPS, Load
 from drillpetsc.analysis.loads.torque_drag.operations import load_of, plan_of
 from drillpetsc.analysis.loads.torque_drag.readings.reading import corrected_points
+from drillpetsc.analysis.motion.run_options import options_of
 from drillpetsc.errors import CaseError
 from drillpetsc.logs.growing import GrowingLog
 from drillpetsc.logs.log import Log, read_map
@@ -59,12 +60,21 @@ class Choices:
 
 def run_follow(job: Job, choices: Choices) -> RunResult:
     """Follow a rig's log until it ends, or no row has come for ``wait`` seconds, or the user stops it."""
+    if job.comm.size > 1:
+        raise CaseError(
+            at="mpirun",
+            got=f"{job.comm.size} processes",
+            want="one process: a row is a few milliseconds of work",
+        )
     reader = reader_of(choices.log, read_map(choices.mapping), choices.wait > 0)
-    session = _Session(job, choices, reader)
-    try:
-        session.run()
-    except KeyboardInterrupt:
-        session.feed = "stopped by the user; --restart continues"
+    with options_of(job.case):
+        session = _Session(job, choices, reader)
+        try:
+            session.run()
+        except KeyboardInterrupt:
+            if session.folder is None:
+                raise
+            session.feed = "stopped by the user; --restart continues"
     return session.result()
 
 
@@ -360,10 +370,15 @@ class _Session:
             "title": self.case.title, "units": self.case.shown_units, "feed": self.feed, "rows": self.rows,
             "rows_dropped_for_depth": 0 if growing is None else growing.dropped, "rows_left_out": dict(self.reader.left_out),
             "updates": self.follower.number, "forecast": {k: q.figures() for k, q in self.score.items() if q.n},
-            "estimate": self._estimate(), "alarms": self.alarms, "warnings": [], "notes": self.follower.strings.remarks,
+            "estimate": self._estimate(), "alarms": self.alarms, "warnings": self._warnings(), "notes": self.follower.strings.remarks,
         }  # fmt: skip
         write_summary(self.folder.summary, summary)
         return RunResult(self.folder.path, summary, self._lines(summary))
+
+    def _warnings(self) -> list[str]:
+        if self.follower.number:
+            return []
+        return ["no row was used: the log shows neither drilling, trips, rotation off bottom nor slips"]
 
     def _lines(self, summary: dict[str, Any]) -> list[str]:
         units = self.case.shown_units
@@ -386,6 +401,7 @@ class _Session:
             )
             lines.append(f"  {name}: {mean} +- {sd}")
         assert self.folder is not None
+        lines += [f"  WARNING: {q}" for q in summary["warnings"]]
         lines += [f"  alarms: {len(self.alarms)}", *(f"  note: {q}" for q in summary["notes"])]
         return [*lines, f"  results: {self.folder.path}: {FOLLOW_TABLE}, {FOLLOW_STATE}, {FOLLOW_PAGE}"]
 
