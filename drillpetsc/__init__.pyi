@@ -3112,6 +3112,44 @@ def calibrate(
     """
     ...
 
+def follow(
+    case: _Case | str | Path,
+    out: Any = None,
+    *,
+    log: str,
+    map: tuple[str, ...] = (),
+    prior: tuple[str, ...] = (),
+    every: str | float | Sequence[str | float] = '1 m',
+    pace: float | None = None,
+    wait: str | float | Sequence[str | float] = '0 s',
+    until: str | None = None,
+    restart: bool = False,
+    units: Literal['field', 'metric', 'metric_t', 'SI'] | None = None,
+    overwrite: bool = False,
+    name: str | None = None,
+    comm: Any = None,
+) -> Any:
+    """Follow a rig row by row: friction, weights and their uncertainty, a forecast one stand ahead, alarms.
+
+    Writes follow.csv, state.json and live.html while the log grows.
+
+    case: a Case, or the path of a case file
+    out: run folder (default: results/<case>-NNN)
+    log: the rig's log: a text table, which may grow, or - for standard input; LAS, xlsx, WITSML
+    map: the column of a channel, as of import log; may be given several times
+    prior: what is known of a state beforehand, such as cased=0.2+-0.02; may be given several times
+    every: length of a row while drilling (default: 1 m)
+    pace: replay a log by time X times as fast as it was recorded (default: as fast as rows come)
+    wait: how long to wait for new rows at the end of a file (default: not at all) (default: 0 s)
+    until: where to stop: time since the first row, as 2 h, or a depth of a log by depth
+    restart: continue the folder out, or the latest, from its state.json
+    units: units of what is printed and plotted (default: the case's; files stay in SI); metric_t: forces in tonnes
+    overwrite: replace the results in an existing out
+    name: name of the case in the default folder
+    comm: PETSc communicator; by default all ranks
+    """
+    ...
+
 def import_log(
     files: tuple[str, ...],
     *,

@@ -31,6 +31,7 @@ COMMANDS = (
     operations.Limits,
     operations.Freepoint,
     operations.Calibrate,
+    operations.Follow,
     operations.ImportLog,
     operations.Modes,
     operations.Campbell,

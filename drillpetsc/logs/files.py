@@ -56,7 +56,7 @@ def is_log(headings: Sequence[Heading]) -> bool:
     return bool(found & {"time", *DEPTHS}) and len(found - {"", "time", "date"}) > 1
 
 
-def _not_a_log(file: Path, line: int, got: str = "lines without these names") -> CaseError:
+def not_a_log(file: Path, line: int, got: str = "lines without these names") -> CaseError:
     want = "a heading with time or depth and a reading, such as: time, bit depth [m], hook load [t], rpm, flow in [l/min]"
     return CaseError(at="heading", got=got, want=want, file=file, line=line)
 
@@ -84,15 +84,15 @@ def _text(file: Path) -> Sheet:
     ]
     for place, (number, line) in enumerate(some[:TITLE_LINES]):
         for mark in [m for m in ("\t", ";", "|", ",") if m in line] + [" "]:
-            titles = _cells(line, mark, file, number)
+            titles = text_cells(line, mark, file, number)
             headings = [heading_of(title) for title in titles]
             if is_log(headings):
-                rows = [(i, _cells(text, mark, file, i)) for i, text in some[place + 1 :]]
+                rows = [(i, text_cells(text, mark, file, i)) for i, text in some[place + 1 :]]
                 return _sheet(file, number, titles, headings, rows)
-    raise _not_a_log(file, some[0][0] if some else 1)
+    raise not_a_log(file, some[0][0] if some else 1)
 
 
-def _cells(line: str, mark: str, file: Path, number: int) -> list[str]:
+def text_cells(line: str, mark: str, file: Path, number: int) -> list[str]:
     if mark == " ":
         return line.split()
     try:
@@ -114,7 +114,7 @@ def _sheet(
     """The table of rows of cells; a first row with units gives them to headings without."""
     width = len(titles)
     if rows:
-        below = _units_below(headings, rows[0][1])
+        below = units_below(headings, rows[0][1])
         if below is not None:
             headings, rows = below, rows[1:]
     for number, cells in rows:
@@ -129,7 +129,7 @@ def _sheet(
     return Sheet(file, at, titles, headings, columns, rows[0][0], null)
 
 
-def _units_below(headings: list[Heading], cells: list[str]) -> list[Heading] | None:
+def units_below(headings: list[Heading], cells: list[str]) -> list[Heading] | None:
     """Headings with the units of a second line; None for a line that has numbers or no unit."""
     from drillpetsc.logs.channels import CHANNELS
 
@@ -163,7 +163,7 @@ def _workbook(file: Path) -> Sheet:
                     found.append(_sheet(file, number, titles, headings, some[place + 1 :]))
                     break
     if not found:
-        raise _not_a_log(file, 1, "sheets without these names")
+        raise not_a_log(file, 1, "sheets without these names")
     if len(found) > 1:
         raise CaseError(file=file, line=1, got=f"{len(found)} sheets with a log", want="one sheet with a log")
     return found[0]
@@ -189,7 +189,7 @@ def _las(file: Path) -> Sheet:
     titles = [name.partition(":")[0] for name, _, _ in curves]  # lasio numbers equal names: HKLD:1, HKLD:2
     headings = [heading_of(name, unit) for name, unit, _ in curves]
     if not is_log(headings):
-        raise _not_a_log(file, 1, ", ".join(titles)[:200] or "no curves")
+        raise not_a_log(file, 1, ", ".join(titles)[:200] or "no curves")
     rows = [
         (i, list(cells)) for i, cells in enumerate(zip(*(data for _, _, data in curves), strict=False), 1)
     ]
@@ -241,7 +241,7 @@ def _las3(file: Path, text: str) -> tuple[Curves, str]:
             section = re.split(r"[|\s]", line.strip()[1:].casefold())[0]
             continue
         if section in ("log_data", "ascii", "a"):
-            data.append((number, _cells(line, mark, file, number)))
+            data.append((number, text_cells(line, mark, file, number)))
             continue
         match = re.match(r"\s*([^.\s:]+)\s*\.(\S*)\s*(.*?)\s*(?::.*)?$", line)
         if match and section in ("log_definition", "curve", "c"):
@@ -291,7 +291,7 @@ def _witsml(file: Path) -> Sheet:
         rows += _values(chunk, len(names), file)
     headings = [heading_of(name, units.get(name, ("", ""))[0]) for name in titles]
     if not is_log(headings):
-        raise _not_a_log(file, log.line, ", ".join(titles)[:200] or "no logData")
+        raise not_a_log(file, log.line, ", ".join(titles)[:200] or "no logData")
     return _sheet(file, log.line, titles, headings, rows, nulls.pop() if len(nulls) == 1 else "")
 
 

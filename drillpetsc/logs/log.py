@@ -100,7 +100,7 @@ def read_log(files: Sequence[str | Path], mapping: dict[str, tuple[str, str]] | 
                 f"the columns of {sheets[0].file.name}: one log, in several files",
             )
             raise CaseError(got=got, want=want, file=other.file, line=other.at)
-    choice, headings = _chosen(sheets[0], mapping or {})
+    choice, headings = chosen_columns(sheets[0], mapping or {})
     values: dict[str, FloatArray] = {}
     start: datetime | None = None
     texts = {name: [q for sheet in sheets for q in sheet.columns[j]] for name, j in choice.column.items()}
@@ -108,7 +108,7 @@ def read_log(files: Sequence[str | Path], mapping: dict[str, tuple[str, str]] | 
         values["time"], start = _times(sheets, texts, headings)
     for name, cells in texts.items():
         if name not in ("time", "date"):
-            values[name] = _numbers(sheets, name, cells, headings[name].unit)
+            values[name] = column_numbers(sheets, name, cells, headings[name].unit)
     log = Log(
         values,
         {name: sheets[0].titles[j] for name, j in choice.column.items() if name != "date"},
@@ -128,7 +128,7 @@ def read_log(files: Sequence[str | Path], mapping: dict[str, tuple[str, str]] | 
 
 
 # ---------------------------------------------------------------------- columns
-def _chosen(sheet: Sheet, mapping: dict[str, tuple[str, str]]) -> tuple[_Choice, dict[str, Heading]]:
+def chosen_columns(sheet: Sheet, mapping: dict[str, tuple[str, str]]) -> tuple[_Choice, dict[str, Heading]]:
     """The column of each channel, and what its heading says."""
     out, said = _Choice(), list(sheet.headings)
     for channel, (title, unit) in mapping.items():
@@ -221,7 +221,7 @@ def _place(sheets: list[Sheet], row: int) -> tuple[Path, int]:
     raise IndexError(row)
 
 
-def _numbers(sheets: list[Sheet], channel: str, cells: list[str], unit: str) -> FloatArray:
+def column_numbers(sheets: list[Sheet], channel: str, cells: list[str], unit: str) -> FloatArray:
     """(n,) SI of texts, nan for those that mean nothing."""
     nulls = {sheet.null for sheet in sheets} - {""}
     gone = np.array([q.casefold() in _NOTHING or q in nulls for q in cells])
@@ -279,7 +279,7 @@ def _times(
             raise CaseError(
                 at="time", got=cells[0], want="a date and time, or a unit: time [s]", file=file, line=line
             )
-        seconds = _numbers(sheets, "time", cells, unit)
+        seconds = column_numbers(sheets, "time", cells, unit)
         return seconds - seconds[0], None
     try:
         return clock_times(cells)

@@ -27,7 +27,7 @@ LONGEST = 45.0  # depth that a spell covers: a stand and a half [m]
 FEWEST, FEWEST_TRIP = 3, 2  # readings of a spell
 SLOWEST_TRIP = 0.08  # [m/s]
 LIFTED = 0.55  # share of the string's weight that hangs on the hook of a trip at least
-MEDIANS = ("hook_load", "torque", "wob", "torque_downhole", "rpm", "flow_rate")
+MEDIANS = ("hook_load", "torque", "wob", "torque_downhole", "rpm", "flow_rate", "pump_pressure")
 
 
 @dataclass(frozen=True)
@@ -89,13 +89,13 @@ def points_of(log: Log, states: States, weight: FloatArray, every: Every, far: n
         for a, b in zip(np.append(0, ends[:-1]), ends, strict=True):
             for word in np.unique(states.word[order[a:b]]):
                 rows = order[a:b][states.word[order[a:b]] == word]
-                out += _point(log, states, weight, rows, str(word))
+                out += point_of(log, states, weight, rows, str(word))
         return out
     cut = far.copy()
     for band in bands:
         cut[1:] |= band[1:] != band[:-1]
     for rows in _spells(log, states, cut, every):
-        out += _point(log, states, weight, rows, str(states.word[rows[0]]))
+        out += point_of(log, states, weight, rows, str(states.word[rows[0]]))
     return out
 
 
@@ -144,7 +144,7 @@ def _pieces(log: Log, rows: np.ndarray, word: str, every: Every) -> list[np.ndar
     return [rows[key == k] for k in np.unique(key)]
 
 
-def _point(log: Log, states: States, weight: FloatArray, rows: np.ndarray, word: str) -> list[Point]:
+def point_of(log: Log, states: States, weight: FloatArray, rows: np.ndarray, word: str) -> list[Point]:
     """The point of some rows of one state; none where they are too few, too slow, or the hook carries too little."""
     operation = OPERATION_OF.get(word)
     trip = word in ("trip_in", "trip_out", "backream")

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Annotated, Any, Literal
 
 from drillpetsc.errors import CaseError
-from drillpetsc.operations.fields import Names, Numbers, at_least, holds, names
+from drillpetsc.operations.fields import Names, Numbers, at_least, holds, names, number
 from drillpetsc.operations.operation import AtBitDepth, CaseOperation, DrawnOperation, FolderOperation, Mark
 
 
@@ -241,3 +241,58 @@ class Calibrate(DrawnOperation):
             prior_option(self.prior),
         )
         return run_calibrate(job, points, choices)
+
+
+class Follow(FolderOperation):
+    """Follow a rig row by row: friction, weights and their uncertainty, a forecast one stand ahead, alarms.
+
+    Writes follow.csv, state.json and live.html while the log grows.
+    """
+
+    log: Annotated[
+        str,
+        "FILE|-",
+        "the rig's log: a text table, which may grow, or - for standard input; LAS, xlsx, WITSML",
+    ]
+    map: Annotated[
+        tuple[str, ...],
+        "CHANNEL=TITLE:UNIT",
+        "the column of a channel, as of import log; may be given several times",
+    ] = ()
+    prior: Annotated[
+        tuple[str, ...],
+        "NAME=MEAN+-SIGMA",
+        "what is known of a state beforehand, such as cased=0.2+-0.02; may be given several times",
+    ] = ()
+    every: Annotated[
+        Numbers, number("m", "1 m", at_least=0.1, at_most=30), "LENGTH", "length of a row while drilling"
+    ] = "1 m"
+    pace: Annotated[
+        float | None,
+        holds(lambda q: q is None or 0 < q <= 1e6, "a number above 0"),
+        "X",
+        "replay a log by time X times as fast as it was recorded (default: as fast as rows come)",
+    ] = None
+    wait: Annotated[
+        Numbers,
+        number("s", "10 min", at_least=0, at_most=1e7),
+        "TIME",
+        "how long to wait for new rows at the end of a file (default: not at all)",
+    ] = "0 s"
+    until: Annotated[
+        str | None,
+        "TIME|DEPTH",
+        "where to stop: time since the first row, as 2 h, or a depth of a log by depth",
+    ] = None
+    restart: Annotated[bool, "continue the folder --out, or the latest, from its state.json"] = False
+
+    def compute(self, job: Any) -> Any:
+        from drillpetsc.analysis.follow.session import Choices, run_follow
+        from drillpetsc.case.options.measured_option import prior_option
+        from drillpetsc.case.options.ranges import time_or_depth
+
+        choices = Choices(
+            self.log, self.map, prior_option(self.prior), self.every, self.pace, self.wait,
+            None if self.until is None else time_or_depth(self.until, "--until"), self.restart,
+        )  # fmt: skip
+        return run_follow(job, choices)

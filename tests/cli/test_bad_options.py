@@ -88,6 +88,7 @@ COMMANDS = {
     "limits": "--out OUT",
     "roadmap": "--out OUT",
     "roadmap --model stiff": "--out OUT",
+    "follow": "--log log.csv --out OUT",
     "calibrate": "--measured log.csv --fit weight_factor --out OUT",
     "hydraulics": "--out OUT",
     "surge": "--speeds 10m/min --out OUT",

@@ -132,3 +132,13 @@ def read_words(text: str | Sequence[str], allowed: tuple[str, ...], at: str) -> 
                 at=at, got=word, want=f"one or more of {', '.join(allowed)}", hint=suggestion(word, allowed)
             )
     return words
+
+
+def time_or_depth(text: str, at: str) -> float:
+    """A time [s] or a depth [m] out of text with its unit; raises CaseError."""
+    for unit in ("s", "m"):
+        try:
+            return to_si(text, unit)
+        except UnitError:
+            continue
+    raise CaseError(at=at, got=text, want="a time, such as 2 h, or a depth, such as 2100 m")

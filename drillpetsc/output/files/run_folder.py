@@ -44,6 +44,7 @@ REFLECTION_TABLE = "reflection.csv"  # of torsional waves at a controlled top
 #: files of `import log`
 LOG_TABLE, LOG_STATES, LOG_POINTS, LOG_QUALITY = "log.csv", "states.csv", "points.csv", "quality.json"
 LOG_PAGE = "log.html"
+FOLLOW_TABLE, FOLLOW_STATE, FOLLOW_PAGE = "follow.csv", "state.json", "live.html"  # of a rig that is followed
 RESPONSE_TABLE = "response.csv"  # forced harmonic response by speed and place
 CAMPBELL_TABLE = "campbell.csv"  # modes by rotary speed
 CRITICAL_TABLE = "critical.csv"  # critical speeds: intersections of excitation lines and modes
@@ -242,6 +243,7 @@ class RunFolder:
                 for table in (
                     *HYDRAULICS_TABLES,
                     *TORQUE_DRAG_FILES,
+                    *(FOLLOW_TABLE, FOLLOW_STATE, FOLLOW_PAGE),
                     *LIMITS_TABLES,
                     REFLECTION_TABLE,
                     INDICES_TABLE,

@@ -32,7 +32,7 @@ def rows_of(
     hook, torque = batch.tension[0], batch.torque[0]
     joint = hole.item_values("joint_length")[:, placed]
     side = [_side_force(hole, batch, joint[:, c], c) for c in range(len(placed))]
-    factor, margin = _stress(hole, loads, batch, mud)
+    factor, margin = stress_and_margin(hole, loads, batch, mud)
     lowest = np.nanargmin(np.where(np.isnan(batch.tension), np.inf, batch.tension), axis=0)
     worst = batch.state.max(axis=0)
     out = []
@@ -153,7 +153,9 @@ def still_mud(
     return Pressures(inside, outside, np.zeros_like(inside))
 
 
-def _stress(hole: Hole, loads: Columns, batch: Batch, mud: Pressures) -> tuple[FloatArray, FloatArray]:
+def stress_and_margin(
+    hole: Hole, loads: Columns, batch: Batch, mud: Pressures
+) -> tuple[FloatArray, FloatArray]:
     """(smallest safety factor, overpull margin [N]) of each column; nan without an item of known yield strength.
 
     The stresses are those of `limits`, with the bending moment of the hole's curvature (manual: sec-soft-string-stress).

@@ -1,0 +1,138 @@
+"""live.html: a page in one file, without a server, that shows where a rig that is followed stands."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Sequence
+from datetime import UTC, datetime
+from importlib.resources import files
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from drillpetsc.analysis.follow.follower import Follower, Update
+from drillpetsc.analysis.follow.strings import SLIPS
+from drillpetsc.case.case import Case
+from drillpetsc.output.files.atomic import replace_text
+from drillpetsc.output.shown_units import shown_unit
+
+INSIDE = 1.645  # standard deviations of a 90 % band
+MOST = 600  # rows that the page draws
+
+
+def write_page(
+    path: Path,
+    case: Case,
+    feed: str,
+    updates: Sequence[Update],
+    follower: Follower,
+    alarms: Sequence[dict[str, Any]],
+) -> None:
+    """Write the page of the latest updates, whole or not at all."""
+    page = files(__package__).joinpath("live.html").read_text(encoding="utf-8")
+    data = json.dumps(_plain(_data(case, feed, updates, follower, alarms)), allow_nan=False).replace(
+        "<", "\\u003c"
+    )
+    replace_text(path, page.replace("/*DATA*/null", data))
+
+
+def _data(
+    case: Case, feed: str, updates: Sequence[Update], follower: Follower, alarms: Sequence[dict[str, Any]]
+) -> dict[str, Any]:
+    system = case.shown_units
+    units = {
+        name: shown_unit(name, unit, system, plot=True)
+        for name, unit in (
+            ("hook_load", "N"),
+            ("surface_torque", "N m"),
+            ("bit_depth", "m"),
+            ("pump_pressure", "Pa"),
+        )
+    }
+    moving = [q for q in updates if q.reading.load.operation != SLIPS]
+    some = moving[:: max(math.ceil(len(moving) / MOST), 1)]
+    depth = units["bit_depth"]
+    series = {"depth": [q.reading.load.bit_depth / depth[0] for q in some]}
+    charts = []
+    for name, title, key in (
+        ("hook_load", "Hook load", "hook_load"),
+        ("torque", "Surface torque", "surface_torque"),
+    ):
+        size, unit = units[key]
+        errors = [q.forecast.get(name) for q in some]
+        chart: dict[str, Any] = {
+            "title": title,
+            "unit": unit,
+            "read": [getattr(q.reading, name) / size for q in some],
+        }
+        chart["low"] = [math.nan if e is None else (e.forecast - INSIDE * e.sd) / size for e in errors]
+        chart["high"] = [math.nan if e is None else (e.forecast + INSIDE * e.sd) / size for e in errors]
+        last = moving[-1].ahead if moving else None
+        k = 0 if name == "hook_load" else 1
+        if last is not None and (k == 0 or moving[-1].reading.load.rotation):
+            middle, half = float(last.mean[k]), INSIDE * float(last.sd[k])
+            chart["ahead"] = [
+                last.bit_depth / depth[0],
+                (middle - half) / size,
+                middle / size,
+                (middle + half) / size,
+            ]
+        charts.append(chart)
+    names = [q.name for q in follower.states]
+    groups = [str(name) for name in dict.fromkeys(follower.strings.group)]
+    friction = [
+        {
+            "name": name.replace("_", " "),
+            "mean": [float(q.belief.mean[names.index(name)]) for q in some],
+            "sd": [float(q.belief.sd[names.index(name)]) for q in some],
+        }
+        for name in groups
+    ]
+    return {
+        "title": case.title or "case", "feed": feed, "written": datetime.now(UTC).isoformat(sep=" ", timespec="seconds"),
+        "gauges": _gauges(updates, moving, units), "series": series, "charts": charts, "friction": friction,
+        "depth_unit": depth[1], "alarms": list(alarms)[::-1][:30],
+    }  # fmt: skip
+
+
+def _gauges(
+    updates: Sequence[Update], moving: Sequence[Update], units: dict[str, tuple[float, str]]
+) -> list[Any]:
+    """[name, value and unit, remark] of each gauge."""
+    if not updates:
+        return []
+    now, out = updates[-1].reading, []
+    out.append(
+        ["Bit depth", _value(now.load.bit_depth, units["bit_depth"]), now.load.operation.replace("_", " ")]
+    )
+    for name, title, key in (
+        ("hook_load", "Hook load", "hook_load"),
+        ("torque", "Surface torque", "surface_torque"),
+        ("pump_pressure", "Pump pressure", "pump_pressure"),
+    ):
+        latest = next((q for q in reversed(moving) if math.isfinite(getattr(q.reading, name))), None)
+        if latest is None:
+            continue
+        error = latest.forecast.get(name)
+        remark = "no forecast yet" if error is None else f"forecast {_value(error.forecast, units[key])}"
+        if error is not None:
+            remark += f" ({error.standard:+.1f} sd)"
+        out.append([title, _value(getattr(latest.reading, name), units[key]), remark])
+    return out
+
+
+def _value(value: float, unit: tuple[float, str]) -> str:
+    return "-" if not math.isfinite(value) else f"{value / unit[0]:,.5g} {unit[1]}".replace(",", " ")
+
+
+def _plain(value: Any) -> Any:
+    """The value with None in place of numbers that JSON does not have, and five digits."""
+    if isinstance(value, dict):
+        return {key: _plain(q) for key, q in value.items()}
+    if isinstance(value, list | tuple):
+        return [_plain(q) for q in value]
+    if isinstance(value, float | np.floating):
+        return float(f"{value:.6g}") if math.isfinite(value) else None
+    return value

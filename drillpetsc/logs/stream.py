@@ -1,0 +1,195 @@
+"""A log that is being written: its lines as rows in SI, a few at a time. What cannot be read is left out and counted."""
+
+from __future__ import annotations
+
+import re
+from collections import Counter
+from collections.abc import Sequence
+from dataclasses import replace
+from datetime import datetime
+from pathlib import Path
+
+import numpy as np
+
+from drillpetsc.arrays import FloatArray
+from drillpetsc.errors import CaseError
+from drillpetsc.logs.channels import READINGS, heading_of
+from drillpetsc.logs.clock import ClockError, clock_times
+from drillpetsc.logs.files import TITLE_LINES, Sheet, is_log, not_a_log, text_cells, units_below
+from drillpetsc.logs.log import Log, chosen_columns, column_numbers
+
+_NUMBER = re.compile(r"[+-]?(\d+(\.\d*)?|\.\d+)([eE][+-]?\d+)?")
+
+
+class LogStream:
+    """Lines of a text table with headings -> rows; times count from the first row.
+
+    name: of the source, for messages; mapping: channel -> (title, unit or ""), as for ``read_log``.
+    start: clock time of the first row, None without a clock; left_out: reason -> rows.
+    """
+
+    def __init__(self, name: str, mapping: dict[str, tuple[str, str]] | None = None) -> None:
+        self.name, self._mapping = Path(name), mapping or {}
+        self.start: datetime | None = None
+        self.left_out: Counter[str] = Counter()
+        self.remarks: tuple[str, ...] = ()
+        self.titles: dict[str, str] = {}
+        self.lines = 0
+        self._head: list[str] = []
+        self._sheet: Sheet | None = None
+        self._mark = ""
+        self._last = -np.inf
+
+    @property
+    def by_time(self) -> bool:
+        """Whether the index is time, else depth."""
+        return "time" in self.titles
+
+    @property
+    def last(self) -> float | None:
+        """Time of the last row [s]; None for a log by depth."""
+        return self._last if np.isfinite(self._last) else None
+
+    def go_on(self, last: float, start: str | None) -> None:
+        """Leave out rows up to a time [s], which counts from ``start``, a clock time."""
+        self._last = last
+        self.start = None if start is None else datetime.fromisoformat(start)
+
+    def rows(self, lines: Sequence[str]) -> Log | None:
+        """The rows of some lines; None if there are none.
+
+        Raises CaseError if the first lines have no headings of a log, or one that cannot be understood without a guess.
+        """
+        cells: list[list[str]] = []
+        for line in lines:
+            self.lines += 1
+            if not line.strip() or line.lstrip().startswith(("#", "//", "!")):
+                continue
+            if self._sheet is None:
+                self._look_for_headings(line)
+                continue
+            try:
+                row = text_cells(line, self._mark, self.name, self.lines)
+            except CaseError:
+                row = []
+            if len(row) < len(self._sheet.titles) or any(row[len(self._sheet.titles) :]):
+                self.left_out["rows of another length than the headings"] += 1
+                continue
+            cells.append(row)
+        return self._read(cells) if cells else None
+
+    # ------------------------------------------------------------------ headings
+    def _look_for_headings(self, line: str) -> None:
+        self._head.append(line)
+        for mark in [m for m in ("\t", ";", "|", ",") if m in line] + [" "]:
+            titles = text_cells(line, mark, self.name, self.lines)
+            headings = [heading_of(title) for title in titles]
+            if is_log(headings) or self._mapping and {t for t, _ in self._mapping.values()} <= set(titles):
+                self._sheet = Sheet(self.name, self.lines, titles, headings, [], self.lines + 1)
+                self._mark = mark
+                self._choice: dict[str, int] = {}
+                return
+        if len(self._head) >= TITLE_LINES:
+            raise not_a_log(self.name, 1)
+
+    def _choose(self) -> None:
+        """Find the column of each channel."""
+        assert self._sheet is not None
+        choice, self._headings = chosen_columns(self._sheet, self._mapping)
+        names = set(choice.column)
+        if "depth" in names and not names & {"bit_depth", "time"}:
+            choice.column["bit_depth"], self._headings["bit_depth"] = (
+                choice.column["depth"],
+                self._headings["depth"],
+            )
+        elif "depth" in names and "bit_depth" in names and "hole_depth" not in names:
+            choice.column["hole_depth"], self._headings["hole_depth"] = (
+                choice.column["depth"],
+                self._headings["depth"],
+            )
+        choice.column.pop("depth", None)
+        if "bit_depth" not in choice.column and "hole_depth" in names and "time" not in names:
+            choice.column["bit_depth"], self._headings["bit_depth"] = (
+                choice.column["hole_depth"],
+                self._headings["hole_depth"],
+            )
+        if "bit_depth" not in choice.column or not set(choice.column) & set(READINGS):
+            raise CaseError(
+                file=self.name, line=self._sheet.at, got=", ".join(self._sheet.titles)[:200],
+                want="columns of the bit depth and of a reading; --map bit_depth=TITLE:UNIT names one",
+            )  # fmt: skip
+        self._choice = choice.column
+        self.titles = {name: self._sheet.titles[j] for name, j in choice.column.items()}
+        self.remarks = (*choice.remarks, *choice.warnings)
+
+    # ------------------------------------------------------------------ rows
+    def _read(self, cells: list[list[str]]) -> Log | None:
+        assert self._sheet is not None
+        if not self._choice:
+            below = units_below(self._sheet.headings, cells[0])
+            if below is not None:
+                self._sheet, cells = replace(self._sheet, headings=below), cells[1:]
+            self._choose()
+        if not cells:
+            return None
+        values: dict[str, FloatArray] = {}
+        for name, j in self._choice.items():
+            if name not in ("time", "date"):
+                values[name] = self._numbers(name, [row[j] for row in cells])
+        if self.by_time:
+            values["time"] = self._times(cells)
+        index = values["time" if self.by_time else "bit_depth"]
+        good = np.isfinite(index)
+        self.left_out["rows without " + ("a time" if self.by_time else "a depth")] += int((~good).sum())
+        if self.by_time:
+            newest = np.fmax.accumulate(np.append(self._last, np.where(good, index, -np.inf)))
+            old = good & (index <= newest[:-1])
+            self.left_out["rows older than the row before"] += int(old.sum())
+            good &= ~old
+            self._last = float(newest[-1])
+        self.left_out = +self.left_out
+        log = Log(values, self.titles, self.start, frozenset(self._mapping)).rows(good)
+        return log if len(log) else None
+
+    def _numbers(self, name: str, cells: list[str]) -> FloatArray:
+        assert self._sheet is not None
+        unit = self._headings[name].unit
+        try:
+            return column_numbers([self._sheet], name, cells, unit)
+        except (CaseError, IndexError):  # some cells are no numbers: they alone are left out
+            out = np.full(len(cells), np.nan)
+            for i, cell in enumerate(cells):
+                try:
+                    out[i] = column_numbers([self._sheet], name, [cell], unit)[0]
+                except (CaseError, IndexError):
+                    self.left_out[f"cells of {self.titles[name]} that are not numbers"] += 1
+            return out
+
+    def _times(self, cells: list[list[str]]) -> FloatArray:
+        """(n,) seconds since the first row, nan for what is not a time."""
+        texts = [row[self._choice["time"]] for row in cells]
+        if "date" in self._choice:
+            texts = [f"{row[self._choice['date']]} {text}" for row, text in zip(cells, texts, strict=True)]
+        elif self.start is None and _NUMBER.fullmatch(texts[0]):
+            if not self._headings["time"].unit:
+                raise CaseError(
+                    at="time", got=texts[0], want="a date and time, or a unit: time [s]", file=self.name
+                )
+            return self._numbers("time", texts)
+        try:
+            return self._since_start(texts)
+        except ClockError as error:
+            first, out = error, np.full(len(texts), np.nan)
+        for i, text in enumerate(texts):
+            try:
+                out[i] = self._since_start([text])[0]
+            except ClockError:
+                continue
+        if self.start is None:
+            raise CaseError(at="time", got=texts[first.row], want=first.want, file=self.name)
+        return out
+
+    def _since_start(self, texts: list[str]) -> FloatArray:
+        seconds, first = clock_times(texts)
+        self.start = self.start or first
+        return seconds + (first - self.start).total_seconds()
