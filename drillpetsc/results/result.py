@@ -17,6 +17,8 @@ from drillpetsc.output.files.run_folder import (
     MEASURED_TABLE,
     ROADMAP_TABLE,
     SENSITIVITIES_TABLE,
+    UNCERTAIN_SHARES_TABLE,
+    UNCERTAIN_TABLE,
     RunFolder,
 )
 from drillpetsc.output.files.tables import read_table
@@ -43,6 +45,7 @@ KINDS = {
     "response.csv": "response",
     "reflection.csv": "top_drive",
     SENSITIVITIES_TABLE: "sensitivities",
+    UNCERTAIN_TABLE: "uncertain",
 }
 TABLES = (
     "history.csv",
@@ -63,6 +66,8 @@ TABLES = (
     CALIBRATION_TABLE,
     *LIMITS_TABLES,
     SENSITIVITIES_TABLE,
+    UNCERTAIN_TABLE,
+    UNCERTAIN_SHARES_TABLE,
     "trajectory.csv",
 )
 
