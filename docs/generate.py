@@ -393,6 +393,8 @@ OUTPUT_TABLES = {
     "outputs/max-trip-speed.md": ("max_trip_speed.csv", "column"),
     "outputs/roadmap.md": ("roadmap.csv", "column"),
     "outputs/sensitivities.md": ("sensitivities.csv", "column"),
+    "outputs/uncertain.md": ("uncertain.csv", "column"),
+    "outputs/uncertain-shares.md": ("uncertain_shares.csv", "column"),
     "outputs/limits.md": ("limits.csv", "column"),
     "outputs/contacts.md": ("contacts.csv", "column"),
     "outputs/calibration.md": ("calibration.csv", "column"),
@@ -408,6 +410,7 @@ OUTPUT_TABLES = {
     "outputs/summary-roadmap.md": ("summary.json of roadmap", "key"),
     "outputs/summary-sensitivities.md": ("summary.json of sensitivities", "key"),
     "outputs/summary-limits.md": ("summary.json of limits", "key"),
+    "outputs/summary-uncertain.md": ("summary.json of uncertain", "key"),
     "outputs/summary-calibrate.md": ("summary.json of calibrate", "key"),
 }
 

@@ -2254,6 +2254,21 @@ class SoftTorqueController(PythonBlock):
         inertia_compensation: float | None = None,
     ) -> None: ...
 
+class Spread(PythonBlock):
+    """Distribution of a number of the case, in its units.
+
+    normal: mean and standard deviation of a normal distribution
+    uniform: lowest and highest value, between which all are equally likely
+    correlated: correlation coefficients with other keys of `uncertain`, by key
+    """
+    def __init__(
+        self,
+        *,
+        normal: Sequence[Value] | None = None,
+        uniform: Sequence[Value] | None = None,
+        correlated: dict[str, Any] | None = None,
+    ) -> None: ...
+
 class Stabilizer(PythonBlock):
     """A stabilizer: contact with the hole over its blades, or over its length when blade_length is not given.
 
@@ -2695,6 +2710,7 @@ class Case(_Case):
     fluid: the drilling fluid; without it the hole and the string are dry
     window: limits of the pressure in the open hole (used by hydraulics and surge), or the name of a CSV file with the columns tvd, pore, frac
     roadmap: operations, depths and friction factors of a torque-and-drag roadmap
+    uncertain: distributions of numbers of the case, by the path of each (used by uncertain)
     formation: the rock that the bit cuts; without it the bit does not drill
     components: components of the user: functions that build them, file.py:function, module:function, or the name of an installed one (entry point drillpetsc.components)
     loads: point and distributed loads on the string
@@ -2726,6 +2742,7 @@ class Case(_Case):
         fluid: Fluid | dict[str, Any] | None = None,
         window: str | Window | dict[str, Any] | None = None,
         roadmap: Roadmap | dict[str, Any] | None = None,
+        uncertain: dict[str, Any] | None = None,
         formation: Formation | dict[str, Any] | None = None,
         components: Sequence[OwnComponent | dict[str, Any]] | None = None,
         loads: Sequence[PointLoad | dict[str, Any] | LineLoad] | None = None,
@@ -2922,6 +2939,42 @@ def sensitivities(
     operation: of statics: operation, as of the command statics
     depths: of a roadmap: its bit depths (default: deepest)
     model: of a roadmap: soft string or beam (default: soft)
+    units: units of what is printed and plotted (default: the case's; files stay in SI); metric_t: forces in tonnes
+    overwrite: replace the results in an existing out
+    name: name of the case in the default folder
+    comm: PETSc communicator; by default all ranks
+    bit_depth: measured depth of the bit, such as '2000 m' (default: bit_depth of the case)
+    """
+    ...
+
+def uncertain(
+    case: _Case | str | Path,
+    out: Any = None,
+    *,
+    of: str | Sequence[str] = '',
+    analysis: Literal['roadmap', 'hydraulics'] = 'roadmap',
+    method: Literal['monte-carlo', 'linear', 'both'] = 'monte-carlo',
+    samples: int = 500,
+    seed: int = 1,
+    quantiles: str | float | Sequence[str | float] = '10,50,90',
+    units: Literal['field', 'metric', 'metric_t', 'SI'] | None = None,
+    overwrite: bool = False,
+    name: str | None = None,
+    comm: Any = None,
+    bit_depth: str | float | None = None,
+) -> Result:
+    """Quantiles of outputs, such as P10, P50 and P90, from distributions of numbers of the case.
+
+    The case's block `uncertain` has the distributions. Writes uncertain.csv and uncertain_shares.csv.
+
+    case: a Case, or the path of a case file
+    out: run folder (default: results/<case>-NNN)
+    of: outputs, such as hook_load_total or trip_out.hook_load, or all (default: hook load, with the block if it is given, and surface torque; pump pressure and ECD)
+    analysis: whose outputs are meant; a roadmap has the friction of the hole's sections (default: roadmap)
+    method: a solution for each sample, derivatives at the case's values, or both to compare them (default: monte-carlo)
+    samples: samples (default: 500)
+    seed: seed of the samples: the same seed, the same numbers (default: 1)
+    quantiles: percentages of the quantiles (default: 10,50,90)
     units: units of what is printed and plotted (default: the case's; files stay in SI); metric_t: forces in tonnes
     overwrite: replace the results in an existing out
     name: name of the case in the default folder

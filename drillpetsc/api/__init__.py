@@ -25,6 +25,7 @@ from drillpetsc.errors import CaseError, SolveError
 COMMANDS = (
     operations.Statics,
     operations.Sensitivities,
+    operations.Uncertain,
     operations.Hydraulics,
     operations.Surge,
     operations.Roadmap,

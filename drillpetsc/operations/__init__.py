@@ -6,7 +6,16 @@ from drillpetsc.operations.cases import Catalogue, Check, Import, ImportLog, Sch
 from drillpetsc.operations.completion import Completion
 from drillpetsc.operations.flow import Hydraulics, Surge
 from drillpetsc.operations.linear import Campbell, Fmu, Linearise, Modes, Response, Stability, TopDrive
-from drillpetsc.operations.loads import Calibrate, Follow, Freepoint, Limits, Roadmap, Sensitivities, Statics
+from drillpetsc.operations.loads import (
+    Calibrate,
+    Follow,
+    Freepoint,
+    Limits,
+    Roadmap,
+    Sensitivities,
+    Statics,
+    Uncertain,
+)
 from drillpetsc.operations.operation import RENAMED_OPTIONS as RENAMED_OPTIONS
 from drillpetsc.operations.operation import Operation
 from drillpetsc.operations.pictures import Export, Paraview, Plot, Report, Serve, Vibration, View
@@ -16,7 +25,7 @@ from drillpetsc.operations.runs import Run, Study, Sweep
 OPERATIONS: list[type[Operation]] = [
     *(Run, Sweep, Study),
     *(Check, Catalogue, Import, ImportLog, Schema),
-    *(Statics, Hydraulics, Surge, Roadmap, Limits, Freepoint, Calibrate, Follow, Sensitivities),
+    *(Statics, Hydraulics, Surge, Roadmap, Limits, Freepoint, Calibrate, Follow, Sensitivities, Uncertain),
     *(Modes, Campbell, Stability, Response, Linearise, Fmu, TopDrive),
     *(View, Paraview, Plot, Serve, Vibration, Report, Export),
     Completion,

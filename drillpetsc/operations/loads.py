@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Annotated, Any, Literal
 
 from drillpetsc.errors import CaseError
-from drillpetsc.operations.fields import Names, Numbers, at_least, holds, names, number
+from drillpetsc.operations.fields import Names, Numbers, at_least, holds, names, number, numbers
 from drillpetsc.operations.operation import AtBitDepth, CaseOperation, DrawnOperation, FolderOperation, Mark
 
 
@@ -89,6 +89,49 @@ class Sensitivities(AtBitDepth, DrawnOperation):
             self.model,
         )
         return run_sensitivities(job, question)
+
+
+class Uncertain(AtBitDepth, DrawnOperation):
+    """Quantiles of outputs, such as P10, P50 and P90, from distributions of numbers of the case.
+
+    The case's block `uncertain` has the distributions. Writes uncertain.csv and uncertain_shares.csv.
+    """
+
+    of: Annotated[
+        Names,
+        names,
+        "A,B",
+        "outputs, such as hook_load_total or trip_out.hook_load, or all (default: hook load, with the block if it is given, and "
+        "surface torque; pump pressure and ECD)",
+    ] = ""
+    analysis: Annotated[
+        Literal["roadmap", "hydraulics"],
+        "whose outputs are meant; a roadmap has the friction of the hole's sections",
+    ] = "roadmap"
+    method: Annotated[
+        Literal["monte-carlo", "linear", "both"],
+        "a solution for each sample, derivatives at the case's values, or both to compare them",
+    ] = "monte-carlo"
+    samples: Annotated[
+        int, holds(lambda q: 20 <= q <= 100_000, "a number of samples from 20 to 100000"), "N", "samples"
+    ] = 500
+    seed: Annotated[
+        int, at_least(0, "the seed"), "N", "seed of the samples: the same seed, the same numbers"
+    ] = 1
+    quantiles: Annotated[
+        Numbers,
+        numbers("", "10,50,90", "percentages", above=0, at_most=99.999),
+        "A,B",
+        "percentages of the quantiles",
+    ] = "10,50,90"
+
+    def compute(self, job: Any) -> Any:
+        from drillpetsc.analysis.uncertain.command import Question, run_uncertain
+
+        levels = tuple(q / 100 for q in self.quantiles)
+        return run_uncertain(
+            job, Question(self.analysis, self.of, self.method, self.samples, self.seed, levels)
+        )
 
 
 class Roadmap(DrawnOperation):

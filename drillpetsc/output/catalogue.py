@@ -17,6 +17,7 @@ from drillpetsc.output.quantities import (
     sensitivities,
     sensors,
     torque_drag,
+    uncertain,
     vibration,
 )
 from drillpetsc.output.quantities.modes import STOKES_NUMBER
@@ -192,6 +193,8 @@ def _of_commands() -> dict[str, tuple[Listed, ...]]:
             ff_groups=where.GROUPS,
         ),
         "sensitivities.csv": _listed(sensitivities.SENSITIVITIES),
+        "uncertain.csv": _listed(uncertain.UNCERTAIN),
+        "uncertain_shares.csv": _listed(uncertain.UNCERTAIN_SHARES),
         "limits.csv": _listed(limits.LIMITS, damage_per_hour="with `--sn`"),
         "contacts.csv": _listed(limits.CONTACTS),
     }

@@ -18,6 +18,7 @@ from drillpetsc.output.summaries.run import RunSummary
 from drillpetsc.output.summaries.sensitivities import SensitivitiesSummary
 from drillpetsc.output.summaries.statics import StaticsSummary
 from drillpetsc.output.summaries.summary import SummaryKey
+from drillpetsc.output.summaries.uncertain import UncertainSummary
 
 ROADMAP: tuple[SummaryKey, ...] = (
     SummaryKey("title", "", "Title of the case."),
@@ -82,6 +83,7 @@ SUMMARY_KEYS = {
     "summary.json of stability": StabilitySummary.described(),
     "summary.json of response": ResponseSummary.described(),
     "summary.json of sensitivities": SensitivitiesSummary.described(),
+    "summary.json of uncertain": UncertainSummary.described(),
     "summary.json of hydraulics": HydraulicsSummary.described(),
     "summary.json of surge": SurgeSummary.described(),
     "summary.json of roadmap": ROADMAP,

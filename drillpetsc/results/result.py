@@ -19,6 +19,8 @@ from drillpetsc.output.files.run_folder import (
     SENSITIVITIES_TABLE,
     STABILITY_RUNS_TABLE,
     STABILITY_TABLE,
+    UNCERTAIN_SHARES_TABLE,
+    UNCERTAIN_TABLE,
     RunFolder,
 )
 from drillpetsc.output.files.tables import read_table
@@ -45,6 +47,7 @@ KINDS = {
     "response.csv": "response",
     "reflection.csv": "top_drive",
     SENSITIVITIES_TABLE: "sensitivities",
+    UNCERTAIN_TABLE: "uncertain",
 }
 TABLES = (
     "history.csv",
@@ -65,6 +68,8 @@ TABLES = (
     CALIBRATION_TABLE,
     *LIMITS_TABLES,
     SENSITIVITIES_TABLE,
+    UNCERTAIN_TABLE,
+    UNCERTAIN_SHARES_TABLE,
     "trajectory.csv",
 )
 

@@ -15,9 +15,10 @@ from drillpetsc.analysis.sensitivities.doubts import Checked, Differentiated
 from drillpetsc.analysis.sensitivities.hydraulics import SteadyHydraulics
 from drillpetsc.analysis.sensitivities.keys import Key, every_key, key_of
 from drillpetsc.analysis.sensitivities.roadmap import SoftRoadmap
-from drillpetsc.analysis.sensitivities.solution import Solution
+from drillpetsc.analysis.sensitivities.solution import Output, Solution
 from drillpetsc.analysis.sensitivities.statics import StaticsSolution
 from drillpetsc.analysis.sensitivities.stiff import StiffRoadmap
+from drillpetsc.arrays import FloatArray
 from drillpetsc.case.case import Case
 from drillpetsc.case.key_paths import suggestion
 from drillpetsc.doubts import doubts_at
@@ -72,7 +73,8 @@ def run_sensitivities(job: Job, question: Question) -> RunResult:
     keys = every_key(case) if question.every else [key_of(case, name) for name in question.keys]
     with options_of(case):
         solution = solved(case, question, job.comm)
-        chosen = chosen_outputs(solution, question)
+        usual = USUAL[question.analysis]
+        chosen = chosen_outputs(solution.outputs, solution.found.values, question.outputs, usual)
         found, skipped = _differentiated(case, solution, chosen, keys, question.every)
         compared = checked(case, solution, found, question.check)
     warnings = [sentence for at in compared for sentence in doubts_at(at)]
@@ -114,17 +116,18 @@ def solved(case: Case, question: Question, comm: PETSc.Comm) -> Solution:
     return StaticsSolution(case, comm, question.motion, question.operation)
 
 
-def chosen_outputs(solution: Solution, question: Question) -> list[int]:
-    """Numbers of the outputs that are asked for: by name, or `trip_out.hook_load` in one operation.
+def chosen_outputs(
+    outputs: Sequence[Output], values: FloatArray, asked: Sequence[str], usual: Sequence[str]
+) -> list[int]:
+    """Numbers of the outputs that are asked for: by name, or `trip_out.hook_load` in one operation; by default the ``usual`` ones.
 
     Raises CaseError for an output that does not exist.
     """
-    outputs, values = solution.outputs, solution.found.values
     present = [i for i in range(len(outputs)) if np.isfinite(values[i])]
     names = list(dict.fromkeys(q for i in present for q in (outputs[i].quantity.name, outputs[i].name)))
-    if list(question.outputs) == [ALL]:
+    if list(asked) == [ALL]:
         return present
-    wanted = list(question.outputs) or [name for name in USUAL[question.analysis] if name in names]
+    wanted = list(asked) or [name for name in usual if name in names]
     for name in wanted:
         if name not in names:
             want = f"outputs that the case has: {', '.join(dict.fromkeys(outputs[i].quantity.name for i in present))}, or all"

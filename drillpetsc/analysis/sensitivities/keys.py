@@ -41,6 +41,7 @@ NUMERICS = {
     "output": "output does not change the answer",
     "time": "times of a run do not enter a static answer",
     "measured": "measured points do not enter what is computed",
+    "uncertain": "a distribution does not change the answer; name its key",
 }
 _WITH_UNIT = r"([-+]?[\d.]+(?:[eE][-+]?\d+)?)\s+(\S.*)"
 #: of `--all`: lists of many numbers, which must be named one by one
@@ -73,24 +74,23 @@ class Key:
 
     def changed(self, case: Case, value: float) -> Case:
         """The case with another value [SI] of the key; raises CaseError for one that is not allowed."""
-        text = f"{value!r} {self.unit}".rstrip()
-        given = case._given.keys
-        keys = case_data(case) if self.resolved or given is None else given
-        well = keys.get("well")
-        if (
-            isinstance(well, Mapping)
-            and "survey" in well
-            and not self.name.startswith(("well.survey", "bit_depth"))
-        ):
-            keys = {
-                **keys,
-                "well": {**well, "survey": case.given_well.survey},
-            }  # read once, not for every key
-        token = FOLDER.set(case._given.folder)
-        try:
-            return Case(**changed(keys, {self.name: text}))
-        finally:
-            FOLDER.reset(token)
+        return changed_case(case, {self: value})
+
+
+def changed_case(case: Case, values: Mapping[Key, float]) -> Case:
+    """The case with other values [SI] of some keys; raises CaseError for one that is not allowed."""
+    given = case._given.keys
+    keys = case_data(case) if given is None or any(key.resolved for key in values) else given
+    well = keys.get("well")
+    own_survey = any(key.name.startswith(("well.survey", "bit_depth")) for key in values)
+    if isinstance(well, Mapping) and "survey" in well and not own_survey:
+        # read once, not for every key
+        keys = {**keys, "well": {**well, "survey": case.given_well.survey}}
+    token = FOLDER.set(case._given.folder)
+    try:
+        return Case(**changed(keys, {q.name: f"{v!r} {q.unit}".rstrip() for q, v in values.items()}))
+    finally:
+        FOLDER.reset(token)
 
 
 def key_of(case: Case, name: str) -> Key:

@@ -32,6 +32,7 @@ from drillpetsc.case.blocks.own_law import OwnComponent
 from drillpetsc.case.blocks.rig import STANDARD_GRAVITY, Rig
 from drillpetsc.case.blocks.roadmap import Roadmap
 from drillpetsc.case.blocks.settings import BeamTheory, Initial, MeshSettings, Output, Time
+from drillpetsc.case.blocks.uncertain import Spreads
 from drillpetsc.case.blocks.well import Well
 from drillpetsc.case.blocks.window import Window, window_or_file
 from drillpetsc.case.key_paths import refuse
@@ -113,6 +114,10 @@ class CaseBlocks(Block):
     )
     roadmap: Roadmap | None = Field(
         default=None, description="operations, depths and friction factors of a torque-and-drag roadmap"
+    )
+    uncertain: Spreads = Field(
+        default=None,
+        description="distributions of numbers of the case, by the path of each (used by uncertain)",
     )
     formation: Formation | None = Field(
         default=None, description="the rock that the bit cuts; without it the bit does not drill"

@@ -43,6 +43,7 @@ from drillpetsc.plotting.command.sensitivities import sensitivity_drawers
 from drillpetsc.plotting.command.sweep import draw_sweep
 from drillpetsc.plotting.command.top_drive import draw_reflection
 from drillpetsc.plotting.command.torque_drag import torque_drag_drawers
+from drillpetsc.plotting.command.uncertain import uncertain_drawers
 from drillpetsc.plotting.command.vibration import draw_power, draw_waterfall, vibration_drawers
 from drillpetsc.plotting.run.hole_path import new_hole, well_path
 from drillpetsc.plotting.run.signals import signal
@@ -204,6 +205,7 @@ def _drawers(folder: RunFolder, units: System | None) -> dict[str, Callable[[], 
     drawers |= torque_drag_drawers(folder.path, title, system)
     drawers |= limits_drawers(folder.path, title, system)
     drawers |= sensitivity_drawers(folder.path, title, system)
+    drawers |= uncertain_drawers(folder.path, title, system)
     if folder.trajectory.exists():
         path, drilled = (
             read_table(folder.trajectory),

@@ -1,0 +1,87 @@
+"""Doubts about quantiles of uncertain outputs."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from drillpetsc.analysis.sensitivities.solution import Output
+from drillpetsc.analysis.uncertain.spread import Spreads
+from drillpetsc.case.case import Case
+from drillpetsc.doubts.doubt import Doubt, remark
+from drillpetsc.unit_systems import System
+
+FAR = (
+    0.1  # difference of a quantile by two methods, over the distance of the outer quantiles, that is reported
+)
+
+
+@dataclass(frozen=True)
+class Drawn:
+    """Quantiles of outputs are found from samples (uncertain).
+
+    levels: their probabilities; found: statistics by each method; kinks: keys with a kink beside the case's value.
+    """
+
+    case: Case
+    levels: Sequence[float]
+    outputs: Sequence[Output]
+    found: Sequence[Spreads]
+    kinks: Sequence[str]
+    samples: int
+
+    @property
+    def units(self) -> System:
+        """Units of the reader."""
+        return self.case.shown_units
+
+
+class SamplesFailed(Doubt):
+    """Some samples have no solution: a number outside its limits, no steady flow, or a string that cannot bear its weight on bit."""
+
+    about = (Drawn,)
+    sentence = (
+        "{output}: {failed} of {samples} samples have no solution, and the quantiles are those of the others"
+    )
+    remedy = "Narrow the distributions of `uncertain`, or read the share of failed samples as the probability of failing."
+
+    def look(self, at: Drawn) -> Iterable[dict[str, Any]]:
+        spread = at.found[0]
+        worst = int(np.argmax(spread.failed)) if len(spread.failed) else 0
+        if len(spread.failed) and spread.failed[worst]:
+            failed = int(spread.failed[worst])
+            yield {"output": at.outputs[worst].label, "failed": failed, "samples": at.samples}
+
+
+class MethodsDiffer(Doubt):
+    """Linear quantiles differ from those of the samples by more than a tenth of the distance of the outer quantiles."""
+
+    about = (Drawn,)
+    sentence = (
+        "linear and Monte Carlo quantiles of {output} differ by {share:.0f} % of the distance from P{low:.4g} to P{high:.4g}: "
+        "the output is not linear in the uncertain numbers"
+    )
+    remedy = "Use Monte Carlo."
+    weight = "remark"
+
+    def look(self, at: Drawn) -> Iterable[dict[str, Any]]:
+        if len(at.found) < 2 or len(at.levels) < 2:
+            return
+        sampled, linear = (spread.quantiles for spread in at.found[:2])
+        width = sampled[:, -1] - sampled[:, 0]
+        apart = np.abs(linear - sampled).max(axis=1)
+        share = np.divide(apart, width, out=np.zeros_like(apart), where=width > 0)
+        worst = int(np.argmax(np.nan_to_num(share)))
+        if share[worst] > FAR:
+            low, high = 100 * at.levels[0], 100 * at.levels[-1]
+            yield {"output": at.outputs[worst].label, "share": 100 * share[worst], "low": low, "high": high}
+
+
+remark(
+    Drawn,
+    "a contact, a buckling state or a regime changes beside the case's value of {names}: the linear method holds on one side only",
+    lambda at: at.kinks and {"names": ", ".join(at.kinks)},
+)

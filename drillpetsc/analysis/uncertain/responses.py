@@ -1,0 +1,205 @@
+"""Outputs of a case at many values of its uncertain numbers."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from typing import Protocol
+
+import numpy as np
+
+from drillpetsc.analysis.loads.torque_drag.batch import Columns
+from drillpetsc.analysis.loads.torque_drag.circulation import Circulation
+from drillpetsc.analysis.loads.torque_drag.readings.sensor import DIRECTION, Sensor, sensor_of
+from drillpetsc.analysis.loads.torque_drag.roadmap import RowsAsked, circulations, columns_of
+from drillpetsc.analysis.loads.torque_drag.soft_ends import SoftEnds
+from drillpetsc.analysis.sensitivities.hydraulics import SteadyHydraulics
+from drillpetsc.analysis.sensitivities.roadmap import outputs_of, own_friction
+from drillpetsc.analysis.sensitivities.solution import Output
+from drillpetsc.analysis.statics.start.soft_string import MAX_STEP
+from drillpetsc.analysis.uncertain.uncertain_keys import WEIGHT_FACTOR, Uncertain, case_at
+from drillpetsc.arrays import FloatArray
+from drillpetsc.case.case import Case
+from drillpetsc.errors import CaseError, SolveError
+
+BLOCK = "rig.block_weight"
+_SECTION = re.compile(r"well\.sections\[(\d+)\]\.friction")
+MOST_STRINGS = 20_000  # that are computed at once
+
+
+class Response(Protocol):
+    """Outputs as a function of the uncertain numbers.
+
+    outputs: m of them; base: (m,) values in the case [SI].
+    """
+
+    outputs: list[Output]
+    base: FloatArray
+
+    def values(self, draws: FloatArray) -> FloatArray:
+        """(n, m) outputs [SI] at (n, k) values of the uncertain numbers; nan where there is no solution."""
+
+
+class _Strings:
+    """Soft strings of all rows of a roadmap, of which only friction, weight and the block vary."""
+
+    def __init__(self, asked: RowsAsked) -> None:
+        self.keys, loads = asked.keys(), asked.loads()
+        placed = [d for _, _, d in self.keys]
+        self.columns = columns_of(
+            [loads[o] for o, _, _ in self.keys], placed, [asked.pairs[p] for _, p, _ in self.keys]
+        )
+        self.ends = SoftEnds(asked.well, asked.strings, MAX_STEP)
+        flows = circulations(asked.case, asked.strings, loads)
+        found = [flows.get((o, d)) for o, _, d in self.keys]
+        still = [np.zeros(len(edges) - 1) for edges in self.ends.edges]
+        self.lifts = [
+            q.lift(self.ends.edges[d]) if isinstance(q, Circulation) else still[d]
+            for q, d in zip(found, placed, strict=True)
+        ]
+        self.thrust = np.array([q.thrust if isinstance(q, Circulation) else 0.0 for q in found])
+        self.failed = np.array(
+            [
+                bool(asked.strings[d].misfit) or isinstance(q, SolveError)
+                for q, d in zip(found, placed, strict=True)
+            ]
+        )
+        self.block = asked.block_weight
+        sensor = sensor_of(asked.case)
+        self.factor = None if sensor == Sensor() else self._factors(sensor)
+
+    def _factors(self, sensor: Sensor) -> FloatArray:
+        return np.array([sensor.factor(DIRECTION[o]) for o, _, _ in self.keys])
+
+    def found(self, friction: FloatArray, weight: FloatArray, block: FloatArray) -> dict[str, FloatArray]:
+        """(n, rows) of each output [SI].
+
+        friction: (n, s) of the sections; weight: (n,) factor; block: (n,) [N].
+        """
+        rows, per = len(self.keys), max(MOST_STRINGS // len(self.keys), 1)
+        parts = [self._ends(friction[i : i + per], weight[i : i + per]) for i in range(0, len(friction), per)]
+        hook, torque = (np.concatenate(q).reshape(-1, rows) for q in zip(*parts, strict=True))
+        out = {"hook_load": hook, "surface_torque": torque}
+        total = hook + block[:, None]
+        if self.block is not None:
+            out["hook_load_total"] = total
+        if self.factor is not None:
+            out["hook_load_reading"] = total / self.factor
+        for values in out.values():
+            values[:, self.failed] = np.nan
+        return out
+
+    def _ends(self, friction: FloatArray, weight: FloatArray) -> tuple[FloatArray, FloatArray]:
+        n, rows = len(friction), len(self.keys)
+        c = self.columns
+
+        def repeated(values: FloatArray) -> FloatArray:
+            return np.tile(values, n)
+
+        loads = Columns(
+            repeated(c.placed),
+            np.repeat(friction, rows, axis=0),
+            repeated(c.item_factor),
+            repeated(c.wob),
+            repeated(c.torque),
+            repeated(c.axial_velocity),
+            repeated(c.rotation),
+            np.repeat(weight, rows),
+            thrust=repeated(self.thrust),
+        )
+        return self.ends.ends(loads, self.lifts * n)
+
+
+class RoadmapResponse:
+    """Hook load and torque of the soft string for all rows of a roadmap, with the friction of the hole's sections.
+
+    Strings and flow are prepared once, unless a number changes that enters there.
+    """
+
+    def __init__(self, case: Case, keys: Sequence[Uncertain]) -> None:
+        self._case, self._keys = case, keys
+        asked = own_friction(case, False)
+        self._strings = _Strings(asked)
+        self.notes = asked.notes
+        self._friction = np.asarray(asked.pairs[0].friction, dtype=float)
+        base = self._strings.found(self._friction[None], np.ones(1), np.array([self._strings.block or 0.0]))
+        rows = [
+            {"operation": o, "bit_depth": asked.strings[d].depth, **dict.fromkeys(base)}
+            for o, _, d in asked.keys()
+        ]
+        self.outputs = outputs_of(asked, rows)
+        self.base = self._flat(base)[0]
+        self._prepared = [i for i, key in enumerate(keys) if not self._varies(key)]
+
+    def _varies(self, key: Uncertain) -> bool:
+        """Whether the strings stay as they are prepared."""
+        return key.name in (WEIGHT_FACTOR, BLOCK) or _section(key) is not None
+
+    def _flat(self, found: dict[str, FloatArray]) -> FloatArray:
+        """(n, m) in the order of the outputs: by row, then as in ``QUANTITIES``."""
+        names = list(dict.fromkeys(output.quantity.name for output in self.outputs))
+        stacked = np.stack([found[name] for name in names], axis=2)
+        return stacked.reshape(len(stacked), -1)
+
+    def values(self, draws: FloatArray) -> FloatArray:
+        """As of ``Response``."""
+        if not self._prepared:
+            return self._at(self._strings, draws)
+        out = np.full((len(draws), len(self.outputs)), np.nan)
+        keys = [self._keys[i] for i in self._prepared]
+        for n, values in enumerate(draws):
+            try:
+                case = case_at(self._case, keys, values[self._prepared])
+                out[n] = self._at(_Strings(own_friction(case, False)), values[None])[0]
+            except (CaseError, SolveError):
+                continue  # counted as failed
+        return out
+
+    def _at(self, strings: _Strings, draws: FloatArray) -> FloatArray:
+        n = len(draws)
+        friction = np.tile(self._friction, (n, 1))
+        weight, block = np.ones(n), np.full(n, strings.block or 0.0)
+        impossible = np.zeros(n, dtype=bool)
+        for key, values in zip(self._keys, draws.T, strict=True):
+            section = _section(key)
+            if section is not None:
+                friction[:, section] = values
+                impossible |= values < 0
+            elif key.name == WEIGHT_FACTOR:
+                weight = values
+                impossible |= values <= 0
+            elif key.name == BLOCK:
+                block = values
+                impossible |= values < 0
+        found = strings.found(np.maximum(friction, 0.0), weight, block)
+        out = self._flat(found)
+        out[impossible] = np.nan
+        return out
+
+
+class HydraulicsResponse:
+    """Steady flow of a case."""
+
+    def __init__(self, case: Case, keys: Sequence[Uncertain]) -> None:
+        for key in keys:
+            if key.key is None:
+                raise CaseError(at=f"uncertain.{key.name}", want="--of roadmap: hydraulics has no weights")
+        self._case, self._keys, self._solution = case, keys, SteadyHydraulics(case)
+        self.outputs, self.base = self._solution.outputs, self._solution.found.values
+        self.notes = self._solution.notes
+
+    def values(self, draws: FloatArray) -> FloatArray:
+        """As of ``Response``."""
+        out = np.full((len(draws), len(self.outputs)), np.nan)
+        for n, values in enumerate(draws):
+            try:
+                out[n] = self._solution.solved(case_at(self._case, self._keys, values)).values
+            except (CaseError, SolveError):
+                continue  # counted as failed
+        return out
+
+
+def _section(key: Uncertain) -> int | None:
+    """Number of the hole's section whose friction a key is."""
+    match = _SECTION.fullmatch(key.name)
+    return None if match is None else int(match[1])

@@ -1,0 +1,127 @@
+"""Quantiles of a measured well: both methods, full solutions, and the measured points in the band."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from drillpetsc.analysis.sensitivities.roadmap import SoftRoadmap
+from drillpetsc.analysis.uncertain.beside_points import inside_band
+from drillpetsc.analysis.uncertain.draws import correlation_of, draw
+from drillpetsc.analysis.uncertain.linear import slopes_of
+from drillpetsc.analysis.uncertain.responses import HydraulicsResponse, RoadmapResponse
+from drillpetsc.analysis.uncertain.spread import spreads_of
+from drillpetsc.analysis.uncertain.uncertain_keys import case_at, uncertain_keys
+from drillpetsc.case import Case, load_case
+from drillpetsc.case.writer import case_data
+from drillpetsc.parallel import initialise_petsc
+
+F5 = Path(__file__).resolve().parents[2] / "cases/measured/volve-f5/case.yaml"
+CASED, OPEN = "well.sections[0].friction", "well.sections[1].friction"
+WELL = {
+    CASED: {"normal": [0.20, 0.04]},
+    OPEN: {"normal": [0.22, 0.05]},
+    "string.weight_factor": {"normal": [1.0, 0.01]},
+    "rig.block_weight": {"normal": ["623 kN", "10 kN"]},
+}
+
+
+@pytest.fixture(scope="module", autouse=True)
+def _petsc() -> None:
+    initialise_petsc()
+
+
+def f5(spreads, **changes) -> Case:
+    """The measured well with cased friction of 0.20 and other values."""
+    case = load_case(F5).replace({CASED: 0.20} | changes)
+    return Case(**{**case_data(case), "uncertain": spreads})
+
+
+def sampled(case, samples, seed=1):
+    """Keys, samples, response and its values."""
+    keys = uncertain_keys(case)
+    spreads = [key.spread for key in keys]
+    draws = draw(spreads, correlation_of([key.name for key in keys], spreads), samples, seed)
+    response = RoadmapResponse(case, keys)
+    return keys, draws, response, response.values(draws)
+
+
+def test_f5_at_2385_m():
+    """Trip out and drilling torque of an independent prototype of the requirement: 1574, 1628, 1691 kN and 18.62, 22.05, 25.62 kN m.
+
+    The torque on bit measured there is 4.36 kN m.  The prototype had a simpler string: 1 % and 3 % are allowed, 5 % of the widths.
+    """
+    case = f5(WELL, **{"roadmap.bit_depth": "2385 m", "roadmap.drilling.tob": "4.36 kN m"})
+    keys, draws, response, values = sampled(case, 4000)
+    levels = (0.1, 0.5, 0.9)
+    monte_carlo = spreads_of("monte-carlo", draws, values, levels)
+    slopes, _ = slopes_of(case, "roadmap", response, keys, None)
+    here = np.array([key.value for key in keys])
+    linear = spreads_of("linear", draws, response.base + (draws - here) @ slopes.T, levels, slopes)
+    names = [output.name for output in response.outputs]
+    for name, wanted, allowed in (
+        ("trip_out.hook_load_total", (1574e3, 1628e3, 1691e3), 0.01),
+        ("drilling.surface_torque", (18620.0, 22050.0, 25620.0), 0.03),
+    ):
+        i = names.index(name)
+        for found in (monte_carlo, linear):
+            assert found.quantiles[i] == pytest.approx(wanted, rel=allowed)
+            width = found.quantiles[i, 2] - found.quantiles[i, 0]
+            assert width == pytest.approx(wanted[2] - wanted[0], rel=0.05)
+        width = monte_carlo.quantiles[i, 2] - monte_carlo.quantiles[i, 0]
+        assert np.abs(linear.quantiles[i] - monte_carlo.quantiles[i]).max() < 0.1 * width
+        assert monte_carlo.shares[i] == pytest.approx(linear.shares[i], abs=0.02)
+
+
+def test_f5_points_in_the_90_percent_band():
+    """At least 36 of the 40 measured values, hook loads and torques of 20 points, lie in the band of this wide prior."""
+    case = f5(WELL)
+    _, draws, response, values = sampled(case, 500)
+    found = spreads_of("monte-carlo", draws, values, (0.05, 0.95))
+    points = inside_band(case, response.outputs, found.quantiles)
+    assert len(points) == 40
+    assert sum(point["inside"] for point in points) >= 36
+
+
+@pytest.mark.parametrize("heavy", ({}, {"fluid.density": {"normal": ["1490 kg/m3", "10 kg/m3"]}}))
+def test_samples_equal_full_solutions(heavy):
+    """Numbers that only change friction and the block, and those for which strings are prepared anew, agree with the roadmap of the changed case.
+
+    To 1e-4: the strings here have steps of their own and not those of all bit depths.
+    """
+    spreads = {k: v for k, v in WELL.items() if k != "string.weight_factor"} | heavy
+    case = f5(spreads, **{"roadmap.bit_depth": ["1900 m", "2400 m"]})
+    keys, draws, response, values = sampled(case, 20)
+    for n in (0, 7):
+        full = SoftRoadmap(case_at(case, keys, draws[n]))
+        known = {(q.name, q.bit_depth): v for q, v in zip(full.outputs, full.found.values, strict=True)}
+        wanted = [known[q.name, q.bit_depth] for q in response.outputs]
+        assert values[n] == pytest.approx(wanted, rel=1e-4, abs=1e-6)
+
+
+def test_rows_do_not_depend_on_their_neighbours():
+    """A sample alone has the number that it has among others: the ranks share samples out."""
+    _, draws, response, values = sampled(f5(WELL, **{"roadmap.bit_depth": "2400 m"}), 20)
+    assert np.array_equal(response.values(draws[3::4]), values[3::4], equal_nan=True)
+
+
+def test_negative_friction_fails():
+    """A sample of negative friction has no solution, in place of friction that is cut off."""
+    case = f5({OPEN: {"normal": [0.22, 0.2]}}, **{"roadmap.bit_depth": "2400 m"})
+    _, draws, _, values = sampled(case, 100)
+    assert (draws[:, 0] < 0).any()
+    assert np.array_equal(np.isnan(values).all(axis=1), draws[:, 0] < 0)
+
+
+def test_hydrostatic_pressure_is_linear_in_the_density():
+    """The equivalent density of stiff mud that hardly moves grows by as much as its density."""
+    still = {"fluid.flow_rate": "1e-6 m3/s", "fluid.bulk_modulus": "1e15 Pa"}
+    case = f5({"fluid.density": {"uniform": [1450.0, 1550.0]}}, **still)
+    keys = uncertain_keys(case)
+    draws = draw([keys[0].spread], np.eye(1), 40, 1)
+    response = HydraulicsResponse(case, keys)
+    ecd = [output.name for output in response.outputs].index("ecd_bit")
+    slope = np.polyfit(draws[:, 0], response.values(draws)[:, ecd], 1)[0]
+    assert slope == pytest.approx(1.0, rel=1e-3)
