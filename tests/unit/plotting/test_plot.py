@@ -60,17 +60,17 @@ def test_histories_show_the_columns_in_displayed_units(tmp_path: Path) -> None:
     table = read_table(make_run(tmp_path / "run").history)
     drawing = _histories(table, [["hook_load [N]"], ["bit_speed [rad/s]"]], "t")
     load, speed = drawing.axes
-    assert load.get_ylabel() == "Hook load [kN]" and speed.get_ylabel() == "Bit speed [rpm]"
+    assert [axes.get_title(loc="left") for axes in (load, speed)] == ["Hook load", "Bit speed"]
+    assert load.get_ylabel() == "[kN]" and speed.get_ylabel() == "[rpm]"
     assert np.allclose(load.lines[0].get_ydata(), table["hook_load [N]"] / 1000)
     assert np.allclose(speed.lines[0].get_ydata(), table["bit_speed [rad/s]"] * 60 / (2 * np.pi))
     assert speed.get_xlabel() == "time [s]"
 
 
 def test_a_column_without_values_gets_no_panel(tmp_path: Path) -> None:
-    table = {"time [s]": np.arange(3.0), "rop [m/s]": np.full(3, np.nan), "wob [N]": np.ones(3)}
-    assert [axes.get_ylabel() for axes in _histories(table, [["rop [m/s]"], ["wob [N]"]], "t").axes] == [
-        "Weight on bit [N]"
-    ]
+    table = {"time [s]": np.arange(3.0), "rop [m/s]": np.full(3, np.nan), "wob [N]": np.arange(3.0)}
+    (axes,) = _histories(table, [["rop [m/s]"], ["wob [N]"]], "t").axes
+    assert axes.get_title(loc="left") == "Weight on bit"
 
 
 def test_orbits_have_the_clearance_of_their_depth(tmp_path: Path) -> None:

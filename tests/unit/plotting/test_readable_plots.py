@@ -13,7 +13,7 @@ from drillpetsc.output.job import Job
 from drillpetsc.plotting.run.hole_path import well_path
 from drillpetsc.plotting.run.plot import _along_depth, _histories, _orbits, plot
 from drillpetsc.plotting.run.view import view
-from drillpetsc.plotting.style import is_noise
+from drillpetsc.plotting.style import is_noise, limits_of_level
 from tests.helpers.wells import simple_well
 
 PIPE = {"kind": "pipe", "length": 30.0, "od": 0.127, "id": 0.1086, "element_length": 5.0}
@@ -41,13 +41,16 @@ def test_a_sweep_without_new_hole_shows_its_results(tmp_path: Path) -> None:
 
 
 def test_rounding_is_not_drawn_at_full_scale() -> None:
-    """A torque of 1e-14 N m fills a range of at least 1 N m; a real one of 1 mN m is shown as it is."""
+    """A torque of 1e-14 N m is a constant 0, on an axis of at least 1 N m; a real one of 1 mN m is shown as it is."""
     assert is_noise("surface_torque [N m]", np.array([1e-14, -2e-14]))
     assert not is_noise("surface_torque [N m]", np.array([1e-3, -1e-3]))
     assert not is_noise("surface_torque [N m]", np.zeros(3))
     table = {"time [s]": np.arange(3.0), "surface_torque [N m]": np.array([1e-14, 0.0, -1e-14])}
-    (axes,) = _histories(table, [["surface_torque [N m]"]], "title").axes
-    assert axes.get_ylim() == (-1.0, 1.0)
+    drawing = _histories(table, [["surface_torque [N m]"]], "title")
+    assert not drawing.axes and "Constant: Surface torque 0 N m" in [
+        text.get_text() for text in drawing.texts
+    ]
+    assert limits_of_level(table["surface_torque [N m]"], True) == (-1.0, 1.0)
 
 
 def test_long_titles_and_colour_bars_stay_inside() -> None:
