@@ -83,7 +83,10 @@ def check_restart(
     refusal: CaseError | None = None
     if comm.rank == 0:
         written = saved.notes.get("tables", {})
-        refusal = missing_output(folder, recorder, saved.time, saved.notes["last_row"], written)
+        try:
+            refusal = missing_output(folder, recorder, saved.time, saved.notes["last_row"], written)
+        except CaseError as error:  # a list of frames that cannot be read
+            refusal = error
     refusal = comm.tompi4py().bcast(refusal)
     if refusal is not None:
         raise refusal

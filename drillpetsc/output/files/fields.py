@@ -4,14 +4,17 @@ pyvista as they are.
 
 from __future__ import annotations
 
+import hashlib
 import os
 import xml.etree.ElementTree as ElementTree
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
 
+from drillpetsc.errors import CaseError
 from drillpetsc.output.files.atomic import replace_file, replace_text, to_disk
+from drillpetsc.output.files.tables import DIGEST
 from drillpetsc.output.files.vtk import write_vtu
 
 
@@ -46,15 +49,15 @@ class FieldWriter:
         self._listed: list[str] = []  # their lines in string.pvd
         self._new: list[Path] = []  # frames that the disk may not have yet
         if restart_time is not None and self.series.exists():
-            latest = restart_time + 1e-12 * abs(restart_time)
             self._entries = [
-                (time, f"string/{file.name}") for time, file in read_series(folder) if time <= latest
+                (time, f"string/{file.name}") for time, file in _until(read_series(folder), restart_time)
             ]
         kept = {name for _, name in self._entries}
         for file in self.frames.glob("[0-9]*.vtu"):
             if f"string/{file.name}" not in kept:
                 file.unlink()
         self._next = 1 + max((int(Path(name).stem) for name in kept), default=-1)
+        self._digest = _digest((time, self.series.parent / name) for time, name in self._entries)
         self._write_series()
 
     def write(
@@ -86,8 +89,14 @@ class FieldWriter:
         self._next += 1
         self._new.append(path)
         self._entries.append((float(time), f"string/{name}"))
+        _add_frame(self._digest, float(time), path)
         self._write_series()
         return path
+
+    @property
+    def written(self) -> tuple[int, str]:
+        """Number of the frames, and a digest of them with their times, as ``Table.written``."""
+        return len(self._entries), self._digest.hexdigest()
 
     def flush(self) -> None:
         """Wait until the disk has every frame and their list (for a checkpoint; a kill of the process needs
@@ -120,12 +129,45 @@ def write_series(path: Path, entries: Sequence[tuple[float, str]]) -> None:
 
 
 def read_series(folder: str | os.PathLike) -> list[tuple[float, Path]]:
-    """The frames of a run folder in order of time: [(time [s], path)]; empty when the run wrote none."""
+    """The frames of a run folder in order of time: [(time [s], path)]; empty when the run wrote none.
+
+    Raises CaseError if their list is damaged.
+    """
     series = Path(folder) / "string.pvd"
     if not series.exists():
         return []
-    sets = ElementTree.parse(series).getroot().iter("DataSet")
-    return sorted((float(item.attrib["timestep"]), series.parent / item.attrib["file"]) for item in sets)
+    try:
+        sets = ElementTree.parse(series).getroot().iter("DataSet")
+        return sorted((float(q.attrib["timestep"]), series.parent / q.attrib["file"]) for q in sets)
+    except (ElementTree.ParseError, KeyError, ValueError) as error:
+        raise CaseError(
+            file=series,
+            got=f"a damaged file ({error})",
+            want="the list of the frames of a run",
+            hint="take the file from a copy of the run folder",
+        ) from None
+
+
+def frames_written(folder: str | os.PathLike, until: float) -> tuple[int, str]:
+    """``FieldWriter.written`` of the frames of a folder up to ``until`` [s]."""
+    frames = _until(read_series(folder), until)
+    return len(frames), _digest(frames).hexdigest()
+
+
+def _until(frames: list[tuple[float, Path]], until: float) -> list[tuple[float, Path]]:
+    return [(time, file) for time, file in frames if time <= until + 1e-12 * abs(until)]
+
+
+def _digest(frames: Iterable[tuple[float, Path]]) -> hashlib.blake2b:
+    digest = hashlib.blake2b(digest_size=DIGEST)
+    for time, file in frames:
+        _add_frame(digest, time, file)
+    return digest
+
+
+def _add_frame(digest: hashlib.blake2b, time: float, file: Path) -> None:
+    digest.update(f"{time!r} {file.name}\n".encode())
+    digest.update(file.read_bytes())
 
 
 def write_well(

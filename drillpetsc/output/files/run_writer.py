@@ -16,6 +16,7 @@ from drillpetsc.fem.component import FloatArray
 from drillpetsc.model.drilling_model import DrillingModel
 from drillpetsc.output import FieldWriter, RunFolder, Table, read_series
 from drillpetsc.output.files.background import Background
+from drillpetsc.output.files.fields import frames_written
 from drillpetsc.output.files.tables import header, rows_written
 from drillpetsc.output.measured.field_output import FieldOutput
 from drillpetsc.output.recorder import Recorder
@@ -168,12 +169,13 @@ class RunWriter:
 
     @property
     def written(self) -> dict[str, tuple[int, str]]:
-        """Number and digest of the rows of each table, by the name of its file; empty on the other ranks."""
+        """Number and digest of the rows of each table, and of the frames, by the name of the file; empty on the other ranks."""
         if self.folder is None:
             return {}
         sensors = self.recorder.sensors.tables if self.recorder.sensors is not None else []
         tables = [self.history, *([self.probes] if self.probes is not None else []), *sensors]
-        return {table.path.name: table.written for table in tables}
+        frames = {self.folder.string_series.name: self.frames.written}
+        return {table.path.name: table.written for table in tables} | frames
 
     def close(self) -> None:
         if self.folder is not None:
@@ -207,7 +209,7 @@ def missing_output(
     for path, columns in tables:
         if not path.is_file():
             return _gone(path, "no such file")
-        first, *lines = path.read_text(encoding="utf-8").splitlines(keepends=True) or [""]
+        first, *lines = _lines(path) or [""]
         if first.rstrip("\n") != ",".join(header(columns)):
             return _gone(path, "other columns than the run has", "the case has changed, or the file")
         times = [_time(line) for line in lines]
@@ -226,7 +228,7 @@ def missing_output(
             found = f"samples up to {last_sample:.9g} s, not up to {restart_time:.9g} s"
             return _gone(path, found if path.is_file() else "no such file")
         if path.suffix == ".csv":
-            lines = path.read_text(encoding="utf-8").splitlines(keepends=True)[1:]
+            lines = _lines(path)[1:]
             changed = _changed(path, lines, len(columns), restart_time, written.get(path.name))
             if changed is not None:
                 return changed
@@ -235,7 +237,17 @@ def missing_output(
     for time, frame in read_series(folder.path):
         if passed(time, restart_time) and not frame.is_file():
             return _gone(frame, "no such file")
+    frames, digest = written.get(folder.string_series.name, (0, ""))
+    there = frames_written(folder.path, restart_time)
+    if digest and there != (frames, digest):
+        more = f"{there[0]} frames up to {restart_time:.6g} s, {frames} were written"
+        return _gone(folder.string_series, more if there[0] != frames else "frames or times that are changed")
     return None
+
+
+def _lines(path: Path) -> list[str]:
+    """Lines of a table with their ends; bytes that are no text, in a damaged one, are replaced."""
+    return path.read_text(encoding="utf-8", errors="replace").splitlines(keepends=True)
 
 
 def _changed(
