@@ -33,7 +33,7 @@ def told(case: Case, alarm: Alarm, update: Update, follower: Follower) -> str:
     size = shown(abs(alarm.excess), _KIND[reading], units, 3, plot=reading == "torque")
     where, since = (shown(q, "length", units, 5) for q in (alarm.bit_depth, alarm.since))
     side = "above" if alarm.excess > 0 else "below"
-    text = f"MD {where}, {alarm.operation}: {alarm.kind}, {size} ({abs(alarm.share):.0%}) {side} the forecast of one stand before, "
+    text = f"MD {where}, {alarm.operation.replace('_', ' ')}: {alarm.kind}, {size} ({abs(alarm.share):.0%}) {side} the forecast of one stand before, "
     text += f"building since MD {since}; {_margin(case, reading, update, follower)}; look for {LOOK_FOR[alarm.kind]}"
     return text
 

@@ -7,6 +7,7 @@ import math
 from collections.abc import Sequence
 from datetime import UTC, datetime
 from importlib.resources import files
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -20,6 +21,7 @@ from drillpetsc.output.shown_units import shown_unit
 
 INSIDE = 1.645  # standard deviations of a 90 % band
 MOST = 600  # rows that the page draws
+FAR = 100.0  # depth between rows that no line joins [m]
 
 
 def write_page(
@@ -54,7 +56,14 @@ def _data(
     moving = [q for q in updates if q.reading.load.operation != SLIPS]
     some = moving[:: max(math.ceil(len(moving) / MOST), 1)]
     depth = units["bit_depth"]
-    series = {"depth": [q.reading.load.bit_depth / depth[0] for q in some]}
+    loads = [q.reading.load for q in some]
+    series: dict[str, list[Any]] = {
+        "depth": [q.bit_depth / depth[0] for q in loads],
+        "new": [True] * min(len(loads), 1),
+    }
+    series["new"] += [  # where a line begins anew: another operation, or far away
+        a.operation != b.operation or abs(a.bit_depth - b.bit_depth) > FAR for a, b in pairwise(loads)
+    ]
     charts = []
     for name, title, key in (
         ("hook_load", "Hook load", "hook_load"),

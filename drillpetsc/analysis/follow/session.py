@@ -237,7 +237,7 @@ class _Session:
         if math.isnan(moment):
             return ""
         if self.reader.start is None:
-            return duration(moment)
+            return str(timedelta(seconds=round(moment)))
         return (self.reader.start + timedelta(seconds=moment)).isoformat(timespec="seconds")
 
     # ------------------------------------------------------------------ files

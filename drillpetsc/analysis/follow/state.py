@@ -23,7 +23,7 @@ class State:
     """A number that is estimated.
 
     mean, sd: before any reading; walk: standard deviation of its change per square root of a metre [1/sqrt(m)].
-    length: along which it is forgotten [m], None for one that is kept.  The sizes are those of manual: tab-follow-states.
+    length: along which it is forgotten [m], None for one that is kept.  The sizes are those of manual: sec-follow-states.
     """
 
     name: str
