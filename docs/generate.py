@@ -409,8 +409,8 @@ OUTPUT_TABLES = {
     "outputs/summary-surge.md": ("summary.json of surge", "key"),
     "outputs/summary-roadmap.md": ("summary.json of roadmap", "key"),
     "outputs/summary-sensitivities.md": ("summary.json of sensitivities", "key"),
-    "outputs/summary-limits.md": ("summary.json of limits", "key"),
     "outputs/summary-uncertain.md": ("summary.json of uncertain", "key"),
+    "outputs/summary-limits.md": ("summary.json of limits", "key"),
     "outputs/summary-calibrate.md": ("summary.json of calibrate", "key"),
 }
 

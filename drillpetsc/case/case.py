@@ -7,12 +7,13 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from pydantic import PrivateAttr, ValidationError, model_validator
+from pydantic import PrivateAttr, ValidationError, field_validator, model_validator
 from pydantic_core import PydanticCustomError
 
 from drillpetsc.case.blocks.case_blocks import CaseBlocks
 from drillpetsc.case.changes import changed, text_of
 from drillpetsc.case.checks.case import check_case
+from drillpetsc.case.checks.spreads import spreads_in_si
 from drillpetsc.case.defaults import fill_case_defaults, fill_presence_defaults
 from drillpetsc.case.files.survey_file import FOLDER
 from drillpetsc.case.key_paths import check_plain, refuse
@@ -68,6 +69,12 @@ class Case(CaseBlocks):
             BARE_NUMBERS.reset(token)
             MESSAGES.reset(words)
         self._given = Given(_copied(keys), FOLDER.get())
+
+    @field_validator("uncertain", mode="before")
+    @classmethod
+    def _spreads_in_si(cls, value: Any) -> Any:
+        """Here, as the units of its keys are those of all blocks."""
+        return spreads_in_si(value)
 
     @model_validator(mode="after")
     def _check_and_fill(self) -> Case:

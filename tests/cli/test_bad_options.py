@@ -76,6 +76,7 @@ fluid: {density: 1100, flow_rate: 20 l/s, rheology: {model: newtonian, viscosity
 roadmap: {bit_depth: {from: 35, to: 40, step: 5}, friction_factor: {cased: 0.2, open_hole: 0.3}}
 initial: {wob: 1 kN}
 time: {end: 1 ms}
+uncertain: {fluid.density: {normal: [1100, 10]}}
 """
 LOG = "Bit Depth [m], Operation, HKLD [kN]\n35, POOH, 9\n40, POOH, 11\n"
 #: commands that take PETSc options and a case, with the words that they need; `study` is in test_study_cli
@@ -85,6 +86,7 @@ COMMANDS = {
     "sweep": "top.rotation=50,60 --out OUT --progress silent",
     "statics": "--out OUT",
     "sensitivities": "--to fluid.density --out OUT",
+    "uncertain": "--samples 20 --out OUT",
     "limits": "--out OUT",
     "roadmap": "--out OUT",
     "roadmap --model stiff": "--out OUT",
