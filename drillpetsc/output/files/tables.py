@@ -200,7 +200,7 @@ def _cell(value: object) -> str:
 
 
 def read_table(path: str | os.PathLike) -> dict[str, np.ndarray]:
-    """A table as {"wob [N]": (n,)}; a column of words becomes an array of str.
+    """A table as {"wob [N]": (n,)}; a column of words becomes an array of str.  Raises ValueError if the table is damaged.
 
     An incomplete last row, left by a run that was cut off or is just writing it, is left out.
     """
@@ -217,7 +217,16 @@ def read_table(path: str | os.PathLike) -> dict[str, np.ndarray]:
     if any(len(row) != len(titles) for row in body):
         raise ValueError(f"{path}: a row has not {len(titles)} values as the header has")
     columns = list(zip(*body, strict=True)) if body else [()] * len(titles)
-    return {title: _column(column) for title, column in zip(titles, columns, strict=True)}
+    return {title: _column(title, column, path) for title, column in zip(titles, columns, strict=True)}
+
+
+def read_numbers(path: str | os.PathLike) -> dict[str, np.ndarray]:
+    """A table that has numbers only, such as the histories of a run; ValueError if it has a word."""
+    table = read_table(path)
+    for title, values in table.items():
+        if values.dtype.kind == "U":
+            raise ValueError(f"{path}: {title}: wanted numbers in all rows")
+    return table
 
 
 def read_titles(path: str | os.PathLike) -> list[str]:
@@ -259,8 +268,11 @@ def _whole_rows(file: Iterable[str], count: int) -> Iterator[str]:
         yield last
 
 
-def _column(words: Sequence[str]) -> np.ndarray:
+def _column(title: str, words: Sequence[str], path: str | os.PathLike) -> np.ndarray:
+    """Numbers if all cells are; else words, which have no unit."""
     try:
         return np.array([float(word) for word in words])
-    except ValueError:
+    except ValueError as error:
+        if split_name(title)[1] not in ("", "-"):
+            raise ValueError(f"{path}: {title}: {error}") from None
         return np.array(words)

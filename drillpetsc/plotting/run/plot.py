@@ -27,7 +27,7 @@ from drillpetsc.output.files.run_folder import (
     SWEEP_TABLE,
     RunFolder,
 )
-from drillpetsc.output.files.tables import read_table, read_titles, split_name
+from drillpetsc.output.files.tables import read_numbers, read_table, read_titles, split_name
 from drillpetsc.output.files.vtk import read_frame
 from drillpetsc.plotting import style
 from drillpetsc.plotting.command.frequency import (
@@ -174,7 +174,7 @@ def _drawers(folder: RunFolder, units: System | None) -> dict[str, Callable[[], 
     summary = read_summary(folder.summary) if folder.summary.exists() else {}
     title = str(summary.get("title") or folder.path.name)
     drawers: dict[str, Callable[[], Any]] = {}
-    read = lru_cache(maxsize=1)(read_table)  # tables of long runs would not fit side by side
+    read = lru_cache(maxsize=1)(read_numbers)  # tables of long runs would not fit side by side
     if folder.history.exists():
         operation, numerics = grouped(read_titles(folder.history))
         drawers["history"] = lambda: _histories(read(folder.history), operation, f"{title}: histories")

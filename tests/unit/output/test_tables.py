@@ -14,7 +14,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from drillpetsc.output import Table, read_table, write_table
-from drillpetsc.output.files.tables import read_titles, rows_as_text
+from drillpetsc.output.files.tables import read_numbers, read_titles, rows_as_text
 from tests.helpers.tables import each_row
 
 COLUMNS = [("time", "s"), ("hook_load", "N"), ("newton", "-")]
@@ -211,3 +211,14 @@ def test_numbers_are_read_as_python_reads_them(tmp_path):
     path.write_text("a [N],b [-]\n1,2,3\n4,5,6\n")
     with pytest.raises(ValueError, match="a row has not 2 values"):
         read_table(path)
+
+
+def test_a_word_under_a_unit_is_damage_and_words_have_no_unit(tmp_path: Path) -> None:
+    file = tmp_path / "history.csv"
+    file.write_text("time [s],hook_load [N],state [-]\n0,1,drilling\n1,2,drilling\n")
+    assert list(read_table(file)["state [-]"]) == ["drilling", "drilling"]
+    with pytest.raises(ValueError, match="state"):
+        read_numbers(file)
+    file.write_text("time [s],hook_load [N],newton [-]\n0,1,3\n1,junk,3\n")
+    with pytest.raises(ValueError, match=r"history\.csv: hook_load \[N\].*junk"):
+        read_table(file)
