@@ -71,7 +71,8 @@ def run_uncertain(job: Job, question: Question) -> RunResult:
         found, kinks = _found(job, question, response, keys, draws)
     outputs, base = [response.outputs[i] for i in chosen], response.base[chosen]
     found = [_of(spread, chosen) for spread in found]
-    points = inside_band(case, outputs, found[0].quantiles)
+    band = len(question.levels) > 1
+    points = inside_band(case, outputs, found[0].quantiles) if band else []
     drawn = Drawn(case, question.levels, outputs, found, kinks, question.samples)
     rows = [
         row
