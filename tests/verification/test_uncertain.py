@@ -51,7 +51,7 @@ def sampled(case, samples, seed=1):
 def test_f5_at_2385_m():
     """Trip out and drilling torque of an independent prototype of the requirement: 1574, 1628, 1691 kN and 18.62, 22.05, 25.62 kN m.
 
-    The torque on bit measured there is 4.36 kN m.  The prototype had a simpler string: 1 % and 3 % are allowed, 5 % of the widths.
+    The torque on bit measured there is 4.36 kN m.  String and mean block weight of the prototype are not stated: 1 % and 3 % are allowed, 5 % of the widths.
     """
     case = f5(WELL, **{"roadmap.bit_depth": "2385 m", "roadmap.drilling.tob": "4.36 kN m"})
     keys, draws, response, values = sampled(case, 4000)
