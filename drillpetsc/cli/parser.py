@@ -15,18 +15,8 @@ from typing import Any, get_args, get_origin
 from drillpetsc import __version__, operations
 from drillpetsc.errors import CaseError, DrillError, SolveError
 from drillpetsc.operations.operation import RENAMED_OPTIONS, Mark, Operation, Option
+from drillpetsc.operations.shell import EPILOG, EXIT_STATUS
 from drillpetsc.parallel import report_error, report_interrupt
-
-EXIT_STATUS = (
-    "Exit status: 0 done, 1 the run failed (what was written is kept), 2 bad input (nothing written)."
-)
-EPILOG = f"""Words that start with a dash and are PETSc options go to PETSc: -ts_rtol 1e-5 -ts_monitor -log_view ...
-The time integrator is TS BDF with the condensed Newton solver (prefix q_): -ts_rtol (default 1e-4, relative to the usual size
-of each unknown), -ts_bdf_order, -ts_dt, -ts_adapt_type none, -q_snes_stol, -q_snes_linesearch_type bt, -q_pc_type lu ...;
-Newton also goes on while what it leaves does more work than -drillpetsc_newton_work (default 1e-3) of the power exchanged;
--ts_type alpha2 is generalised-alpha (time.integrator) with -ts_alpha_radius; -snes_type newtonls solves the whole assembled
-system instead, -ts_type arkimex, theta integrate it.
-{EXIT_STATUS}"""
 
 _NEGATIVE = re.compile(r"-\.?\d")  # a number below zero, with or without a unit: no option begins so
 _CASE_KEY = re.compile(r"[A-Za-z_]\w*(\[\d+\]|\.\w+)*\s*=")  # KEY=..., which is no value of a PETSc option

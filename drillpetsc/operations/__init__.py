@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
+from drillpetsc.operations import shell
 from drillpetsc.operations.cases import Catalogue, Check, Import, ImportLog, Schema
-from drillpetsc.operations.completion import Completion
 from drillpetsc.operations.flow import Hydraulics, Surge
 from drillpetsc.operations.linear import Campbell, Fmu, Linearise, Modes, Response, Stability, TopDrive
 from drillpetsc.operations.loads import (
@@ -20,6 +20,7 @@ from drillpetsc.operations.operation import RENAMED_OPTIONS as RENAMED_OPTIONS
 from drillpetsc.operations.operation import Operation
 from drillpetsc.operations.pictures import Export, Paraview, Plot, Report, Serve, Vibration, View
 from drillpetsc.operations.runs import Run, Study, Sweep
+from drillpetsc.operations.shell import Completion, Man
 
 #: in the order in which the help lists them
 OPERATIONS: list[type[Operation]] = [
@@ -28,6 +29,6 @@ OPERATIONS: list[type[Operation]] = [
     *(Statics, Hydraulics, Surge, Roadmap, Limits, Freepoint, Calibrate, Follow, Sensitivities, Uncertain),
     *(Modes, Campbell, Stability, Response, Linearise, Fmu, TopDrive),
     *(View, Paraview, Plot, Serve, Vibration, Report, Export),
-    Completion,
+    *(Completion, Man),
 ]
-Completion.offered = OPERATIONS
+shell.OFFERED += OPERATIONS
