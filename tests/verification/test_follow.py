@@ -229,3 +229,25 @@ def test_until_a_depth_then_on_and_a_log_without_rows(case, tmp_path):
     (tmp_path / "empty.csv").write_text(lines[0] + "\n")
     with pytest.raises(CaseError, match="no row"):
         drillpetsc.follow(CASE, tmp_path / "none", log=str(tmp_path / "empty.csv"))
+
+
+def test_a_dead_sensor_is_left_out(case, tmp_path):
+    """Hook load, torque and pump pressure that read zero for 20 m teach nothing, raise no alarm, and are told once each."""
+    lines = planted_log(case, tmp_path / "rig.csv")
+    lines = lines[: 1 + 4 * 49]  # above the planted rise of friction
+    whole = drillpetsc.follow(CASE, tmp_path / "whole", log=_written(tmp_path / "whole.csv", lines))
+    for k in range(100, 180):
+        cells = lines[k].split(",")
+        cells[1] = cells[2] = "0"
+        lines[k] = ",".join(cells)
+    dead = drillpetsc.follow(CASE, tmp_path / "dead", log=_written(tmp_path / "dead.csv", lines))
+    assert [q.split(" was zero")[0] for q in dead.summary["warnings"]] == ["hook load", "torque"]
+    # the readings above and below the gap determine the estimate as the whole log does, within its uncertainty
+    for name, found in whole.summary["estimate"].items():
+        assert abs(dead.summary["estimate"][name]["mean"] - found["mean"]) < 1.5 * found["sd"], name
+    assert not any("weight lost" in alarm["kind"] for alarm in dead.summary["alarms"])
+
+
+def _written(path, lines) -> str:
+    path.write_text("\n".join(lines) + "\n")
+    return str(path)

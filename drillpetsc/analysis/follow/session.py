@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import math
 import time
+from collections import Counter
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from datetime import UTC, datetime, timedelta
@@ -41,6 +42,8 @@ SLIPS_NOISE = 6e3  # standard error of the weight in slips: the scatter from one
 INSIDE = 1.645  # standard deviations of a 90 % band
 KEPT_ALARMS = 200
 
+#: what runs if the reading is not zero
+_WITH = {"torque": "rpm", "pump_pressure": "flow_rate"}
 _READINGS = (("hook_load", "N"), ("torque", "N m"), ("pump_pressure", "Pa"))
 
 
@@ -90,6 +93,7 @@ class _Session:
         self.alarms: list[dict[str, Any]] = []
         self.score = {name: _Score() for name, _ in _READINGS}
         self.feed, self.rows, self.finished = "running", 0, False
+        self.dead: Counter[str] = Counter()  # updates in which a reading was zero
         self.last_row = self.last_written = time.monotonic()
         self.clock: tuple[float, float] | None = None  # (wall time, log time) of the first row that is paced
         self.folder: RunFolder | None = None
@@ -206,11 +210,15 @@ class _Session:
             self.table.writerow(self._row(update))
 
     def _reading(self, point: Point, moment: float) -> Reading:
-        values = point.values
+        values = self._live(point.values)
         if point.operation == SLIPS:
             scatter = max(point.scatter["hook_load"], SLIPS_NOISE)
             return Reading(
-                Load(SLIPS, point.bit_depth), moment, values["hook_load"], math.nan, hook_scatter=scatter
+                Load(SLIPS, point.bit_depth),
+                moment,
+                values.get("hook_load", math.nan),
+                math.nan,
+                hook_scatter=scatter,
             )
         own = load_of(self.case, plan_of(self.case), point.operation)
         speed = abs(own.axial_velocity) if math.isnan(point.speed) else point.speed
@@ -227,6 +235,13 @@ class _Session:
             values.get("pump_pressure", math.nan), point.scatter.get("hook_load", 0.0), point.scatter.get("torque", 0.0),
             "torque_downhole" in values,
         )  # fmt: skip
+
+    def _live(self, values: dict[str, float]) -> dict[str, float]:
+        """The readings without those of dead sensors: zero in the middle of a row's readings is no load of a string."""
+        dead = [name for name in ("hook_load", "torque", "pump_pressure") if values.get(name) == 0.0]
+        dead = [name for name in dead if name == "hook_load" or values.get(_WITH[name], 0.0) != 0.0]
+        self.dead.update(dead)
+        return {name: value for name, value in values.items() if name not in dead}
 
     def _corrected_weight(self, point: Point) -> float:
         """Weight on bit in place of that read: of its zero, and of the pressure drop of the bit."""
@@ -317,7 +332,7 @@ class _Session:
             "log": self.choices.log, "feed": self.feed, "written": datetime.now(UTC).isoformat(timespec="seconds"),
             "estimate": self._estimate(), "alarms": self.alarms, "position": self.position if self.finished else self.reader.position(),
             "skip": self.since_position if self.finished else 0, "rows": self.rows,
-            "titles": self.reader.titles, "score": {name: q.__dict__ for name, q in self.score.items()},
+            "titles": self.reader.titles, "dead": dict(self.dead), "score": {name: q.__dict__ for name, q in self.score.items()},
             "growing": self.growing.saved(), "follower": self.follower.saved(),
         }  # fmt: skip
 
@@ -353,7 +368,7 @@ class _Session:
         self.growing = GrowingLog(weigh, self.block, self.choices.every, saved["titles"])
         self.growing.restore(saved["growing"])
         self.follower.restore(saved["follower"])
-        self.rows, self.alarms = saved["rows"], saved["alarms"]
+        self.rows, self.alarms, self.dead = saved["rows"], saved["alarms"], Counter(saved["dead"])
         self.score = {name: _Score(**values) for name, values in saved["score"].items()}
         table = self.folder.path / FOLLOW_TABLE
         lines = table.read_text(encoding="utf-8").splitlines(keepends=True)
@@ -377,7 +392,10 @@ class _Session:
 
     def _warnings(self) -> list[str]:
         if self.follower.number:
-            return []
+            return [
+                f"{name.replace('_', ' ')} was zero in {count} updates, which were left out: a dead sensor?"
+                for name, count in self.dead.items()
+            ]
         return ["no row was used: the log shows neither drilling, trips, rotation off bottom nor slips"]
 
     def _lines(self, summary: dict[str, Any]) -> list[str]:
@@ -418,11 +436,11 @@ class _Score:
 
     def add(self, reading: float, forecast: float, sd: float, last: float) -> None:
         self.n += 1
-        self.square += ((reading - forecast) / reading) ** 2
+        self.square += _relative(reading, forecast) ** 2
         self.inside += abs(reading - forecast) <= INSIDE * sd
         if math.isfinite(last):
             self.last_n += 1
-            self.last_square += ((reading - last) / reading) ** 2
+            self.last_square += _relative(reading, last) ** 2
 
     def figures(self) -> dict[str, float]:
         last = math.sqrt(self.last_square / self.last_n) if self.last_n else math.nan
@@ -432,6 +450,12 @@ class _Score:
             "inside_90": self.inside / self.n,
             "rms_of_last_value": last,
         }
+
+
+def _relative(reading: float, wanted: float) -> float:
+    """Difference over the reading; over ``wanted`` if the reading is zero, as the torque of a string that does not turn."""
+    size = abs(reading) or abs(wanted)
+    return (reading - wanted) / size if size else 0.0
 
 
 def _percent(value: float) -> str:
