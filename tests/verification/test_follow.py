@@ -251,3 +251,19 @@ def test_a_dead_sensor_is_left_out(case, tmp_path):
 def _written(path, lines) -> str:
     path.write_text("\n".join(lines) + "\n")
     return str(path)
+
+
+def test_impossible_readings_are_left_out_and_told(case, tmp_path):
+    """A rotation of 1500 rpm for 5 m: no update there, and one warning; `calibrate --log` refuses them by name."""
+    lines = planted_log(case, tmp_path / "rig.csv")[:200]
+    for k in range(100, 120):
+        lines[k] = lines[k].replace(",150,", ",1500,")
+    log = _written(tmp_path / "fast.csv", lines)
+    found = drillpetsc.follow(CASE, tmp_path / "out", log=log)
+    assert (
+        len(found.summary["warnings"]) == 1
+        and "beyond what a rig can have in" in found.summary["warnings"][0]
+    )
+    with pytest.raises(CaseError, match="rpm") as error:
+        drillpetsc.calibrate(CASE, tmp_path / "fit", log=log)
+    assert "bit depth" in str(error.value)

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from pydantic import ValidationError
 
 from drillpetsc.analysis.commands.doubts import Imported
 from drillpetsc.analysis.loads.torque_drag.string_rows import need_well, rows_at
@@ -152,7 +153,10 @@ def points_of_log(file: str, case: Case, every: str | None) -> tuple[MeasuredPoi
 
 
 def measured_point(point: Point) -> MeasuredPoint:
-    """A point of a log as one of a case; a reading that a case does not have is left out."""
+    """A point of a log as one of a case; a reading that a case does not have is left out.
+
+    Raises CaseError if a reading is outside of what a case allows.
+    """
     names = {
         "hook_load": "hook_load",
         "torque": "torque",
@@ -164,9 +168,16 @@ def measured_point(point: Point) -> MeasuredPoint:
     keys = {key: InSI(max(point.values[name], 0.0)) for name, key in names.items() if name in point.values}
     if point.speed == point.speed:
         keys["speed"] = InSI(point.speed)
-    return MeasuredPoint.model_validate(
-        {"bit_depth": InSI(point.bit_depth), "operation": point.operation, **keys}
-    )
+    try:
+        return MeasuredPoint.model_validate(
+            {"bit_depth": InSI(point.bit_depth), "operation": point.operation, **keys}
+        )
+    except ValidationError as error:
+        name = str(error.errors()[0]["loc"][0])
+        got = f"{float(keys[name]):g} in SI" if name in keys else "no value"
+        want = f"readings that a rig can have; at bit depth {point.bit_depth:.1f} m, {point.operation}, this is none"
+        hint = "leave these rows out, or name the unit of the column with --map"
+        raise CaseError(at=name, got=got, want=want, hint=hint) from None
 
 
 # ---------------------------------------------------------------------- files

@@ -93,7 +93,7 @@ class _Session:
         self.alarms: list[dict[str, Any]] = []
         self.score = {name: _Score() for name, _ in _READINGS}
         self.feed, self.rows, self.finished = "running", 0, False
-        self.dead: Counter[str] = Counter()  # updates in which a reading was zero
+        self.dead: Counter[str] = Counter()  # updates with impossible readings, by what they were
         self.last_row = self.last_written = time.monotonic()
         self.clock: tuple[float, float] | None = None  # (wall time, log time) of the first row that is paced
         self.folder: RunFolder | None = None
@@ -195,7 +195,12 @@ class _Session:
 
     def _points(self, points: list[tuple[Point, float]]) -> None:
         for point, moment in points:
-            update = self.follower.see(self._reading(point, moment))
+            try:
+                reading = self._reading(point, moment)
+            except CaseError:
+                self.dead["a reading was beyond what a rig can have"] += 1
+                continue
+            update = self.follower.see(reading)
             self.updates.append(update)
             del self.updates[:-4000]
             for alarm in update.alarms:
@@ -240,7 +245,7 @@ class _Session:
         """The readings without those of dead sensors: zero in the middle of a row's readings is no load of a string."""
         dead = [name for name in ("hook_load", "torque", "pump_pressure") if values.get(name) == 0.0]
         dead = [name for name in dead if name == "hook_load" or values.get(_WITH[name], 0.0) != 0.0]
-        self.dead.update(dead)
+        self.dead.update(f"{name.replace('_', ' ')} was zero" for name in dead)
         return {name: value for name, value in values.items() if name not in dead}
 
     def _corrected_weight(self, point: Point) -> float:
@@ -393,8 +398,8 @@ class _Session:
     def _warnings(self) -> list[str]:
         if self.follower.number:
             return [
-                f"{name.replace('_', ' ')} was zero in {count} updates, which were left out: a dead sensor?"
-                for name, count in self.dead.items()
+                f"{what} in {count} updates, where it was left out: a dead sensor, or another unit?"
+                for what, count in self.dead.items()
             ]
         return ["no row was used: the log shows neither drilling, trips, rotation off bottom nor slips"]
 
