@@ -165,7 +165,7 @@ class BlockState:
     def block_rows(self, bound: BoundBlock, t: float) -> FloatArray:
         """Compute the residual rows (n, d) of each element of one block at x, y, a and time ``t`` [s]."""
         if bound.block.update:
-            bound.block.update(t)
+            bound.update_parameters(t)
         rows, size = np.empty((bound.count, bound.width)), bound.count * bound.width
         if size > len(self._separate):  # one copy of the unknowns for every element
             self._separate, self._work = np.arange(size, dtype=np.int32), np.empty(3 * size)
