@@ -6,30 +6,15 @@ import io
 
 import pytest
 
-from drillpetsc.output import progress
 from drillpetsc.output.progress import counted
+from tests.unit.output.test_progress import Clock, Terminal, clock
+
+__all__ = ["clock"]  # the fixture
 
 
-class Clock:
-    """Time that passes only where the test says so [s]."""
-
-    now = 100.0
-
-    def monotonic(self) -> float:
-        return self.now
-
-
-class Terminal(io.StringIO):
-    def isatty(self) -> bool:
-        return True
-
-
-@pytest.fixture
-def clock(monkeypatch: pytest.MonkeyPatch) -> Clock:
-    made = Clock()
-    monkeypatch.setattr(progress, "time", made)
+@pytest.fixture(autouse=True)
+def _terminal(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("TERM", "xterm")
-    return made
 
 
 def work(clock: Clock, seconds: float, count: int, rank: int, stream: io.StringIO) -> str:
