@@ -46,7 +46,7 @@ def _bands(table: dict[str, np.ndarray], summary: dict[str, Any], title: str, sy
         size, word = shown_unit(name, str(table["output_unit"][rows][0]), system, plot=True)
         for operation, (text, color) in OPERATIONS.items():
             mine = rows & (outputs == f"{operation}.{name}") & (table["method"] == table["method"][0])
-            if mine.any():
+            if np.any(np.asarray(table["quantile"], dtype=float)[mine] != 0.0):  # a trip has no torque
                 _band(axes, table, mine, levels, (size, length), text, color)
             for point in summary["measured"]:
                 if (point["operation"], point["output"]) == (operation, name):
