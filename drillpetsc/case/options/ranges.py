@@ -99,7 +99,8 @@ def _number(word: str, quantity: Quantity, at: str, example: str, units: System)
     except UnitError as error:
         raise CaseError(at=at, got=word, want=error.want, hint=error.hint) from None
     if not quantity.inside(value):
-        hint = f"a bare number is in {own}; such as {example}" if bare else quantity.why
+        unit = f"a bare number is in {own}; " if own else ""
+        hint = f"{unit}such as {example}" if bare else quantity.why
         raise CaseError(at=at, got=word, want=f"a number {quantity.allowed()}", hint=hint)
     return value
 
