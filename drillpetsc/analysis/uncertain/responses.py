@@ -183,7 +183,9 @@ class HydraulicsResponse:
     def __init__(self, case: Case, keys: Sequence[Uncertain]) -> None:
         for key in keys:
             if key.key is None:
-                raise CaseError(at=f"uncertain.{key.name}", want="--analysis roadmap: hydraulics has no weights")
+                raise CaseError(
+                    at=f"uncertain.{key.name}", want="--analysis roadmap: hydraulics has no weights"
+                )
         self._case, self._keys, self._solution = case, keys, SteadyHydraulics(case)
         self.outputs, self.base = self._solution.outputs, self._solution.found.values
         self.notes = self._solution.notes
