@@ -109,7 +109,7 @@ class Follower:
         self.number, self.moved, self.depth = 0, 0.0, np.nan
         self._past: deque[_Past] = deque()
         self._suspect_from = np.nan
-        self._end = float(case.given_well.survey.md[-1])
+        self.end = float(case.given_well.survey.md[-1])
 
     def see(self, row: Reading) -> Update:
         """Take a row.  Raises CaseError for a depth at which the case has no string."""
@@ -152,6 +152,7 @@ class Follower:
             name: Error(float(values[k]), float(seen.mean[k]), float(sd[k]))
             for k, name in enumerate(("hook_load", "torque"))
             if self._readable(row)[k]
+            and np.isfinite(seen.mean[k])  # nan: a string that cannot bear its weight on bit
         }
         pressure = self.pressure.error(
             row.pump_pressure, row.load.flow, past.values.get("pressure_level"), distance
@@ -165,7 +166,7 @@ class Follower:
         """Forecast for the same operation one stand on; the bit keeps its weight and torque."""
         load = row.load
         depth = load.bit_depth + (-STAND if load.operation in ("trip_out", "backreaming") else STAND)
-        if load.operation == SLIPS or not 0 < depth <= self._end + 1e-6:
+        if load.operation == SLIPS or not 0 < depth <= self.end + 1e-6:
             return None
         wob, tob = load.wob, load.torque_on_bit
         if load.on_bottom:

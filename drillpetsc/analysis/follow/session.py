@@ -41,6 +41,11 @@ STOPPED_AFTER = 60.0  # seconds without a row after which the feed has stopped
 SLIPS_NOISE = 6e3  # standard error of the weight in slips: the scatter from one connection to the next [N]
 INSIDE = 1.645  # standard deviations of a 90 % band
 KEPT_ALARMS = 200
+ZERO = "was zero, as of a dead sensor, and was left out"
+BEYOND = "a reading was beyond what a rig can have, and the row was left out: another unit?"
+BELOW = (
+    "the bit was below the end of the case's hole, and the row was left out: extend well.survey to the bit"
+)
 
 #: what runs if the reading is not zero
 _WITH = {"torque": "rpm", "pump_pressure": "flow_rate"}
@@ -93,7 +98,9 @@ class _Session:
         self.alarms: list[dict[str, Any]] = []
         self.score = {name: _Score() for name, _ in _READINGS}
         self.feed, self.rows, self.finished = "running", 0, False
-        self.dead: Counter[str] = Counter()  # updates with impossible readings, by what they were
+        self.unused: Counter[str] = (
+            Counter()
+        )  # points that were left out, or a reading of them, by the reason
         self.last_row = self.last_written = time.monotonic()
         self.clock: tuple[float, float] | None = None  # (wall time, log time) of the first row that is paced
         self.folder: RunFolder | None = None
@@ -195,10 +202,13 @@ class _Session:
 
     def _points(self, points: list[tuple[Point, float]]) -> None:
         for point, moment in points:
+            if point.bit_depth > self.follower.end + 1e-6:
+                self.unused[BELOW] += 1
+                continue
             try:
                 reading = self._reading(point, moment)
             except CaseError:
-                self.dead["a reading was beyond what a rig can have"] += 1
+                self.unused[BEYOND] += 1
                 continue
             update = self.follower.see(reading)
             self.updates.append(update)
@@ -245,7 +255,7 @@ class _Session:
         """The readings without those of dead sensors: zero in the middle of a row's readings is no load of a string."""
         dead = [name for name in ("hook_load", "torque", "pump_pressure") if values.get(name) == 0.0]
         dead = [name for name in dead if name == "hook_load" or values.get(_WITH[name], 0.0) != 0.0]
-        self.dead.update(f"{name.replace('_', ' ')} was zero" for name in dead)
+        self.unused.update(f"{name.replace('_', ' ')} {ZERO}" for name in dead)
         return {name: value for name, value in values.items() if name not in dead}
 
     def _corrected_weight(self, point: Point) -> float:
@@ -337,7 +347,7 @@ class _Session:
             "log": self.choices.log, "feed": self.feed, "written": datetime.now(UTC).isoformat(timespec="seconds"),
             "estimate": self._estimate(), "alarms": self.alarms, "position": self.position if self.finished else self.reader.position(),
             "skip": self.since_position if self.finished else 0, "rows": self.rows,
-            "titles": self.reader.titles, "dead": dict(self.dead), "score": {name: q.__dict__ for name, q in self.score.items()},
+            "titles": self.reader.titles, "unused": dict(self.unused), "score": {name: q.__dict__ for name, q in self.score.items()},
             "growing": self.growing.saved(), "follower": self.follower.saved(),
         }  # fmt: skip
 
@@ -373,7 +383,7 @@ class _Session:
         self.growing = GrowingLog(weigh, self.block, self.choices.every, saved["titles"])
         self.growing.restore(saved["growing"])
         self.follower.restore(saved["follower"])
-        self.rows, self.alarms, self.dead = saved["rows"], saved["alarms"], Counter(saved["dead"])
+        self.rows, self.alarms, self.unused = saved["rows"], saved["alarms"], Counter(saved["unused"])
         self.score = {name: _Score(**values) for name, values in saved["score"].items()}
         table = self.folder.path / FOLLOW_TABLE
         lines = table.read_text(encoding="utf-8").splitlines(keepends=True)
@@ -397,10 +407,7 @@ class _Session:
 
     def _warnings(self) -> list[str]:
         if self.follower.number:
-            return [
-                f"{what} in {count} updates, where it was left out: a dead sensor, or another unit?"
-                for what, count in self.dead.items()
-            ]
+            return [f"in {count} rows of the estimate {what}" for what, count in self.unused.items()]
         return ["no row was used: the log shows neither drilling, trips, rotation off bottom nor slips"]
 
     def _lines(self, summary: dict[str, Any]) -> list[str]:

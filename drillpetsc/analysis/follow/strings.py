@@ -111,7 +111,7 @@ class Strings:
     def _mud(self, load: Load, edges: FloatArray) -> tuple[FloatArray | None, float]:
         """(lift per length (k,) [N/m] in the steps between ``edges``, None without any; thrust of the jets [N])."""
         if (
-            not load.flow
+            not load.flow > 0  # a sensor may read a little below zero
             or self.case.fluid is None
             or not self.case.has_bore
             or load.operation.startswith("trip")
