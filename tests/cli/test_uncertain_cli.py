@@ -91,3 +91,14 @@ def test_refusals(tmp_path, line, said):
     done = drillpetsc("uncertain", "small.yaml", "--samples", "20", cwd=tmp_path)
     assert done.returncode == 2, done.stdout
     assert said in done.stderr
+
+
+def test_too_few_samples_for_the_numbers(tmp_path):
+    """Eleven sections with friction of their own: 20 samples cannot be ordered without correlations of their own."""
+    one = "{kind: open_hole, diameter: 215.9 mm, friction: 0.25}"
+    eleven = ", ".join(one.replace("{", f"{{to: {90 * (k + 1)} m, ") for k in range(10)) + ", " + one
+    keys = "".join(f"  well.sections[{k}].friction: {{normal: [0.25, 0.01]}}\n" for k in range(11))
+    (tmp_path / "small.yaml").write_text(CASE.replace(one, eleven) + ROADMAP + "uncertain:\n" + keys)
+    done = drillpetsc("uncertain", "small.yaml", "--samples", "20", cwd=tmp_path)
+    assert done.returncode == 2 and "at least 22" in done.stderr
+    assert drillpetsc("uncertain", "small.yaml", "--samples", "22", cwd=tmp_path).returncode == 0

@@ -62,6 +62,9 @@ def run_uncertain(job: Job, question: Question) -> RunResult:
         correlation = correlation_of(names, spreads)
     except ValueError as error:
         raise CaseError(at="uncertain", want=f"one correlation of each pair of keys: {error}") from None
+    if question.samples < 2 * len(keys):  # fewer cannot be freed of correlations of their own
+        want = f"at least {2 * len(keys)}, twice the count of uncertain numbers"
+        raise CaseError(at="--samples", got=question.samples, want=want)
     draws = draw(spreads, correlation, question.samples, question.seed)
     with options_of(case):
         kind = HydraulicsResponse if question.analysis == "hydraulics" else RoadmapResponse
