@@ -3189,7 +3189,7 @@ def follow(
     case: a Case, or the path of a case file
     out: run folder (default: results/<case>-NNN)
     log: the rig's log: a text table, which may grow, or - for standard input; LAS, xlsx, WITSML
-    map: the column of a channel, as of import log; may be given several times
+    map: the title of the column that holds a channel, and its unit, as in import log; may be given several times
     prior: what is known of a state beforehand, such as cased=0.2+-0.02; may be given several times
     every: length of a row while drilling (default: 1 m)
     pace: replay a log by time X times as fast as it was recorded (default: as fast as rows come)

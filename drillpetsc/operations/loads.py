@@ -300,7 +300,7 @@ class Follow(FolderOperation):
     map: Annotated[
         tuple[str, ...],
         "CHANNEL=TITLE:UNIT",
-        "the column of a channel, as of import log; may be given several times",
+        "the title of the column that holds a channel, and its unit, as in import log; may be given several times",
     ] = ()
     prior: Annotated[
         tuple[str, ...],

@@ -36,7 +36,10 @@ class PressureTrack:
         self.variance *= 1 - gain
 
     def error(self, pressure: float, flow: float, before: float | None, distance: float) -> Error | None:
-        """A pressure [Pa] beside that of the level ``before``, a distance [m] before; None without either."""
+        """A pump pressure [Pa] and its forecast from the level ``before``, which was estimated ``distance`` [m] earlier.
+
+        None if there was no level, pressure or flow.
+        """
         if before is None or np.isnan(before) or not (pressure > 0 and flow > 0):
             return None
         forecast = float(np.exp(before + EXPONENT * np.log(flow)))

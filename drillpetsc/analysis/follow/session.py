@@ -252,7 +252,7 @@ class _Session:
         )  # fmt: skip
 
     def _live(self, values: dict[str, float]) -> dict[str, float]:
-        """The readings without those of dead sensors: zero in the middle of a row's readings is no load of a string."""
+        """The readings without those of dead sensors: a string on the hook has a weight, and one that turns has a torque."""
         dead = [name for name in ("hook_load", "torque", "pump_pressure") if values.get(name) == 0.0]
         dead = [name for name in dead if name == "hook_load" or values.get(_WITH[name], 0.0) != 0.0]
         self.unused.update(f"{name.replace('_', ' ')} {ZERO}" for name in dead)
