@@ -294,8 +294,9 @@ class Follow(FolderOperation):
 
     log: Annotated[
         str,
-        "FILE|-",
-        "the rig's log: a text table, which may grow, or - for standard input; LAS, xlsx, WITSML",
+        "FILE|-|wits:HOST:PORT",
+        "the rig's log: a text table, which may grow; - for standard input; LAS, xlsx, WITSML; a server of WITS level 0, "
+        "metric, or in feet and pounds with :fps",
     ]
     map: Annotated[
         tuple[str, ...],
@@ -320,7 +321,7 @@ class Follow(FolderOperation):
         Numbers,
         number("s", "10 min", at_least=0, at_most=1e7),
         "TIME",
-        "how long to wait for new rows at the end of a file (default: not at all)",
+        "how long to wait for new rows at the end of a file, or for a WITS server that has closed (default: not at all)",
     ] = "0 s"
     until: Annotated[
         str | None,

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import json
 import os
+import socket
 import subprocess
 import sys
+import threading
 import time
 
 import pytest
@@ -106,3 +108,92 @@ def test_a_missing_block_weight_and_a_missing_log(folder, capsys):
     assert "rig.block_weight" in capsys.readouterr().err
     assert main([*words, str(folder / "none.csv")]) == 2
     assert "--log" in capsys.readouterr().err and not (folder / "no").exists()
+
+
+def frames(system: str) -> list[str]:
+    """The same trip as WITS frames: record 1 each 5 s, and record 9 of the same moment; units of IADC's specification."""
+    foot, klbf, kdan = 0.3048, 4.4482216152605, 10.0
+    length, force = (1.0, kdan) if system == "metric" else (foot, klbf)
+    out = []
+    for line in lines()[1:]:
+        t, depth, hole, hook, torque, rpm, flow = map(float, line.split(","))
+        clock = f"{int(t) // 3600:02d}{int(t) // 60 % 60:02d}{int(t) % 60:02d}"
+        out += [
+            "&&",
+            "0101WELL",
+            "0105261127",
+            f"0106{clock}",
+            f"0108{depth / length}",
+            f"0110{hole / length}",
+        ]
+        out += [f"0114{hook / force}", f"0118{torque}", f"0120{rpm}", f"0130{flow}", "!!"]
+        out += ["noise of the line", "&&", f"0917{0.0}", "!!"]
+    return out
+
+
+@pytest.fixture
+def server():
+    """A function that serves texts, one a connection, at a port of this machine; pieces end anywhere."""
+    listener = socket.create_server(("127.0.0.1", 0))
+
+    def serve(*texts: str) -> int:
+        def run() -> None:
+            for text in texts:
+                connection = listener.accept()[0]
+                with connection:
+                    data = text.encode()
+                    for i in range(0, len(data), 1777):
+                        connection.sendall(data[i : i + 1777])
+
+        threading.Thread(target=run, daemon=True).start()
+        return listener.getsockname()[1]
+
+    yield serve
+    listener.close()
+
+
+@pytest.mark.parametrize("system", ["metric", "fps"])
+def test_wits_frames_give_what_the_file_gives(folder, server, system):
+    """The feed breaks in the middle of a frame, and the server repeats its last ten minutes: each row counts once."""
+    case, rows = str(folder / "case.yaml"), frames(system)
+    cut = rows.index("!!", len(rows) // 2) - 3
+    port = server("\r\n".join(rows[:cut]), "\r\n".join(rows[cut - 1500 :]) + "\r\n")
+    main(["follow", case, "--log", str(folder / "rig.csv"), "--out", str(folder / "file")])
+    name = f"wits:127.0.0.1:{port}" + (":fps" if system == "fps" else "")
+    assert main(["follow", case, "--log", name, "--wait", "4 s", "--out", str(folder / "wits")]) == 0
+    table, other = (read_table(folder / q / "follow.csv") for q in ("file", "wits"))
+    assert (table["operation [-]"] == other["operation [-]"]).all()
+    for name in ("hook_load [N]", "cased [-]", "block_weight [N]", "time [s]"):
+        assert other[name] == pytest.approx(table[name], rel=1e-6, nan_ok=True), name
+    left = json.loads((folder / "wits" / "summary.json").read_text())["rows_left_out"]
+    assert set(left) == {"rows older than the row before"}
+
+
+def test_a_wits_feed_in_other_units_and_a_server_that_is_not_there(folder, server, capsys):
+    case, out = str(folder / "case.yaml"), str(folder / "no")
+    port = server("\r\n".join(frames("fps")) + "\r\n")
+    assert main(["follow", case, "--log", f"wits:127.0.0.1:{port}", "--out", out]) == 2
+    assert "feet" in capsys.readouterr().err
+    free = socket.create_server(("127.0.0.1", 0))
+    gone = free.getsockname()[1]
+    free.close()
+    for name, said in (
+        (f"wits:127.0.0.1:{gone}", "WITS server"),
+        ("wits:rig", "wits:HOST:PORT"),
+        ("wits:rig:99999", "WITS"),
+    ):
+        assert main(["follow", case, "--log", name, "--out", out]) == 2
+        assert said in capsys.readouterr().err
+    assert not (folder / "no").exists()
+
+
+def test_wits_frames_without_a_clock(folder, server):
+    """The rows have the time of their arrival, and the summary says so."""
+    rows = [q for q in frames("metric") if not q.startswith(("0105", "0106"))]
+    port = server("\r\n".join(rows) + "\r\n")
+    out = folder / "out"
+    assert (
+        main(["follow", str(folder / "case.yaml"), "--log", f"wits:127.0.0.1:{port}", "--out", str(out)]) == 0
+    )
+    notes = json.loads((out / "summary.json").read_text())["notes"]
+    assert any("time of their arrival" in q for q in notes)

@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 import os
+import re
 import select
+import socket
+import time
 from collections.abc import Mapping
 from datetime import datetime
 from pathlib import Path
@@ -14,8 +17,14 @@ import numpy as np
 from drillpetsc.errors import CaseError
 from drillpetsc.logs.log import Log, read_log
 from drillpetsc.logs.stream import LogStream
+from drillpetsc.logs.wits import SYSTEMS, WitsFrames
 
 CHUNK = 1 << 16  # bytes of a file that are read at a time
+CONNECTED_WITHIN = 10.0  # seconds until a WITS server must have answered
+TRIED_EACH = 2.0  # seconds between attempts to connect again
+_WITS = re.compile(
+    rf"wits:(?P<host>\[[^]]+\]|[^:\[\]]+):(?P<port>\d{{1,5}})(:(?P<units>{'|'.join(SYSTEMS)}))?"
+)
 WHOLE_FILES = (".las", ".xlsx", ".xlsm", ".xml")  # kinds that are not written line by line
 
 
@@ -23,7 +32,7 @@ class Reader(Protocol):
     """Where rows come from: SI, in order of time or depth, each once.
 
     titles: channel -> title of its column, once the headings are known; start: clock time of the first row.
-    left_out: reason -> rows that could not be used; ended: whether nothing can follow.
+    left_out: reason -> rows that could not be used; remarks: what was assumed about columns and clock; ended: whether nothing can follow.
     """
 
     ended: bool
@@ -37,6 +46,9 @@ class Reader(Protocol):
     @property
     def left_out(self) -> Mapping[str, int]: ...
 
+    @property
+    def remarks(self) -> tuple[str, ...]: ...
+
     def read(self) -> Log | None:
         """The next rows; None if there are none at the moment."""
 
@@ -47,26 +59,15 @@ class Reader(Protocol):
         """Continue where another process stopped."""
 
 
-class TextReader:
-    """Lines of a text table: of a file that may grow, or of standard input (``-``).
+class _Lines:
+    """Bytes of a source as lines, and lines as rows; a line that is half written waits for its end."""
 
-    waits: whether rows may follow after the end of the file.
-    """
+    ended = False
 
-    def __init__(self, name: str, mapping: dict[str, tuple[str, str]], waits: bool) -> None:
-        self.name, self.waits, self.ended = name, waits, False
-        self.stream = LogStream("standard input" if name == "-" else name, mapping)
+    def __init__(self, source: str, mapping: dict[str, tuple[str, str]]) -> None:
+        self.stream = LogStream(source, mapping)
         self._rest = b""
         self._encoding = "utf-8-sig"
-        if name == "-":
-            self._file = 0
-            return
-        if not Path(name).is_file():
-            raise CaseError(at="--log", got=name, want="a log that exists, or - for standard input")
-        try:
-            self._file = os.open(name, os.O_RDONLY)
-        except OSError as error:
-            raise CaseError(at="--log", got=name, want="a log that can be read", hint=str(error)) from None
 
     @property
     def titles(self) -> dict[str, str]:
@@ -83,38 +84,54 @@ class TextReader:
         """Reason -> rows."""
         return self.stream.left_out
 
-    def read(self) -> Log | None:
-        """The rows of the next lines; a line that is half written waits for its end."""
-        if self.name == "-" and not select.select([0], [], [], 0.2)[0]:
-            return None
-        new = os.read(self._file, CHUNK)
-        if not new and (self.name == "-" or not self.waits):
-            self.ended = True
-            lines, self._rest = self._text(self._rest).splitlines(), b""
-            return self.stream.rows(lines) if lines else None
-        whole, mark, rest = (self._rest + new).rpartition(b"\n")
-        self._rest = rest
+    @property
+    def remarks(self) -> tuple[str, ...]:
+        """What was assumed about the columns, and which of them are not used."""
+        return self.stream.remarks
+
+    def position(self) -> dict[str, Any]:
+        """Lines read, and the time of the last row, which counts from the clock time ``start``."""
+        start = None if self.start is None else self.start.isoformat()
+        return {"lines": self.stream.lines, "last": self.stream.last, "start": start}
+
+    def _rows(self, new: bytes) -> Log | None:
+        whole, mark, self._rest = (self._rest + new).rpartition(b"\n")
         return self.stream.rows(self._text(whole).splitlines()) if mark else None
+
+    def _end(self) -> Log | None:
+        """The row of a last line without an end."""
+        self.ended = True
+        lines, self._rest = self._text(self._rest).splitlines(), b""
+        return self.stream.rows(lines) if lines else None
 
     def _text(self, line: bytes) -> str:
         text = line.decode(self._encoding, errors="replace")
         self._encoding = "utf-8"
         return text
 
-    def position(self) -> dict[str, Any]:
-        """Lines read; of standard input, which cannot be read again, the time of the last row."""
-        start = None if self.start is None else self.start.isoformat()
-        return {"lines": self.stream.lines, "last": self.stream.last, "start": start}
+
+class FileReader(_Lines):
+    """Lines of a text table in a file that may grow; waits: whether rows may follow after its end."""
+
+    def __init__(self, name: str, mapping: dict[str, tuple[str, str]], waits: bool) -> None:
+        super().__init__(name, mapping)
+        self.name, self.waits = name, waits
+        if not Path(name).is_file():
+            raise CaseError(
+                at="--log", got=name, want="a log that exists, - for standard input, or wits:HOST:PORT"
+            )
+        try:
+            self._file = os.open(name, os.O_RDONLY)
+        except OSError as error:
+            raise CaseError(at="--log", got=name, want="a log that can be read", hint=str(error)) from None
+
+    def read(self) -> Log | None:
+        """The rows of the next lines."""
+        new = os.read(self._file, CHUNK)
+        return self._rows(new) if new or self.waits else self._end()
 
     def go_on_from(self, position: dict[str, Any]) -> None:
-        """Skip the lines that were read; from standard input, rows that are not newer than the last one."""
-        if self.name == "-":
-            if position["last"] is None:
-                raise CaseError(
-                    at="--restart", got="a log by depth from standard input", want="a log by time, or a file"
-                )
-            self.stream.go_on(position["last"], position["start"])
-            return
+        """Skip the lines that were read."""
         while self.stream.lines < position["lines"] and not self.ended:
             new = os.read(self._file, CHUNK)
             lines = (self._rest + new).split(b"\n")
@@ -129,12 +146,102 @@ class TextReader:
                 )
 
 
+class InputReader(_Lines):
+    """Lines of a text table from standard input, which cannot be read again."""
+
+    def __init__(self, mapping: dict[str, tuple[str, str]]) -> None:
+        super().__init__("standard input", mapping)
+
+    def read(self) -> Log | None:
+        """The rows of the next lines, if some come within a fifth of a second."""
+        if not select.select([0], [], [], 0.2)[0]:
+            return None
+        new = os.read(0, CHUNK)
+        return self._rows(new) if new else self._end()
+
+    def go_on_from(self, position: dict[str, Any]) -> None:
+        """Leave out rows that are not newer than the last one."""
+        if position["last"] is None:
+            raise CaseError(
+                at="--restart", got="a log by depth from standard input", want="a log by time, or a file"
+            )
+        self.stream.go_on(position["last"], position["start"])
+
+
+class WitsReader(_Lines):
+    """Frames of WITS level 0 from a TCP server; waits: whether to connect again after the server has closed."""
+
+    def __init__(self, name: str, mapping: dict[str, tuple[str, str]], waits: bool) -> None:
+        match = _WITS.fullmatch(name)
+        if match is None:
+            raise CaseError(
+                at="--log", got=name, want="wits:HOST:PORT, with :fps where depths are in feet",
+                hint=f"systems of units: {', '.join(SYSTEMS)}",
+            )  # fmt: skip
+        self._place = (match["host"].strip("[]"), int(match["port"]))
+        self._frames = WitsFrames(match["units"] or SYSTEMS[0], mapping)
+        super().__init__(name, self._frames.mapping)
+        self.waits, self._next_try = waits, 0.0
+        try:
+            self._socket: socket.socket | None = socket.create_connection(
+                self._place, timeout=CONNECTED_WITHIN
+            )
+        except (OSError, OverflowError) as error:
+            raise CaseError(
+                at="--log", got=name, want="a WITS server that answers", hint=str(error)
+            ) from None
+
+    def read(self) -> Log | None:
+        """The rows of the next frames, if some come within a fifth of a second."""
+        if self._socket is None:
+            self._connect()
+            return None
+        if not select.select([self._socket], [], [], 0.2)[0]:
+            return None
+        try:
+            new = self._socket.recv(CHUNK)
+        except OSError:
+            new = b""
+        if not new:
+            self._socket.close()
+            self._socket, self._rest, self.ended = None, b"", not self.waits
+            return self.stream.rows(self._frames.finish())
+        whole, mark, self._rest = (self._rest + new).rpartition(b"\n")
+        return self.stream.rows(self._frames.lines(self._text(whole).splitlines())) if mark else None
+
+    @property
+    def remarks(self) -> tuple[str, ...]:
+        """Also how many rows had no clock."""
+        count = self._frames.without_clock
+        late = (
+            [f"{count} frames without a date and time have the time of their arrival, in UTC"]
+            if count
+            else []
+        )
+        return (*self.stream.remarks, *late)
+
+    def _connect(self) -> None:
+        """Connect again, once every two seconds."""
+        if time.monotonic() < self._next_try:
+            return
+        self._next_try = time.monotonic() + TRIED_EACH
+        try:
+            self._socket = socket.create_connection(self._place, timeout=CONNECTED_WITHIN)
+        except OSError:
+            self._socket = None
+
+    def go_on_from(self, position: dict[str, Any]) -> None:
+        """Leave out rows that are not newer than the last one."""
+        self.stream.go_on(position["last"], position["start"])
+
+
 class WholeReader:
     """A log in a file that is written as a whole: LAS, xlsx, WITSML."""
 
     def __init__(self, name: str, mapping: dict[str, tuple[str, str]]) -> None:
         self._log = read_log([name], mapping)
         self.titles, self.start = self._log.titles, self._log.start
+        self.remarks = (*self._log.remarks, *self._log.warnings)
         self.ended, self._row = False, 0
 
     @property
@@ -159,7 +266,11 @@ class WholeReader:
 
 
 def reader_of(name: str, mapping: dict[str, tuple[str, str]], waits: bool) -> Reader:
-    """The reader of a log by its name: ``-``, or a file."""
-    if name != "-" and Path(name).suffix.casefold() in WHOLE_FILES:
+    """The reader of a log by its name: ``-``, ``wits:HOST:PORT``, or a file."""
+    if name == "-":
+        return InputReader(mapping)
+    if name.startswith("wits:"):
+        return WitsReader(name, mapping, waits)
+    if Path(name).suffix.casefold() in WHOLE_FILES:
         return WholeReader(name, mapping)
-    return TextReader(name, mapping, waits)
+    return FileReader(name, mapping, waits)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 import math
 import time
 from collections import Counter
@@ -19,6 +18,7 @@ from drillpetsc.analysis.follow.follower import Follower, Reading, Update
 from drillpetsc.analysis.follow.live import write_page
 from drillpetsc.analysis.follow.readers import Reader, reader_of
 from drillpetsc.analysis.follow.strings import SLIPS, Load
+from drillpetsc.analysis.follow.update_table import READINGS, UpdateTable
 from drillpetsc.analysis.loads.torque_drag.operations import load_of, plan_of
 from drillpetsc.analysis.loads.torque_drag.readings.reading import corrected_points
 from drillpetsc.analysis.motion.run_options import options_of
@@ -30,15 +30,16 @@ from drillpetsc.logs.quality import check_sizes
 from drillpetsc.output.files.case_files import write_case
 from drillpetsc.output.files.json_file import read_summary, write_summary
 from drillpetsc.output.files.run_folder import FOLLOW_PAGE, FOLLOW_STATE, FOLLOW_TABLE, RunFolder, make_folder
-from drillpetsc.output.files.tables import header
 from drillpetsc.output.job import Job
 from drillpetsc.output.result import RunResult
 from drillpetsc.unit_systems import duration, shown
+from drillpetsc.unit_tables import FOOT
 
 CHECKED_ROWS = 200  # rows whose sizes are compared with the computed weight
 WRITTEN_EACH = 2.0  # seconds between states and pages
 STOPPED_AFTER = 60.0  # seconds without a row after which the feed has stopped
 SLIPS_NOISE = 6e3  # standard error of the weight in slips: the scatter from one connection to the next [N]
+DEEPER = 1.1  # of the hole's end: a log that begins further down has other units, or is of another well
 INSIDE = 1.645  # standard deviations of a 90 % band
 KEPT_ALARMS = 200
 ZERO = "was zero, as of a dead sensor, and was left out"
@@ -49,7 +50,6 @@ BELOW = (
 
 #: what runs if the reading is not zero
 _WITH = {"torque": "rpm", "pump_pressure": "flow_rate"}
-_READINGS = (("hook_load", "N"), ("torque", "N m"), ("pump_pressure", "Pa"))
 
 
 @dataclass(frozen=True)
@@ -96,7 +96,7 @@ class _Session:
         self.first: list[Log] = []  # rows until their sizes are checked
         self.updates: list[Update] = []
         self.alarms: list[dict[str, Any]] = []
-        self.score = {name: _Score() for name, _ in _READINGS}
+        self.score = {name: _Score() for name, _ in READINGS}
         self.feed, self.rows, self.finished = "running", 0, False
         self.unused: Counter[str] = (
             Counter()
@@ -104,7 +104,7 @@ class _Session:
         self.last_row = self.last_written = time.monotonic()
         self.clock: tuple[float, float] | None = None  # (wall time, log time) of the first row that is paced
         self.folder: RunFolder | None = None
-        self.table: Any = None
+        self.table: UpdateTable
         self.position, self.since_position = (
             reader.position(),
             0,
@@ -163,6 +163,13 @@ class _Session:
         )  # fmt: skip
         weigh = weights(self.case, np.array([0.0, float(self.case.given_well.survey.md[-1])]))
         self.follower.strings.remarks += check_sizes(whole, lambda depth: weigh(depth) + (self.block or 0.0))
+        shallowest, end = float(np.nanmin(whole.values["bit_depth"])), self.follower.end
+        if shallowest > DEEPER * end:
+            raise CaseError(
+                at="bit_depth", got=f"{shallowest:.0f} m and more in the first {len(whole)} rows",
+                want=f"up to {end:.0f} m, where the hole of the case ends",
+                hint="are depths in feet?" if FOOT * shallowest < DEEPER * end else "extend well.survey to the bit",
+            )  # fmt: skip
         if whole.by_time and self.block is None:
             raise CaseError(
                 at="rig.block_weight",
@@ -171,7 +178,10 @@ class _Session:
         kept, self.first = self.first, []
         if self.growing is None:
             self.growing = GrowingLog(weigh, self.block, self.choices.every, self.reader.titles)
-        self._open()
+        if self.folder is None:  # nothing can be refused any more
+            self.folder = self.job.make_folder()
+            write_case(self.case, self.folder)
+            self.table = UpdateTable(self.folder.path / FOLLOW_TABLE, self.follower.states, None)
         for log in kept:
             self._add(log)
 
@@ -222,7 +232,7 @@ class _Session:
             del self.alarms[:-KEPT_ALARMS]
             for name, error in update.forecast.items():
                 self.score[name].add(error.reading, error.forecast, error.sd, update.last.get(name, math.nan))
-            self.table.writerow(self._row(update))
+            self.table.add(update)
 
     def _reading(self, point: Point, moment: float) -> Reading:
         values = self._live(point.values)
@@ -271,72 +281,12 @@ class _Session:
         return (self.reader.start + timedelta(seconds=moment)).isoformat(timespec="seconds")
 
     # ------------------------------------------------------------------ files
-    def _columns(self) -> list[tuple[str, str]]:
-        units = {"block_weight": "N", "running_drag": "N s/m", "bit_torque": "m", "hook_error": "N"}
-        columns = [
-            ("row", "-"),
-            ("time", "s"),
-            ("bit_depth", "m"),
-            ("operation", "-"),
-            ("wob", "N"),
-            ("torque_on_bit", "N m"),
-        ]
-        columns += [("rotation", "rad/s"), ("velocity", "m/s"), ("flow_rate", "m3/s")]
-        for name, unit in _READINGS:
-            columns += [(name, unit), (f"{name}_forecast", unit), (f"{name}_sd", unit)]
-        for state in self.follower.states:
-            columns += [
-                (state.name, units.get(state.name, "-")),
-                (f"{state.name}_sd", units.get(state.name, "-")),
-            ]
-        columns += [("ahead_bit_depth", "m")]
-        for name, unit in _READINGS[:2]:
-            columns += [(f"ahead_{name}", unit), (f"ahead_{name}_sd", unit)]
-        return [*columns, ("taught", "-"), ("alarm", "-")]
-
-    def _row(self, update: Update) -> list[Any]:
-        row, load = update.reading, update.reading.load
-        cells: list[Any] = [
-            update.number,
-            row.time,
-            load.bit_depth,
-            load.operation,
-            load.wob,
-            load.torque_on_bit,
-        ]
-        cells += [load.rotation, load.velocity, load.flow]
-        for name, _ in _READINGS:
-            error = update.forecast.get(name)
-            cells += [getattr(row, name), *([math.nan] * 2 if error is None else [error.forecast, error.sd])]
-        for mean, sd in zip(update.belief.mean, update.belief.sd, strict=True):
-            cells += [mean, sd]
-        ahead = update.ahead
-        cells += (
-            [math.nan] * 5
-            if ahead is None
-            else [ahead.bit_depth, *np.column_stack([ahead.mean, ahead.sd]).ravel()]
-        )
-        cells = [f"{q:.9g}" if isinstance(q, float) else q for q in cells]
-        return [*cells, int(update.taught), "; ".join(q.kind for q in update.alarms)]
-
-    def _open(self) -> None:
-        """Make the folder, when nothing can be refused any more."""
-        if self.folder is None:
-            self.folder = self.job.make_folder()
-            write_case(self.case, self.folder)
-            (self.folder.path / FOLLOW_TABLE).write_text(
-                ",".join(header(self._columns())) + "\n", encoding="utf-8"
-            )
-        if self.table is None:
-            self._file = open(self.folder.path / FOLLOW_TABLE, "a", newline="", encoding="utf-8")  # noqa: SIM115
-            self.table = csv.writer(self._file, lineterminator="\n")
-
     def _write(self, now: float, page_only: bool = False) -> None:
         """Write the page, and the state from which a restart continues, which belongs to the rows read so far."""
         if self.folder is None or page_only and now - self.last_written < WRITTEN_EACH:
             return
         self.last_written = now
-        self._file.flush()
+        self.table.flush()
         if not page_only and not self.first:
             write_summary(self.folder.path / FOLLOW_STATE, self._state())
         self._page()
@@ -385,22 +335,19 @@ class _Session:
         self.follower.restore(saved["follower"])
         self.rows, self.alarms, self.unused = saved["rows"], saved["alarms"], Counter(saved["unused"])
         self.score = {name: _Score(**values) for name, values in saved["score"].items()}
-        table = self.folder.path / FOLLOW_TABLE
-        lines = table.read_text(encoding="utf-8").splitlines(keepends=True)
-        table.write_text("".join(lines[: 1 + self.follower.number]), encoding="utf-8")
-        self._open()
+        self.table = UpdateTable(self.folder.path / FOLLOW_TABLE, self.follower.states, self.follower.number)
 
     def result(self) -> RunResult:
         """Write the summary; the lines say what was found."""
         assert self.folder is not None
-        self._file.close()
+        self.table.close()
         self._page()
         growing = self.growing
         summary = {
             "title": self.case.title, "units": self.case.shown_units, "feed": self.feed, "rows": self.rows,
             "rows_dropped_for_depth": 0 if growing is None else growing.dropped, "rows_left_out": dict(self.reader.left_out),
             "updates": self.follower.number, "forecast": {k: q.figures() for k, q in self.score.items() if q.n},
-            "estimate": self._estimate(), "alarms": self.alarms, "warnings": self._warnings(), "notes": self.follower.strings.remarks,
+            "estimate": self._estimate(), "alarms": self.alarms, "warnings": self._warnings(), "notes": [*self.reader.remarks, *self.follower.strings.remarks],
         }  # fmt: skip
         write_summary(self.folder.summary, summary)
         return RunResult(self.folder.path, summary, self._lines(summary))
