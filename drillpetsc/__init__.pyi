@@ -2259,6 +2259,7 @@ class Spread(PythonBlock):
 
     normal: mean and standard deviation of a normal distribution
     uniform: lowest and highest value, between which all are equally likely
+    path: for the key `well.survey` only: error of the survey
     correlated: correlation coefficients with other keys of `uncertain`, by key
     """
     def __init__(
@@ -2266,6 +2267,7 @@ class Spread(PythonBlock):
         *,
         normal: Sequence[Value] | None = None,
         uniform: Sequence[Value] | None = None,
+        path: SurveyError | dict[str, Any] | None = None,
         correlated: dict[str, Any] | None = None,
     ) -> None: ...
 
@@ -2413,6 +2415,21 @@ class Survey(PythonBlock):
         convergence: Value | None = None,
         declination: Value | None = None,
         azimuth_from: bool | None = None,
+    ) -> None: ...
+
+class SurveyError(PythonBlock):
+    """Error of a survey that changes smoothly along the hole.
+
+    inclination: standard deviation of the inclination [rad]
+    lateral: standard deviation of the direction across it [rad]: that of the azimuth times the sine of the inclination
+    length: length over which errors are alike, usually 100 to 300 m [m]
+    """
+    def __init__(
+        self,
+        *,
+        inclination: Value,
+        lateral: Value,
+        length: Value | None = None,
     ) -> None: ...
 
 class SurveyFile(PythonBlock):

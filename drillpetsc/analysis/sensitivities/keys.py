@@ -7,6 +7,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
+from drillpetsc.case.blocks.well import Survey
 from drillpetsc.case.case import Case, system_of
 from drillpetsc.case.changes import changed
 from drillpetsc.case.files.survey_file import FOLDER
@@ -77,15 +78,15 @@ class Key:
         return changed_case(case, {self: value})
 
 
-def changed_case(case: Case, values: Mapping[Key, float]) -> Case:
-    """The case with other values [SI] of some keys; raises CaseError for one that is not allowed."""
+def changed_case(case: Case, values: Mapping[Key, float], survey: Survey | None = None) -> Case:
+    """The case with other values [SI] of some keys, and another survey; raises CaseError for one that is not allowed."""
     given = case._given.keys
     keys = case_data(case) if given is None or any(key.resolved for key in values) else given
     well = keys.get("well")
     own_survey = any(key.name.startswith(("well.survey", "bit_depth")) for key in values)
     if isinstance(well, Mapping) and "survey" in well and not own_survey:
         # read once, not for every key
-        keys = {**keys, "well": {**well, "survey": case.given_well.survey}}
+        keys = {**keys, "well": {**well, "survey": survey or case.given_well.survey}}
     token = FOLDER.set(case._given.folder)
     try:
         return Case(**changed(keys, {q.name: f"{v!r} {q.unit}".rstrip() for q, v in values.items()}))

@@ -64,6 +64,8 @@ def run_uncertain(job: Job, question: Question) -> RunResult:
         raise CaseError(at="uncertain", want=f"one correlation of each pair of keys: {error}") from None
     if question.samples < 2 * len(keys):  # fewer cannot be freed of correlations of their own
         want = f"at least {2 * len(keys)}, twice the count of uncertain numbers"
+        count = sum(key.path is not None for key in keys)
+        want += f", of which the path of the survey has {count}" if count else ""
         raise CaseError(at="--samples", got=question.samples, want=want)
     draws = draw(spreads, correlation, question.samples, question.seed)
     with options_of(case):
@@ -73,7 +75,8 @@ def run_uncertain(job: Job, question: Question) -> RunResult:
         chosen = chosen_outputs(response.outputs, response.base, question.outputs, usual)
         found, kinks = _found(job, question, response, keys, draws)
     outputs, base = [response.outputs[i] for i in chosen], response.base[chosen]
-    found = [_of(spread, chosen) for spread in found]
+    named = list(dict.fromkeys(names))
+    found = [_of(spread, chosen, _summed(spread.shares[chosen], names)) for spread in found]
     band = len(question.levels) > 1
     points = inside_band(case, outputs, found[0].quantiles) if band else []
     drawn = Drawn(case, question.levels, outputs, found, kinks, question.samples)
@@ -84,10 +87,10 @@ def run_uncertain(job: Job, question: Question) -> RunResult:
         for row in _rows(output, float(base[i]), spread, i, question.levels)
     ]
     shares = [
-        _head(output, spread) | {"key": key.name, "share": float(spread.shares[i, k])}
+        _head(output, spread) | {"key": name, "share": float(spread.shares[i, k])}
         for spread in found
         for i, output in enumerate(outputs)
-        for k, key in enumerate(keys)
+        for k, name in enumerate(named)
     ]
     summary = UncertainSummary(
         title=case.title,
@@ -96,7 +99,7 @@ def run_uncertain(job: Job, question: Question) -> RunResult:
         samples=question.samples,
         seed=question.seed,
         levels=list(question.levels),
-        keys=[_described(key) for key in keys],
+        keys=[_described(case, key) for key in {key.name: key for key in keys}.values()],
         failed=max((int(spread.failed.max()) for spread in found if spread.failed.size), default=0),
         measured=points,
         units=case.shown_units,
@@ -116,7 +119,7 @@ def run_uncertain(job: Job, question: Question) -> RunResult:
                 [[row[q.name] for row in table] for q in columns],
             )
         write_summary(folder.summary, summary)
-    return job.result(folder, summary, _lines(case, keys, outputs, found, question, summary))
+    return job.result(folder, summary, _lines(case, named, outputs, found, question, summary))
 
 
 def _usual(response: Response, analysis: str) -> tuple[str, ...]:
@@ -152,15 +155,22 @@ def _shared_out(comm: Any, response: Response, draws: FloatArray) -> FloatArray:
     return out
 
 
-def _of(spread: Spreads, chosen: Sequence[int]) -> Spreads:
-    """The statistics of some outputs."""
+def _summed(shares: FloatArray, names: Sequence[str]) -> FloatArray:
+    """(m, keys) shares of each key: a path has several numbers."""
+    return np.stack(
+        [shares[:, [q == name for q in names]].sum(axis=1) for name in dict.fromkeys(names)], axis=1
+    )
+
+
+def _of(spread: Spreads, chosen: Sequence[int], shares: FloatArray) -> Spreads:
+    """The statistics of some outputs, with the shares of the keys."""
     return Spreads(
         spread.method,
         spread.mean[chosen],
         spread.deviation[chosen],
         spread.failed[chosen],
         spread.quantiles[chosen],
-        spread.shares[chosen],
+        shares,
     )
 
 
@@ -185,8 +195,11 @@ def _rows(
     ]
 
 
-def _described(key: Uncertain) -> dict[str, Any]:
+def _described(case: Case, key: Uncertain) -> dict[str, Any]:
     spread = key.spread
+    if key.path is not None:
+        error = (case.uncertain or {})[key.name].path
+        return {"key": key.name, "path": {} if error is None else error.model_dump()}
     return {"key": key.name, "unit": key.unit, "value": key.value} | (
         {"normal": list(spread.normal)} if spread.normal else {"uniform": list(spread.uniform or ())}
     )
@@ -195,7 +208,7 @@ def _described(key: Uncertain) -> dict[str, Any]:
 # ---------------------------------------------------------------------- screen
 def _lines(
     case: Case,
-    keys: Sequence[Uncertain],
+    names: Sequence[str],
     outputs: Sequence[Output],
     found: Sequence[Spreads],
     question: Question,
@@ -215,7 +228,7 @@ def _lines(
             numbers = "".join(f"{q / size:>11.5g}" for q in spread.quantiles[i])
             order = np.argsort(-np.nan_to_num(spread.shares[i], nan=-np.inf))
             named = [
-                f"{keys[k].name} {100 * spread.shares[i, k]:.0f} %"
+                f"{names[k]} {100 * spread.shares[i, k]:.0f} %"
                 for k in order[:3]
                 if spread.shares[i, k] > 0.005
             ]

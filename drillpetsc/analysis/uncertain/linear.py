@@ -14,7 +14,8 @@ from drillpetsc.analysis.uncertain.uncertain_keys import Uncertain
 from drillpetsc.arrays import FloatArray
 from drillpetsc.case.case import Case
 
-FACTOR_STEP = 1e-4  # of the differences by the weight factor, which is not a key
+#: of the differences by the weight factor and by a number of the path, a standard deviation of it, which are not keys
+FACTOR_STEP, PATH_STEP = 1e-4, 0.1
 
 
 def slopes_of(
@@ -28,7 +29,7 @@ def slopes_of(
     slopes, kinks = np.full((len(at), len(keys)), np.nan), []
     for k, key in enumerate(keys):
         if key.key is None:
-            slopes[:, k] = _by_factor(response, keys, k)
+            slopes[:, k] = _by_differences(response, keys, k)
             continue
         found = dict(zip(chosen, derivatives(case, solution, chosen, [key.key]), strict=True))
         slopes[:, k] = [found[i].slope if i in found else np.nan for i in at]
@@ -37,9 +38,10 @@ def slopes_of(
     return slopes, kinks
 
 
-def _by_factor(response: Response, keys: Sequence[Uncertain], k: int) -> FloatArray:
-    """(m,) derivatives by the weight factor."""
+def _by_differences(response: Response, keys: Sequence[Uncertain], k: int) -> FloatArray:
+    """(m,) derivatives by the weight factor, or by a number of the survey's path."""
+    step = FACTOR_STEP if keys[k].path is None else PATH_STEP
     points = np.tile([key.value for key in keys], (2, 1))
-    points[:, k] += np.array([-1.0, 1.0]) * FACTOR_STEP
+    points[:, k] += np.array([-1.0, 1.0]) * step
     below, above = response.values(points)
-    return np.asarray((above - below) / (2 * FACTOR_STEP))
+    return np.asarray((above - below) / (2 * step))

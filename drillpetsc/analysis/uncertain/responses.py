@@ -182,7 +182,7 @@ class HydraulicsResponse:
 
     def __init__(self, case: Case, keys: Sequence[Uncertain]) -> None:
         for key in keys:
-            if key.key is None:
+            if key.name == WEIGHT_FACTOR:
                 raise CaseError(
                     at=f"uncertain.{key.name}", want="--analysis roadmap: hydraulics has no weights"
                 )

@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from drillpetsc.analysis.sensitivities.keys import Key, changed_case, key_of
+from drillpetsc.analysis.uncertain.survey_path import SurveyPath, survey_path
 from drillpetsc.arrays import FloatArray
 from drillpetsc.case.blocks.uncertain import Spread
 from drillpetsc.case.case import Case
@@ -20,17 +21,20 @@ SAME = 1e-6  # relative difference of a mean from the case's value that is round
 class Uncertain:
     """A number with its distribution.
 
-    key: in the case, None: the weight factor; value: in the case [SI].
+    key: in the case, None: the weight factor, or a number of the survey's path.
     """
 
     name: str
     key: Key | None
     spread: Spread
+    path: SurveyPath | None = None
 
     @property
     def value(self) -> float:
         """In the case [SI]."""
-        return 1.0 if self.key is None else self.key.value
+        if self.key is None:
+            return 1.0 if self.path is None else 0.0
+        return self.key.value
 
     @property
     def unit(self) -> str:
@@ -46,11 +50,16 @@ def uncertain_keys(case: Case) -> list[Uncertain]:
     if not case.uncertain:
         want = "distributions of numbers of the case, such as fluid.density: {normal: [1490 kg/m3, 10 kg/m3]}"
         raise CaseError(at="uncertain", want=want)
-    return [_checked(case, name, spread) for name, spread in case.uncertain.items()]
+    return [key for name, spread in case.uncertain.items() for key in _checked(case, name, spread)]
 
 
-def _checked(case: Case, name: str, spread: Spread) -> Uncertain:
+def _checked(case: Case, name: str, spread: Spread) -> list[Uncertain]:
     at = f"uncertain.{name}"
+    if spread.path is not None:
+        if case.well is None:
+            raise CaseError(at=at, want="a well with a survey")
+        path = survey_path(case.given_well.survey, spread.path)
+        return [Uncertain(name, None, Spread(normal=(0.0, 1.0)), path) for _ in path.modes]
     if name == WEIGHT_FACTOR:
         found = Uncertain(name, None, spread)
     else:
@@ -67,12 +76,15 @@ def _checked(case: Case, name: str, spread: Spread) -> Uncertain:
         low, high = spread.uniform
         want = f"a range with the case's value: the case has {got}, the distribution {low:.6g} to {high:.6g}"
         raise CaseError(at=at, got=f"{low:.6g} to {high:.6g}", want=want, hint="change one of both")
-    return found
+    return [found]
 
 
 def case_at(case: Case, keys: Sequence[Uncertain], values: FloatArray) -> Case:
-    """The case with other values (k,) [SI] of uncertain numbers that are keys of it."""
+    """The case with other values (k,) [SI] of uncertain numbers that are keys of it, and with the error of its survey."""
     changes: Mapping[Key, float] = {
         q.key: float(v) for q, v in zip(keys, values, strict=True) if q.key is not None
     }
-    return changed_case(case, changes) if changes else case
+    numbers = [float(v) for q, v in zip(keys, values, strict=True) if q.path is not None]
+    path = next((q.path for q in keys if q.path is not None), None)
+    survey = None if path is None else path.at(numbers)
+    return changed_case(case, changes, survey) if changes or survey is not None else case

@@ -8,9 +8,33 @@ from pydantic import AfterValidator, BeforeValidator, Field, model_validator
 
 from drillpetsc.case.block import Block
 from drillpetsc.case.key_paths import refuse
+from drillpetsc.case.quantities import Quantity
 
+SURVEY = "well.survey"  # key of the survey's error
 FORMS = ("normal", "uniform")
 _Number = Annotated[float, BeforeValidator(lambda value: value, json_schema_input_type=float | str)]
+
+
+class SurveyError(Block):
+    """Error of a survey that changes smoothly along the hole."""
+
+    inclination: Annotated[float, Quantity("rad", at_least=0, at_most=0.2)] = Field(
+        description="standard deviation of the inclination"
+    )
+    lateral: Annotated[float, Quantity("rad", at_least=0, at_most=0.2)] = Field(
+        description="standard deviation of the direction across it: that of the azimuth times the sine of the inclination"
+    )
+    length: Annotated[float, Quantity("m", above=0, at_most=50e3)] = Field(
+        default=300.0, description="length over which errors are alike, usually 100 to 300 m"
+    )
+
+    @model_validator(mode="after")
+    def _not_zero(self) -> SurveyError:
+        if not self.inclination and not self.lateral:
+            raise refuse(
+                "inclination", got=0, want="an error of the inclination or of the direction across it"
+            )
+        return self
 
 
 class Spread(Block):
@@ -22,14 +46,21 @@ class Spread(Block):
     uniform: tuple[_Number, _Number] | None = Field(
         default=None, description="lowest and highest value, between which all are equally likely"
     )
+    path: SurveyError | None = Field(
+        default=None, description="for the key `well.survey` only: error of the survey"
+    )
     correlated: dict[str, float] = Field(
         default={}, description="correlation coefficients with other keys of `uncertain`, by key"
     )
 
     @model_validator(mode="after")
     def _possible(self) -> Spread:
-        if (self.normal is None) == (self.uniform is None):
-            raise refuse(want="normal: [mean, standard deviation], or uniform: [lowest, highest]")
+        if [self.normal, self.uniform, self.path].count(None) != 2:
+            raise refuse(
+                want="normal: [mean, standard deviation], uniform: [lowest, highest], or path of well.survey"
+            )
+        if self.path is not None and self.correlated:
+            raise refuse("correlated", want="no correlation of a path with other keys")
         if self.normal is not None and not self.normal[1] > 0:
             raise refuse("normal", got=self.normal[1], want="a standard deviation above 0")
         if self.uniform is not None and not self.uniform[0] < self.uniform[1]:
@@ -47,8 +78,10 @@ class Spread(Block):
 
 def _known(spreads: dict[str, Spread] | None) -> dict[str, Spread] | None:
     for name, spread in (spreads or {}).items():
+        if (name == SURVEY) != (spread.path is not None):
+            raise refuse(name, want=f"path: for {SURVEY}, normal or uniform for any other key")
         for other in spread.correlated:
-            if other == name or other not in (spreads or {}):
+            if other in (name, SURVEY) or other not in (spreads or {}):
                 raise refuse(name, "correlated", got=other, want="another key of `uncertain`")
     return spreads
 
