@@ -90,7 +90,9 @@ def runs(tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.fixture(scope="module")
 def page(runs: Path) -> str:
     paths = [str(runs / name) for name in ("case.yaml", "still", "flow", "move")]
-    assert main(["report", *paths, "--out", str(runs / "all.html")]) == 0
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("SOURCE_DATE_EPOCH", "86400")
+        assert main(["report", *paths, "--out", str(runs / "all.html")]) == 0
     return (runs / "all.html").read_text(encoding="utf-8")
 
 
@@ -172,11 +174,8 @@ def test_tables_go_along_as_they_are(page: str, runs: Path) -> None:
 def test_same_input_same_bytes(page: str, runs: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     paths = [str(runs / name) for name in ("case.yaml", "still", "flow", "move")]
     monkeypatch.setenv("SOURCE_DATE_EPOCH", "86400")
-    for name in ("first.html", "second.html"):
-        assert main(["report", *paths, "--out", str(runs / name)]) == 0
-    first = (runs / "first.html").read_bytes()
-    assert first == (runs / "second.html").read_bytes()
-    assert b"1970-01-02" in first
+    assert main(["report", *paths, "--out", str(runs / "again.html")]) == 0
+    assert (runs / "again.html").read_text(encoding="utf-8") == page and "1970-01-02" in page
     monkeypatch.setenv("SOURCE_DATE_EPOCH", "yesterday")
     assert main(["report", *paths, "--out", str(runs / "third.html")]) == 2
 
@@ -194,7 +193,20 @@ def test_an_operation_is_no_other_case(command: str, runs: Path) -> None:
     """The bottom and the weight on bit that an operation sets are those of its words, not of another file."""
     folder = runs / f"{command}-off-bottom"
     assert main([command, str(runs / "case.yaml"), "--operation", "trip_out", "--out", str(folder)]) == 0
-    assert main(["report", str(runs / "case.yaml"), str(folder), "--out", str(runs / "o.html")]) == 0
+    assert (
+        main(
+            [
+                "report",
+                str(runs / "case.yaml"),
+                str(folder),
+                "--sections",
+                "solver",
+                "--out",
+                str(runs / "o.html"),
+            ]
+        )
+        == 0
+    )
     assert "another case" not in Page((runs / "o.html").read_text()).words
 
 
@@ -259,7 +271,7 @@ def test_margins_of_limits_have_units_and_places(runs: Path) -> None:
         (["empty"], "a run folder that holds results"),
         (["swept"], "this is a sweep"),
         (["case.yaml", "dry.yaml"], "one case file"),
-        (["still", "--out", "nowhere.html/x/y.html"], "a file that can be written"),
+        (["still", "--sections", "solver", "--out", "nowhere.html/x/y.html"], "a file that can be written"),
     ],
 )
 def test_what_is_refused(
@@ -391,6 +403,8 @@ def test_the_box_compares_with_the_limits_of_rig_string_and_hole(tmp_path: Path)
                 "report",
                 str(tmp_path / "case.yaml"),
                 *[str(run.folder.path) for run in runs],
+                "--sections",
+                "solver",
                 "--out",
                 str(page),
             ]

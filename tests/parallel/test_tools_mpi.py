@@ -2,18 +2,13 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-
 import pytest
 import yaml
 
 from drillpetsc.output import read_table
-from tests.helpers.mpi import run_mpi
-from tests.helpers.ranks import runs_on_ranks
+from tests.helpers.ranks import run_here, runs_on_ranks
 from tests.helpers.whole_string import whole_string
 from tests.parallel.matrix import tools_agree
-
-SCRIPT = Path(__file__).parent / "run_case.py"
 
 
 @pytest.mark.parallel
@@ -31,7 +26,7 @@ def test_a_whole_string_is_the_same_on_1_2_and_3_ranks(two, tmp_path):
     }
     path.write_text(yaml.safe_dump(case))
     options = ["-ts_adapt_type", "none", "-ts_dt", "2e-4", "-q_snes_stol", "1e-10"]
-    run_mpi(1, SCRIPT, [str(path), str(start), *options], timeout=200)
+    run_here(path, start, options)
     path.write_text(yaml.safe_dump(case | {"initial": {"from": str(start)}}))
     folders = runs_on_ranks(path, tmp_path, options)
     tools_agree(folders, read_table(folders[0] / "history.csv"), 1e-6)

@@ -161,7 +161,6 @@ FOOT = 0.3048
     ("angle", "lower", "upper", "side", "od", "start"),
     [
         (math.radians(1.25), 6 * FOOT, 30 * FOOT, 30.0, 0.130, 1.0),
-        (math.radians(0.5), 6 * FOOT, 30 * FOOT, 6.0, 0.1715, 0.6),
         (math.radians(1.8), 2.1, 3.9, 4.0, 0.150, 1.3),
     ],
 )

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import json
 
 import numpy as np
@@ -202,26 +203,23 @@ def test_prior_of_one_of_two_that_act_alike():
 def _drilling(seed, noise=8e3, correlated=30.0):
     """Torques every 2 m from 1900 to 2400 m, with noise that is alike over some metres (an autoregressive walk)."""
     rng = np.random.default_rng(seed)
-    depths = np.arange(1900.0, 2400.0, 2.0)
-    clean = CLEAN.setdefault("points", _clean(depths))
     keep = np.exp(-2.0 / correlated)
     value, out = rng.standard_normal(), []
-    for point in clean:
+    for point in _clean():
         out.append(point.model_copy(update={"torque": point.torque + 0.05 * noise * value}))
         value = keep * value + np.sqrt(1 - keep**2) * rng.standard_normal()
     return tuple(out)
 
 
-CLEAN: dict = {}
-
-
-def _clean(depths):
+@functools.cache
+def _clean():
     """Torques of the case itself with the true factors: the noise alone is on trial here."""
     true = case().replace(
         {"well.sections[0].friction": TRUTH["cased"], "well.sections[1].friction": TRUTH["open_hole"]}
     )
     points = tuple(
-        MeasuredPoint(bit_depth=float(d), operation="rotate_off_bottom", torque=1e3, rpm=10.0) for d in depths
+        MeasuredPoint(bit_depth=float(d), operation="rotate_off_bottom", torque=1e3, rpm=10.0)
+        for d in np.arange(1900.0, 2400.0, 2.0)
     )
     work = Calibration(true, points)
     return tuple(
@@ -260,7 +258,7 @@ def test_drift_is_named_and_noise_is_not():
     drift = drift_by_windows(work, work.fit(("open_hole",), correlated=True))
     assert drift.drifts and drift.slope == pytest.approx(0.1 / 500, rel=0.15)
     assert drift.value == pytest.approx(TRUTH["open_hole"] + 0.1 * (drift.middle - 1900) / 500, abs=0.005)
-    work.points = tuple(_clean(np.arange(1900.0, 2400.0, 2.0)))
+    work.points = _clean()
     work.data = work._data()
     clean = drift_by_windows(work, work.fit(("open_hole",), correlated=True))
     assert np.ptp(clean.value) < 1e-4

@@ -33,14 +33,14 @@ def test_error_is_within_one_percent(name, title, kind, tmp_path):
     assert 1e-6 < error < 0.01
 
 
-@pytest.mark.parametrize(("static", "dynamic", "rpm"), [("10 kN m", "5 kN m", 50), ("7 kN m", "4 kN m", 35)])
-def test_sticking_and_slipping_with_generalised_alpha(static, dynamic, rpm, tmp_path):
+def test_sticking_and_slipping_with_generalised_alpha(tmp_path):
     """A bit that sticks: within 0.4 % of BDF at a hundredth of the tolerance, in fewer steps than at radius 0.8, which rings.
 
     Medians of five tolerances: the second release hangs on the phase in which the stuck string vibrates, and a tolerance that differs
     by 5 %, or a sum in another order, changes the error between 0.1 and 0.9 %: three of them had a median of 0.29 and of 0.41 % with
     results that are equal to 1e-14 at 4 s.
     """
+    static, dynamic, rpm = "7 kN m", "4 kN m", 35
     law = [f"formation.bit_law.static={static}", f"formation.bit_law.dynamic={dynamic}", "time.end=14"]
     law += [f"top.rotation={{time: [0 s, 0.1 s], value: [0 rpm, {rpm} rpm]}}"]
 

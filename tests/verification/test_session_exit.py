@@ -31,8 +31,9 @@ ENDS = {
 }
 
 
-@pytest.mark.parametrize("options", [[], ["petsc.ts_max_reject=2"]], ids=["failures", "rejections"])
-@pytest.mark.parametrize("end", ENDS)
+@pytest.mark.parametrize(
+    ("end", "options"), [*((end, []) for end in ENDS), ("with block", ["petsc.ts_max_reject=2"])]
+)
 def test_script_that_ends_by_an_error(end, options):
     before = "from drillpetsc.solvers.time.newton import CondensedNewton\nsolve = CondensedNewton.solve\n"
     script = before + SCRIPT.replace("OPTIONS", repr(options)) + ENDS[end]

@@ -173,7 +173,7 @@ def figures(t: np.ndarray, w: np.ndarray, start: float, end: float) -> tuple[flo
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    ("after", "change", "end", "calm"), [(m.COMPENSATED, 180.0, 300.0, True), (m.SOFT, 120.0, 200.0, False)]
+    ("after", "change", "end", "calm"), [(m.COMPENSATED, 180.0, 300.0, True), (m.SOFT, 60.0, 140.0, False)]
 )
 def test_stick_slip_and_its_cure(after, change, end, calm, tmp_path):
     """C4: at 100 rpm stiff control leaves a limit cycle; soft torque with inertia compensation ends it, without it does not.
@@ -203,5 +203,5 @@ def test_stick_slip_and_its_cure(after, change, end, calm, tmp_path):
         assert found[1] == pytest.approx(5.825, rel=0.01)
         assert figures(got["time"], got["bit_speed"], 260, 300)[0] < 0.05
     else:
-        assert figures(got["time"], got["bit_speed"], 170, 200)[0] > 1
+        assert figures(got["time"], got["bit_speed"], 110, 140)[0] > 1
     assert abs(summary["energy"]["error_share"]) < 1e-3
