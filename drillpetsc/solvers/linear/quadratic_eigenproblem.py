@@ -254,11 +254,11 @@ def _leading(apply, size: int, count: int, real: bool, engine: str) -> tuple[np.
     values, vectors = np.zeros(0, dtype=complex), np.zeros((size, 0), dtype=complex)
     batch, bound = count, 0.0
     for seed in range(MAX_DEFLATIONS):
-        basis = Q
+        basis, adjoint = Q, Q.conj().T
 
-        def deflated(z: np.ndarray, basis: np.ndarray = basis) -> np.ndarray:
+        def deflated(z: np.ndarray, basis: np.ndarray = basis, adjoint: np.ndarray = adjoint) -> np.ndarray:
             z = apply(z)
-            return z - basis @ (basis.conj().T @ z)
+            return z - basis @ (adjoint @ z)
 
         W = method(deflated, size, batch, kind, seed)
         if not W.shape[1]:

@@ -76,7 +76,8 @@ def with_modes_beside(
         count = min(FIRST, most)
         near = eigenvalues_near(problem, 1j * middle, count)
         while near.radius < width and count < most:
-            count = min(2 * count, most)
+            # modes follow each other along the axis: their number grows with the radius, and each search starts anew
+            count = min(max(2 * count, int(count * min(width / near.radius, most))), most)
             near = eigenvalues_near(problem, 1j * middle, count)
         band = Band(middle, min(near.radius, width), width)
         inside = (near.s.imag > top) & band.holds(near.s)
