@@ -182,6 +182,8 @@ class GeneralizedAlpha(TimeIntegrator):
             reason = self._solve_step(end, h)
             if reason >= 0 and self.alpha.step == 0.0:
                 # the first step gives the derivative by which a_0 leads, and is then repeated
+                if self.follower is not None:
+                    self.follower.stage(end, h)
                 self.alpha.lead_by_trial()
                 reason = self._solve_step(end, h)
             if reason < 0:
@@ -344,6 +346,8 @@ class GeneralizedAlpha(TimeIntegrator):
             # free velocities change by the impulse of the prescribed ones (manual: sec-time-alpha-start)
             self.begin.jump(t)
         self._begin_formula(t)
+        if self.follower is not None:
+            self.follower.start(t, jump)
         if self._fixed or jump or not keep_step:
             self._next_step = self.first_step
 

@@ -56,6 +56,19 @@ class Counters:
     rejected: int = 0
 
 
+class Follower(Protocol):
+    """Follows the states of a run in its steps, such as their derivatives (``step_tangent``)."""
+
+    def change_states(self, t: float, changed: bool) -> None:
+        """Components were called where an input jumps or bends, at ``t`` [s]; changed: states have."""
+
+    def start(self, t: float, jumped: bool) -> None:
+        """The formula has started at ``t`` [s]; jumped: a prescribed velocity jumps there."""
+
+    def stage(self, t: float, step: float) -> None:
+        """A stage of the first ``step`` [s] after a start is solved, at ``t`` [s]."""
+
+
 class Sampler(Protocol):
     """A function called at regular times of a run."""
 
@@ -81,6 +94,7 @@ class TimeIntegrator:
     after_sample(t): called after a sampler, if the formula assumes that its forces jump at ``t`` [s].
     sampler(t): called at the multiples of ``sampler.period`` [s], where a step ends, with the state before the step that follows;
     the formula does not restart there.
+    follower: of the states in all steps.
     step_limit(): longest step [s] by the present state, the same on all ranks; generalised-alpha only.
     inertia: whether the string has inertia; without it, forces have no power to which Newton's remainder could
     be compared.
@@ -107,6 +121,7 @@ class TimeIntegrator:
     sampler: Sampler | None = None
     inertia: bool = True
     step_limit: Callable[[], float] | None = None
+    follower: Follower | None = None
 
     def __post_init__(self) -> None:
         options = PETSc.Options()
@@ -260,7 +275,7 @@ class TimeIntegrator:
 
     # ------------------------------------------------------------------ condensed step, called by the outer SNES
     def _catch_rate(self, ts, t, x, xdot, f) -> None:
-        self._t = self.input_time(t)
+        self._t, self._stage = self.input_time(t), t
         self._rate = xdot  # TSBDF keeps it for the next call
 
     def _catch_shift(self, ts, t, x, xdot, shift, J, P) -> None:
@@ -295,6 +310,8 @@ class TimeIntegrator:
             return
         if reason > 0:
             self.history.add_stage(self.system.assembly.x, self.system.assembly.y)
+            if self.follower is not None and self.fresh:
+                self.follower.stage(self._stage, self.ts.getTimeStep())
         self._consecutive_failures = self._consecutive_failures + 1 if reason < 0 else 0
         if self._consecutive_failures > CONSECUTIVE_FAILURES or (
             reason < 0 and self.ts.getTimeStep() < SHORTEST_STEP
@@ -535,6 +552,8 @@ class TimeIntegrator:
             changed |= component.at_break(t, self.system.assembly)
         if changed:
             self.system.store_state(self.state)
+        if self.follower is not None:
+            self.follower.change_states(t, changed)
 
     def _start_formula(self, stop: float) -> None:
         """Restart the formula without history, e.g. after a discontinuity.
@@ -553,6 +572,8 @@ class TimeIntegrator:
         self.fresh = True
         self.history.start(ts.getTime(), asm.x, asm.y)
         ts.setTimeStep(min(self.first_step, stop - ts.getTime()))
+        if self.follower is not None:
+            self.follower.start(ts.getTime(), self.jumped)
 
     def close(self) -> None:
         """Free the solvers and vectors of PETSc; the integrator cannot be used afterwards."""
