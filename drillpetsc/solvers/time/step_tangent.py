@@ -154,20 +154,20 @@ class StepTangent:
         by_v, by_w = spin_derivatives(asm)
         spin, tangent = asm.spin_at[:, 0], asm.spin_at[:, 1:2] + np.arange(3)
         # with the unknowns held: the constants of the formula, which the rates transport
-        dy = v0.copy()
+        dy, x = v0.copy(), self._prescribed(newton.t)
+        given = x.copy()
         if len(spin):
-            dy[:, spin] += np.einsum("ij,kij->ki", by_w, dy[:, tangent])
+            dy[:, spin] += np.einsum("ij,kij->ki", by_w, dy[:, tangent]) + np.einsum("ij,kij->ki", by_v, x[:, tangent])
         da = second * dy + v1
-        x = np.zeros_like(self.x)
         held: list[list[tuple[FloatArray, FloatArray]]] = []
         for k, group in enumerate(self.groups):
             rows, ends = [], []
             for beside in group:
-                rows.append(self._rows_beside(beside, (dy[k], da[k], v1[k]), newton.t, second))
+                rows.append(self._rows_beside(beside, (given[k], dy[k], da[k], v1[k]), newton.t, second))
                 ends.append([beside.system.assembly.y[f.rows] for f in asm.row_replacements])
             assert newton.factor is not None
             newton.factor.solve_owned(-self._difference(k, rows), self._step)
-            x[k, system.layout.local_of_owned] = self._step
+            x[k, system.layout.local_of_owned] += self._step
             if system.ends is not None:
                 system.ends.spread(x[k])
             held.append([self._difference(k, list(parts)) for parts in zip(*ends, strict=True)])
@@ -180,8 +180,21 @@ class StepTangent:
             y[:, f.rows] = moved + np.array([ends[i] for ends in held])
             if f.leans:
                 node = int(np.flatnonzero(spin == f.rows[6])[0])
-                y[:, f.rows[6]] += x[:, tangent[node]] @ by_v[node] + moved[:, 3:6] @ by_w[node]
+                y[:, f.rows[6]] += (x - given)[:, tangent[node]] @ by_v[node] + moved[:, 3:6] @ by_w[node]
         return x, y, second * y + v1
+
+    def _prescribed(self, t: float) -> FloatArray:
+        """Derivatives (k, n) of the prescribed unknowns at ``t`` [s], zero elsewhere.
+
+        They are known before the solve, in whose matrix they have rates.
+        """
+        x, ours = np.zeros_like(self.x), self.system.assembly.x
+        for k, group in enumerate(self.groups):
+            for beside in group:
+                for f in beside.system.assembly.row_replacements:
+                    f.evaluate(t, ours)
+                    x[k, f.rows] += beside.weight * (f.D.T @ (f.value - f.D @ ours[f.rows]))
+        return x
 
     def _refresh(self) -> None:
         """Factor the Jacobian at the present state; Newton's method goes on with it."""
@@ -194,15 +207,15 @@ class StepTangent:
         iteration.take_factor()
 
     def _rows_beside(
-        self, beside: Beside, moved: tuple[FloatArray, FloatArray, FloatArray], t: float, second: float
+        self, beside: Beside, moved: tuple[FloatArray, ...], t: float, second: float
     ) -> FloatArray:
-        """Rows (owned,) of a system at the unknowns of the run, with rates, accelerations and v1 ``moved``; t: of the inputs [s]."""
+        """Rows (owned,) of a system at the unknowns of the run, with x, y, a, v1 ``moved`` along derivatives; t: of the inputs [s]."""
         ours, theirs, n, c = self.system.assembly, beside.system.assembly, self.system.layout.size, beside.change
-        theirs.x[:n] = ours.x[:n]
-        theirs.y[:n] = ours.y[:n] + c * moved[0]
-        theirs.a[:n] = ours.a[:n] + c * moved[1]
+        theirs.x[:n] = ours.x[:n] + c * moved[0]
+        theirs.y[:n] = ours.y[:n] + c * moved[1]
+        theirs.a[:n] = ours.a[:n] + c * moved[2]
         if theirs.row_replacements:
-            theirs.v1[:n] = ours.v1[:n] + c * moved[2]
+            theirs.v1[:n] = ours.v1[:n] + c * moved[3]
             theirs.apply_prescribed_rates(t, second)
         beside.system.sum_residual(t, self._rows)
         return self._rows.getArray().copy()
