@@ -153,17 +153,25 @@ class StepTangent:
         self._refresh()
         by_v, by_w = spin_derivatives(asm)
         spin, tangent = asm.spin_at[:, 0], asm.spin_at[:, 1:2] + np.arange(3)
-        # with the unknowns held: the constants of the formula, which the rates transport
-        dy, x = v0.copy(), self._prescribed(newton.t)
-        given = x.copy()
-        if len(spin):
-            dy[:, spin] += np.einsum("ij,kij->ki", by_w, dy[:, tangent]) + np.einsum("ij,kij->ki", by_v, x[:, tangent])
+        # a guess with the last rates, so that the systems beside the run differ little from it
+        given = self._prescribed(newton.t)
+        guess = np.where(self._two, (self.y - v0) / shift, self.x)
+        for f in asm.row_replacements:
+            guess[:, f.rows] = guess[:, f.rows] @ f.complement + given[:, f.rows]
+
+        def rates(x: FloatArray) -> FloatArray:
+            y = shift * x + v0
+            if len(spin):
+                y[:, spin] += np.einsum("ij,kij->ki", by_v, x[:, tangent]) + np.einsum("ij,kij->ki", by_w, y[:, tangent])
+            return y
+
+        x, dy = guess.copy(), rates(guess)
         da = second * dy + v1
         held: list[list[tuple[FloatArray, FloatArray]]] = []
         for k, group in enumerate(self.groups):
             rows, ends = [], []
             for beside in group:
-                rows.append(self._rows_beside(beside, (given[k], dy[k], da[k], v1[k]), newton.t, second))
+                rows.append(self._rows_beside(beside, (guess[k], dy[k], da[k], v1[k]), newton.t, second))
                 ends.append([beside.system.assembly.y[f.rows] for f in asm.row_replacements])
             assert newton.factor is not None
             newton.factor.solve_owned(-self._difference(k, rows), self._step)
@@ -171,16 +179,14 @@ class StepTangent:
             if system.ends is not None:
                 system.ends.spread(x[k])
             held.append([self._difference(k, list(parts)) for parts in zip(*ends, strict=True)])
-        y = shift * x + v0
-        if len(spin):
-            y[:, spin] += np.einsum("ij,kij->ki", by_v, x[:, tangent]) + np.einsum("ij,kij->ki", by_w, y[:, tangent])
+        y = rates(x)
         for i, f in enumerate(asm.row_replacements):
             # along prescribed directions the rate is given, and not that of the formula
             moved = (y - dy)[:, f.rows] @ f.complement
             y[:, f.rows] = moved + np.array([ends[i] for ends in held])
             if f.leans:
                 node = int(np.flatnonzero(spin == f.rows[6])[0])
-                y[:, f.rows[6]] += (x - given)[:, tangent[node]] @ by_v[node] + moved[:, 3:6] @ by_w[node]
+                y[:, f.rows[6]] += (x - guess)[:, tangent[node]] @ by_v[node] + moved[:, 3:6] @ by_w[node]
         return x, y, second * y + v1
 
     def _prescribed(self, t: float) -> FloatArray:
