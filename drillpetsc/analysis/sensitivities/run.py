@@ -77,10 +77,7 @@ def refuse_run(case: Case) -> None:
 
 
 class RunOfCase:
-    """The model of a case at the start of its run.
-
-    frozen: lengths of the steps [s], None: those of the step control.
-    """
+    """The model of a case and the integrator of its run.  Raises CaseError for a run whose derivatives are not computed."""
 
     def __init__(self, case: Case, comm: PETSc.Comm, like: MeshOf | None = None) -> None:
         refuse_run(case)
@@ -92,6 +89,10 @@ class RunOfCase:
                 raise CaseError(at="--analysis", got="run", want=f"a run without: {what}")
         self.outputs = LiveOutputs(Recorder(self.model))
         self.names = [q.name for q in self.outputs.described()]
+
+    def freeze(self, steps: FloatArray) -> None:
+        """Take these ``steps`` [s] instead of those of the step control."""
+        self.integrator.freeze(steps)
 
     @property
     def mesh(self) -> MeshOf:

@@ -149,6 +149,7 @@ class TimeIntegrator:
         )
         self.max_steps = options.getInt("ts_max_steps", 2**31 - 1)  # the caller of ``run`` ends it
         self.order, self.fresh = options.getInt("ts_bdf_order", 2), True
+        self._frozen: list[float] | None = None
         self._last, self._t, self._jump, self._stop = 0.0, 0.0, np.inf, np.inf
         self._eventful = [c for c in self.system.components if c.has_events]
         # formulas whose history can be rebuilt; the others restart at every checkpoint, also in uninterrupted
@@ -244,6 +245,9 @@ class TimeIntegrator:
         the mud.
         """
         layout, vector = self.system.layout, self.system.new_state()
+        if self._frozen is not None:
+            vector.set(MASKED)
+            return vector
         controlled = np.array(
             [
                 f.differential and self.controlled(f) and (fluid or f.physics == "string")
@@ -354,6 +358,21 @@ class TimeIntegrator:
         self.history.start(t, asm.x, asm.y)
         self.ts.setTimeStep(max(min(self.first_step, self._stop - t), SHORTEST_STEP))
 
+    def freeze(self, steps: FloatArray) -> None:
+        """Take these ``steps`` [s] from the start on, without step control; they end at every stop of the run."""
+        self._frozen, self._fixed = list(map(float, steps)), True
+        self.first_step = self._frozen[0]
+        self._set_frozen_tolerances()
+
+    def _set_frozen_tolerances(self) -> None:
+        """Reject no step."""
+        self._set_tolerances(False)
+
+    def _frozen_step(self) -> float:
+        """Length of the next step of ``freeze`` [s]."""
+        assert self._frozen is not None
+        return self._frozen[min(self.counters.steps, len(self._frozen) - 1)]
+
     def failure(self, what: str) -> SolveError:
         """Return the error that ends a run, with the place of the largest residual; collective."""
         for call in self.on_failure:
@@ -420,11 +439,13 @@ class TimeIntegrator:
                 ts.setTimeStep(max(dt, SHORTEST_STEP))
         self.counters.steps += 1
         self._step_number += 1
-        if self._fixed and ts.getTimeStep() < self.first_step:  # a fixed step that was shortened grows again
+        if self._frozen is None and self._fixed and ts.getTimeStep() < self.first_step:  # a fixed step that was shortened grows again
             remainder = self._stop - self._last
             ts.setTimeStep(
                 min(self.first_step, 2 * ts.getTimeStep(), remainder if remainder > SHORTEST_STEP else np.inf)
             )
+        if self._frozen is not None:
+            ts.setTimeStep(self._frozen_step())
         self.system.accept(self._last)
         with self.system.assembly.unchanged():  # results of the step are shared by all that follows
             for call in self.after_step:
@@ -571,7 +592,8 @@ class TimeIntegrator:
         ts.restartStep()
         self.fresh = True
         self.history.start(ts.getTime(), asm.x, asm.y)
-        ts.setTimeStep(min(self.first_step, stop - ts.getTime()))
+        step = self.first_step if self._frozen is None else self._frozen_step()
+        ts.setTimeStep(min(step, stop - ts.getTime()))
         if self.follower is not None:
             self.follower.start(ts.getTime(), self.jumped)
 
