@@ -58,7 +58,8 @@ def _refusals(case: Case, model: DrillingModel, integrator: TimeIntegrator) -> d
         "constraints of joints, or of the quaternion element": system.constrained
         or system.assembly.derive is not None,
         "drilling fluid": model.fluid is not None,
-        "a solver or integrator of PETSc in place of its own": not integrator.condensed or not integrator.newton.direct,
+        "a solver or integrator of PETSc in place of its own": not integrator.condensed
+        or not integrator.newton.direct,
     }
 
 
@@ -73,7 +74,9 @@ def refuse_run(case: Case) -> None:
     if is_quasi_static(case):
         raise CaseError(at="time.mode", got="quasi_static", want="dynamic for sensitivities of a run")
     if case.initial.from_ not in ("statics", "rest", "straight"):
-        raise CaseError(at="initial.from", got=str(case.initial.from_), want="statics or rest for sensitivities of a run")
+        raise CaseError(
+            at="initial.from", got=str(case.initial.from_), want="statics or rest for sensitivities of a run"
+        )
 
 
 class RunOfCase:

@@ -30,7 +30,7 @@ from drillpetsc.solvers import petsc_options as options
 
 USUAL = ("surface_torque.mean", "hook_load.mean")
 CHECK_STEPS = 1e-3, 1e-4  # relative, of the differences of runs with frozen steps
-CHECK_TOLERANCE = "1e-10"  # of Newton's method in these runs, unless the case has its own
+NEWTON = "1e-10"  # tolerance of Newton's method, whose remainder has another derivative, unless the case has its own
 Numbers = list[tuple[float, FloatArray]]
 
 
@@ -41,17 +41,26 @@ def run_sensitivities_of_run(job: Job, asked: Sequence[str], keys: Sequence[Key]
     Raises CaseError for a run, a key or an output whose derivatives are not computed.
     """
     case = job.case
-    with options.applied(case.petsc):
+    with options.applied(case.petsc), _option("q_snes_stol", NEWTON):
         run = RunOfCase(case, job.comm)
         end = float(case.given_time.end)
-        outputs = parsed_outputs(asked or [w for w in USUAL if w.partition(".")[0] in run.names], run.names, end)
+        outputs = parsed_outputs(
+            asked or [w for w in USUAL if w.partition(".")[0] in run.names], run.names, end
+        )
         columns = list(dict.fromkeys(q.column for q in outputs))
         units = {q.name: q.unit for q in run.outputs.described()}
         docs = {q.name: q.description for q in run.outputs.described()}
         series = run.series(keys, columns)
     numbers = _numbers(outputs, columns, series)
     found = [
-        Derivative(Output(Quantity(q.name, units[q.column], on="scalar", label=q.name, mnemonic="", doc=docs[q.column])), key, value, float(slopes[k]))
+        Derivative(
+            Output(
+                Quantity(q.name, units[q.column], on="scalar", label=q.name, mnemonic="", doc=docs[q.column])
+            ),
+            key,
+            value,
+            float(slopes[k]),
+        )
         for q, (value, slopes) in zip(outputs, numbers, strict=True)
         for k, key in enumerate(keys)
     ]
@@ -68,7 +77,13 @@ def run_sensitivities_of_run(job: Job, asked: Sequence[str], keys: Sequence[Key]
         outputs={q.name: value for q, (value, _) in zip(outputs, numbers, strict=True)},
         sensitivities=[{k: _plain(v) for k, v in _row(d).items()} for d in found],
         checked=[
-            {"output": c.output, "key": c.key, "derivative": c.derivative, "difference": c.difference, "error": c.error}
+            {
+                "output": c.output,
+                "key": c.key,
+                "derivative": c.derivative,
+                "difference": c.difference,
+                "error": c.error,
+            }
             for c in compared
         ],
         cost=cost,
@@ -82,7 +97,9 @@ def run_sensitivities_of_run(job: Job, asked: Sequence[str], keys: Sequence[Key]
         write_case(case, folder)
         rows = [_row(d) for d in found]
         names = [q.column for q in SENSITIVITIES]
-        write_table(folder.path / SENSITIVITIES_TABLE, names, [[row[q.name] for row in rows] for q in SENSITIVITIES])
+        write_table(
+            folder.path / SENSITIVITIES_TABLE, names, [[row[q.name] for row in rows] for q in SENSITIVITIES]
+        )
         _write_history(folder.path / SENSITIVITIES_HISTORY, columns, units, keys, series)
         write_summary(folder.summary, summary)
     return job.result(folder, summary, _lines(case, found, summary))
@@ -91,7 +108,9 @@ def run_sensitivities_of_run(job: Job, asked: Sequence[str], keys: Sequence[Key]
 def _numbers(outputs: Sequence[RunOutput], columns: Sequence[str], series: RunSeries) -> Numbers:
     """Value and derivatives (k,) of each output."""
     at = [columns.index(q.column) for q in outputs]
-    return [q.of(series.times, series.values[:, i], series.slopes[:, i]) for q, i in zip(outputs, at, strict=True)]
+    return [
+        q.of(series.times, series.values[:, i], series.slopes[:, i]) for q, i in zip(outputs, at, strict=True)
+    ]
 
 
 # ---------------------------------------------------------------------- check
@@ -111,7 +130,9 @@ def _checked(
         for step in CHECK_STEPS:
             sides = []
             for sign in (-1, 1):
-                repeated = _repeated(key.changed(case, key.value + sign * step * key.size), comm, columns, series.steps)
+                repeated = _repeated(
+                    key.changed(case, key.value + sign * step * key.size), comm, columns, series.steps
+                )
                 alone = alone or repeated.seconds
                 sides.append(np.array([value for value, _ in _numbers(outputs, columns, repeated)]))
             slopes.append((sides[1] - sides[0]) / (2 * step * key.size))
@@ -125,7 +146,7 @@ def _checked(
 
 def _repeated(case: Case, comm: PETSc.Comm, columns: Sequence[str], steps: FloatArray) -> RunSeries:
     """The run of a case with given steps, and Newton's method converged."""
-    with options.applied(case.petsc), _option("q_snes_stol", CHECK_TOLERANCE):
+    with options.applied(case.petsc), _option("q_snes_stol", NEWTON):
         run = RunOfCase(case, comm)
         run.freeze(steps)
         return run.series([], columns)
@@ -158,7 +179,9 @@ def _plain(value: Any) -> Any:
     return None if isinstance(value, float) and np.isnan(value) else value
 
 
-def _write_history(path: Any, columns: Sequence[str], units: dict[str, str], keys: Sequence[Key], series: RunSeries) -> None:
+def _write_history(
+    path: Any, columns: Sequence[str], units: dict[str, str], keys: Sequence[Key], series: RunSeries
+) -> None:
     """Columns and, after each, its change by a change of each key by its own value, p ds/dp; of a key of zero, by its usual size."""
     titles, values = [("time", "s")], [series.times]
     for i, name in enumerate(columns):
@@ -174,7 +197,9 @@ def _lines(case: Case, found: Sequence[Derivative], summary: dict[str, Any]) -> 
     lines = [f"{case.title or 'case'}: sensitivities of a run, effect of a change of each key"]
     for output in dict.fromkeys(d.output for d in found):
         mine = sorted((d for d in found if d.output == output and d.slope), key=lambda d: -abs(d.effect))
-        lines.append(f"  {output.name} {next(d.value for d in found if d.output == output):.6g} {output.quantity.unit}")
+        lines.append(
+            f"  {output.name} {next(d.value for d in found if d.output == output):.6g} {output.quantity.unit}"
+        )
         lines += [
             f"    {d.key.name:<40} {f'{d.key.value:.6g} + {d.key.per:.3g} {d.key.unit}'.rstrip():<28} {d.effect:>+12.5g} "
             f"{output.quantity.unit:<6} {'' if np.isnan(d.relative) else f'{d.relative:>10.3f}'}".rstrip()
@@ -185,8 +210,8 @@ def _lines(case: Case, found: Sequence[Derivative], summary: dict[str, Any]) -> 
     lines.append(text + (f", {cost['ratio']:.2g} times that of the run alone" if "ratio" in cost else ""))
     if summary["checked"]:
         worst = max(c["error"] for c in summary["checked"])
-        lines.append(f"  {len(summary['checked'])} derivatives checked by runs with the same steps: largest error {worst:.1e}")
+        lines.append(
+            f"  {len(summary['checked'])} derivatives checked by runs with the same steps: largest error {worst:.1e}"
+        )
     lines += [f"  WARNING: {w}" for w in summary["warnings"]]
     return lines + [f"  note: {note}" for note in summary["notes"]]
-
-

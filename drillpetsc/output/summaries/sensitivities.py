@@ -13,7 +13,9 @@ class SensitivitiesSummary(Summary):
     """summary.json of sensitivities."""
 
     title: Annotated[str, "", "Title of the case."]
-    analysis: Annotated[str, "", "Command whose outputs are differentiated: statics, roadmap, hydraulics or run."]
+    analysis: Annotated[
+        str, "", "Command whose outputs are differentiated: statics, roadmap, hydraulics or run."
+    ]
     outputs: Annotated[dict[str, float], "", "Values of the outputs at the deepest bit depth [SI], by name."]
     sensitivities: Annotated[
         list[dict[str, Any]],

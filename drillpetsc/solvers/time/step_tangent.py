@@ -64,7 +64,12 @@ class StepTangent:
     # ------------------------------------------------------------------ states of the systems beside the run
     def place(self, beside: Beside, k: int) -> None:
         """Put a system into the state of the run, moved along the derivatives by the parameter ``k``."""
-        ours, theirs, n, c = self.system.assembly, beside.system.assembly, self.system.layout.size, beside.change
+        ours, theirs, n, c = (
+            self.system.assembly,
+            beside.system.assembly,
+            self.system.layout.size,
+            beside.change,
+        )
         theirs.x[:n] = ours.x[:n] + c * self.x[k]
         theirs.y[:n] = ours.y[:n] + c * self.y[k]
         theirs.a[:n] = ours.a[:n] + c * self.a[k]
@@ -132,7 +137,8 @@ class StepTangent:
         """A step to ``t`` [s] is accepted."""
         if not np.array_equal(self._reference, self.system.assembly.reference):
             raise SolveError(
-                "sensitivities of a string that tumbles, whose reference frames are renewed, are not computed", time=t
+                "sensitivities of a string that tumbles, whose reference frames are renewed, are not computed",
+                time=t,
             )
         self.x, self.y, self.a = self._solve(t)
         self.formula.advance(t, self.x, self.y, self.a)
@@ -148,7 +154,9 @@ class StepTangent:
         system, asm, newton = self.system, self.system.assembly, self.integrator.newton
         shift, v0, v1 = self.formula.constants(t)
         if abs(shift - newton.shift) > SAME_SHIFT * newton.shift:
-            raise SolveError(f"the shift of the formula is {newton.shift!r}, that of its derivatives {shift!r}", time=t)
+            raise SolveError(
+                f"the shift of the formula is {newton.shift!r}, that of its derivatives {shift!r}", time=t
+            )
         second = newton.second_shift
         self._refresh()
         by_v, by_w = spin_derivatives(asm)
@@ -162,7 +170,9 @@ class StepTangent:
         def rates(x: FloatArray) -> FloatArray:
             y = shift * x + v0
             if len(spin):
-                y[:, spin] += np.einsum("ij,kij->ki", by_v, x[:, tangent]) + np.einsum("ij,kij->ki", by_w, y[:, tangent])
+                y[:, spin] += np.einsum("ij,kij->ki", by_v, x[:, tangent]) + np.einsum(
+                    "ij,kij->ki", by_w, y[:, tangent]
+                )
             return y
 
         x, dy = guess.copy(), rates(guess)
@@ -216,7 +226,12 @@ class StepTangent:
         self, beside: Beside, moved: tuple[FloatArray, ...], t: float, second: float
     ) -> FloatArray:
         """Rows (owned,) of a system at the unknowns of the run, with x, y, a, v1 ``moved`` along derivatives; t: of the inputs [s]."""
-        ours, theirs, n, c = self.system.assembly, beside.system.assembly, self.system.layout.size, beside.change
+        ours, theirs, n, c = (
+            self.system.assembly,
+            beside.system.assembly,
+            self.system.layout.size,
+            beside.change,
+        )
         theirs.x[:n] = ours.x[:n] + c * moved[0]
         theirs.y[:n] = ours.y[:n] + c * moved[1]
         theirs.a[:n] = ours.a[:n] + c * moved[2]

@@ -439,7 +439,9 @@ class TimeIntegrator:
                 ts.setTimeStep(max(dt, SHORTEST_STEP))
         self.counters.steps += 1
         self._step_number += 1
-        if self._frozen is None and self._fixed and ts.getTimeStep() < self.first_step:  # a fixed step that was shortened grows again
+        if (
+            self._frozen is None and self._fixed and ts.getTimeStep() < self.first_step
+        ):  # a fixed step that was shortened grows again
             remainder = self._stop - self._last
             ts.setTimeStep(
                 min(self.first_step, 2 * ts.getTimeStep(), remainder if remainder > SHORTEST_STEP else np.inf)
