@@ -2928,7 +2928,7 @@ def sensitivities(
     *,
     to: str | Sequence[str] = '',
     of: str | Sequence[str] = '',
-    analysis: Literal['statics', 'roadmap', 'hydraulics'] = 'statics',
+    analysis: Literal['statics', 'roadmap', 'hydraulics', 'run'] = 'statics',
     all: bool = False,
     check: int = 0,
     motion: Literal['hoist', 'lower', 'rotate'] | None = None,
@@ -2949,7 +2949,7 @@ def sensitivities(
     out: run folder (default: results/<case>-NNN)
     to: keys of the case: 'well.sections[1].friction,string[jar].weight,fluid.density,top.rotation'
     of: outputs, such as hook_load or trip_out.hook_load, or all (default: hook load and surface torque; pump pressure and ECD)
-    analysis: whose outputs are meant; a roadmap has the friction of the hole's sections (default: statics)
+    analysis: whose outputs are meant; a roadmap has the friction of the hole's sections; a run: surface_torque.mean[2:4] (default: statics)
     all: every continuous number of the case, instead of to
     check: compare N derivatives with differences of full solutions: the largest, the median, others at random (default: 0)
     motion: of statics: motion that friction opposes

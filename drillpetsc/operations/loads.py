@@ -55,8 +55,8 @@ class Sensitivities(AtBitDepth, DrawnOperation):
         "outputs, such as hook_load or trip_out.hook_load, or all (default: hook load and surface torque; pump pressure and ECD)",
     ] = ""
     analysis: Annotated[
-        Literal["statics", "roadmap", "hydraulics"],
-        "whose outputs are meant; a roadmap has the friction of the hole's sections",
+        Literal["statics", "roadmap", "hydraulics", "run"],
+        "whose outputs are meant; a roadmap has the friction of the hole's sections; a run: surface_torque.mean[2:4]",
     ] = "statics"
     all: Annotated[bool, "every continuous number of the case, instead of --to"] = False
     check: Annotated[

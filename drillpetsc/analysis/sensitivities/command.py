@@ -15,6 +15,7 @@ from drillpetsc.analysis.sensitivities.doubts import Checked, Differentiated
 from drillpetsc.analysis.sensitivities.hydraulics import SteadyHydraulics
 from drillpetsc.analysis.sensitivities.keys import Key, every_key, key_of
 from drillpetsc.analysis.sensitivities.roadmap import SoftRoadmap
+from drillpetsc.analysis.sensitivities.run_command import run_sensitivities_of_run
 from drillpetsc.analysis.sensitivities.solution import Output, Solution
 from drillpetsc.analysis.sensitivities.statics import StaticsSolution
 from drillpetsc.analysis.sensitivities.stiff import StiffRoadmap
@@ -46,7 +47,7 @@ ALL = "all"
 class Question:
     """What is differentiated by what.
 
-    analysis: statics, roadmap or hydraulics; motion, operation: of statics; depths: deepest or all, of a roadmap; model: soft or stiff.
+    analysis: statics, roadmap, hydraulics or run; motion, operation: of statics; depths: deepest or all, of a roadmap; model: soft or stiff.
     outputs: names, none: the usual ones, `all`: every one; keys: paths, none with ``every``.
     every: all continuous numbers of the case; check: number of derivatives compared with full solutions.
     """
@@ -71,6 +72,8 @@ def run_sensitivities(job: Job, question: Question) -> RunResult:
     if bool(question.keys) == question.every:
         raise CaseError(at="--to", want="keys of the case, such as fluid.density, or --all instead")
     keys = every_key(case) if question.every else [key_of(case, name) for name in question.keys]
+    if question.analysis == "run":
+        return run_sensitivities_of_run(job, question.outputs, keys, question.check)
     with options_of(case):
         solution = solved(case, question, job.comm)
         usual = USUAL[question.analysis]

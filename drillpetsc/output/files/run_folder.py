@@ -39,6 +39,7 @@ CALIBRATION_TABLE = "calibration.csv"  # measured points beside the soft string 
 MEASURED_TABLE = "measured.csv"  # measured points beside what the roadmap's case gives at each of them
 TORQUE_DRAG_FILES = (ROADMAP_TABLE, ROADMAP_FILE, CALIBRATION_TABLE, MEASURED_TABLE)
 SENSITIVITIES_TABLE = "sensitivities.csv"  # derivatives of outputs by numbers of the case
+SENSITIVITIES_HISTORY = "sensitivities_history.csv"  # columns of a run and their derivatives, over time
 UNCERTAIN_TABLE = "uncertain.csv"  # quantiles of outputs over samples of uncertain numbers
 UNCERTAIN_SHARES_TABLE = "uncertain_shares.csv"  # shares of these numbers in the variance
 INDICES_TABLE = "indices.csv"  # indices of drilling dynamics over windows of time

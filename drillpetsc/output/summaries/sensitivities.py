@@ -13,7 +13,9 @@ class SensitivitiesSummary(Summary):
     """summary.json of sensitivities."""
 
     title: Annotated[str, "", "Title of the case."]
-    analysis: Annotated[str, "", "Command whose outputs are differentiated: statics, roadmap or hydraulics."]
+    analysis: Annotated[
+        str, "", "Command whose outputs are differentiated: statics, roadmap, hydraulics or run."
+    ]
     outputs: Annotated[dict[str, float], "", "Values of the outputs at the deepest bit depth [SI], by name."]
     sensitivities: Annotated[
         list[dict[str, Any]],
@@ -25,6 +27,11 @@ class SensitivitiesSummary(Summary):
         "",
         "List: pairs compared with differences of full solutions: output, key, derivative and difference (relative), error; empty without --check.",
     ]
+    cost: Annotated[
+        dict[str, float] | None,
+        "",
+        "Of a run: its steps, and the processor time of its steps with the derivatives (s); with --check also without them (s), and the ratio.",
+    ] = None
     skipped: Annotated[dict[str, str], "", "With --all: keys left out, and the reasons."]
     units: Annotated[str, "", "Units of printed and plotted figures; files are in SI."]
     warnings: Annotated[list[str], "", "What makes the numbers doubtful."]

@@ -93,6 +93,7 @@ class GeneralizedAlpha(TimeIntegrator):
         self._last, self._t, self._jump, self._stop = 0.0, 0.0, np.inf, np.inf
         self._mud_masked, self._next_step, self._earlier_error = False, 0.0, 1.0
         self._restored: dict[str, FloatArray] | None = None
+        self._frozen: list[float] | None = None
         self._replayed, self.history, self.estimate = None, BdfHistory(0), None
         system = self.system
         self.state = system.new_state()
@@ -171,6 +172,8 @@ class GeneralizedAlpha(TimeIntegrator):
         Returns the time reached and the length of the next step [s].
         """
         rejected = 0
+        if self._frozen is not None:
+            h = self._frozen_step()
         while True:
             left = stop - t
             if h >= left * (1 - STRETCH) or left - h < SHORTEST_STEP:
@@ -182,6 +185,8 @@ class GeneralizedAlpha(TimeIntegrator):
             reason = self._solve_step(end, h)
             if reason >= 0 and self.alpha.step == 0.0:
                 # the first step gives the derivative by which a_0 leads, and is then repeated
+                if self.follower is not None:
+                    self.follower.stage(end, h)
                 self.alpha.lead_by_trial()
                 reason = self._solve_step(end, h)
             if reason < 0:
@@ -266,6 +271,9 @@ class GeneralizedAlpha(TimeIntegrator):
         for finish in self.on_step_end:
             finish(t)
 
+    def _set_frozen_tolerances(self) -> None:
+        """``TimeIntegrator.freeze``: fixed steps have no error control here."""
+
     def _reframe(self, earlier: FloatArray) -> None:
         """Measure spin angles from new reference directions, after the ``earlier`` ones (nv, 3), and continue their formula."""
         asm = self.system.assembly
@@ -344,6 +352,8 @@ class GeneralizedAlpha(TimeIntegrator):
             # free velocities change by the impulse of the prescribed ones (manual: sec-time-alpha-start)
             self.begin.jump(t)
         self._begin_formula(t)
+        if self.follower is not None:
+            self.follower.start(t, jump)
         if self._fixed or jump or not keep_step:
             self._next_step = self.first_step
 

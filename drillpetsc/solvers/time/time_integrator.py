@@ -56,6 +56,19 @@ class Counters:
     rejected: int = 0
 
 
+class Follower(Protocol):
+    """Follows the states of a run in its steps, such as their derivatives (``step_tangent``)."""
+
+    def change_states(self, t: float, changed: bool) -> None:
+        """Components were called where an input jumps or bends, at ``t`` [s]; changed: states have."""
+
+    def start(self, t: float, jumped: bool) -> None:
+        """The formula has started at ``t`` [s]; jumped: a prescribed velocity jumps there."""
+
+    def stage(self, t: float, step: float) -> None:
+        """A stage of the first ``step`` [s] after a start is solved, at ``t`` [s]."""
+
+
 class Sampler(Protocol):
     """A function called at regular times of a run."""
 
@@ -81,6 +94,7 @@ class TimeIntegrator:
     after_sample(t): called after a sampler, if the formula assumes that its forces jump at ``t`` [s].
     sampler(t): called at the multiples of ``sampler.period`` [s], where a step ends, with the state before the step that follows;
     the formula does not restart there.
+    follower: of the states in all steps.
     step_limit(): longest step [s] by the present state, the same on all ranks; generalised-alpha only.
     inertia: whether the string has inertia; without it, forces have no power to which Newton's remainder could
     be compared.
@@ -107,6 +121,7 @@ class TimeIntegrator:
     sampler: Sampler | None = None
     inertia: bool = True
     step_limit: Callable[[], float] | None = None
+    follower: Follower | None = None
 
     def __post_init__(self) -> None:
         options = PETSc.Options()
@@ -134,6 +149,7 @@ class TimeIntegrator:
         )
         self.max_steps = options.getInt("ts_max_steps", 2**31 - 1)  # the caller of ``run`` ends it
         self.order, self.fresh = options.getInt("ts_bdf_order", 2), True
+        self._frozen: list[float] | None = None
         self._last, self._t, self._jump, self._stop = 0.0, 0.0, np.inf, np.inf
         self._eventful = [c for c in self.system.components if c.has_events]
         # formulas whose history can be rebuilt; the others restart at every checkpoint, also in uninterrupted
@@ -229,6 +245,9 @@ class TimeIntegrator:
         the mud.
         """
         layout, vector = self.system.layout, self.system.new_state()
+        if self._frozen is not None:
+            vector.set(MASKED)
+            return vector
         controlled = np.array(
             [
                 f.differential and self.controlled(f) and (fluid or f.physics == "string")
@@ -260,7 +279,7 @@ class TimeIntegrator:
 
     # ------------------------------------------------------------------ condensed step, called by the outer SNES
     def _catch_rate(self, ts, t, x, xdot, f) -> None:
-        self._t = self.input_time(t)
+        self._t, self._stage = self.input_time(t), t
         self._rate = xdot  # TSBDF keeps it for the next call
 
     def _catch_shift(self, ts, t, x, xdot, shift, J, P) -> None:
@@ -295,6 +314,8 @@ class TimeIntegrator:
             return
         if reason > 0:
             self.history.add_stage(self.system.assembly.x, self.system.assembly.y)
+            if self.follower is not None and self.fresh:
+                self.follower.stage(self._stage, self.ts.getTimeStep())
         self._consecutive_failures = self._consecutive_failures + 1 if reason < 0 else 0
         if self._consecutive_failures > CONSECUTIVE_FAILURES or (
             reason < 0 and self.ts.getTimeStep() < SHORTEST_STEP
@@ -336,6 +357,21 @@ class TimeIntegrator:
         self.fresh = True
         self.history.start(t, asm.x, asm.y)
         self.ts.setTimeStep(max(min(self.first_step, self._stop - t), SHORTEST_STEP))
+
+    def freeze(self, steps: FloatArray) -> None:
+        """Take these ``steps`` [s] from the start on, without step control; they end at every stop of the run."""
+        self._frozen, self._fixed = list(map(float, steps)), True
+        self.first_step = self._frozen[0]
+        self._set_frozen_tolerances()
+
+    def _set_frozen_tolerances(self) -> None:
+        """Reject no step."""
+        self._set_tolerances(False)
+
+    def _frozen_step(self) -> float:
+        """Length of the next step of ``freeze`` [s]."""
+        assert self._frozen is not None
+        return self._frozen[min(self.counters.steps, len(self._frozen) - 1)]
 
     def failure(self, what: str) -> SolveError:
         """Return the error that ends a run, with the place of the largest residual; collective."""
@@ -403,11 +439,15 @@ class TimeIntegrator:
                 ts.setTimeStep(max(dt, SHORTEST_STEP))
         self.counters.steps += 1
         self._step_number += 1
-        if self._fixed and ts.getTimeStep() < self.first_step:  # a fixed step that was shortened grows again
+        if (
+            self._frozen is None and self._fixed and ts.getTimeStep() < self.first_step
+        ):  # a fixed step that was shortened grows again
             remainder = self._stop - self._last
             ts.setTimeStep(
                 min(self.first_step, 2 * ts.getTimeStep(), remainder if remainder > SHORTEST_STEP else np.inf)
             )
+        if self._frozen is not None:
+            ts.setTimeStep(self._frozen_step())
         self.system.accept(self._last)
         with self.system.assembly.unchanged():  # results of the step are shared by all that follows
             for call in self.after_step:
@@ -535,6 +575,8 @@ class TimeIntegrator:
             changed |= component.at_break(t, self.system.assembly)
         if changed:
             self.system.store_state(self.state)
+        if self.follower is not None:
+            self.follower.change_states(t, changed)
 
     def _start_formula(self, stop: float) -> None:
         """Restart the formula without history, e.g. after a discontinuity.
@@ -552,7 +594,10 @@ class TimeIntegrator:
         ts.restartStep()
         self.fresh = True
         self.history.start(ts.getTime(), asm.x, asm.y)
-        ts.setTimeStep(min(self.first_step, stop - ts.getTime()))
+        step = self.first_step if self._frozen is None else self._frozen_step()
+        ts.setTimeStep(min(step, stop - ts.getTime()))
+        if self.follower is not None:
+            self.follower.start(ts.getTime(), self.jumped)
 
     def close(self) -> None:
         """Free the solvers and vectors of PETSc; the integrator cannot be used afterwards."""

@@ -1,0 +1,195 @@
+"""A run with the derivatives of its history by numbers of its case, computed in its steps (manual: sec-sensitivities-steps)."""
+
+from __future__ import annotations
+
+import time as clock
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from petsc4py import PETSc
+
+from drillpetsc.analysis.motion.integrator_choice import make_integrator
+from drillpetsc.analysis.motion.session.live_outputs import LiveOutputs
+from drillpetsc.analysis.sensitivities.keys import Key
+from drillpetsc.analysis.sensitivities.points import Point, points_of
+from drillpetsc.analysis.sensitivities.statics import RESIDUAL_STEP, StaticTangent
+from drillpetsc.analysis.statics.find_equilibrium import find_equilibrium
+from drillpetsc.analysis.statics.imperfection import add_imperfection_of_rest
+from drillpetsc.analysis.statics.placement import find_reactions, move_rigidly, place_along_hole, release
+from drillpetsc.arrays import FloatArray
+from drillpetsc.case.case import Case
+from drillpetsc.errors import CaseError
+from drillpetsc.model.drilling_model import DrillingModel, build_model, is_quasi_static
+from drillpetsc.model.mesh import MeshOf
+from drillpetsc.output.recorder import Recorder
+from drillpetsc.physics.bit.rock_bit import RockBit
+from drillpetsc.solvers.time.step_tangent import Beside, StepTangent
+from drillpetsc.solvers.time.time_integrator import TimeIntegrator
+
+#: of the cases beside the run, relative: contacts yield by micrometres, and rates are smooth over so little
+STEP = 1e-6
+
+
+@dataclass(frozen=True)
+class RunSeries:
+    """Columns of a history at the ends of steps.
+
+    times: (m,) [s]; values: (m, columns) [SI]; slopes: (m, columns, keys) derivatives.
+    steps: lengths of all steps [s]; seconds: processor time of the steps, with the derivatives [s].
+    """
+
+    times: FloatArray
+    values: FloatArray
+    slopes: FloatArray
+    steps: FloatArray
+    seconds: float
+
+
+def _refusals(case: Case, model: DrillingModel, integrator: TimeIntegrator) -> dict[str, bool]:
+    """What the derivatives do not follow -> whether the run has it."""
+    system, bit = model.system, model.bit
+    return {
+        "a bit that cuts: its hole grows": isinstance(bit, RockBit) and _cuts(bit),
+        "events, such as of a jar": any(c.has_events for c in system.components),
+        "a controller that samples": integrator.sampler is not None,
+        "an autodriller": case.top.autodriller is not None,
+        "functions of the user": any(c.own_laws for c in system.components) or bool(case.components),
+        "constraints of joints, or of the quaternion element": system.constrained
+        or system.assembly.derive is not None,
+        "drilling fluid": model.fluid is not None,
+        "a solver or integrator of PETSc in place of its own": not integrator.condensed
+        or not integrator.newton.direct,
+    }
+
+
+def _cuts(bit: RockBit) -> bool:
+    return bit.profiled or bit.own is not None or bool(np.any([q.drillability for q in bit.rock.layers]))
+
+
+def refuse_run(case: Case) -> None:
+    """Raise CaseError for a case without a run whose derivatives could be computed."""
+    if case.time is None:
+        raise CaseError(at="time", want="a block {end: ...}")
+    if is_quasi_static(case):
+        raise CaseError(at="time.mode", got="quasi_static", want="dynamic for sensitivities of a run")
+    if case.initial.from_ not in ("statics", "rest", "straight"):
+        raise CaseError(
+            at="initial.from", got=str(case.initial.from_), want="statics or rest for sensitivities of a run"
+        )
+
+
+class RunOfCase:
+    """The model of a case and the integrator of its run.  Raises CaseError for a run whose derivatives are not computed."""
+
+    def __init__(self, case: Case, comm: PETSc.Comm, like: MeshOf | None = None) -> None:
+        refuse_run(case)
+        self.case, self.comm = case, comm
+        self.model = build_model(case, comm, like=like)
+        self.integrator = make_integrator(self.model)
+        for what, present in _refusals(case, self.model, self.integrator).items():
+            if present:
+                raise CaseError(at="--analysis", got="run", want=f"a run without: {what}")
+        self.outputs = LiveOutputs(Recorder(self.model))
+        self.names = [q.name for q in self.outputs.described()]
+
+    def freeze(self, steps: FloatArray) -> None:
+        """Take these ``steps`` [s] instead of those of the step control."""
+        self.integrator.freeze(steps)
+
+    @property
+    def mesh(self) -> MeshOf:
+        """The elements, for the cases beside it."""
+        return MeshOf(self.case, self.model.mesh)
+
+    def begin(self, groups: Sequence[Sequence[Point]]) -> list[list[DrillingModel]]:
+        """Put the model into its state at the start; returns models at the points of each key in theirs; collective."""
+        case, model, mesh = self.case, self.model, self.mesh
+        if case.initial.from_ != "statics":
+            beside = [[build_model(p.case, self.comm, like=mesh) for p in points] for points in groups]
+            for each in (model, *(m for group in beside for m in group)):
+                place_along_hole(each)
+                add_imperfection_of_rest(each)
+        else:
+            start = model.top.anchor.copy()
+            state = find_equilibrium(model)
+            beside = []
+            if groups:
+                tangent = StaticTangent(model, state, start, None)
+            for points in groups:
+                sources, _ = points_of(case, points[0].key, RESIDUAL_STEP)
+                models, bends = tangent.near(points, sources, lambda c: build_model(c, self.comm, like=mesh))
+                del bends
+                beside.append(models)
+        for each in (model, *(m for group in beside for m in group)):
+            release(each)
+            move_rigidly(each)
+            for component in each.components:
+                component.settle(0.0, each.system.assembly)
+            find_reactions(each)
+        return beside
+
+    def series(self, keys: Sequence[Key], columns: Sequence[str]) -> RunSeries:
+        """Run with the derivatives of columns of the history by keys; collective."""
+        return _Run(self, keys, columns).series()
+
+
+class _Run:
+    """A run that records columns and their derivatives."""
+
+    def __init__(self, run: RunOfCase, keys: Sequence[Key], columns: Sequence[str]) -> None:
+        self.run, self.integrator = run, run.integrator
+        self.points = [points_of(run.case, key, STEP)[0] for key in keys]
+        models = run.begin(self.points)
+        for key, group in zip(keys, models, strict=True):
+            if any(m.breaks != run.model.breaks for m in group):
+                want = "a number that does not move a time at which an input jumps or bends"
+                raise CaseError(at="--to", got=key.name, want=want)
+        self.beside = [
+            [Beside(m.system, p.change, p.weight) for m, p in zip(group, points, strict=True)]
+            for group, points in zip(models, self.points, strict=True)
+        ]
+        self.tangent = StepTangent(self.integrator, self.beside) if keys else None
+        self.readers = [run.outputs, *(LiveOutputs(Recorder(m)) for group in models for m in group)]
+        self.columns = [reader.find(columns) for reader in self.readers]
+        every = run.case.output.history_every
+        assert every is not None
+        self.every, self.next_row = float(every), 0
+        self.times: list[float] = []
+        self.values: list[list[float]] = []
+        self.slopes: list[FloatArray] = []
+        self.steps: list[float] = []
+        self.integrator.after_step.append(self._after_step)
+
+    def _after_step(self, t: float, dt: float) -> None:
+        self.steps.append(dt)
+        if t < self.next_row * self.every - 1e-9 * max(1.0, t):
+            return
+        self.next_row = int(np.floor(t / self.every + 1e-9)) + 1
+        self._record(t)
+
+    def _record(self, t: float) -> None:
+        """Read the columns at the state of a step to ``t`` [s]."""
+        at = self.integrator.newton.t
+        for reader in self.readers:
+            reader.changed()
+        base = self.readers[0].read(self.columns[0], at)
+        slopes, i = np.zeros((len(base), len(self.points))), 1
+        for k, group in enumerate(self.beside):
+            for beside in group:
+                assert self.tangent is not None
+                self.tangent.balance(beside, k, at)
+                slopes[:, k] += beside.weight * np.array(self.readers[i].read(self.columns[i], at))
+                i += 1
+        self.times.append(t)
+        self.values.append(base)
+        self.slopes.append(slopes)
+
+    def series(self) -> RunSeries:
+        """Integrate to the end; collective."""
+        end, began = float(self.run.case.given_time.end), clock.process_time()
+        self.integrator.run(0.0, end, self.run.model.breaks)
+        spent = clock.process_time() - began
+        return RunSeries(
+            np.array(self.times), np.array(self.values), np.array(self.slopes), np.array(self.steps), spent
+        )

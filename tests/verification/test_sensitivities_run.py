@@ -1,0 +1,146 @@
+"""Derivatives of a run by numbers of its case: a torsional pendulum in closed form, and stick-slip against runs with the same steps."""
+
+from __future__ import annotations
+
+import json
+
+import numpy as np
+import pytest
+from petsc4py import PETSc
+
+from drillpetsc.analysis.sensitivities.command import Question, run_sensitivities
+from drillpetsc.analysis.sensitivities.keys import key_of
+from drillpetsc.analysis.sensitivities.run import RunOfCase, RunSeries
+from drillpetsc.analysis.sensitivities.run_outputs import parsed_outputs
+from drillpetsc.case import Case
+from drillpetsc.errors import CaseError
+from drillpetsc.output.job import Job
+from drillpetsc.parallel import initialise_petsc
+from drillpetsc.solvers import petsc_options as options
+from tests.helpers.wells import simple_well
+
+INERTIA, STIFFNESS, LENGTH, SPEED, RAMP = 374.0, 473.0, 100.0, 5.0, 0.1
+
+
+@pytest.fixture(scope="module", autouse=True)
+def _petsc() -> None:
+    initialise_petsc()
+
+
+def pendulum(integrator: str, **changes: object) -> Case:
+    """A bit on a shaft without mass to speak of, whose top is turned at 5 rad/s from 0.1 s on."""
+    shaft = {
+        "kind": "beam", "length": LENGTH, "axial_stiffness": 7e8, "bending_stiffness": 1e9, "torsional_stiffness": STIFFNESS * LENGTH,
+        "mass": 100.0, "polar_inertia": 1e-3, "od": 0.127, "id": 0.1086, "element_length": 25.0,
+    }  # fmt: skip
+    bit = {
+        "kind": "bit",
+        "length": 0.5,
+        "od": 0.2159,
+        "mass": 60.0,
+        "inertia": {"axial": INERTIA, "transverse": 400.0},
+    }
+    case = {
+        "well": simple_well(LENGTH + 0.5, 0.2159),
+        "string": [shaft, bit],
+        "top": {"kind": "top_drive", "rotation": {"time": [0.0, RAMP], "value": [0.0, SPEED]}},
+        "bottom": "free",
+        "contact": "none",
+        "initial": {"from": "rest", "imperfection": 0},
+        "time": {"end": 8.0, "integrator": integrator},
+        "output": {"history_every": 0.1},
+        "petsc": {"ts_rtol": "1e-4"},
+    }
+    return Case(**(case | changes))
+
+
+def rock_bit(integrator: str) -> Case:
+    """The same with a bit whose torque falls with its speed: it sticks, breaks loose, and sticks again."""
+    law = {"kind": "velocity_weakening", "static": 6e3, "dynamic": 3e3, "speed": 1.0}
+    changes = {
+        "bottom": {"kind": "bit"},
+        "formation": {"drillability": 0.0, "bit_law": law},
+        "initial": {"from": "statics", "wob": 50e3, "imperfection": 0},
+        "petsc": {"ts_rtol": "1e-4"},
+        "time": {"end": 8.0, "integrator": integrator},
+    }
+    return pendulum(integrator, **changes)
+
+
+def series_of(case: Case, names: list[str], columns: list[str]) -> RunSeries:
+    with options.applied(case.petsc):
+        return RunOfCase(case, PETSc.COMM_SELF).series([key_of(case, n) for n in names], columns)
+
+
+@pytest.mark.parametrize("integrator", ["bdf", "generalized_alpha"])
+def test_torsional_pendulum(integrator):
+    """Speed after a ramp of length T: W (1 - (sin wt - sin w(t - T))/(wT)), with w = sqrt(k/I); its derivatives by k and by I.
+
+    The tolerance is the integrator's: at 1e-5 a step it has order 2, and phases are right to 1e-3 after 1.4 periods.
+    """
+    names = ["string[0].torsional_stiffness", "string[1].inertia.axial"]
+    found = series_of(pendulum(integrator), names, ["bit_speed"])
+    t, w = found.times[found.times > RAMP], np.sqrt(STIFFNESS / INERTIA)
+    slopes = found.slopes[found.times > RAMP, 0]
+    a = np.sin(w * t) - np.sin(w * (t - RAMP))
+    by_w = t * np.cos(w * t) - (t - RAMP) * np.cos(w * (t - RAMP))
+    exact = -SPEED / RAMP * (by_w / w - a / w**2) * w / 2
+    largest = np.abs(exact).max()
+    assert slopes[:, 0] * STIFFNESS * LENGTH == pytest.approx(exact, abs=2e-3 * largest)
+    assert slopes[:, 1] * INERTIA == pytest.approx(-exact, abs=2e-3 * largest)
+
+
+@pytest.mark.parametrize("integrator", ["bdf", "generalized_alpha"])
+def test_stick_slip_with_frozen_steps(integrator, tmp_path):
+    """Five outputs by four keys, against differences of runs that take the same steps: 1e-4 of each derivative."""
+    keys = "formation.bit_law.static,formation.bit_law.dynamic,string[0].torsional_stiffness,string[1].inertia.axial"
+    of = "surface_torque.mean[2:8],surface_torque.rms,bit_speed.mean,bit_speed.rms[1:7],bit_speed.max"
+    question = Question("run", of.split(","), keys.split(","), check=4)
+    run_sensitivities(Job(rock_bit(integrator), tmp_path / "r"), question)
+    summary = json.loads((tmp_path / "r/summary.json").read_text())
+    assert len(summary["checked"]) == 20
+    assert max(c["error"] for c in summary["checked"]) < 1e-4
+    assert min(abs(c["difference"]) for c in summary["checked"]) > 0
+    assert summary["cost"]["ratio"] > 1
+
+
+def test_a_key_without_effect_has_zero_and_a_word():
+    case = pendulum("bdf", time={"end": 0.5})
+    found = series_of(case, ["string[1].mass"], ["bit_speed"])
+    assert np.abs(found.slopes).max() == pytest.approx(0.0, abs=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("changes", "said"),
+    [
+        ({"time": None}, "end"),
+        (
+            {
+                "formation": {"drillability": 2.8e-8},
+                "bottom": {"kind": "bit"},
+                "initial": {"from": "statics", "wob": 5e4},
+            },
+            "hole grows",
+        ),
+    ],
+)
+def test_refusals(changes, said):
+    """A run whose derivatives are not computed is refused by name."""
+    with pytest.raises(CaseError) as error:
+        RunOfCase(pendulum("bdf", **changes), PETSc.COMM_SELF)
+    assert said in str(error.value)
+
+
+def test_words_of_outputs():
+    """Mean of a parabola by the trapezoidal rule of its rows; the largest value where it is; windows outside are refused."""
+    t = np.linspace(0.0, 4.0, 401)
+    values, slopes = t**2, np.stack([t, 2 * t], axis=1)
+    (mean, largest) = parsed_outputs(["wob.mean[2:4]", "wob.max"], ["wob"], 4.0)
+    value, slope = mean.of(t, values, slopes)
+    assert value == pytest.approx(28 / 3, rel=1e-5)
+    assert slope == pytest.approx([3.0, 6.0])
+    assert largest.of(t, values, slopes)[1] == pytest.approx([4.0, 8.0])
+    for word, said in (("wib", "wob"), ("wob.mean[2:9]", "0 to 4 s"), ("wob.median", "mean")):
+        with pytest.raises(CaseError) as error:
+            parsed_outputs([word], ["wob"], 4.0)
+        assert said in str(error.value)
