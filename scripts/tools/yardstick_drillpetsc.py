@@ -63,10 +63,11 @@ def equilibrium(case: Case, motion: tuple[float, float] = (0.0, 0.0)) -> tuple[A
 
 
 def period(time: np.ndarray, signal: np.ndarray) -> float:
-    """Mean time [s] between rises of a signal (n,) through its mean."""
-    high = signal >= signal.mean()
-    k = np.flatnonzero(~high[:-1] & high[1:])
-    return float((time[k[-1]] - time[k[0]]) / (len(k) - 1))
+    """Time [s] after which a signal (n,) at even steps repeats best: the first largest value of its autocorrelation."""
+    part = signal - signal.mean()
+    like = np.correlate(part, part, "full")[len(part) - 1 :] / np.arange(len(part), 0, -1)
+    start = int(np.argmax(like < 0))  # beyond the first zero
+    return float((start + np.argmax(like[start : len(part) // 2])) * (time[1] - time[0]))
 
 
 def threshold(unstable: Callable[[float], bool], low: float, high: float, tolerance: float = 1e-4) -> float:
@@ -189,7 +190,7 @@ def aarsnes_shor(problem: Problem) -> Found:
     radius = 0.5 * g["drill pipe"]["outside diameter [m]"]
     run = Case(
         well=straight(length + 10, g["inclination [rad]"], g["hole diameter [m]"], dynamic),
-        contact={"stribeck": {"static": static, "speed": 0.5 * radius}},
+        contact={"stribeck": {"static": static, "speed": 0.5 * radius}, "slip_velocity": 1e-3},
         top={
             "kind": "top_drive", "motor": {"inertia": drive["inertia [kg m2]"]},
             "rotation": {"time": t.tolist(), "value": (drive["set point [rad/s]"] * (1 - np.exp(-t / drive["lag [s]"]))).tolist()},
@@ -508,13 +509,16 @@ def madsim(problem: Problem) -> Found:
     )
     touches = [(q["distance from bit [m]"], q["diameter [m]"]) for q in g["contact diameters"]]
     items: list[Found] = []
+    reached = 0.0
     for a, b, k in zip(start, end, range(len(od)), strict=True):
         inside = [q for q in touches if a < q[0] <= b]
         for c, d, blade_od in [(a, b, None)] if not inside else [
             (a, inside[0][0] - blade / 2, None), (inside[0][0] - blade / 2, inside[0][0] + blade / 2, inside[0][1]),
             (inside[0][0] + blade / 2, b, None)]:  # fmt: skip
+            c = max(c, reached)
             if d - c < 1e-6:
                 continue
+            reached = d
             shear = young[k] / 2 / (1 + nu[k])
             area = np.pi / 4 * (od[k] ** 2 - bore[k] ** 2)
             one: Found = {
@@ -530,26 +534,27 @@ def madsim(problem: Problem) -> Found:
             items.append(one)
     radius = touches[0][1]
     items[0] = {"kind": "bit", "length": items[0]["length"], "od": radius, "mass": items[0]["mass"] * items[0]["length"]}
-    share = np.linspace(0, 1, 12)
+    length = float(end[-1])  # the string ends inside the hole: the depths of the case are counted from its top
+    share = np.linspace(1 - length / bit_depth, 1, 12)
     survey = {
-        "md": (bit_depth * share).tolist(), "inclination": [g["inclination [rad]"]] * 12,
+        "md": np.linspace(0, length, 12).tolist(), "inclination": [g["inclination [rad]"]] * 12,
         "azimuth": (g["azimuth at the start [rad]"] + (g["azimuth at the bit [rad]"] - g["azimuth at the start [rad]"]) * share).tolist(),
     }  # fmt: skip
     case = Case(
-        well={"survey": survey, "sections": [{"to": bit_depth, "kind": "open_hole", "diameter": g["hole diameter [m]"], "friction": 0.0}]},
-        string=items[::-1], top={"kind": "top_drive"}, bottom="bit", bit_depth=bit_depth,
+        well={"survey": survey, "sections": [{"to": length, "kind": "open_hole", "diameter": g["hole diameter [m]"], "friction": 0.0}]},
+        string=items[::-1], top={"kind": "top_drive"}, bottom="bit",
         initial={"wob": g["weight on bit [N]"]},
         fluid={"density": g["mud density [kg/m3]"], "flow_rate": 0.0, "rheology": {"model": "newtonian", "viscosity": 1e-3}},
     )  # fmt: skip
     with TemporaryDirectory() as folder:
         summary = drillpetsc.statics(case, Path(folder) / "run").summary
         table = read_table(Path(folder) / "run" / "statics.csv")
-    rigid = {round(bit_depth - q["md"], 2): q["side_force"] for q in summary["rigid_items"]}
+    rigid = {round(length - q["md [m]"], 2): q["side_force [N]"] for q in summary["rigid_items"]}
     near = min(rigid, key=lambda z: abs(z - touches[1][0]))
     name = next(key for key in table if key.startswith("bending_moment"))
     return {
         "side force at bit": rigid[min(rigid)], "stabilizer force": rigid[near],
-        "bending moment": float(np.interp(bit_depth - touches[1][0], table["md [m]"], table[name])),
+        "bending moment": float(np.interp(length - touches[1][0], table["md [m]"], table[name])),
         "note": "elements of 0.1 m; blades of 2 cm; the torque on bit is left out",
     }  # fmt: skip
 
