@@ -48,7 +48,10 @@ def main() -> None:
         if given.command == "score":
             head, table = yard.rows(given.answers)
             print(yard.markdown(head, table) if given.markdown else yard.plain(head, table))
-            print("\n" + "\n".join(f"- {line}" if given.markdown else line for line in yard.notes(given.answers)))
+            print(
+                "\n"
+                + "\n".join(f"- {line}" if given.markdown else line for line in yard.notes(given.answers))
+            )
             return
         names = given.problem or list(yard.ORDER)
         for name in names:

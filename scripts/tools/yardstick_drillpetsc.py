@@ -47,7 +47,10 @@ def pipe(given: Found, element: float, weight: float | None = None, **keys: Any)
 def straight(length: float, inclination: float, diameter: float, friction: float = 0.0) -> Found:
     """A straight hole: length [m], inclination [rad], diameter [m]."""
     survey = {"md": [0.0, length], "inclination": [inclination] * 2, "azimuth": [0.0, 0.0]}
-    return {"survey": survey, "sections": [{"to": length, "kind": "open_hole", "diameter": diameter, "friction": friction}]}
+    return {
+        "survey": survey,
+        "sections": [{"to": length, "kind": "open_hole", "diameter": diameter, "friction": friction}],
+    }
 
 
 def summary_of(command: Callable[..., Any], case: Case, **choices: Any) -> Found:
@@ -117,7 +120,10 @@ def mitchell(problem: Problem) -> Found:
     force, length, elements = given["compression [N]"], given["length [m]"], 160
     young, od = given["Young's modulus [Pa]"], given["outside diameter [m]"]
     bending = young * np.pi / 64 * (od**4 - given["inside diameter [m]"] ** 4)
-    clearance, wave = 0.5 * (given["hole diameter [m]"] - od), 2 * np.pi / np.sqrt(8 * np.pi**2 * bending / force)
+    clearance, wave = (
+        0.5 * (given["hole diameter [m]"] - od),
+        2 * np.pi / np.sqrt(8 * np.pi**2 * bending / force),
+    )
     case = Case(
         well=straight(length, 0.0, given["hole diameter [m]"]), string=[pipe(given, length / elements)],
         top={"kind": "top_drive", "force": -force}, bottom="pinned", gravity=0.0,
@@ -172,9 +178,19 @@ def aarsnes_shor(problem: Problem) -> Found:
     items = []
     for part, elements in (("drill pipe", 100), ("assembly", 10)):
         one, nu = g[part], g["Poisson's ratio [-]"]
-        material = {"young": 2 * (1 + nu) * one["shear modulus [Pa]"], "poisson": nu, "density": g["density [kg/m3]"]}
-        sizes = {"length": one["length [m]"], "od": one["outside diameter [m]"], "id": one["inside diameter [m]"]}
-        items.append({"kind": "pipe", **sizes, "element_length": one["length [m]"] / elements, "material": material})
+        material = {
+            "young": 2 * (1 + nu) * one["shear modulus [Pa]"],
+            "poisson": nu,
+            "density": g["density [kg/m3]"],
+        }
+        sizes = {
+            "length": one["length [m]"],
+            "od": one["outside diameter [m]"],
+            "id": one["inside diameter [m]"],
+        }
+        items.append(
+            {"kind": "pipe", **sizes, "element_length": one["length [m]"] / elements, "material": material}
+        )
     length, static = sum(item["length"] for item in items), g["static friction [-]"]
     keys = {"string": items, "bottom": "free", "gravity": g["gravity [m/s2]"]}
     well = straight(length + 10, g["inclination [rad]"], g["hole diameter [m]"], static)
@@ -237,7 +253,9 @@ def paidoussis(problem: Problem) -> Found:
 
     beta = g["hinged"]["beta [-]"]
     out: Found = {
-        "divergence": threshold(lambda u: found(u, beta, 0.0, top="pinned", bottom="pinned")["unstable"] > 0, 2.0, 5.0),
+        "divergence": threshold(
+            lambda u: found(u, beta, 0.0, top="pinned", bottom="pinned")["unstable"] > 0, 2.0, 5.0
+        ),
         "note": "16 elements",
     }
     for name, words in (("cantilever", "flutter"), ("hanging cantilever", "hanging flutter")):
@@ -248,7 +266,9 @@ def paidoussis(problem: Problem) -> Found:
         mass = density * bore / which[0]
         fastest = int(np.argmax(at["growth"]))
         out[f"{words} speed"] = u
-        out[f"{words} frequency"] = 2 * np.pi * float(at["frequency"][fastest]) * length**2 * np.sqrt(mass / bending)
+        out[f"{words} frequency"] = (
+            2 * np.pi * float(at["frequency"][fastest]) * length**2 * np.sqrt(mass / bending)
+        )
     return out
 
 
@@ -265,13 +285,22 @@ def fritz(problem: Problem) -> Found:
     out: Found = {"note": "16 elements"}
     for width in ("narrow", "wide"):
         well = straight(length + 2, 0.0, g[f"{width} ratio [-]"] * od)
-        ends = {"top": "pinned", "bottom": {"kind": "pinned", "plugged": True}, "contact": "none", "well": well}
+        ends = {
+            "top": "pinned",
+            "bottom": {"kind": "pinned", "plugged": True},
+            "contact": "none",
+            "well": well,
+        }
         mass = g["mass of pipe [kg/m]"]
-        still = summary_of(drillpetsc.modes, conveying(g, mass, {"lateral_damping": "none"}, **ends), count=2, kind="lateral")
+        still = summary_of(
+            drillpetsc.modes, conveying(g, mass, {"lateral_damping": "none"}, **ends), count=2, kind="lateral"
+        )
         total = np.pi**4 * bending / length**4 / (2 * np.pi * float(still["frequency"][0])) ** 2
         out[f"added mass, {width}"] = (total - mass) / displaced
         model = build_model(conveying(g, mass, viscous, **ends))
-        out[f"viscous damping, {width}"] = float(np.mean(model.fluid.annulus.lateral.damping)) / (displaced * speed)
+        out[f"viscous damping, {width}"] = float(np.mean(model.fluid.annulus.lateral.damping)) / (
+            displaced * speed
+        )
     return out
 
 
@@ -307,14 +336,21 @@ def api_13d(problem: Problem) -> Found:
     mud = g["first mud"]
     for channel, law in (("bore", "pipe"), ("annulus", "annulus")):
         fluid = {"density": mud["density [kg/m3]"], "flow_rate": mud["flow rate [m3/s]"], **stiff}
-        case = Case(string=items, top="clamped", well=well, fluid={**fluid, "rheology": power_law(law, mud["dial readings [deg]"])})
+        case = Case(
+            string=items,
+            top="clamped",
+            well=well,
+            fluid={**fluid, "rheology": power_law(law, mud["dial readings [deg]"])},
+        )
         with TemporaryDirectory() as folder:
             drillpetsc.hydraulics(case, Path(folder) / "run")
             table = read_table(Path(folder) / "run" / "hydraulics.csv")
         for k in np.flatnonzero(table["channel [-]"] == channel):
             for (part, where, around), name in names.items():
                 side, size = ("inside", "od [m]") if channel == "bore" else ("outside", "id [m]")
-                fits = where == channel and abs(float(table[size][k]) - g[part][f"{side} diameter [m]"]) < 1e-6
+                fits = (
+                    where == channel and abs(float(table[size][k]) - g[part][f"{side} diameter [m]"]) < 1e-6
+                )
                 if around:
                     fits = fits and abs(float(table["od [m]"][k]) - g[around]["diameter [m]"]) < 1e-6
                 if fits:
@@ -403,8 +439,16 @@ def volve_f5(problem: Problem) -> Found:
 def volve_f4(problem: Problem) -> Found:
     """`calibrate` with friction, weight factor and running drag; `hydraulics` for the stages."""
     g = problem.given
-    casing = [{"kind": "casing", "to": q["to [m]"], "diameter": q["diameter [m]"], "friction": 0.25} for q in g["casing"]]
-    hole = {"kind": "open_hole", "to": "end", "diameter": g["open hole"]["diameter [m]"], "friction": g["open hole"]["friction [-]"]}
+    casing = [
+        {"kind": "casing", "to": q["to [m]"], "diameter": q["diameter [m]"], "friction": 0.25}
+        for q in g["casing"]
+    ]
+    hole = {
+        "kind": "open_hole",
+        "to": "end",
+        "diameter": g["open hole"]["diameter [m]"],
+        "friction": g["open hole"]["friction [-]"],
+    }
     items = items_of(problem)
     items[0]["joint_length"] = g["joint length of the drill pipe [m]"]
     fluid = {"density": g["mud density [kg/m3]"], "flow_rate": 0.0}
@@ -443,7 +487,10 @@ def pump_pressures(case: Case, flows: np.ndarray) -> np.ndarray:
 def forge_16b(problem: Problem) -> Found:
     """`hydraulics`; the tools' coefficient from the largest flow rate."""
     g = problem.given
-    casing = [{"kind": "casing", "to": q["to [m]"], "diameter": q["diameter [m]"], "friction": 0.2} for q in g["casing"]]
+    casing = [
+        {"kind": "casing", "to": q["to [m]"], "diameter": q["diameter [m]"], "friction": 0.2}
+        for q in g["casing"]
+    ]
     hole = {"kind": "open_hole", "to": "end", "diameter": g["open hole"]["diameter [m]"], "friction": 0.3}
     *items, bit = items_of(problem)
     area = g["nozzles"] * np.pi / 4 * g["nozzle diameter [m]"] ** 2
@@ -455,7 +502,9 @@ def forge_16b(problem: Problem) -> Found:
         bottom="bit", fluid=fluid, bit_depth=g["measured depth of the bit [m]"],
     )  # fmt: skip
     flow = problem.column("stages.csv", "flow rate [m3/s]")
-    largest, read = (float(problem.column("largest.csv", name)[0]) for name in ("flow rate [m3/s]", "pump pressure [Pa]"))
+    largest, read = (
+        float(problem.column("largest.csv", name)[0]) for name in ("flow rate [m3/s]", "pump pressure [Pa]")
+    )
     computed = pump_pressures(case, np.append(flow, largest))
     tools = (read - computed[-1]) * (flow / largest) ** 2
     rate = [f"{g['flow rate of the bit loss [m3/s]']} m3/s"]
@@ -494,8 +543,15 @@ def laboratory_rig(problem: Problem) -> Found:
         drillpetsc.run(case, Path(folder) / "run", progress="silent")
         table = read_table(Path(folder) / "run" / "history.csv")
     late = table["time [s]"] >= table["time [s]"][-1] - measured_rig.LENGTH
-    found = measured_rig.figures(table["time [s]"][late], measured_rig.low_pass(table["bit_speed [rad/s]"])[late])
-    figures = {"mean": found.mean, "frequency": found.frequency, "peak": found.peak, "stuck share": found.stuck}
+    found = measured_rig.figures(
+        table["time [s]"][late], measured_rig.low_pass(table["bit_speed [rad/s]"])[late]
+    )
+    figures = {
+        "mean": found.mean,
+        "frequency": found.frequency,
+        "peak": found.peak,
+        "stuck share": found.stuck,
+    }
     return figures | {f"{key}, predicted": value for key, value in figures.items()}
 
 
@@ -503,9 +559,17 @@ def madsim(problem: Problem) -> Found:
     """Statics of the assembly, its bend in the lower part of the motor, blades of 2 cm as stabilizers."""
     g, column = problem.given, lambda name: problem.column("components.csv", name)
     bit_depth, blade = g["measured depth of the bit [m]"], 0.02
-    start, end, od, bore = (column(n) for n in ("from [m]", "to [m]", "outside diameter [m]", "inside diameter [m]"))
+    start, end, od, bore = (
+        column(n) for n in ("from [m]", "to [m]", "outside diameter [m]", "inside diameter [m]")
+    )
     weight, young, nu, second = (
-        column(n) for n in ("weight in air [N/m]", "Young's modulus [Pa]", "Poisson's ratio [-]", "area moment of inertia [m4]")
+        column(n)
+        for n in (
+            "weight in air [N/m]",
+            "Young's modulus [Pa]",
+            "Poisson's ratio [-]",
+            "area moment of inertia [m4]",
+        )
     )
     touches = [(q["distance from bit [m]"], q["diameter [m]"]) for q in g["contact diameters"]]
     items: list[Found] = []
@@ -528,13 +592,25 @@ def madsim(problem: Problem) -> Found:
                 "polar_inertia": float(2 * 7850 * second[k]),
             }  # fmt: skip
             if blade_od:
-                one = {"kind": "stabilizer", "length": blade, "od": blade_od, "mass": float(weight[k] / 9.80665 * blade)}
+                one = {
+                    "kind": "stabilizer",
+                    "length": blade,
+                    "od": blade_od,
+                    "mass": float(weight[k] / 9.80665 * blade),
+                }
             if abs(d - g["distance of the bend from the bit [m]"]) < 1e-3:
                 one["bend"] = {"angle": g["bend [rad]"], "tool_face": 0.0}
             items.append(one)
     radius = touches[0][1]
-    items[0] = {"kind": "bit", "length": items[0]["length"], "od": radius, "mass": items[0]["mass"] * items[0]["length"]}
-    length = float(end[-1])  # the string ends inside the hole: the depths of the case are counted from its top
+    items[0] = {
+        "kind": "bit",
+        "length": items[0]["length"],
+        "od": radius,
+        "mass": items[0]["mass"] * items[0]["length"],
+    }
+    length = float(
+        end[-1]
+    )  # the string ends inside the hole: the depths of the case are counted from its top
     share = np.linspace(1 - length / bit_depth, 1, 12)
     survey = {
         "md": np.linspace(0, length, 12).tolist(), "inclination": [g["inclination [rad]"]] * 12,

@@ -117,7 +117,9 @@ def read_answers(path: Path) -> dict[str, dict[str, Any]]:
         known = load(name).data["expected"]
         for quantity in found:
             if quantity not in known and quantity not in NOT_QUANTITIES:
-                raise ValueError(f"{path.name}: {name} does not ask for '{quantity}'; it asks for: {', '.join(known)}")
+                raise ValueError(
+                    f"{path.name}: {name} does not ask for '{quantity}'; it asks for: {', '.join(known)}"
+                )
     return dict(answers)
 
 
@@ -151,7 +153,9 @@ def notes(files: Sequence[Path]) -> list[str]:
 def plain(head: list[str], table: list[list[str]]) -> str:
     """The table as aligned text."""
     width = [max(len(row[k]) for row in [head, *table]) for k in range(len(head))]
-    return "\n".join("  ".join(c.ljust(w) for c, w in zip(row, width, strict=True)).rstrip() for row in [head, *table])
+    return "\n".join(
+        "  ".join(c.ljust(w) for c, w in zip(row, width, strict=True)).rstrip() for row in [head, *table]
+    )
 
 
 def markdown(head: list[str], table: list[list[str]]) -> str:
