@@ -1,0 +1,67 @@
+"""The yardstick: drillpetsc on the twelve neutral problems of cases/yardstick, and the scores of answers."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import sys
+import time
+from pathlib import Path
+from typing import Any
+
+import yardstick_score as yard
+
+Answers = dict[str, dict[str, Any]]
+
+
+def answer_with(solvers: dict[str, Any], names: list[str]) -> Answers:
+    """Answers of a program: a function a problem; one that fails is told in a note and leaves its quantities open."""
+    answers: Answers = {}
+    for name in names:
+        start = time.perf_counter()
+        try:
+            found = dict(solvers[name](yard.load(name)))
+        except Exception as error:
+            found = {"note": f"failed: {type(error).__name__}: {error}"}
+        answers[name] = {**found, "seconds": round(time.perf_counter() - start, 3)}
+        print(f"{name}: {answers[name]['seconds']} s", file=sys.stderr)
+    return answers
+
+
+def write(answers: Answers, out: Path) -> None:
+    """Write an answer file."""
+    out.write_text(json.dumps(answers, indent=1) + "\n", encoding="utf-8")
+
+
+def main() -> None:
+    """Run the command line."""
+    parser = argparse.ArgumentParser(prog="scripts/yardstick", description=__doc__)
+    commands = parser.add_subparsers(dest="command", required=True)
+    own = commands.add_parser("run", help="drillpetsc on all problems, or on those named")
+    own.add_argument("problem", nargs="*", help=", ".join(yard.ORDER))
+    own.add_argument("--out", type=Path, default=Path("drillpetsc.json"), help="answer file")
+    scored = commands.add_parser("score", help="errors and bands of answer files")
+    scored.add_argument("answers", nargs="+", type=Path)
+    scored.add_argument("--markdown", action="store_true", help="the table in Markdown")
+    given = parser.parse_args()
+    try:
+        if given.command == "score":
+            head, table = yard.rows(given.answers)
+            print(yard.markdown(head, table) if given.markdown else yard.plain(head, table))
+            print(
+                "\n"
+                + "\n".join(f"- {line}" if given.markdown else line for line in yard.notes(given.answers))
+            )
+            return
+        names = given.problem or list(yard.ORDER)
+        for name in names:
+            yard.load(name)
+        import yardstick_drillpetsc as ours  # scores need neither drillpetsc nor PETSc
+
+        write(answer_with(ours.SOLVERS, names), given.out)
+    except ValueError as error:
+        raise SystemExit(str(error)) from error
+
+
+if __name__ == "__main__":
+    main()
