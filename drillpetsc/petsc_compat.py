@@ -5,13 +5,47 @@ from __future__ import annotations
 import ctypes
 import sys
 import traceback
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from functools import wraps
 
 import numpy as np
 from petsc4py import PETSc
 
 VERSION = PETSc.Sys.getVersion()
+
+#: for each solver that ``own_errors`` surrounds, from the outermost: whether a callback has failed, so that
+#: PETSc's error handler is its silent one
+_failed: list[bool] = []
+
+
+def callback(function: Callable) -> Callable:
+    """A function that PETSc calls; it may raise within ``own_errors``.
+
+    petsc4py's error handler formats text while our exception is on its way through PETSc. From Python 3.12 on,
+    this may start the garbage collector, which drops the exception: petsc4py 3.22 then ends the process, and
+    3.26 raises an error of its own.  The handler that does nothing is used until ``own_errors`` has the exception.
+    """
+
+    @wraps(function)
+    def called(*arguments: object) -> object:
+        try:
+            return function(*arguments)
+        except BaseException:
+            if _failed and not _failed[-1]:
+                _silence()
+                _failed[-1] = True
+            raise
+
+    return called
+
+
+def _silence() -> None:
+    """Push the error handler that returns the code alone; ``popErrorHandler`` ends it."""
+    try:
+        PETSc.Sys.pushErrorHandler("ignore")
+    except ValueError:  # renamed after 3.22
+        PETSc.Sys.pushErrorHandler("return")
 
 
 @contextmanager
@@ -24,6 +58,7 @@ def own_errors() -> Iterator[None]:
     outer = (
         sys.exception()
     )  # handled while the solver is called: in the chain of what it raises, but no callback's
+    _failed.append(False)
     try:
         yield
     except PETSc.Error as error:
@@ -39,6 +74,9 @@ def own_errors() -> Iterator[None]:
     except BaseException as error:
         release_frames(error)
         raise
+    finally:
+        if _failed.pop():
+            PETSc.Sys.popErrorHandler()
 
 
 def release_frames(error: BaseException) -> None:

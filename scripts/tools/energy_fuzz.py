@@ -42,13 +42,15 @@ OPERATIONS = ("hoist", "lower", "rotate", "rotate and lower", "hold")
 SPEED, ON_BOTTOM, ROTATION = 0.3, 0.01, 6.0  # of the top [m/s], [m/s] and [rad/s]
 
 
-def moving_case(seed: int, number: int) -> tuple[dict[str, Any], str] | None:
-    """Data of case ``number`` and a title; None where the well is too long."""
+def moving_case(seed: int, number: int, formulation: str = "mixed") -> tuple[dict[str, Any], str] | None:
+    """Data of case ``number`` and a title; None where the well is too long, or has no mud for the ``formulation`` hermite."""
     data, _, title = random_case(seed, number)
     if data["well"]["survey"]["md"][-1] > LONGEST:
         return None
     rng = random.Random(f"energy {seed}/{number}")
     wet = "fluid" in data
+    if not wet and formulation != "mixed":
+        return None
     tool = rng.choice(TOOLS)
     if tool is not None and (wet or tool["kind"] != "pdm"):
         collar, bit = data["string"][1], data["string"][-1]["od"]
@@ -70,6 +72,7 @@ def moving_case(seed: int, number: int) -> tuple[dict[str, Any], str] | None:
         top["rotation"] = {"time": [0.1, 0.8], "value": [0.0, ROTATION]}
     data["top"] = top
     if wet:
+        data["fluid"]["formulation"] = formulation
         flow = data["fluid"]["flow_rate"]
         data["fluid"]["flow_rate"] = {"time": [0.1, 0.7], "value": [flow, rng.choice((0.5, 1.0, 1.0)) * flow]}
     data["time"], data["output"] = {"end": 1.5}, {"history_every": 0.05}
@@ -101,19 +104,22 @@ def main() -> int:
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--first", type=int, default=0, help="first number")
     parser.add_argument("--steps", type=int, default=6000, help="most time steps of a run")
+    parser.add_argument(
+        "--formulation", choices=("mixed", "hermite"), default="mixed", help="of the mud that flows"
+    )
     parser.add_argument("--write", metavar="FILE", help="write case --first as YAML and stop")
     arguments = parser.parse_args()
     if arguments.write:
-        made = moving_case(arguments.seed, arguments.first)
+        made = moving_case(arguments.seed, arguments.first, arguments.formulation)
         if made is None:
-            parser.error(f"case {arguments.first} has a well of more than {LONGEST:g} m")
+            parser.error(f"case {arguments.first} has a well of more than {LONGEST:g} m, or no mud")
         Case(**made[0]).dump(Path(arguments.write))
         print(made[1])
         return 0
     counts: Counter[str] = Counter()
     with tempfile.TemporaryDirectory() as folder:
         for number in range(arguments.first, arguments.first + arguments.count):
-            made = moving_case(arguments.seed, number)
+            made = moving_case(arguments.seed, number, arguments.formulation)
             if made is None:
                 continue
             kind, found = judged(made[0], Path(folder) / "run", arguments.steps)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import os
 from pathlib import Path
 
@@ -32,6 +33,57 @@ def test_errors_of_callbacks_come_out_as_they_were_raised(by_context):
     with pytest.raises(SolveError) as caught, petsc_compat.own_errors():
         raise_as_petsc(ours, by_context)
     assert caught.value is ours
+
+
+@pytest.mark.parametrize("nested", [False, True])
+def test_errors_pass_while_garbage_is_collected(nested):
+    """An exception on its way through PETSc outlives a collection; afterwards PETSc's own errors have their trace again.
+
+    With Python 3.12 and newer, petsc4py 3.22 ended the process here, and 3.26 raised an error of its own.
+    """
+    from petsc4py import PETSc
+
+    inner = solver_of(PETSc, raising("from within"))
+
+    def solve_inner(snes, x, f):
+        with petsc_compat.own_errors():
+            inner.solve(None, inner.getSolution())
+
+    solver = solver_of(PETSc, solve_inner) if nested else inner
+    threshold = gc.get_threshold()
+    gc.set_threshold(1)
+    try:
+        for _ in range(20):
+            with pytest.raises(SolveError, match="from within"), petsc_compat.own_errors():
+                solver.solve(None, solver.getSolution())
+    finally:
+        gc.set_threshold(*threshold)
+    with pytest.raises(PETSc.Error) as caught:
+        PETSc.KSP().create(PETSc.COMM_SELF).setType("no method")
+    assert "KSPSetType" in str(caught.value)
+
+
+def raising(text):
+    """A residual that leaves cycles of objects behind and raises."""
+
+    def residual(snes, x, f):
+        for _ in range(100):
+            cycle = []
+            cycle.append(cycle)
+        raise SolveError(text)
+
+    return residual
+
+
+def solver_of(PETSc, residual):
+    """A SNES of one unknown with this residual."""
+    snes = PETSc.SNES().create(PETSc.COMM_SELF)
+    vector = PETSc.Vec().createSeq(1, comm=PETSc.COMM_SELF)
+    snes.setSolution(vector.duplicate())
+    snes.setFunction(petsc_compat.callback(residual), vector)
+    snes.setUseMF(True)
+    snes.setUp()
+    return snes
 
 
 def test_errors_of_petsc_stay_petscs():

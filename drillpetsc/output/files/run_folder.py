@@ -48,6 +48,8 @@ REFLECTION_TABLE = "reflection.csv"  # of torsional waves at a controlled top
 LOG_TABLE, LOG_STATES, LOG_POINTS, LOG_QUALITY = "log.csv", "states.csv", "points.csv", "quality.json"
 LOG_PAGE = "log.html"
 FOLLOW_TABLE, FOLLOW_STATE, FOLLOW_PAGE = "follow.csv", "state.json", "live.html"  # of a rig that is followed
+PARAVIEW_GRIDS = ("string", "contact", "mud")  # of the command `paraview`
+PARAVIEW_FILES = (*(f"{name}.pvd" for name in PARAVIEW_GRIDS), "well.vtu", "scene.py")
 RESPONSE_TABLE = "response.csv"  # forced harmonic response by speed and place
 CAMPBELL_TABLE = "campbell.csv"  # modes by rotary speed
 CRITICAL_TABLE = "critical.csv"  # critical speeds: intersections of excitation lines and modes
@@ -116,6 +118,10 @@ class RunFolder:
     @property
     def sensors(self) -> Path:
         return self.path / "sensors"
+
+    @property
+    def paraview(self) -> Path:
+        return self.path / "paraview"
 
     @property
     def well(self) -> Path:
@@ -259,8 +265,14 @@ class RunFolder:
             frame.unlink()
         for file in (*self.sensors.glob("*.csv"), *self.sensors.glob("*.h5")):
             file.unlink()
-        if self.sensors.is_dir() and not any(self.sensors.iterdir()):
-            self.sensors.rmdir()
+        for name in PARAVIEW_FILES:  # of the frames that are gone
+            (self.paraview / name).unlink(missing_ok=True)
+        for name in PARAVIEW_GRIDS:
+            for frame in (self.paraview / name).glob("*.vtp"):
+                frame.unlink()
+        for folder in (self.sensors, *(self.paraview / name for name in PARAVIEW_GRIDS), self.paraview):
+            if folder.is_dir() and not any(folder.iterdir()):
+                folder.rmdir()
         if self.string_frames.is_dir() and not any(self.string_frames.iterdir()):
             shutil.rmtree(self.string_frames)
 

@@ -65,7 +65,7 @@ def export_scene(
     scale = lateral_scale if lateral_scale is not None else _hole_shows(wall)
     if scale <= 0:
         raise ValueError(f"lateral scale {scale:g}: wanted a positive factor")
-    folder = Path(out) if out is not None else source.path / "paraview"
+    folder = Path(out) if out is not None else source.paraview
     listed: dict[str, list[tuple[float, str]]] = {}
     for number, (time, file) in enumerate(series):
         for name, grid in _grids(read_frame(file), wall, pieces, scale):

@@ -434,15 +434,16 @@ class ChainPC:
     PETSc calls ``setUp`` when the state of the operator changed: assemble it, or call its stateIncrease.  The
     matrix is factored again only where ``provider.version`` changed.
 
+    If a pivot is missing, the KSP diverges with DIVERGED_PC_FAILED, so that the time step can be reduced, and
+    ``error`` is the reason.
+
     chain: the solver; provider: its matrix entries.
-    stop: raise ZeroPivot if a pivot is missing.  Otherwise the KSP diverges with DIVERGED_PC_FAILED, so
-    that the time step can be reduced, and ``error`` is the reason.
     """
 
-    def __init__(self, chain: ChainFactor, provider: MatrixValues, *, stop: bool = True):
+    def __init__(self, chain: ChainFactor, provider: MatrixValues):
         from petsc4py import PETSc  # this import starts MPI, so it is not at the head of the module
 
-        self.chain, self.provider, self.stop = chain, provider, stop
+        self.chain, self.provider = chain, provider
         self.version: int | None = None
         #: number of the chain's factorisation with these values; others may also use the chain
         self._factored = -1
@@ -461,8 +462,6 @@ class ChainPC:
             self.chain.factor(self.provider.values)
             self.version, self._factored = self.provider.version, self.chain.factorisations
         except ZeroPivot as error:
-            if self.stop:
-                raise
             self.error = error
         finally:
             self._factor_event.end()

@@ -117,7 +117,7 @@ class CondensedNewton:
             self.matrix.assemble()
         if pc.getType() == "python":
             self.factor = shared_factor(system)
-            pc.setPythonContext(ChainPC(self.factor, system.assembly, stop=False))
+            pc.setPythonContext(ChainPC(self.factor, system.assembly))
         snes.setUp()
         return snes
 
@@ -130,6 +130,7 @@ class CondensedNewton:
             asm.apply_prescribed_rates(self.t, self.second_shift)
         asm.apply_imposed_rates()
 
+    @petsc_compat.callback
     def _function(self, snes, q, f) -> None:
         self.system.load_unknowns(q)
         self._evaluate()
@@ -145,6 +146,7 @@ class CondensedNewton:
         """Return the residual (owned,) that was computed last, at the end of the last solve."""
         return self.arrays[1]
 
+    @petsc_compat.callback
     def _jacobian(self, snes, q, J, P) -> None:
         iteration = self.iteration
         if iteration.record.good and iteration.can_reuse(snes.getIterationNumber()):
@@ -161,6 +163,7 @@ class CondensedNewton:
         else:
             self.matrix.assemble()
 
+    @petsc_compat.callback
     def _converged(self, snes, its, norms) -> int:
         step = snes.getSolutionUpdate().getArray(readonly=1) if its else self.iteration.increment
         rows = snes.getFunction()[0].getArray(readonly=1)

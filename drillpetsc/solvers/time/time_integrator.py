@@ -207,13 +207,12 @@ class TimeIntegrator:
         else:
             self.first_order = FirstOrderSystem(system)
             self.first_order.default_solver(options)
-            self.ts.setIFunction(
-                lambda ts, t, *rest: self.first_order.function(ts, self.input_time(t), *rest), self._f
+            rows, matrix = (
+                petsc_compat.callback(lambda ts, t, *rest, call=call: call(ts, self.input_time(t), *rest))
+                for call in (self.first_order.function, self.first_order.jacobian)
             )
-            self.ts.setIJacobian(
-                lambda ts, t, *rest: self.first_order.jacobian(ts, self.input_time(t), *rest),
-                self.first_order.matrix,
-            )
+            self.ts.setIFunction(rows, self._f)
+            self.ts.setIJacobian(matrix, self.first_order.matrix)
             # without this PETSc assumes a unit mass matrix, and arkimex gives wrong results without an error
             kinds = PETSc.TS.EquationType
             constrained = kinds.DAE_IMPLICIT_INDEXHI if system.constrained else kinds.DAE_IMPLICIT_INDEX1
@@ -285,6 +284,7 @@ class TimeIntegrator:
     def _catch_shift(self, ts, t, x, xdot, shift, J, P) -> None:
         self._shift = shift
 
+    @petsc_compat.callback
     def solve(self, snes, b, x) -> None:
         """Solve a step for the outer python SNES, whose unknown is the whole state (manual: sec-time-call).
 
@@ -423,6 +423,7 @@ class TimeIntegrator:
         return None
 
     # ------------------------------------------------------------------ run
+    @petsc_compat.callback
     def _post_step(self, ts) -> None:
         """Finish an accepted step: history, callbacks, reference frames (manual: sec-time-update)."""
         if ts.getConvergedReason() < 0:  # PETSc also calls this after a step that failed for good

@@ -159,3 +159,17 @@ def test_a_well_in_the_far_north_is_the_true_path(tmp_path: Path, pyvista: Any) 
     export_scene(run.path, lateral_scale=10.0)
     wall = pyvista.read(run.path / "paraview" / "well.vtu")
     assert np.allclose(wall.points.reshape(21, 24, 3).mean(axis=1), centre)
+
+
+def test_overwrite_removes_the_scene_of_the_run_before(tmp_path):
+    """A shorter run in its place must not keep later frames of the old one; files of others in the folder stay."""
+    run = helix_run(tmp_path / "run", 21)
+    export_scene(run.path)
+    assert (run.paraview / "scene.py").is_file() and list(run.paraview.glob("string/*.vtp"))
+    RunFolder.create("helix", out=run.path, overwrite=True).release()
+    assert not run.paraview.exists()
+    run = helix_run(tmp_path / "other", 21)
+    export_scene(run.path)
+    (run.paraview / "mine.txt").write_text("kept")
+    RunFolder.create("helix", out=run.path, overwrite=True).release()
+    assert [file.name for file in run.paraview.iterdir()] == ["mine.txt"]
