@@ -15,7 +15,7 @@ import numpy as np
 
 from drillpetsc.arrays import FloatArray
 from drillpetsc.case.blocks.ends import PointLoad
-from drillpetsc.case.blocks.items.string import Flexible, Rigid
+from drillpetsc.case.blocks.items.string import Rigid
 from drillpetsc.case.case import Case
 from drillpetsc.case.quantities import largest
 from drillpetsc.geometry.well import Well
@@ -90,11 +90,6 @@ class ElementLengths:
                 "reason": worst.reason,
             },
         )
-
-
-def is_automatic(case: Case) -> bool:
-    """Whether the length of an element of ``case`` is chosen here."""
-    return any(isinstance(item, Flexible) and isinstance(item.element_length, str) for item in case.string)
 
 
 def instead_of_length(case: Case) -> str:

@@ -16,7 +16,6 @@ from drillpetsc.physics.joints import RESULT_NAMES
 from tests.helpers.joint_models import joint_component
 from tests.helpers.wells import simple_well
 
-BORE_AREA = np.pi / 4 * 0.0714**2
 WELL = simple_well(500, 0.2159, kind="casing", friction=0.0)
 MUD: dict[str, Any] = {
     "density": 1200,
