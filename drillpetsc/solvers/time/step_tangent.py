@@ -177,7 +177,7 @@ class StepTangent:
 
         x, dy = guess.copy(), rates(guess)
         da = second * dy + v1
-        held: list[list[tuple[FloatArray, FloatArray]]] = []
+        held: list[list[FloatArray]] = []
         for k, group in enumerate(self.groups):
             rows, ends = [], []
             for beside in group:
