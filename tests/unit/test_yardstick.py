@@ -77,7 +77,7 @@ def test_one_bad_reading_is_seen() -> None:
     assert yard.score(problem, "hook load", read.tolist()).inside is False
 
 
-@pytest.mark.parametrize("content", [{"mitchel": {}}, {"mitchell": {"pich": 1.0}}])
+@pytest.mark.parametrize("content", [{"mitchel": {}}, {"mitchell": {"pitch of the helix": 1.0}}])
 def test_misspelt_names_are_refused(tmp_path: Path, content: dict) -> None:
     with pytest.raises(ValueError, match="there are: lubinski|it asks for: contact force"):
         yard.rows([answers(tmp_path, content)])
