@@ -33,6 +33,7 @@ CREEPS, ROUNDED = (
     0.2,
     0.01,
 )  # creep of a bit that sticks [rad/s], and over the rotary speed, above which peaks may be too low
+UNBALANCED = 3e-3  # energy error over the energy exchanged above which formulation hermite is named
 CREPT = 1e-3  # of the weight: friction below it holds nothing worth a message
 
 
@@ -481,3 +482,22 @@ class EnergyGained(Doubt):
     def look(self, at: End) -> Values:
         if at.gain.summary().get("flag"):
             yield at.gain.figures()
+
+
+class UnbalancedVolumes(Doubt):
+    """With `formulation: hermite` the energy of mud and string is not balanced in some runs, whatever the time steps."""
+
+    about = (End,)
+    sentence = (
+        "formulation: hermite leaves {percent:.2g} % of the energy exchanged unbalanced, whatever the time steps: "
+        "compare with formulation: mixed before you use these results"
+    )
+    remedy = "Use `formulation: mixed`. Runs with `hermite` that hoist or lower a string of several sections, or change the flow, are concerned most."
+
+    def look(self, at: End) -> Values:
+        fluid, energy = at.case.fluid, at.recorder.energy
+        if fluid is None or fluid.formulation != "hermite" or energy is None:
+            return
+        share = energy.last_error / energy.exchanged
+        if abs(share) > UNBALANCED:
+            yield {"percent": 100 * share}

@@ -192,7 +192,7 @@ def closing_lines(
         f"{result['jacobians']} Jacobians",
     ]
     if e:
-        damped = ", removed by numerical damping" if e["error_share"] < -DAMPING_SHOWN else ""
+        damped = ", removed by numerical damping" if e.get("damped_share", 0.0) > DAMPING_SHOWN else ""
         lines.append(
             f"  energy error {shown(e['error'], 'energy', system, 3)} ({100 * e['error_share']:.2g} % of the energy exchanged{damped})"
         )
