@@ -28,7 +28,7 @@ from drillpetsc.solvers.time.step_tangent import Beside, StepTangent
 from drillpetsc.solvers.time.time_integrator import TimeIntegrator
 
 #: of the cases beside the run, relative: contacts yield by micrometres, and rates are smooth over so little
-STEP = 1e-6
+STEP = 3e-6
 
 
 @dataclass(frozen=True)
