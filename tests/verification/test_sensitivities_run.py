@@ -172,6 +172,51 @@ def test_wall_contact_with_frozen_steps(name, integrator):
         assert min(np.linalg.norm(own - q) / np.linalg.norm(q) for q in full) < 1e-4
 
 
+def test_a_start_with_a_kink_is_flagged(tmp_path):
+    """Of two pipes of one diameter on the wall one gets thicker by more than the wall yields, as in statics.
+
+    The effects of both sides are of runs with the same steps; the check leaves the key out.
+    """
+    pipe = {"kind": "pipe", "length": 30.0, "od": 0.127, "id": 0.1086, "element_length": 10.0}
+    case = on_the_wall("bdf", 0.1, np.radians(60.0), {}, rotation=6.0)
+    case = Case(**(case._given.keys | {"string": [pipe, pipe]}))
+    keys = ["string[0].od", "well.sections[0].friction"]
+    run_sensitivities(Job(case, tmp_path / "r"), Question("run", ["hook_load.mean"], keys, check=2))
+    summary = json.loads((tmp_path / "r/summary.json").read_text())
+    by_od, by_friction = summary["sensitivities"]
+    assert by_od["flag"] == "one-sided" and by_friction["flag"] == ""
+    assert by_od["effect_below"] is not None and by_od["effect_above"] is not None
+    assert by_friction["effect_above"] is None
+    assert [c["key"] for c in summary["checked"]] == ["well.sections[0].friction"]
+    assert any("one-sided" in note for note in summary["notes"])
+
+
+def test_all_keys_leave_out_what_cannot_be_followed(tmp_path):
+    """Drillability of zero has a neighbour whose hole grows; named alone, it is refused."""
+    case = Case(**(rock_bit("bdf")._given.keys | {"time": {"end": 0.2, "integrator": "bdf"}}))
+    run_sensitivities(Job(case, tmp_path / "r"), Question("run", ["surface_torque.mean"], [], every=True))
+    summary = json.loads((tmp_path / "r/summary.json").read_text())
+    assert "hole grows" in summary["skipped"]["formation.drillability"]
+    found = {row["key"]: row for row in summary["sensitivities"]}
+    assert len(found) > 30 and not set(found) & set(summary["skipped"])
+    assert found["top.rotation.value[1]"]["relative"] == pytest.approx(1.0, abs=1e-3)
+    with pytest.raises(CaseError) as error:
+        run_sensitivities(Job(case, tmp_path / "s"), Question("run", [], ["formation.drillability"]))
+    assert error.value.got == "formation.drillability" and "hole grows" in error.value.want
+
+
+def test_chaos_has_no_number_and_a_warning(tmp_path):
+    """A collar with an eccentricity of 20 mm that strikes the wall for 2 s: derivatives by its friction exceed any sense."""
+    case = on_the_wall("bdf", 2.0, np.radians(5.0), {"eccentricity": 0.02}, rotation=15.0)
+    of = ["surface_torque.mean", "surface_torque.mean[0:0.3]"]
+    run_sensitivities(Job(case, tmp_path / "r"), Question("run", of, ["well.sections[0].friction"]))
+    summary = json.loads((tmp_path / "r/summary.json").read_text())
+    late, early = summary["sensitivities"]
+    assert late["flag"] == "not determined" and late["derivative"] is None
+    assert early["flag"] == "" and 0 < early["relative"] < 1
+    assert len(summary["warnings"]) == 1 and "chaotic" in summary["warnings"][0]
+
+
 def test_a_key_without_effect_has_zero_and_a_word():
     case = pendulum("bdf", time={"end": 0.5})
     found = series_of(case, ["string[1].mass"], ["bit_speed"])
