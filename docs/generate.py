@@ -393,6 +393,7 @@ OUTPUT_TABLES = {
     "outputs/max-trip-speed.md": ("max_trip_speed.csv", "column"),
     "outputs/roadmap.md": ("roadmap.csv", "column"),
     "outputs/sensitivities.md": ("sensitivities.csv", "column"),
+    "outputs/sensitivities-history.md": ("sensitivities_history.csv", "column"),
     "outputs/uncertain.md": ("uncertain.csv", "column"),
     "outputs/uncertain-shares.md": ("uncertain_shares.csv", "column"),
     "outputs/limits.md": ("limits.csv", "column"),

@@ -17,6 +17,8 @@ from drillpetsc.analysis.sensitivities.run_outputs import parsed_outputs
 from drillpetsc.arrays import FloatArray
 from drillpetsc.case import Case
 from drillpetsc.errors import CaseError
+from drillpetsc.output import read_table
+from drillpetsc.output.catalogue import outputs_by_file
 from drillpetsc.output.job import Job
 from drillpetsc.parallel import initialise_petsc
 from drillpetsc.solvers import petsc_options as options
@@ -189,6 +191,11 @@ def test_a_start_with_a_kink_is_flagged(tmp_path):
     assert by_friction["effect_above"] is None
     assert [c["key"] for c in summary["checked"]] == ["well.sections[0].friction"]
     assert any("one-sided" in note for note in summary["notes"])
+    words = [q.name for q in outputs_by_file()["sensitivities_history.csv"]]
+    assert words == ["time", "OUTPUT", "OUTPUT by KEY"]
+    titles = ["hook_load", *(f"hook_load by {key}" for key in keys)]
+    table = read_table(tmp_path / "r/sensitivities_history.csv")
+    assert list(table) == ["time [s]", *(f"{title} [N]" for title in titles)]
 
 
 def test_all_keys_leave_out_what_cannot_be_followed(tmp_path):

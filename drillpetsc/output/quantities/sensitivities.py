@@ -1,4 +1,4 @@
-"""Columns of sensitivities.csv.  Their units follow from the output and the key of the row, whose units are columns."""
+"""Columns of sensitivities.csv and sensitivities_history.csv.  Their units follow from the output and the key of the row, whose units are columns."""
 
 from __future__ import annotations
 
@@ -55,4 +55,20 @@ SENSITIVITIES: tuple[Quantity, ...] = (
         "Of a flagged row: value of a full solution with the stated change, less the value.",
     ),
     _row("flag", "Flag", "SFLG", "One-sided, limit, not determined or differences; empty without a flag."),
+)
+
+#: after the time; OUTPUT and KEY stand for the names of both
+SENSITIVITIES_OVER_TIME: tuple[Quantity, ...] = (
+    _row(
+        "OUTPUT",
+        "Output over time",
+        "SOTM",
+        "Column of history.csv, with its name and unit, at ends of steps.",
+    ),
+    _row(
+        "OUTPUT by KEY",
+        "Change by a key",
+        "SBYK",
+        "Derivative of the column by the key, times the value of the key or, if that is zero, its usual size; in the unit of the column.",
+    ),
 )
