@@ -153,7 +153,7 @@ class RunOfCase:
         def build(case: Case) -> DrillingModel:
             model = build_model(case, self.comm, like=mesh)
             _refuse(case, model)
-            if model.system.layout.size != self.model.system.layout.size:
+            if _unknowns(model) != _unknowns(self.model):
                 raise CaseError(
                     at="--to", got=key.name, want="a number that neither adds nor removes an element"
                 )
@@ -175,6 +175,11 @@ class RunOfCase:
     def series(self, keys: Sequence[Key], columns: Sequence[str], skips: bool = False) -> RunSeries:
         """Run with the derivatives of columns of the history by keys; ``skips`` as of ``begin``; collective."""
         return _Run(self, keys, columns, skips).series()
+
+
+def _unknowns(model: DrillingModel) -> tuple[object, ...]:
+    """What must be equal for the unknowns to correspond, the same on all ranks."""
+    return model.mesh.nodes, *((f.name, f.size) for f in model.system.layout.fields)
 
 
 def _rest(model: DrillingModel) -> None:
