@@ -57,17 +57,8 @@ def run_uncertain(job: Job, question: Question) -> RunResult:
     """
     case = job.case
     keys = uncertain_keys(case)
-    names, spreads = [key.name for key in keys], [key.spread for key in keys]
-    try:
-        correlation = correlation_of(names, spreads)
-    except ValueError as error:
-        raise CaseError(at="uncertain", want=f"one correlation of each pair of keys: {error}") from None
-    if question.samples < 2 * len(keys):  # fewer cannot be freed of correlations of their own
-        want = f"at least {2 * len(keys)}, twice the count of uncertain numbers"
-        count = sum(key.path is not None for key in keys)
-        want += f", of which the path of the survey has {count}" if count else ""
-        raise CaseError(at="--samples", got=question.samples, want=want)
-    draws = draw(spreads, correlation, question.samples, question.seed)
+    names = [key.name for key in keys]
+    draws = _draws(keys, question)
     with options_of(case):
         kind = HydraulicsResponse if question.analysis == "hydraulics" else RoadmapResponse
         response = kind(case, keys)
@@ -120,6 +111,21 @@ def run_uncertain(job: Job, question: Question) -> RunResult:
             )
         write_summary(folder.summary, summary)
     return job.result(folder, summary, _lines(case, named, outputs, found, question, summary))
+
+
+def _draws(keys: Sequence[Uncertain], question: Question) -> FloatArray:
+    """(n, k) samples of the numbers; CaseError for correlations that cannot be, and for too few samples."""
+    names, spreads = [key.name for key in keys], [key.spread for key in keys]
+    try:
+        correlation = correlation_of(names, spreads)
+    except ValueError as error:
+        raise CaseError(at="uncertain", want=f"one correlation of each pair of keys: {error}") from None
+    if question.samples < 2 * len(keys):  # fewer cannot be freed of correlations of their own
+        want = f"at least {2 * len(keys)}, twice the count of uncertain numbers"
+        count = sum(key.path is not None for key in keys)
+        want += f", of which the path of the survey has {count}" if count else ""
+        raise CaseError(at="--samples", got=question.samples, want=want)
+    return draw(spreads, correlation, question.samples, question.seed)
 
 
 def _usual(response: Response, analysis: str) -> tuple[str, ...]:
