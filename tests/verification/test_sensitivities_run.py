@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Callable
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -12,6 +14,7 @@ from drillpetsc.analysis.sensitivities.command import Question, run_sensitivitie
 from drillpetsc.analysis.sensitivities.keys import key_of
 from drillpetsc.analysis.sensitivities.run import RunOfCase, RunSeries
 from drillpetsc.analysis.sensitivities.run_outputs import parsed_outputs
+from drillpetsc.arrays import FloatArray
 from drillpetsc.case import Case
 from drillpetsc.errors import CaseError
 from drillpetsc.output.job import Job
@@ -19,6 +22,7 @@ from drillpetsc.parallel import initialise_petsc
 from drillpetsc.solvers import petsc_options as options
 from tests.helpers.wells import simple_well
 
+Watch = Callable[[RunOfCase], None] | None
 INERTIA, STIFFNESS, LENGTH, SPEED, RAMP = 374.0, 473.0, 100.0, 5.0, 0.1
 
 
@@ -67,9 +71,47 @@ def rock_bit(integrator: str) -> Case:
     return pendulum(integrator, **changes)
 
 
-def series_of(case: Case, names: list[str], columns: list[str]) -> RunSeries:
-    with options.applied(case.petsc):
-        return RunOfCase(case, PETSc.COMM_SELF).series([key_of(case, n) for n in names], columns)
+def on_the_wall(integrator: str, end: float, lean: float, collar: dict[str, object], **top: object) -> Case:
+    """80 m of pipe and an unbalanced collar on the wall of a hole that leans by ``lean`` [rad]."""
+    pipe = {"kind": "pipe", "length": 60.0, "od": 0.127, "id": 0.1086, "element_length": 10.0}
+    case = {
+        "well": simple_well(100.0, 0.2159, lean, friction=0.25),
+        "string": [pipe, {"kind": "pipe", "length": 20.0, "od": 0.1715, "id": 0.0714, "element_length": 10.0, **collar}],
+        "top": {"kind": "top_drive"} | {k: {"time": [0.0, 0.5], "value": [0.0, v]} for k, v in top.items()},
+        "bottom": "free",
+        "gravity": 9.81,
+        "initial": {"from": "statics"},
+        "time": {"end": end, "integrator": integrator},
+        "output": {"history_every": 0.01},
+    }  # fmt: skip
+    return Case(**case)
+
+
+#: of a string on the wall: movement of the top, lean of the hole [deg], end [s], column, changes of contacts at least
+WALL = {
+    "lowered": ({"lowering": 0.1}, 60.0, 1.0, {}, "hook_load", 0),
+    "turned": ({"rotation": 6.0}, 60.0, 0.7, {}, "surface_torque", 0),
+    "off the wall and back": ({"rotation": 15.0}, 5.0, 0.35, {"eccentricity": 0.02}, "surface_torque", 4),
+}
+
+
+def series_of(
+    case: Case, names: list[str], columns: list[str], steps: FloatArray | None = None, watch: Watch = None
+) -> RunSeries:
+    """Columns of a run and their derivatives.  steps: that it takes [s]; watch: called with the run after each step."""
+    with options.applied({"q_snes_stol": "1e-12"} | case.petsc):
+        run = RunOfCase(case, PETSc.COMM_SELF)
+        if steps is not None:
+            run.freeze(steps)
+        if watch is not None:
+            run.integrator.after_step.append(lambda t, dt: watch(run))
+        return run.series([key_of(case, n) for n in names], columns)
+
+
+def flags_of(run: RunOfCase) -> FloatArray:
+    """Whether each contact of a run is closed."""
+    flags = [f.values.ravel() for f in run.model.system.contact_flags]
+    return np.concatenate(flags).astype(float)
 
 
 @pytest.mark.parametrize("integrator", ["bdf", "generalized_alpha"])
@@ -102,6 +144,77 @@ def test_stick_slip_with_frozen_steps(integrator, tmp_path):
     assert max(c["error"] for c in summary["checked"]) < 1e-4
     assert min(abs(c["difference"]) for c in summary["checked"]) > 0
     assert summary["cost"]["ratio"] > 1
+
+
+@pytest.mark.parametrize("integrator", ["bdf", "generalized_alpha"])
+@pytest.mark.parametrize("name", WALL)
+def test_wall_contact_with_frozen_steps(name, integrator):
+    """Contact that slides, and contact that opens and closes: the history to 1e-4 of differences of runs with the same steps.
+
+    The static start has its top on the wall, whose place moves with the diameter.  The step of the differences at which they are
+    best depends on how near contacts are to opening.
+    """
+    top, degrees, end, collar, column, least = WALL[name]
+    case = on_the_wall(integrator, end, np.radians(degrees), collar, **top)
+    names, closed = ["well.sections[0].friction", "string[0].od", "gravity[2]"], []
+    run = series_of(case, names, [column], watch=lambda r: closed.append(flags_of(r)))
+    assert np.abs(np.diff(np.array(closed), axis=0)).sum() >= least
+    assert np.sum(closed, axis=1).min() > 4
+    for k, key in enumerate(key_of(case, n) for n in names):
+        own, full = run.slopes[:, 0, k] * key.size, []
+        for step in (1e-4, 1e-5, 1e-6):
+            sides = [
+                series_of(key.changed(case, key.value + sign * step * key.size), [], [column], run.steps)
+                for sign in (-1, 1)
+            ]
+            full.append((sides[1].values - sides[0].values)[:, 0] / (2 * step))
+        full += [(100 * small - large) / 99 for large, small in pairwise(full)]
+        assert min(np.linalg.norm(own - q) / np.linalg.norm(q) for q in full) < 1e-4
+
+
+def test_a_start_with_a_kink_is_flagged(tmp_path):
+    """Of two pipes of one diameter on the wall one gets thicker by more than the wall yields, as in statics.
+
+    The effects of both sides are of runs with the same steps; the check leaves the key out.
+    """
+    pipe = {"kind": "pipe", "length": 30.0, "od": 0.127, "id": 0.1086, "element_length": 10.0}
+    case = on_the_wall("bdf", 0.1, np.radians(60.0), {}, rotation=6.0)
+    case = Case(**(case._given.keys | {"string": [pipe, pipe]}))
+    keys = ["string[0].od", "well.sections[0].friction"]
+    run_sensitivities(Job(case, tmp_path / "r"), Question("run", ["hook_load.mean"], keys, check=2))
+    summary = json.loads((tmp_path / "r/summary.json").read_text())
+    by_od, by_friction = summary["sensitivities"]
+    assert by_od["flag"] == "one-sided" and by_friction["flag"] == ""
+    assert by_od["effect_below"] is not None and by_od["effect_above"] is not None
+    assert by_friction["effect_above"] is None
+    assert [c["key"] for c in summary["checked"]] == ["well.sections[0].friction"]
+    assert any("one-sided" in note for note in summary["notes"])
+
+
+def test_all_keys_leave_out_what_cannot_be_followed(tmp_path):
+    """Drillability of zero has a neighbour whose hole grows; named alone, it is refused."""
+    case = Case(**(rock_bit("bdf")._given.keys | {"time": {"end": 0.2, "integrator": "bdf"}}))
+    run_sensitivities(Job(case, tmp_path / "r"), Question("run", ["surface_torque.mean"], [], every=True))
+    summary = json.loads((tmp_path / "r/summary.json").read_text())
+    assert "hole grows" in summary["skipped"]["formation.drillability"]
+    found = {row["key"]: row for row in summary["sensitivities"]}
+    assert len(found) > 30 and not set(found) & set(summary["skipped"])
+    assert found["top.rotation.value[1]"]["relative"] == pytest.approx(1.0, abs=1e-3)
+    with pytest.raises(CaseError) as error:
+        run_sensitivities(Job(case, tmp_path / "s"), Question("run", [], ["formation.drillability"]))
+    assert error.value.got == "formation.drillability" and "hole grows" in error.value.want
+
+
+def test_chaos_has_no_number_and_a_warning(tmp_path):
+    """A collar with an eccentricity of 20 mm that strikes the wall for 2 s: derivatives by its friction exceed any sense."""
+    case = on_the_wall("bdf", 2.0, np.radians(5.0), {"eccentricity": 0.02}, rotation=15.0)
+    of = ["surface_torque.mean", "surface_torque.mean[0:0.3]"]
+    run_sensitivities(Job(case, tmp_path / "r"), Question("run", of, ["well.sections[0].friction"]))
+    summary = json.loads((tmp_path / "r/summary.json").read_text())
+    late, early = summary["sensitivities"]
+    assert late["flag"] == "not determined" and late["derivative"] is None
+    assert early["flag"] == "" and 0 < early["relative"] < 1
+    assert len(summary["warnings"]) == 1 and "chaotic" in summary["warnings"][0]
 
 
 def test_a_key_without_effect_has_zero_and_a_word():

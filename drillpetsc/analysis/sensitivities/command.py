@@ -14,7 +14,9 @@ from drillpetsc.analysis.sensitivities.derivatives import ONE_SIDED, Derivative,
 from drillpetsc.analysis.sensitivities.doubts import Checked, Differentiated
 from drillpetsc.analysis.sensitivities.hydraulics import SteadyHydraulics
 from drillpetsc.analysis.sensitivities.keys import Key, every_key, key_of
+from drillpetsc.analysis.sensitivities.points import refusal_of
 from drillpetsc.analysis.sensitivities.roadmap import SoftRoadmap
+from drillpetsc.analysis.sensitivities.rows import plain, row_of, row_of_check, without_effect
 from drillpetsc.analysis.sensitivities.run_command import run_sensitivities_of_run
 from drillpetsc.analysis.sensitivities.solution import Output, Solution
 from drillpetsc.analysis.sensitivities.statics import StaticsSolution
@@ -74,7 +76,7 @@ def run_sensitivities(job: Job, question: Question) -> RunResult:
         raise CaseError(at="--to", want="keys of the case, such as fluid.density, or --all instead")
     keys = every_key(case) if question.every else [key_of(case, name) for name in question.keys]
     if question.analysis == "run":
-        return run_sensitivities_of_run(job, question.outputs, keys, question.check)
+        return run_sensitivities_of_run(job, question.outputs, keys, question.check, question.every)
     with options_of(case):
         solution = solved(case, question, job.comm)
         usual = USUAL[question.analysis]
@@ -86,16 +88,16 @@ def run_sensitivities(job: Job, question: Question) -> RunResult:
     warnings = [sentence for at in compared for sentence in doubts_at(at)]
     one_sided = any(ONE_SIDED in d.flag for d in found)
     differentiated = Differentiated(
-        case, question.analysis, one_sided, _without_effect(found), solution.left_out
+        case, question.analysis, one_sided, without_effect(found), solution.left_out
     )
     notes = [*solution.notes, *doubts_at(differentiated)]
-    rows = [_row(d) for d in found]
+    rows = [row_of(d) for d in found]
     summary = SensitivitiesSummary(
         title=case.title,
         analysis=question.analysis,
         outputs={solution.outputs[i].name: float(solution.found.values[i]) for i in chosen},
-        sensitivities=[{k: _plain(v) for k, v in row.items()} for row in rows],
-        checked=[_compared(at) for at in compared],
+        sensitivities=[plain(row) for row in rows],
+        checked=[row_of_check(at) for at in compared],
         skipped=skipped,
         units=case.shown_units,
         warnings=warnings,
@@ -152,55 +154,9 @@ def _differentiated(
             found += derivatives(case, solution, chosen, [key])
         except CaseError as error:
             skipped[key.name] = error.want
-            if skips:
-                continue
-            if error.at == "--to":
-                raise
-            want = (
-                f"a number that can change a little: {error.at} {error.want}"  # the changed case is refused
-            )
-            raise CaseError(at="--to", got=key.name, want=want, hint=error.hint) from None
+            if not skips:
+                raise refusal_of(key, error) from None
     return found, skipped
-
-
-def _without_effect(found: Sequence[Derivative]) -> list[str]:
-    """Keys that change none of the outputs."""
-    effective = {d.key.name for d in found if d.slope}
-    return list(dict.fromkeys(d.key.name for d in found if d.key.name not in effective))
-
-
-def _row(d: Derivative) -> dict[str, Any]:
-    """A row of sensitivities.csv."""
-    return {
-        "output": d.output.name,
-        "output_unit": d.output.quantity.unit,
-        "bit_depth": d.output.bit_depth,
-        "value": d.value,
-        "key": d.key.name,
-        "key_unit": d.key.unit or "-",
-        "key_value": d.key.value,
-        "derivative": d.slope,
-        "relative": d.relative,
-        "per": d.key.per,
-        "effect": d.effect,
-        "effect_below": d.below,
-        "effect_above": d.above,
-        "flag": d.flag,
-    }
-
-
-def _plain(value: Any) -> Any:
-    return None if isinstance(value, float) and np.isnan(value) else value
-
-
-def _compared(at: Checked) -> dict[str, Any]:
-    return {
-        "output": at.output,
-        "key": at.key,
-        "derivative": at.derivative,
-        "difference": at.difference,
-        "error": at.error,
-    }
 
 
 # ---------------------------------------------------------------------- screen

@@ -6,6 +6,8 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
+
 from drillpetsc.case.case import Case
 from drillpetsc.doubts.doubt import Doubt, remark
 from drillpetsc.unit_systems import System
@@ -21,7 +23,7 @@ MOST_NAMED = 15  # keys without effect that are named
 class Differentiated:
     """Outputs are differentiated (sensitivities).
 
-    analysis: statics, roadmap or hydraulics; one_sided: some derivatives have a kink beside them; without: keys without effect.
+    analysis: statics, roadmap, hydraulics or run; one_sided: some derivatives have a kink beside them; without: keys without effect.
     left_out: why rows at a bit depth [m] have no derivative.
     """
 
@@ -67,6 +69,39 @@ class Checked:
         return abs(self.derivative - self.difference) / max(abs(self.difference), SMALL)
 
 
+@dataclass(frozen=True)
+class Followed:
+    """The derivatives of a column of a run are known over time.
+
+    until: of each key, the time [s] up to which the derivative is determined (``chaos.determined_until``).
+    """
+
+    case: Case
+    column: str
+    until: dict[str, float]
+
+    @property
+    def units(self) -> System:
+        """Units of the reader."""
+        return self.case.shown_units
+
+
+class Chaotic(Doubt):
+    """Derivatives of a run grow exponentially over half of it, as in chaotic motion: they say nothing about means.
+
+    The time is that at which 1 % of the key would move the column by a tenth of its range. Outputs that end later have no derivative.
+    """
+
+    about = (Followed,)
+    sentence = "derivatives of {column} are not determined beyond {time:.4g} s by {keys}: they grow exponentially, as in chaotic motion"
+    remedy = "End the window of the output before that time, or compare means of several runs with `sweep`."
+
+    def look(self, at: Followed) -> Iterable[dict[str, Any]]:
+        keys = [key for key, time in at.until.items() if np.isfinite(time)]
+        if keys:
+            yield {"column": at.column, "time": min(at.until.values()), "keys": ", ".join(keys)}
+
+
 class Disagrees(Doubt):
     """A derivative differs from central differences of full solutions by more than 1e-4.
 
@@ -78,7 +113,7 @@ class Disagrees(Doubt):
     remedy = "Use the differences: a contact, a regime or a place changes within the step of the key."
 
     def look(self, at: Checked) -> Iterable[dict[str, Any]]:
-        if at.error > DISAGREES:
+        if not at.error <= DISAGREES:  # nor if a number is missing
             yield {
                 "output": at.output,
                 "key": at.key,

@@ -53,13 +53,15 @@ def points_of(case: Case, key: Key, step: float = STEP) -> tuple[list[Point], bo
             continue
         points = [Point(c, key, size * q, w / size) for c, (q, w) in zip(cases, stencil, strict=True)]
         return points, stencil is not CENTRAL
-    first = errors[0]
-    raise CaseError(
-        at="--to",
-        got=key.name,
-        want=f"a number that can change a little: {first.at} {first.want}",
-        hint=first.hint,
-    )
+    raise refusal_of(key, errors[0])
+
+
+def refusal_of(key: Key, error: CaseError) -> CaseError:
+    """What the user reads if a case with a changed key is refused."""
+    if error.at == "--to":
+        return error
+    want = f"a number that can change a little: {error.at} {error.want}"
+    return CaseError(at="--to", got=key.name, want=want, hint=error.hint)
 
 
 def solve_exactly(

@@ -11,8 +11,9 @@ from petsc4py import PETSc
 
 from drillpetsc.analysis.motion.integrator_choice import make_integrator
 from drillpetsc.analysis.motion.session.live_outputs import LiveOutputs
+from drillpetsc.analysis.sensitivities.derivatives import LIMIT, ONE_SIDED
 from drillpetsc.analysis.sensitivities.keys import Key
-from drillpetsc.analysis.sensitivities.points import Point, points_of
+from drillpetsc.analysis.sensitivities.points import Point, points_of, refusal_of
 from drillpetsc.analysis.sensitivities.statics import RESIDUAL_STEP, StaticTangent
 from drillpetsc.analysis.statics.find_equilibrium import find_equilibrium
 from drillpetsc.analysis.statics.imperfection import add_imperfection_of_rest
@@ -28,7 +29,7 @@ from drillpetsc.solvers.time.step_tangent import Beside, StepTangent
 from drillpetsc.solvers.time.time_integrator import TimeIntegrator
 
 #: of the cases beside the run, relative: contacts yield by micrometres, and rates are smooth over so little
-STEP = 1e-6
+STEP = 3e-6
 
 
 @dataclass(frozen=True)
@@ -37,6 +38,7 @@ class RunSeries:
 
     times: (m,) [s]; values: (m, columns) [SI]; slopes: (m, columns, keys) derivatives.
     steps: lengths of all steps [s]; seconds: processor time of the steps, with the derivatives [s].
+    keys, flags: those that were followed, and the flag of each; skipped: the others, with the reasons.
     """
 
     times: FloatArray
@@ -44,23 +46,38 @@ class RunSeries:
     slopes: FloatArray
     steps: FloatArray
     seconds: float
+    keys: list[Key]
+    flags: list[str]
+    skipped: dict[str, str]
 
 
-def _refusals(case: Case, model: DrillingModel, integrator: TimeIntegrator) -> dict[str, bool]:
-    """What the derivatives do not follow -> whether the run has it."""
+@dataclass(frozen=True)
+class Neighbours:
+    """Models beside the run, whose ``points`` differ in a key.  flag: of the derivatives of the state at the start."""
+
+    points: list[Point]
+    models: list[DrillingModel]
+    flag: str
+
+
+def _refuse(case: Case, model: DrillingModel, integrator: TimeIntegrator | None = None) -> None:
+    """Raise CaseError for what the derivatives do not follow, in the run or beside it.  integrator: of the run."""
     system, bit = model.system, model.bit
-    return {
+    has = {
         "a bit that cuts: its hole grows": isinstance(bit, RockBit) and _cuts(bit),
         "events, such as of a jar": any(c.has_events for c in system.components),
-        "a controller that samples": integrator.sampler is not None,
+        "a controller that samples": integrator is not None and integrator.sampler is not None,
         "an autodriller": case.top.autodriller is not None,
         "functions of the user": any(c.own_laws for c in system.components) or bool(case.components),
         "constraints of joints, or of the quaternion element": system.constrained
         or system.assembly.derive is not None,
         "drilling fluid": model.fluid is not None,
-        "a solver or integrator of PETSc in place of its own": not integrator.condensed
-        or not integrator.newton.direct,
+        "a solver or integrator of PETSc in place of its own": integrator is not None
+        and not (integrator.condensed and integrator.newton.direct),
     }
+    for what, present in has.items():
+        if present:
+            raise CaseError(at="--analysis", got="run", want=f"a run without: {what}")
 
 
 def _cuts(bit: RockBit) -> bool:
@@ -87,9 +104,7 @@ class RunOfCase:
         self.case, self.comm = case, comm
         self.model = build_model(case, comm, like=like)
         self.integrator = make_integrator(self.model)
-        for what, present in _refusals(case, self.model, self.integrator).items():
-            if present:
-                raise CaseError(at="--analysis", got="run", want=f"a run without: {what}")
+        _refuse(case, self.model, self.integrator)
         self.outputs = LiveOutputs(Recorder(self.model))
         self.names = [q.name for q in self.outputs.described()]
 
@@ -102,55 +117,84 @@ class RunOfCase:
         """The elements, for the cases beside it."""
         return MeshOf(self.case, self.model.mesh)
 
-    def begin(self, groups: Sequence[Sequence[Point]]) -> list[list[DrillingModel]]:
-        """Put the model into its state at the start; returns models at the points of each key in theirs; collective."""
-        case, model, mesh = self.case, self.model, self.mesh
-        if case.initial.from_ != "statics":
-            beside = [[build_model(p.case, self.comm, like=mesh) for p in points] for points in groups]
-            for each in (model, *(m for group in beside for m in group)):
-                place_along_hole(each)
-                add_imperfection_of_rest(each)
-        else:
+    def begin(self, keys: Sequence[Key], skips: bool = False) -> tuple[list[Neighbours], dict[str, str]]:
+        """Put the model into its state at the start, and models beside it into theirs; collective.
+
+        skips: keys that cannot be followed are left out, with the reasons; else CaseError is raised.
+        """
+        model, tangent = self.model, None
+        if self.case.initial.from_ == "statics":
             start = model.top.anchor.copy()
             state = find_equilibrium(model)
-            beside = []
-            if groups:
-                tangent = StaticTangent(model, state, start, None)
-            for points in groups:
-                sources, _ = points_of(case, points[0].key, RESIDUAL_STEP)
-                models, bends = tangent.near(points, sources, lambda c: build_model(c, self.comm, like=mesh))
-                del bends
-                beside.append(models)
-        for each in (model, *(m for group in beside for m in group)):
+            tangent = StaticTangent(model, state, start, None) if keys else None
+        else:
+            _rest(model)
+        found, skipped = [], {}
+        for key in keys:
+            try:
+                found.append(self._neighbours(key, tangent))
+            except CaseError as error:
+                if not skips:
+                    raise refusal_of(key, error) from None
+                skipped[key.name] = error.want
+        for each in (model, *(m for n in found for m in n.models)):
             release(each)
             move_rigidly(each)
             for component in each.components:
                 component.settle(0.0, each.system.assembly)
             find_reactions(each)
-        return beside
+        return found, skipped
 
-    def series(self, keys: Sequence[Key], columns: Sequence[str]) -> RunSeries:
-        """Run with the derivatives of columns of the history by keys; collective."""
-        return _Run(self, keys, columns).series()
+    def _neighbours(self, key: Key, tangent: StaticTangent | None) -> Neighbours:
+        """Models beside the run; with a ``tangent`` of the static state, else at rest.  Raises CaseError for a key that cannot be followed."""
+        mesh, bends = self.mesh, False
+        points, limited = points_of(self.case, key, STEP)
+
+        def build(case: Case) -> DrillingModel:
+            model = build_model(case, self.comm, like=mesh)
+            _refuse(case, model)
+            if model.system.layout.size != self.model.system.layout.size:
+                raise CaseError(
+                    at="--to", got=key.name, want="a number that neither adds nor removes an element"
+                )
+            if model.breaks != self.model.breaks:
+                want = "a number that does not move a time at which an input jumps or bends"
+                raise CaseError(at="--to", got=key.name, want=want)
+            return model
+
+        if tangent is None:
+            models = [build(point.case) for point in points]
+            for model in models:
+                _rest(model)
+        else:
+            sources, _ = points_of(self.case, key, RESIDUAL_STEP)
+            models, bends = tangent.near(points, sources, build)
+        flags = [word for word, holds in ((ONE_SIDED, bends), (LIMIT, limited)) if holds]
+        return Neighbours(points, models, ", ".join(flags))
+
+    def series(self, keys: Sequence[Key], columns: Sequence[str], skips: bool = False) -> RunSeries:
+        """Run with the derivatives of columns of the history by keys; ``skips`` as of ``begin``; collective."""
+        return _Run(self, keys, columns, skips).series()
+
+
+def _rest(model: DrillingModel) -> None:
+    place_along_hole(model)
+    add_imperfection_of_rest(model)
 
 
 class _Run:
     """A run that records columns and their derivatives."""
 
-    def __init__(self, run: RunOfCase, keys: Sequence[Key], columns: Sequence[str]) -> None:
+    def __init__(self, run: RunOfCase, keys: Sequence[Key], columns: Sequence[str], skips: bool) -> None:
         self.run, self.integrator = run, run.integrator
-        self.points = [points_of(run.case, key, STEP)[0] for key in keys]
-        models = run.begin(self.points)
-        for key, group in zip(keys, models, strict=True):
-            if any(m.breaks != run.model.breaks for m in group):
-                want = "a number that does not move a time at which an input jumps or bends"
-                raise CaseError(at="--to", got=key.name, want=want)
+        found, self.skipped = run.begin(keys, skips)
+        self.keys, self.flags = [n.points[0].key for n in found], [n.flag for n in found]
         self.beside = [
-            [Beside(m.system, p.change, p.weight) for m, p in zip(group, points, strict=True)]
-            for group, points in zip(models, self.points, strict=True)
+            [Beside(m.system, p.change, p.weight) for m, p in zip(n.models, n.points, strict=True)]
+            for n in found
         ]
-        self.tangent = StepTangent(self.integrator, self.beside) if keys else None
-        self.readers = [run.outputs, *(LiveOutputs(Recorder(m)) for group in models for m in group)]
+        self.tangent = StepTangent(self.integrator, self.beside) if found else None
+        self.readers = [run.outputs, *(LiveOutputs(Recorder(m)) for n in found for m in n.models)]
         self.columns = [reader.find(columns) for reader in self.readers]
         every = run.case.output.history_every
         assert every is not None
@@ -174,7 +218,7 @@ class _Run:
         for reader in self.readers:
             reader.changed()
         base = self.readers[0].read(self.columns[0], at)
-        slopes, i = np.zeros((len(base), len(self.points))), 1
+        slopes, i = np.zeros((len(base), len(self.keys))), 1
         for k, group in enumerate(self.beside):
             for beside in group:
                 assert self.tangent is not None
@@ -191,5 +235,12 @@ class _Run:
         self.integrator.run(0.0, end, self.run.model.breaks)
         spent = clock.process_time() - began
         return RunSeries(
-            np.array(self.times), np.array(self.values), np.array(self.slopes), np.array(self.steps), spent
+            np.array(self.times),
+            np.array(self.values),
+            np.array(self.slopes),
+            np.array(self.steps),
+            spent,
+            self.keys,
+            self.flags,
+            self.skipped,
         )

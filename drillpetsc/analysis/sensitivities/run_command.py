@@ -9,15 +9,19 @@ from typing import Any
 import numpy as np
 from petsc4py import PETSc
 
-from drillpetsc.analysis.sensitivities.derivatives import Derivative
-from drillpetsc.analysis.sensitivities.doubts import Checked, Differentiated
+from drillpetsc.analysis.motion.session.live_outputs import SessionOutput
+from drillpetsc.analysis.sensitivities.chaos import determined_until
+from drillpetsc.analysis.sensitivities.derivatives import ONE_SIDED, Derivative
+from drillpetsc.analysis.sensitivities.doubts import Checked, Differentiated, Followed
 from drillpetsc.analysis.sensitivities.keys import Key
+from drillpetsc.analysis.sensitivities.rows import plain, row_of, row_of_check, without_effect
 from drillpetsc.analysis.sensitivities.run import RunOfCase, RunSeries
 from drillpetsc.analysis.sensitivities.run_outputs import RunOutput, parsed_outputs
 from drillpetsc.analysis.sensitivities.solution import Output
 from drillpetsc.arrays import FloatArray
 from drillpetsc.case.case import Case
 from drillpetsc.doubts import doubts_at
+from drillpetsc.errors import CaseError, SolveError
 from drillpetsc.fem.quantity import Quantity
 from drillpetsc.output import write_summary, write_table
 from drillpetsc.output.files.case_files import write_case
@@ -31,79 +35,97 @@ from drillpetsc.solvers import petsc_options as options
 USUAL = ("surface_torque.mean", "hook_load.mean")
 #: relative, of the differences of runs with frozen steps: at ten times these, their curvature in stick-slip leaves 3e-4
 CHECK_STEPS = 1e-4, 1e-5
-NEWTON = "1e-10"  # tolerance of Newton's method, whose remainder has another derivative, unless the case has its own
+TOLERANCE, NEWTON = "q_snes_stol", 1e-10  # of Newton's method, at most
+UNDETERMINED = "not determined"  # flag of outputs that end in chaotic motion
 Numbers = list[tuple[float, FloatArray]]
 
 
-def run_sensitivities_of_run(job: Job, asked: Sequence[str], keys: Sequence[Key], check: int) -> RunResult:
+def run_sensitivities_of_run(
+    job: Job, asked: Sequence[str], keys: Sequence[Key], check: int, skips: bool
+) -> RunResult:
     """Run once, with derivatives in every step, and write sensitivities.csv, sensitivities_history.csv and summary.json (collective).
 
     check: number of keys whose derivatives are compared with runs of changed cases that take the same steps.
+    skips: keys that cannot be followed are left out, with the reasons.
     Raises CaseError for a run, a key or an output whose derivatives are not computed.
     """
     case = job.case
-    with options.applied(case.petsc), _option("q_snes_stol", NEWTON):
+    with options.applied(case.petsc), _converged():
         run = RunOfCase(case, job.comm)
         end = float(case.given_time.end)
         outputs = parsed_outputs(
             asked or [w for w in USUAL if w.partition(".")[0] in run.names], run.names, end
         )
         columns = list(dict.fromkeys(q.column for q in outputs))
-        units = {q.name: q.unit for q in run.outputs.described()}
-        docs = {q.name: q.description for q in run.outputs.described()}
-        series = run.series(keys, columns)
-    numbers = _numbers(outputs, columns, series)
-    found = [
-        Derivative(
-            Output(
-                Quantity(q.name, units[q.column], on="scalar", label=q.name, mnemonic="", doc=docs[q.column])
-            ),
-            key,
-            value,
-            float(slopes[k]),
-        )
-        for q, (value, slopes) in zip(outputs, numbers, strict=True)
-        for k, key in enumerate(keys)
+        described = {q.name: q for q in run.outputs.described()}
+        series = run.series(keys, columns, skips)
+    repeated = _Repeated(case, job.comm, outputs, columns, series)
+    followed = [
+        Followed(case, column, _until(series, i, [key.name for key in series.keys]))
+        for i, column in enumerate(columns)
     ]
+    found = _derivatives(repeated, described, followed)
     cost: dict[str, float] = {"steps": float(len(series.steps)), "with_derivatives": series.seconds}
-    compared: list[Checked] = []
-    if check:
-        compared, alone = _checked(case, job.comm, outputs, columns, series, keys[:check], numbers)
-        cost |= {"alone": alone, "ratio": series.seconds / alone if alone else float("nan")}
-    effective = {d.key.name for d in found if d.slope}
-    without = list(dict.fromkeys(d.key.name for d in found if d.key.name not in effective))
+    compared = repeated.checked(found, check)
+    if repeated.seconds:
+        cost |= {"alone": repeated.seconds, "ratio": series.seconds / repeated.seconds}
+    moments = [*followed, *compared]
+    one_sided = any(ONE_SIDED in d.flag for d in found)
+    rows = [row_of(d) for d in found]
     summary = SensitivitiesSummary(
         title=case.title,
         analysis="run",
-        outputs={q.name: value for q, (value, _) in zip(outputs, numbers, strict=True)},
-        sensitivities=[{k: _plain(v) for k, v in _row(d).items()} for d in found],
-        checked=[
-            {
-                "output": c.output,
-                "key": c.key,
-                "derivative": c.derivative,
-                "difference": c.difference,
-                "error": c.error,
-            }
-            for c in compared
-        ],
+        outputs={q.name: value for q, (value, _) in zip(outputs, repeated.numbers, strict=True)},
+        sensitivities=[plain(row) for row in rows],
+        checked=[plain(row_of_check(at)) for at in compared],
         cost=cost,
-        skipped={},
+        skipped=series.skipped,
         units=case.shown_units,
-        warnings=[sentence for at in compared for sentence in doubts_at(at)],
-        notes=doubts_at(Differentiated(case, "run", False, without, {})),
+        warnings=[sentence for at in moments for sentence in doubts_at(at)],
+        notes=doubts_at(Differentiated(case, "run", one_sided, without_effect(found), {})),
     ).as_dict()
     folder = job.make_folder()
     if job.comm.rank == 0:
         write_case(case, folder)
-        rows = [_row(d) for d in found]
         names = [q.column for q in SENSITIVITIES]
         write_table(
             folder.path / SENSITIVITIES_TABLE, names, [[row[q.name] for row in rows] for q in SENSITIVITIES]
         )
-        _write_history(folder.path / SENSITIVITIES_HISTORY, columns, units, keys, series)
+        units = {name: q.unit for name, q in described.items()}
+        _write_history(folder.path / SENSITIVITIES_HISTORY, columns, units, series)
         write_summary(folder.summary, summary)
     return job.result(folder, summary, _lines(case, found, summary))
+
+
+def _until(series: RunSeries, column: int, names: Sequence[str]) -> dict[str, float]:
+    """Time [s] up to which the derivatives of a column by each key are determined."""
+    values, slopes = series.values[:, column], series.slopes[:, column]
+    return {
+        name: determined_until(series.times, values, slopes[:, k] * series.keys[k].size)
+        for k, name in enumerate(names)
+    }
+
+
+def _derivatives(
+    repeated: _Repeated, described: dict[str, SessionOutput], followed: Sequence[Followed]
+) -> list[Derivative]:
+    """Derivatives of all outputs by all keys; those beyond the time up to which they are determined have no number."""
+    series, out = repeated.series, []
+    until = {at.column: at.until for at in followed}
+    kinks = [k for k, flag in enumerate(series.flags) if ONE_SIDED in flag]
+    sides = {k: repeated.both_sides(series.keys[k]) for k in kinks}
+    for i, (q, (value, slopes)) in enumerate(zip(repeated.outputs, repeated.numbers, strict=True)):
+        column = described[q.column]
+        quantity = Quantity(
+            q.name, column.unit, on="scalar", label=q.name, mnemonic="", doc=column.description
+        )
+        for k, key in enumerate(series.keys):
+            known = q.window[1] <= until[q.column][key.name]
+            flag = ", ".join(filter(None, [series.flags[k], "" if known else UNDETERMINED]))
+            below, above = sides[k][:, i].tolist() if k in sides else (np.nan, np.nan)
+            slope = float(slopes[k]) if known else np.nan
+            out.append(Derivative(Output(quantity), key, value, slope, flag, below, above))
+    return out
 
 
 def _numbers(outputs: Sequence[RunOutput], columns: Sequence[str], series: RunSeries) -> Numbers:
@@ -114,81 +136,87 @@ def _numbers(outputs: Sequence[RunOutput], columns: Sequence[str], series: RunSe
     ]
 
 
-# ---------------------------------------------------------------------- check
-def _checked(
-    case: Case,
-    comm: PETSc.Comm,
-    outputs: Sequence[RunOutput],
-    columns: Sequence[str],
-    series: RunSeries,
-    keys: Sequence[Key],
-    numbers: Numbers,
-) -> tuple[list[Checked], float]:
-    """Compare with central differences of runs that take the steps of the first one; and the processor time of one run alone [s]."""
-    found, alone = [], 0.0
-    for k, key in enumerate(keys):
-        slopes = []
-        for step in CHECK_STEPS:
-            sides = []
-            for sign in (-1, 1):
-                repeated = _repeated(
-                    key.changed(case, key.value + sign * step * key.size), comm, columns, series.steps
+# ---------------------------------------------------------------------- runs with the same steps
+class _Repeated:
+    """Outputs of a run, and of runs of changed cases that take its steps.
+
+    numbers: value and derivatives of each output; seconds: processor time of one run alone [s], zero before the first.
+    """
+
+    def __init__(
+        self,
+        case: Case,
+        comm: PETSc.Comm,
+        outputs: Sequence[RunOutput],
+        columns: Sequence[str],
+        series: RunSeries,
+    ) -> None:
+        self.case, self.comm, self.outputs, self.columns, self.series = case, comm, outputs, columns, series
+        self.numbers, self.seconds = _numbers(outputs, columns, series), 0.0
+
+    def values(self, key: Key, change: float) -> FloatArray:
+        """Outputs (m,) of the run with the key changed by ``change`` [its SI unit]; collective."""
+        case = key.changed(self.case, key.value + change)
+        with options.applied(case.petsc), _converged():
+            run = RunOfCase(case, self.comm)
+            run.freeze(self.series.steps)
+            series = run.series([], self.columns)
+        self.seconds = self.seconds or series.seconds
+        return np.array([value for value, _ in _numbers(self.outputs, self.columns, series)])
+
+    def both_sides(self, key: Key) -> FloatArray:
+        """Effects (2, m) of the stated change below and above; nan where there is none."""
+        base, out = np.array([value for value, _ in self.numbers]), []
+        for sign in (-1.0, 1.0):
+            try:
+                out.append(sign * (self.values(key, sign * key.per) - base))
+            except (CaseError, SolveError):
+                out.append(np.full(len(base), np.nan))
+        return np.array(out)
+
+    def checked(self, found: Sequence[Derivative], count: int) -> list[Checked]:
+        """Compare the derivatives by the first ``count`` keys without a flag with central differences."""
+        out, flagged = [], {d.key.name for d in found if d.flag}
+        for key in [key for key in self.series.keys if key.name not in flagged][:count]:
+            slopes = [
+                (self.values(key, h * key.size) - self.values(key, -h * key.size)) / (2 * h * key.size)
+                for h in CHECK_STEPS
+            ]
+            square = (CHECK_STEPS[0] / CHECK_STEPS[1]) ** 2
+            full = (square * slopes[1] - slopes[0]) / (square - 1)
+            own = [d for d in found if d.key is key]
+            for d, difference in zip(own, full, strict=True):
+                scale = key.value / d.value if d.value and key.value else 0.0
+                out.append(
+                    Checked(self.case, d.output.name, key.name, d.slope * scale, float(difference) * scale)
                 )
-                alone = alone or repeated.seconds
-                sides.append(np.array([value for value, _ in _numbers(outputs, columns, repeated)]))
-            slopes.append((sides[1] - sides[0]) / (2 * step * key.size))
-        square = (CHECK_STEPS[0] / CHECK_STEPS[1]) ** 2
-        full = (square * slopes[1] - slopes[0]) / (square - 1)
-        for q, (value, own), difference in zip(outputs, numbers, full, strict=True):
-            scale = key.value / value if value and key.value else 0.0
-            found.append(Checked(case, q.name, key.name, float(own[k]) * scale, float(difference) * scale))
-    return found, alone
-
-
-def _repeated(case: Case, comm: PETSc.Comm, columns: Sequence[str], steps: FloatArray) -> RunSeries:
-    """The run of a case with given steps, and Newton's method converged."""
-    with options.applied(case.petsc), _option("q_snes_stol", NEWTON):
-        run = RunOfCase(case, comm)
-        run.freeze(steps)
-        return run.series([], columns)
+        return out
 
 
 @contextmanager
-def _option(name: str, value: str) -> Iterator[None]:
-    """Set a PETSc option that the user has not given."""
-    given = PETSc.Options()
-    if given.hasName(name):
-        yield
-        return
-    given.setValue(name, value)
+def _converged() -> Iterator[None]:
+    """Newton's method converged, whatever the tolerance of the case: the remainder of an iteration has another derivative."""
+    database = PETSc.Options()
+    given = database.getString(TOLERANCE, "") if database.hasName(TOLERANCE) else ""
+    if not given or float(given) > NEWTON:
+        database.setValue(TOLERANCE, str(NEWTON))
     try:
         yield
     finally:
-        given.delValue(name)
+        if given:
+            database.setValue(TOLERANCE, given)
+        else:
+            database.delValue(TOLERANCE)
 
 
 # ---------------------------------------------------------------------- files and screen
-def _row(d: Derivative) -> dict[str, Any]:
-    return {
-        "output": d.output.name, "output_unit": d.output.quantity.unit, "bit_depth": np.nan, "value": d.value, "key": d.key.name,
-        "key_unit": d.key.unit or "-", "key_value": d.key.value, "derivative": d.slope, "relative": d.relative, "per": d.key.per,
-        "effect": d.effect, "effect_below": np.nan, "effect_above": np.nan, "flag": d.flag,
-    }  # fmt: skip
-
-
-def _plain(value: Any) -> Any:
-    return None if isinstance(value, float) and np.isnan(value) else value
-
-
-def _write_history(
-    path: Any, columns: Sequence[str], units: dict[str, str], keys: Sequence[Key], series: RunSeries
-) -> None:
+def _write_history(path: Any, columns: Sequence[str], units: dict[str, str], series: RunSeries) -> None:
     """Columns and, after each, its change by a change of each key by its own value, p ds/dp; of a key of zero, by its usual size."""
     titles, values = [("time", "s")], [series.times]
     for i, name in enumerate(columns):
         titles.append((name, units[name]))
         values.append(series.values[:, i])
-        for k, key in enumerate(keys):
+        for k, key in enumerate(series.keys):
             titles.append((f"{name} by {key.name}", units[name]))
             values.append(series.slopes[:, i, k] * key.size)
     write_table(path, titles, values)
@@ -197,22 +225,25 @@ def _write_history(
 def _lines(case: Case, found: Sequence[Derivative], summary: dict[str, Any]) -> list[str]:
     lines = [f"{case.title or 'case'}: sensitivities of a run, effect of a change of each key"]
     for output in dict.fromkeys(d.output for d in found):
-        mine = sorted((d for d in found if d.output == output and d.slope), key=lambda d: -abs(d.effect))
+        known = (d for d in found if d.output == output and d.slope and np.isfinite(d.slope))
+        mine = sorted(known, key=lambda d: -abs(d.effect))
         lines.append(
             f"  {output.name} {next(d.value for d in found if d.output == output):.6g} {output.quantity.unit}"
         )
         lines += [
             f"    {d.key.name:<40} {f'{d.key.value:.6g} + {d.key.per:.3g} {d.key.unit}'.rstrip():<28} {d.effect:>+12.5g} "
-            f"{output.quantity.unit:<6} {'' if np.isnan(d.relative) else f'{d.relative:>10.3f}'}".rstrip()
+            f"{output.quantity.unit:<6} {'' if np.isnan(d.relative) else f'{d.relative:.3f}':>10}  {d.flag}".rstrip()
             for d in mine
         ]
     cost = summary["cost"]
     text = f"  {cost['steps']:.0f} steps in {cost['with_derivatives']:.3g} s of processor time"
     lines.append(text + (f", {cost['ratio']:.2g} times that of the run alone" if "ratio" in cost else ""))
     if summary["checked"]:
-        worst = max(c["error"] for c in summary["checked"])
+        worst = max(np.inf if c["error"] is None else c["error"] for c in summary["checked"])
         lines.append(
             f"  {len(summary['checked'])} derivatives checked by runs with the same steps: largest error {worst:.1e}"
         )
     lines += [f"  WARNING: {w}" for w in summary["warnings"]]
+    if summary["skipped"]:
+        lines.append(f"  note: {len(summary['skipped'])} keys left out, with reasons in summary.json")
     return lines + [f"  note: {note}" for note in summary["notes"]]

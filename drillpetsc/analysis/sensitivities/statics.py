@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from typing import Any
 
 import numpy as np
@@ -21,6 +22,7 @@ from drillpetsc.analysis.statics.placement import (
     top_depth,
 )
 from drillpetsc.analysis.statics.static_problem import StaticState
+from drillpetsc.analysis.statics.top_on_wall import ACROSS, hold_where_it_lies
 from drillpetsc.arrays import FloatArray
 from drillpetsc.case.case import Case
 from drillpetsc.errors import CaseError
@@ -71,8 +73,9 @@ class StaticTangent:
         self.top = model.top.anchor - start
         self.x = model.system.assembly.x.copy()
         self.solver = self._solver(model)
-        self.solver.factor_here()
-        self.solver.rows()
+        with self._top_free(model):
+            self.solver.rows()
+            self.solver.factor_here()
         self._contacts = [flags.values.copy() for flags in model.system.contact_flags]
 
     def _solver(self, model: DrillingModel) -> StaticNewton:
@@ -86,9 +89,21 @@ class StaticTangent:
         return solver
 
     @property
-    def _top_on_wall(self) -> bool:
-        """Whether the top lies across the hole where nothing pushes it.  It is held there, which the derivative does not know."""
-        return len(self.top) > 2 and bool(np.abs(self.top[1:3]).max() > 1e-9)
+    def _top_held(self) -> bool:
+        """Whether the top lies where the march put it, which depends on the key: its place was not found by the equilibrium."""
+        moved = len(self.top) > 2 and bool(np.abs(self.top[1:3]).max() > 1e-9)
+        return moved and not self.state.top_lies
+
+    @contextmanager
+    def _top_free(self, *models: DrillingModel) -> Iterator[None]:
+        """Leave the place across the hole of a top that lies on the wall to the equilibrium, as statics did."""
+        for model in models:
+            model.system.assembly.release(ACROSS if self.state.top_lies else ())
+        yield
+        for model in models:
+            model.system.assembly.release(())
+            if self.state.top_lies:
+                hold_where_it_lies(model)
 
     def near(
         self,
@@ -100,16 +115,17 @@ class StaticTangent:
 
         sources: points so near that no contact of the state opens there; build: model of a case, with the elements of the state.
         """
-        rows = [self._rows_of(self._take(build(q.case), self.x)) for q in sources]
-        source = -difference(sources, rows)
-        step = self._solve(source)
-        models = [build(point.case) for point in points]
-        rows = []
-        for point, model in zip(points, models, strict=True):
-            solver = self._take(model, self.x[:-1] + point.change * step[:-1], point.change * step[-1])
-            rows.append(self._rows_of(solver))
-        bends = self._bends(points, rows, step) or self._opens(models)
-        return models, bends or self._top_on_wall
+        models, near = [build(point.case) for point in points], [build(q.case) for q in sources]
+        with self._top_free(self.model, *models, *near):
+            self.solver.rows()
+            source = -difference(sources, [self._rows_of(self._take(model, self.x)) for model in near])
+            step = self._solve(source)
+            rows = []
+            for point, model in zip(points, models, strict=True):
+                solver = self._take(model, self.x[:-1] + point.change * step[:-1], point.change * step[-1])
+                rows.append(self._rows_of(solver))
+            bends = self._bends(points, rows, step) or self._opens(models)
+        return models, bends or self._top_held
 
     def _take(self, model: DrillingModel, x: FloatArray, move: float = 0.0) -> StaticNewton:
         """Put a new model into the state with unknowns ``x``, its top ``move`` [m] further down; returns its equations."""

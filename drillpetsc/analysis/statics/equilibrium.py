@@ -84,8 +84,9 @@ def director_equilibrium(
             raise
     placed, no_lateral_friction = True, False
     if state.path is None:
-        placed = found is None or not found.top_on_wall or not model.top.prescribes
-        placed = placed or balance_across(model, solver, report)
+        lies = found is not None and found.top_on_wall and model.top.prescribes
+        state.top_lies = lies and balance_across(model, solver, report)
+        placed = state.top_lies or not lies
         problem.set_friction_aside()  # stability is counted without it
         count = solver.negative_pivots()
         no_lateral_friction = lateral_friction and problem.moves and not reached

@@ -26,6 +26,7 @@ class StaticState:
     eq-statics-imposed-friction).
     path: answer of the paths of a buckled string with friction, None if Newton's method found the state.
     band: by theory, of what a buckled string that slides transmits; None if it is the same early and late.
+    top_lies: the place of the top across the hole is part of the equilibrium (manual: sec-statics-top-on-wall).
     """
 
     motion: tuple[float, float]
@@ -35,6 +36,7 @@ class StaticState:
     lateral_fraction: float = 1.0
     path: PathAnswer | None = None
     band: HelixBand | None = None
+    top_lies: bool = False
 
     @property
     def stable(self) -> bool:

@@ -11,7 +11,7 @@ from drillpetsc.errors import SolveError
 from drillpetsc.model.drilling_model import DrillingModel
 from drillpetsc.solvers.static.static_newton import CONVERGED_INCREMENT, Equilibrium, StaticNewton
 
-_ACROSS = ("top.side_reaction_1", "top.side_reaction_2")
+ACROSS = ("top.side_reaction_1", "top.side_reaction_2")
 MOST_FAILED = 10  # steps with drag, before the top stays where it is
 
 
@@ -24,7 +24,7 @@ def balance_across(model: DrillingModel, solver: StaticNewton, report: Equilibri
     Returns whether the place was found; otherwise the state is the former one.
     """
     start, asm = Snapshot(model), model.system.assembly
-    asm.release(_ACROSS)
+    asm.release(ACROSS)
     try:
         newton_or_drag(model, solver, report, CONVERGED_INCREMENT, MOST_FAILED)
     except SolveError:
@@ -32,9 +32,14 @@ def balance_across(model: DrillingModel, solver: StaticNewton, report: Equilibri
         return False
     finally:
         asm.release(())
-    model.top.place_across(_top_position(model))
-    asm.invalidate_prescribed_values()
+    hold_where_it_lies(model)
     return True
+
+
+def hold_where_it_lies(model: DrillingModel) -> None:
+    """Prescribe the present place of the top across the hole; collective."""
+    model.top.place_across(_top_position(model))
+    model.system.assembly.invalidate_prescribed_values()
 
 
 def _top_position(model: DrillingModel) -> FloatArray:

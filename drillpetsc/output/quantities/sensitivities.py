@@ -54,5 +54,5 @@ SENSITIVITIES: tuple[Quantity, ...] = (
         "SEFA",
         "Of a flagged row: value of a full solution with the stated change, less the value.",
     ),
-    _row("flag", "Flag", "SFLG", "One-sided, limit or differences; empty without a flag."),
+    _row("flag", "Flag", "SFLG", "One-sided, limit, not determined or differences; empty without a flag."),
 )
