@@ -26,11 +26,13 @@ from drillpetsc.output import write_summary, write_table
 from drillpetsc.output.files.case_files import write_case
 from drillpetsc.output.files.run_folder import UNCERTAIN_SHARES_TABLE, UNCERTAIN_TABLE
 from drillpetsc.output.job import Job
+from drillpetsc.output.progress import counted
 from drillpetsc.output.quantities.uncertain import UNCERTAIN, UNCERTAIN_SHARES
 from drillpetsc.output.result import RunResult
 from drillpetsc.output.shown_units import shown_unit
 from drillpetsc.output.summaries.uncertain import UncertainSummary
 
+SHOWN_EACH = 10  # samples of a part, after which progress is shown
 LINEAR, MONTE_CARLO, BOTH = "linear", "monte-carlo", "both"
 
 
@@ -154,7 +156,9 @@ def _found(
 
 def _shared_out(comm: Any, response: Response, draws: FloatArray) -> FloatArray:
     """(n, m) outputs at all samples, which the ranks share out; the same on any number of ranks (collective)."""
-    mine = response.values(draws[comm.rank :: comm.size])
+    own = draws[comm.rank :: comm.size]
+    parts = counted(np.array_split(own, max(len(own) // SHOWN_EACH, 1)), "parts of the samples", comm.rank)
+    mine = np.concatenate([response.values(part) for part in parts])
     out = np.empty((len(draws), mine.shape[1]))
     for rank, part in enumerate(comm.tompi4py().allgather(mine)):
         out[rank :: comm.size] = part
