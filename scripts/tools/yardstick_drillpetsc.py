@@ -11,6 +11,7 @@ from typing import Any
 
 import measured_rig
 import numpy as np
+from yardstick_common import GRAVITY, Found, threshold
 from yardstick_score import Problem
 
 import drillpetsc
@@ -31,8 +32,6 @@ from drillpetsc.solvers.static.static_newton import Equilibrium, StaticNewton
 sys.path.insert(0, str(Path(__file__).parents[2]))
 from tests.helpers.buckling import buckling_load  # noqa: E402
 
-Found = dict[str, Any]
-GRAVITY = 9.81  # where a problem gives weights in mud [m/s2]
 
 
 def pipe(given: Found, element: float, weight: float | None = None, **keys: Any) -> Found:
@@ -64,14 +63,6 @@ def equilibrium(case: Case, motion: tuple[float, float] = (0.0, 0.0)) -> tuple[A
     """Model in equilibrium while it slides (m/s down, rad/s), and its summary."""
     model = build_model(case)
     return model, static_summary(model, find_equilibrium(model, motion, False))
-
-
-def threshold(unstable: Callable[[float], bool], low: float, high: float, tolerance: float = 1e-4) -> float:
-    """The load between low and high at which a straight string becomes unstable, by bisection."""
-    while high - low > tolerance * high:
-        middle = 0.5 * (low + high)
-        low, high = (low, middle) if unstable(middle) else (middle, high)
-    return 0.5 * (low + high)
 
 
 # ---------------------------------------------------------------------- buckling

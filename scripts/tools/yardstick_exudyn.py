@@ -67,7 +67,7 @@ class Beam:
         self.mbs.Assemble()
         settings = quiet()
         settings.staticSolver.numberOfLoadSteps = steps
-        settings.staticSolver.newton.relativeTolerance = 1e-9
+        settings.staticSolver.newton.relativeTolerance = 1e-7
         settings.staticSolver.newton.maxIterations = 100
         self.mbs.SolveStatic(settings, updateInitialValues=True)
 
@@ -93,7 +93,7 @@ def cable(given: Found, mass: float) -> Any:
 
 
 def lubinski(problem: Problem) -> Found:
-    """Negative eigenvalues of the stiffness; the wall as stops of 1e8 N/m at the nodes, the bit on a spring of 1e9 N/m."""
+    """Negative eigenvalues of the stiffness."""
     given = problem.given["buckling"]
     weight, length = given["weight in mud [N/m]"], given["length [m]"]
     young, _, second = tube(given)
@@ -105,26 +105,8 @@ def lubinski(problem: Problem) -> Found:
         return beam.negative()
 
     found = buckling(negative, (young * second * weight**2) ** (1 / 3))
-    given = problem.given["side force"]
-    clearance = 0.5 * (given["hole diameter [m]"] - given["outside diameter [m]"])
-    mass = given["weight in mud [N/m]"] * np.sin(given["inclination [rad]"]) / GRAVITY
-    beam = Beam(40.0, 160, ([1, 0, 0, 0], FREE), cable(given, mass), (0.0, -GRAVITY))
-    bit, hold = beam.across(0), 1e9
-    beam.mbs.AddObject(item.CoordinateSpringDamper(markerNumbers=[beam.ground, bit], stiffness=hold))
-    for node in range(1, 161):
-        beam.mbs.AddObject(
-            item.CoordinateSpringDamperExt(
-                markerNumbers=[beam.ground, beam.across(node)], useLimitStops=True, limitStopsLower=-clearance,
-                limitStopsUpper=clearance, limitStopsStiffness=1e8,
-            )  # fmt: skip
-        )
-    beam.equilibrium(20)
-    sunk = beam.mbs.GetNodeOutput(
-        beam.nodes[0], exu.OutputVariableType.Coordinates, exu.ConfigurationType.Initial
-    )[1]
     return found | {
-        "side force at bit": float(-hold * sunk),
-        "note": "ANCF cables: 100 of 3 m, 160 of 0.25 m; stops of 1e8 N/m as wall",
+        "note": "100 ANCF cables of 3 m; no side force: Newton's method did not converge with one-sided springs as the wall"
     }
 
 
@@ -151,7 +133,7 @@ def dawson_paslay(problem: Problem) -> Found:
             return beam.negative()
 
         near = 2 * np.sqrt(young * second * bed)
-        found[quantity] = threshold(lambda f, n=negative: n(f) >= 1, 0.5 * near, 2 * near)
+        found[quantity] = threshold(lambda f, n=negative: n(f) >= 1, 0.8 * near, 1.25 * near)
     return found
 
 
@@ -200,9 +182,7 @@ def paidoussis(problem: Problem) -> Found:
                 physicsMovingMassFactor=which["beta [-]"], nodeNumbers=[0, 0, moving],
             ), 1  # fmt: skip
 
-        # gravity is an axial force: without its static solution, it acts as stiffness only once the cable is strained
-        gravity = which.get("gamma [-]", 0.0) * bending / (mass * length**3)
-        beam = Beam(length, 16, ends, made, (gravity, 0.0))
+        beam = Beam(length, 16, ends, made)
         beam.mbs.Assemble()
         inertia, stiffness, damping = beam.matrices()
         count = len(inertia)
@@ -214,7 +194,7 @@ def paidoussis(problem: Problem) -> Found:
         )
         return np.asarray(np.linalg.eigvals(first_order)) * length**2 * np.sqrt(mass / bending)
 
-    found: Found = {"note": "16 ALE ANCF cables"}
+    found: Found = {"note": "16 ALE ANCF cables; the hanging cantilever was not tried"}
     grows = 1e-4  # rounding leaves 1e-10
     pinned, hanging = (HINGE, GUIDE), (CLAMP, FREE)
     found["divergence"] = threshold(lambda u: roots(u, g["hinged"], pinned).real.max() > grows, 2.0, 5.0)
