@@ -294,10 +294,10 @@ class DrawnOperation(FolderOperation):
         super().show(result)
         if world_rank() != 0:
             return 0
-        from drillpetsc.plotting.run.plot import plot
+        from drillpetsc.plotting.run.plot import drawn
 
         with reading(result.folder):
-            files = plot(result.folder)
+            files = drawn(result.folder)
             if self.report:
                 from drillpetsc.reporting import report
 

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Callable
+from itertools import pairwise
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
 
 import measured_rig
 import numpy as np
+from yardstick_common import GRAVITY, Found, threshold
 from yardstick_score import Problem
 
 import drillpetsc
@@ -29,9 +31,6 @@ from drillpetsc.solvers.static.static_newton import Equilibrium, StaticNewton
 
 sys.path.insert(0, str(Path(__file__).parents[2]))
 from tests.helpers.buckling import buckling_load  # noqa: E402
-
-Found = dict[str, Any]
-GRAVITY = 9.81  # where a problem gives weights in mud [m/s2]
 
 
 def pipe(given: Found, element: float, weight: float | None = None, **keys: Any) -> Found:
@@ -63,22 +62,6 @@ def equilibrium(case: Case, motion: tuple[float, float] = (0.0, 0.0)) -> tuple[A
     """Model in equilibrium while it slides (m/s down, rad/s), and its summary."""
     model = build_model(case)
     return model, static_summary(model, find_equilibrium(model, motion, False))
-
-
-def period(time: np.ndarray, signal: np.ndarray) -> float:
-    """Time [s] after which a signal (n,) at even steps repeats best: the first largest value of its autocorrelation."""
-    part = signal - signal.mean()
-    like = np.correlate(part, part, "full")[len(part) - 1 :] / np.arange(len(part), 0, -1)
-    start = int(np.argmax(like < 0))  # beyond the first zero
-    return float((start + np.argmax(like[start : len(part) // 2])) * (time[1] - time[0]))
-
-
-def threshold(unstable: Callable[[float], bool], low: float, high: float, tolerance: float = 1e-4) -> float:
-    """The load between low and high at which a straight string becomes unstable, by bisection."""
-    while high - low > tolerance * high:
-        middle = 0.5 * (low + high)
-        low, high = (low, middle) if unstable(middle) else (middle, high)
-    return 0.5 * (low + high)
 
 
 # ---------------------------------------------------------------------- buckling
@@ -173,7 +156,7 @@ def dawson_paslay(problem: Problem) -> Found:
 
 
 def aarsnes_shor(problem: Problem) -> Found:
-    """Statics of the turning string for torque and twist; a run with the drive for the period."""
+    """Statics of the turning string."""
     g = problem.given
     items = []
     for part, elements in (("drill pipe", 100), ("assembly", 10)):
@@ -200,25 +183,7 @@ def aarsnes_shor(problem: Problem) -> Found:
     found = {"break-off torque": figures["surface_torque"]}
     if spin is not None:
         found["break-off twist"] = abs(float(spin[0] - spin[-1]))
-    drive = g["drive"]
-    t = np.linspace(0.0, 8.0, 33)
-    dynamic = g["dynamic over static friction [-]"] * static
-    radius = 0.5 * g["drill pipe"]["outside diameter [m]"]
-    run = Case(
-        well=straight(length + 10, g["inclination [rad]"], g["hole diameter [m]"], dynamic),
-        contact={"stribeck": {"static": static, "speed": 0.5 * radius}, "slip_velocity": 1e-3},
-        top={
-            "kind": "top_drive", "motor": {"inertia": drive["inertia [kg m2]"]},
-            "rotation": {"time": t.tolist(), "value": (drive["set point [rad/s]"] * (1 - np.exp(-t / drive["lag [s]"]))).tolist()},
-            "control": {"kind": "pi", "p": drive["p [N m s/rad]"], "i": drive["i [N m/rad]"]},
-        },
-        time={"end": 60.0}, output={"history_every": 0.05, "field_every": 30.0}, **keys,
-    )  # fmt: skip
-    with TemporaryDirectory() as folder:
-        drillpetsc.run(run, Path(folder) / "run", progress="silent")
-        table = read_table(Path(folder) / "run" / "history.csv")
-    late = table["time [s]"] >= 30
-    return found | {"period": period(table["time [s]"][late], table["surface_torque [N m]"][late])}
+    return found
 
 
 # ---------------------------------------------------------------------- fluids
@@ -556,82 +521,72 @@ def laboratory_rig(problem: Problem) -> Found:
 
 
 def madsim(problem: Problem) -> Found:
-    """Statics of the assembly, its bend in the lower part of the motor, blades of 2 cm as stabilizers."""
-    g, column = problem.given, lambda name: problem.column("components.csv", name)
-    bit_depth, blade = g["measured depth of the bit [m]"], 0.02
-    start, end, od, bore = (
-        column(n) for n in ("from [m]", "to [m]", "outside diameter [m]", "inside diameter [m]")
+    """Statics of the assembly: its bend in a short piece, bit and blades of 1 cm on a wall of the given stiffness."""
+    g, table = problem.given, problem.table("components.csv")
+    part = {name: np.array(cells, dtype=float) for name, cells in table.items()}
+    short, at, wall = (
+        0.01,
+        g["distance of the bend from the bit [m]"],
+        g["stiffness of the wall at a contact [N/m]"],
     )
-    weight, young, nu, second = (
-        column(n)
-        for n in (
-            "weight in air [N/m]",
-            "Young's modulus [Pa]",
-            "Poisson's ratio [-]",
-            "area moment of inertia [m4]",
-        )
-    )
-    touches = [(q["distance from bit [m]"], q["diameter [m]"]) for q in g["contact diameters"]]
+    touches = {q["distance from bit [m]"]: q["diameter [m]"] for q in g["contact diameters"]}
+    bends = [at - short, at + short]
+    blades = [z + side * short / 2 for z in touches if z > 0 for side in (-1, 1)]
+    cuts = np.unique(np.round([0.0, short, *part["to [m]"], *blades, *bends], 6))
     items: list[Found] = []
-    reached = 0.0
-    for a, b, k in zip(start, end, range(len(od)), strict=True):
-        inside = [q for q in touches if a < q[0] <= b]
-        for c, d, blade_od in [(a, b, None)] if not inside else [
-            (a, inside[0][0] - blade / 2, None), (inside[0][0] - blade / 2, inside[0][0] + blade / 2, inside[0][1]),
-            (inside[0][0] + blade / 2, b, None)]:  # fmt: skip
-            c = max(c, reached)
-            if d - c < 1e-6:
-                continue
-            reached = d
-            shear = young[k] / 2 / (1 + nu[k])
-            area = np.pi / 4 * (od[k] ** 2 - bore[k] ** 2)
-            one: Found = {
-                "kind": "beam", "length": float(d - c), "od": float(od[k]), "id": float(bore[k]), "element_length": 0.1,
-                "axial_stiffness": float(young[k] * area), "bending_stiffness": float(young[k] * second[k]),
-                "torsional_stiffness": float(2 * shear * second[k]), "mass": float(weight[k] / 9.80665),
-                "polar_inertia": float(2 * 7850 * second[k]),
-            }  # fmt: skip
-            if blade_od:
-                one = {
-                    "kind": "stabilizer",
-                    "length": blade,
-                    "od": blade_od,
-                    "mass": float(weight[k] / 9.80665 * blade),
-                }
-            if abs(d - g["distance of the bend from the bit [m]"]) < 1e-3:
-                one["bend"] = {"angle": g["bend [rad]"], "tool_face": 0.0}
-            items.append(one)
-    radius = touches[0][1]
-    items[0] = {
-        "kind": "bit",
-        "length": items[0]["length"],
-        "od": radius,
-        "mass": items[0]["mass"] * items[0]["length"],
-    }
-    length = float(
-        end[-1]
-    )  # the string ends inside the hole: the depths of the case are counted from its top
-    share = np.linspace(1 - length / bit_depth, 1, 12)
+    for a, b in pairwise(cuts):
+        middle = 0.5 * (a + b)
+        cell = {name: float(column[np.searchsorted(part["to [m]"], middle)]) for name, column in part.items()}
+        mass = cell["weight in air [N/m]"] / 9.80665
+        touch = next((od for z, od in touches.items() if abs(z - middle) < short), None)
+        if touch:
+            kind = "stabilizer" if a else "bit"
+            items.append({"kind": kind, "length": float(b - a), "od": touch, "mass": mass * float(b - a)})
+            continue
+        items.append(beam_of(cell, float(b - a), mass))
+        if bends[0] - 1e-5 < a and b < bends[1] + 1e-5:
+            items[-1]["bend"] = {"angle": g["bend [rad]"] * float(b - a) / (2 * short), "tool_face": 0.0}
+    length, depth = float(cuts[-1]), g["measured depth of the bit [m]"]  # the case begins at the string's top
+    azimuth = np.interp(
+        np.linspace(depth - length, depth, 12), [0, depth], [g["azimuth at the start [rad]"], g["azimuth at the bit [rad]"]]
+    )  # fmt: skip
     survey = {
-        "md": np.linspace(0, length, 12).tolist(), "inclination": [g["inclination [rad]"]] * 12,
-        "azimuth": (g["azimuth at the start [rad]"] + (g["azimuth at the bit [rad]"] - g["azimuth at the start [rad]"]) * share).tolist(),
-    }  # fmt: skip
+        "md": np.linspace(0, length, 12).tolist(),
+        "inclination": [g["inclination [rad]"]] * 12,
+        "azimuth": azimuth.tolist(),
+    }
+    hole = {"to": length, "kind": "open_hole", "diameter": g["hole diameter [m]"], "friction": 0.0}
+    mud = {
+        "density": g["mud density [kg/m3]"],
+        "flow_rate": 0.0,
+        "rheology": {"model": "newtonian", "viscosity": 1e-3},
+    }
     case = Case(
-        well={"survey": survey, "sections": [{"to": length, "kind": "open_hole", "diameter": g["hole diameter [m]"], "friction": 0.0}]},
-        string=items[::-1], top={"kind": "top_drive"}, bottom="bit",
-        initial={"wob": g["weight on bit [N]"]},
-        fluid={"density": g["mud density [kg/m3]"], "flow_rate": 0.0, "rheology": {"model": "newtonian", "viscosity": 1e-3}},
+        well={"survey": survey, "sections": [hole]}, string=items[::-1], top={"kind": "top_drive"}, bottom="bit",
+        initial={"wob": g["weight on bit [N]"]}, contact={"stiffness": wall / short}, fluid=mud,
     )  # fmt: skip
     with TemporaryDirectory() as folder:
         summary = drillpetsc.statics(case, Path(folder) / "run").summary
         table = read_table(Path(folder) / "run" / "statics.csv")
     rigid = {round(length - q["md [m]"], 2): q["side_force [N]"] for q in summary["rigid_items"]}
-    near = min(rigid, key=lambda z: abs(z - touches[1][0]))
-    name = next(key for key in table if key.startswith("bending_moment"))
+    stabilizer = min(z for z in touches if z > 0)
+    near = min(rigid, key=lambda z: abs(z - stabilizer))
     return {
         "side force at bit": rigid[min(rigid)], "stabilizer force": rigid[near],
-        "bending moment": float(np.interp(length - touches[1][0], table["md [m]"], table[name])),
-        "note": "elements of 0.1 m; blades of 2 cm; the torque on bit is left out",
+        "bending moment": float(np.interp(length - stabilizer, table["md [m]"], table["bending_moment [N m]"])),
+        "note": "elements of 0.1 m; bit and blades of 1 cm; the torque on bit is left out",
+    }  # fmt: skip
+
+
+def beam_of(cell: Found, length: float, mass: float) -> Found:
+    """A beam of a row of components.csv: length [m], mass per length [kg/m]."""
+    od, bore, young = cell["outside diameter [m]"], cell["inside diameter [m]"], cell["Young's modulus [Pa]"]
+    second = cell["area moment of inertia [m4]"]
+    return {
+        "kind": "beam", "length": length, "od": od, "id": bore, "element_length": 0.1,
+        "axial_stiffness": young * np.pi / 4 * (od**2 - bore**2), "bending_stiffness": young * second,
+        "torsional_stiffness": young / (1 + cell["Poisson's ratio [-]"]) * second, "mass": mass,
+        "polar_inertia": 2 * 7850 * second,
     }  # fmt: skip
 
 

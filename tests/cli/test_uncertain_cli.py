@@ -102,3 +102,13 @@ def test_too_few_samples_for_the_numbers(tmp_path):
     done = drillpetsc("uncertain", "small.yaml", "--samples", "20", cwd=tmp_path)
     assert done.returncode == 2 and "at least 22" in done.stderr
     assert drillpetsc("uncertain", "small.yaml", "--samples", "22", cwd=tmp_path).returncode == 0
+
+
+def test_hydraulics_has_one_depth_and_no_picture(tmp_path):
+    """Nothing to draw is not an error of the command."""
+    (tmp_path / "small.yaml").write_text(
+        CASE + "uncertain:\n  fluid.density: {normal: [1200 kg/m3, 5 kg/m3]}\n"
+    )
+    done = drillpetsc("uncertain", "small.yaml", "--analysis", "hydraulics", "--samples", "20", cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    assert "pump_pressure" in done.stdout and "nothing to plot" not in done.stderr

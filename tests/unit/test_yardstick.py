@@ -6,7 +6,10 @@ import json
 import sys
 from pathlib import Path
 
+import numpy as np
 import pytest
+from numpy.polynomial import Polynomial
+from numpy.polynomial.legendre import Legendre, leggauss
 
 sys.path.insert(0, str(Path(__file__).parents[2] / "scripts" / "tools"))
 import yardstick  # noqa: E402
@@ -68,6 +71,31 @@ def test_planted_answers(tmp_path: Path) -> None:
     assert found["fritz", "added mass, narrow"] == "no number, OUT"
     assert found["laboratory-rig", "stuck share"].endswith("OUT")
     assert found["all", "in the band"] == "2"
+
+
+def test_lubinski_by_an_independent_integration() -> None:
+    """Energy of y''^2 + (x - W) y'^2 over Legendre polynomials that meet y(0) = y(L) = y'(L) = 0, in dimensionless lengths."""
+    given = yard.load("lubinski").given["buckling"]
+    sizes = given["outside diameter [m]"] ** 4 - given["inside diameter [m]"] ** 4
+    weight, bending = given["weight in mud [N/m]"], given["Young's modulus [Pa]"] * np.pi / 64 * sizes
+    unit = (bending / weight) ** (1 / 3)
+    length = given["length [m]"] / unit
+    s, dose = leggauss(60)
+    x = 0.5 * length * (1 + s)
+    slope, curve = [], []
+    for k in range(32):
+        shape = Polynomial([1, 1]) * Polynomial([1, -1]) ** 2
+        high = Legendre.basis(k)
+        first, second = shape.deriv(), shape.deriv(2)
+        slope.append(first(s) * high(s) + shape(s) * high.deriv()(s))
+        curve.append(second(s) * high(s) + 2 * first(s) * high.deriv()(s) + shape(s) * high.deriv(2)(s))
+    slope, curve = np.array(slope) * 2 / length, np.array(curve) * 4 / length**2
+    stiffness = (curve * dose) @ curve.T + (slope * dose * x) @ slope.T
+    found = np.sort(np.linalg.eigvals(np.linalg.solve((slope * dose) @ slope.T, stiffness)).real)[:2]
+    assert found == pytest.approx([1.7647, 3.9313], abs=1e-4)
+    expected = yard.load("lubinski").data["expected"]
+    for value, quantity in zip(found, ("first buckling", "second buckling"), strict=True):
+        assert expected[quantity]["value"] == pytest.approx(value * weight * unit, rel=1e-4)
 
 
 def test_one_bad_reading_is_seen() -> None:

@@ -43,6 +43,7 @@ from drillpetsc.output import write_summary, write_table
 from drillpetsc.output.files.case_files import write_case
 from drillpetsc.output.files.run_folder import SURGE_TABLE, TRIP_SPEED_TABLE
 from drillpetsc.output.job import Job
+from drillpetsc.output.progress import counted
 from drillpetsc.output.quantities.hydraulics import DYNAMIC_SURGE, MAX_TRIP_SPEED, SIDE_SURGE, SURGE
 from drillpetsc.output.result import RunResult
 from drillpetsc.output.shown_units import lengths_shown, shown_unit
@@ -223,7 +224,7 @@ def run_surge(job: Job, plan: Trips) -> RunResult:
     fastest: list[dict[str, Any]] = []
     with options_of(case):
         whole = _string_from_rig(case)
-        rows, by_area = _trips(case, plan, whole, hole, flow)
+        rows, by_area = _trips(case, plan, whole, hole, flow, job.comm.rank)
         if hole is not None:
             for string in _trip_depths(case, plan, whole):
                 fastest += _fastest(case, string, plan, hole, flow)
@@ -265,7 +266,7 @@ def _pump_rate(case: Case, plan: Trips, notes: list[str]) -> float:
 
 
 def _trips(
-    case: Case, plan: Trips, whole: PlacedString, hole: OpenHole | None, flow: float
+    case: Case, plan: Trips, whole: PlacedString, hole: OpenHole | None, flow: float, rank: int
 ) -> tuple[list[SurgeRow], list[dict[str, Any]]]:
     """Rows of all trips, and for an open pipe the pressures with the flow shared by areas."""
     rows: list[SurgeRow] = []
@@ -276,7 +277,10 @@ def _trips(
             trip = Tripping(case, string, pipe, hole, flow)  # type: ignore[arg-type]
             for operation in plan.operations:
                 found = [_row(trip, operation, speed) for speed in plan.speeds]
-                rows += [_with_start(case, trip, row) for row in found] if plan.dynamic else found
+                if plan.dynamic:
+                    starts = counted(found, f"starts of {operation.replace('_', ' ')}", rank)
+                    found = [_with_start(case, trip, row) for row in starts]
+                rows += found
                 if pipe == "open":
                     by_area.append(_by_area(trip, operation, max(plan.speeds), rows[-1]))
     return rows, by_area

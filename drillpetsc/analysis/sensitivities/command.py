@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -30,6 +30,7 @@ from drillpetsc.output import write_summary, write_table
 from drillpetsc.output.files.case_files import write_case
 from drillpetsc.output.files.run_folder import SENSITIVITIES_TABLE
 from drillpetsc.output.job import Job
+from drillpetsc.output.progress import counted
 from drillpetsc.output.quantities.sensitivities import SENSITIVITIES
 from drillpetsc.output.result import RunResult
 from drillpetsc.output.shown_units import key_unit, shown_unit
@@ -80,7 +81,9 @@ def run_sensitivities(job: Job, question: Question) -> RunResult:
         solution = solved(case, question, job.comm)
         usual = USUAL[question.analysis]
         chosen = chosen_outputs(solution.outputs, solution.found.values, question.outputs, usual)
-        found, skipped = _differentiated(case, solution, chosen, keys, question.every)
+        found, skipped = _differentiated(
+            case, solution, chosen, counted(keys, "keys", job.comm.rank), question.every
+        )
         compared = checked(case, solution, found, question.check)
     warnings = [sentence for at in compared for sentence in doubts_at(at)]
     one_sided = any(ONE_SIDED in d.flag for d in found)
@@ -141,7 +144,7 @@ def chosen_outputs(
 
 
 def _differentiated(
-    case: Case, solution: Solution, chosen: Sequence[int], keys: Sequence[Key], skips: bool
+    case: Case, solution: Solution, chosen: Sequence[int], keys: Iterable[Key], skips: bool
 ) -> tuple[list[Derivative], dict[str, str]]:
     """Derivatives by all keys; with ``skips`` those that cannot be changed are left out, with the reasons."""
     found: list[Derivative] = []

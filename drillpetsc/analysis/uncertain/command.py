@@ -26,11 +26,13 @@ from drillpetsc.output import write_summary, write_table
 from drillpetsc.output.files.case_files import write_case
 from drillpetsc.output.files.run_folder import UNCERTAIN_SHARES_TABLE, UNCERTAIN_TABLE
 from drillpetsc.output.job import Job
+from drillpetsc.output.progress import counted
 from drillpetsc.output.quantities.uncertain import UNCERTAIN, UNCERTAIN_SHARES
 from drillpetsc.output.result import RunResult
 from drillpetsc.output.shown_units import shown_unit
 from drillpetsc.output.summaries.uncertain import UncertainSummary
 
+SHOWN_EACH = 10  # samples of a part, after which progress is shown
 LINEAR, MONTE_CARLO, BOTH = "linear", "monte-carlo", "both"
 
 
@@ -57,17 +59,8 @@ def run_uncertain(job: Job, question: Question) -> RunResult:
     """
     case = job.case
     keys = uncertain_keys(case)
-    names, spreads = [key.name for key in keys], [key.spread for key in keys]
-    try:
-        correlation = correlation_of(names, spreads)
-    except ValueError as error:
-        raise CaseError(at="uncertain", want=f"one correlation of each pair of keys: {error}") from None
-    if question.samples < 2 * len(keys):  # fewer cannot be freed of correlations of their own
-        want = f"at least {2 * len(keys)}, twice the count of uncertain numbers"
-        count = sum(key.path is not None for key in keys)
-        want += f", of which the path of the survey has {count}" if count else ""
-        raise CaseError(at="--samples", got=question.samples, want=want)
-    draws = draw(spreads, correlation, question.samples, question.seed)
+    names = [key.name for key in keys]
+    draws = _draws(keys, question)
     with options_of(case):
         kind = HydraulicsResponse if question.analysis == "hydraulics" else RoadmapResponse
         response = kind(case, keys)
@@ -122,6 +115,21 @@ def run_uncertain(job: Job, question: Question) -> RunResult:
     return job.result(folder, summary, _lines(case, named, outputs, found, question, summary))
 
 
+def _draws(keys: Sequence[Uncertain], question: Question) -> FloatArray:
+    """(n, k) samples of the numbers; CaseError for correlations that cannot be, and for too few samples."""
+    names, spreads = [key.name for key in keys], [key.spread for key in keys]
+    try:
+        correlation = correlation_of(names, spreads)
+    except ValueError as error:
+        raise CaseError(at="uncertain", want=f"one correlation of each pair of keys: {error}") from None
+    if question.samples < 2 * len(keys):  # fewer cannot be freed of correlations of their own
+        want = f"at least {2 * len(keys)}, twice the count of uncertain numbers"
+        count = sum(key.path is not None for key in keys)
+        want += f", of which the path of the survey has {count}" if count else ""
+        raise CaseError(at="--samples", got=question.samples, want=want)
+    return draw(spreads, correlation, question.samples, question.seed)
+
+
 def _usual(response: Response, analysis: str) -> tuple[str, ...]:
     """Names of the outputs by default: measured hook loads include the block if its weight is given."""
     names = {output.quantity.name for output in response.outputs}
@@ -148,7 +156,9 @@ def _found(
 
 def _shared_out(comm: Any, response: Response, draws: FloatArray) -> FloatArray:
     """(n, m) outputs at all samples, which the ranks share out; the same on any number of ranks (collective)."""
-    mine = response.values(draws[comm.rank :: comm.size])
+    own = draws[comm.rank :: comm.size]
+    parts = counted(np.array_split(own, max(len(own) // SHOWN_EACH, 1)), "parts of the samples", comm.rank)
+    mine = np.concatenate([response.values(part) for part in parts])
     out = np.empty((len(draws), mine.shape[1]))
     for rank, part in enumerate(comm.tompi4py().allgather(mine)):
         out[rank :: comm.size] = part

@@ -57,7 +57,7 @@ class Spread(Block):
     def _possible(self) -> Spread:
         if [self.normal, self.uniform, self.path].count(None) != 2:
             raise refuse(
-                want="normal: [mean, standard deviation], uniform: [lowest, highest], or path of well.survey"
+                want="normal: [mean, standard deviation], or uniform: [lowest, highest], or path of well.survey"
             )
         if self.path is not None and self.correlated:
             raise refuse("correlated", want="no correlation of a path with other keys")

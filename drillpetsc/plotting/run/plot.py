@@ -66,8 +66,20 @@ def plot(
 
     For the folder of a sweep: the new hole of its members.
 
-    units: field, metric, metric_t or SI; by default the case's.
+    units: field, metric, metric_t or SI; by default the case's.  Raises FileNotFoundError if nothing can be drawn.
     """
+    pictures = drawn(run, out, units)
+    if not pictures:
+        raise FileNotFoundError(
+            f"{run} holds no table with rows, and no sweep with new hole: nothing to plot"
+        )
+    return pictures
+
+
+def drawn(
+    run: str | os.PathLike, out: str | os.PathLike | None = None, units: System | None = None
+) -> list[Path]:
+    """As ``plot``, for a folder that may have nothing to draw: the hydraulics of one depth, say."""
     folder = RunFolder.open(run)
     token = style.UNITS.set(units or style.units_of_run(folder.case))
     try:
@@ -79,12 +91,7 @@ def plot(
 def _plot(folder: RunFolder, out: str | os.PathLike | None, units: System | None) -> list[Path]:
     """Draw the pictures of a run folder in the units of `style.UNITS`."""
     if (folder.path / SWEEP_TABLE).is_file():
-        pictures = draw_sweep(folder.path, out)
-        if not pictures:
-            raise FileNotFoundError(
-                f"no member of the sweep {folder.path} drilled new hole or has results: nothing to plot"
-            )
-        return pictures
+        return draw_sweep(folder.path, out)
     into = Path(out) if out is not None else folder.plots
     into.mkdir(parents=True, exist_ok=True)
     files = []
@@ -92,8 +99,6 @@ def _plot(folder: RunFolder, out: str | os.PathLike | None, units: System | None
         for name, drawing in drawings(folder, units).items():
             files.append(into / f"{name}.png")
             drawing.savefig(files[-1])
-    if not files:
-        raise FileNotFoundError(f"{folder.path} holds no table with rows: nothing to plot")
     return files
 
 
