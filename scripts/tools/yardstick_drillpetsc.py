@@ -33,7 +33,6 @@ sys.path.insert(0, str(Path(__file__).parents[2]))
 from tests.helpers.buckling import buckling_load  # noqa: E402
 
 
-
 def pipe(given: Found, element: float, weight: float | None = None, **keys: Any) -> Found:
     """A pipe of the neutral sizes; weight in mud per length [N/m], else of steel."""
     od, bore = given["outside diameter [m]"], given["inside diameter [m]"]
@@ -525,7 +524,11 @@ def madsim(problem: Problem) -> Found:
     """Statics of the assembly: its bend in a short piece, bit and blades of 1 cm on a wall of the given stiffness."""
     g, table = problem.given, problem.table("components.csv")
     part = {name: np.array(cells, dtype=float) for name, cells in table.items()}
-    short, at, wall = 0.01, g["distance of the bend from the bit [m]"], g["stiffness of the wall at a contact [N/m]"]
+    short, at, wall = (
+        0.01,
+        g["distance of the bend from the bit [m]"],
+        g["stiffness of the wall at a contact [N/m]"],
+    )
     touches = {q["distance from bit [m]"]: q["diameter [m]"] for q in g["contact diameters"]}
     bends = [at - short, at + short]
     blades = [z + side * short / 2 for z in touches if z > 0 for side in (-1, 1)]
@@ -547,9 +550,17 @@ def madsim(problem: Problem) -> Found:
     azimuth = np.interp(
         np.linspace(depth - length, depth, 12), [0, depth], [g["azimuth at the start [rad]"], g["azimuth at the bit [rad]"]]
     )  # fmt: skip
-    survey = {"md": np.linspace(0, length, 12).tolist(), "inclination": [g["inclination [rad]"]] * 12, "azimuth": azimuth.tolist()}
+    survey = {
+        "md": np.linspace(0, length, 12).tolist(),
+        "inclination": [g["inclination [rad]"]] * 12,
+        "azimuth": azimuth.tolist(),
+    }
     hole = {"to": length, "kind": "open_hole", "diameter": g["hole diameter [m]"], "friction": 0.0}
-    mud = {"density": g["mud density [kg/m3]"], "flow_rate": 0.0, "rheology": {"model": "newtonian", "viscosity": 1e-3}}
+    mud = {
+        "density": g["mud density [kg/m3]"],
+        "flow_rate": 0.0,
+        "rheology": {"model": "newtonian", "viscosity": 1e-3},
+    }
     case = Case(
         well={"survey": survey, "sections": [hole]}, string=items[::-1], top={"kind": "top_drive"}, bottom="bit",
         initial={"wob": g["weight on bit [N]"]}, contact={"stiffness": wall / short}, fluid=mud,

@@ -37,7 +37,14 @@ def quiet() -> exu.SimulationSettings:
 class Beam:
     """A straight plane beam of ANCF cable elements along x: pieces of equal length, ends fixed as given."""
 
-    def __init__(self, length: float, count: int, ends: tuple[list[int], list[int]], cable: Any, pull: tuple[float, float] = (0.0, 0.0)):
+    def __init__(
+        self,
+        length: float,
+        count: int,
+        ends: tuple[list[int], list[int]],
+        cable: Any,
+        pull: tuple[float, float] = (0.0, 0.0),
+    ):
         self.mbs = exu.SystemContainer().AddSystem()
         self.first = 0
         self.ends, self.count = ends, count
@@ -112,7 +119,9 @@ def lubinski(problem: Problem) -> Found:
 
 def dawson_paslay(problem: Problem) -> Found:
     """Negative eigenvalues of the stiffness; the round wall is a bed of springs of weight over clearance."""
-    found: Found = {"note": "ANCF cables of 2 m; the adapter gives the wall as springs of weight over clearance"}
+    found: Found = {
+        "note": "ANCF cables of 2 m; the adapter gives the wall as springs of weight over clearance"
+    }
     for part, quantity in (("first", "buckling of 200 m"), ("second", "buckling of a long pipe")):
         given = problem.given[part]
         weight, length = given["weight in mud [N/m]"], given["length [m]"]
@@ -120,7 +129,9 @@ def dawson_paslay(problem: Problem) -> Found:
         bed = 2 * weight / (given["hole diameter [m]"] - given["outside diameter [m]"])
         count = round(length / 2)
 
-        def negative(force: float, given: Found = given, length: float = length, bed: float = bed, count: int = count) -> int:
+        def negative(
+            force: float, given: Found = given, length: float = length, bed: float = bed, count: int = count
+        ) -> int:
             beam = Beam(length, count, (HINGE, GUIDE), cable(given, 30.0))
             for node in range(1, count):
                 beam.mbs.AddObject(
@@ -142,7 +153,15 @@ def aarsnes_shor(problem: Problem) -> Found:
     stiffness, torque = friction_torques(problem.given, 100)
     mbs = exu.SystemContainer().AddSystem()
     nodes = [
-        mbs.AddNode(item.NodeGenericODE2(referenceCoordinates=[0.0], initialCoordinates=[0.0], initialCoordinates_t=[0.0], numberOfODE2Coordinates=1)) for _ in stiffness
+        mbs.AddNode(
+            item.NodeGenericODE2(
+                referenceCoordinates=[0.0],
+                initialCoordinates=[0.0],
+                initialCoordinates_t=[0.0],
+                numberOfODE2Coordinates=1,
+            )
+        )
+        for _ in stiffness
     ]
     marks = [mbs.AddMarker(item.MarkerNodeCoordinate(nodeNumber=node, coordinate=0)) for node in nodes]
     ground = mbs.AddMarker(
@@ -175,7 +194,12 @@ def paidoussis(problem: Problem) -> Found:
 
         def made(mbs: Any) -> tuple[Any, int]:
             moving = mbs.AddNode(
-                item.NodeGenericODE2(referenceCoordinates=[0.0], initialCoordinates=[0.0], initialCoordinates_t=[speed], numberOfODE2Coordinates=1)
+                item.NodeGenericODE2(
+                    referenceCoordinates=[0.0],
+                    initialCoordinates=[0.0],
+                    initialCoordinates_t=[speed],
+                    numberOfODE2Coordinates=1,
+                )
             )
             return item.ObjectALEANCFCable2D(
                 physicsMassPerLength=mass, physicsBendingStiffness=bending, physicsAxialStiffness=1e8,
@@ -209,7 +233,17 @@ def laboratory_rig(problem: Problem) -> Found:
     g = problem.given
     motor, law = g["motor"], g["torque on bit"]
     mbs = exu.SystemContainer().AddSystem()
-    nodes = [mbs.AddNode(item.NodeGenericODE2(referenceCoordinates=[0.0], initialCoordinates=[0.0], initialCoordinates_t=[0.0], numberOfODE2Coordinates=1)) for _ in "mb"]
+    nodes = [
+        mbs.AddNode(
+            item.NodeGenericODE2(
+                referenceCoordinates=[0.0],
+                initialCoordinates=[0.0],
+                initialCoordinates_t=[0.0],
+                numberOfODE2Coordinates=1,
+            )
+        )
+        for _ in "mb"
+    ]
     for node, inertia in zip(nodes, (motor["inertia [kg m2]"], g["bit"]["inertia [kg m2]"]), strict=True):
         mbs.AddObject(item.ObjectGenericODE2(nodeNumbers=[node], massMatrix=[[inertia]]))
     marks = [mbs.AddMarker(item.MarkerNodeCoordinate(nodeNumber=node, coordinate=0)) for node in nodes]
@@ -218,7 +252,13 @@ def laboratory_rig(problem: Problem) -> Found:
         "damping": g["shaft"]["damping [N m s/rad]"],
     }
     mbs.AddObject(item.CoordinateSpringDamper(markerNumbers=marks, **shaft))
-    torque = mbs.AddNode(item.NodeGenericODE1(referenceCoordinates=[0.0], initialCoordinates=[motor["stall torque [N m]"]], numberOfODE1Coordinates=1))
+    torque = mbs.AddNode(
+        item.NodeGenericODE1(
+            referenceCoordinates=[0.0],
+            initialCoordinates=[motor["stall torque [N m]"]],
+            numberOfODE1Coordinates=1,
+        )
+    )
     speed_of = exu.OutputVariableType.Coordinates_t
 
     def lag(mbs: Any, t: float, number: int, state: list[float]) -> list[float]:
@@ -237,7 +277,9 @@ def laboratory_rig(problem: Problem) -> Found:
     mbs.AddLoad(item.LoadCoordinate(markerNumber=marks[0], load=1.0, loadUserFunction=driven))
     mbs.AddLoad(item.LoadCoordinate(markerNumber=marks[1], load=1.0, loadUserFunction=resisted))
     sensor = mbs.AddSensor(
-        item.SensorNode(nodeNumber=nodes[1], outputVariableType=speed_of, storeInternal=True, writeToFile=False)
+        item.SensorNode(
+            nodeNumber=nodes[1], outputVariableType=speed_of, storeInternal=True, writeToFile=False
+        )
     )
     mbs.Assemble()
     settings = quiet()
@@ -254,7 +296,10 @@ def laboratory_rig(problem: Problem) -> Found:
 if __name__ == "__main__":
     answer(
         {
-            "lubinski": lubinski, "dawson-paslay": dawson_paslay, "aarsnes-shor": aarsnes_shor,
-            "paidoussis": paidoussis, "laboratory-rig": laboratory_rig,
+            "lubinski": lubinski,
+            "dawson-paslay": dawson_paslay,
+            "aarsnes-shor": aarsnes_shor,
+            "paidoussis": paidoussis,
+            "laboratory-rig": laboratory_rig,
         }  # fmt: skip
     )

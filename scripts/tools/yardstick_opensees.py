@@ -100,7 +100,9 @@ def lubinski(problem: Problem) -> Found:
 
 def dawson_paslay(problem: Problem) -> Found:
     """Loss of positive pivots of the tangent stiffness; the round wall is a bed of springs of weight over clearance."""
-    found: Found = {"note": "beam columns of 0.5 m; the adapter gives the wall as springs of weight over clearance"}
+    found: Found = {
+        "note": "beam columns of 0.5 m; the adapter gives the wall as springs of weight over clearance"
+    }
     for part, quantity in (("first", "buckling of 200 m"), ("second", "buckling of a long pipe")):
         given = problem.given[part]
         young, _, second = tube(given)
@@ -165,7 +167,12 @@ def laboratory_rig(problem: Problem) -> Found:
         ops.mass(node, inertia)
     ops.uniaxialMaterial("Elastic", 1, g["shaft"]["stiffness [N m/rad]"], g["shaft"]["damping [N m s/rad]"])
     ops.element("zeroLength", 0, 0, 1, "-mat", 1, "-dir", 1, "-doRayleigh", 0)
-    for system in (("system", "FullGeneral"), ("numberer", "Plain"), ("constraints", "Plain"), ("algorithm", "Linear")):
+    for system in (
+        ("system", "FullGeneral"),
+        ("numberer", "Plain"),
+        ("constraints", "Plain"),
+        ("algorithm", "Linear"),
+    ):
         getattr(ops, system[0])(system[1])
     ops.integrator("Newmark", 0.5, 0.25)
     ops.analysis("Transient")
@@ -181,7 +188,12 @@ def laboratory_rig(problem: Problem) -> Found:
         ops.remove("loadPattern", 1)
         ops.pattern("Plain", 1, 1)
         ops.load(0, torque)
-        ops.load(1, float(-law["static [N m]"] * np.exp(-((bit / law["speed w0 [rad/s]"]) ** 2)) * np.tanh(bit / 0.05)))
+        ops.load(
+            1,
+            float(
+                -law["static [N m]"] * np.exp(-((bit / law["speed w0 [rad/s]"]) ** 2)) * np.tanh(bit / 0.05)
+            ),
+        )
         if ops.analyze(1, step):
             raise RuntimeError("no convergence")
         if (k + 1) % round(1e-3 / step) == 0:
@@ -204,7 +216,9 @@ def volve_f5(problem: Problem) -> Found:
         edges = np.linspace(0.0, bit, 201)
         middle = 0.5 * (edges[1:] + edges[:-1])
         part = np.minimum(np.searchsorted(np.cumsum(lengths), middle), len(lengths) - 1)
-        weight = weights[part] * (1 - mud / 7850) * np.diff(edges) * np.cos(np.interp(middle, depth, inclination))
+        weight = (
+            weights[part] * (1 - mud / 7850) * np.diff(edges) * np.cos(np.interp(middle, depth, inclination))
+        )
         chain(np.full(200, 1e8), 0)
         loads("Linear", 1)
         for k, load in enumerate(weight):
@@ -218,7 +232,10 @@ def volve_f5(problem: Problem) -> Found:
 if __name__ == "__main__":
     answer(
         {
-            "lubinski": lubinski, "dawson-paslay": dawson_paslay, "aarsnes-shor": aarsnes_shor,
-            "volve-f5": volve_f5, "laboratory-rig": laboratory_rig,
+            "lubinski": lubinski,
+            "dawson-paslay": dawson_paslay,
+            "aarsnes-shor": aarsnes_shor,
+            "volve-f5": volve_f5,
+            "laboratory-rig": laboratory_rig,
         }  # fmt: skip
     )
