@@ -13,6 +13,7 @@ from numpy.polynomial.legendre import Legendre, leggauss
 
 sys.path.insert(0, str(Path(__file__).parents[2] / "scripts" / "tools"))
 import yardstick  # noqa: E402
+import yardstick_common as common  # noqa: E402
 import yardstick_score as yard  # noqa: E402
 
 WORDS_OF_OUR_CASES = ("drillpetsc", "element_length", "od:", "yaml", "kind")
@@ -144,3 +145,27 @@ def test_the_adapter_follows_the_numbers() -> None:
     problem.data["given"]["second"]["weight in mud [N/m]"] *= 2
     after = ours.SOLVERS["dawson-paslay"](problem)["buckling of a long pipe"]
     assert after / before == pytest.approx(2**0.5, rel=5e-3)
+
+
+def test_the_friction_that_adapters_share() -> None:
+    """Its sum is the published torque; half of a piece's own torque twists the piece."""
+    problem = yard.load("aarsnes-shor")
+    stiffness, torque = common.friction_torques(problem.given, 100)
+    below = np.cumsum(torque) - 0.5 * torque
+    assert yard.score(problem, "break-off torque", torque.sum()).inside
+    assert (below / stiffness).sum() == pytest.approx(problem.expected("break-off twist")[0], rel=1e-4)
+
+
+def test_the_figures_of_the_rig() -> None:
+    """A sine of 2 Hz, far below the low pass, whose lowest part counts as stuck."""
+    time = np.arange(8001) * 1e-3
+    speed = 10 + 9.5 * np.sin(2 * np.pi * 2 * time)
+    found = common.rig_figures(time, speed)
+    assert found["mean"] == pytest.approx(10, rel=1e-2)
+    assert found["frequency"] == pytest.approx(2, rel=1e-3)
+    assert found["peak"] == pytest.approx(19.5, rel=1e-2)
+    assert found["stuck share"] == pytest.approx(np.arccos((10 - common.STUCK) / 9.5) / np.pi, abs=0.01)
+
+
+def test_a_threshold_is_bracketed() -> None:
+    assert common.threshold(lambda load: load > 1.7, 1.0, 3.0) == pytest.approx(1.7, rel=1e-4)
