@@ -140,7 +140,7 @@ def test_balance_of_a_string_with_mud_closes(name, tmp_path: Path):
 
 
 def test_a_loss_is_named_as_numerical_damping():
-    """2 % lost: removed by numerical damping; 2 % gained or 0.01 % lost: no such word."""
+    """2 % lost that the time formula has removed are named; a loss that it has not removed, a gain, and 0.01 % are not."""
     from drillpetsc.analysis.motion.summary import closing_lines
 
     summary = {"title": "", "elements": 1, "unknowns": 1, "ranks": 1, "simulated": 1.0, "wall_seconds": 1.0}
@@ -151,6 +151,13 @@ def test_a_loss_is_named_as_numerical_damping():
         "newton_iterations": 1,
         "jacobians": 1,
     }
-    for share, named in ((-0.02, True), (0.02, False), (-1e-4, False)):
-        lines = closing_lines(summary | {"energy": {"error": 1e3 * share, "error_share": share}}, "run")
+    for share, damped, named in (
+        (-0.02, {"damped": 20.0, "damped_share": 0.02}, True),
+        (-0.02, {"damped": 0.0, "damped_share": 0.0}, False),
+        (-0.02, {}, False),
+        (0.02, {"damped": -20.0, "damped_share": -0.02}, False),
+        (-1e-4, {"damped": 0.1, "damped_share": 1e-4}, False),
+    ):
+        energy = {"error": 1e3 * share, "error_share": share} | damped
+        lines = closing_lines(summary | {"energy": energy}, "run")
         assert ("removed by numerical damping" in lines[2]) is named
