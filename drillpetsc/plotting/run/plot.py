@@ -71,7 +71,7 @@ def plot(
     pictures = drawn(run, out, units)
     if not pictures:
         raise FileNotFoundError(
-            f"{run} holds no table with rows, and no sweep with new hole: nothing to plot"
+            f"{run} holds no table with rows, and no members of a sweep that drilled new hole: nothing to plot"
         )
     return pictures
 
