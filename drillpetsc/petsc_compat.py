@@ -17,6 +17,8 @@ VERSION = PETSc.Sys.getVersion()
 #: for each solver that ``own_errors`` surrounds, from the outermost: whether a callback has failed, so that
 #: PETSc's error handler is its silent one
 _failed: list[bool] = []
+#: an object that keeps PETSc's copy of the communicator of all ranks
+_kept: list[PETSc.Object] = []
 
 
 def callback(function: Callable) -> Callable:
@@ -97,7 +99,11 @@ def free_dropped(comm: PETSc.Comm) -> None:
     """Free the objects on ``comm`` that Python has dropped; collective.
 
     Ranks drop them at different times, so petsc4py only lists them, on one rank too. Without this call they stay until the process ends.
+    PETSc keeps a copy of the communicator as long as it has objects. One object on all ranks therefore stays: a rank that had dropped
+    its last one, as the rank that draws does, would copy the communicator again, and wait for ranks that still have theirs.
     """
+    if comm == PETSc.COMM_WORLD and not _kept:
+        _kept.append(PETSc.Vec().create(comm=comm))
     PETSc.garbage_cleanup(comm)
 
 
