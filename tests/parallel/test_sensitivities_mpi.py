@@ -19,6 +19,17 @@ CASES = {
         "hoist",
     ),
     "cases/directional.yaml": ("well.sections[0].friction,material.density,fluid.density,initial.wob",),
+    "cases/stick-slip-2000m.yaml": (
+        "formation.bit_law.static,string[0].od,top.rotation.value,material.density",
+        *(
+            "--analysis",
+            "run",
+            "--set",
+            "time.end=2 s",
+            "--of",
+            "surface_torque.mean,bit_speed.max,hook_load.final",
+        ),
+    ),
 }
 
 

@@ -11,6 +11,7 @@ from tests.cli.test_uncertain_cli import DENSITY, FRICTION, ROADMAP
 from tests.helpers.command import drillpetsc
 from tests.helpers.mpi import run_mpi
 
+SURVEY = "  well.survey: {path: {inclination: 0.1 deg, lateral: 0.2 deg, length: 800 m}}\n"
 SCRIPT = Path(__file__).with_name("run_command.py")
 
 
@@ -18,7 +19,7 @@ SCRIPT = Path(__file__).with_name("run_command.py")
 def test_same_file_on_1_2_and_3_ranks(tmp_path):
     """To the last bit, with a number of samples that 2 and 3 do not divide."""
     case = tmp_path / "small.yaml"
-    case.write_text(CASE + ROADMAP + "uncertain:\n" + FRICTION + DENSITY)
+    case.write_text(CASE + ROADMAP + "uncertain:\n" + FRICTION + DENSITY + SURVEY)
     words = ["uncertain", str(case), "--samples", "25", "--out"]
     assert drillpetsc(*words, tmp_path / "1", cwd=tmp_path).returncode == 0
     for n in (2, 3):

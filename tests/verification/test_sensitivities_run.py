@@ -12,8 +12,8 @@ from petsc4py import PETSc
 
 from drillpetsc.analysis.sensitivities.command import Question, run_sensitivities
 from drillpetsc.analysis.sensitivities.keys import key_of
-from drillpetsc.analysis.sensitivities.run import RunOfCase, RunSeries
-from drillpetsc.analysis.sensitivities.run_outputs import parsed_outputs
+from drillpetsc.analysis.sensitivities.motion.outputs import parsed_outputs
+from drillpetsc.analysis.sensitivities.motion.run_of_case import RunOfCase, RunSeries
 from drillpetsc.arrays import FloatArray
 from drillpetsc.case import Case
 from drillpetsc.errors import CaseError
@@ -222,6 +222,37 @@ def test_chaos_has_no_number_and_a_warning(tmp_path):
     assert late["flag"] == "not determined" and late["derivative"] is None
     assert early["flag"] == "" and 0 < early["relative"] < 1
     assert len(summary["warnings"]) == 1 and "chaotic" in summary["warnings"][0]
+
+
+def test_derivatives_that_the_steps_do_not_resolve_are_flagged(tmp_path):
+    """A bit breaks loose and sticks in steps that are too long: flagged with both numbers.  Before it does, nothing is.
+
+    Rows of the history have no part in an output.
+    """
+    keys, of = ["formation.bit_law.static"], ["bit_speed.max", "bit_speed.mean", "surface_torque.mean[0:1]"]
+    found = []
+    for name, every in (("a", 0.1), ("b", 2.0)):
+        case = Case(
+            **(
+                rock_bit("bdf")._given.keys
+                | {"petsc": {"ts_rtol": "1e-2"}, "output": {"history_every": every}}
+            )
+        )
+        run_sensitivities(Job(case, tmp_path / name), Question("run", of, keys))
+        found.append(json.loads((tmp_path / name / "summary.json").read_text()))
+    summary = found[0]
+    flags = {row["output"]: row["flag"] for row in summary["sensitivities"]}
+    assert "steps" in flags["bit_speed.mean"] and flags["surface_torque.mean[0:1]"] == ""
+    assert any("bit_speed.mean" in w and "ts_rtol" in w for w in summary["warnings"])
+    assert found[1]["sensitivities"] == summary["sensitivities"] and found[1]["outputs"] == summary["outputs"]
+
+
+def test_smooth_motion_is_resolved(tmp_path):
+    keys = ["string[0].torsional_stiffness", "string[1].inertia.axial"]
+    of = ["bit_speed.mean[0.1:8]", "bit_speed.rms", "surface_torque.max"]
+    run_sensitivities(Job(pendulum("generalized_alpha"), tmp_path / "r"), Question("run", of, keys))
+    summary = json.loads((tmp_path / "r/summary.json").read_text())
+    assert not summary["warnings"] and {row["flag"] for row in summary["sensitivities"]} == {""}
 
 
 def test_a_key_without_effect_has_zero_and_a_word():

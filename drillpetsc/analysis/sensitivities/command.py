@@ -14,10 +14,10 @@ from drillpetsc.analysis.sensitivities.derivatives import ONE_SIDED, Derivative,
 from drillpetsc.analysis.sensitivities.doubts import Checked, Differentiated
 from drillpetsc.analysis.sensitivities.hydraulics import SteadyHydraulics
 from drillpetsc.analysis.sensitivities.keys import Key, every_key, key_of
+from drillpetsc.analysis.sensitivities.motion.command import run_sensitivities_of_run
 from drillpetsc.analysis.sensitivities.points import refusal_of
 from drillpetsc.analysis.sensitivities.roadmap import SoftRoadmap
 from drillpetsc.analysis.sensitivities.rows import plain, row_of, row_of_check, without_effect
-from drillpetsc.analysis.sensitivities.run_command import run_sensitivities_of_run
 from drillpetsc.analysis.sensitivities.solution import Output, Solution
 from drillpetsc.analysis.sensitivities.statics import StaticsSolution
 from drillpetsc.analysis.sensitivities.stiff import StiffRoadmap

@@ -86,6 +86,44 @@ class Followed:
         return self.case.shown_units
 
 
+@dataclass(frozen=True)
+class Stepped:
+    """A derivative of a run moves if its steps are looser.
+
+    output, key: names; effect: of the stated change of the key; other: the same with ten times the tolerance, nan without such a run [SI].
+    """
+
+    case: Case
+    output: str
+    key: str
+    effect: float
+    other: float
+
+    @property
+    def units(self) -> System:
+        """Units of the reader."""
+        return self.case.shown_units
+
+
+class Coarse(Doubt):
+    """Derivatives of a run depend on the tolerance of its steps: with ten times the tolerance they change by more than a tenth.
+
+    The run itself may be right to a part in a thousand.  A bit that breaks loose or a contact that opens within a few steps delays or
+    advances by parts of a step, which the derivatives contain in full.
+    """
+
+    about = (Stepped,)
+    sentence = (
+        "the effect of {key} on {output} is {effect:.4g} but {other} with ten times the tolerance of the steps (SI): it is not resolved; "
+        "reduce petsc.ts_rtol"
+    )
+    remedy = "Reduce `petsc.ts_rtol` until the numbers stay. In stick-slip this took 1e-7."
+
+    def look(self, at: Stepped) -> Iterable[dict[str, Any]]:
+        other = f"{at.other:.4g}" if np.isfinite(at.other) else "unknown"
+        yield {"key": at.key, "output": at.output, "effect": at.effect, "other": other}
+
+
 class Chaotic(Doubt):
     """Derivatives of a run grow exponentially over half of it, as in chaotic motion: they say nothing about means.
 

@@ -5,58 +5,30 @@ Manual: sec-time-classes.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from petsc4py import PETSc
 
-from drillpetsc import petsc_compat
 from drillpetsc.case import Case
 from drillpetsc.output import RunFolder, read_summary, read_table, write_summary
 from drillpetsc.output.balances.time_error import SMALL_RANGE, smallest_range
 from drillpetsc.output.files.tables import split_name
 from drillpetsc.output.measured.motion_classes import changed_classes
-from drillpetsc.solvers.time.time_integrator import TOLERANCE
+from drillpetsc.solvers.time.scaled_tolerance import scaled_tolerance
 from drillpetsc.studies.convergence.coarse_mesh import differences
 from drillpetsc.studies.convergence.error_norms import FloatArray, extent
 from drillpetsc.unit_systems import System, shown
 
 REFINEMENT = 10.0  # tolerance of the run over the fine run's tolerance
-STEP_REFINEMENT = REFINEMENT ** (1 / 3)  # fixed steps: the local error of order 2 goes with the step's cube
 FOLDER = "fine-tolerance"  # folder of the fine run, in the run's folder
 LIMIT = 0.01  # difference of a mean or of a range, as a share of the range, from which on a run is warned of
 MEANING = (
     "differences of the history columns between this run and one at a tenth of its tolerance, as shares of the column's range in the fine "
     "run (mean and range: of at least 0.1 % of the column's size), and classes of motion that differ in the second half of the runs"
 )
-
-
-@contextmanager
-def finer(options: Mapping[str, Any]) -> Iterator[str]:
-    """Set finer PETSc options while a run lasts, also if the command line has set them; yields their words.
-
-    options: PETSc options in effect in the run.
-    """
-    database, key = PETSc.Options(), petsc_compat.time_step_option()
-    values = {"ts_rtol": float(options.get("ts_rtol", TOLERANCE)) / REFINEMENT}
-    if options.get("ts_adapt_type") == "none" and key in options:
-        values[key] = float(options[key]) / STEP_REFINEMENT
-    if "q_snes_stol" in options:
-        values["q_snes_stol"] = float(options["q_snes_stol"]) / REFINEMENT
-    before = dict(database.getAll())
-    for name, value in values.items():
-        database.setValue(name, repr(value))
-    try:
-        yield " ".join(f"-{name} {value:.3g}" for name, value in values.items())
-    finally:
-        for name in values:
-            if name in before:
-                database.setValue(name, before[name])
-            else:
-                database.delValue(name)
 
 
 def add_tolerance_check(
@@ -74,7 +46,7 @@ def add_tolerance_check(
     """
     from drillpetsc.analysis.motion.transient import run
 
-    with finer(summary["petsc_options"]) as words:
+    with scaled_tolerance(summary["petsc_options"], 1 / REFINEMENT) as words:
         fine = run(
             case,
             folder / FOLDER,

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from drillpetsc.analysis.sensitivities.chaos import determined_until
 from drillpetsc.analysis.sensitivities.doubts import Checked, Followed
+from drillpetsc.analysis.sensitivities.motion.chaos import determined_until
 from drillpetsc.case import Case
 from drillpetsc.doubts import doubts_at
 

@@ -4,19 +4,20 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 from petsc4py import PETSc
 
 from drillpetsc.analysis.motion.session.live_outputs import SessionOutput
-from drillpetsc.analysis.sensitivities.chaos import determined_until
 from drillpetsc.analysis.sensitivities.derivatives import ONE_SIDED, Derivative
-from drillpetsc.analysis.sensitivities.doubts import Checked, Differentiated, Followed
+from drillpetsc.analysis.sensitivities.doubts import Checked, Differentiated, Followed, Stepped
 from drillpetsc.analysis.sensitivities.keys import Key
+from drillpetsc.analysis.sensitivities.motion.chaos import determined_until
+from drillpetsc.analysis.sensitivities.motion.outputs import RunOutput, parsed_outputs
+from drillpetsc.analysis.sensitivities.motion.run_of_case import RunOfCase, RunSeries
 from drillpetsc.analysis.sensitivities.rows import plain, row_of, row_of_check, without_effect
-from drillpetsc.analysis.sensitivities.run import RunOfCase, RunSeries
-from drillpetsc.analysis.sensitivities.run_outputs import RunOutput, parsed_outputs
 from drillpetsc.analysis.sensitivities.solution import Output
 from drillpetsc.arrays import FloatArray
 from drillpetsc.case.case import Case
@@ -31,12 +32,19 @@ from drillpetsc.output.quantities.sensitivities import SENSITIVITIES
 from drillpetsc.output.result import RunResult
 from drillpetsc.output.summaries.sensitivities import SensitivitiesSummary
 from drillpetsc.solvers import petsc_options as options
+from drillpetsc.solvers.time.scaled_tolerance import scaled_tolerance
 
 USUAL = ("surface_torque.mean", "hook_load.mean")
 #: relative, of the differences of runs with frozen steps: at ten times these, their curvature in stick-slip leaves 3e-4
 CHECK_STEPS = 1e-4, 1e-5
 TOLERANCE, NEWTON = "q_snes_stol", 1e-10  # of Newton's method, at most
+LOOSER = 10.0  # tolerance of the run with which the derivatives are compared, over that of the run
+MOVES, SMALL = (
+    0.1,
+    0.01,
+)  # change of a derivative by it, and of the largest one of the output, from which it is flagged
 UNDETERMINED = "not determined"  # flag of outputs that end in chaotic motion
+STEPS = "steps"  # flag of derivatives that looser steps move
 Numbers = list[tuple[float, FloatArray]]
 
 
@@ -59,17 +67,18 @@ def run_sensitivities_of_run(
         columns = list(dict.fromkeys(q.column for q in outputs))
         described = {q.name: q for q in run.outputs.described()}
         series = run.series(keys, columns, skips)
+        coarse = _at_looser_steps(case, job.comm, series, columns)
     repeated = _Repeated(case, job.comm, outputs, columns, series)
     followed = [
         Followed(case, column, _until(series, i, [key.name for key in series.keys]))
         for i, column in enumerate(columns)
     ]
-    found = _derivatives(repeated, described, followed)
+    found, moved = _with_looser_steps(_derivatives(repeated, described, followed), outputs, columns, coarse)
     cost: dict[str, float] = {"steps": float(len(series.steps)), "with_derivatives": series.seconds}
     compared = repeated.checked(found, check)
     if repeated.seconds:
         cost |= {"alone": repeated.seconds, "ratio": series.seconds / repeated.seconds}
-    moments = [*followed, *compared]
+    moments = [*followed, *[Stepped(case, name, *worst) for name, worst in moved.items()], *compared]
     one_sided = any(ONE_SIDED in d.flag for d in found)
     rows = [row_of(d) for d in found]
     summary = SensitivitiesSummary(
@@ -92,7 +101,9 @@ def run_sensitivities_of_run(
             folder.path / SENSITIVITIES_TABLE, names, [[row[q.name] for row in rows] for q in SENSITIVITIES]
         )
         units = {name: q.unit for name, q in described.items()}
-        _write_history(folder.path / SENSITIVITIES_HISTORY, columns, units, series)
+        every = case.output.history_every
+        rows_at = _rows(series.times, series.times[-1] if every is None else float(every))
+        _write_history(folder.path / SENSITIVITIES_HISTORY, columns, units, series, rows_at)
         write_summary(folder.summary, summary)
     return job.result(folder, summary, _lines(case, found, summary))
 
@@ -136,6 +147,47 @@ def _numbers(outputs: Sequence[RunOutput], columns: Sequence[str], series: RunSe
     ]
 
 
+# ---------------------------------------------------------------------- a run with looser steps
+def _at_looser_steps(
+    case: Case, comm: PETSc.Comm, series: RunSeries, columns: Sequence[str]
+) -> RunSeries | None:
+    """The run with ten times the tolerance of its steps; None if it does not come to its end (collective).
+
+    The derivatives are those of the formula's steps.  Where a bit breaks loose or a contact opens within a few steps, they converge more
+    slowly than the run itself.
+    """
+    given = {name: value for name, value in PETSc.Options().getAll().items() if name != TOLERANCE}
+    with scaled_tolerance(given, LOOSER):
+        try:
+            return RunOfCase(case, comm).series(series.keys, columns)
+        except SolveError:
+            return None
+
+
+def _with_looser_steps(
+    found: Sequence[Derivative],
+    outputs: Sequence[RunOutput],
+    columns: Sequence[str],
+    coarse: RunSeries | None,
+) -> tuple[list[Derivative], dict[str, tuple[str, float, float]]]:
+    """The derivatives with a flag where looser steps move them, and of each output the key, effect and other effect that differ most."""
+    numbers = None if coarse is None else _numbers(outputs, columns, coarse)
+    count, out = len(found) // max(len(outputs), 1), list[Derivative]()
+    moved: dict[str, tuple[str, float, float]] = {}
+    for i, q in enumerate(outputs):
+        mine = found[i * count : (i + 1) * count]
+        largest = max((abs(d.effect) for d in mine if np.isfinite(d.slope)), default=0.0)
+        for k, d in enumerate(mine):
+            other = np.nan if numbers is None else float(numbers[i][1][k]) * d.key.per
+            gap = abs(d.effect - other)
+            moves = not gap <= max(MOVES * abs(d.effect), SMALL * largest) and np.isfinite(d.slope)
+            out.append(replace(d, flag=", ".join(filter(None, [d.flag, STEPS]))) if moves else d)
+            before = moved.get(q.name)
+            if moves and (before is None or not gap <= abs(before[1] - before[2])):
+                moved[q.name] = (d.key.name, d.effect, other)
+    return out, moved
+
+
 # ---------------------------------------------------------------------- runs with the same steps
 class _Repeated:
     """Outputs of a run, and of runs of changed cases that take its steps.
@@ -176,7 +228,7 @@ class _Repeated:
 
     def checked(self, found: Sequence[Derivative], count: int) -> list[Checked]:
         """Compare the derivatives by the first ``count`` keys without a flag with central differences."""
-        out, flagged = [], {d.key.name for d in found if d.flag}
+        out, flagged = [], {d.key.name for d in found if d.flag not in ("", STEPS)}
         for key in [key for key in self.series.keys if key.name not in flagged][:count]:
             slopes = [
                 (self.values(key, h * key.size) - self.values(key, -h * key.size)) / (2 * h * key.size)
@@ -210,15 +262,23 @@ def _converged() -> Iterator[None]:
 
 
 # ---------------------------------------------------------------------- files and screen
-def _write_history(path: Any, columns: Sequence[str], units: dict[str, str], series: RunSeries) -> None:
-    """Columns and, after each, its change by a change of each key by its own value, p ds/dp; of a key of zero, by its usual size."""
-    titles, values = [("time", "s")], [series.times]
+def _rows(times: FloatArray, every: float) -> FloatArray:
+    """Numbers of the steps that are written: the first one at or after each row of the history [s]."""
+    wanted = np.arange(0.0, times[-1] + 1e-9, every)
+    return np.unique(np.minimum(np.searchsorted(times, wanted - 1e-9), len(times) - 1))
+
+
+def _write_history(
+    path: Any, columns: Sequence[str], units: dict[str, str], series: RunSeries, at: FloatArray
+) -> None:
+    """Columns at the steps ``at`` and, after each, its change by a change of each key by its own value, p ds/dp; of a key of zero, by its usual size."""
+    titles, values = [("time", "s")], [series.times[at]]
     for i, name in enumerate(columns):
         titles.append((name, units[name]))
-        values.append(series.values[:, i])
+        values.append(series.values[at, i])
         for k, key in enumerate(series.keys):
             titles.append((f"{name} by {key.name}", units[name]))
-            values.append(series.slopes[:, i, k] * key.size)
+            values.append(series.slopes[at, i, k] * key.size)
     write_table(path, titles, values)
 
 

@@ -34,7 +34,7 @@ STEP = 3e-6
 
 @dataclass(frozen=True)
 class RunSeries:
-    """Columns of a history at the ends of steps.
+    """Columns of a history at the ends of all steps.
 
     times: (m,) [s]; values: (m, columns) [SI]; slopes: (m, columns, keys) derivatives.
     steps: lengths of all steps [s]; seconds: processor time of the steps, with the derivatives [s].
@@ -201,9 +201,6 @@ class _Run:
         self.tangent = StepTangent(self.integrator, self.beside) if found else None
         self.readers = [run.outputs, *(LiveOutputs(Recorder(m)) for n in found for m in n.models)]
         self.columns = [reader.find(columns) for reader in self.readers]
-        every = run.case.output.history_every
-        assert every is not None
-        self.every, self.next_row = float(every), 0
         self.times: list[float] = []
         self.values: list[list[float]] = []
         self.slopes: list[FloatArray] = []
@@ -211,14 +208,8 @@ class _Run:
         self.integrator.after_step.append(self._after_step)
 
     def _after_step(self, t: float, dt: float) -> None:
+        """Read the columns at the state of a step to ``t`` [s]: of each step, so that no output depends on the rows of the history."""
         self.steps.append(dt)
-        if t < self.next_row * self.every - 1e-9 * max(1.0, t):
-            return
-        self.next_row = int(np.floor(t / self.every + 1e-9)) + 1
-        self._record(t)
-
-    def _record(self, t: float) -> None:
-        """Read the columns at the state of a step to ``t`` [s]."""
         at = self.integrator.newton.t
         for reader in self.readers:
             reader.changed()
