@@ -31,6 +31,7 @@ ITEMS: dict[str, tuple[str, str, str]] = {
     "torque_downhole": ("0917", "kN m", "kft lbf"),
 }
 SYSTEMS = ("metric", "fps")
+AHEAD = 600.0  # jump of the clock that the next row may take back [s]
 _ITEM = re.compile(r"(\d{4})(.*)")
 
 
@@ -47,7 +48,9 @@ class WitsFrames:
         self._frame: dict[str, str] | None = None
         self._waiting: dict[str, str] = {}  # the last row, to which frames without a bit depth may add
         self._begun = False
+        self._before = ""  # clock of the row before that
         self.without_clock = 0  # rows that have the time of their arrival
+        self.ahead = 0  # rows whose clock jumped ahead and back
 
     def lines(self, text: list[str]) -> list[str]:
         """Lines of the table for whole lines of a feed; what stands outside of frames is not data."""
@@ -67,12 +70,18 @@ class WitsFrames:
     def finish(self) -> list[str]:
         """The row that waits, when the feed has ended."""
         kept, self._waiting, self._frame = self._waiting, {}, None
+        self._before = kept.get(TIME, self._before)
         return [",".join([kept[TIME], *(kept.get(item, "") for item in self._items)])] if kept else []
 
     def _take(self, frame: dict[str, str]) -> list[str]:
         """The row before, if a frame begins another one; records of one moment may come in several frames."""
         if self.mapping["bit_depth"][0] in frame:
-            clock = self._clock(frame)
+            clock, last = self._clock(frame), self._waiting.get(TIME, "")
+            if clock < last and self._before and _seconds(self._before, last) > AHEAD:
+                self.ahead, self._waiting = (
+                    self.ahead + 1,
+                    {},
+                )  # else all rows up to that time would count as old
             ended = [] if self._waiting.get(TIME) == clock else self.finish()
             self._waiting |= frame | {TIME: clock}
             return ended
@@ -89,3 +98,7 @@ class WitsFrames:
             self.without_clock += 1
             moment = datetime.now(UTC).replace(tzinfo=None)
         return moment.isoformat(sep=" ", timespec="milliseconds")
+
+
+def _seconds(first: str, second: str) -> float:
+    return (datetime.fromisoformat(second) - datetime.fromisoformat(first)).total_seconds()

@@ -197,3 +197,18 @@ def test_wits_frames_without_a_clock(folder, server):
     )
     notes = json.loads((out / "summary.json").read_text())["notes"]
     assert any("time of their arrival" in q for q in notes)
+
+
+def test_a_wits_clock_that_jumps_ahead(folder, server):
+    """One frame of 23:59:59: it alone is left out, and said; the others would all be older."""
+    rows = frames("metric")
+    places = [i for i, q in enumerate(rows) if q.startswith("0106")]
+    rows[places[100]] = "0106235959"
+    port = server("\r\n".join(rows) + "\r\n")
+    out = folder / "out"
+    assert (
+        main(["follow", str(folder / "case.yaml"), "--log", f"wits:127.0.0.1:{port}", "--out", str(out)]) == 0
+    )
+    summary = json.loads((out / "summary.json").read_text())
+    assert summary["rows"] == len(places) - 1 and not summary["rows_left_out"]
+    assert any("jumped ahead" in q for q in summary["notes"])

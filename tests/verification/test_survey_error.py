@@ -165,5 +165,11 @@ uncertain:
     assert "well.survey" in said and "well.sections[0].friction 9" in said
     keys = json.loads((tmp_path / "out" / "summary.json").read_text())["keys"]
     assert [q["key"] for q in keys] == ["well.survey", "well.sections[0].friction"]
+    assert "WARNING" not in said
+    (tmp_path / "case.yaml").write_text(text.replace("length: 200 m", "length: 30 m"))
+    assert main([*words[:-1], "400", "--overwrite"]) == 0
+    # the slope of a Gaussian process is sd / length: 0.2 deg sqrt(2) in 30 m
+    assert "doglegs of 0.283 deg/30m (rms)" in capsys.readouterr().out
+    (tmp_path / "case.yaml").write_text(text)
     assert main([*words[:-1], "20", "--overwrite"]) == 2
     assert "path of the survey" in capsys.readouterr().err

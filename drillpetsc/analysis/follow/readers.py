@@ -211,14 +211,12 @@ class WitsReader(_Lines):
 
     @property
     def remarks(self) -> tuple[str, ...]:
-        """Also how many rows had no clock."""
-        count = self._frames.without_clock
-        late = (
-            [f"{count} frames without a date and time have the time of their arrival, in UTC"]
-            if count
-            else []
-        )
-        return (*self.stream.remarks, *late)
+        """Also how many rows had no clock, or one that jumped."""
+        counts = {
+            "frames without a date and time have the time of their arrival, in UTC": self._frames.without_clock,
+            "frames whose clock jumped ahead and back were left out": self._frames.ahead,
+        }
+        return (*self.stream.remarks, *(f"{count} {what}" for what, count in counts.items() if count))
 
     def _connect(self) -> None:
         """Connect again, once every two seconds."""

@@ -10,6 +10,7 @@ import numpy as np
 
 from drillpetsc.analysis.sensitivities.solution import Output
 from drillpetsc.analysis.uncertain.spread import Spreads
+from drillpetsc.case.blocks.uncertain import SURVEY
 from drillpetsc.case.case import Case
 from drillpetsc.doubts.doubt import Doubt, remark
 from drillpetsc.unit_systems import System
@@ -17,6 +18,7 @@ from drillpetsc.unit_systems import System
 FAR = (
     0.1  # difference of a quantile by two methods, over the distance of the outer quantiles, that is reported
 )
+CROOKED = np.radians(0.25) / 30  # rms dogleg of the error of a survey that is reported [rad/m]
 
 
 @dataclass(frozen=True)
@@ -54,6 +56,26 @@ class SamplesFailed(Doubt):
         if len(spread.failed) and spread.failed[worst]:
             failed = int(spread.failed[worst])
             yield {"output": at.outputs[worst].label, "failed": failed, "samples": at.samples}
+
+
+class CrookedSurvey(Doubt):
+    """The error of the survey has doglegs of its own: the rms of the error's slope is above 0.25 degrees in 30 m.
+
+    Doglegs add side force whatever their direction, so that torque and drag grow in the mean.  A survey's error has none of this size.
+    """
+
+    about = (Drawn,)
+    sentence = (
+        "the error of well.survey has doglegs of {rate:dogleg 3} (rms), which raise torque and drag in the mean; "
+        "give a longer path.length, usually 100 to 300 m"
+    )
+    remedy = "Give a longer `path.length`, or smaller deviations."
+
+    def look(self, at: Drawn) -> Iterable[dict[str, Any]]:
+        error = (at.case.uncertain or {})[SURVEY].path if SURVEY in (at.case.uncertain or {}) else None
+        rate = 0.0 if error is None else float(np.hypot(error.inclination, error.lateral)) / error.length
+        if rate > CROOKED:
+            yield {"rate": rate}
 
 
 class MethodsDiffer(Doubt):
