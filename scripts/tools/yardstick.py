@@ -59,8 +59,8 @@ def main() -> None:
         import yardstick_drillpetsc as ours  # scores need neither drillpetsc nor PETSc
 
         write(answer_with(ours.SOLVERS, names), given.out)
-    except ValueError as error:
-        raise SystemExit(str(error)) from error
+    except (ValueError, OSError) as error:  # a file that is missing, is not JSON or names what is not asked
+        raise SystemExit(f"yardstick: {error}") from error
 
 
 if __name__ == "__main__":

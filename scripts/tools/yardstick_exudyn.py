@@ -148,21 +148,17 @@ def dawson_paslay(problem: Problem) -> Found:
     return found
 
 
+def _angles(mbs: Any, count: int) -> list[Any]:
+    """Nodes of one angle each."""
+    zero = {"referenceCoordinates": [0.0], "initialCoordinates": [0.0], "initialCoordinates_t": [0.0]}
+    return [mbs.AddNode(item.NodeGenericODE2(numberOfODE2Coordinates=1, **zero)) for _ in range(count)]
+
+
 def aarsnes_shor(problem: Problem) -> Found:
     """A chain of 200 torsional springs, loaded by the friction of its pieces."""
     stiffness, torque = friction_torques(problem.given, 100)
     mbs = exu.SystemContainer().AddSystem()
-    nodes = [
-        mbs.AddNode(
-            item.NodeGenericODE2(
-                referenceCoordinates=[0.0],
-                initialCoordinates=[0.0],
-                initialCoordinates_t=[0.0],
-                numberOfODE2Coordinates=1,
-            )
-        )
-        for _ in stiffness
-    ]
+    nodes = _angles(mbs, len(stiffness))
     marks = [mbs.AddMarker(item.MarkerNodeCoordinate(nodeNumber=node, coordinate=0)) for node in nodes]
     ground = mbs.AddMarker(
         item.MarkerNodeCoordinate(nodeNumber=mbs.AddNode(item.NodePointGround()), coordinate=0)
@@ -244,17 +240,7 @@ def laboratory_rig(problem: Problem) -> Found:
     g = problem.given
     motor, law = g["motor"], g["torque on bit"]
     mbs = exu.SystemContainer().AddSystem()
-    nodes = [
-        mbs.AddNode(
-            item.NodeGenericODE2(
-                referenceCoordinates=[0.0],
-                initialCoordinates=[0.0],
-                initialCoordinates_t=[0.0],
-                numberOfODE2Coordinates=1,
-            )
-        )
-        for _ in "mb"
-    ]
+    nodes = _angles(mbs, 2)
     for node, inertia in zip(nodes, (motor["inertia [kg m2]"], g["bit"]["inertia [kg m2]"]), strict=True):
         mbs.AddObject(item.ObjectGenericODE2(nodeNumbers=[node], massMatrix=[[inertia]]))
     marks = [mbs.AddMarker(item.MarkerNodeCoordinate(nodeNumber=node, coordinate=0)) for node in nodes]

@@ -112,7 +112,12 @@ def score(problem: Problem, quantity: str, answer: object) -> Score:
 
 def read_answers(path: Path) -> dict[str, dict[str, Any]]:
     """Read an answer file. Unknown problems and quantities raise ValueError: a misspelt name is not an answer."""
-    answers = json.loads(path.read_text(encoding="utf-8"))
+    try:
+        answers = json.loads(path.read_text(encoding="utf-8"))
+    except ValueError as error:
+        raise ValueError(f"{path.name} is not JSON: {error}") from None
+    if not isinstance(answers, dict) or not all(isinstance(q, dict) for q in answers.values()):
+        raise ValueError(f"{path.name} is not an answer file: a problem has {{quantity: value}}")
     for name, found in answers.items():
         known = load(name).data["expected"]
         for quantity in found:

@@ -17,7 +17,7 @@ from drillpetsc.analysis.sensitivities.keys import Key, every_key, key_of
 from drillpetsc.analysis.sensitivities.motion.command import run_sensitivities_of_run
 from drillpetsc.analysis.sensitivities.points import refusal_of
 from drillpetsc.analysis.sensitivities.roadmap import SoftRoadmap
-from drillpetsc.analysis.sensitivities.rows import plain, row_of, row_of_check, without_effect
+from drillpetsc.analysis.sensitivities.rows import plain, row_of, row_of_check, without_effect, write_rows
 from drillpetsc.analysis.sensitivities.solution import Output, Solution
 from drillpetsc.analysis.sensitivities.statics import StaticsSolution
 from drillpetsc.analysis.sensitivities.stiff import StiffRoadmap
@@ -26,12 +26,10 @@ from drillpetsc.case.case import Case
 from drillpetsc.case.key_paths import suggestion
 from drillpetsc.doubts import doubts_at
 from drillpetsc.errors import CaseError
-from drillpetsc.output import write_summary, write_table
+from drillpetsc.output import write_summary
 from drillpetsc.output.files.case_files import write_case
-from drillpetsc.output.files.run_folder import SENSITIVITIES_TABLE
 from drillpetsc.output.job import Job
 from drillpetsc.output.progress import counted
-from drillpetsc.output.quantities.sensitivities import SENSITIVITIES
 from drillpetsc.output.result import RunResult
 from drillpetsc.output.shown_units import key_unit, shown_unit
 from drillpetsc.output.summaries.sensitivities import SensitivitiesSummary
@@ -106,10 +104,7 @@ def run_sensitivities(job: Job, question: Question) -> RunResult:
     folder = job.make_folder()
     if job.comm.rank == 0:
         write_case(case, folder)
-        columns = [q.column for q in SENSITIVITIES]
-        write_table(
-            folder.path / SENSITIVITIES_TABLE, columns, [[row[q.name] for row in rows] for q in SENSITIVITIES]
-        )
+        write_rows(folder.path, rows)
         write_summary(folder.summary, summary)
     return job.result(folder, summary, _lines(case, found, compared, summary))
 

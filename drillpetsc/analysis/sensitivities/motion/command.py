@@ -17,7 +17,7 @@ from drillpetsc.analysis.sensitivities.keys import Key
 from drillpetsc.analysis.sensitivities.motion.chaos import determined_until
 from drillpetsc.analysis.sensitivities.motion.outputs import RunOutput, parsed_outputs
 from drillpetsc.analysis.sensitivities.motion.run_of_case import RunOfCase, RunSeries
-from drillpetsc.analysis.sensitivities.rows import plain, row_of, row_of_check, without_effect
+from drillpetsc.analysis.sensitivities.rows import plain, row_of, row_of_check, without_effect, write_rows
 from drillpetsc.analysis.sensitivities.solution import Output
 from drillpetsc.arrays import FloatArray
 from drillpetsc.case.case import Case
@@ -26,9 +26,8 @@ from drillpetsc.errors import CaseError, SolveError
 from drillpetsc.fem.quantity import Quantity
 from drillpetsc.output import write_summary, write_table
 from drillpetsc.output.files.case_files import write_case
-from drillpetsc.output.files.run_folder import SENSITIVITIES_HISTORY, SENSITIVITIES_TABLE
+from drillpetsc.output.files.run_folder import SENSITIVITIES_HISTORY
 from drillpetsc.output.job import Job
-from drillpetsc.output.quantities.sensitivities import SENSITIVITIES
 from drillpetsc.output.result import RunResult
 from drillpetsc.output.summaries.sensitivities import SensitivitiesSummary
 from drillpetsc.solvers import petsc_options as options
@@ -96,10 +95,7 @@ def run_sensitivities_of_run(
     folder = job.make_folder()
     if job.comm.rank == 0:
         write_case(case, folder)
-        names = [q.column for q in SENSITIVITIES]
-        write_table(
-            folder.path / SENSITIVITIES_TABLE, names, [[row[q.name] for row in rows] for q in SENSITIVITIES]
-        )
+        write_rows(folder.path, rows)
         units = {name: q.unit for name, q in described.items()}
         every = case.output.history_every
         rows_at = _rows(series.times, series.times[-1] if every is None else float(every))
