@@ -91,7 +91,7 @@ def critical_speed(law: Rheology, gap: float, slot: bool, density: float) -> flo
     def excess(log_speed: float) -> float:
         return float(np.log(reynolds_number(law, np.exp(log_speed), gap, slot, density) / limit))
 
-    return float(np.exp(brentq(excess, np.log(1e-6), np.log(1e4), xtol=1e-10)))
+    return float(np.exp(brentq(excess, np.log(1e-18), np.log(1e6), xtol=1e-10)))
 
 
 def annulus_stress(

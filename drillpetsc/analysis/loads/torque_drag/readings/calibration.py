@@ -303,7 +303,7 @@ class Calibration:
             factor[which],
             thrust=self.thrust[string],
         )
-        tension, moment = self.strings.ends(columns, self.lift * count if self.pumped else None)
+        tension, moment, *_ = self.strings.ends(columns, self.lift * count if self.pumped else None)
         drag = np.array([(self.fixed | values).get("running_drag", 0.0) for values in sets])
         hook = tension.reshape(count, n) + block[:, None] + drag[:, None] * self.loads[:, 2]
         hook = self._over_sheaves(sets) * (hook + self.hidden) - self.hidden
