@@ -12,7 +12,7 @@ from drillpetsc.analysis.loads.torque_drag.batch import Columns
 from drillpetsc.analysis.loads.torque_drag.circulation import Circulation
 from drillpetsc.analysis.loads.torque_drag.readings.sensor import DIRECTION, Sensor, sensor_of
 from drillpetsc.analysis.loads.torque_drag.roadmap import RowsAsked, circulations, columns_of
-from drillpetsc.analysis.loads.torque_drag.soft_ends import SoftEnd, SoftEnds
+from drillpetsc.analysis.loads.torque_drag.soft_ends import TopLoads, SoftEnds
 from drillpetsc.analysis.sensitivities.hydraulics import SteadyHydraulics
 from drillpetsc.analysis.sensitivities.roadmap import outputs_of, own_friction
 from drillpetsc.analysis.sensitivities.solution import Output
@@ -78,7 +78,7 @@ class _Strings:
         """
         rows, per = len(self.keys), max(MOST_STRINGS // len(self.keys), 1)
         parts = [self._ends(friction[i : i + per], weight[i : i + per]) for i in range(0, len(friction), per)]
-        found = SoftEnd(*(np.concatenate(q).reshape(-1, rows) for q in zip(*parts, strict=True)))
+        found = TopLoads(*(np.concatenate(q).reshape(-1, rows) for q in zip(*parts, strict=True)))
         hook = found.tension
         out = {"hook_load": hook, "surface_torque": found.torque}
         out |= {"sinusoidal_ratio": found.sinusoidal, "helical_ratio": found.helical}
@@ -91,7 +91,7 @@ class _Strings:
             values[:, self.failed] = np.nan
         return out
 
-    def _ends(self, friction: FloatArray, weight: FloatArray) -> SoftEnd:
+    def _ends(self, friction: FloatArray, weight: FloatArray) -> TopLoads:
         n, rows = len(friction), len(self.keys)
         c = self.columns
 

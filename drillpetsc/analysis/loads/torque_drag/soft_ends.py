@@ -19,7 +19,7 @@ from drillpetsc.kernels import function, pointer
 from drillpetsc.kernels.parameters import structure
 
 
-class SoftEnd(NamedTuple):
+class TopLoads(NamedTuple):
     """What a soft string gives at its top, (c,) each.
 
     tension [N], torque [N m]: nan for a string that cannot bear its weight on bit.
@@ -60,7 +60,7 @@ class SoftEnds:
         self._section = np.concatenate(sections).astype(np.int32)
         self._end = np.array(ends, dtype=float)
 
-    def ends(self, loads: Columns, lifts: Sequence[FloatArray] | None = None) -> SoftEnd:
+    def ends(self, loads: Columns, lifts: Sequence[FloatArray] | None = None) -> TopLoads:
         """Both ends of c strings.
 
         loads: of c strings, without `lift`; lifts: (k,) force per length [N/m] in the steps of the string of each column.
@@ -95,14 +95,14 @@ class SoftEnds:
             "thrust": np.zeros(count) if loads.thrust is None else loads.thrust,
             "lift": lift,
             "lift_at": lift_at,
-            **{name: np.empty(count) for name in SoftEnd._fields},
+            **{name: np.empty(count) for name in TopLoads._fields},
         }
         for name in ("factor", "wob", "moment", "velocity", "rotation", "weight", "thrust"):
             arrays[name] = np.ascontiguousarray(arrays[name], dtype=float)
         call = _Call(**{name: pointer(array) for name, array in arrays.items()})
         call.largest, call.count, call.sections = LARGEST_FORCE, count, arrays["friction"].shape[1]
         _soft_string_ends(ctypes.addressof(call))
-        return SoftEnd(*(arrays[name] for name in SoftEnd._fields))
+        return TopLoads(*(arrays[name] for name in TopLoads._fields))
 
 
 _Call = structure("soft_string_call")
