@@ -12,7 +12,7 @@ from drillpetsc.analysis.loads.torque_drag.batch import Columns
 from drillpetsc.analysis.loads.torque_drag.circulation import Circulation
 from drillpetsc.analysis.loads.torque_drag.readings.sensor import DIRECTION, Sensor, sensor_of
 from drillpetsc.analysis.loads.torque_drag.roadmap import RowsAsked, circulations, columns_of
-from drillpetsc.analysis.loads.torque_drag.soft_ends import TopLoads, SoftEnds
+from drillpetsc.analysis.loads.torque_drag.soft_ends import SoftEnds, TopLoads
 from drillpetsc.analysis.sensitivities.hydraulics import SteadyHydraulics
 from drillpetsc.analysis.sensitivities.roadmap import outputs_of, own_friction
 from drillpetsc.analysis.sensitivities.solution import Output
