@@ -36,7 +36,7 @@ from drillpetsc.case.blocks.items.string import Bit
 from drillpetsc.case.blocks.window import Window
 from drillpetsc.case.case import Case
 from drillpetsc.case.plausible.plausible_string import beyond_curves, short_of_hole
-from drillpetsc.case.quantities import largest
+from drillpetsc.case.quantities import largest, said
 from drillpetsc.doubts import doubts_at
 from drillpetsc.errors import CaseError
 from drillpetsc.output import write_summary, write_table
@@ -109,12 +109,12 @@ def default_flow(case: Case, notes: list[str]) -> float:
     rate = flow.constant if isinstance(flow, Constant) else largest(flow)
     if not isinstance(flow, Constant):
         notes.append(
-            f"fluid.flow_rate varies: its largest value, {rate:g} m3/s, is taken; --flow takes others"
+            f"fluid.flow_rate varies: its largest value, {said(rate, 'flow', case.shown_units)}, is taken; --flow takes others"
         )
     if rate < 0:
         raise CaseError(
             at="fluid.flow_rate",
-            got=rate,
+            got=said(rate, "flow", case.shown_units),
             want="a flow rate above 0",
             hint="hydraulics is for normal circulation",
         )
