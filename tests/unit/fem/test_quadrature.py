@@ -9,8 +9,9 @@ import pytest
 from scipy.special import roots_jacobi
 
 from drillpetsc.fem.quadrature import _TABULATED, exposed_ends, rule
-from drillpetsc.fem.string_mesh import RigidItem, uniform_string
+from drillpetsc.fem.string_mesh import RigidItem
 from tests.helpers.tables import each_row
+from tests.helpers.uniform_string import uniform_string
 
 
 @each_row("points", [1, 2, 3, 8])
