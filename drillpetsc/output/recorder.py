@@ -474,8 +474,3 @@ class Recorder:
     def _before_hole_changes(self) -> None:
         self.catch_up()
         self._compute_rows()
-
-    def probe_row(self, t: float) -> list[float]:
-        """Row of probes.csv at ``t`` [s]."""
-        self._row.time = t
-        return self._probe_row.numbers(self.at(t))

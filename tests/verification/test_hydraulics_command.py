@@ -229,6 +229,13 @@ def test_rows_add_up_to_the_sums_of_the_balance():
     blades = [row for row in found.rows if row.item == "blades"]
     assert [row.channel for row in blades] == ["bore", "annulus"]
     assert [row.length for row in blades] == pytest.approx([2.0, 2.0])
+    sizes = np.array([(row.od, row.id) for row in blades])
+    steel = np.sqrt(
+        (2.5 * INCH) ** 2 + 4 / np.pi * 300 / 7850 / 2
+    )  # between the blades, as much as weighs 300 kg
+    assert sizes == pytest.approx(np.array([(2.5 * INCH, 0.0), (8.5 * INCH, steel)]), rel=1e-9)
+    area = np.pi / 4 * (sizes[:, 0] ** 2 - sizes[:, 1] ** 2)
+    assert [row.velocity for row in blades] * area == pytest.approx([0.03, 0.03], rel=1e-6)
     ends = [(row.upper, row.lower) for row in found.rows if row.channel == "annulus"]
     assert all(a[1] == pytest.approx(b[0]) for a, b in zip(ends, ends[1:], strict=False))
     assert ends[0][0] == 0.0 and ends[-1][1] == pytest.approx(1800 * FOOT + 2.0)

@@ -291,6 +291,9 @@ def test_rows_where_items_meet_and_around_rigid_items(tmp_path):
     assert at["stab"] == pytest.approx([300.0, 302.0])
     stab = np.array(names) == "stab"
     assert np.isnan(table["von_mises [Pa]"][stab]).all() and np.isfinite(table["axial_force [N]"][stab]).all()
+    beside = [np.flatnonzero(np.array(names) == "dp")[-1], np.flatnonzero(np.array(names) == "dc")[0]]
+    for name in ("axial_force [N]", "effective_tension [N]", "torque [N m]"):
+        assert table[name][stab] == pytest.approx(table[name][beside], rel=1e-12)
     assert table["tvd [m]"] == pytest.approx(md * math.cos(0.9))
     weight = (300 * given.string[0].adjusted_weight + 60 * given.string[2].adjusted_weight + 300) * G
     on_joint = given.string[0].adjusted_weight * G * math.sin(0.9) * 31 * FT

@@ -15,7 +15,6 @@ from scipy.special import jn_zeros
 
 from drillpetsc import Case
 from drillpetsc.analysis.linear.modal import modes, prepare_state, run_modes
-from drillpetsc.fem.string_mesh import uniform_string
 from drillpetsc.geometry.well import Well
 from drillpetsc.model.drilling_model import build_model
 from drillpetsc.output import read_frame, read_table
@@ -33,6 +32,7 @@ from tests.helpers.flow_models import build
 from tests.helpers.motion import straight
 from tests.helpers.moving import straight_model
 from tests.helpers.rules_of_thumb import critical_speed
+from tests.helpers.uniform_string import uniform_string
 
 L, EA, EI, GJ, MASS, POLAR = 10.0, 2e7, 1.2e5, 9.4e4, 27.0, 0.09
 BETA_CANTILEVER = [
