@@ -336,6 +336,7 @@ class _Job:
                     number = 0 if self.stopped else self._claim_next(len(group.ranks))
                 number = group.control.bcast(number)
                 member = self.plan.members[number - 1] if number else None
+        gc.unfreeze()
         if group.first:
             self._ended_file(group.number).touch()
         return on_rank
@@ -375,6 +376,7 @@ class _Job:
         finally:
             stage.pop()
         gc.collect()  # frees PETSc objects at the same place on all ranks of the group
+        gc.freeze()  # what is alive now stays; the next collection need not visit the objects of all modules again
         return message
 
     def _outcome(self, group: WorkerGroup, member: Member, messages: list[str], wall: float) -> Outcome:
