@@ -106,6 +106,7 @@ class Plan:
     state: folder of claims and outcomes.
     members: the members in the order of their numbers.
     folders: the run folder of each member.
+    read: outcomes that this rank has read, by number of the member.
     """
 
     title: str
@@ -114,6 +115,7 @@ class Plan:
     state: Path
     members: tuple[Member, ...]
     folders: tuple[MemberFolder, ...]
+    read: dict[int, Outcome] = field(default_factory=dict, compare=False)
 
     def folder_of(self, member: Member) -> MemberFolder:
         return self.folders[member.number - 1]
@@ -139,11 +141,11 @@ def store_outcome(plan: Plan, outcome: Outcome) -> None:
 
 def outcomes(plan: Plan) -> dict[int, Outcome]:
     """All outcomes stored so far, by number of the member."""
-    found = {}
     for file in plan.state.glob("[0-9]*.json"):
-        data = json.loads(file.read_text(encoding="utf-8"))
-        found[data["number"]] = Outcome(**{**data, "ranks": tuple(data["ranks"])})
-    return found
+        if int(file.stem) not in plan.read:  # each file is written once, and there is one a member
+            data = json.loads(file.read_text(encoding="utf-8"))
+            plan.read[data["number"]] = Outcome(**{**data, "ranks": tuple(data["ranks"])})
+    return dict(plan.read)
 
 
 @contextmanager
