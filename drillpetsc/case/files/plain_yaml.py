@@ -7,12 +7,14 @@ of YAML 1.2, and finds the words for the mistake.  ruamel takes forty times as l
 
 from __future__ import annotations
 
+import math
 import re
+from functools import lru_cache
 from typing import Any
 
 from drillpetsc.case.key_paths import MAX_LEVELS, MAX_VALUES, Path
 
-BEST_WIDTH = 4096  # columns, after which a list goes on in the next line
+MAX_WIDTH = 4096  # of a line that is written
 
 _OTHER_LETTERS = re.compile(
     "[^\n -~\xa0-\u1fff]"
@@ -20,6 +22,9 @@ _OTHER_LETTERS = re.compile(
 _KEY = re.compile(r"([A-Za-z_][\w-]{0,99}|[1-9][0-9]{0,3}):(?: +|$)", re.ASCII)
 #: a text in quotes without escapes, or a plain one, each with the rest of its line
 _SCALAR = re.compile(r"""(?:"([^"\\]*)"|'([^']*)'|((?:[\w(/]|[-+.][0-9])[^:#"']*?)) *(?:(?<= )\#.*)?$""")
+#: plain texts as they are written, in blocks and in brackets: letters of ASCII without :#"' and without ,[]{}
+_PLAIN = re.compile(r"[A-Za-z0-9(/](?:[ !$-&(-9;-~]*[!$-&(-9;-~])?")
+_PLAIN_IN_BRACKETS = re.compile(r"[A-Za-z0-9(/](?:[ !$-&(-+\--9;-Z\\^-z|~]*[!$-&(-+\--9;-Z\\^-z|~])?")
 _BLANK = re.compile(r"[ \n]*(?:(?<=[ \n])\#[^\n]*[ \n]*)*")
 _FLOW_KEY = re.compile(r"([A-Za-z_][\w-]{0,99}|[1-9][0-9]{0,3}):(?=[ \n])", re.ASCII)
 _FLOW_SCALAR = re.compile(
@@ -56,10 +61,13 @@ def read_scalar(text: str) -> Any:
 
 
 def _value(found: re.Match) -> Any:
-    """What a scalar stands for by the rules of YAML 1.2."""
+    """What the scalar found stands for."""
     double, single, text = found.groups()
-    if text is None:
-        return single if double is None else double
+    return _meaning(text) if text is not None else single if double is None else double
+
+
+def _meaning(text: str) -> Any:
+    """What a plain text stands for by the rules of YAML 1.2."""
     if text[0].isalpha():
         if text in _NOTHING:
             raise OtherYaml
@@ -238,3 +246,80 @@ class _Brackets:
             raise OtherYaml
         self.position += letter == close
         return letter == close
+
+
+# ---------------------------------------------------------------------- writing
+def entry(key: str, value: Any) -> str:
+    """Lines of a key of a mapping in blocks, as ruamel writes them: what holds only scalars is in brackets.
+
+    Raises OtherYaml for a value that needs quotes, or a line above MAX_WIDTH, which ruamel breaks.
+    """
+    rows = _mapping_rows({key: value}, "")
+    if max(map(len, rows)) > MAX_WIDTH:
+        raise OtherYaml
+    return "\n".join(rows) + "\n"
+
+
+def _mapping_rows(mapping: dict[str, Any], indent: str) -> list[str]:
+    rows = []
+    for key, value in mapping.items():
+        if _on_one_line(value):
+            rows.append(f"{indent}{_written(key, True)}: {_line(value)}")
+        else:
+            rows.append(f"{indent}{_written(key, True)}:")
+            is_list = isinstance(value, list)
+            rows += _list_rows(value, indent) if is_list else _mapping_rows(value, indent + "  ")
+    return rows
+
+
+def _list_rows(entries: list[Any], indent: str) -> list[str]:
+    rows = []
+    for value in entries:
+        if _on_one_line(value):
+            rows.append(f"{indent}- {_line(value)}")
+        else:
+            below = indent + "  "
+            inner = (_list_rows if isinstance(value, list) else _mapping_rows)(value, below)
+            rows += [f"{indent}- {inner[0][len(below) :]}", *inner[1:]]
+    return rows
+
+
+def _on_one_line(value: Any) -> bool:
+    """Whether a value is a scalar, or holds only scalars."""
+    parts = value if isinstance(value, list) else value.values() if isinstance(value, dict) else ()
+    return not any(isinstance(part, list | dict) for part in parts)
+
+
+def _line(value: Any) -> str:
+    if isinstance(value, list):
+        return "[" + ", ".join([_written(part, True) for part in value]) + "]"
+    if isinstance(value, dict):
+        return (
+            "{"
+            + ", ".join([f"{_written(k, True)}: {_written(part, True)}" for k, part in value.items()])
+            + "}"
+        )
+    return _written(value, False)
+
+
+def _written(value: Any, in_brackets: bool) -> str:
+    """A scalar without quotes.  in_brackets: where commas and brackets would end it."""
+    kind = type(value)
+    if kind is str:
+        return _written_text(value, in_brackets)
+    if kind is float and math.isfinite(value):
+        return repr(value)
+    if kind is bool:
+        return "true" if value else "false"
+    if kind is int:
+        return str(value)
+    if value is None:
+        return "null"
+    raise OtherYaml
+
+
+@lru_cache(maxsize=4096)
+def _written_text(text: str, in_brackets: bool) -> str:
+    if not (_PLAIN_IN_BRACKETS if in_brackets else _PLAIN).fullmatch(text) or _meaning(text) != text:
+        raise OtherYaml
+    return text

@@ -5,8 +5,10 @@ from pathlib import Path
 
 import pytest
 
+from drillpetsc.case import load_case
 from drillpetsc.case.files import plain_yaml
 from drillpetsc.case.files.yaml_text import parse, plain, read_mapping, read_value
+from drillpetsc.case.writer import _by_ruamel, case_data, case_yaml
 from drillpetsc.errors import CaseError
 from tests.helpers.tables import each_row
 
@@ -98,3 +100,61 @@ def test_line_of_a_mistake_is_of_ruamel(tmp_path):
 )  # fmt: skip
 def test_one_value(text):
     assert same(read_value(text), plain(parse(text, None), (), {}, None))
+
+
+def written(key, value):
+    """Lines of the quick writer, which must be ruamel's; None if it leaves them to ruamel."""
+    try:
+        lines = plain_yaml.entry(key, value)
+    except plain_yaml.OtherYaml:
+        return None
+    assert lines == _by_ruamel(key, value), f"{key}: {value!r}"
+    return lines
+
+
+def test_written_cases():
+    for file in sorted(CASES.glob("*.yaml")):
+        case = load_case(file)
+        lines = [written(key, value) for key, value in case_data(case).items()]
+        assert case_yaml(case).endswith("".join(filter(None, lines)))
+        assert None not in lines
+
+
+def test_written_values():
+    """Values of any shape, whose texts are the same parts that break readers."""
+    choose = random.Random(12)
+    atoms = [
+        *PARTS,
+        "a b",
+        "5 mm",
+        "x?",
+        "1e-5 s",
+        "a, b",
+        1,
+        -2,
+        0.0,
+        -0.0,
+        1e16,
+        5e-324,
+        float("inf"),
+        True,
+        None,
+    ]
+
+    def value(level):
+        kind = choose.random()
+        if level > 4 or kind < 0.5:
+            return choose.choice(atoms)
+        if kind < 0.75:
+            return [value(level + 1) for _ in range(choose.randrange(4))]
+        return {
+            choose.choice(["a", "b", "x y", "true", "a:b", "1"]): value(level + 1)
+            for _ in range(choose.randrange(4))
+        }
+
+    assert sum(written("a", value(0)) is not None for _ in range(1500)) > 300
+
+
+def test_long_line_is_left_to_ruamel():
+    assert written("md", [0.1 * k for k in range(200)]) is not None
+    assert written("md", [0.1 * k for k in range(900)]) is None
