@@ -1,4 +1,4 @@
-"""Table of a sweep: one row per member, rewritten whenever a member ends, and the files from which it is built.
+"""Table of a sweep: one row per member, rewritten when a member ends, and the files from which it is built.
 
 Ranks that compute different members share these files only. A claim file marks a member as taken, an outcome
 file marks it as ended.
@@ -11,12 +11,13 @@ import fcntl
 import io
 import json
 import os
+import time as clock
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import asdict, dataclass, field
 from enum import Enum
 from pathlib import Path
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -119,6 +120,27 @@ class Plan:
 
     def folder_of(self, member: Member) -> MemberFolder:
         return self.folders[member.number - 1]
+
+
+@dataclass
+class Pace:
+    """When the table is written again: it is as long as the sweep, so that many short members would spend more
+    time on it than on their runs.
+
+    again: reading of the clock from which on it may be written [s].
+    """
+
+    share: ClassVar[float] = 0.1  # of the time that goes into the table, at most
+    again: float = 0.0
+
+    def write(self, plan: Plan, job: dict[str, Any]) -> None:
+        """Write the table, unless it was written shortly before."""
+        began = clock.perf_counter()
+        if began < self.again:
+            return
+        write(plan, job)
+        ended = clock.perf_counter()
+        self.again = ended + (ended - began) * (1 / self.share - 1)
 
 
 # ---------------------------------------------------------------------- claims and outcomes
