@@ -336,9 +336,14 @@ class Assembly(BlockState):
             if f.time != t and f.condition.along_path is not None:
                 return None
             f.evaluate(t, self.x)
-        calls = self.calls
-        for b in calls.updated:
-            b.update_parameters(t)
+        calls, b = self.calls, None
+        try:
+            for b, update in calls.updates:  # noqa: B007  (named by the note)
+                update(t)
+        except Exception as error:
+            assert b is not None
+            b.note_place(error, t)
+            raise
         step = calls.step
         step.sigma, step.second = sigma, second
         step.dead = None if self.dead_load is None else pointer(self.dead_load)
@@ -528,12 +533,13 @@ class StepCalls:
     """Arguments of the compiled calls of one assembly (kernels/core/step.hpp), as long as its blocks and their states are the same.
 
     step, jacobian: the records; step_at, jacobian_at: their addresses.
-    blocks: the blocks with elements on this rank, in the order of the records; updated: those with time-dependent parameters.
+    blocks: the blocks with elements on this rank, in the order of the records.
+    updates: those with time-dependent parameters, and the function of time that sets these.
     """
 
     def __init__(self, asm: Assembly):
         self.blocks = [b for b in asm.bound_blocks if b.count]
-        self.updated = [b for b in self.blocks if b.block.update]
+        self.updates = [(b, b.block.update) for b in self.blocks if b.block.update]
         calls = (_BlockCall * len(self.blocks))()
         for call, b in zip(calls, self.blocks, strict=True):
             block_call(call, b, asm.held_state if b.holds_rates else asm.state_at)

@@ -49,7 +49,7 @@ class Row:
         return declared.ROW_START + declared.ROW_END
 
 
-@dataclass
+@dataclass(slots=True)
 class _Step:
     """An accepted step whose outputs are not computed yet.
 

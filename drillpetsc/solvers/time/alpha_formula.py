@@ -277,13 +277,15 @@ class AlphaHistory:
         # without earlier steps there is no derivative by which they could lead; see ``lead_by_trial``
         q["ax"][:], q["ay"][:] = np.where(two, second, y), np.where(two, w, 0.0)
 
-    def begin(self, step: float, v0: int, v1: int, x: int) -> None:
+    def begin(self, step: float, v0: int, v1: int, x: int) -> tuple[float, float]:
         """Write v0 and v1 of y = shift x + v0 (without transport) and a = second shift y + v1, and a first guess of x.
 
         In the guess the true acceleration stays, or the algorithmic rate.  step: [s]; v0, v1, x: addresses of arrays (n,).
+        Returns both shifts [1/s].
         """
         shifts = self.formula.shifts(step)
         _alpha_begin(self._at, self._values_at, self.step, step, *shifts, v0, v1, x)
+        return shifts
 
     def advance(
         self, step: float, x: int, y: int, w: int, controlled: ControlledUnknowns = NONE_CONTROLLED

@@ -135,15 +135,14 @@ class LocalErrorEstimate:
         self._at, self._x_at = ctypes.addressof(self._call), self.system.assembly.state_at[0]
         self._history = integrator.history
         integrator.estimate = self
-        integrator.after_step.append(lambda t, dt: self.step(t, integrator.fresh))
+        if self.formula is not None:
+            integrator.after_step.append(lambda t, dt: self.step(t, integrator.fresh))
 
     def step(self, t: float, fresh: bool) -> None:
         """Add the local error of an accepted step, whose state is in the assembly.
 
         t: time at its end [s]; fresh: the first step after the formula was restarted.
         """
-        if self.formula is None:
-            return
         self.steps += 1
         if fresh:
             self._call.count = 0

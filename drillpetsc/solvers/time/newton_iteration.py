@@ -90,6 +90,7 @@ class NewtonIteration:
         self._residual: Any = weakref.WeakMethod(residual)  # of its owner, which solves
         self.work = work
         self.t, self.weights, self.compiled = 0.0, (1.0, 0.0, 0.0), True
+        self._shifts, self._plain = (0.0, 0.0), False  # of the present solve
         self.scale, self.increment = system.scale[system.layout.local_of_owned], np.zeros(len(q))
         self.contacts = ContactEntries(system) if apart else None
         # of this iteration: number of the last factorisation, version of its entries
@@ -267,10 +268,7 @@ class NewtonIteration:
     # ------------------------------------------------------------------ use
     def _can_be_compiled(self) -> bool:
         """Whether compiled calls compute rows and entries at the present time."""
-        step = self.system.assembly.calls.step
-        return (
-            self.compiled and self.system.assembly.prepare_step(self.t, step.sigma, step.second) is not None
-        )
+        return self.compiled and self.system.assembly.prepare_step(self.t, *self._shifts) is not None
 
     @property
     def seconds(self) -> dict[str, float]:
@@ -302,12 +300,13 @@ class NewtonIteration:
             r.eta = max(r.eta, mismatch / max(1.0 - mismatch, 0.1))
         self._bind()
         step = asm.calls.step
-        step.sigma, step.second = shift, second
+        step.sigma, step.second = self._shifts = shift, second
+        self._plain = asm.plain
         r.tolerance, r.spacing = tolerance, RESOLUTION / tolerance
         r.finest = max(WORK_REFINEMENT * tolerance, WORK_FINEST_INCREMENT)
         r.work_limit = 0.0 if self.work is None else self.work.limit
         r.factored, r.current = self.has_factor, self._version == asm.version
-        r.contacts_apart = self.contacts is not None and asm.plain
+        r.contacts_apart = self.contacts is not None and self._plain
 
     def solve(self) -> int:
         """Iterate from the assembly's x, after ``begin``; returns PETSc's reason to end, negative without convergence."""
@@ -326,7 +325,7 @@ class NewtonIteration:
         self._use_python(
             *self._sums,
             *(() if compiled and alone else ("rows",)),
-            *(() if compiled and asm.plain else ("entries",)),
+            *(() if compiled and self._plain else ("entries",)),
             *(() if alone else ("factor", "solve")),
         )
         asm.weigh_next(self.weights)
