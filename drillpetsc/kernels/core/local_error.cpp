@@ -77,8 +77,9 @@ int keep_state(LocalErrorCall* c, const double* x, double t) {
     return c->count == c->kept;
 }
 
-// Add the local error of the last state.
-void add_local_error(LocalErrorCall* c) {
+// Keep the unknowns of x at the time t, and add their local error; 0 where there are too few states.
+int local_error_of_step(LocalErrorCall* c, const double* x, double t) {
+    if (!keep_state(c, x, t)) return 0;
     double ascending[MOST_STATES];
     const double* states[MOST_STATES];
     const int kept = c->kept, n = c->n;
@@ -92,5 +93,6 @@ void add_local_error(LocalErrorCall* c) {
         third_difference_weights(c->third, ascending, c->weights);
     const auto add = kept == 3 ? add_errors<3> : kept == 4 ? add_errors<4> : kept == 5 ? add_errors<5> : kept == 6 ? add_errors<6> : kept == 7 ? add_errors<7> : add_errors<8>;
     add(n, c->weights, states, c->net, c->total, c->largest);
+    return 1;
 }
 }

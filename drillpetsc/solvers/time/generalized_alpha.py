@@ -253,7 +253,8 @@ class GeneralizedAlpha(TimeIntegrator):
                 call(t, dt)
             # last, since it uses the results that the others have computed
             if self.work is not None:
-                self.work.after_step(t, dt, self.newton.last_rows(), self.input_time(t), self.jumped)
+                rows, over_jump = self.newton.arrays[1], self._steps_over_jump > 0
+                self.work.after_step(t, dt, rows, self.input_time(t), over_jump)
             # the limit by whirl is for the contacts of the accepted state (manual: sec-time-choice)
             if self.step_limit is not None and not self._fixed:
                 self._next_step = min(self._next_step, self.step_limit())

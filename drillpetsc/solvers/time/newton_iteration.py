@@ -135,8 +135,8 @@ class NewtonIteration:
             name: ctypes.cast(call, ctypes.c_void_p).value for name, call in self._python.items()
         }
         self._parts = _PartsCall()
-        self._chosen: tuple[str, ...] = ()
-        self._use_python(*self._sums)
+        self._compiled_parts = False, False, False  # rows, entries, factor and solution
+        self._use_python(*self._sums, "rows", "entries", "factor", "solve")
         record = _NewtonCall(
             flags=ctypes.addressof(self._flags),
             reasons=ctypes.addressof(self._reasons),
@@ -173,9 +173,6 @@ class NewtonIteration:
 
     def _use_python(self, *names: str) -> None:
         """Assign these parts to Python, and all others to the compiled record."""
-        if names == self._chosen:  # as in almost every solve
-            return
-        self._chosen = names
         for name, address in self._addresses.items():
             setattr(self._parts, name, address if name in names else None)
 
@@ -207,11 +204,8 @@ class NewtonIteration:
         array = np.ctypeslib.as_array(values, (n,))
         self.system.comm.tompi4py().Allreduce(MPI.IN_PLACE, [array, n, MPI.DOUBLE], operation)
 
-    def _bind(self) -> None:
+    def _bind(self, calls: StepCalls) -> None:
         """Take the records of the assembly's compiled calls, which change with its blocks."""
-        calls = self.system.assembly.calls
-        if calls is self._calls:
-            return
         self._calls = calls
         self.record.step, self.record.jacobian = calls.step_at, calls.jacobian_at
         if self.contacts is not None:
@@ -298,7 +292,8 @@ class NewtonIteration:
             # a factorisation at another shift leaves an error of this fraction in each iteration
             mismatch = abs((shift / r.lag_shift) ** 2 - 1.0)
             r.eta = max(r.eta, mismatch / max(1.0 - mismatch, 0.1))
-        self._bind()
+        if asm.calls is not self._calls:
+            self._bind(asm.calls)
         step = asm.calls.step
         step.sigma, step.second = self._shifts = shift, second
         self._plain = asm.plain
@@ -322,19 +317,18 @@ class NewtonIteration:
         if self._signature is not None:
             self._take_flags(self.system.contact_signature() == self._signature)
         alone = self.compiled and not self._sums
-        self._use_python(
-            *self._sums,
-            *(() if compiled and alone else ("rows",)),
-            *(() if compiled and self._plain else ("entries",)),
-            *(() if alone else ("factor", "solve")),
-        )
+        parts = compiled and alone, compiled and self._plain, alone
+        if parts != self._compiled_parts:  # in few solves
+            self._compiled_parts, (rows, entries, factor) = parts, parts
+            names = {"rows": rows, "entries": entries, "factor": factor, "solve": factor}
+            self._use_python(*self._sums, *(name for name, here in names.items() if not here))
         asm.weigh_next(self.weights)
         reason: int = _solve(self._at)
         asm.evaluations += r.evaluations
         if r.jacobians or r.contact_updates or r.factorisations:
             asm.version += 1
             self.factor.renewed(r.factorisations)
-            self.take_factor()
+            self._factored, self._version = self.factor.factorisations, asm.version
         if self._error is not None:
             error, self._error = self._error, None
             raise error
