@@ -342,7 +342,8 @@ class Assembly(BlockState):
 
     def weigh_next(self, c: tuple[float, float, float]) -> None:
         """Set the weights of the next entries that a compiled call computes; c: as for ``jacobian``."""
-        self._weights[:] = c
+        w = self._weights
+        w[0], w[1], w[2] = c
 
     def step_rows(
         self,

@@ -103,7 +103,7 @@ class BlockState:
         kernel: entry point of the results; columns: their number for one element.
         Do not change or keep the tables: the next evaluation overwrites them.
         """
-        found = self.block_results(block, kernel, columns)
+        found = self._results.get((id(block), kernel)) or self.block_results(block, kernel, columns)
         if self.kept is not None:
             self.asked[found] = True
             if found in self.kept:
@@ -154,7 +154,13 @@ class BlockState:
         index = self.index_of(block)
         if id(block) not in self._results_heads:
             at = pointer(index), pointer(block.params)
-            self._results_heads[id(block)] = len(index), index.shape[1], *at, block.context, *self.state_at[:2]
+            self._results_heads[id(block)] = (
+                len(index),
+                index.shape[1],
+                *at,
+                block.context,
+                *self.state_at[:2],
+            )
         return self._results_heads[id(block)]
 
     def dofs_of(self, name: str) -> np.ndarray:

@@ -79,7 +79,9 @@ class DiscreteSystem:
         ]
         #: components with reference frames
         self._framed = [
-            c for c in self.components if type(c).renew_reference_frames is not Component.renew_reference_frames
+            c
+            for c in self.components
+            if type(c).renew_reference_frames is not Component.renew_reference_frames
         ]
         #: of all components
         self.contact_flags = tuple(f for c in self.components for f in c.contact_flags())

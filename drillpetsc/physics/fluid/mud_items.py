@@ -60,7 +60,8 @@ class MudItems(Component):
     def __init__(self, items: tuple[MudItem, ...], current_well: Callable[[], Well]):
         self.items, self.current_well = items, current_well
         #: the hole of the last call that finds it, and the arguments of that call
-        self._packed, self._axes_call = np.zeros(0), (0, 0, 0, 0, 0, 0)
+        self._packed = np.zeros(0)
+        self._axes_call: tuple[int, ...] = ()
 
     def blocks(self, part) -> tuple[ElementBlock, ...]:
         self._chosen, self._vertices = local_vertices(part, np.array([q.node for q in self.items]))
