@@ -349,7 +349,7 @@ class BitFlow(Nozzle):
         """(7,) the columns of ``RESULTS``: lost power [W], flow [m3/s], kinetic and stored energy [J], content
         [m3] and potential [J] of the chamber, cuttings that enter it [m3/s at zero pressure]; this rank's; not to be changed."""
         block = self._block  # of one element at most, whose results are the sums
-        return state.results(block, f"{block.kernel}_results", RESULTS.width).sums
+        return state.results(block, block.results_kernel, RESULTS.width).sums
 
     def energies(self, t: float, state) -> Energies:
         results = self.element_results(state)
@@ -391,7 +391,7 @@ class BitFlow(Nozzle):
 
     def results_of(self, steps) -> FloatArray:
         """(k, 7) ``element_results`` after each of k recorded steps."""
-        return np.asarray(steps.sums(self._block, f"{self._block.kernel}_results", RESULTS.width))
+        return np.asarray(steps.sums(self._block, self._block.results_kernel, RESULTS.width))
 
     def energies_of(self, steps) -> tuple[Any, Any, Any]:
         return tuple(
