@@ -156,92 +156,6 @@ class Calibration:
         self.fixed: dict[str, float] = {}  # parameters that have the mean of their prior
         self.data = self._data()
 
-    def _placed_points(self, well: Well) -> tuple[SoftEnds, IntArray]:
-        """The strings at the bit depths of the points, and the number of its string for each point."""
-        case, points = self.case, self.points
-        end = float(case.given_well.survey.md[-1])
-        for i, point in enumerate(points):
-            if point.bit_depth > end + 1e-6:
-                want = f"at most {shown(end, 'length', self.units, 6)}, the end of the hole"
-                raise CaseError(
-                    at=f"measured[{i}].bit_depth",
-                    got=shown(point.bit_depth, "length", self.units, 6),
-                    want=want,
-                )
-        depths = sorted({point.bit_depth for point in points})
-        at = f"measured[{next(i for i, p in enumerate(points) if p.bit_depth == depths[0])}].bit_depth"
-        strings = [rows_at(case, depth, at) for depth in depths]
-        for i, point in enumerate(points):
-            unfit = strings[depths.index(point.bit_depth)].misfit
-            if unfit:
-                got, want = (
-                    shown(point.bit_depth, "length", self.units, 6),
-                    "a depth at which the string fits the hole",
-                )
-                raise CaseError(at=f"measured[{i}].bit_depth", got=got, want=want, hint=unfit)
-        return SoftEnds(well, strings, LONGEST_STEP), np.array(
-            [depths.index(point.bit_depth) for point in points]
-        )
-
-    def _loads_of_points(self) -> tuple[FloatArray, list[tuple[float | None, str]]]:
-        """(n, 4) weight on bit, its torque, axial velocity and rotation of each point; and its flow rate with the key that gives it."""
-        case, points = self.case, self.points
-        plan = plan_of(case)
-        loads: list[tuple[float, ...]] = []
-        flows: list[tuple[float | None, str]] = []
-        for point in points:
-            load = load_of(case, plan, point.operation)
-            speed = abs(load.axial_velocity) if point.speed is None else point.speed
-            if not speed:
-                speed = abs(
-                    load.axial_velocity
-                )  # a reading of 0 while tripping: the direction is what counts
-            on_bottom = point.operation in ("drilling", "sliding")
-            loads.append(
-                (
-                    point.wob if on_bottom and point.wob is not None else load.wob,
-                    load.torque if point.tob is None else point.tob,
-                    np.sign(load.axial_velocity) * speed,
-                    load.rotation if point.rpm is None else point.rpm,
-                )
-            )
-            key = f"measured[{len(flows)}].flow_rate"
-            own = point.flow_rate is not None
-            flows.append(
-                (
-                    point.flow_rate if own else load.flow,
-                    key if own else f"roadmap.{point.operation}.flow_rate",
-                )
-            )
-        return np.array(loads, dtype=float).reshape(-1, 4), flows
-
-    def _set_flow(self, flows: Sequence[tuple[float | None, str]]) -> None:
-        """Forces of flowing mud on the string of each point.
-
-        flows: rate [m3/s] of each point, and the key that gives it.
-        """
-        edges = [self.strings.edges[p] for p in self.placed]
-        self.lift = [np.zeros(len(q) - 1) for q in edges]
-        self.thrust = np.zeros(len(flows))
-        pumped = [(i, flow, at) for i, (flow, at) in enumerate(flows) if flow]
-        distinct = {(int(self.placed[i]), flow) for i, flow, _ in pumped}
-        if len(distinct) > MOST_FLOWS:
-            depth = np.array([self.points[i].bit_depth for i, _, _ in pumped])
-            rate = np.array([flow for _, flow, _ in pumped])
-            for low, high in _rates(rate):
-                some = [k for k, q in enumerate(rate) if low <= q <= high]
-                table = flow_table(self.case, depth[some], rate[some], FLOW_SPACING, pumped[some[0]][2])
-                for k in some:
-                    i = pumped[k][0]
-                    self.lift[i], self.thrust[i] = table.forces(depth[k], rate[k], edges[i])
-            return
-        found: dict[tuple[int, float], Circulation] = {}
-        for i, flow, at in pumped:
-            key = int(self.placed[i]), flow
-            if key not in found:
-                found[key] = circulation(self.case, self.points[i].bit_depth, flow, at)
-            self.lift[i], self.thrust[i] = found[key].lift(edges[i]), found[key].thrust
-
     def _data(self) -> Data:
         rows = []
         for i, point in enumerate(self.points):
@@ -622,17 +536,6 @@ class Calibration:
             if hook and self.points[i].operation == "rotate_off_bottom":
                 out.append((self.points[i], float(computed)))
         return out
-
-
-def _rates(rate: FloatArray) -> list[tuple[float, float]]:
-    """Ranges of the rates [m3/s], each so narrow that forces between its ends can be interpolated."""
-    out: list[tuple[float, float]] = []
-    for q in np.unique(rate):
-        if out and q <= FLOW_RANGE * out[-1][0]:
-            out[-1] = out[-1][0], float(q)
-        else:
-            out.append((float(q), float(q)))
-    return out
 
 
 def _correlation(covariance: FloatArray, i: int, j: int) -> float:
