@@ -18,7 +18,6 @@ from drillpetsc.arrays import FloatArray, IntArray
 from drillpetsc.case.blocks.roadmap import MeasuredPoint
 from drillpetsc.case.case import Case
 from drillpetsc.errors import CaseError, SolveError
-from drillpetsc.geometry.well import Well
 from drillpetsc.unit_systems import shown
 
 LONGEST_STEP = 25.0  # of the integration where the hole is straight: there it is exact without a helix [m]
