@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
+from dataclasses import replace
 
 import numpy as np
 
@@ -19,10 +20,10 @@ from drillpetsc.analysis.statics.static_problem import StaticState
 from drillpetsc.analysis.statics.top_on_wall import ACROSS, hold_where_it_lies
 from drillpetsc.arrays import FloatArray
 from drillpetsc.case.case import Case
-from drillpetsc.errors import CaseError
+from drillpetsc.errors import CaseError, SolveError
 from drillpetsc.model.drilling_model import DrillingModel
 from drillpetsc.physics.tools.mud_motor import MudMotor
-from drillpetsc.solvers.static.static_newton import StaticNewton
+from drillpetsc.solvers.static.static_newton import Equilibrium, StaticNewton
 
 #: of differences of the residual, relative: the wall yields by micrometres, beyond which a change of a diameter opens contacts
 RESIDUAL_STEP = 1e-7
@@ -64,13 +65,17 @@ class StaticTangent:
 
     def _solver(self, model: DrillingModel) -> StaticNewton:
         """Equations of a model at the state, with the friction of its motion."""
-        motion = prescribed_motion(model) if self.motion is None else self.motion
-        for component in model.components:
-            component.impose_sliding_direction(*motion, self.state.lateral_fraction, 0.0)
+        self._oppose(model)
         solver = StaticNewton(model.system, symmetric=model.conservative)
         if model.case.initial.wob is not None:
             set_weight_on_bit(model, solver, model.case.initial.wob)
         return solver
+
+    def _oppose(self, model: DrillingModel) -> None:
+        """Let the friction of a model oppose the motion."""
+        motion = prescribed_motion(model) if self.motion is None else self.motion
+        for component in model.components:
+            component.impose_sliding_direction(*motion, self.state.lateral_fraction, 0.0)
 
     @property
     def _top_held(self) -> bool:
@@ -110,6 +115,23 @@ class StaticTangent:
                 rows.append(self._rows_of(solver))
             bends = self._bends(points, rows, step) or self._opens(models)
         return models, bends or self._top_held
+
+    def solved(self, model: DrillingModel) -> StaticState:
+        """Put a model beside that of the state into its own equilibrium, by Newton's method from here; collective.
+
+        Raises SolveError if no stable state is near, or if the place of the top is part of the state.
+        """
+        if self.state.top_lies or self._top_held:
+            raise SolveError("the top lies on the wall")
+        solver, report = self._take(model, self.x), Equilibrium()
+        solver.newton(report, near=True)
+        for component in model.components:  # stability is counted without friction
+            component.impose_sliding_direction(0.0, 0.0)
+        if solver.negative_pivots():
+            raise SolveError("the state nearby is not stable")
+        self._oppose(model)
+        self._rows_of(solver)
+        return replace(self.state, equilibrium=report)
 
     def _take(self, model: DrillingModel, x: FloatArray, move: float = 0.0) -> StaticNewton:
         """Put a new model into the state with unknowns ``x``, its top ``move`` [m] further down; returns its equations."""

@@ -29,12 +29,9 @@ Named = tuple[tuple[str, float], ...]
 
 @dataclass(frozen=True)
 class _Solved:
-    """The state of a point.  start: (m,) place of the top before it was sought; motion: that friction opposes."""
+    """The state of a point: its tangent, None at the end of a path of friction; tension and torque at the top."""
 
-    model: DrillingModel
-    state: StaticState
-    start: FloatArray
-    motion: tuple[float, float]
+    tangent: StaticTangent | None
     ends: tuple[float, float]
 
 
@@ -51,6 +48,7 @@ class StiffForward:
         self._known: dict[Named, FloatArray] = {}
         self._at: Named | None = None  # parameters of the states
         self._states: dict[int, _Solved] = {}
+        self._last: dict[int, _Solved] = {}  # where the search for the next states begins
         self._failed: dict[int, str] = {}
         self._need_states()
 
@@ -94,6 +92,7 @@ class StiffForward:
     def _ends_of(self, named: Named) -> FloatArray:
         """(2, n) tension and torque, nan where there is no state; the states are kept until others are sought."""
         if named not in self._known:
+            self._last |= self._states
             self._at, self._states, failed = named, {}, {}
             mine: dict[int, tuple[float, float]] = {}
             for i in self._own_points():
@@ -132,12 +131,35 @@ class StiffForward:
         """Raises CaseError or SolveError for a point without a state."""
         case, load = self._case(values, i), self.soft.at(values).loads[i]
         motion = -float(load[2]), float(load[3])
-        model = build_model(case, PETSc.COMM_SELF, motion)
-        start = model.top.anchor.copy()
-        state = find_equilibrium(model, motion, False)
-        if not state.stable and state.path is None:
-            raise SolveError(f"the state is not stable ({state.equilibrium.negative_pivots} negative pivots)")
-        return _Solved(model, state, start, motion, self._read(model, values, i))
+        beside = self._beside(case, i)
+        if beside is None:
+            model = build_model(case, PETSc.COMM_SELF, motion)
+            start = model.top.anchor.copy()
+            state = find_equilibrium(model, motion, False)
+            if not state.stable and state.path is None:
+                raise SolveError(
+                    f"the state is not stable ({state.equilibrium.negative_pivots} negative pivots)"
+                )
+            ends = self._read(model, values, i)
+            try:
+                return _Solved(StaticTangent(model, state, start, motion), ends)
+            except CaseError:
+                return _Solved(None, ends)
+        model, state, start = beside
+        return _Solved(StaticTangent(model, state, start, motion), self._read(model, values, i))
+
+    def _beside(self, case: Case, i: int) -> tuple[DrillingModel, StaticState, FloatArray] | None:
+        """Model, state and place of its top before, from the last state of a point; None if there is none nearby."""
+        last = self._last.get(i)
+        if last is None or last.tangent is None:
+            return None
+        like = MeshOf(last.tangent.model.case, last.tangent.model.mesh)
+        try:
+            model = build_model(case, PETSc.COMM_SELF, last.tangent.motion, like=like)
+            start = model.top.anchor.copy()
+            return model, last.tangent.solved(model), start
+        except (SolveError, ValueError):
+            return None
 
     def _read(self, model: DrillingModel, values: Values, i: int) -> tuple[float, float]:
         """Tension and torque at the top; the torque on bit twists the string alike from end to end."""
@@ -157,11 +179,7 @@ class StiffForward:
             if solved is None:
                 mine |= {(name, i): (np.nan, np.nan) for name in names}
                 continue
-            try:
-                tangent = StaticTangent(solved.model, solved.state, solved.start, solved.motion)
-            except CaseError:  # the end of a path of friction
-                tangent = None
-            mine |= {(name, i): self._slope(tangent, at, name, i) for name in names}
+            mine |= {(name, i): self._slope(solved.tangent, at, name, i) for name in names}
         every, n = self._together(mine), len(self.soft.points)
         return {name: np.array([every[name, i] for i in range(n)]).T for name in names}
 
