@@ -249,8 +249,12 @@ class Calibrate(DrawnOperation):
         str | None,
         "A,B",
         "what is fitted: cased, open_hole, groups of sections by their ff_group, block_weight, weight_factor, running_drag, "
-        "sheave_efficiency (default: all friction factors)",
+        "sheave_efficiency, and numbers of the case such as fluid.density (default: all friction factors)",
     ] = None
+    model: Annotated[
+        Literal["soft", "stiff"],
+        "soft: soft string; stiff: the beam in static equilibrium, some seconds for each point",
+    ] = "soft"
     hold_out: Annotated[
         str | None,
         "SHARE|DEPTH",
@@ -281,6 +285,7 @@ class Calibrate(DrawnOperation):
             self.hold_out,
             None if self.errors is None else self.errors == "correlated",
             prior_option(self.prior),
+            self.model,
         )
         return run_calibrate(job, points, choices)
 
