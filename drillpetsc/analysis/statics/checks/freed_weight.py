@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from scipy.optimize import brentq
-
 from drillpetsc.analysis.statics.placement import prescribed_motion
 from drillpetsc.analysis.statics.start.soft_string_start import soft_string
 from drillpetsc.case.quantities import largest
@@ -26,6 +24,7 @@ def freed_weight(model: DrillingModel) -> float | None:
     sliding = soft_string(model, (lowering, 0.0))
     if sliding is None:
         return None
+    from scipy.optimize import brentq  # a slow import
 
     def longer(wob: float) -> float:
         turning = soft_string(model, (lowering, later), wob)
