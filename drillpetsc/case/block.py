@@ -32,7 +32,7 @@ class Block(BaseModel):
     """A block of the case file. Attribute names are the keys (`from` is `from_`)."""
 
     model_config = ConfigDict(
-        frozen=True, extra="forbid", populate_by_name=True, use_attribute_docstrings=False
+        frozen=True, extra="forbid", populate_by_name=True, use_attribute_docstrings=False, defer_build=True
     )
 
     unsupported_keys: ClassVar[tuple[str, ...]] = ()

@@ -20,7 +20,6 @@ Values = Iterable[dict[str, Any]]
 
 LEAST_DEPTH = 1.0  # of the top below the flow line that is reported [m]
 SMALL_TORQUE = 0.02  # share of the surface torque below which the swirl is not reported
-FREED_WEIGHT = 0.05  # change of the weight on bit over initial.wob from which it is reported
 STOP_SHARE = (
     1 / 3
 )  # of the force of spring and stop, from which a stop is reported: its force sets in gradually

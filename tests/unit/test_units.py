@@ -1,13 +1,14 @@
 """Units: expected values follow from the definitions in NIST SP 811 (2008), appendix B, and ISO 80000."""
 
 import math
+from typing import get_args
 
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from drillpetsc import units
+from drillpetsc import unit_systems, units
 from drillpetsc.unit_tables import DIMENSIONS
 from drillpetsc.units import UnitError, to_si, wanted
 from tests.helpers.tables import each_row
@@ -208,3 +209,21 @@ def test_a_power_of_a_power_is_refused_and_not_computed(text: str) -> None:
 )
 def test_numbers_that_belong_to_a_unit_stay(text: str, unit: str, value: float) -> None:
     assert to_si(text, unit) == pytest.approx(value, rel=1e-12)
+
+
+@each_row(
+    "text, unit", [("2.5 J", "J"), ("3 ft-lbf", "J"), ("0.29 rev/gal", "rad/m^3"), ("0.5 rev/l", "rad/m^3"), ("7 rad/m3", "rad/m^3")]
+)  # fmt: skip
+def test_units_of_tools_are_those_of_pint(text: str, unit: str) -> None:
+    number, spelling = text.split()
+    assert to_si(text, unit) == units._neat(units._convert_by_pint(float(number), spelling, unit, text))
+
+
+@each_row("kind", unit_systems.KINDS)
+def test_printing_needs_no_pint(kind: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Building its registry takes a third of a short run."""
+    monkeypatch.setattr(units, "_convert_by_pint", lambda *_: pytest.fail("pint"))
+    units._text_to_si.cache_clear()
+    for system in get_args(unit_systems.System):
+        for plot in (False, True):
+            unit_systems.display_unit(kind, system, plot)

@@ -8,7 +8,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from scipy.optimize import brentq
 
 from drillpetsc.analysis.hydraulics import rheology_fits
 from drillpetsc.analysis.hydraulics import trade_formulas as trade
@@ -134,6 +133,7 @@ def flow_at_pressure(flow: FlowModel, pressure: float, at: str) -> float:
     at: option or key of the pressure: `--spp` is that of the pump, before the surface line.
     Raises CaseError where the pressure is below that of the still mud, or beyond the largest flow.
     """
+    from scipy.optimize import brentq  # a slow import
 
     def excess(rate: float) -> float:
         flow.solve(rate)

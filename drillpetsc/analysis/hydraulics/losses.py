@@ -8,7 +8,6 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.optimize import brentq
 
 from drillpetsc.analysis.hydraulics import trade_formulas as trade
 from drillpetsc.analysis.hydraulics.flow_model import FlowModel
@@ -89,6 +88,8 @@ def critical_speed(law: Rheology, gap: float, slot: bool, density: float) -> flo
     """
     if law.consistency == 0.0:
         return 0.0
+    from scipy.optimize import brentq  # a slow import
+
     limit = 3470.0 - 1370.0 * law.index
     slowest, fastest = np.log(1e-18), np.log(1e6)
 

@@ -11,7 +11,6 @@ from drillpetsc.analysis.motion.integrator_choice import make_integrator
 from drillpetsc.case.case import Case
 from drillpetsc.model.drilling_model import build_model
 from drillpetsc.solvers import petsc_options as options
-from drillpetsc.solvers.linear.quadratic_eigenproblem import SLEPC_PREFIX, has_slepc
 
 
 @contextmanager
@@ -30,6 +29,10 @@ def _refuse_misspelt(case: Case, names: Iterable[str]) -> None:
     """Raise OptionError for such options.  An integrator is made only where one of them is not generally known."""
     known = {name.removeprefix("q_") for name in options.KNOWN_OPTIONS}
     doubtful = [name for name in options.unread(names) if name.removeprefix("q_") not in known]
+    if not doubtful:
+        return
+    from drillpetsc.solvers.linear.quadratic_eigenproblem import SLEPC_PREFIX, has_slepc  # imports scipy
+
     if has_slepc(float):  # which reads them when eigenvalues are sought
         doubtful = [name for name in doubtful if not name.startswith(SLEPC_PREFIX)]
     if doubtful:

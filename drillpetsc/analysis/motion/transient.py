@@ -33,6 +33,7 @@ from drillpetsc.case.case import Case
 from drillpetsc.case.quantities import largest
 from drillpetsc.doubts import doubts_at
 from drillpetsc.doubts.moments import End, Start
+from drillpetsc.doubts.motion import FREED_WEIGHT
 from drillpetsc.doubts.state import TopPush
 from drillpetsc.errors import RESTART_HINT, CaseError, Interrupted, SolveError, cannot_write
 from drillpetsc.model.drilling_model import DrillingModel, build_model, is_quasi_static
@@ -222,7 +223,7 @@ class TransientRun:
             else {},
             fixed_step=self.fixed_step,
             impact=np.inf if self.fixed_step is None else time_scales(model).impact,
-            freed_weight=freed_weight(model) if saved is None and from_statics else None,
+            freed_weight=freed_weight(model, FREED_WEIGHT) if saved is None and from_statics else None,
             libraries=() if saved is None else provenance.changed_libraries(saved.provenance),
             continued=saved is not None,
             accepted=bool(self.notes.get("accepted_changes")),
