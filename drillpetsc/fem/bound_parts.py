@@ -84,10 +84,14 @@ class BoundBlock:
         try:
             update(t)
         except Exception as error:
-            error.add_note(
-                f"in component {self.block.component}, element {self._numbers.min()} to {self._numbers.max()} of the string, time {t:g} s"
-            )
+            self.note_place(error, t)
             raise
+
+    def note_place(self, error: Exception, t: float) -> None:
+        """Add component, elements and time [s] to an error of ``update_parameters``."""
+        error.add_note(
+            f"in component {self.block.component}, element {self._numbers.min()} to {self._numbers.max()} of the string, time {t:g} s"
+        )
 
 
 class BlockResults:

@@ -54,6 +54,9 @@ from drillpetsc.time_function import Constant
 Part = TypeVar("Part")
 
 
+GAUSS = np.polynomial.legendre.leggauss(4)  # exact to degree 7
+
+
 @dataclass
 class DrillingModel:
     """All parts of a model.
@@ -497,12 +500,11 @@ def _line_load(load: LineLoad, mesh: StringMesh, section: bool, factor) -> list[
     factor: its factor as a function of time [s], None: constant.
     """
     f, m, out = np.array(load.force), np.array(load.moment), []
-    for e in range(len(mesh.upper)):
-        a, b, L = max(load.from_, mesh.upper[e]), min(load.to, mesh.lower[e]), mesh.length[e]
-        if b <= a:
-            continue
-        x, w = np.polynomial.legendre.leggauss(4)
-        x = ((b - a) * x / 2 + (a + b) / 2 - mesh.upper[e]) / L
+    for e in np.flatnonzero((mesh.upper < load.to) & (mesh.lower > load.from_)).tolist():
+        upper, lower = mesh.upper[e], mesh.lower[e]
+        a, b, L = max(load.from_, upper), min(load.to, lower), lower - upper
+        x, w = GAUSS
+        x = ((b - a) * x / 2 + (a + b) / 2 - upper) / L
         w = w * (b - a) / 2
         if section:
             shares, slopes = (w @ (1 - x), w @ x), (0.0, 0.0)

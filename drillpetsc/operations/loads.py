@@ -216,7 +216,6 @@ class Freepoint(CaseOperation):
     Returns `pairs`, a FreePoint for each pair, and `slope`, that of the line through them (None for one pull).
     """
 
-    petsc = False
     stretch: Annotated[
         Numbers, "E1,E2", "stretch at the surface under each pull, such as '24 in' or '10,24 in'"
     ]
@@ -250,8 +249,12 @@ class Calibrate(DrawnOperation):
         str | None,
         "A,B",
         "what is fitted: cased, open_hole, groups of sections by their ff_group, block_weight, weight_factor, running_drag, "
-        "sheave_efficiency (default: all friction factors)",
+        "sheave_efficiency, and numbers of the case such as fluid.density (default: all friction factors)",
     ] = None
+    model: Annotated[
+        Literal["soft", "stiff"],
+        "soft: soft string; stiff: the beam in static equilibrium, some seconds for each point",
+    ] = "soft"
     hold_out: Annotated[
         str | None,
         "SHARE|DEPTH",
@@ -282,6 +285,7 @@ class Calibrate(DrawnOperation):
             self.hold_out,
             None if self.errors is None else self.errors == "correlated",
             prior_option(self.prior),
+            self.model,
         )
         return run_calibrate(job, points, choices)
 

@@ -41,11 +41,12 @@ ROADMAP: tuple[SummaryKey, ...] = (
 CALIBRATE: tuple[SummaryKey, ...] = (
     SummaryKey("title", "", "Title of the case."),
     SummaryKey("units", "", "Units of printed and plotted figures; files are in SI."),
+    SummaryKey("model", "", "`soft` or `stiff`: the model of the string."),
     SummaryKey(
         "fit",
         "",
         "By parameter: value, 95 % interval, that of independent errors, and status: `determined`, `prior kept`, or `not determined` "
-        "with the reason; block weight in N, running drag in N s/m.",
+        "with the reason; block weight in N, running drag in N s/m, numbers of the case in SI.",
     ),
     SummaryKey("parameters", "", "Names of the parameters, in the order of `correlation`."),
     SummaryKey(

@@ -440,8 +440,11 @@ def test_compiled_soft_string_is_the_batch():
             rng.uniform(0, 1e4, n),
         )
         batch = soft_strings(hole, loads)
-        tension, torque = SoftEnds(well, [rows], 25.0).ends(loads, [lift[:, i].copy() for i in range(n)])
+        ends = SoftEnds(well, [rows], 25.0).ends(loads, [lift[:, i].copy() for i in range(n)])
+        tension, torque, *ratios = ends
         np.testing.assert_array_equal(np.isnan(tension), np.isnan(batch.tension[0]))
         np.testing.assert_allclose(tension, batch.tension[0], rtol=1e-10, atol=1e-6)
         np.testing.assert_allclose(torque, batch.torque[0], rtol=1e-10, atol=1e-6)
+        borne = ~np.isnan(tension)
+        np.testing.assert_allclose(np.array(ratios)[:, borne], batch.ratios.max(axis=1)[:, borne], rtol=1e-9)
         assert (batch.state == 2).any()

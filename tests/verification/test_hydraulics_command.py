@@ -167,6 +167,17 @@ def test_poiseuille_and_its_numbers():
     assert row.regime == "laminar" and row.volume == pytest.approx(np.pi / 4 * d**2 * length)
 
 
+def test_a_mud_that_thickens_fast_stays_laminar_at_any_speed():
+    """Re grows with v^(2 - n): n = 1.9 passes Re = 3470 - 1370 n first at (limit/Re)^10 times the speed, beyond 10 km/s."""
+    mud = {"model": "power_law", "index": 1.9, "consistency": 0.4}
+    string = [{"kind": "pipe", "length": 500.0, "od": 0.127, "id": 0.1}]
+    found = Hydraulics(case(string, None, {"density": 1000.0, "rheology": mud, "flow_rate": 0.02})).at(0.02)
+    (row,) = found.rows
+    speed = 0.02 / (np.pi / 4 * 0.1**2)
+    assert speed * ((3470 - 1370 * 1.9) / row.reynolds) ** 10 > 1e4
+    assert row.regime == "laminar" and row.critical_flow == np.inf
+
+
 CLOSING = {"vertical": "cases/vertical-2000m.yaml", "directional": "cases/directional.yaml"}
 
 

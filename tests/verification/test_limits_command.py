@@ -475,6 +475,30 @@ def test_free_point_by_the_line_through_several_pairs():
     assert slope(pairs[:1]) is None and slope([Pair(1.0, 1e5), Pair(0.9, 2e5)]) is None
 
 
+def test_free_point_below_a_bend():
+    """Friction in a bend of radius R leaves exp(-mu theta) of the pull: stretch P/EA [a + R/mu (1 - exp(-mu theta)) + b exp(-mu theta)].
+
+    Above a straight slant the weight's friction does not change with the pull (capstan; the tension holds the pipe to the upper side).
+    """
+    R, mu, theta, above, below = 600.0, 0.3, math.radians(60.0), 500.0, 700.0
+    build = above + R * theta
+    survey = {
+        "md": [0.0, above, build, 3500.0],
+        "inclination": [0.0, 0.0, theta, theta],
+        "azimuth": [0.0] * 4,
+    }
+    well = {"survey": survey, "sections": [{"kind": "open_hole", "diameter": 0.2159, "friction": mu}]}
+    string = case([tube(5, 4.276, 3000 / FT)], well, bottom="free")
+    left = math.exp(-mu * theta)
+    stretch = 120e3 / (E_STEEL * AREA * INCH**2) * (above + R / mu * (1 - left) + below * left)
+    found = free_point(string, Pair(stretch, 120e3))
+    assert found.length == pytest.approx(build + below, rel=1e-4)
+    assert found.arrives == pytest.approx(left, rel=1e-5)
+    assert found.frictionless == pytest.approx(stretch * E_STEEL * AREA * INCH**2 / 120e3, rel=1e-6)
+    pairs = [Pair(0.1 + stretch * f, 120e3 * f) for f in (0.5, 1.0, 1.5)]  # with a wrong zero
+    assert free_points(string, pairs)["slope"].length == pytest.approx(build + below, rel=1e-4)
+
+
 def test_pairs_of_stretch_and_pull_are_read():
     """Pounds are a force here; lists of one length; numbers with units."""
     (pair,) = read_pairs("24 in", "30 klb")

@@ -88,6 +88,21 @@ def test_torsion_of_pipe_and_collars():
     assert rates(m, "torsional")[:2] == pytest.approx([2.424, 7.936], rel=2e-3)
 
 
+def test_an_unstable_state_is_told_if_no_mode_of_the_list_grows(tmp_path: Path):
+    """Pinned column under 3.9 buckling loads: one lateral mode grows in each plane, with w1 sqrt(2.9). Among its torsional
+    modes none grows, which does not make the state stable."""
+    load = 3.9 * np.pi**2 * EI / L**2
+    top = {"kind": "top_drive", "rotation": 0.0, "hinged": True, "force": -load}
+    case = Case(string=[rod()], gravity=0.0, initial={"imperfection": 0.0}, top=top, bottom="pinned")
+    for kind, growing in (("torsional", 0), ("lateral", 2)):
+        result = run_modes(Job(case, tmp_path / kind), 3, kind=kind, about="rest")
+        assert not result.summary["stable"] and result.summary["negative_pivots"] == 2
+        assert result.summary["unstable"] == growing
+        assert any("growing modes are not among these" in line for line in result.lines) != bool(growing)
+    rate = (np.pi / L) ** 2 * np.sqrt(EI / MASS) * np.sqrt(2.9)
+    assert result.summary["margin"] == pytest.approx(rate, rel=1e-3)
+
+
 def test_critical_speed_of_a_joint():
     """4.0 x 3.5 in, 32 ft between tool joints: 4.76e6/l^2 sqrt(D^2 + d^2) = 171.57 rpm (API RP 7G), the first lateral mode
     of a pinned pipe with 30e6 psi and 489.5 lb/ft3 within 0.1 %."""

@@ -18,7 +18,8 @@ from drillpetsc.analysis.loads.torque_drag.roadmap import (
 from drillpetsc.analysis.sensitivities.points import Point, points_of
 from drillpetsc.analysis.sensitivities.roadmap import QUANTITIES, SoftRoadmap, outputs_of, own_friction
 from drillpetsc.analysis.sensitivities.solution import Found, number
-from drillpetsc.analysis.sensitivities.statics import RESIDUAL_STEP, RESOLUTION, StaticTangent
+from drillpetsc.analysis.sensitivities.static_tangent import RESIDUAL_STEP, StaticTangent
+from drillpetsc.analysis.sensitivities.statics import RESOLUTION
 from drillpetsc.analysis.statics.find_equilibrium import find_equilibrium
 from drillpetsc.case.case import Case
 from drillpetsc.errors import CaseError, SolveError

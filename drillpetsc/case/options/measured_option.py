@@ -14,6 +14,7 @@ from drillpetsc.case.files.measured_file import read_measured
 from drillpetsc.case.messages import case_error
 from drillpetsc.case.options.ranges import read_words
 from drillpetsc.case.quantities import BARE_NUMBERS
+from drillpetsc.case.schema import bare_unit_of
 from drillpetsc.errors import CaseError
 from drillpetsc.units import UnitError, to_si
 
@@ -51,9 +52,19 @@ FITTED = ("cased", "open_hole", *OTHER_FITS)
 
 
 def fit_option(text: str, case: Case) -> tuple[str, ...]:
-    """The parameters that `calibrate` fits; CaseError for a word that is not a parameter or a group of the case."""
+    """The parameters that `calibrate` fits; CaseError for a word that is not a parameter, a group of the case, or like a path."""
     groups = () if case.well is None else tuple(section.group for section in case.well.sections)
-    return read_words(text, tuple(dict.fromkeys([*FITTED, *groups])), "--fit")
+    words = [word.strip() for word in text.split(",")]
+    paths = [word for word in words if _is_path(word)]
+    read_words(
+        [word for word in words if word not in paths], tuple(dict.fromkeys([*FITTED, *groups])), "--fit"
+    )
+    return tuple(dict.fromkeys(words))
+
+
+def _is_path(word: str) -> bool:
+    """Whether a name is meant as the path of a number of the case, which is checked where it is changed."""
+    return "." in word or "[" in word
 
 
 def prior_option(texts: Sequence[str]) -> dict[str, tuple[float, float]]:
@@ -61,14 +72,16 @@ def prior_option(texts: Sequence[str]) -> dict[str, tuple[float, float]]:
     out = {}
     for text in texts:
         name, _, rest = text.partition("=")
-        unit = {"block_weight": "N", "running_drag": "N s/m"}.get(name.strip(), "")
+        name = name.strip()
+        unit = {"block_weight": "N", "running_drag": "N s/m"}.get(name, "")
+        unit = bare_unit_of(name, "SI") if _is_path(name) else unit
         mean, mark, sigma = rest.replace("±", "+-").partition("+-")
         try:
             found = to_si(mean.strip(), unit), to_si(sigma.strip(), unit)
         except UnitError:
             found = (0.0, 0.0)
-        if not mark or not name.strip() or not found[1] > 0:
+        if not mark or not name or not found[1] > 0:
             want = "NAME=MEAN+-SIGMA with a standard deviation above 0, such as cased=0.2+-0.05 or 'block_weight=623 kN+-10 kN'"
             raise CaseError(at="--prior", got=text, want=want)
-        out[name.strip()] = found
+        out[name] = found
     return out

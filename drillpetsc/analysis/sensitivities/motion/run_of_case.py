@@ -14,7 +14,7 @@ from drillpetsc.analysis.motion.session.live_outputs import LiveOutputs
 from drillpetsc.analysis.sensitivities.derivatives import LIMIT, ONE_SIDED
 from drillpetsc.analysis.sensitivities.keys import Key
 from drillpetsc.analysis.sensitivities.points import Point, points_of, refusal_of
-from drillpetsc.analysis.sensitivities.statics import RESIDUAL_STEP, StaticTangent
+from drillpetsc.analysis.sensitivities.static_tangent import RESIDUAL_STEP, StaticTangent
 from drillpetsc.analysis.statics.find_equilibrium import find_equilibrium
 from drillpetsc.analysis.statics.imperfection import add_imperfection_of_rest
 from drillpetsc.analysis.statics.placement import find_reactions, move_rigidly, place_along_hole, release

@@ -3,22 +3,20 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from functools import partial
 from typing import Any
 
 import numpy as np
 
 from drillpetsc.analysis.loads.torque_drag.left_out import bends_left_out, cutters_left_out
-from drillpetsc.analysis.loads.torque_drag.operations import KINDS, plan_of
+from drillpetsc.analysis.loads.torque_drag.operations import plan_of
 from drillpetsc.analysis.loads.torque_drag.readings.along_depth import RESAMPLES, Drift
 from drillpetsc.analysis.loads.torque_drag.readings.by_depth import alone_by_reading, drift_by_windows
-from drillpetsc.analysis.loads.torque_drag.readings.calibration import (
-    BOUNDS,
-    WEIGHT_ERROR,
-    Calibration,
-    Fit,
-)
+from drillpetsc.analysis.loads.torque_drag.readings.calibration import WEIGHT_ERROR, Calibration, Fit
+from drillpetsc.analysis.loads.torque_drag.readings.forward_stiff import StiffForward
 from drillpetsc.analysis.loads.torque_drag.readings.held_out import Prediction, hold_out_depth, predict
 from drillpetsc.analysis.loads.torque_drag.readings.reading import corrected_points
+from drillpetsc.analysis.loads.torque_drag.roadmap import MODELS
 from drillpetsc.analysis.motion.run_options import options_of
 from drillpetsc.case.blocks.roadmap import MeasuredPoint
 from drillpetsc.case.case import Case
@@ -30,7 +28,6 @@ from drillpetsc.output.files.run_folder import CALIBRATION_TABLE
 from drillpetsc.output.job import Job
 from drillpetsc.output.quantities.torque_drag import MEASURED
 from drillpetsc.output.result import RunResult
-from drillpetsc.output.shown_units import shown_unit
 from drillpetsc.unit_systems import System, shown
 
 FEWEST_DEPTHS = (
@@ -42,15 +39,16 @@ FEWEST_DEPTHS = (
 class Choices:
     """How points are fitted.
 
-    parameters: names of groups of sections, block_weight, weight_factor, running_drag; None: all friction factors.
+    parameters: names of groups of sections, of numbers of the rig, or of the case; None: all friction factors.
     hold_out: text of the option, points that are predicted; correlated: errors along depth, None: if the points are many.
-    priors: name -> (mean, standard deviation).
+    priors: name -> (mean, standard deviation); model: of the string, soft or stiff.
     """
 
     parameters: tuple[str, ...] | None = None
     hold_out: str | None = None
     correlated: bool | None = None
     priors: dict[str, tuple[float, float]] = field(default_factory=dict)
+    model: str = "soft"
 
 
 def run_calibrate(
@@ -70,14 +68,14 @@ def run_calibrate(
     if choices.hold_out is not None:
         below = hold_out_depth(choices.hold_out, points)
         points, held = (tuple(p for p in points if (p.bit_depth > below) == out) for out in (False, True))
+    forward = None if choices.model == "soft" else partial(StiffForward, comm=job.comm)
     with options_of(case):
-        work = Calibration(case, points, plan.hookload_excludes_block)
-        rest = Calibration(case, held, plan.hookload_excludes_block) if held else None
-    parameters = work.factors if choices.parameters is None else choices.parameters
-    unknown = [name for name in parameters if name not in (*KINDS, *work.factors, *BOUNDS)]
-    if unknown:
-        raise CaseError(at="--fit", got=unknown[0], want=", ".join([*work.factors, *BOUNDS]))
-    strange = [name for name in choices.priors if name not in parameters]
+        work = Calibration(case, points, plan.hookload_excludes_block, forward)
+        rest = Calibration(case, held, plan.hookload_excludes_block, forward) if held else None
+    asked = work.factors if choices.parameters is None else choices.parameters
+    parameters = tuple(dict.fromkeys(work.parameter(name).name for name in asked))
+    priors = {work.parameter(name).name: known for name, known in choices.priors.items()}
+    strange = [name for name in priors if name not in parameters]
     if strange:
         raise CaseError(
             at="--prior", got=strange[0], want=f"a parameter that is fitted: {', '.join(parameters)}"
@@ -86,10 +84,10 @@ def run_calibrate(
     if correlated is None:
         correlated = len({point.bit_depth for point in points}) >= FEWEST_DEPTHS
     notes = _notes(case, work, parameters)
-    fit = work.fit(parameters, correlated, choices.priors)
+    fit = work.fit(parameters, correlated, priors)
     drift, prediction = drift_by_windows(work, fit), None if rest is None else predict(work, fit, rest)
     warnings = _warnings(work, fit, parameters, drift)
-    summary = _summary(case, fit, system, warnings, notes) | {"readings": len(work.data.value)}
+    summary = _summary(case, work, fit, system, warnings, notes) | {"readings": len(work.data.value)}
     summary |= _of_depth(fit, drift, prediction)
     folder = job.make_folder()
     if job.comm.rank == 0:
@@ -187,7 +185,7 @@ def _notes(case: Case, work: Calibration, parameters: tuple[str, ...]) -> list[s
         )
     if any(item.friction is not None for item in case.string):
         notes.append("items with a friction of their own keep it")
-    return notes + cutters_left_out(case) + bends_left_out(case)
+    return notes + cutters_left_out(case) + (bends_left_out(case) if work.is_soft else [])
 
 
 def _warnings(work: Calibration, fit: Fit, parameters: tuple[str, ...], drift: Drift | None) -> list[str]:
@@ -195,7 +193,7 @@ def _warnings(work: Calibration, fit: Fit, parameters: tuple[str, ...], drift: D
     for name, reason in fit.reasons.items():
         held = work.default(name)
         also = not np.isnan(fit.value).all() and np.isfinite(held)
-        words = f"{shown(held, 'force', work.units)}" if name == "block_weight" else f"{held:.4g}"
+        words = work.parameter(name).shown(held, work.units)
         out.append(
             f"{name} is not determined: {reason}"
             + (f"; the others are found with {words} of the case" if also else "")
@@ -249,13 +247,16 @@ def weight_share(work: Calibration, read: float, computed: float) -> float:
     return (computed - read) / max(abs(read - work.block), 1.0)
 
 
-def _summary(case: Case, fit: Fit, system: System, warnings: list[str], notes: list[str]) -> dict[str, Any]:
+def _summary(
+    case: Case, work: Calibration, fit: Fit, system: System, warnings: list[str], notes: list[str]
+) -> dict[str, Any]:
     def plain(x: float) -> float | None:
         return None if np.isnan(x) else float(x)
 
     return {
         "title": case.title,
         "units": system,
+        "model": "soft" if work.is_soft else "stiff",
         "fit": {
             name: {
                 "value": plain(value),
@@ -284,15 +285,12 @@ def _status(fit: Fit, name: str) -> str:
 def _lines(case: Case, work: Calibration, fit: Fit, summary: dict[str, Any], system: System) -> list[str]:
     lines = [
         f"{case.title or 'case'}: calibration with {len(work.data.value)} readings of {len(work.points)} points"
+        + ("" if work.is_soft else f", {MODELS['stiff']}")
     ]
-    size, force = shown_unit("hook_load", "N", system)
     for name, value, width, own in zip(fit.parameters, fit.value, fit.interval, fit.independent, strict=True):
-        scale, unit = {"block_weight": (size, f" {force}"), "running_drag": (1e3, " kN per m/s")}.get(
-            name, (1.0, "")
-        )
-        words = {"cased": "friction, cased", "open_hole": "friction, open hole"}.get(
-            name, name.replace("_", " ") if name in BOUNDS else f"friction, {name}"
-        )
+        p = work.parameter(name)
+        (scale, unit), words = p.unit(system), p.words
+        unit = f" {unit}" if unit else ""
         if np.isnan(value):
             lines.append(f"  {words:<22} not determined: {fit.reasons[name]}")
         elif np.isnan(width):

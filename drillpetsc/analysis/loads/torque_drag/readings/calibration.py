@@ -1,18 +1,17 @@
-"""Friction factors from measured hook loads and torques: the fit, its intervals, and what the points do not determine.
+"""Friction factors and other numbers from measured hook loads and torques: the fit, its intervals, and what the points do not determine.
 
-Bounded nonlinear least squares of all points at once with the soft string (manual: sec-soft-string-calibration).
+Bounded nonlinear least squares of all points at once (manual: sec-soft-string-calibration). A forward model, the soft string or the
+beam, says what hangs at the top of the string; what the rig reads of it is computed here.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
+from typing import Protocol
 
 import numpy as np
 
-from drillpetsc.analysis.loads.torque_drag.batch import Columns
-from drillpetsc.analysis.loads.torque_drag.circulation import Circulation, circulation
-from drillpetsc.analysis.loads.torque_drag.operations import KINDS, groups_of, load_of, plan_of
 from drillpetsc.analysis.loads.torque_drag.readings.along_depth import (
     Lengths,
     block_length,
@@ -21,36 +20,20 @@ from drillpetsc.analysis.loads.torque_drag.readings.along_depth import (
     moving_blocks,
     small_sample,
 )
-from drillpetsc.analysis.loads.torque_drag.readings.flow_table import flow_table
+from drillpetsc.analysis.loads.torque_drag.readings.forward_soft import SoftForward, Values
+from drillpetsc.analysis.loads.torque_drag.readings.parameters import BLOCK_SHARE, Parameter
 from drillpetsc.analysis.loads.torque_drag.readings.sensor import DIRECTION, sensor_of
-from drillpetsc.analysis.loads.torque_drag.soft_ends import SoftEnds
-from drillpetsc.analysis.loads.torque_drag.string_rows import gravity_of, need_well, rows_at
-from drillpetsc.arrays import FloatArray, IntArray
+from drillpetsc.arrays import FloatArray
 from drillpetsc.case.blocks.roadmap import MeasuredPoint
 from drillpetsc.case.case import Case
 from drillpetsc.errors import CaseError, SolveError
-from drillpetsc.geometry.well import Well
 from drillpetsc.unit_systems import shown
 
-FACTOR_BOUNDS, FACTOR_STEP = (0.0, 1.0), 1e-4  # of every friction factor
-BOUNDS = {
-    "block_weight": (0.0, 5e6),
-    "weight_factor": (0.5, 1.5),
-    "running_drag": (0.0, 1e6),
-    "sheave_efficiency": (0.8, 1.0),
-}
-START = {
-    "cased": 0.25,
-    "open_hole": 0.3,
-    "weight_factor": 1.0,
-    "running_drag": 5e4,
-    "sheave_efficiency": 0.98,
-}
-STEP = {"block_weight": 10.0, "weight_factor": 1e-5, "running_drag": 10.0, "sheave_efficiency": 1e-6}
 RELATIVE_SIGMA, SMALLEST_SIGMA = 0.02, {"hook_load": 10e3, "surface_torque": 500.0}  # [N], [N m]
 SOFT_SCALE = 3.0  # of soft_l1, in standard errors
 LARGEST_CONDITION = 1e3  # of the scaled Jacobian
 SMALLEST_SPREAD = 3.0  # of hook loads with friction against those without, in standard errors
+UNIT_STEP = 1e-4  # of differences by a scaled unknown, so that all parameters have steps alike
 WEIGHT_ERROR = 0.02  # misfit of rotating off bottom that is reported as an error of the weight
 AT_BOUND = 1e-6
 ALIKE, WIDEST_ALIKE = (
@@ -59,12 +42,8 @@ ALIKE, WIDEST_ALIKE = (
 )  # correlation of two parameters of which neither is determined; half width from which
 FEWEST_WEIGHTS, SLOPE_BY_CHANCE = 4, 0.01  # rotating weights that show a slope with depth; probability of one
 PRIOR_KEPT = 0.8  # share of the prior's interval that is left, above which the points have added nothing
-#: half width of a 95 % interval beyond which a parameter is not determined: friction factors are between 0.1 and 0.5
-WIDEST_FACTOR, WIDEST = 0.25, {"weight_factor": 0.1, "running_drag": 1e5, "sheave_efficiency": 0.02}
-BLOCK_SHARE = 0.25  # that of the block weight, of the largest hook load read
-LONGEST_STEP = 25.0  # of the integration where the hole is straight: there it is exact without a helix [m]
-MOST_FLOWS, FLOW_SPACING = 60, 20.0  # steady flows beyond which they are interpolated; between bit depths [m]
-FLOW_RANGE = 2.0  # ratio of the rates between which they are
+LOCKED = 1e9  # computed reading of a string that locks up or has no state: it fits nothing
+MOST_EVALUATIONS = 60
 
 
 @dataclass(frozen=True)
@@ -115,10 +94,21 @@ class Fit:
         return {name: float(self.value[self.parameters.index(name)]) for name in self.kept}
 
 
+class Forward(Protocol):
+    """A model of the string: what hangs at its top at each of n points."""
+
+    def ends(self, sets: Sequence[Values]) -> tuple[FloatArray, FloatArray]:
+        """(tension [N], torque [N m]) at the top, (s, n) each, for s sets of parameters; nan where there is no state."""
+
+    def near(self, base: Values, sets: Sequence[Values]) -> tuple[FloatArray, FloatArray]:
+        """As ``ends``, of sets so near a ``base`` that they follow from its derivatives; each differs in one parameter."""
+
+
 class Calibration:
-    """Soft strings of measured points.
+    """Measured points beside what a model of the string gives for them.
 
     case: with a well; points: measured; excludes_block: hook loads were read without the block.
+    forward: from the soft strings to the model that is fitted, such as ``StiffForward``; None: the soft strings themselves.
     Raises CaseError for points that the string cannot reach.
     """
 
@@ -127,25 +117,14 @@ class Calibration:
         case: Case,
         points: tuple[MeasuredPoint, ...],
         excludes_block: bool = False,
+        forward: Callable[[SoftForward], Forward] | None = None,
     ) -> None:
-        well = need_well(case, "calibrate")
         self.case, self.points = case, points
+        self.soft = SoftForward(case, points)
+        self.forward: Forward = self.soft if forward is None else forward(self.soft)
         self.units = case.shown_units
-        gravity_of(case, "calibrate")
-        self.strings, self.placed = self._placed_points(well)
-        self.group = groups_of(case)
-        #: names of the groups of sections, each with one friction factor
-        self.factors = tuple(
-            dict.fromkeys([*(k for k in KINDS if (self.group == k).any()), *map(str, self.group)])
-        )
-        self.own = np.array([s.friction for s in case.given_well.sections])
-        self.loads, flows = self._loads_of_points()
-        self.pumped = any(flow for flow, _ in flows)
-        #: operations of points with the pumps off
-        self.still = tuple(
-            dict.fromkeys(p.operation for p, (flow, _) in zip(points, flows, strict=True) if not flow)
-        )
-        self._set_flow(flows)
+        self.factors, self.loads = self.soft.factors, self.soft.loads
+        self.pumped, self.still = self.soft.pumped, self.soft.still
         self.excludes_block = excludes_block
         block = None if case.rig is None else case.rig.block_weight
         self.block = 0.0 if excludes_block else (block or 0.0)
@@ -156,91 +135,23 @@ class Calibration:
         self.fixed: dict[str, float] = {}  # parameters that have the mean of their prior
         self.data = self._data()
 
-    def _placed_points(self, well: Well) -> tuple[SoftEnds, IntArray]:
-        """The strings at the bit depths of the points, and the number of its string for each point."""
-        case, points = self.case, self.points
-        end = float(case.given_well.survey.md[-1])
-        for i, point in enumerate(points):
-            if point.bit_depth > end + 1e-6:
-                want = f"at most {shown(end, 'length', self.units, 6)}, the end of the hole"
-                raise CaseError(
-                    at=f"measured[{i}].bit_depth",
-                    got=shown(point.bit_depth, "length", self.units, 6),
-                    want=want,
-                )
-        depths = sorted({point.bit_depth for point in points})
-        at = f"measured[{next(i for i, p in enumerate(points) if p.bit_depth == depths[0])}].bit_depth"
-        strings = [rows_at(case, depth, at) for depth in depths]
-        for i, point in enumerate(points):
-            unfit = strings[depths.index(point.bit_depth)].misfit
-            if unfit:
-                got, want = (
-                    shown(point.bit_depth, "length", self.units, 6),
-                    "a depth at which the string fits the hole",
-                )
-                raise CaseError(at=f"measured[{i}].bit_depth", got=got, want=want, hint=unfit)
-        return SoftEnds(well, strings, LONGEST_STEP), np.array(
-            [depths.index(point.bit_depth) for point in points]
-        )
+    @property
+    def own(self) -> FloatArray:
+        """(m,) friction of the hole's sections where no parameter says otherwise."""
+        return self.soft.own
 
-    def _loads_of_points(self) -> tuple[FloatArray, list[tuple[float | None, str]]]:
-        """(n, 4) weight on bit, its torque, axial velocity and rotation of each point; and its flow rate with the key that gives it."""
-        case, points = self.case, self.points
-        plan = plan_of(case)
-        loads: list[tuple[float, ...]] = []
-        flows: list[tuple[float | None, str]] = []
-        for point in points:
-            load = load_of(case, plan, point.operation)
-            speed = abs(load.axial_velocity) if point.speed is None else point.speed
-            if not speed:
-                speed = abs(
-                    load.axial_velocity
-                )  # a reading of 0 while tripping: the direction is what counts
-            on_bottom = point.operation in ("drilling", "sliding")
-            loads.append(
-                (
-                    point.wob if on_bottom and point.wob is not None else load.wob,
-                    load.torque if point.tob is None else point.tob,
-                    np.sign(load.axial_velocity) * speed,
-                    load.rotation if point.rpm is None else point.rpm,
-                )
-            )
-            key = f"measured[{len(flows)}].flow_rate"
-            own = point.flow_rate is not None
-            flows.append(
-                (
-                    point.flow_rate if own else load.flow,
-                    key if own else f"roadmap.{point.operation}.flow_rate",
-                )
-            )
-        return np.array(loads, dtype=float).reshape(-1, 4), flows
+    @own.setter
+    def own(self, friction: FloatArray) -> None:
+        self.soft.own = friction
 
-    def _set_flow(self, flows: Sequence[tuple[float | None, str]]) -> None:
-        """Forces of flowing mud on the string of each point.
+    @property
+    def is_soft(self) -> bool:
+        """Whether the model is the soft string, of which thousands of sets cost little."""
+        return self.forward is self.soft
 
-        flows: rate [m3/s] of each point, and the key that gives it.
-        """
-        edges = [self.strings.edges[p] for p in self.placed]
-        self.lift = [np.zeros(len(q) - 1) for q in edges]
-        self.thrust = np.zeros(len(flows))
-        pumped = [(i, flow, at) for i, (flow, at) in enumerate(flows) if flow]
-        distinct = {(int(self.placed[i]), flow) for i, flow, _ in pumped}
-        if len(distinct) > MOST_FLOWS:
-            depth = np.array([self.points[i].bit_depth for i, _, _ in pumped])
-            rate = np.array([flow for _, flow, _ in pumped])
-            for low, high in _rates(rate):
-                some = [k for k, q in enumerate(rate) if low <= q <= high]
-                table = flow_table(self.case, depth[some], rate[some], FLOW_SPACING, pumped[some[0]][2])
-                for k in some:
-                    i = pumped[k][0]
-                    self.lift[i], self.thrust[i] = table.forces(depth[k], rate[k], edges[i])
-            return
-        found: dict[tuple[int, float], Circulation] = {}
-        for i, flow, at in pumped:
-            key = int(self.placed[i]), flow
-            if key not in found:
-                found[key] = circulation(self.case, self.points[i].bit_depth, flow, at)
-            self.lift[i], self.thrust[i] = found[key].lift(edges[i]), found[key].thrust
+    def parameter(self, name: str) -> Parameter:
+        """A parameter by its name; raises CaseError."""
+        return self.soft.parameter(name)
 
     def _data(self) -> Data:
         rows = []
@@ -259,7 +170,7 @@ class Calibration:
         point_, hook, value, sigma_ = zip(*rows, strict=True)
         return Data(np.array(point_), np.array(hook), np.array(value, float), np.array(sigma_, float))
 
-    # ------------------------------------------------------------------ soft strings
+    # ------------------------------------------------------------------ readings
     def default(self, name: str) -> float:
         """Value of a parameter that is not fitted: of the case."""
         sensor = None if self.case.rig is None else self.case.rig.hookload_sensor
@@ -274,49 +185,50 @@ class Calibration:
         }
         if name in held:
             return held[name]
-        some = self.own[self.group == name]
+        key = self.parameter(name).key
+        if key is not None:
+            return key.value
+        some = self.own[self.soft.group == name]
         return float(some[-1]) if len(some) else np.nan
 
-    def computed(self, sets: list[dict[str, float]]) -> FloatArray:
-        """(s, n) readings for s sets of parameters; those not in a set are the case's."""
-        count, n = len(sets), len(self.points)
-        friction = np.empty((count, len(self.own)))
-        factor, block = np.ones(count), np.empty(count)
-        for j, given in enumerate(sets):
-            values = self.fixed | given
-            friction[j] = self.own
-            for name in self.factors:
-                if name in values:
-                    friction[j, self.group == name] = values[name]
-            factor[j] = values.get("weight_factor", 1.0)
-            block[j] = values.get("block_weight", self.block)
-        string, which = np.tile(np.arange(n), count), np.repeat(np.arange(count), n)
-        wob, torque, velocity, rotation = self.loads[string].T
-        columns = Columns(
-            self.placed[string],
-            friction[which],
-            np.ones(len(string)),
-            wob,
-            torque,
-            velocity,
-            rotation,
-            factor[which],
-            thrust=self.thrust[string],
-        )
-        tension, moment = self.strings.ends(columns, self.lift * count if self.pumped else None)
-        drag = np.array([(self.fixed | values).get("running_drag", 0.0) for values in sets])
-        hook = tension.reshape(count, n) + block[:, None] + drag[:, None] * self.loads[:, 2]
+    def computed(self, sets: list[dict[str, float]], forward: Forward | None = None) -> FloatArray:
+        """(s, n) readings for s sets of parameters; those not in a set are the case's.
+
+        forward: another model of the string than the one that is fitted.
+        """
+        given = [self.fixed | values for values in sets]
+        return self._read(given, *(forward or self.forward).ends(given))
+
+    def slopes(
+        self, values: dict[str, float], names: Sequence[str], forward: Forward | None = None
+    ) -> FloatArray:
+        """(k, n) change of the readings per unit of each parameter, at some values."""
+        base = self.fixed | values
+        upper, lower = [], []
+        for name in names:
+            p, here = self.parameter(name), base.get(name, self.default(name))
+            upper.append(base | {name: here + p.step})
+            lower.append(base | {name: max(here - p.step, p.bounds[0])})
+        sets = [*upper, *lower]
+        found = self._read(sets, *(forward or self.forward).near(base, sets))
+        wide = np.array([u[name] - w[name] for u, w, name in zip(upper, lower, names, strict=True)])
+        return np.asarray((found[: len(upper)] - found[len(upper) :]) / wide[:, None])
+
+    def _read(self, sets: list[dict[str, float]], tension: FloatArray, moment: FloatArray) -> FloatArray:
+        """(s, n) readings of strings with the tension [N] and torque [N m] (s, points) at their tops."""
+        block = np.array([values.get("block_weight", self.block) for values in sets])
+        drag = np.array([values.get("running_drag", 0.0) for values in sets])
+        hook = tension + block[:, None] + drag[:, None] * self.loads[:, 2]
         hook = self._over_sheaves(sets) * (hook + self.hidden) - self.hidden
-        moment = moment.reshape(count, n)
         d = self.data
         out = np.where(d.hook, hook[:, d.point], moment[:, d.point])
-        return np.where(np.isfinite(out), out, 1e9)  # a locked string fits nothing
+        return np.where(np.isfinite(out), out, LOCKED)
 
     def _over_sheaves(self, sets: list[dict[str, float]]) -> FloatArray:
         """(s, n) weight over the reading as it was corrected, over that with the set's efficiency of a sheave."""
         out, given = np.ones((len(sets), len(self.points))), sensor_of(self.case)
         for row, values in zip(out, sets, strict=True):
-            efficiency = (self.fixed | values).get("sheave_efficiency")
+            efficiency = values.get("sheave_efficiency")
             if efficiency is not None:
                 sensor = sensor_of(self.case, efficiency)
                 row *= [given.factor(q) / sensor.factor(q) for q in self.direction]
@@ -406,15 +318,13 @@ class Calibration:
         alike = np.abs(fit.covariance / np.sqrt(np.outer(np.diag(fit.covariance), np.diag(fit.covariance))))
         np.fill_diagonal(alike, 0.0)
         for i, name in enumerate(kept):
-            low, high = BOUNDS.get(name, FACTOR_BOUNDS)
+            low, high = self.parameter(name).bounds
             if best[i] in (low, high):
                 twins = [i, *np.flatnonzero(alike[i] > ALIKE)]
-                why = f"{name} is at its bound {best[i]:g}: the points ask for a value beyond it"
+                why = f"{name} is at its bound {self._words(name, best[i])}: the points ask for a value beyond it"
                 return {kept[j]: why + self._alike(kept, int(j), fit.covariance) for j in twins}
         for i, j in zip(*np.nonzero(np.triu(alike > ALIKE)), strict=True):
-            if any(
-                width[m] > WIDEST_ALIKE for m in (i, j) if kept[m] not in ("block_weight", "running_drag")
-            ):
+            if any(width[m] > self._widest_alike(kept[m]) for m in (i, j)):
                 why = f"the points do not tell {kept[i]} from {kept[j]} (correlation {_correlation(fit.covariance, int(i), int(j)):.3f})"
                 return {kept[i]: why, kept[j]: why}
         bad = self._widest(kept, width)
@@ -449,7 +359,7 @@ class Calibration:
             f"weight wrong: the rotating weight as read is {from_} above the computed one at {top} and {to} at {end}; an error of "
             "the string's weight that changes with depth"
         )
-        return {name: why for name in kept if name not in BOUNDS}
+        return {name: why for name in kept if self.parameter(name).is_factor}
 
     def _weighted(self, computed: FloatArray, names: tuple[str, ...], best: FloatArray) -> FloatArray:
         """(n + p,) weighted residuals of the readings, then of the priors."""
@@ -495,11 +405,23 @@ class Calibration:
         spread = np.sqrt(np.diag(covariance) * self._variance(residual, freedom))
         return np.asarray(student.ppf(0.975, freedom) * spread), covariance
 
+    def _widest_alike(self, name: str) -> float:
+        """Half width from which a parameter that acts like another one is not determined; never for a force."""
+        p = self.parameter(name)
+        if p.key is not None:
+            return WIDEST_ALIKE * p.key.size
+        return np.inf if name in ("block_weight", "running_drag") else WIDEST_ALIKE
+
+    def allowed(self, name: str) -> float:
+        """Half width of an interval beyond which a parameter is not determined [SI]."""
+        widest = self.parameter(name).widest
+        hook = np.abs(self.data.value[self.data.hook])
+        return BLOCK_SHARE * float(hook.max(initial=0.0)) if widest is None else widest
+
     def _widest(self, names: tuple[str, ...], width: FloatArray) -> str | None:
         """The parameter whose interval is widest against the largest one that still tells something; None where all do."""
-        hook = np.abs(self.data.value[self.data.hook])
-        largest = {**WIDEST, "block_weight": BLOCK_SHARE * float(hook.max(initial=0.0))}
-        over = np.array([w / largest.get(name, WIDEST_FACTOR) for name, w in zip(names, width, strict=True)])
+        with np.errstate(divide="ignore"):
+            over = width / np.array([self.allowed(name) for name in names])
         return names[int(np.nanargmax(over))] if np.nanmax(over, initial=0.0) > 1 else None
 
     @staticmethod
@@ -518,7 +440,10 @@ class Calibration:
 
     def _words(self, name: str, value: float) -> str:
         """A value of a parameter as text."""
-        return shown(value, "force", self.units) if name == "block_weight" else f"{value:.3g}"
+        if name == "block_weight":
+            return shown(value, "force", self.units)
+        p = self.parameter(name)
+        return f"{value:.3g}" if p.key is None else p.shown(value, self.units)
 
     @staticmethod
     def _variance(residual: FloatArray, freedom: int) -> float:
@@ -526,17 +451,25 @@ class Calibration:
         return float(residual @ residual / freedom)
 
     def _solve(self, names: tuple[str, ...]) -> tuple[FloatArray, FloatArray]:
-        """(best values (k,), Jacobian of the weighted residuals there (n, k))."""
+        """(best values (k,), Jacobian of the weighted residuals there (n, k)); the beam starts at what the soft string finds."""
+        some = [self.parameter(name) for name in names]
+        first = [self.default(q.name) if q.start is None else q.start for q in some]
+        best, jacobian = self._solve_with(self.soft, names, np.array(first))
+        return (best, jacobian) if self.is_soft else self._solve_with(self.forward, names, best)
+
+    def _solve_with(
+        self, forward: Forward, names: tuple[str, ...], first: FloatArray
+    ) -> tuple[FloatArray, FloatArray]:
         from scipy.optimize import least_squares
 
         d = self.data
-        units = np.array([STEP.get(name, FACTOR_STEP) / FACTOR_STEP for name in names])  # scaled unknowns
+        units = np.array([self.parameter(name).step / UNIT_STEP for name in names])  # scaled unknowns
 
         def parameters(x: FloatArray) -> dict[str, float]:
             return dict(zip(names, map(float, x * units), strict=True))
 
         def residual(x: FloatArray) -> FloatArray:
-            return self._weighted(self.computed([parameters(x)])[0], names, x * units)
+            return self._weighted(self.computed([parameters(x)], forward)[0], names, x * units)
 
         known = [i for i, name in enumerate(names) if name in self.priors]
         of_priors = np.zeros((len(known), len(names)))
@@ -544,33 +477,24 @@ class Calibration:
             row[i] = np.sqrt(self.readings_alike) * units[i] / self.priors[names[i]][1]
 
         def jacobian(x: FloatArray) -> FloatArray:
-            h = FACTOR_STEP
-            upper, lower = (
-                np.tile(x, (len(x), 1)) + h * np.eye(len(x)),
-                np.tile(x, (len(x), 1)) - h * np.eye(len(x)),
-            )
-            lower = np.maximum(lower, low)
-            values = self.computed([parameters(row) for row in (*upper, *lower)])
-            change = values[: len(x)] - values[len(x) :]
-            return np.vstack([(change / np.diag(upper - lower)[:, None] / d.sigma).T, of_priors])
+            slopes = self.slopes(parameters(x), names, forward) * units[:, None]
+            return np.vstack([(slopes / d.sigma).T, of_priors])
 
-        low, high = np.array([BOUNDS.get(name, FACTOR_BOUNDS) for name in names]).T / units
-        start = np.array([START.get(name, self.default(name)) for name in names]) / units
-        start = np.clip(start, low + 1e-9 * (high - low), high - 1e-9 * (high - low))
+        low, high = np.array([self.parameter(name).bounds for name in names]).T / units
+        start = np.clip(first / units, low + 1e-9 * (high - low), high - 1e-9 * (high - low))
         found = least_squares(
             residual, start, jac=jacobian, bounds=(low, high), method="trf", loss="soft_l1", f_scale=SOFT_SCALE,
-            xtol=1e-7, ftol=1e-9, gtol=1e-9, max_nfev=60,
+            xtol=1e-7, ftol=1e-9, gtol=1e-9, max_nfev=MOST_EVALUATIONS,
         )  # fmt: skip
         if not found.success:
-            raise SolveError(f"the friction factors were not found: {found.message}")
+            raise SolveError(f"the parameters were not found: {found.message}")
         at = AT_BOUND * (high - low)
         best = np.where(found.x - low < at, low, np.where(high - found.x < at, high, found.x))
         return best * units, jacobian(best) / units
 
-    @staticmethod
-    def _unclear(names: tuple[str, ...], jacobian: FloatArray) -> str | None:
+    def _unclear(self, names: tuple[str, ...], jacobian: FloatArray) -> str | None:
         """The parameter that takes most part in a combination which the points do not determine; None if all are clear."""
-        scaled = jacobian * np.array([STEP.get(name, FACTOR_STEP) / FACTOR_STEP for name in names])
+        scaled = jacobian * np.array([self.parameter(name).step / UNIT_STEP for name in names])
         _, s, v = np.linalg.svd(scaled, full_matrices=False)
         if s[0] > LARGEST_CONDITION * s[-1]:
             return names[int(np.argmax(np.abs(v[-1])))]
@@ -580,10 +504,10 @@ class Calibration:
         """Parameters that no point can determine, with the reason."""
         out: dict[str, str] = {}
         d = self.data
-        names = [name for name in parameters if name not in BOUNDS]
+        names = [name for name in parameters if self.parameter(name).is_factor]
         base = dict.fromkeys(names, 0.0)
         sets = [base, *({**base, name: 0.5} for name in names)]
-        values = self.computed(sets)
+        values = self.computed(sets, self.soft)
         sections = self.case.given_well.sections
         deepest = max(point.bit_depth for point in self.points)
         for k, name in enumerate(names, 1):
@@ -592,13 +516,14 @@ class Calibration:
                 continue
             above = 0.0
             reached = False
-            for section, group in zip(sections, self.group, strict=True):
+            for section, group in zip(sections, self.soft.group, strict=True):
                 reached |= bool(group == name) and deepest > above + 1.0
                 above = section.to
             if not reached:
                 out[name] = "no point has the bit in such a section"
             elif not (np.abs(values[k] - values[0]) > SMALLEST_SPREAD * d.sigma).any():
                 out[name] = "a friction factor of 0.5 changes no reading by more than 3 standard errors"
+        out |= self._numbers_without_effect(parameters)
         if "block_weight" in parameters and not d.hook.any():
             out["block_weight"] = "no hook load was read"
         elif "block_weight" in parameters and self.excludes_block:
@@ -614,6 +539,20 @@ class Calibration:
             out.setdefault(name, "fewer readings than parameters")
         return out
 
+    def _numbers_without_effect(self, parameters: tuple[str, ...]) -> dict[str, str]:
+        """Numbers of the case whose largest change is less than the errors of the readings."""
+        out: dict[str, str] = {}
+        for name in parameters:
+            p = self.parameter(name)
+            if p.key is None:
+                continue
+            values = self.computed([{}, *({name: end} for end in p.bounds)], self.soft)
+            known = (values < LOCKED).all(axis=0)
+            if not (np.ptp(values, axis=0) > SMALLEST_SPREAD * self.data.sigma)[known].any():
+                low, high = (p.shown(q, self.units) for q in p.bounds)
+                out[name] = f"values from {low} to {high} change no reading by more than 3 standard errors"
+        return out
+
     # ------------------------------------------------------------------ checks
     def weight_misfit(self, best: dict[str, float] | None = None) -> list[tuple[MeasuredPoint, float]]:
         """Points rotating off bottom with their hook load as computed, as it was read [N].  best: factors, the case's without."""
@@ -622,17 +561,6 @@ class Calibration:
             if hook and self.points[i].operation == "rotate_off_bottom":
                 out.append((self.points[i], float(computed)))
         return out
-
-
-def _rates(rate: FloatArray) -> list[tuple[float, float]]:
-    """Ranges of the rates [m3/s], each so narrow that forces between its ends can be interpolated."""
-    out: list[tuple[float, float]] = []
-    for q in np.unique(rate):
-        if out and q <= FLOW_RANGE * out[-1][0]:
-            out[-1] = out[-1][0], float(q)
-        else:
-            out.append((float(q), float(q)))
-    return out
 
 
 def _correlation(covariance: FloatArray, i: int, j: int) -> float:

@@ -1,4 +1,4 @@
-"""What the soft string leaves out of readings: errors that are alike along depth (manual: sec-calibrate-prediction).
+"""What a model of the string leaves out of readings: errors that are alike along depth (manual: sec-calibrate-prediction).
 
 Friction and weight change from one stretch of hole to the next. Neighbouring readings share an error, and each has its own. All of
 these are normal; their sizes have wide priors and follow from the fitted readings. The prediction is the mean of the readings below,
@@ -12,7 +12,7 @@ from functools import cached_property
 
 import numpy as np
 
-from drillpetsc.analysis.loads.torque_drag.readings.calibration import FACTOR_STEP, STEP, Calibration
+from drillpetsc.analysis.loads.torque_drag.readings.calibration import Calibration
 from drillpetsc.arrays import FloatArray
 
 SECTION = 1000.0  # distance over which friction and weight change: a section of a well [m]
@@ -72,9 +72,7 @@ def relative(work: Calibration, values: dict[str, float], names: tuple[str, ...]
     d, wanted = work.data, (*names, deepest, "weight_factor")
     computed = work.computed([values])[0]
     size = np.maximum(np.abs(computed), TINY * np.abs(computed).max())
-    steps = np.array([STEP.get(name, FACTOR_STEP) for name in wanted])
-    at = [{**values, q: values.get(q, work.default(q)) + h} for q, h in zip(wanted, steps, strict=True)]
-    change = ((work.computed(at) - computed) / steps[:, None] / size).T
+    change = (work.slopes(values, wanted) / size).T
     error, noise = (d.value - computed) / size, np.ones(len(size))
     for rows in (d.hook, ~d.hook):
         noise[rows] = np.maximum((error[rows] / (FAR_OFF * _scatter(error[rows]))) ** 2, 1.0)
