@@ -395,6 +395,7 @@ OUTPUT_TABLES = {
     "outputs/sensitivities.md": ("sensitivities.csv", "column"),
     "outputs/sensitivities-history.md": ("sensitivities_history.csv", "column"),
     "outputs/uncertain.md": ("uncertain.csv", "column"),
+    "outputs/uncertain-limits.md": ("uncertain_limits.csv", "column"),
     "outputs/uncertain-shares.md": ("uncertain_shares.csv", "column"),
     "outputs/limits.md": ("limits.csv", "column"),
     "outputs/contacts.md": ("contacts.csv", "column"),

@@ -223,43 +223,22 @@ class Well:
         return self.section_kind[min(int(np.searchsorted(self.section_to, md)), len(self.section_kind) - 1)]
 
     # ------------------------------------------------------------------ growth
-    def extended(
-        self,
-        md: float,
-        position: ArrayLike,
-        tangent: ArrayLike,
-        radius: float | None = None,
-        friction: float | None = None,
-    ) -> Well:
-        """Return this well with one more node.
-
-        The last section becomes longer, or a new open-hole section is added if radius or friction differ
-        from it.
+    def extended(self, md: float, position: ArrayLike, tangent: ArrayLike) -> Well:
+        """Return this well with one more node, to which the last section reaches.
 
         md: of the node [m], below the last node; position: (3,) [m]; tangent: (3,).
-        radius: of the new hole [m]; friction: [-]; None: as in the last section.
 
         Raises ValueError if the node is not below the last one.
         """
         if md <= self.node_md[-1]:
             raise ValueError(f"the new node at {md} m must lie below the last one at {self.node_md[-1]} m")
         t = np.asarray(tangent, dtype=float)
-        r = float(self.section_radius[-1]) if radius is None else radius
-        f = float(self.section_friction[-1]) if friction is None else friction
-        new = (r, f) != (
-            self.section_radius[-1],
-            self.section_friction[-1],
-        ) and md - self.depth >= SHORTEST_SECTION
-        to = np.r_[self.section_to, md] if new else np.r_[self.section_to[:-1], max(md, self.depth)]
         return replace(
             self,
             node_md=np.r_[self.node_md, md],
             node_position=np.vstack([self.node_position, np.asarray(position, dtype=float)]),
             node_tangent=np.vstack([self.node_tangent, t / np.linalg.norm(t)]),
-            section_to=to,
-            section_radius=np.r_[self.section_radius, r] if new else self.section_radius,
-            section_friction=np.r_[self.section_friction, f] if new else self.section_friction,
-            section_kind=(*self.section_kind, "open_hole") if new else self.section_kind,
+            section_to=np.r_[self.section_to[:-1], max(md, self.depth)],
         )
 
     def cut(self, md: float) -> Well:

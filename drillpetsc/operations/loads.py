@@ -225,9 +225,11 @@ class Freepoint(CaseOperation):
 
     def compute(self, job: Any) -> Any:
         from drillpetsc.analysis.loads.limits.free_point import free_points
+        from drillpetsc.analysis.motion.run_options import options_of
         from drillpetsc.case.options.free_point_options import read_pairs
 
-        return free_points(job.case, read_pairs(self.stretch, self.pull))
+        with options_of(job.case):
+            return free_points(job.case, read_pairs(self.stretch, self.pull))
 
 
 class Calibrate(DrawnOperation):

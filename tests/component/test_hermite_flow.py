@@ -134,3 +134,10 @@ def test_reference_flow_has_no_jumps():
         assert reference.rate(t) == pytest.approx(
             (reference.value(t + h) - reference.value(t - h)) / (2 * h), rel=1e-6
         )
+
+
+def test_the_chamber_ends_where_the_face_is():
+    """Far from the end of the hole its volume is that about the bit and the hole's area times the gap; closed, that about the bit."""
+    bit = build("pipe_annulus_bit").components[-1]
+    assert bit._chamber_volume(2.0) == pytest.approx(bit.end.volume + 2.0 * bit.end.hole, rel=1e-12)
+    assert bit._chamber_volume(-2.0) == pytest.approx(bit.end.volume, rel=1e-12)

@@ -83,20 +83,26 @@ def test_rows_of_a_link(kind):
         assert result[RESULTS["jet"]] == pytest.approx(q * thin / link.area, rel=1e-12)
 
 
-@each_row("kind", ["pipe_annulus_bit", "pipe_annulus_bit_held"])
+@each_row("kind", ["pipe_annulus_bit", "pipe_annulus_bit_held", "pipe_bit"])
 def test_power_of_a_link(kind):
     """Lost in the nozzles, and given to mud that leaves with the string's speed V: rho0 q V^2/2; the rest is of the velocity
-    heads at the nodes (manual: eq-mud-side-power)."""
+    heads at the nodes (manual: eq-mud-side-power).  A jet in the open takes its velocity head and its enthalpy along."""
     system = build(kind)
     asm, side = system.assembly, system.components[-1]
     ready = next(b for b in asm.bound_blocks if b.block.name == "side_nozzles")
-    heads = sum(c.velocity_power(*side._beside, asm) for c in (side.bore, side.annulus))
-    want = side.element_results(asm)[:, RESULTS["lost"]].sum()
+    heads = sum(c.velocity_power(*side._beside, asm) for c in (side.bore, side.annulus) if c is not None)
+    found, q, given = side.element_results(asm), asm.x[ready.index[:, -1]], 0.0
+    want = found[:, RESULTS["lost"]].sum()
     if "held" not in kind:
-        speed = asm.y[ready.index[:, :3]]
-        want += 0.5 * 3.0 * asm.x[ready.index[:, -1]] @ np.sum(speed**2, axis=1)
+        want += 0.5 * 3.0 * q @ np.sum(asm.y[ready.index[:, :3]] ** 2, axis=1)
+    if "annulus" not in kind:
+        jet = found[:, RESULTS["jet"]] ** 2 + np.sum(asm.y[ready.index[:, :3]] ** 2, axis=1)
+        place = asm.x[ready.index[:, :3]] @ side.fluid.gravity
+        want -= 0.5 * 3.0 * q @ jet
+        given = -q @ (-60.0 * np.expm1(-0.7 / 60.0) - 3.0 * place + 0.5 * 3.0 * jet)
     powers = side.powers(0.4, asm)
-    assert powers.dissipated - heads == pytest.approx(want, rel=1e-12) and powers.supplied == 0
+    assert powers.dissipated - heads == pytest.approx(want, rel=1e-12)
+    assert powers.supplied == pytest.approx(given, rel=1e-12)
 
 
 @pytest.mark.parametrize("kind", ["pipe_annulus_bit", "pipe_annulus_bit_held"])

@@ -107,12 +107,29 @@ def test_tumbling_rod_keeps_its_energy():
     """
     system = tumbling()
     before, energies = sum(system.energies(0.0)), []
-    integrate(
+    integrator = integrate(
         system, 10.0, fixed(0.01, ts_type="alpha2"), lambda t, dt: energies.append(sum(system.energies(t)))
     )
     change = np.array(energies) / before - 1
     assert change.max() < 1e-6
     assert change[-1] == pytest.approx(-4.26e-5, rel=0.05)
+    assert integrator.damped_above() == pytest.approx(integrator.damped_product() / 0.01, rel=1e-9)
+
+
+def test_a_rejected_step_is_repeated_by_the_order_of_its_error(monkeypatch):
+    """The local error goes with h^3: one of 8 halves the step, times the safety factor 0.9."""
+    steps, errors = [], iter([8.0])
+    error, solve = GeneralizedAlpha._error, GeneralizedAlpha._solve_step
+    monkeypatch.setattr(GeneralizedAlpha, "_error", lambda self: next(errors, error(self)))
+
+    def counted(self, end, h):
+        steps.append(h)
+        return solve(self, end, h)
+
+    monkeypatch.setattr(GeneralizedAlpha, "_solve_step", counted)
+    integrate(tumbling(), 0.05, {"ts_type": "alpha2", "ts_rtol": 1e-2, "ts_adapt_safety": 0.9})
+    assert steps[1] == steps[0]  # the first step is a trial of its own
+    assert steps[2] == pytest.approx(0.9 * 0.5 * steps[1], rel=1e-9)
 
 
 @pytest.mark.parametrize("tolerance", [1e-2, 1e-3])

@@ -54,6 +54,8 @@ def test_stiffness_of_the_line(tmp_path):
     assert got["hook_load"] == pytest.approx(1.2e6 - 25e3 * G, rel=1e-4)
     # at rest: the statics of the string is that of the block
     assert np.abs(got["block_position"] - 20).max() < 1e-8
+    got, _ = history(hanging(HOIST | {"tare": True}, pull, 0.1), tmp_path / "tared")
+    assert got["hook_load_sensor"] == pytest.approx(1.2e6 - 25e3 * G, rel=1e-4)
 
 
 @pytest.mark.parametrize(("lines", "rope"), [(10, {}), (8, {"crown_height": 45.0, "height": 12.0})])

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from drillpetsc import limits, statics
-from drillpetsc.analysis.loads.limits.free_point import free_point, free_points, slope
+from drillpetsc.analysis.loads.limits.free_point import StuckString, free_points, slope
 from drillpetsc.analysis.loads.limits.limits import run_limits
 from drillpetsc.analysis.loads.limits.table import Choices
 from drillpetsc.case import Case
@@ -443,14 +443,14 @@ def tube(outer: float, inner: float, feet: float) -> dict[str, Any]:
 )
 def test_free_point_of_one_size(outer, inner, inches, klb, feet, tolerance):
     """5 in 19.50: 10,547 ft (LAP); tubing 2 7/8 and 3 1/2: 5,663 and 5,180 ft (LAP, DF)."""
-    found = free_point(case([tube(outer, inner, 12000)]), Pair(inches * INCH, klb * KLB))
+    found = StuckString(case([tube(outer, inner, 12000)])).find(inches * INCH, 0.0, klb * KLB)
     assert found.length is not None and found.length / FT == pytest.approx(feet, rel=tolerance)
 
 
 def test_stretch_of_the_whole_string():
     """8,500 ft of area W/3.4 in2, W 23.52 lb/ft, under 230 klb: 113.05 in (DF, with E A instead of the weight)."""
     outer = math.sqrt(4.276**2 + 4 / math.pi * 23.52 / 3.4)
-    found = free_point(case([tube(outer, 4.276, 8500)]), Pair(100 * INCH, 230 * KLB))
+    found = StuckString(case([tube(outer, 4.276, 8500)])).find(100 * INCH, 0.0, 230 * KLB)
     assert found.whole / INCH == pytest.approx(113.05, rel=1e-4)
 
 
@@ -460,9 +460,9 @@ def test_free_point_in_a_tapered_string():
     rigid = {"kind": "body", "length": 10 * FT, "mass": 500.0}
     string = case([first, rigid, second])
     each = [12000.0 / (30e6 * math.pi / 4 * (a**2 - b**2)) * 50e3 for a, b in ((5, 4.276), (3.5, 2.602))]
-    found = free_point(string, Pair((each[0] + 0.25 * each[1]) * INCH, 50 * KLB))
+    found = StuckString(string).find((each[0] + 0.25 * each[1]) * INCH, 0.0, 50 * KLB)
     assert found.length is not None and found.length / FT == pytest.approx(1260.0, rel=1e-9)
-    assert free_point(string, Pair((sum(each) + 0.1) * INCH, 50 * KLB)).length is None
+    assert StuckString(string).find((sum(each) + 0.1) * INCH, 0.0, 50 * KLB).length is None
 
 
 def test_free_point_by_the_line_through_several_pairs():
@@ -491,7 +491,7 @@ def test_free_point_below_a_bend():
     string = case([tube(5, 4.276, 3000 / FT)], well, bottom="free")
     left = math.exp(-mu * theta)
     stretch = 120e3 / (E_STEEL * AREA * INCH**2) * (above + R / mu * (1 - left) + below * left)
-    found = free_point(string, Pair(stretch, 120e3))
+    found = StuckString(string).find(stretch, 0.0, 120e3)
     assert found.length == pytest.approx(build + below, rel=1e-4)
     assert found.arrives == pytest.approx(left, rel=1e-5)
     assert found.frictionless == pytest.approx(stretch * E_STEEL * AREA * INCH**2 / 120e3, rel=1e-6)

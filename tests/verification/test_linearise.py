@@ -83,6 +83,22 @@ def test_a_prescribed_rotation_acts_by_its_rate_too(tmp_path):
         result.to_control()
 
 
+def test_the_delay_of_a_drive_is_a_delay(tmp_path):
+    """Torque by set point of PI control with delay d: H C/(1 + H C/(J s)), C = p + i/s, H = exp(-d s) up to (w d)^5/720."""
+    p, i, inertia, delay = 8e3, 4e3, 2900.0, 0.1
+    control = {"kind": "pi", "p": p, "i": i, "delay": delay}
+    case = free_string(
+        COLLAR | {"length": 10.0}, 2, rotation=5.0, control=control, motor={"inertia": inertia}
+    )
+    frequency = np.array([0.3, 0.8, 1.5])
+    system = drillpetsc.linearise(case, ["top.rotation"], ["motor_torque"], tmp_path / "r").system
+    s = 2j * np.pi * frequency
+    whole = inertia + m.DENSITY * np.pi / 32 * (COLLAR["od"] ** 4 - COLLAR["id"] ** 4) * 10.0
+    loop = np.exp(-delay * s) * (p + i / s)
+    exact = loop / (1 + loop / (whole * s))
+    assert np.abs(system.response(frequency)[:, 0, 0] / exact - 1).max() < 3e-3
+
+
 @pytest.mark.parametrize("q, order", [(PIPE, 20), (PIPE, 9), (COLLAR, 8)], ids=["C30", "odd", "collar"])
 @pytest.mark.parametrize("method", ["balanced", "modal"])
 def test_reduced_models(q, order, method, tmp_path):

@@ -139,10 +139,20 @@ def test_jacobian_of_the_reamer(mode):
     )
     system.set_field("string.tangent", model.tangent + 0.05 * rng.standard_normal((model.mesh.nodes, 3)))
     asm.v0[:] = 0.1 * rng.standard_normal(len(asm.v0))
-    asm.v0[system.layout.dofs["string.spin"][6]] = 3.0
+    spin = system.layout.dofs["string.spin"][6]
     if mode != "motion":
         (reamer.impose_sliding_direction if mode == "statics" else reamer.impose_drilling)(0.1, 3.0)
     x0, here = asm.x[:-1].copy(), asm.layout.index(reamer._block)[0]
+    if mode == "motion":  # at slip over radius cutters have about 1/sqrt(2) of their torque, backwards none
+        rounding = reamer.law.slip / reamer.law.radius
+        for speed in (rounding, -rounding):
+            asm.v0[spin] = speed
+            residual(system, x0, 0.0)
+            omega = max(asm.y[spin].item(), 0.0)
+            weight, torque = reamer.element_results(asm)[:2]
+            whole = weight * reamer.law.torque_cut / reamer.law.cut
+            assert torque == pytest.approx(whole * omega / np.hypot(omega, rounding), rel=1e-9)
+    asm.v0[spin] = 3.0
     residual(system, x0, 0.0)
     weight, *_, stored, _ = reamer.element_results(asm)
     assert weight > 0
@@ -162,6 +172,14 @@ def test_jacobian_of_the_reamer(mode):
         r = [rows(x0 + k * e) for k in (-2, -1, 1, 2)]
         slope = (r[0] - 8 * r[1] + 8 * r[2] - r[3]) / (12 * 1e-5)
         assert (np.abs(K[:, j] - slope) <= 2e-7 * np.maximum(np.abs(K).max(axis=1), 100.0)).all(), j
+    if mode == "motion":  # places along the hole are measured from any point of its axis
+        cut = []
+        for shift in (0.0, 0.3):
+            reamer.params["point"] = reamer.params["point"] + shift * reamer.params["axis"]
+            reamer.params["place"] = reamer.params["place"] + shift
+            reamer.first_cut(asm)
+            cut.append(asm.x[here[8:]].copy())
+        assert np.ptp(cut[0]) > 0 and cut[1] == pytest.approx(cut[0], rel=1e-9)
 
 
 def test_the_hole_has_both_diameters():

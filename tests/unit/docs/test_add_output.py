@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
@@ -19,12 +20,26 @@ TITLE = "wall_friction_power [W]"
 
 
 @pytest.fixture
-def extended(monkeypatch: pytest.MonkeyPatch) -> None:
+def extended(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
     """The page's declaration, as if it stood at the end of physics/quantities.py."""
     declaration = re.findall(r"^```python\n(.*?)^```$", PAGE.read_text(), re.MULTILINE | re.DOTALL)[0]
     monkeypatch.setattr(quantities, "CONTACT", quantities.CONTACT)  # the old tuple comes back after the test
     monkeypatch.setattr(quantities, "_wall_friction_power", None, raising=False)
     exec(declaration, vars(quantities))
+    _forget()
+    yield
+    _forget()
+
+
+def _forget() -> None:
+    """Let the catalogue read the declarations again."""
+    for known in (
+        catalogue.listed_by_file,
+        catalogue.outputs_by_file,
+        catalogue.all_quantities,
+        catalogue.find,
+    ):
+        known.cache_clear()
 
 
 def test_the_new_column_is_the_power_of_friction(extended: None, tmp_path: Path) -> None:

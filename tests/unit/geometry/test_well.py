@@ -361,8 +361,6 @@ def test_extended_well_continues_the_curve():
         [radius * (1 - np.cos(7.3 / radius)), 0, 100 + radius * np.sin(7.3 / radius)], abs=1e-9
     )
     assert np.linalg.norm(k) == pytest.approx(1 / radius, rel=1e-4)
-    wider = longer.extended(120, longer.at(120)[0], longer.at(120)[1], radius=0.12, friction=0.3)
-    assert wider.radius([105, 119]) == pytest.approx([0.10795, 0.12])
     with pytest.raises(ValueError, match="below"):
         longer.extended(109, [0, 0, 0], [0, 0, 1])
 

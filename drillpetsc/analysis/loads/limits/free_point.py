@@ -100,11 +100,6 @@ class StuckString:
         return float(self.upper[k] + share * (self.lower[k] - self.upper[k])), k
 
 
-def free_point(case: Case, pair: Pair) -> FreePoint:
-    """Find the free length for a stretch under a pull."""
-    return StuckString(case).find(pair.stretch, 0.0, pair.pull)
-
-
 def slope(pairs: Sequence[Pair]) -> tuple[float, float, float] | None:
     """The line through several pairs: rise of the stretch [m] between the lowest and the highest pull [N]; None for one pull alone.
 

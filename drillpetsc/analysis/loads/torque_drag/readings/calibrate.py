@@ -74,7 +74,11 @@ def run_calibrate(
         rest = Calibration(case, held, plan.hookload_excludes_block, forward) if held else None
     asked = work.factors if choices.parameters is None else choices.parameters
     parameters = tuple(dict.fromkeys(work.parameter(name).name for name in asked))
-    priors = {work.parameter(name).name: known for name, known in choices.priors.items()}
+    try:
+        priors = {work.parameter(name).name: known for name, known in choices.priors.items()}
+    except CaseError as error:
+        error.at = "--prior"
+        raise
     strange = [name for name in priors if name not in parameters]
     if strange:
         raise CaseError(
