@@ -12,7 +12,7 @@ from typing import Any
 
 from drillpetsc.case.files.own_function import name_of
 from drillpetsc.case.files.yaml_text import read_value
-from drillpetsc.case.key_paths import parsed
+from drillpetsc.case.key_paths import Path, parsed, written
 from drillpetsc.case.quantities import with_text
 from drillpetsc.errors import CaseError
 
@@ -43,24 +43,34 @@ def override(data: Mapping[str, Any], change: str) -> dict[str, Any]:
     if not separator or not key.strip():
         raise CaseError(got=change, want="KEY=VALUE, such as top.rotation=90 rpm")
     result = copy.deepcopy(dict(data))
-    *parents, last = parsed(key.strip())
+    path = parsed(key.strip())
     target: Any = result
-    for step in parents:
-        if isinstance(step, str) and isinstance(target, dict):
-            target = target.setdefault(step, {})
-        elif isinstance(step, int) and isinstance(target, list) and step < len(target):
-            target = target[step]
+    for depth, step in enumerate(path):
+        if not (
+            isinstance(target, dict)
+            if isinstance(step, str)
+            else isinstance(target, list) and step < len(target)
+        ):
+            raise _no_such_path(path, depth, target)
+        if depth == len(path) - 1:
+            target[step] = read_value(value)
         else:
-            raise CaseError(at=key.strip(), want="a key path inside the case")
-    if isinstance(last, int):
-        if not isinstance(target, list) or last >= len(target):
-            raise CaseError(at=key.strip(), want="a key path inside the case")
-        target[last] = read_value(value)
-    elif isinstance(target, dict):
-        target[last] = read_value(value)
-    else:
-        raise CaseError(at=key.strip(), want="a key path inside the case")
+            target = target.setdefault(step, {}) if isinstance(target, dict) else target[step]
     return result
+
+
+def _no_such_path(path: Path, depth: int, there: Any) -> CaseError:
+    """The error for a key path whose entry ``depth`` does not exist in what is ``there``, one level above it."""
+    above, step = written(path[:depth]), path[depth]
+    if isinstance(there, list):
+        example = above + "[0]" + (f".{step}" if isinstance(step, str) else "")
+        want = f"an entry of {above}, a list of {len(there)}, such as {example}"
+    elif isinstance(there, dict):
+        want = f"a key: {above or 'the case'} is a block and no list"
+    else:
+        block = f"{{kind: {there}, {step}: ..}}" if isinstance(there, str) else "{..}"
+        want = f"a path of keys: {above} is {there!r} and no block; give it as a whole, {above}={block}"
+    return CaseError(at=written(path), want=want)
 
 
 def text_of(value: Any) -> str:

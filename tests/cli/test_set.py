@@ -46,7 +46,14 @@ def test_keys_and_blocks_are_changed(case, tmp_path, capsys):
     [
         ("string[0].od=-1", "drillpetsc: string[0].od\n  given:   -1"),
         ("fluid", "KEY=VALUE, such as top.rotation=90 rpm"),
-        ("string[3].od=1", "a key path inside the case"),
+        ("string[3].od=1", "an entry of string, a list of 1, such as string[0]"),
+        ("string.od=1", "an entry of string, a list of 1, such as string[0].od"),
+        ("title[0]=1", "title is 'hanging' and no block"),
+        (
+            "bottom.plugged=1",
+            "bottom is 'free' and no block; give it as a whole, bottom={kind: free, plugged: ..}",
+        ),
+        ("material[0]=1", "material is a block and no list"),
         ("material=off", "on and off only for a block of physics"),
     ],
 )

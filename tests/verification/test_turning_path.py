@@ -212,3 +212,36 @@ def test_the_coarse_mesh_of_a_fine_one_follows_no_path(monkeypatch, tmp_path) ->
     monkeypatch.setattr(equilibrium, "answer_by_path", followed)
     assert statics(made, tmp_path / "b").summary["hook_load"] == pytest.approx(expected, rel=1e-6)
     assert min(meshes) < 100 < max(meshes)
+
+
+def test_a_turning_string_that_slides_on_is_not_told_as_sliding(tmp_path) -> None:
+    """Pipe that a level hole's friction does not resist while it turns coils above the bend. Its axial forces are those without
+    friction along the hole: the hook carries the buoyed weight of the vertical depth less the weight on bit."""
+    radius = 300.0 / (np.pi / 2)
+    survey = {
+        "md": [0.0, 1200.0, 1500.0, 2400.0],
+        "inclination": [0, 0, "90 deg", "90 deg"],
+        "azimuth": [0.0] * 4,
+    }
+    sections = [{"to": 2400.0, "kind": "open_hole", "diameter": 0.1556, "friction": 0.25}]
+    string = [
+        {"kind": "pipe", "length": 2399.7, "od": 0.0889, "id": 0.0702},
+        {"kind": "bit", "length": 0.3, "od": 0.1556, "mass": 30.0},
+    ]
+    weight = 7850 * np.pi / 4 * (0.0889**2 - 0.0702**2) * 9.80665
+    result = statics(
+        Case(
+            well={"survey": survey, "sections": sections},
+            string=string,
+            top={"kind": "top_drive", "rotation": "80 rpm"},
+            bottom={"kind": "bit", "friction": 0.0},
+            initial={"wob": 60e3},
+        ),
+        tmp_path / "out",
+    )
+    assert result.summary["path"] == "sliding" and result.summary["buckling"]["helical"]
+    said = [line for line in result.summary["warnings"] if line.startswith("question answered")]
+    assert len(said) == 1 and "steady turning" in said[0]
+    assert not any("held by friction" in line for line in result.summary["warnings"])
+    vertical = (1200.0 + radius) * weight
+    assert result.summary["hook_load"] == pytest.approx(vertical - 60e3, rel=2e-3)

@@ -105,7 +105,7 @@ class PathAnswer:
                 out.append("the table is that of the string from a straight start")
             elif self.ends[0].start == "buckled" and not self.failed:
                 out.append(
-                    "its buckles creep along the wall while it slides; the state is that after "
+                    f"its buckles creep along the wall while it {'turns' if self.turns else 'slides'}; the state is that after "
                     f"{text(self.ends[0].slid, 'length')} from its lateral equilibrium"
                 )
             measure = "torque or force" if self.turns else what

@@ -64,6 +64,7 @@ def slides_on(problem: StaticProblem) -> bool:
             (end,),
             path.seeds,
             model.case.top.force is not None,
+            path.turns,
             held_end=end_is_held(model),
             may_slack_off=may_slack_off(model, state.motion),
         )
