@@ -71,6 +71,12 @@ CALIBRATE: tuple[SummaryKey, ...] = (
         "",
         "By quantity: readings that were predicted, bias, rms, 95th percentile and largest error over the reading, share in the band; null without --hold-out.",
     ),
+    SummaryKey(
+        "next_readings",
+        "",
+        "Readings that would determine what is not determined: operation, bit depth in m, quantity, and half widths of the intervals "
+        "expected with it and those before it; empty if nothing is missing, or no readings would do.",
+    ),
     SummaryKey("warnings", "", "Why a result is unreliable."),
     SummaryKey("notes", "", "Assumptions, and omissions of the model."),
 )
