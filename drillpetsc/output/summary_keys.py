@@ -45,8 +45,8 @@ CALIBRATE: tuple[SummaryKey, ...] = (
     SummaryKey(
         "fit",
         "",
-        "By parameter: value, 95 % interval, that of independent errors, and status: `determined`, `prior kept`, or `not determined` "
-        "with the reason; block weight in N, running drag in N s/m, numbers of the case in SI.",
+        "By parameter: value, 95 % interval, that of independent errors, SI unit, and status: `determined`, `prior kept`, or "
+        "`not determined` with the reason.",
     ),
     SummaryKey("parameters", "", "Names of the parameters, in the order of `correlation`."),
     SummaryKey(

@@ -263,6 +263,7 @@ def _summary(
                 "value": plain(value),
                 "interval": None if np.isnan(width) else [float(value - width), float(value + width)],
                 "independent_interval": None if np.isnan(own) else [float(value - own), float(value + own)],
+                "unit": work.parameter(name).si_unit,
                 "status": _status(fit, name),
             }
             for name, value, width, own in zip(

@@ -22,7 +22,7 @@ from drillpetsc.case.files.measured_file import OPERATIONS
 from drillpetsc.errors import CaseError, SolveError
 from drillpetsc.unit_systems import shown
 
-MOST = 3  # readings that are proposed
+MOST = 6  # readings that are proposed
 TURNING = ("rotate_off_bottom", "drilling", "backreaming")
 OFF_BOTTOM = (
     "trip_in",
@@ -50,10 +50,12 @@ class NextReading:
 
 
 def next_readings(work: Calibration, fit: Fit) -> list[NextReading]:
-    """Up to three readings with which all parameters would be determined; none if no readings can do so.
+    """Up to six readings with which all parameters would be determined; none if no readings can do so.
 
     The information of the fitted readings, J^T J, grows by that of each reading that the soft string computes with the numbers found.
     """
+    from scipy.stats import t as student
+
     values = {name: work.default(name) for name in fit.parameters} | work.fixed | fit.best
     names = tuple(name for name in fit.parameters if np.isfinite(values[name]))
     wanted = [k for k, name in enumerate(names) if name in fit.reasons]
@@ -73,9 +75,12 @@ def next_readings(work: Calibration, fit: Fit) -> list[NextReading]:
     sigma = np.maximum(RELATIVE_SIGMA * np.abs(computed), least)
     rows = (trial.slopes(values, names) / sigma * goal[:, None]).T
     rows[np.abs(computed) > 0.1 * LOCKED] = 0.0
-    spread = 1.96 * np.sqrt(max(fit.chi2, 1.0) if np.isfinite(fit.chi2) else 1.0)
+    freedom, scatter = _scatter(
+        own, (work.computed([values], work.soft)[0] - work.data.value) / work.data.sigma
+    )
     out: list[NextReading] = []
     while len(out) < MOST:
+        spread = scatter * float(student.ppf(0.975, max(freedom + len(out) + 1, 1)))
         found = [_widths(power + np.outer(row, row), spread, alone) for row in rows]
         missing = np.array([lacks[wanted] for _, lacks in found])
         best = int(np.argmin(np.maximum(np.log(missing), 0.0).sum(axis=1)))
@@ -87,6 +92,13 @@ def next_readings(work: Calibration, fit: Fit) -> list[NextReading]:
         if (missing[best] <= 1).all():
             return out
     return []
+
+
+def _scatter(slopes: FloatArray, residual: FloatArray) -> tuple[int, float]:
+    """(readings to spare, their root mean square beside the best values), of weighted slopes (k, n) and residuals (n,); at least 1."""
+    left = residual - slopes.T @ np.linalg.lstsq(slopes.T, residual, rcond=None)[0]
+    freedom = len(residual) - len(slopes)
+    return freedom, max(float(np.sqrt(left @ left / freedom)), 1.0) if freedom > 0 else 1.0
 
 
 def _widths(power: FloatArray, spread: float, alone: FloatArray) -> tuple[FloatArray, FloatArray]:
