@@ -74,7 +74,7 @@ def test_twin(model, seeds, depths):
     ratio = twin.Twin(model, depths).errors(range(seeds))
     held = (np.abs(ratio) <= 1).mean()
     assert held >= (0.88 if model == "soft" else 0.73)
-    assert np.abs(ratio).mean() == pytest.approx(0.39, abs=0.1 if model == "soft" else 0.2)
+    assert np.abs(ratio).mean() == pytest.approx(0.40, abs=0.1 if model == "soft" else 0.2)
 
 
 OPEN = ("cased", "open_hole"), (1200, 1400, 1520)  # 20 m of open hole
@@ -156,6 +156,13 @@ def test_beam_refuses_by_name(tmp_path):
     plugged = {"bottom": {"kind": "free", "plugged": True}}
     with pytest.raises(CaseError, match="--model"):
         run_calibrate(Job(case(fluid=fluid, **plugged), tmp_path / "c"), synthetic(), Choices(model="stiff"))
+
+
+def test_point_without_a_state_is_named(tmp_path):
+    """Pipe of 1100 kg/m3 floats in its mud: the soft string pulls it down, the beam has no state."""
+    floating = case(**MUD).replace({"string[0].material.density": "1100 kg/m3"})
+    with pytest.raises(CaseError, match=r"measured\[0\]"):
+        run_calibrate(Job(floating, tmp_path / "c"), synthetic(), Choices(model="stiff"))
 
 
 def test_options():
