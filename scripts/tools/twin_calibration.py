@@ -1,6 +1,6 @@
 """Twin experiments of `calibrate`: readings of known parameters with noise, and how often the 95 % intervals hold the truth.
 
-The table of the manual (sec-verif-calibrate) comes from:  scripts/twin-calibration soft 100;  scripts/twin-calibration stiff 100
+The table of the manual (verif-twin-calibration) comes from:  scripts/twin-calibration soft 100;  scripts/twin-calibration stiff 100
 """
 
 from __future__ import annotations
