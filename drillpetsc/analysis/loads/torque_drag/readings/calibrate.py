@@ -74,8 +74,9 @@ def run_calibrate(
         work = Calibration(case, points, plan.hookload_excludes_block, forward)
         rest = Calibration(case, held, plan.hookload_excludes_block, forward) if held else None
     asked = work.factors if choices.parameters is None else choices.parameters
-    parameters = tuple(dict.fromkeys(work.parameter(name).name for name in asked))
-    priors = {work.parameter(name).name: known for name, known in choices.priors.items()}
+    named = {name: work.parameter(name).name for name in asked}
+    parameters = tuple(dict.fromkeys(named.values()))
+    priors = {named.get(name, name): known for name, known in choices.priors.items()}
     strange = [name for name in priors if name not in parameters]
     if strange:
         raise CaseError(
