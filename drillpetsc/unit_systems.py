@@ -180,10 +180,13 @@ def shown(value: float, kind: str, system: System, digits: int = 4, plot: bool =
     digits: significant digits; whole numbers keep all of theirs
     """
     number, text = display(value, kind, system, plot)
-    plain = f"{number:.{digits}g}"
-    if "e" in plain and abs(number) >= 1:
-        plain = f"{number:.0f}"
-    return f"{plain} {text}".rstrip()
+    return f"{plain(number, digits)} {text}".rstrip()
+
+
+def plain(number: float, digits: int) -> str:
+    """A number with so many significant digits, and from 1 on without an exponent: 12.3 with one digit is 12."""
+    text = f"{number:.{digits}g}"
+    return f"{number:.0f}" if "e" in text and abs(number) >= 1 else text
 
 
 def duration(seconds: float) -> str:

@@ -12,7 +12,8 @@ from typing import Any
 
 from drillpetsc.browser.yaml_edit import with_value, without
 from drillpetsc.case.changes import text_of
-from drillpetsc.case.reader import case_from_data, read_case_text
+from drillpetsc.case.files.yaml_text import read_mapping
+from drillpetsc.case.reader import case_from_data
 from drillpetsc.case.schema import case_json_schema
 from drillpetsc.errors import CaseError, DrillError, shown
 from drillpetsc.output.files.atomic import replace_file
@@ -43,7 +44,7 @@ class CaseForm:
         answer: dict[str, Any] = {"text": text, "form": [], "absent": [], "errors": [], "report": ""}
         with self._lock:
             try:
-                data, lines = read_case_text(text, self.path)
+                data, lines = read_mapping(text, self.path)
                 node = self._block(self._schema, data, "")
                 answer |= {"form": node["parts"], "absent": node["absent"]}
                 answer["report"] = self._describe(case_from_data(data, self.path, lines))

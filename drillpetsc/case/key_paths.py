@@ -41,6 +41,7 @@ def parsed(text: str) -> Path:
 
 
 MAX_LEVELS = 40  # of blocks in blocks
+MAX_VALUES = 300_000  # keys and list entries of a case
 TOO_DEEP = "blocks in blocks in blocks"
 
 

@@ -159,9 +159,9 @@ class Quantity:
             if not isinstance(value, (str, InSI)) and (self.unit in _EXAMPLE_UNITS or own in _SMALLER):
                 other = _EXAMPLE_UNITS[self.unit] if own == self.unit else spelled(self.unit)
                 other = _SMALLER.get(own or "", other)
-                hint = (
-                    f"a bare number is in {own}; was '{value} {other}' meant?" if own != "deg" else self.why
-                )
+                if own != "deg":
+                    fits = self.inside(to_si(f"{value} {other}", self.unit))
+                    hint = f"a bare number is in {own}" + (f"; was '{value} {other}' meant?" if fits else "")
             system = BARE_NUMBERS.get()
             want = f"{DIMENSIONS.get(self.unit, ('a value', ''))[0]}, {self._allowed_for(value, system)}"
             got = value

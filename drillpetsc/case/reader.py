@@ -10,7 +10,7 @@ from typing import Any
 from drillpetsc.case.case import Case
 from drillpetsc.case.changes import with_change
 from drillpetsc.case.files.survey_file import FOLDER
-from drillpetsc.case.files.yaml_text import Lines, parse, plain
+from drillpetsc.case.files.yaml_text import Lines, read_mapping
 from drillpetsc.case.key_paths import written
 from drillpetsc.errors import CaseError
 
@@ -97,18 +97,4 @@ def read_case_file(path: str | FilePath) -> tuple[dict[str, Any], Lines]:
         )
         hint = f"did you mean {path.parent / suggestion[0]}?" if suggestion else ""
         raise CaseError(got=path, want="a case file that exists and can be read", hint=hint) from None
-    return read_case_text(text, path)
-
-
-def read_case_text(text: str, path: FilePath) -> tuple[dict[str, Any], Lines]:
-    """Plain data and line numbers of the text of a case file.  path: of the file, for messages."""
-    tree = parse(text, path)
-    if tree is None:
-        raise CaseError(
-            file=path, line=1, got="an empty file", want="a mapping of keys: string, top, well, ..."
-        )
-    if not isinstance(tree, dict):
-        got = "a list" if isinstance(tree, list) else tree
-        raise CaseError(file=path, line=1, got=got, want="a mapping of keys: string, top, well, ...")
-    lines: Lines = {}
-    return plain(tree, (), lines, path), lines
+    return read_mapping(text, path)

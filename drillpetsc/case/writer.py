@@ -6,6 +6,7 @@ from io import StringIO
 from typing import Any
 
 from drillpetsc.case.blocks.case_blocks import CaseBlocks
+from drillpetsc.case.files import plain_yaml
 from drillpetsc.case.pipe.figures import Figures
 
 
@@ -99,12 +100,23 @@ def _plain(value: Any) -> Any:
 
 def case_yaml(case: CaseBlocks) -> str:
     """The case as YAML 1.2 text: SI numbers, blocks in the order of the schema."""
+    text = "# all numbers in SI: m, kg, s, N, Pa, rad\n"
+    for key, value in case_data(case).items():
+        try:
+            text += plain_yaml.entry(key, value)
+        except plain_yaml.OtherYaml:
+            text += _by_ruamel(key, value)
+    return text
+
+
+def _by_ruamel(key: str, value: Any) -> str:
+    """Lines of a key of a mapping in blocks, with any value."""
     from ruamel.yaml import YAML
 
     yaml = YAML(typ="safe", pure=True)
     yaml.default_flow_style = None  # short lists on one line
     yaml.sort_base_mapping_type_on_output = False  # type: ignore[assignment]
-    yaml.width = 4096  # ruamel breaks between a key and its value
-    stream = StringIO()
-    yaml.dump(case_data(case), stream)
-    return "# all numbers in SI: m, kg, s, N, Pa, rad\n" + stream.getvalue()
+    yaml.width = plain_yaml.MAX_WIDTH  # ruamel breaks between a key and its value
+    stream, last = StringIO(), "last: []\n"  # with a list in it the mapping is written in blocks
+    yaml.dump({key: value, "last": []}, stream)
+    return stream.getvalue().removesuffix(last)

@@ -111,6 +111,6 @@ def written(sentence: str, values: Mapping[str, Any], units: System) -> str:
 
 
 def doubts_at(at: Any, weight: Weight | None = None) -> list[str]:
-    """The sentences of all doubts at this moment, or only those of one weight; collective."""
+    """The sentences of all doubts at this moment, or only those of one weight, each once; collective."""
     asked = [q for q in DOUBTS if isinstance(at, q.about) and weight in (None, q.weight)]
-    return [sentence for doubt in asked for sentence in doubt.sentences(at)]
+    return list(dict.fromkeys(sentence for doubt in asked for sentence in doubt.sentences(at)))

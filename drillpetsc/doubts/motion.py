@@ -20,6 +20,7 @@ from drillpetsc.physics.bit.rock_bit import RockBit
 from drillpetsc.physics.joints import Joints
 from drillpetsc.physics.top.hoist import HoistLine
 from drillpetsc.physics.top.top_drive import MotorDrive
+from drillpetsc.unit_systems import plain
 
 Values = Iterable[dict[str, Any]]
 
@@ -336,7 +337,7 @@ class ShockSubOnStop(Doubt):
 
 
 def _since(at: End, spell: Spell) -> str:
-    return f"from {spell.first:.6g} s on in {100 * spell.rows / at.watch.rows:.2g} % of the rows"
+    return f"from {spell.first:.6g} s on in {plain(100 * spell.rows / at.watch.rows, 2)} % of the rows"
 
 
 class Boiling(Doubt):

@@ -95,7 +95,8 @@ class Assembly(BlockState):
         for b in self.bound_blocks:
             b.values_at = pointer(self.values) + 8 * b.span.start
         self._nodes = (len(self.spin_at), pointer(self.spin_at), pointer(self.reference))
-        self._history = pointer(self.v0), pointer(self.v1)
+        #: addresses of v0, v1
+        self.history_at = pointer(self.v0), pointer(self.v1)
         self._calls: StepCalls | None = None  # see ``calls``
         self._holds_rates = False  # of any block, see ``hold_rates``
         #: evaluate rows block by block, each with its event, for -log_view; otherwise all blocks are one call
@@ -143,7 +144,7 @@ class Assembly(BlockState):
             b.holds_rates = mask is not None and bool(np.isin(b.index, np.flatnonzero(mask)).any())
         self._holds_rates = any(b.holds_rates for b in self.bound_blocks)
         self._calls = None
-        x, _, _, r = self._state
+        x, _, _, r = self.state_at
         self._held_state = x, pointer(values[0]), pointer(values[1]), r
         self._held_head = pointer(weights), pointer(spin), *self._held_state[:3]
 
@@ -220,8 +221,8 @@ class Assembly(BlockState):
         sigma: shift of the time formula [1/s]; second: da/dy [1/s], ``sigma`` unless given.
         """
         second = sigma if second is None else second
-        x, y, a, _ = self._state
-        _rates(self.layout.size, x, sigma, second, *self._history, *self._nodes, y, a)
+        x, y, a, _ = self.state_at
+        _rates(self.layout.size, x, sigma, second, *self.history_at, *self._nodes, y, a)
         for c in self.stabilized:
             c.apply(self.x, self.y, self.a, self.v1, second)
 
@@ -230,13 +231,13 @@ class Assembly(BlockState):
 
         t: time [s]; sigma: da/dy of the time formula [1/s].
         """
-        _, y, a, _ = self._state
+        _, y, a, _ = self.state_at
         for f in self.row_replacements:
             f.evaluate(t, self.x, self.y)
-            _fix_rates(*f.head, f.rate_at, sigma, self._history[1], y, a)
+            _fix_rates(*f.head, f.rate_at, sigma, self.history_at[1], y, a)
             if f.leans:
                 f.lean_at(self.x)
-                _lean_rates(f.head[2], f.lean_head[0], sigma, self._history[1], y, a)
+                _lean_rates(f.head[2], f.lean_head[0], sigma, self.history_at[1], y, a)
 
     def invalidate_prescribed_values(self) -> None:
         """Re-evaluate prescribed values at the next call, for example after an end was moved at constant time."""
@@ -277,10 +278,10 @@ class Assembly(BlockState):
                     b.update_parameters(t)
             calls = self.calls
             if self.dead_load is None:
-                _run_residuals(calls.count, calls.calls, len(self.r), self._state[3])
+                _run_residuals(calls.count, calls.calls, len(self.r), self.state_at[3])
             else:
                 self._start_with_dead_load()
-                _run_residuals(calls.count, calls.calls, 0, self._state[3])
+                _run_residuals(calls.count, calls.calls, 0, self.state_at[3])
         if self._frozen is not None:
             self.r[self._frozen[0]] = 0.0
         self._event["Residual"].end()
@@ -294,19 +295,9 @@ class Assembly(BlockState):
         return self._calls
 
     @property
-    def state_at(self) -> tuple[int, ...]:
-        """Addresses of x, y, a, r."""
-        return self._state
-
-    @property
     def held_state(self) -> tuple[int, ...]:
         """The same for blocks with held rates."""
         return self._held_state
-
-    @property
-    def history_at(self) -> tuple[int, int]:
-        """Addresses of v0, v1."""
-        return self._history
 
     @property
     def spins_at(self) -> tuple[int, int, int]:
@@ -336,22 +327,23 @@ class Assembly(BlockState):
             if f.time != t and f.condition.along_path is not None:
                 return None
             f.evaluate(t, self.x)
-        calls = self.calls
-        for b in calls.updated:
-            b.update_parameters(t)
+        calls, b = self.calls, None
+        try:
+            for b, update in calls.updates:  # noqa: B007  (named by the note)
+                update(t)
+        except Exception as error:
+            assert b is not None
+            b.note_place(error, t)
+            raise
         step = calls.step
         step.sigma, step.second = sigma, second
         step.dead = None if self.dead_load is None else pointer(self.dead_load)
         return calls
 
-    @property
-    def imposed_or_held(self) -> bool:
-        """Whether rates are imposed or held, or unknowns fixed."""
-        return bool(self._imposed or self._frozen) or self._holds_rates
-
     def weigh_next(self, c: tuple[float, float, float]) -> None:
         """Set the weights of the next entries that a compiled call computes; c: as for ``jacobian``."""
-        self._weights[:] = c
+        w = self._weights
+        w[0], w[1], w[2] = c
 
     def step_rows(
         self,
@@ -402,7 +394,7 @@ class Assembly(BlockState):
                 b.event.begin()
                 if b.block.update:
                     b.update_parameters(t)
-                b.residual(*b.head, *(self._held_state if b.holds_rates else self._state))
+                b.residual(*b.head, *(self._held_state if b.holds_rates else self.state_at))
                 b.event.end()
 
     def partial_residual(self, t: float, chosen: Callable[[ElementBlock], bool]) -> FloatArray:
@@ -412,7 +404,7 @@ class Assembly(BlockState):
             if b.count and chosen(b.block):
                 if b.block.update:
                     b.update_parameters(t)
-                b.residual(*b.head, *self._state)
+                b.residual(*b.head, *self.state_at)
         return self.r
 
     def replace_rows(self, t: float, owned: FloatArray, owned_index: np.ndarray) -> None:
@@ -431,7 +423,7 @@ class Assembly(BlockState):
                 _fix_rows(
                     *f.head,
                     f.owned_rows_at,
-                    self._state[0],
+                    self.state_at[0],
                     f.value_at,
                     ROW_SCALE,
                     pointer(owned),
@@ -476,16 +468,16 @@ class Assembly(BlockState):
     def weigh(self, c: tuple[float, float, float], condensed: bool) -> tuple[int, ...]:
         """Set the weights of the next entries, as ``jacobian`` has them; returns the kernels' arguments of the state."""
         if condensed and len(self.spin_at):
-            _gradient(*self._nodes, *self._state[:2], c[1], 1.0 / c[1] if c[1] else 0.0, self._spin_at)
+            _gradient(*self._nodes, *self.state_at[:2], c[1], 1.0 / c[1] if c[1] else 0.0, self._spin_at)
         else:
             self.spin_gradient[:] = 0.0
         self._weights[:] = c
-        return (self._weights_at, self._spin_at, *self._state[:3])
+        return (self._weights_at, self._spin_at, *self.state_at[:3])
 
     @property
     def plain(self) -> bool:
         """Whether all entries come from the blocks and from prescribed motion: nothing is held, imposed or stabilised."""
-        return not (self.stabilized or self.imposed_or_held)
+        return not (self.stabilized or self._imposed or self._frozen or self._holds_rates)
 
     def _jacobian_with_imposed_rates(self, b: BoundBlock, state: tuple) -> None:
         """Compute the entries of a block some of whose unknowns have imposed rates.
@@ -528,12 +520,13 @@ class StepCalls:
     """Arguments of the compiled calls of one assembly (kernels/core/step.hpp), as long as its blocks and their states are the same.
 
     step, jacobian: the records; step_at, jacobian_at: their addresses.
-    blocks: the blocks with elements on this rank, in the order of the records; updated: those with time-dependent parameters.
+    blocks: the blocks with elements on this rank, in the order of the records.
+    updates: those with time-dependent parameters, and the function of time that sets these.
     """
 
     def __init__(self, asm: Assembly):
         self.blocks = [b for b in asm.bound_blocks if b.count]
-        self.updated = [b for b in self.blocks if b.block.update]
+        self.updates = [(b, b.block.update) for b in self.blocks if b.block.update]
         calls = (_BlockCall * len(self.blocks))()
         for call, b in zip(calls, self.blocks, strict=True):
             block_call(call, b, asm.held_state if b.holds_rates else asm.state_at)

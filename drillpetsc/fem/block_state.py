@@ -68,7 +68,8 @@ class BlockState:
             self.bound_blocks.append(BoundBlock(block, layout, size))
             size = self.bound_blocks[-1].span.stop
         self._index_by_block = {id(b.block): b.index for b in self.bound_blocks}
-        self._state = tuple(map(pointer, (self.x, self.y, self.a, self.r)))
+        #: addresses of x, y, a, r
+        self.state_at: tuple[int, ...] = tuple(map(pointer, (self.x, self.y, self.a, self.r)))
         #: of ``block_rows``
         self._one_call, self._separate, self._work = _BlockCall(), np.zeros(0, dtype=np.int32), np.zeros(0)
 
@@ -102,7 +103,7 @@ class BlockState:
         kernel: entry point of the results; columns: their number for one element.
         Do not change or keep the tables: the next evaluation overwrites them.
         """
-        found = self.block_results(block, kernel, columns)
+        found = self._results.get((id(block), kernel)) or self.block_results(block, kernel, columns)
         if self.kept is not None:
             self.asked[found] = True
             if found in self.kept:
@@ -153,7 +154,13 @@ class BlockState:
         index = self.index_of(block)
         if id(block) not in self._results_heads:
             at = pointer(index), pointer(block.params)
-            self._results_heads[id(block)] = len(index), index.shape[1], *at, block.context, *self._state[:2]
+            self._results_heads[id(block)] = (
+                len(index),
+                index.shape[1],
+                *at,
+                block.context,
+                *self.state_at[:2],
+            )
         return self._results_heads[id(block)]
 
     def dofs_of(self, name: str) -> np.ndarray:
@@ -169,7 +176,7 @@ class BlockState:
         rows, size = np.empty((bound.count, bound.width)), bound.count * bound.width
         if size > len(self._separate):  # one copy of the unknowns for every element
             self._separate, self._work = np.arange(size, dtype=np.int32), np.empty(3 * size)
-        block_call(self._one_call, bound, self._state)
+        block_call(self._one_call, bound, self.state_at)
         _element_rows(
             ctypes.addressof(self._one_call),
             bound.width,

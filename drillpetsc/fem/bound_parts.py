@@ -20,7 +20,6 @@ from drillpetsc.kernels.parameters import structure
 
 _run_results = function("run_results", "p")
 _run_all_results = function("run_all_results", "ip")
-_fix_matrix = function("constraint_matrix", "ippppp")
 _lean_at = function("lean_at", "pppppp")
 _ResultCall = structure("result_call")  # ResultCall of kernels/core/rows.cpp
 
@@ -85,10 +84,14 @@ class BoundBlock:
         try:
             update(t)
         except Exception as error:
-            error.add_note(
-                f"in component {self.block.component}, element {self._numbers.min()} to {self._numbers.max()} of the string, time {t:g} s"
-            )
+            self.note_place(error, t)
             raise
+
+    def note_place(self, error: Exception, t: float) -> None:
+        """Add component, elements and time [s] to an error of ``update_parameters``."""
+        error.add_note(
+            f"in component {self.block.component}, element {self._numbers.min()} to {self._numbers.max()} of the string, time {t:g} s"
+        )
 
 
 class BlockResults:
@@ -220,7 +223,7 @@ class RowReplacement:
         return not np.array_equal(self.applied, self.row_complement)
 
     def elements_in(self, blocks: Sequence[BoundBlock]) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Elements at the node that belong to ``blocks``, for ``replace_matrix_rows``.
+        """Elements at the node that belong to ``blocks``, for ``fill_prescribed``.
 
         (k,) first entry of each in the matrix; (k,) its width; (k, 7) slots of the seven dofs in it.
         """
@@ -230,14 +233,6 @@ class RowReplacement:
             np.array([item.width for item, _, _ in chosen], dtype=np.int32),
             np.ascontiguousarray([s for *_, s in chosen], dtype=np.int32).reshape(-1, 7),
         )
-
-    def replace_matrix_rows(
-        self, values: FloatArray, elements: tuple[np.ndarray, np.ndarray, np.ndarray] | None = None
-    ) -> None:
-        """Leave in the matrix entries ``values`` of ``elements``, all unless given, what remains of the node's rows."""
-        first, width, slots = self.all_elements if elements is None else elements
-        at = pointer(self.row_complement), pointer(first), pointer(width), pointer(slots)
-        _fix_matrix(len(first), *at, pointer(values))
 
     def release(self, names: Sequence[str]) -> None:
         """Leave the rows of the reactions ``names`` to the equilibrium, and prescribe all others again."""

@@ -104,6 +104,8 @@ class ElementBlock:
 
     def __post_init__(self) -> None:
         self.component = self.component or self.name
+        #: entry point of the kernel's results, if it has any
+        self.results_kernel = f"{self.kernel}_results"
 
     @property
     def named(self) -> Table:

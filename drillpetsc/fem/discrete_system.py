@@ -77,6 +77,12 @@ class DiscreteSystem:
         self._remembering = [
             c for c in self.components if c.update_size or type(c).accept is not Component.accept
         ]
+        #: components with reference frames
+        self._framed = [
+            c
+            for c in self.components
+            if type(c).renew_reference_frames is not Component.renew_reference_frames
+        ]
         #: of all components
         self.contact_flags = tuple(f for c in self.components for f in c.contact_flags())
         layout = self.layout
@@ -286,18 +292,19 @@ class DiscreteSystem:
         Rank-local changes are returned by ``local_update``; their sum over ranks is passed to
         ``apply_update``.
         """
+        asm = self.assembly
         for component in self._remembering:
-            component.accept(t, self.assembly)
+            component.accept(t, asm)
             if component.update_size:
-                change = component.local_update(self.assembly)
-                component.apply_update(total(self.comm, change))
+                change = component.local_update(asm)
+                component.apply_update(change if self._serial else total(self.comm, change))
 
     def renew_reference_frames(self) -> bool:
         """Replace reference directions that are nearly opposite to the tangent.
 
         True if any changed (collective).
         """
-        changed = [component.renew_reference_frames(self) for component in self.components]
+        changed = [component.renew_reference_frames(self) for component in self._framed]
         return any(changed)
 
     # ------------------------------------------------------------------ energies and reactions

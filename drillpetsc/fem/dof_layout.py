@@ -8,6 +8,7 @@ only; within a step the rates follow from them (manual: eq-time-condensed).
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from functools import cached_property
 
 import numpy as np
 from petsc4py import PETSc
@@ -56,7 +57,7 @@ class DofLayout:
         """Return the (nv, size) indices of a field or of a derived field."""
         return self.dofs[name] if name in self.dofs else self.derived[name]
 
-    @property
+    @cached_property
     def size(self) -> int:
         """Number of unknowns of the condensed vector on this rank, ghosts included."""
         return len(self.x_local)

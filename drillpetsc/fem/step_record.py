@@ -42,6 +42,8 @@ class StepRecord:
         self._kept: list[Any] = []  # whose addresses and ids are in use
         self._functions: list[tuple[Callable[[Sample], Any], slice, bool]] = []
         self._own = 0  # columns of the functions' values
+        #: whether numbers that are not recorded yet can still be requested
+        self.is_open = True
         self._table: FloatArray | None = (
             None  # a row for each step, so that a step writes to one place in memory
         )
@@ -49,17 +51,12 @@ class StepRecord:
         self._always = True
 
     # ------------------------------------------------------------------ before the first step
-    @property
-    def is_open(self) -> bool:
-        """Whether numbers that are not recorded yet can still be requested."""
-        return self._table is None
-
     def only_sampled(self) -> None:
         """Numbers requested from now on are recorded at sampled steps only."""
         self._always = False
 
     def _close(self) -> None:
-        self._table = np.zeros((self.capacity, len(self._addresses)))
+        self.is_open, self._table = False, np.zeros((self.capacity, len(self._addresses)))
         self._values = np.zeros((self.capacity, self._own))
         self._from = (ctypes.c_void_p * max(1, len(self._addresses)))(*self._addresses)
         self._start = pointer(self._table)

@@ -112,10 +112,18 @@ def transported_frames(tangents: FloatArray) -> Frames:
 
     The second director starts on the high side and is parallel-transported, without twist.
     """
+    n = len(tangents)
     second = np.empty_like(tangents)
     second[0] = high_side(tangents[0])
-    for i in range(1, len(tangents)):
-        second[i] = smallest_rotation(tangents[i - 1], tangents[i], second[i - 1])
+    turns = (1 + np.flatnonzero((tangents[1:] != tangents[:-1]).any(axis=1))).tolist()
+    for start, end in zip([0, *turns], [*turns, n], strict=True):
+        for i in range(max(start, 1), end):
+            second[i] = smallest_rotation(tangents[i - 1], tangents[i], second[i - 1])
+            if i > start and (second[i] == second[i - 1]).all():
+                second[i + 1 : end] = second[
+                    i
+                ]  # a straight stretch: from here on each node is as the one above
+                break
     return Frames(tangents.copy(), second, np.zeros(len(tangents) - 1))
 
 

@@ -186,27 +186,21 @@ class GrowingHole:
 
         Its direction is along the chord from ``h`` above to ``h`` below it.
         """
-        chord = self._at(s + h)[0] - self._at(s - h)[0]
-        self._frozen = self._longer(self._frozen, s, self._at(s)[0], chord / np.linalg.norm(chord))
+        chord = self._at(s + h) - self._at(s - h)
+        self._frozen = self._longer(self._frozen, s, self._at(s), chord / np.linalg.norm(chord))
 
-    def _at(self, s: float) -> tuple[FloatArray, FloatArray]:
-        """Interpolate position [m] and direction, (3,) each, on the trail at ``s`` [m]: cubic between its points."""
+    def _at(self, s: float) -> FloatArray:
+        """Interpolate the position (3,) [m] on the trail at ``s`` [m]: cubic between its points."""
         q = self._trail
         i = int(np.clip(np.searchsorted(q[:, 0], s) - 1, 0, len(q) - 2))
         a, b = q[i], q[i + 1]
         h = b[0] - a[0]
         u = (s - a[0]) / h
-        x = (
+        return np.asarray(
             (1 - 3 * u**2 + 2 * u**3) * a[1:4]
             + (3 * u**2 - 2 * u**3) * b[1:4]
             + h * u * (1 - u) * ((1 - u) * a[4:7] - u * b[4:7])
         )
-        t = (
-            6 * u * (1 - u) * (b[1:4] - a[1:4]) / h
-            + (1 - 4 * u + 3 * u**2) * a[4:7]
-            + (3 * u**2 - 2 * u) * b[4:7]
-        )
-        return x, t / np.linalg.norm(t)
 
     def _tangent(self, s: float, position: FloatArray) -> FloatArray:
         """Compute the direction (3,) at the end (manual: eq-borehole-end-direction).
@@ -221,7 +215,7 @@ class GrowingHole:
         # the points behind are on the existing trail; otherwise long steps would extrapolate from themselves
         # direction
         h = max(0.5 * self.interval, s - self._trail[-1, 0])
-        points = [position, *(self._at(s - k * h)[0] for k in (1, 2, 3))]
+        points = [position, *(self._at(s - k * h) for k in (1, 2, 3))]
         chord, above, first = (a - b for a, b in zip(points, points[1:], strict=False))
         turn, before = chord - above, above - first
         size = float(turn @ turn)

@@ -201,27 +201,22 @@ class Well:
         )
         return rows[(dr != 0) | (df != 0)]
 
-    def _smoothed(self, md: ArrayLike, column: int, top: float) -> tuple[Array, Array]:
+    def _smoothed(self, md: ArrayLike, column: int, top: float) -> Array:
         md, rows = np.asarray(md, dtype=float), self.transitions
         if not len(rows):
-            return np.full(md.shape, top), np.zeros(md.shape)
+            return np.full(md.shape, top)
         i = np.searchsorted(rows[:, 0], md, side="right") - 1
         row = rows[np.maximum(i, 0)]
         u = np.clip((md - row[..., 0]) / row[..., 1], 0.0, 1.0)
-        value = row[..., column] + row[..., column + 1] * u * u * (3 - 2 * u)
-        return value, row[..., column + 1] * 6 * u * (1 - u) / row[..., 1]
+        return np.asarray(row[..., column] + row[..., column + 1] * u * u * (3 - 2 * u))
 
     def radius(self, md: ArrayLike) -> Array:
         """Hole radius [m] at md (...) [m]."""
-        return self._smoothed(md, 2, self.section_radius[0])[0]
-
-    def radius_slope(self, md: ArrayLike) -> Array:
-        """Exact derivative dR/ds of the hole radius [-] at md (...) [m]."""
-        return self._smoothed(md, 2, self.section_radius[0])[1]
+        return self._smoothed(md, 2, self.section_radius[0])
 
     def friction(self, md: ArrayLike) -> Array:
         """Friction coefficient [-] at md (...) [m]."""
-        return self._smoothed(md, 4, self.section_friction[0])[0]
+        return self._smoothed(md, 4, self.section_friction[0])
 
     def kind(self, md: float) -> str:
         """Kind of the section at md [m]."""

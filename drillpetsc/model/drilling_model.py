@@ -500,7 +500,8 @@ def _line_load(load: LineLoad, mesh: StringMesh, section: bool, factor) -> list[
     factor: its factor as a function of time [s], None: constant.
     """
     f, m, out = np.array(load.force), np.array(load.moment), []
-    for e in np.flatnonzero((mesh.upper < load.to) & (mesh.lower > load.from_)).tolist():
+    reached = np.minimum(load.to, mesh.lower) > np.maximum(load.from_, mesh.upper)  # a joint has no length
+    for e in np.flatnonzero(reached).tolist():
         upper, lower = mesh.upper[e], mesh.lower[e]
         a, b, L = max(load.from_, upper), min(load.to, lower), lower - upper
         x, w = GAUSS

@@ -472,7 +472,9 @@ def _assemble(case: Case, rows, rigid, tops: dict[int, int], joints: tuple[Strin
     rows = _with_sections(rows)
     is_joint = np.zeros(n + 2, dtype=bool)  # with one more entry at either end
     is_joint[[1 + j.cell for j in joints]] = True
-    sections = {number: _section(item, case.output.units or case.units) for number, item, *_ in rows}
+    items = {number: item for number, item, *_ in rows}
+    sections = {number: _section(item, case.output.units or case.units) for number, item in items.items()}
+    offsets = {number: _polar(item.eccentricity, item.eccentricity_angle) for number, item in items.items()}
     keys = (
         *STIFFNESS_AND_MASS,
         "outer_diameter",
@@ -500,7 +502,7 @@ def _assemble(case: Case, rows, rigid, tops: dict[int, int], joints: tuple[Strin
         junction[node] = node < n and not is_joint[node + 1] and above[node] > 0
     junction[0] = False  # no element above the top shares its strain
     friction = np.array([np.nan if item.friction is None else item.friction for _, item, *_ in rows])
-    eccentricity = np.array([_polar(item.eccentricity, item.eccentricity_angle) for _, item, *_ in rows])
+    eccentricity = np.array([offsets[number] for number, *_ in rows])
     eccentricity[is_joint[1:-1]] = 0.0
     return StringMesh(
         upper=upper,

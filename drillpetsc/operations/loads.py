@@ -216,7 +216,6 @@ class Freepoint(CaseOperation):
     Returns `pairs`, a FreePoint for each pair, and `slope`, that of the line through them (None for one pull).
     """
 
-    petsc = False
     stretch: Annotated[
         Numbers, "E1,E2", "stretch at the surface under each pull, such as '24 in' or '10,24 in'"
     ]

@@ -6,6 +6,7 @@ Plots, tables, the manual and ``drillpetsc schema --outputs`` read this page.  I
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cache
 
 from drillpetsc.fem.quantity import Quantity
 from drillpetsc.output import conditions as where
@@ -37,6 +38,7 @@ class Listed:
     condition: str
 
 
+@cache
 def listed_by_file() -> dict[str, tuple[Listed, ...]]:
     """Quantities of each file of a run folder with their conditions, in the order of its columns or arrays."""
     return _of_motion() | _of_states() | _of_commands()
@@ -195,6 +197,7 @@ def _of_commands() -> dict[str, tuple[Listed, ...]]:
         "sensitivities.csv": _listed(sensitivities.SENSITIVITIES),
         "sensitivities_history.csv": _listed((measured.TIME, *sensitivities.SENSITIVITIES_OVER_TIME)),
         "uncertain.csv": _listed(uncertain.UNCERTAIN),
+        "uncertain_limits.csv": _listed(uncertain.UNCERTAIN_LIMITS),
         "uncertain_shares.csv": _listed(uncertain.UNCERTAIN_SHARES),
         "limits.csv": _listed(limits.LIMITS, damage_per_hour="with `--sn`"),
         "contacts.csv": _listed(limits.CONTACTS),
@@ -210,6 +213,7 @@ def _along_string(quantities: tuple[Quantity, ...]) -> tuple[Quantity, ...]:
     return tuple(q for q in quantities if q.on in ("node", "element"))
 
 
+@cache
 def outputs_by_file() -> dict[str, tuple[Quantity, ...]]:
     """Outputs of each file of a run folder, in the order of its columns or arrays."""
     return {file: tuple(entry.quantity for entry in entries) for file, entries in listed_by_file().items()}
@@ -238,11 +242,13 @@ def records() -> list[dict[str, str]]:
 RECORD = ("file", "name", "unit", "label", "mnemonic", "sign", "doc", "condition")
 
 
+@cache
 def all_quantities() -> tuple[Quantity, ...]:
     """Every output once, in the order of files and columns."""
     return tuple({q.name: q for outputs in outputs_by_file().values() for q in outputs}.values())
 
 
+@cache
 def find(name: str) -> Quantity | None:
     """The output of this name (``x_600`` is ``x_NNN``), None if there is none."""
     return next((q for q in all_quantities() if q.matches(name)), None)

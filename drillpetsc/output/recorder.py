@@ -49,7 +49,7 @@ class Row:
         return declared.ROW_START + declared.ROW_END
 
 
-@dataclass
+@dataclass(slots=True)
 class _Step:
     """An accepted step whose outputs are not computed yet.
 
@@ -207,15 +207,22 @@ class Recorder:
         for f in asm.row_replacements:
             if f.owned:
                 f.evaluate(seen, asm.x)
-        with asm.unchanged():
-            if self._record.is_open:
-                self._ask(seen)
-            sampled = t + STEPS_AHEAD * (dt if next_step is None else next_step) >= next_row
-            self._record.add(seen, sampled)
-            followed = self.energy.follow(t) if self.energy is not None else 0.0
+        sampled = t + STEPS_AHEAD * (dt if next_step is None else next_step) >= next_row
+        if asm.kept is not None:
+            self._add(seen, sampled)
+        else:
+            with asm.unchanged():
+                self._add(seen, sampled)
+        followed = self.energy.follow(t) if self.energy is not None else 0.0
         self._waiting.append(_Step(t, dt, fresh, sampled, followed))
         if len(self._waiting) >= self._record.capacity:
             self.catch_up()
+
+    def _add(self, seen: float, sampled: bool) -> None:
+        """Record the present state.  Arguments as of ``StepRecord.add``."""
+        if self._record.is_open:
+            self._ask(seen)
+        self._record.add(seen, sampled)
 
     def rows_due(self, times: Sequence[float], t: float, newton: float, dt: float, keep: bool) -> None:
         """Note that rows at ``times`` [s] are due after the last step, to ``t`` [s]; collective.
@@ -474,8 +481,3 @@ class Recorder:
     def _before_hole_changes(self) -> None:
         self.catch_up()
         self._compute_rows()
-
-    def probe_row(self, t: float) -> list[float]:
-        """Row of probes.csv at ``t`` [s]."""
-        self._row.time = t
-        return self._probe_row.numbers(self.at(t))

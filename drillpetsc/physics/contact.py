@@ -9,6 +9,7 @@ from __future__ import annotations
 import ctypes
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cached_property
 from itertools import product
 from typing import Any
 
@@ -243,7 +244,7 @@ class Contact(WallContact):
         self._blocks += self._on_items(part)
         return tuple(self._blocks)
 
-    @property
+    @cached_property
     def own_laws(self) -> tuple[OwnLaw, ...]:
         return () if self.law.own is None else (self.law.own,)
 
@@ -409,7 +410,7 @@ class Contact(WallContact):
 
     def _block_results(self, state) -> list[BlockResults]:
         """Results of each block: the columns of ``RESULTS``."""
-        return [state.results(b, f"{b.kernel}_results", RESULTS.width) for b in self._blocks]
+        return [state.results(b, b.results_kernel, RESULTS.width) for b in self._blocks]
 
     def element_results(self, state) -> tuple[FloatArray, FloatArray]:
         """(nc, columns) per local cell and (nb, columns) per rigid item of this rank: the columns of ``RESULTS``."""
@@ -444,7 +445,7 @@ class Contact(WallContact):
         out = np.zeros((len(self.mesh.bodies), RESULTS.width))
         found = (b for b in self._blocks if b.on != "cell")
         for items, b in zip(self._items, found, strict=True):
-            out[items] = state.results(b, f"{b.kernel}_results", RESULTS.width).table
+            out[items] = state.results(b, b.results_kernel, RESULTS.width).table
         return out
 
     def energies(self, t: float, state) -> Energies:
@@ -457,7 +458,7 @@ class Contact(WallContact):
         return Powers(lost)
 
     def _sums_of(self, steps) -> list[FloatArray]:
-        return [steps.sums(b, f"{b.kernel}_results", RESULTS.width) for b in self._blocks]
+        return [steps.sums(b, b.results_kernel, RESULTS.width) for b in self._blocks]
 
     def energies_of(self, steps) -> tuple[Any, Any, Any]:
         return 0.0, sum(sums[:, _STORED] for sums in self._sums_of(steps)), 0.0
@@ -470,7 +471,7 @@ class Contact(WallContact):
         out = np.zeros((len(steps), len(self.mesh.bodies), RESULTS.width))
         found = (b for b in self._blocks if b.on != "cell")
         for items, b in zip(self._items, found, strict=True):
-            table = steps.results(b, f"{b.kernel}_results", RESULTS.width).table
+            table = steps.results(b, b.results_kernel, RESULTS.width).table
             out[:, items] = steps.numbers(table, range(table.size)).reshape(len(steps), *table.shape)
         return out
 

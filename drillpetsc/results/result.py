@@ -19,6 +19,7 @@ from drillpetsc.output.files.run_folder import (
     SENSITIVITIES_TABLE,
     STABILITY_RUNS_TABLE,
     STABILITY_TABLE,
+    UNCERTAIN_LIMITS_TABLE,
     UNCERTAIN_SHARES_TABLE,
     UNCERTAIN_TABLE,
     RunFolder,
@@ -69,6 +70,7 @@ TABLES = (
     *LIMITS_TABLES,
     SENSITIVITIES_TABLE,
     UNCERTAIN_TABLE,
+    UNCERTAIN_LIMITS_TABLE,
     UNCERTAIN_SHARES_TABLE,
     "trajectory.csv",
 )

@@ -308,8 +308,8 @@ def soft(solved: Solved, friction: float) -> list[str]:
     return []
 
 
-def judged(seed: int, number: int, folder: Path) -> Outcome:
-    """Solve and check one case."""
+def judged(seed: int, number: int, folder: Path, turned: bool = True) -> Outcome:
+    """Solve and check one case.  turned: also in a hole that is turned about the vertical."""
     data, motion, title = random_case(seed, number)
     friction = data["well"]["sections"][1]["friction"]
     try:
@@ -322,7 +322,8 @@ def judged(seed: int, number: int, folder: Path) -> Outcome:
         problems = balance(data, motion, solved)
         # a flow drags the pipe, which the soft string leaves out
         problems += soft(solved, friction) if not data.get("fluid", {}).get("flow_rate") else []
-        doubts = inside_hole(data, solved) + symmetry(data, motion, solved, folder / "b")
+        doubts = inside_hole(data, solved)
+        doubts += symmetry(data, motion, solved, folder / "b") if turned else []
         doubts += finer(data, motion, solved, folder / "c")
         if doubts and not problems and warned(solved, doubts):
             return Outcome(number, "warned", title, doubts)

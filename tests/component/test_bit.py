@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 
 from drillpetsc.fem.discrete_system import DiscreteSystem
-from drillpetsc.fem.string_mesh import uniform_string
 from drillpetsc.geometry.frames import transported_frames
 from drillpetsc.geometry.growing_hole import GrowingHole
 from drillpetsc.geometry.well import Well
@@ -36,6 +35,7 @@ from tests.helpers.component_models import (
     residual,
 )
 from tests.helpers.tables import each_row
+from tests.helpers.uniform_string import uniform_string
 
 ANISOTROPIC = np.array([[1.0, 0.05, 0.02], [0.05, 0.9, -0.03], [0.02, -0.03, 1.1]])
 KINDS = [

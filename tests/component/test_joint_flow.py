@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from drillpetsc.fem.discrete_system import DiscreteSystem
-from drillpetsc.fem.string_mesh import StringJoint, uniform_string
+from drillpetsc.fem.string_mesh import StringJoint
 from drillpetsc.geometry.frames import transported_frames
 from drillpetsc.physics.beam import AncfBeam
 from drillpetsc.physics.fluid.annulus_flow import AnnulusFlow, FlowLine, HoleAround, LateralCoefficients
@@ -23,6 +23,7 @@ from drillpetsc.time_function import Constant, Ramp
 from tests.helpers.component_models import GRAVITY, SECTION, both_jacobians, lengths
 from tests.helpers.flow_models import MUD, curved_hole, give_shoulders, set_rates
 from tests.helpers.tables import each_row
+from tests.helpers.uniform_string import uniform_string
 
 SEAL = 0.045
 KINDS = ("bore", "annulus", "bore annulus", "bore annulus arm", "annulus arm", "bore arm")

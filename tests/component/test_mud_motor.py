@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from drillpetsc.fem.discrete_system import DiscreteSystem
-from drillpetsc.fem.string_mesh import StringJoint, uniform_string
+from drillpetsc.fem.string_mesh import StringJoint
 from drillpetsc.geometry.frames import transported_frames
 from drillpetsc.physics.beam import AncfBeam
 from drillpetsc.physics.joints import Joints
@@ -17,6 +17,7 @@ from drillpetsc.physics.tools.mud_motor import Bend, MotorDesign, MudMotor, Roto
 from drillpetsc.time_function import Constant
 from tests.helpers.component_models import GRAVITY, SECTION, SHIFT, both_jacobians, curved_tangents
 from tests.helpers.tables import each_row
+from tests.helpers.uniform_string import uniform_string
 
 #: torque [N m] by the part of the law that it meets; the stall torque is 2
 PLACES = {"driven": -0.7, "corner": 0.011, "running": 1.1, "stalling": 1.993, "stalled": 2.6}

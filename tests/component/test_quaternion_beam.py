@@ -9,7 +9,6 @@ import numpy as np
 import pytest
 
 from drillpetsc.fem.discrete_system import DiscreteSystem
-from drillpetsc.fem.string_mesh import uniform_string
 from drillpetsc.geometry.frames import transported_frames
 from drillpetsc.geometry.well import Well
 from drillpetsc.physics.contact import ContactLaw
@@ -20,6 +19,7 @@ from drillpetsc.physics.quaternion.ends import ConstrainedEnd, QuaternionLoads
 from drillpetsc.time_function import Constant, Ramp
 from tests.helpers.component_models import GRAVITY, SECTION, SHIFT, both_jacobians, curved_tangents
 from tests.helpers.tables import each_row
+from tests.helpers.uniform_string import uniform_string
 
 KINDS = [
     "beam", "beam_damped", "beam_curved", "beam_damped_curved", "junction", "junction_damped_curved", "loads",

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from drillpetsc.fem.discrete_system import DiscreteSystem
-from drillpetsc.fem.string_mesh import RigidItem, uniform_string
+from drillpetsc.fem.string_mesh import RigidItem
 from drillpetsc.geometry.frames import transported_frames
 from drillpetsc.geometry.well import Well
 from drillpetsc.physics.beam import AncfBeam
@@ -25,6 +25,7 @@ from drillpetsc.physics.top.hoist import HoistedTop, HoistLine
 from drillpetsc.physics.top.hoisting import Autodriller, Heave, Hoisting, Line, Loop
 from drillpetsc.physics.top.top_drive import RESULTS, STATES, MotorDrive
 from drillpetsc.time_function import Constant, Ramp
+from tests.helpers.uniform_string import uniform_string
 
 SHIFT = 2.3
 GRAVITY = np.array([1.0, 2.0, 9.0])

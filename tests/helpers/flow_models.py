@@ -9,7 +9,7 @@ import numpy as np
 
 from drillpetsc.fem.component import Component, Field
 from drillpetsc.fem.discrete_system import DiscreteSystem
-from drillpetsc.fem.string_mesh import RigidItem, StringMesh, uniform_string
+from drillpetsc.fem.string_mesh import RigidItem, StringMesh
 from drillpetsc.geometry.frames import transported_frames
 from drillpetsc.geometry.growing_hole import GrowingHole
 from drillpetsc.geometry.well import Well
@@ -23,6 +23,7 @@ from drillpetsc.physics.fluid.channels import Annulus, Bore
 from drillpetsc.physics.fluid.rheology import Rheology
 from drillpetsc.time_function import Constant, Ramp
 from tests.helpers.component_models import GRAVITY, SECTION, SHIFT
+from tests.helpers.uniform_string import uniform_string
 
 KINDS = (
     "pipe", "pipe_junction", "annulus", "annulus_junction", "pipe_annulus_bit",

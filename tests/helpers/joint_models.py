@@ -7,13 +7,14 @@ from dataclasses import replace
 import numpy as np
 
 from drillpetsc.fem.discrete_system import DiscreteSystem
-from drillpetsc.fem.string_mesh import RigidItem, StringJoint, StringMesh, uniform_string
+from drillpetsc.fem.string_mesh import RigidItem, StringJoint, StringMesh
 from drillpetsc.geometry.frames import transported_frames
 from drillpetsc.physics.beam import AncfBeam
 from drillpetsc.physics.end_conditions import EndPlace, FixedEnd
 from drillpetsc.physics.joints import Joints
 from drillpetsc.physics.rigid_bodies import RigidBodies
 from tests.helpers.rolling import Rolling
+from tests.helpers.uniform_string import uniform_string
 
 AXES = ((0.0, 0.6, 0.8), (0.0, -0.8, 0.6), (1.0, 0.0, 0.0))
 NO_GRAVITY = np.zeros(3)

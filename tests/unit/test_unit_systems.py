@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from drillpetsc.unit_systems import KINDS, SYSTEMS, display, kind_of, shown, unit_of_bare_number
+from drillpetsc.unit_systems import KINDS, SYSTEMS, display, kind_of, plain, shown, unit_of_bare_number
 from drillpetsc.units import to_si
 from tests.helpers.tables import each_row
 
@@ -98,3 +98,8 @@ def test_shown() -> None:
     assert shown(2804.16, "length", "field") == "9200 ft"
     assert shown(1e6, "length", "metric") == "1000000 m"
     assert shown(1000.0, "mud_weight", "SI") == "1000 kg/m3"
+
+
+def test_no_exponent_from_one_on() -> None:
+    assert [plain(x, 1) for x in (0.23, 9.6, 12.4, 99.7)] == ["0.2", "10", "12", "100"]
+    assert [plain(x, 3) for x in (1234.5, 1.23e-7)] == ["1234", "1.23e-07"]

@@ -16,7 +16,7 @@ from drillpetsc.model import element_length
 from drillpetsc.model.drilling_model import build_model
 from drillpetsc.model.mesh import build_mesh, coarsened, element_lengths
 from drillpetsc.output import read_table
-from drillpetsc.output.measured.bending import bending_moments
+from drillpetsc.output.measured.bending import end_forces
 from drillpetsc.solvers.static.static_newton import Equilibrium, StaticNewton
 from tests.helpers.buckling import buckling_load
 
@@ -95,7 +95,7 @@ def test_moment_at_a_clamped_end(tension):
     )
     model = build_model(made)
     find_equilibrium(model)
-    moments = bending_moments(model)
+    moments = end_forces(model).moment_size
     k = np.sqrt(tension / BENDING)
     x = 15.0 * k
     exact = WEIGHT / k**2 * (x / np.tanh(x) - 1)
@@ -116,7 +116,7 @@ def side_supported(refinement: float) -> tuple[np.ndarray, float]:
     )
     model = build_model(made)
     state = find_equilibrium(model)
-    moments, node = bending_moments(model), model.mesh.bodies[0].node
+    moments, node = end_forces(model).moment_size, model.mesh.bodies[0].node
     force = static_summary(model, state)["rigid_items"][0]["side_force [N]"]
     return np.array([moments[node - 1, 1], moments[node, 0], moments[-1, 1]]), force
 

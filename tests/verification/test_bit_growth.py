@@ -11,7 +11,7 @@ from scipy.integrate import solve_ivp
 
 from drillpetsc import Case, run
 from drillpetsc.fem.discrete_system import DiscreteSystem
-from drillpetsc.fem.string_mesh import RigidItem, uniform_string
+from drillpetsc.fem.string_mesh import RigidItem
 from drillpetsc.geometry.growing_hole import GrowingHole
 from drillpetsc.geometry.well import Well
 from drillpetsc.model.drilling_model import DrillingModel
@@ -26,6 +26,7 @@ from drillpetsc.time_function import Constant
 from tests.helpers.bit_models import DRAG, RADIUS, bit_of, drilling, lowered, unknowns
 from tests.helpers.motion import beam, fixed, integrate
 from tests.helpers.moving import straight_model
+from tests.helpers.uniform_string import uniform_string
 from tests.helpers.wells import simple_well
 
 MASS, DAMPING, SPRING, BOTTOM, DRILLABILITY = 5e3, 2e4, 2e5, 2e8, 1e-7

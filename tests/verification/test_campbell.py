@@ -11,8 +11,10 @@ import yaml
 
 import drillpetsc
 from drillpetsc import Case
+from drillpetsc.analysis.linear.frequency.campbell import orbit_rate
 from drillpetsc.analysis.linear.frequency.campbell_command import named_lines
 from drillpetsc.analysis.linear.frequency.tracking import SpeedModes, pair, track
+from drillpetsc.analysis.linear.frequency.turning import TurningModel
 from drillpetsc.errors import CaseError
 from drillpetsc.output import read_table
 from drillpetsc.output.job import Job
@@ -201,6 +203,9 @@ def test_line_of_the_motor(tmp_path):
     assert summary["motor_line"][0] == pytest.approx(
         (orbit - np.pi / 3) / (2 * np.pi), abs=lobes[0] * 1e-4 / (2 * np.pi)
     )  # the law's slope of 1e-4 rad/s (manual: eq-motor-speed)
+    states = TurningModel(Case(**case))
+    states.at(4.0)
+    assert orbit_rate(states.model) == pytest.approx(4.0 - orbit, abs=lobes[0] * 1e-4)  # backwards
 
 
 def test_line_of_the_blades(tmp_path):

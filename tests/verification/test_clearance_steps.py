@@ -17,7 +17,7 @@ from drillpetsc.doubts import doubts_at
 from drillpetsc.doubts.moments import Built
 from drillpetsc.model.drilling_model import build_model
 from drillpetsc.model.element_length import free_length, step_moment
-from drillpetsc.output.measured.bending import bending_moments
+from drillpetsc.output.measured.bending import end_forces
 
 PIPE = {"kind": "pipe", "od": 0.127, "id": 0.1086}
 COLLAR = {"kind": "pipe", "od": 0.165, "id": 0.06}
@@ -53,7 +53,7 @@ def stress_near(model, depth: float) -> float:
     """Largest bending stress [Pa] at the element ends within 15 m of ``depth``."""
     mesh = model.mesh
     area = np.pi / 64 * (mesh.outer_diameter**4 - mesh.inner_diameter**4)
-    stress = (0.5 * mesh.outer_diameter / area)[:, None] * bending_moments(model)
+    stress = (0.5 * mesh.outer_diameter / area)[:, None] * end_forces(model).moment_size
     ends = np.column_stack([mesh.upper, mesh.lower])
     return float(stress[abs(ends - depth) < 15].max())
 
@@ -77,7 +77,7 @@ def test_moment_and_free_length_beside_a_step():
     bending = 2.1e11 * np.pi / 64 * (0.127**4 - 0.1086**4)
     side = float(mesh.mass[-1]) * 9.81
     assert side == pytest.approx(section * 7850 * 9.81, rel=0.02)
-    moment = bending_moments(model)[mesh.upper > 29.99][0, 0]
+    moment = end_forces(model).moment_size[mesh.upper > 29.99][0, 0]
     expected = float(step_moment(np.array([bending]), 0.02, np.array([side]))[0])
     assert moment == pytest.approx(expected, rel=0.02)
     free = free_length(bending, 0.02, side)

@@ -83,3 +83,46 @@ def test_growth_that_the_mesh_does_not_resolve_is_named():
     still = build_model(case("mixed", 100.0))
     prepare_state(still, "rest")
     assert GrowthOfMesh().sentences(moment_of(still, modes(still, 40))) == []
+
+
+def test_shares_of_energy_where_mud_and_steel_move_against_each_other():
+    """A plugged pipe, clamped and open at its top: waves of steel a sin(kx) and of mud b cos(qx) meet at the plug.
+
+    a sin kL = b cos qL and EA a k cos kL = K A_i b q sin qL.  The string moves with its mud, the flow is that past the string.
+    Of pressures the diagonal of the storage counts, 5/6 of all."""
+    length, young, steel, bulk, mud = 100.0, 206e9, 7850.0, 2e9, 1200.0
+    wall, bore = np.pi / 4 * (0.127**2 - 0.1086**2), np.pi / 4 * 0.1086**2
+    material = {"young": young, "poisson": 0.0, "density": steel}
+    pipe = {"kind": "pipe", "length": length, "od": 0.127, "id": 0.1086, "element_length": 2.0}
+    model = build_model(
+        Case(
+            string=[pipe | {"material": material}],
+            top="clamped",
+            bottom={"kind": "free", "plugged": True},
+            gravity=0.0,
+            initial={"from": "straight"},
+            fluid={
+                "density": mud,
+                "rheology": {"model": "newtonian", "viscosity": 0.0},
+                "bulk_modulus": bulk,
+                "elastic_walls": False,
+                "pump_pressure": 1e5,
+            },
+        )
+    )
+    prepare_state(model)
+    found = modes(model, 60)
+    x = np.linspace(0.0, length, 10001)
+    for rate in (19.730665, 57.998714, 80.657673, 104.079675):
+        k, q = rate / np.sqrt(young / steel), rate / np.sqrt(bulk / mud)
+        a, b = np.cos(q * length), np.sin(k * length)
+        pull, push = young * wall * a * k * np.cos(k * length), bulk * bore * b * q * np.sin(q * length)
+        assert pull == pytest.approx(push, rel=1e-5)
+        u, past = a * np.sin(k * x), b * np.cos(q * x) - a * np.sin(k * x)
+        moved = (steel * wall + mud * bore) * rate**2 * u**2
+        string = moved + young * wall * (a * k * np.cos(k * x)) ** 2
+        fluid = mud * bore * (rate * past) ** 2 + 5 / 6 * bulk * bore * (b * q * np.sin(q * x)) ** 2
+        expected = fluid.sum() / (fluid + string).sum()
+        n = int(np.abs(found.frequency - rate / (2 * np.pi)).argmin())
+        assert found.frequency[n] == pytest.approx(rate / (2 * np.pi), rel=1e-4)
+        assert found.share[n, 3] == pytest.approx(expected, abs=1e-3)

@@ -13,7 +13,7 @@ from drillpetsc.analysis.statics.find_equilibrium import find_equilibrium
 from drillpetsc.doubts.mesh import LongElements, LongElementsAtSupport
 from drillpetsc.doubts.moments import Answer
 from drillpetsc.model.drilling_model import build_model
-from drillpetsc.output.measured.bending import bending_moments
+from drillpetsc.output.measured.bending import end_forces
 
 BENDING = 1.2240289e6
 PIPE = {"kind": "pipe", "od": 0.127, "id": 0.1086}
@@ -55,7 +55,7 @@ def beside_stabilizer(case: Case) -> tuple[float, list[str]]:
     find_equilibrium(model, lateral_friction=False)
     node = model.mesh.bodies[0].node
     lines = [line for line in long_elements(model) if "beside stabilizer" in line]
-    return float(bending_moments(model)[node - 1, 1]), lines
+    return float(end_forces(model).moment_size[node - 1, 1]), lines
 
 
 def length_in(line: str) -> float:

@@ -13,12 +13,12 @@ from scipy.optimize import brentq
 
 from drillpetsc import Case, run
 from drillpetsc.fem.component import Component, PrescribedMotion
-from drillpetsc.fem.string_mesh import uniform_string
 from drillpetsc.geometry.well import Well
 from drillpetsc.physics.contact import Contact, ContactLaw
 from drillpetsc.physics.rigid_bodies import RigidBodies
 from tests.helpers import moving
 from tests.helpers.motion import beam, fixed, integrate, sampled, straight
+from tests.helpers.uniform_string import uniform_string
 
 
 def rod(system) -> tuple[np.ndarray, np.ndarray]:

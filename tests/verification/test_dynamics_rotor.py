@@ -7,12 +7,12 @@ import numpy as np
 import pytest
 import scipy.linalg
 
-from drillpetsc.fem.string_mesh import uniform_string
 from drillpetsc.geometry.well import Well
 from drillpetsc.physics.contact import Contact, ContactLaw, damping_factor
 from drillpetsc.physics.end_conditions import EndPlace, FixedEnd, Loads, NodeLoad
 from tests.helpers.motion import sampled
 from tests.helpers.moving import matrices, straight_model
+from tests.helpers.uniform_string import uniform_string
 
 SHAFT = {
     "axial_stiffness": 1e7,

@@ -7,11 +7,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from drillpetsc.fem.string_mesh import tube, uniform_string
+from drillpetsc.fem.string_mesh import tube
 from drillpetsc.physics.end_conditions import EndPlace, FixedEnd, Loads, NodeLoad, TopDrive
 from drillpetsc.time_function import Constant, PiecewiseLinear, Ramp
 from tests.helpers.motion import sampled
 from tests.helpers.moving import straight_model
+from tests.helpers.uniform_string import uniform_string
 
 PIPE = tube(0.127, 0.1086, 206e9, 0.3, 7850.0)
 LENGTH = 2000.0

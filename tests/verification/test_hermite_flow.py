@@ -13,7 +13,6 @@ from drillpetsc.analysis.statics.placement import move_rigidly, release
 from drillpetsc.case import Case
 from drillpetsc.fem.discrete_system import DiscreteSystem
 from drillpetsc.fem.quantity import Sample
-from drillpetsc.fem.string_mesh import uniform_string
 from drillpetsc.geometry.frames import transported_frames
 from drillpetsc.model.drilling_model import build_model
 from drillpetsc.output.balances.mass_balance import MassBalance
@@ -26,6 +25,7 @@ from drillpetsc.physics.fluid.rheology import Rheology
 from drillpetsc.solvers import petsc_options as options
 from drillpetsc.solvers.time.time_integrator import TimeIntegrator
 from drillpetsc.time_function import Constant
+from tests.helpers.uniform_string import uniform_string
 from tests.helpers.wells import simple_well
 from tests.verification.test_closed_bottom_modes import case as closed_bottom
 

@@ -167,6 +167,17 @@ def test_poiseuille_and_its_numbers():
     assert row.regime == "laminar" and row.volume == pytest.approx(np.pi / 4 * d**2 * length)
 
 
+def test_a_mud_that_thickens_fast_stays_laminar_at_any_speed():
+    """Re grows with v^(2 - n): n = 1.9 passes Re = 3470 - 1370 n first at (limit/Re)^10 times the speed, beyond 10 km/s."""
+    mud = {"model": "power_law", "index": 1.9, "consistency": 0.4}
+    string = [{"kind": "pipe", "length": 500.0, "od": 0.127, "id": 0.1}]
+    found = Hydraulics(case(string, None, {"density": 1000.0, "rheology": mud, "flow_rate": 0.02})).at(0.02)
+    (row,) = found.rows
+    speed = 0.02 / (np.pi / 4 * 0.1**2)
+    assert speed * ((3470 - 1370 * 1.9) / row.reynolds) ** 10 > 1e4
+    assert row.regime == "laminar" and row.critical_flow == np.inf
+
+
 CLOSING = {"vertical": "cases/vertical-2000m.yaml", "directional": "cases/directional.yaml"}
 
 
@@ -218,6 +229,13 @@ def test_rows_add_up_to_the_sums_of_the_balance():
     blades = [row for row in found.rows if row.item == "blades"]
     assert [row.channel for row in blades] == ["bore", "annulus"]
     assert [row.length for row in blades] == pytest.approx([2.0, 2.0])
+    sizes = np.array([(row.od, row.id) for row in blades])
+    steel = np.sqrt(
+        (2.5 * INCH) ** 2 + 4 / np.pi * 300 / 7850 / 2
+    )  # between the blades, as much as weighs 300 kg
+    assert sizes == pytest.approx(np.array([(2.5 * INCH, 0.0), (8.5 * INCH, steel)]), rel=1e-9)
+    area = np.pi / 4 * (sizes[:, 0] ** 2 - sizes[:, 1] ** 2)
+    assert [row.velocity for row in blades] * area == pytest.approx([0.03, 0.03], rel=1e-6)
     ends = [(row.upper, row.lower) for row in found.rows if row.channel == "annulus"]
     assert all(a[1] == pytest.approx(b[0]) for a, b in zip(ends, ends[1:], strict=False))
     assert ends[0][0] == 0.0 and ends[-1][1] == pytest.approx(1800 * FOOT + 2.0)

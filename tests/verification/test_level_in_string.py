@@ -51,6 +51,10 @@ def test_weight_of_tubing_without_mud() -> None:
     assert rows_at(case("1500 m"), 1000.0).weight == pytest.approx(
         rows_at(case(None), 1000.0).weight
     )  # empty
+    tubing = {"kind": "pipe", "od": 0.1778, "id": 0.15748}
+    parts = case(string=[tubing | {"length": 200}, tubing | {"length": 800}])
+    assert rows_at(parts, 1000.0).edges == pytest.approx([0, 200, 300, 1000])
+    assert rows_at(parts, 1000.0).weight == pytest.approx(rows.weight[[0, 0, 1]], rel=1e-9)
 
 
 def test_hook_load_of_a_roadmap(tmp_path: Path) -> None:

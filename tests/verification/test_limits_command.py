@@ -291,6 +291,9 @@ def test_rows_where_items_meet_and_around_rigid_items(tmp_path):
     assert at["stab"] == pytest.approx([300.0, 302.0])
     stab = np.array(names) == "stab"
     assert np.isnan(table["von_mises [Pa]"][stab]).all() and np.isfinite(table["axial_force [N]"][stab]).all()
+    beside = [np.flatnonzero(np.array(names) == "dp")[-1], np.flatnonzero(np.array(names) == "dc")[0]]
+    for name in ("axial_force [N]", "effective_tension [N]", "torque [N m]"):
+        assert table[name][stab] == pytest.approx(table[name][beside], rel=1e-12)
     assert table["tvd [m]"] == pytest.approx(md * math.cos(0.9))
     weight = (300 * given.string[0].adjusted_weight + 60 * given.string[2].adjusted_weight + 300) * G
     on_joint = given.string[0].adjusted_weight * G * math.sin(0.9) * 31 * FT
@@ -470,6 +473,30 @@ def test_free_point_by_the_line_through_several_pairs():
     found = free_points(string, pairs)["slope"]
     assert found.length / FT == pytest.approx(8000, rel=1e-9)
     assert slope(pairs[:1]) is None and slope([Pair(1.0, 1e5), Pair(0.9, 2e5)]) is None
+
+
+def test_free_point_below_a_bend():
+    """Friction in a bend of radius R leaves exp(-mu theta) of the pull: stretch P/EA [a + R/mu (1 - exp(-mu theta)) + b exp(-mu theta)].
+
+    Above a straight slant the weight's friction does not change with the pull (capstan; the tension holds the pipe to the upper side).
+    """
+    R, mu, theta, above, below = 600.0, 0.3, math.radians(60.0), 500.0, 700.0
+    build = above + R * theta
+    survey = {
+        "md": [0.0, above, build, 3500.0],
+        "inclination": [0.0, 0.0, theta, theta],
+        "azimuth": [0.0] * 4,
+    }
+    well = {"survey": survey, "sections": [{"kind": "open_hole", "diameter": 0.2159, "friction": mu}]}
+    string = case([tube(5, 4.276, 3000 / FT)], well, bottom="free")
+    left = math.exp(-mu * theta)
+    stretch = 120e3 / (E_STEEL * AREA * INCH**2) * (above + R / mu * (1 - left) + below * left)
+    found = free_point(string, Pair(stretch, 120e3))
+    assert found.length == pytest.approx(build + below, rel=1e-4)
+    assert found.arrives == pytest.approx(left, rel=1e-5)
+    assert found.frictionless == pytest.approx(stretch * E_STEEL * AREA * INCH**2 / 120e3, rel=1e-6)
+    pairs = [Pair(0.1 + stretch * f, 120e3 * f) for f in (0.5, 1.0, 1.5)]  # with a wrong zero
+    assert free_points(string, pairs)["slope"].length == pytest.approx(build + below, rel=1e-4)
 
 
 def test_pairs_of_stretch_and_pull_are_read():

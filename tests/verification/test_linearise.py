@@ -50,14 +50,14 @@ def waves(q: dict, frequency: np.ndarray):
 @pytest.mark.parametrize("q", [PIPE, COLLAR], ids=["C30", "collar"])
 def test_the_response_to_torque_is_that_of_the_wave_equation(q, tmp_path):
     """s/(I s^2 + GJ (1 + b s) k tanh kL) within 0.3 %, and over cosh kL at the lower end; the figures of C30."""
-    system = drillpetsc.linearise(
-        driven(q), ["top.torque"], ["top_speed", "bit_speed"], tmp_path / "r"
-    ).system
+    outputs = ["top_speed", "bit_speed", "motor_torque"]
+    system = drillpetsc.linearise(driven(q), ["top.torque"], outputs, tmp_path / "r").system
     s, kL, GJk = waves(q, FREQUENCY)
     exact = s / (q["inertia"] * s**2 + GJk * np.tanh(kL))
     found = system.response(FREQUENCY)[:, :, 0]
     assert np.abs(found[:, 0] / exact - 1).max() < 3e-3
     assert np.abs(found[:, 1] / (exact / np.cosh(kL)) - 1).max() < 3e-3
+    assert found[:, 2] == pytest.approx(np.ones(4), rel=1e-6)
     if q is PIPE:
         assert np.abs(found[:, 0]) == pytest.approx(C30[0], rel=3e-3)
         assert np.degrees(np.angle(found[:, 0])) == pytest.approx(C30[1], abs=0.05)
@@ -149,6 +149,7 @@ def test_an_unstable_state_is_named_and_kept(tmp_path):
     assert any("unstable" in line and "torsional" in line for line in result.lines)
     assert any("bit stays on the bottom" in line for line in result.lines)
     assert not result.summary["stable"]
+    assert result.summary["largest_growth"] == pytest.approx(growth, rel=1e-4)
 
 
 MUD = {

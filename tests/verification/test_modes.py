@@ -15,7 +15,6 @@ from scipy.special import jn_zeros
 
 from drillpetsc import Case
 from drillpetsc.analysis.linear.modal import modes, prepare_state, run_modes
-from drillpetsc.fem.string_mesh import uniform_string
 from drillpetsc.geometry.well import Well
 from drillpetsc.model.drilling_model import build_model
 from drillpetsc.output import read_frame, read_table
@@ -33,6 +32,7 @@ from tests.helpers.flow_models import build
 from tests.helpers.motion import straight
 from tests.helpers.moving import straight_model
 from tests.helpers.rules_of_thumb import critical_speed
+from tests.helpers.uniform_string import uniform_string
 
 L, EA, EI, GJ, MASS, POLAR = 10.0, 2e7, 1.2e5, 9.4e4, 27.0, 0.09
 BETA_CANTILEVER = [
@@ -86,6 +86,21 @@ def test_torsion_of_pipe_and_collars():
     m = found(4, kind="torsional", string=string, top="clamped")
     assert rates(m, "torsional")[:2] == pytest.approx(exact, rel=5e-4)
     assert rates(m, "torsional")[:2] == pytest.approx([2.424, 7.936], rel=2e-3)
+
+
+def test_an_unstable_state_is_told_if_no_mode_of_the_list_grows(tmp_path: Path):
+    """Pinned column under 3.9 buckling loads: one lateral mode grows in each plane, with w1 sqrt(2.9). Among its torsional
+    modes none grows, which does not make the state stable."""
+    load = 3.9 * np.pi**2 * EI / L**2
+    top = {"kind": "top_drive", "rotation": 0.0, "hinged": True, "force": -load}
+    case = Case(string=[rod()], gravity=0.0, initial={"imperfection": 0.0}, top=top, bottom="pinned")
+    for kind, growing in (("torsional", 0), ("lateral", 2)):
+        result = run_modes(Job(case, tmp_path / kind), 3, kind=kind, about="rest")
+        assert not result.summary["stable"] and result.summary["negative_pivots"] == 2
+        assert result.summary["unstable"] == growing
+        assert any("growing modes are not among these" in line for line in result.lines) != bool(growing)
+    rate = (np.pi / L) ** 2 * np.sqrt(EI / MASS) * np.sqrt(2.9)
+    assert result.summary["margin"] == pytest.approx(rate, rel=1e-3)
 
 
 def test_critical_speed_of_a_joint():

@@ -316,6 +316,20 @@ def test_a_bit_that_lifts_off_is_marked(tmp_path):
         assert list(found["validity"]) == [word]
 
 
+def test_a_body_on_the_wall_that_lifts_off_is_marked(tmp_path):
+    """A level span on a body of 0.1 m, whose middle is at 10.05 m: it lifts where the unbalance's force exceeds the weight it carries.
+
+    With 0.2 m/s2 it carries less than the string's 130 N, and more than some newtons; 90 rpm give 0.01 and 2 kg m forces of 0.9 and 178 N."""
+    case = m.rotor() | {"well": simple_well(20.1, 0.135, np.pi / 2, friction=0.0), "gravity": 0.2}
+    case["string"][1] |= {"length": 0.1, "od": 0.1348}
+    case["initial"] = {"from": "statics"}
+    for unbalance, word in ((0.01, "linear"), (2.0, "lifts")):
+        case["string"][1]["unbalance"] = unbalance
+        found = table(case, tmp_path, "body", excite="unbalance", speeds="90 rpm")
+        assert list(found["validity"]) == [word]
+        assert found["md"] == pytest.approx([10.05])
+
+
 @each_row(
     ("changes", "options", "words"),
     [

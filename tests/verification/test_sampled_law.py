@@ -38,8 +38,12 @@ def history(folder, control: Any, **more: Any) -> dict[str, np.ndarray]:
     return read_table(run(case(control, **more), folder, progress="silent").folder / "history.csv")
 
 
-@pytest.mark.parametrize("law", [PI, SOFT, Z_TORQUE], ids=lambda law: law["kind"])
-@pytest.mark.parametrize("motor", [{}, {"max_torque": 2e4, "min_torque": 0.0}], ids=["free", "limited"])
+LIMITED = {"max_torque": 2e4, "min_torque": 0.0}
+
+
+@pytest.mark.parametrize(
+    ("law", "motor"), [(PI, {}), (SOFT, LIMITED), (Z_TORQUE, LIMITED)], ids=["pi", "soft_torque", "z_torque"]
+)
 def test_it_is_the_continuous_law_with_half_a_sample_of_delay(tmp_path, law, motor):
     """A held torque is late by half a sample on average: the difference falls with the first power of the sample."""
     differences = []

@@ -9,7 +9,7 @@ from drillpetsc import Case, hydraulics, limits, linearise, roadmap, run, static
 from drillpetsc.analysis.commands.check import describe
 from drillpetsc.analysis.hydraulics.flow_model import FlowModel, string_at, whole_string
 from drillpetsc.analysis.hydraulics.hydraulics import Hydraulics
-from drillpetsc.analysis.hydraulics.losses import motor_rows
+from drillpetsc.analysis.hydraulics.losses import balance, motor_rows, tool_rows
 from drillpetsc.analysis.statics.placement import top_depth
 from drillpetsc.errors import CaseError
 from drillpetsc.model.drilling_model import build_model
@@ -77,6 +77,21 @@ def test_a_casing_shoe_inside_a_motor_leaves_its_pressure_and_name(shoe: float):
     assert row.item == "motor"
     assert row.upper == pytest.approx(154.0, abs=1e-3)
     assert row.pressure_loss == pytest.approx(NO_LOAD, rel=1e-3)
+
+
+def test_losses_of_tools_are_of_their_length_and_add_up():
+    """Pump pressure less outlet is the sum of losses, heads and columns with a motor and a filter below it that loses 5 bar."""
+    loss = {"value": "5 bar", "at": "25 l/s", "density": 1200}
+    stiff = {"fluid.bulk_modulus": 1e14, "fluid.elastic_walls": False}
+    found = flow(case(MOTOR).replace({"string[2].pressure_loss": loss, **stiff}))
+    rows = tool_rows(found)
+    assert sorted(row.pressure_loss for row in rows) == pytest.approx([5e5, NO_LOAD], rel=1e-5)
+    (tool,) = (row for row in rows if row.pressure_loss < 0.5 * NO_LOAD)
+    assert (tool.upper, tool.lower) == pytest.approx((158.0, 199.5), abs=1e-9)
+    b = balance(found)
+    assert b["tool_loss"] == pytest.approx(sum(row.pressure_loss for row in rows), rel=1e-9)
+    total = sum(value for key, value in b.items() if key not in ("pump_pressure", "outlet"))
+    assert total == pytest.approx(b["pump_pressure"] - b["outlet"], abs=1.0)
 
 
 def test_a_motor_that_is_partly_in_the_hole_keeps_its_joint():

@@ -11,7 +11,7 @@ from drillpetsc.analysis.statics.equilibrium import MOTIONS
 from drillpetsc.analysis.statics.find_equilibrium import find_equilibrium
 from drillpetsc.geometry.frames import high_side
 from drillpetsc.model.drilling_model import DrillingModel, build_model
-from drillpetsc.output.measured.bending import bending_moments
+from drillpetsc.output.measured.bending import end_forces
 
 BENDING = 206e9 * np.pi / 64 * (0.127**4 - 0.1086**4)
 REACTIONS = ("top.side_reaction_1", "top.side_reaction_2")
@@ -52,7 +52,7 @@ def test_coarse_mesh_in_a_build(motion):
     torques = []
     for element in (10.6, 2.65):
         model = solved(element, [0.0, 0.0, 48.0, 48.0], motion)
-        top = bending_moments(model)[0, 0]
+        top = end_forces(model).moment_size[0, 0]
         assert top == pytest.approx(BENDING * curvature, rel=0.04)
         assert max(abs(model.system.reaction(name)) for name in REACTIONS) < 1.0
         name = "top.torque_reaction" if motion == "rotate" else "top.axial_reaction"

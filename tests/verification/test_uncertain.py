@@ -10,6 +10,7 @@ import pytest
 from drillpetsc.analysis.sensitivities.roadmap import SoftRoadmap
 from drillpetsc.analysis.uncertain.beside_points import inside_band
 from drillpetsc.analysis.uncertain.draws import correlation_of, draw
+from drillpetsc.analysis.uncertain.limits import limits_of, passed
 from drillpetsc.analysis.uncertain.linear import slopes_of
 from drillpetsc.analysis.uncertain.responses import HydraulicsResponse, RoadmapResponse
 from drillpetsc.analysis.uncertain.spread import spreads_of
@@ -125,3 +126,69 @@ def test_hydrostatic_pressure_is_linear_in_the_density():
     ecd = [output.name for output in response.outputs].index("ecd_bit")
     slope = np.polyfit(draws[:, 0], response.values(draws)[:, ecd], 1)[0]
     assert slope == pytest.approx(1.0, rel=1e-3)
+
+
+def test_probability_of_buckling_in_a_straight_hole():
+    """Pushed with the force F at the bit, a pipe in a straight inclined hole buckles at 2 sqrt(EI w sin I/r), and coils at sqrt(2) times that.
+
+    Dawson and Paslay, SPE 11167; Chen, Lin and Cheatham 1990.  The share of samples beyond is that of the forces beyond.
+    """
+    incline, radius, tube = np.radians(60.0), 0.5 * (0.2159 - 0.127), 0.25 * np.pi * (0.127**2 - 0.1086**2)
+    weight, stiffness = 7850 * tube * 9.80665, 206e9 * np.pi / 64 * (0.127**4 - 0.1086**4)
+    limit = 2.0 * np.sqrt(stiffness * weight * np.sin(incline) / radius)
+    well = {
+        "survey": {"md": [0.0, 2000.0], "inclination": [incline] * 2, "azimuth": [0.0, 0.0]},
+        "sections": [{"kind": "open_hole", "diameter": 0.2159, "friction": 0.2}],
+    }
+    case = Case(
+        well=well,
+        string=[
+            {"kind": "pipe", "length": 2000.0, "od": 0.127, "id": 0.1086},
+            {"kind": "bit", "length": 0.0, "od": 0.2159, "mass": 0.0},
+        ],
+        top={"kind": "top_drive"},
+        bottom="bit",
+        initial={"wob": limit},
+        roadmap={"operations": ["drilling"], "drilling": {"wob": limit, "tob": 1e3}},
+        uncertain={"roadmap.drilling.wob": {"normal": [limit, 0.2 * limit]}},
+    )
+    _, draws, response, values = sampled(case, 400)
+    base = {q.quantity.name: v for q, v in zip(response.outputs, response.base, strict=True)}
+    assert base["sinusoidal_ratio"] == pytest.approx(1.0, rel=1e-6)
+    assert base["helical_ratio"] == pytest.approx(np.sqrt(0.5), rel=1e-6)
+    assert SoftRoadmap(case).found.values[
+        [q.quantity.name for q in SoftRoadmap(case).outputs].index("helical_ratio")
+    ] == pytest.approx(base["helical_ratio"], rel=1e-12)
+    rows = {
+        q["meaning"]: q["beyond"]
+        for q in passed(limits_of(case, response.outputs), response.outputs, values, "monte-carlo")
+    }
+    assert rows["buckles sinusoidally"] == np.mean(draws[:, 0] > limit * (1 + 1e-9))
+    assert rows["coils"] == np.mean(draws[:, 0] > np.sqrt(2) * limit)
+
+
+def test_probability_of_leaving_the_window():
+    """In mud that hardly moves the equivalent density is its density, and the margins are its distances from the window.
+
+    To 2e-5 of the density: pressures are summed along the elements, whose depths differ so much from the arcs'.
+    """
+    still = {
+        "fluid.flow_rate": "1e-6 m3/s",
+        "fluid.bulk_modulus": "1e15 Pa",
+        "fluid.rheology": {"model": "newtonian", "viscosity": 1e-6},
+    }
+    case = f5({"fluid.density": {"uniform": [1450.0, 1550.0]}}, **still)
+    case = case.replace({"window": {"pore": 1470.0, "frac": 1530.0}})
+    keys = uncertain_keys(case)
+    draws = draw([keys[0].spread], np.eye(1), 50, 1)
+    response = HydraulicsResponse(case, keys)
+    values = response.values(draws)
+    names = [output.name for output in response.outputs]
+    assert values[:, names.index("frac_margin")] == pytest.approx(1530.0 - draws[:, 0], abs=0.03)
+    assert values[:, names.index("pore_margin")] == pytest.approx(draws[:, 0] - 1470.0, abs=0.03)
+    rows = {
+        q["meaning"]: q["beyond"]
+        for q in passed(limits_of(case, response.outputs), response.outputs, values, "monte-carlo")
+    }
+    assert rows["above the fracture density"] == np.mean(draws[:, 0] > 1530.0)
+    assert rows["below the pore density"] == np.mean(draws[:, 0] < 1470.0)

@@ -98,7 +98,7 @@ class Strings:
             np.zeros(len(own), dtype=int), friction, same, load.wob * same, own[:, -1], load.velocity * same,
             load.rotation * same, own[:, -2], thrust=thrust * same,
         )  # fmt: skip
-        tension, torque = string.ends(columns, None if lift is None else [lift] * len(own))
+        tension, torque, *_ = string.ends(columns, None if lift is None else [lift] * len(own))
         return tension[which.ravel()], torque[which.ravel()]
 
     def _at(self, depth: float) -> SoftEnds:

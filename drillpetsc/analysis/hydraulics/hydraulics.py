@@ -23,6 +23,7 @@ from drillpetsc.analysis.hydraulics.losses import Loss, balance, blend_excess, l
 from drillpetsc.analysis.hydraulics.nozzles import NozzleGroup, bit_flow, nozzle_groups
 from drillpetsc.analysis.hydraulics.open_hole import (
     NOT_CHECKED,
+    OpenHole,
     annulus_pressure_at,
     open_hole,
     shoe_depth,
@@ -35,7 +36,7 @@ from drillpetsc.case.blocks.items.string import Bit
 from drillpetsc.case.blocks.window import Window
 from drillpetsc.case.case import Case
 from drillpetsc.case.plausible.plausible_string import beyond_curves, short_of_hole
-from drillpetsc.case.quantities import largest
+from drillpetsc.case.quantities import largest, said
 from drillpetsc.doubts import doubts_at
 from drillpetsc.errors import CaseError
 from drillpetsc.output import write_summary, write_table
@@ -108,12 +109,12 @@ def default_flow(case: Case, notes: list[str]) -> float:
     rate = flow.constant if isinstance(flow, Constant) else largest(flow)
     if not isinstance(flow, Constant):
         notes.append(
-            f"fluid.flow_rate varies: its largest value, {rate:g} m3/s, is taken; --flow takes others"
+            f"fluid.flow_rate varies: its largest value, {said(rate, 'flow', case.shown_units)}, is taken; --flow takes others"
         )
     if rate < 0:
         raise CaseError(
             at="fluid.flow_rate",
-            got=rate,
+            got=said(rate, "flow", case.shown_units),
             want="a flow rate above 0",
             hint="hydraulics is for normal circulation",
         )
@@ -187,7 +188,10 @@ class Hydraulics:
         flow.solve(rate)
         limited = NOT_CHECKED if self.window is None else self.window.limited_by(flow)
         rows = loss_rows(flow)
-        groups, summary = nozzle_groups(flow), flow_figures(flow, rate, rows, self.shoe, self.end)
+        groups, summary = (
+            nozzle_groups(flow),
+            flow_figures(flow, rate, rows, self.shoe, self.end, self.window),
+        )
         warnings = doubts_at(Pumped(case, summary, self.units, flow, blend_excess(flow), limited))
         if (
             case.fluid is None
@@ -237,11 +241,17 @@ class Hydraulics:
 
 
 def flow_figures(
-    flow: FlowModel, rate: float, rows: Sequence[Loss], shoe: float | None, end: float | None
+    flow: FlowModel,
+    rate: float,
+    rows: Sequence[Loss],
+    shoe: float | None,
+    end: float | None,
+    window: OpenHole | None = None,
 ) -> Numbers:
     """Values of HYDRAULICS_SUMMARY [SI] of a steady flow that is solved, None where absent.
 
     rate: of the pump [m3/s]; rows: its losses; shoe, end: measured depths of the last shoe and of the end of the hole [m].
+    window: of the open hole.
     """
     case = flow.case
     sums = balance(flow)
@@ -251,6 +261,7 @@ def flow_figures(
     out["bit_pressure"] = flow.bottom_pressure()
     if flow.fluid.annulus is not None:
         out |= densities(flow, shoe, end)
+        out |= {} if window is None else window.margins(flow)
     for name in ("bore", "annulus"):
         out[f"{name}_volume"] = sum(row.volume for row in rows if row.channel == name)
     bit = flow.fluid.bit

@@ -83,15 +83,21 @@ def regime(law: Rheology, reynolds: float) -> str:
 
 
 def critical_speed(law: Rheology, gap: float, slot: bool, density: float) -> float:
-    """Compute the mean speed at which laminar flow ends [m/s]; arguments as in `reynolds_number`."""
+    """Compute the mean speed at which laminar flow ends [m/s]; infinite for a mud that thickens too fast to become turbulent.
+
+    Arguments as in `reynolds_number`.
+    """
     if law.consistency == 0.0:
         return 0.0
     limit = 3470.0 - 1370.0 * law.index
+    slowest, fastest = np.log(1e-18), np.log(1e6)
 
     def excess(log_speed: float) -> float:
         return float(np.log(reynolds_number(law, np.exp(log_speed), gap, slot, density) / limit))
 
-    return float(np.exp(brentq(excess, np.log(1e-6), np.log(1e4), xtol=1e-10)))
+    if excess(fastest) < 0:
+        return np.inf
+    return float(np.exp(brentq(excess, slowest, fastest, xtol=1e-10)))
 
 
 def annulus_stress(

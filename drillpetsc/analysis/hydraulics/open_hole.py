@@ -48,12 +48,24 @@ class OpenHole:
     pore: FloatArray
     frac: FloatArray
 
+    def _beyond(self, flow: FlowModel) -> tuple[FloatArray, FloatArray]:
+        """(k,) equivalent density above the fracture density, and below the pore density [kg/m3]."""
+        density = flow.equivalent_density(annulus_pressure_at(flow, self.md, self.tvd), self.tvd)
+        return density - self.frac, self.pore - density
+
+    def margins(self, flow: FlowModel) -> dict[str, float | None]:
+        """Smallest distances from both limits [kg/m3], negative beyond them; None without an open hole."""
+        beyond = self._beyond(flow) if len(self.md) else (None, None)
+        return {
+            name: None if q is None else -float(np.nanmax(q))
+            for name, q in zip(("frac_margin", "pore_margin"), beyond, strict=True)
+        }
+
     def limited_by(self, flow: FlowModel) -> str:
         """Name the limit that the pressure in the annulus passes most, with its depth; "none" within the window."""
         if not len(self.md):
             return WITHIN
-        density = flow.equivalent_density(annulus_pressure_at(flow, self.md, self.tvd), self.tvd)
-        over, under = density - self.frac, self.pore - density
+        over, under = self._beyond(flow)
         worst = np.nanmax([over, under])
         if not worst > 0:
             return WITHIN

@@ -404,6 +404,11 @@ def moment_of(model: DrillingModel, found: Modes) -> Modal:
     )
 
 
+def missing_growth(model: DrillingModel, found: Modes, state: StaticState) -> bool:
+    """Whether the state leaves its equilibrium in a mode that was not computed: fast divergence lies beyond the lowest modes."""
+    return bool(state.equilibrium.negative_pivots and model.conservative and not found.unstable)
+
+
 def _summary(model: DrillingModel, found: Modes, state: StaticState, searched: str) -> ModesSummary:
     """Results of all modes together; collective."""
     return ModesSummary(
@@ -413,7 +418,7 @@ def _summary(model: DrillingModel, found: Modes, state: StaticState, searched: s
         lowering=found.lowering,
         rotation=found.rotation,
         modes=found.count,
-        stable=found.unstable == 0 and found.zeros == 0,
+        stable=found.unstable == 0 and found.zeros == 0 and not missing_growth(model, found, state),
         margin=found.margin,
         unstable=found.unstable,
         diverging=found.diverging,
@@ -512,6 +517,8 @@ def _lines(case: Case, folder: RunFolder, found: Modes, summary: dict[str, Any])
     stability = (
         "stable"
         if summary["stable"]
+        else "the state is unstable, but its growing modes are not among these"
+        if not found.unstable and not found.zeros
         else f"{found.diverging} diverging, {found.fluttering} fluttering, {found.zeros} at zero"
     )
     lines.append(

@@ -156,9 +156,9 @@ def write(path: Path, c: Checkpoint) -> None:
         # a dataset, since an attribute holds 64 kB at most
         file["provenance"] = np.frombuffer(json.dumps(c.provenance).encode(), dtype=np.uint8)
         for group, arrays in tree.items():
-            file.require_group(group)
+            place = file.require_group(group)
             for name, values in arrays.items():
-                file[f"{group}/{name}"] = values
+                place[name] = values
         for name, single in single_arrays.items():
             if single is not None:
                 file[name] = single

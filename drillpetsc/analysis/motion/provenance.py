@@ -65,7 +65,11 @@ def _moved(data: Any) -> Any:
 
 def digest(case: Case) -> str:
     """SHA-256 of the resolved case."""
-    return hashlib.sha256(json.dumps(resolved(case), sort_keys=True).encode()).hexdigest()
+    return _digest(resolved(case))
+
+
+def _digest(data: Mapping[str, Any]) -> str:
+    return hashlib.sha256(json.dumps(data, sort_keys=True).encode()).hexdigest()
 
 
 def record(case: Case, user_options: Mapping[str, str]) -> dict[str, Any]:
@@ -73,9 +77,10 @@ def record(case: Case, user_options: Mapping[str, str]) -> dict[str, Any]:
 
     user_options: PETSc options of the user, by name without dash.
     """
+    data = resolved(case)
     return {
-        "case": resolved(case),
-        "case_digest": digest(case),
+        "case": data,
+        "case_digest": _digest(data),
         "versions": versions(),
         "petsc_options": dict(user_options),
     }

@@ -25,7 +25,7 @@ from drillpetsc.output.summaries.run import StaticStart
 from drillpetsc.physics.top.hoist import Hoist
 from drillpetsc.physics.top.top_drive import MotorDrive
 from drillpetsc.solvers.time.time_integrator import TimeIntegrator
-from drillpetsc.unit_systems import System, display_unit, shown
+from drillpetsc.unit_systems import System, display_unit, plain, shown
 
 FOR_RATES = 5.0  # length of new hole [m] below which its waviness, tenths of a degree, hides its build rate
 DAMPING_SHOWN = 1e-3  # share of energy lost above which the report names the damping of the time formula
@@ -187,14 +187,14 @@ def closing_lines(
     e = result.get("energy", {})
     lines = [
         f"{result['title'] or 'case'}: {result['elements']} elements, {result['unknowns']} unknowns, {result['ranks']} rank(s)",
-        f"  simulated {result['simulated']:.6g} s in {result['wall_seconds']:.3g} s (real-time factor {result['real_time_factor']:.3g}), "
+        f"  simulated {result['simulated']:.6g} s in {plain(result['wall_seconds'], 3)} s (real-time factor {plain(result['real_time_factor'], 3)}), "
         f"{result['steps']} steps, {result['rejected_steps']} rejected, {result['newton_iterations']} Newton iterations, "
         f"{result['jacobians']} Jacobians",
     ]
     if e:
         damped = ", removed by numerical damping" if e.get("damped_share", 0.0) > DAMPING_SHOWN else ""
         lines.append(
-            f"  energy error {shown(e['error'], 'energy', system, 3)} ({100 * e['error_share']:.2g} % of the energy exchanged{damped})"
+            f"  energy error {shown(e['error'], 'energy', system, 3)} ({plain(100 * e['error_share'], 2)} % of the energy exchanged{damped})"
         )
     lines += _time_lines(result, checked, system)
     if "mass" in result:
@@ -232,7 +232,7 @@ def _time_lines(result: dict[str, Any], checked: bool, system: System) -> list[s
     frequency, share = estimate.get("damped_above"), energy.get("damped_share", 0.0)
     if frequency is not None and share > DAMPING_MATTERS:
         lines.append(
-            f"  numerical damping removed {shown(energy['damped'], 'energy', system, 3)}, {100 * share:.2g} % of the energy exchanged: at these steps "
+            f"  numerical damping removed {shown(energy['damped'], 'energy', system, 3)}, {plain(100 * share, 2)} % of the energy exchanged: at these steps "
             f"vibrations above {frequency:.2g} Hz lose more than 1 % of their amplitude per period"
         )
     return lines

@@ -6,6 +6,7 @@ import sys
 import time as clock
 from contextlib import suppress
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
@@ -314,7 +315,7 @@ class TransientRun:
                 raise Interrupted(self.control.name, self.t, self.folder.path)
             self._save(stop)
 
-    @property
+    @cached_property
     def _checkpoint_interval(self) -> float:
         """Simulated time between two checkpoints [s]."""
         every = self.case.output.checkpoint_every
@@ -322,8 +323,7 @@ class TransientRun:
         return float(every)
 
     def _after_step(self, t: float, dt: float) -> None:
-        with self.model.system.assembly.unchanged():  # results of the step are shared by all that follows
-            self._record(t, dt)
+        self._record(t, dt)
         self.memory.update(t)
         self.bar.update(t, self.integrator.counters.steps, dt)
 
@@ -350,7 +350,9 @@ class TransientRun:
         """After all calls of a step: act on signals and write errors, write a checkpoint that is due."""
         if self.recorder.sensors is not None and self.integrator.fresh:  # in other reference frames
             self.recorder.sensors.renew()
-        every, asked = self._checkpoint_interval, self.control.poll(self.due, self.writer.is_overdue)
+        # one rank has written what was overdue
+        overdue = self.mpi.size > 1 and self.writer.is_overdue
+        every, asked = self._checkpoint_interval, self.control.poll(self.due, overdue)
         if asked == WRITE:
             self.writer.write_waiting(self.control)
             asked = NOTHING

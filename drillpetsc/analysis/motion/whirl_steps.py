@@ -202,7 +202,10 @@ class WhirlSteps:
             arrays = *map(pointer, (at, spins, asm.y, of)), len(parts), pointer(self._spins)
             self._spins_call = len(at), *arrays
         _fastest_on_wall(*self._spins_call)
-        out = [part.rate(spin) for part, spin in zip(parts, self._spins.tolist(), strict=True)]
+        # a part that does not touch has no spin here, and no rate
+        out = [
+            part.rate(spin) if spin else 0.0 for part, spin in zip(parts, self._spins.tolist(), strict=True)
+        ]
         comm = self.model.system.comm
         if comm.size > 1:
             from mpi4py import MPI

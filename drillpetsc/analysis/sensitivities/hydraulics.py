@@ -10,7 +10,7 @@ import numpy as np
 from drillpetsc.analysis.hydraulics.flow_model import FlowModel, whole_string
 from drillpetsc.analysis.hydraulics.hydraulics import Hydraulics, default_flow, flow_at_pressure, flow_figures
 from drillpetsc.analysis.hydraulics.losses import loss_rows
-from drillpetsc.analysis.hydraulics.open_hole import shoe_depth
+from drillpetsc.analysis.hydraulics.open_hole import open_hole, shoe_depth
 from drillpetsc.analysis.sensitivities.flow import FlowTangent
 from drillpetsc.analysis.sensitivities.points import Point, difference
 from drillpetsc.analysis.sensitivities.solution import Found, Output, number
@@ -97,7 +97,7 @@ class SteadyHydraulics:
     def _at(flow: FlowModel, rate: float) -> Found:
         case, rows = flow.case, loss_rows(flow)
         end = None if case.well is None else float(case.well.survey.md[-1])
-        figures = flow_figures(flow, rate, rows, shoe_depth(case), end)
+        figures = flow_figures(flow, rate, rows, shoe_depth(case), end, open_hole(case, case.window))
         regimes = tuple(row.regime for row in rows)
         values = np.array([number(figures[q.name]) for q in HYDRAULICS_SUMMARY])
         return Found(values, (regimes,) * len(values))

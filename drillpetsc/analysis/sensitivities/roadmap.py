@@ -35,6 +35,7 @@ FORCE_STEP = 1e-6  # of the differences by the force below a step, relative to t
 #: outputs of a row; the place of a smallest force jumps from node to node
 NAMES = (*(name for name in FOUND if name != "md_of_min"), "hook_load_total", "hook_load_reading")
 QUANTITIES = tuple(q for q in ROADMAP if q.name in NAMES)
+RATIOS = ("sinusoidal_ratio", "helical_ratio")
 
 
 def own_friction(case: Case, deepest: bool, model: str = "soft") -> RowsAsked:
@@ -175,11 +176,13 @@ class SoftRoadmap:
         values = [number(row[name]) for row in rows for name in names]
         states: list[Hashable] = []
         lowest = np.argmin(np.nan_to_num(batch.tension, nan=np.inf), axis=0)
+        nearest = batch.ratios.argmax(axis=1)
         for c in range(len(rows)):
             # a sinusoidal buckle changes no force
             buckled = (batch.state[:, c] == 2).tobytes(), bool(np.isnan(batch.locked[c]))
             crossing = _first(batch.tension[:, c] <= 0)
             places = {"min_effective_tension": int(lowest[c]), "neutral_point": crossing}
+            places |= {name: int(at[c]) for name, at in zip(RATIOS, nearest, strict=True)}
             states += [(buckled, places.get(name, 0)) for name in names]
         return Found(np.array(values), tuple(states))
 

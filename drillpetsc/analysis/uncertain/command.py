@@ -14,6 +14,7 @@ from drillpetsc.analysis.sensitivities.solution import Output
 from drillpetsc.analysis.uncertain.beside_points import inside_band
 from drillpetsc.analysis.uncertain.doubts import Drawn
 from drillpetsc.analysis.uncertain.draws import correlation_of, draw
+from drillpetsc.analysis.uncertain.limits import limits_of, passed
 from drillpetsc.analysis.uncertain.linear import slopes_of
 from drillpetsc.analysis.uncertain.responses import HydraulicsResponse, Response, RoadmapResponse
 from drillpetsc.analysis.uncertain.spread import Spreads, spreads_of
@@ -24,10 +25,10 @@ from drillpetsc.doubts import doubts_at
 from drillpetsc.errors import CaseError
 from drillpetsc.output import write_summary, write_table
 from drillpetsc.output.files.case_files import write_case
-from drillpetsc.output.files.run_folder import UNCERTAIN_SHARES_TABLE, UNCERTAIN_TABLE
+from drillpetsc.output.files.run_folder import UNCERTAIN_LIMITS_TABLE, UNCERTAIN_SHARES_TABLE, UNCERTAIN_TABLE
 from drillpetsc.output.job import Job
 from drillpetsc.output.progress import counted
-from drillpetsc.output.quantities.uncertain import UNCERTAIN, UNCERTAIN_SHARES
+from drillpetsc.output.quantities.uncertain import UNCERTAIN, UNCERTAIN_LIMITS, UNCERTAIN_SHARES
 from drillpetsc.output.result import RunResult
 from drillpetsc.output.shown_units import shown_unit
 from drillpetsc.output.summaries.uncertain import UncertainSummary
@@ -53,7 +54,7 @@ class Question:
 
 
 def run_uncertain(job: Job, question: Question) -> RunResult:
-    """Sample, compute all outputs, write uncertain.csv, uncertain_shares.csv and summary.json (collective).
+    """Sample, compute all outputs, write uncertain.csv, uncertain_limits.csv, uncertain_shares.csv and summary.json (collective).
 
     Raises CaseError for a distribution that cannot be, and for an output that the case does not have.
     """
@@ -66,7 +67,7 @@ def run_uncertain(job: Job, question: Question) -> RunResult:
         response = kind(case, keys)
         usual = _usual(response, question.analysis)
         chosen = chosen_outputs(response.outputs, response.base, question.outputs, usual)
-        found, kinks = _found(job, question, response, keys, draws)
+        found, kinks, limits = _found(job, question, response, keys, draws)
     outputs, base = [response.outputs[i] for i in chosen], response.base[chosen]
     named = list(dict.fromkeys(names))
     found = [_of(spread, chosen, _summed(spread.shares[chosen], names)) for spread in found]
@@ -104,6 +105,7 @@ def run_uncertain(job: Job, question: Question) -> RunResult:
         write_case(case, folder)
         for name, columns, table in (
             (UNCERTAIN_TABLE, UNCERTAIN, rows),
+            (UNCERTAIN_LIMITS_TABLE, UNCERTAIN_LIMITS, limits),
             (UNCERTAIN_SHARES_TABLE, UNCERTAIN_SHARES, shares),
         ):
             write_table(
@@ -112,7 +114,7 @@ def run_uncertain(job: Job, question: Question) -> RunResult:
                 [[row[q.name] for row in table] for q in columns],
             )
         write_summary(folder.summary, summary)
-    return job.result(folder, summary, _lines(case, named, outputs, found, question, summary))
+    return job.result(folder, summary, _lines(case, named, outputs, found, question, summary, limits))
 
 
 def _draws(keys: Sequence[Uncertain], question: Question) -> FloatArray:
@@ -139,19 +141,22 @@ def _usual(response: Response, analysis: str) -> tuple[str, ...]:
 
 def _found(
     job: Job, question: Question, response: Response, keys: Sequence[Uncertain], draws: FloatArray
-) -> tuple[list[Spreads], list[str]]:
-    """Statistics of all outputs by each method that is wanted, and the keys with a kink beside their value (collective)."""
+) -> tuple[list[Spreads], list[str], list[dict[str, Any]]]:
+    """Statistics of all outputs by each method that is wanted, the keys with a kink beside their value, and the limits passed (collective)."""
     out: list[Spreads] = []
     kinks: list[str] = []
+    limits, rows = limits_of(job.case, response.outputs), list[dict[str, Any]]()
     if question.method in (MONTE_CARLO, BOTH):
         values = _shared_out(job.comm, response, draws)
         out.append(spreads_of(MONTE_CARLO, draws, values, question.levels))
+        rows += passed(limits, response.outputs, values, MONTE_CARLO)
     if question.method in (LINEAR, BOTH):
         slopes, kinks = slopes_of(job.case, question.analysis, response, keys, job.comm)
         here = np.array([key.value for key in keys])
         values = response.base + (draws - here) @ slopes.T
         out.append(spreads_of(LINEAR, draws, values, question.levels, slopes))
-    return out, kinks
+        rows += passed(limits, response.outputs, values, LINEAR)
+    return out, kinks, rows
 
 
 def _shared_out(comm: Any, response: Response, draws: FloatArray) -> FloatArray:
@@ -223,6 +228,7 @@ def _lines(
     found: Sequence[Spreads],
     question: Question,
     summary: dict[str, Any],
+    limits: Sequence[dict[str, Any]],
 ) -> list[str]:
     system = case.shown_units
     lines = [f"{case.title or 'case'}: uncertain {question.analysis}, {question.samples} samples"]
@@ -244,6 +250,12 @@ def _lines(
             ]
             name = f"{output.name} [{unit or '-'}]"
             lines.append(f"  {name:<42}{spread.method:<12}{numbers}   {', '.join(named)}".rstrip())
+    likely = [q for q in limits if q["beyond"] > 0 and q["method"] == limits[0]["method"]]
+    for row in [q for q in likely if q["bit_depth"] != q["bit_depth"] or q["bit_depth"] == deepest]:
+        name, _, _ = row["output"].rpartition(".")
+        lines.append(
+            f"  {': '.join(filter(None, [name, row['meaning']]))} in {row['beyond']:.1%} of the samples"
+        )
     measured = [point["inside"] for point in summary["measured"]]
     if measured:
         low, high = (f"P{100 * question.levels[i]:.4g}" for i in (0, -1))

@@ -12,7 +12,7 @@ from drillpetsc.analysis.loads.torque_drag.batch import Columns
 from drillpetsc.analysis.loads.torque_drag.circulation import Circulation
 from drillpetsc.analysis.loads.torque_drag.readings.sensor import DIRECTION, Sensor, sensor_of
 from drillpetsc.analysis.loads.torque_drag.roadmap import RowsAsked, circulations, columns_of
-from drillpetsc.analysis.loads.torque_drag.soft_ends import SoftEnds
+from drillpetsc.analysis.loads.torque_drag.soft_ends import SoftEnds, TopLoads
 from drillpetsc.analysis.sensitivities.hydraulics import SteadyHydraulics
 from drillpetsc.analysis.sensitivities.roadmap import outputs_of, own_friction
 from drillpetsc.analysis.sensitivities.solution import Output
@@ -78,8 +78,10 @@ class _Strings:
         """
         rows, per = len(self.keys), max(MOST_STRINGS // len(self.keys), 1)
         parts = [self._ends(friction[i : i + per], weight[i : i + per]) for i in range(0, len(friction), per)]
-        hook, torque = (np.concatenate(q).reshape(-1, rows) for q in zip(*parts, strict=True))
-        out = {"hook_load": hook, "surface_torque": torque}
+        found = TopLoads(*(np.concatenate(q).reshape(-1, rows) for q in zip(*parts, strict=True)))
+        hook = found.tension
+        out = {"hook_load": hook, "surface_torque": found.torque}
+        out |= {"sinusoidal_ratio": found.sinusoidal, "helical_ratio": found.helical}
         total = hook + block[:, None]
         if self.block is not None:
             out["hook_load_total"] = total
@@ -89,7 +91,7 @@ class _Strings:
             values[:, self.failed] = np.nan
         return out
 
-    def _ends(self, friction: FloatArray, weight: FloatArray) -> tuple[FloatArray, FloatArray]:
+    def _ends(self, friction: FloatArray, weight: FloatArray) -> TopLoads:
         n, rows = len(friction), len(self.keys)
         c = self.columns
 
@@ -111,7 +113,7 @@ class _Strings:
 
 
 class RoadmapResponse:
-    """Hook load and torque of the soft string for all rows of a roadmap, with the friction of the hole's sections.
+    """Hook load, torque and buckling of the soft string for all rows of a roadmap, with the friction of the hole's sections.
 
     Strings and flow are prepared once, unless a number changes that enters there.
     """

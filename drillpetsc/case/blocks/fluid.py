@@ -334,7 +334,9 @@ class Fluid(Block):
         default=0.95, description="discharge coefficient of the nozzles"
     )
     check_valve: bool = Field(
-        default=False, strict=True, description="a valve above the bit against backflow into the string"
+        default=False,
+        strict=True,
+        description="a valve against backflow into the string, above the bit or at an open end (float shoe)",
     )
     formulation: Literal["mixed", "hermite"] = Field(
         default="mixed",

@@ -270,6 +270,8 @@ def find_pipe(
         if abs(row["nominal"] - nominal) <= WEIGHT_TOLERANCE
     ]
     grades = grade_names(catalogue, "drill_pipe")
+    # threads of one maker among many are no guess: they must be named, unless they are the user's own
+    by_name = [row for row in Catalogue.built_in().rows["tool_joint"] if row["make_up"] is not None]
 
     def fits(row: Row) -> bool:
         its, upset = grades.get(_bare(row["grade"])), row["upset"]
@@ -277,7 +279,11 @@ def find_pipe(
             its is not None
             and its["grade"] == grade["grade"]
             and not (reference.upset and upset and upset.upper() != reference.upset)
-            and not (connection and not same_connection(catalogue, connection, row["connection"]))
+            and (
+                same_connection(catalogue, connection, row["connection"])
+                if connection
+                else row not in by_name
+            )
         )
 
     rows: list[Row] = []

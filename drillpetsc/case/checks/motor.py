@@ -28,7 +28,7 @@ def check_motor(case: CaseBlocks) -> None:
         hint = "leave it out, or take beam.formulation ancf"
         raise refuse(*at, "kind", got="pdm", want="not with quaternion yet: a downhole motor", hint=hint)
     if case.time is not None and case.time.mode == "quasi_static":
-        hint = "mode: dynamic; a quasi-static run has no speeds, which the law of a motor needs"
+        hint = "mode: dynamic, because the law of a motor needs speeds; or kind: pipe with the same bend"
         raise refuse(*at, "kind", got="pdm", want="no motor in a quasi-static run", hint=hint)
     if case.top.force is not None and case.initial.wob is not None:
         hint = "leave wob out, because the top force sets the weight on bit; or prescribe the top's position"

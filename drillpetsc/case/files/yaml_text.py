@@ -11,19 +11,39 @@ from io import StringIO
 from pathlib import Path as FilePath
 from typing import Any
 
-from drillpetsc.case.key_paths import MAX_LEVELS, TOO_DEEP, Path, written
+from drillpetsc.case.files import plain_yaml
+from drillpetsc.case.key_paths import MAX_LEVELS, MAX_VALUES, TOO_DEEP, Path, written
 from drillpetsc.errors import CaseError, shown
 
 Lines = dict[Path, int]
 """Line (from 1) of each key and list entry, by path."""
 
-MAX_VALUES = 300_000  # keys and list entries of a case
-
 
 def read_value(text: str) -> Any:
     """One YAML value, as on a command line."""
-    value = parse(text, None)
-    return plain(value, (), {}, None)
+    try:
+        return plain_yaml.read_scalar(text)
+    except plain_yaml.OtherYaml:
+        return plain(parse(text, None), (), {}, None)
+
+
+def read_mapping(text: str, path: FilePath) -> tuple[dict[str, Any], Lines]:
+    """Plain data of the text of a file, which is one mapping, and their lines; CaseError for other texts.
+
+    path: the file, for messages
+    """
+    try:
+        return plain_yaml.read(text)
+    except plain_yaml.OtherYaml:
+        pass
+    tree = parse(text, path)
+    want = "a mapping of keys: string, top, well, ..."
+    if tree is None:
+        raise CaseError(file=path, line=1, got="an empty file", want=want)
+    if not isinstance(tree, dict):
+        raise CaseError(file=path, line=1, got="a list" if isinstance(tree, list) else tree, want=want)
+    lines: Lines = {}
+    return plain(tree, (), lines, path), lines
 
 
 def parse(text: str, path: FilePath | None) -> Any:

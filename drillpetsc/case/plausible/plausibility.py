@@ -11,6 +11,7 @@ from drillpetsc.case.plausible.plausible_operations import casings, flows, inter
 from drillpetsc.case.plausible.plausible_string import (
     beyond_curves,
     beyond_lower_part,
+    idle_mesh,
     listed_upwards,
     lumped_masses,
     odd_densities,
@@ -44,6 +45,7 @@ def plausibility(case: CaseBlocks) -> list[str]:
         _thin_pipe,
         short_of_hole,
         listed_upwards,
+        idle_mesh,
         beyond_lower_part,
         pumping_valves,
         beyond_curves,

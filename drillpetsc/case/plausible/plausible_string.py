@@ -77,6 +77,21 @@ def short_of_hole(case: CaseBlocks) -> list[str]:
     return [f"the string is {length} long, {gap} short of its hole of {hole}: {where}"]
 
 
+def idle_mesh(case: CaseBlocks) -> list[str]:
+    """Report keys of `mesh` that change nothing, because every item has an element length of its own."""
+    given = [
+        k
+        for k in ("refinement", "frequency")
+        if getattr(case.mesh, k) != type(case.mesh).model_fields[k].default
+    ]
+    lengths = [item.element_length for item in case.string if isinstance(item, Flexible)]
+    if not given or not lengths or "auto" in lengths:
+        return []
+    return [
+        f"mesh.{given[0]} changes nothing: every item of the string has its element_length, and mesh is for element_length: auto"
+    ]
+
+
 def listed_upwards(case: CaseBlocks) -> list[str]:
     """Report drill pipe or heavy-wall pipe directly above the bit, below collars; empty if there is none."""
     items = case.string

@@ -26,6 +26,11 @@ struct Led {
     }
 };
 
+// Algorithmic acceleration of an unknown of second order that moves by dx in a step h.
+inline double algorithmic(const AlphaCall& c, double h, double dx, double rate, double before) {
+    return (dx - h * rate - h * h * (0.5 - c.beta) * before) / (c.beta * h * h);
+}
+
 }  // namespace
 
 DP_EXPORT(alpha_history, HistoryText)
@@ -54,33 +59,46 @@ void alpha_begin(const AlphaCall* call, const double* q, double last, double h, 
     }
 }
 
-// The history after the step to the state x, y, w (n), and the local error e (n) of that step.  shares (count): local errors over the tolerances
-// (count) of the controlled unknowns at these rows (count).
-void alpha_advance(const AlphaCall* call, const double* q, double last, double h, const double* x, const double* y, const double* w, double* out,
-                   double* e, int count, const int* rows, const double* tolerance, double* shares) {
+// Local error e (n) of the step h to the state x, y (n).  shares (count): local errors over the tolerances (count) of the controlled unknowns at
+// these rows (count).
+void alpha_error(const AlphaCall* call, const double* q, double last, double h, const double* x, const double* y, double* e, int count,
+                 const int* rows, const double* tolerance, double* shares) {
     const AlphaCall c = *call;
     const long n = c.n;
-    const double change = h - last, spread = last != 0.0 ? 2 * h / (h + last) : 0.0, m = c.mean_mass, k = c.mean_force, g = c.gamma;
+    const double change = h - last, spread = last != 0.0 ? 2 * h / (h + last) : 0.0;
+#pragma GCC ivdep  // no array overlaps another
+    for (long i = 0; i < n; ++i) {
+        const bool two = c.second_order[i];
+        const Led a(c, q, change, i, two);
+        const double dx = x[i] - q[X * n + i], dy = y[i] - q[Y * n + i], ax = algorithmic(c, h, dx, q[RATE * n + i], a.x), du = dy / h;
+        e[i] = two ? c.position_error * h * h * (ax - a.x) : c.rate_error * h * h * (du - q[DU * n + i]) * spread;
+    }
+#pragma GCC ivdep
+    for (int j = 0; j < count; ++j) shares[j] = e[rows[j]] / tolerance[j];
+}
+
+// The history goes on, in place, by the step h to the state x, y, w (n): a second copy of it would have to come through the caches.
+void alpha_accept(const AlphaCall* call, double* q, double last, double h, const double* x, const double* y, const double* w) {
+    const AlphaCall c = *call;
+    const long n = c.n;
+    const double change = h - last, m = c.mean_mass, k = c.mean_force, g = c.gamma;
 #pragma GCC ivdep  // no array overlaps another
     for (long i = 0; i < n; ++i) {
         const bool two = c.second_order[i];
         const Led a(c, q, change, i, two);
         const double dx = x[i] - q[X * n + i], dy = y[i] - q[Y * n + i], rate = q[RATE * n + i], second = q[SECOND * n + i];
-        const double ax = (dx - h * rate - h * h * (0.5 - c.beta) * a.x) / (c.beta * h * h), du = dy / h;
+        const double ax = algorithmic(c, h, dx, rate, a.x), du = dy / h;
         const double next = two ? ((1 - m) * ax + m * a.x - k * second) / (1 - k) : 0.0, true_one = two ? w[i] : 0.0;
-        out[X * n + i] = x[i];
-        out[Y * n + i] = y[i];
-        out[W * n + i] = true_one;
-        out[RATE * n + i] = two ? rate + h * ((1 - g) * a.x + g * ax) : 0.0;
-        out[SECOND * n + i] = next;
-        out[AX * n + i] = two ? ax : (dx - h * (1 - c.gamma_rate) * a.x) / (c.gamma_rate * h);
-        out[AY * n + i] = two ? (dy - h * (1 - g) * a.y) / (g * h) : 0.0;
-        out[DW * n + i] = (true_one - q[W * n + i]) / h;
-        out[DSECOND * n + i] = (next - second) / h;
-        out[DU * n + i] = two ? 0.0 : du;
-        e[i] = two ? c.position_error * h * h * (ax - a.x) : c.rate_error * h * h * (du - q[DU * n + i]) * spread;
+        q[X * n + i] = x[i];
+        q[Y * n + i] = y[i];
+        q[DW * n + i] = (true_one - q[W * n + i]) / h;
+        q[W * n + i] = true_one;
+        q[RATE * n + i] = two ? rate + h * ((1 - g) * a.x + g * ax) : 0.0;
+        q[DSECOND * n + i] = (next - second) / h;
+        q[SECOND * n + i] = next;
+        q[AX * n + i] = two ? ax : (dx - h * (1 - c.gamma_rate) * a.x) / (c.gamma_rate * h);
+        q[AY * n + i] = two ? (dy - h * (1 - g) * a.y) / (g * h) : 0.0;
+        q[DU * n + i] = two ? 0.0 : du;
     }
-#pragma GCC ivdep
-    for (int j = 0; j < count; ++j) shares[j] = e[rows[j]] / tolerance[j];
 }
 }

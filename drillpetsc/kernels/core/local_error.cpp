@@ -16,6 +16,20 @@ DP_RECORD(LocalErrorCall,
 
 constexpr int MOST_STATES = 8;  // BDF of order 6
 
+// Adds the errors of n unknowns, sums of KEPT states by their weights.  With a number of states that the compiler knows, several unknowns are taken at once.
+template <int KEPT>
+void add_errors(int n, const double* weights, const double* const* states, double* net, double* total, double* largest) {
+#pragma GCC ivdep  // no array overlaps another
+    for (int i = 0; i < n; ++i) {
+        double e = 0.0;
+        for (int k = 0; k < KEPT; ++k) e += weights[k] * states[k][i];
+        const double size = std::fabs(e);
+        net[i] += e;
+        total[i] += size;
+        largest[i] = size > largest[i] ? size : largest[i];
+    }
+}
+
 // State k of the last ``kept`` ones, in the order of time.
 int place(const LocalErrorCall& c, int k) { return (c.next + k) % c.kept; }
 
@@ -63,8 +77,9 @@ int keep_state(LocalErrorCall* c, const double* x, double t) {
     return c->count == c->kept;
 }
 
-// Add the local error of the last state.
-void add_local_error(LocalErrorCall* c) {
+// Keep the unknowns of x at the time t, and add their local error; 0 where there are too few states.
+int local_error_of_step(LocalErrorCall* c, const double* x, double t) {
+    if (!keep_state(c, x, t)) return 0;
     double ascending[MOST_STATES];
     const double* states[MOST_STATES];
     const int kept = c->kept, n = c->n;
@@ -76,15 +91,8 @@ void add_local_error(LocalErrorCall* c) {
         bdf_error_weights(c->order, ascending, c->weights);
     else
         third_difference_weights(c->third, ascending, c->weights);
-    const double* weights = c->weights;
-    double *net = c->net, *total = c->total, *largest = c->largest;
-    for (int i = 0; i < n; ++i) {
-        double e = 0.0;
-        for (int k = 0; k < kept; ++k) e += weights[k] * states[k][i];
-        const double size = std::fabs(e);
-        net[i] += e;
-        total[i] += size;
-        largest[i] = size > largest[i] ? size : largest[i];
-    }
+    const auto add = kept == 3 ? add_errors<3> : kept == 4 ? add_errors<4> : kept == 5 ? add_errors<5> : kept == 6 ? add_errors<6> : kept == 7 ? add_errors<7> : add_errors<8>;
+    add(n, c->weights, states, c->net, c->total, c->largest);
+    return 1;
 }
 }

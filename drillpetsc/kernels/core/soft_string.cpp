@@ -14,18 +14,19 @@ enum Row { H, DOWN, KK = 3, KZ = 5, ZZ = 7, WEIGHT = 9, RADIUS, STIFFNESS, CLEAR
 // last step, cos I there. placed, factor, wob, moment, velocity, rotation, weight, thrust (count): loads of the strings that are
 // integrated; friction (count, sections); lift: force per length of all points, lift_at (count): where that of a string starts, -1: none.
 // tension, torque (count): at the top; nan for a string that cannot bear its weight on bit.
+// sinusoidal, helical (count): largest compression over the load at which the string buckles so.
 DP_RECORD(SoftStringCall,
     const int* first; const double* rows; const int* section; const double* end;
     const int* placed; const double* friction; const double* factor; const double* wob; const double* moment;
     const double* velocity; const double* rotation; const double* weight; const double* thrust;
-    const double* lift; const int* lift_at; double* tension; double* torque;
+    const double* lift; const int* lift_at; double* tension; double* torque; double* sinusoidal; double* helical;
     double largest;
     int count, sections;
 )
 
 constexpr double ROOT = 0.28867513459481287;  // sqrt(3)/6
 constexpr double A11 = 0.25, A12 = 0.25 - ROOT, A21 = 0.25 + ROOT, A22 = 0.25;
-const double HELICAL = 2.0 * std::sqrt(2.0), UPRIGHT_HELICAL = 3.75;  // as in batch.py
+const double SINUSOIDAL = 2.0, HELICAL = 2.0 * std::sqrt(2.0), UPRIGHT_SINUSOIDAL = 1.94, UPRIGHT_HELICAL = 3.75;  // as in batch.py
 
 double side_force(double t, double k, double c, double w) { return std::sqrt(std::fmax((t * k + c) * t + w, 0.0)); }
 
@@ -33,6 +34,7 @@ void integrate(const SoftStringCall& s, int c) {
     const int p = s.placed[c], top = s.first[p], bottom = s.first[p + 1];
     const double* friction = s.friction + static_cast<long>(c) * s.sections;
     double t = s.end[2 * p] * s.weight[c] * s.end[2 * p + 1] - s.wob[c] - s.thrust[c], turned = s.moment[c];
+    s.sinusoidal[c] = s.helical[c] = 0.0;
     for (int i = bottom - 1; i >= top; --i) {
         const double* r = s.rows + static_cast<long>(i) * ROW_SIZE;
         const double step = r[H], w = r[WEIGHT] * s.weight[c], around = s.rotation[c] * r[RADIUS];
@@ -47,7 +49,10 @@ void integrate(const SoftStringCall& s, int c) {
         if (push > 0) {
             const double load = std::sqrt(r[STIFFNESS] / r[CLEARANCE] * side_force(t, k2, c2, w2));
             const double hanging = r[UPRIGHT] ? std::cbrt(w * w * r[STIFFNESS]) : 0.0;
-            if (push > std::fmax(HELICAL * load, UPRIGHT_HELICAL * hanging)) bends = r[CLEARANCE] / (4 * r[STIFFNESS]);
+            const double coils = std::fmax(HELICAL * load, UPRIGHT_HELICAL * hanging);
+            if (push > coils) bends = r[CLEARANCE] / (4 * r[STIFFNESS]);
+            s.sinusoidal[c] = std::fmax(s.sinusoidal[c], push / std::fmax(SINUSOIDAL * load, UPRIGHT_SINUSOIDAL * hanging));
+            s.helical[c] = std::fmax(s.helical[c], push / coils);
         }
         double upper = t, lower = t, n1 = 0, n2 = 0, f1 = 0, f2 = 0;
         for (int k = 0; k < 50; ++k) {

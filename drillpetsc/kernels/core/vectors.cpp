@@ -60,3 +60,12 @@ __attribute__((noinline)) void high_side_offset(const double* tangent, const dou
 extern "C" void high_side_offsets(int n, const double* tangent, const double* offset, double* out) {
     for (int i = 0; i < n; ++i) high_side_offset(tangent + 3 * i, offset + 3 * i, out + 2 * i);
 }
+
+// For tests: sines and cosines of n angles (a multiple of four), four side by side.
+extern "C" void sines_of_packs(int n, const double* angle, double* sine, double* cosine) {
+    using namespace dp;
+    for (int i = 0; i < n; i += 4) {
+        const Pack a(V4{angle[i], angle[i + 1], angle[i + 2], angle[i + 3]}), s = sin(a), c = cos(a);
+        for (int l = 0; l < 4; ++l) { sine[i + l] = s.v[l]; cosine[i + l] = c.v[l]; }
+    }
+}

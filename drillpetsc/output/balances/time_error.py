@@ -13,6 +13,7 @@ import numpy as np
 
 from drillpetsc.arrays import FloatArray
 from drillpetsc.solvers.time.local_error import BdfOutputErrors, OutputErrors
+from drillpetsc.unit_systems import plain
 
 #: an output whose range is below this fraction of its size, or below the value of its unit, does not move: what is
 #: left is rounding
@@ -218,7 +219,7 @@ def time_error_lines(estimate: Mapping[str, Any], checked: bool = False) -> list
         return [f"  time error, estimated: at most {100 * REPORTED:g} % of the range of each main output"]
     pace = {title.partition(" [")[0]: c["pace"] for title, c in estimate["columns"].items()}
     named = ", ".join(
-        f"{name} {100 * pace[name]:.1g} % in size and pace, {_at_an_instant(share)}"
+        f"{name} {plain(100 * pace[name], 1)} % in size and pace, {_at_an_instant(share)}"
         for name, share in doubtful[:SHOWN]
     )
     hint = "" if checked else " (run --check-tolerance measures it)"
@@ -227,4 +228,8 @@ def time_error_lines(estimate: Mapping[str, Any], checked: bool = False) -> list
 
 def _at_an_instant(share: float) -> str:
     """Sentence on the accuracy of an output at an instant, from its estimated error over its range."""
-    return f"{100 * share:.2g} % of its range at an instant" if share < 1 else "not determined at an instant"
+    return (
+        f"{plain(100 * share, 2)} % of its range at an instant"
+        if share < 1
+        else "not determined at an instant"
+    )

@@ -41,6 +41,7 @@ TORQUE_DRAG_FILES = (ROADMAP_TABLE, ROADMAP_FILE, CALIBRATION_TABLE, MEASURED_TA
 SENSITIVITIES_TABLE = "sensitivities.csv"  # derivatives of outputs by numbers of the case
 SENSITIVITIES_HISTORY = "sensitivities_history.csv"  # columns of a run and their derivatives, over time
 UNCERTAIN_TABLE = "uncertain.csv"  # quantiles of outputs over samples of uncertain numbers
+UNCERTAIN_LIMITS_TABLE = "uncertain_limits.csv"  # probabilities of passing a limit
 UNCERTAIN_SHARES_TABLE = "uncertain_shares.csv"  # shares of these numbers in the variance
 INDICES_TABLE = "indices.csv"  # indices of drilling dynamics over windows of time
 REFLECTION_TABLE = "reflection.csv"  # of torsional waves at a controlled top

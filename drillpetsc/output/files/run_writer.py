@@ -39,7 +39,7 @@ class RunWriter:
     folder: the run folder, None on the other ranks.
     restart_time: time [s] from which a run continues; later rows and frames are removed.
 
-    ``last_row`` is the time of the last row [s]; ``watch`` has seen all rows that are written.
+    ``last_row`` is the time of the last row, ``next_row_time`` of the next one [s]; ``watch`` has seen all rows that are written.
     """
 
     def __init__(
@@ -50,9 +50,8 @@ class RunWriter:
         out = model.case.output
         assert out.history_every is not None and out.field_every is not None  # defaults fill them
         self.every = (float(out.history_every), float(out.field_every))
-        self.next_row, self.next_frame = (
-            (0, 0) if restart_time is None else (after(restart_time, e) for e in self.every)
-        )
+        self._next = [0, 0] if restart_time is None else [after(restart_time, e) for e in self.every]
+        self._set_next(*self._next)
         self.last_row, self.watch = -1.0, OperationWatch(model.case, recorder.columns)
         self._one_rank = model.system.comm.size == 1
         self._written = clock.monotonic()
@@ -68,26 +67,25 @@ class RunWriter:
             if recorder.sensors is not None:
                 recorder.sensors.open(folder.path, restart_time)
 
-    @property
-    def next_row_time(self) -> float:
-        """Time at which the next row is due [s]."""
-        return self.next_row * self.every[0]
+    def _set_next(self, row: int, frame: int) -> None:
+        """Set the numbers of the next row and of the next frame."""
+        self._next = [row, frame]
+        self.next_row_time, self._next_frame_time = row * self.every[0], frame * self.every[1]
+        self._next_time = min(self.next_row_time, self._next_frame_time)
 
     def write(self, t: float, dt: float, newton: int, errors: WriteErrors) -> bool:
         """Write all rows and the frame that are due at ``t`` [s]; True if any was.  Collective.
 
         dt, newton: last step [s] and its Newton iterations.
         """
-        row_due, frame_due = (
-            passed(self.next_row_time, t),
-            passed(self.next_frame * self.every[1], t),
-        )
-        if not row_due and not frame_due:
+        if not passed(self._next_time, t):
             if self._one_rank and self.is_overdue:
                 self.write_waiting(errors)
             return False
+        row_due, frame_due = passed(self.next_row_time, t), passed(self._next_frame_time, t)
         self.event.begin()
-        rows = range(self.next_row, after(t, self.every[0]) if row_due else self.next_row)
+        row, frame = self._next
+        rows = range(row, after(t, self.every[0]) if row_due else row)
         if rows:
             times = [row * self.every[0] for row in rows]
             self.recorder.rows_due(times, t, newton, dt, self.folder is not None)
@@ -95,10 +93,8 @@ class RunWriter:
         if self._one_rank and self.is_overdue:
             self.recorder.catch_up()
         self._attempt(lambda: self._write(t, fields), errors)
-        self.next_row = rows.stop
+        self._set_next(rows.stop, after(t, self.every[1]) if frame_due else frame)
         self.last_row = rows[-1] * self.every[0] if rows else self.last_row
-        if frame_due:
-            self.next_frame = after(t, self.every[1])
         self.event.end()
         return True
 

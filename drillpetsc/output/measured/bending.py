@@ -124,11 +124,6 @@ def _rows(asm: Assembly, bound: BoundBlock, time: float) -> FloatArray:
             table[name] = values
 
 
-def bending_moments(model: DrillingModel) -> FloatArray:
-    """(nc, 2) bending moment [N m] at the upper and lower end of each local element."""
-    return end_forces(model).moment_size
-
-
 def across_hole(model: DrillingModel, vectors: FloatArray) -> FloatArray:
     """(nc, 2, 2) components of ``vectors`` (nc, 2, 3) at the ends of the local elements.
 

@@ -143,6 +143,22 @@ ECD_SHOE = _sum(
 ECD_TD = _sum(
     "ecd_td", "kg/m3", "ECD at total depth", "ECDT", "Equivalent circulating density at the end of the hole."
 )
+WINDOW_MARGINS: tuple[Quantity, ...] = (
+    _sum(
+        "frac_margin",
+        "kg/m3",
+        "Margin to fracture",
+        "MFRC",
+        "Smallest difference of the fracture density from the equivalent density along the open hole; with a window.",
+    ),
+    _sum(
+        "pore_margin",
+        "kg/m3",
+        "Margin to pore pressure",
+        "MPOR",
+        "Smallest difference of the equivalent density from the pore density along the open hole; with a window.",
+    ),
+)
 LOSSES: tuple[Quantity, ...] = (
     _sum("surface_line_loss", "Pa", "Surface line", "LSUR", "Loss of the surface line.", _LOSS),
     _sum("string_loss", "Pa", "String", "LSTR", "Loss by friction in the bore of the string.", _LOSS),
@@ -251,6 +267,7 @@ HYDRAULICS_SUMMARY: tuple[Quantity, ...] = (
     ECD_BIT,
     ECD_SHOE,
     ECD_TD,
+    *WINDOW_MARGINS,
     *_FIGURES,
 )
 FLOW_CURVE: tuple[Quantity, ...] = (

@@ -68,6 +68,20 @@ ROADMAP: tuple[Quantity, ...] = (
         "Measured depth of the first place from the top without effective tension; empty if the top is in compression.",
     ),
     _row(
+        "sinusoidal_ratio",
+        "-",
+        "Compression over the sinusoidal limit",
+        "SRAT",
+        "Largest compression along the string over the load at which it buckles sinusoidally there; 0 in tension throughout.",
+    ),
+    _row(
+        "helical_ratio",
+        "-",
+        "Compression over the helical limit",
+        "HRAT",
+        "The same of the load at which it coils.",
+    ),
+    _row(
         "buckling_state",
         "-",
         "Buckling",

@@ -1,4 +1,4 @@
-"""Columns of uncertain.csv and uncertain_shares.csv.  The unit of the numbers of a row is that of its output, a column."""
+"""Columns of uncertain.csv, uncertain_limits.csv and uncertain_shares.csv.  The unit of the numbers of a row is that of its output, a column."""
 
 from __future__ import annotations
 
@@ -25,6 +25,20 @@ UNCERTAIN: tuple[Quantity, ...] = (
     _row("failed", "Failed samples", "UFAI", "Samples in which the output has no value."),
     _row("probability", "Probability", "UPRO", "Share of samples below the quantile."),
     _row("quantile", "Quantile", "UQUA", "Value of the output below which that share of samples lies [SI]."),
+)
+UNCERTAIN_LIMITS: tuple[Quantity, ...] = (
+    _SHARED["output"],
+    _SHARED["output_unit"],
+    BIT_DEPTH,
+    _METHOD,
+    _row("limit", "Limit", "ULIM", "Value of the output that should not be passed [SI]."),
+    _row("meaning", "Meaning", "UMNG", "What it means that the limit is passed."),
+    _row(
+        "beyond",
+        "Probability of passing",
+        "UBEY",
+        "Share of the samples with a solution that pass the limit.",
+    ),
 )
 UNCERTAIN_SHARES: tuple[Quantity, ...] = (
     _SHARED["output"],

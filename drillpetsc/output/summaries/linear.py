@@ -19,7 +19,11 @@ class ModesSummary(Summary):
     lowering: Annotated[float, "m/s", "Axial velocity of the state, positive down."]
     rotation: Annotated[float, "rad/s", "Rotation of the state, positive clockwise."]
     modes: Annotated[int, "-", "Number of modes found."]
-    stable: Annotated[bool, "", "True if all modes decay and all eigenvalues differ from zero."]
+    stable: Annotated[
+        bool,
+        "",
+        "True if all modes decay, all eigenvalues differ from zero, and the static state has no negative pivots.",
+    ]
     margin: Annotated[float, "1/s", "Largest growth rate; negative if all computed modes decay."]
     unstable: Annotated[int, "-", "Number of modes that grow."]
     diverging: Annotated[int, "-", "Number of modes that grow without oscillation."]

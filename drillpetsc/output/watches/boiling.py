@@ -36,6 +36,7 @@ class BoilingMonitor:
         self.system = system
         channels = () if fluid is None else (fluid.bore, fluid.annulus)
         self._channels = [c for c in channels if c is not None]
+        self.watches = bool(self._channels)
         self._places: np.ndarray | None = None  # of pressures in the unknowns
         self._computed: list[Any] = []  # channels whose pressures are not unknowns
         self.first: LowPressure | None = None

@@ -35,6 +35,11 @@ class FreeEnd:
                 float(np.asarray(end) @ self._axis) - mesh.total_length + float(mesh.node_depth[-1])
             )
 
+    @property
+    def is_here(self) -> bool:
+        """Whether it exists and this rank owns it."""
+        return self._places is not None
+
     def below_bottom(self) -> float:
         """Distance [m] of its face below the end of the hole, negative above it; zero on other ranks."""
         if self._places is None:
@@ -50,6 +55,7 @@ class FreeEndWatch:
 
     def __init__(self, model: DrillingModel) -> None:
         self.model, self._end = model, FreeEnd(model)
+        self.watches = self._end.is_here
         self.first: float | None = None
         self.most = 0.0
 

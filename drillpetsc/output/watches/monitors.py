@@ -13,6 +13,8 @@ from drillpetsc.output.watches.outside_hole import HoleMonitor
 class Monitor(Protocol):
     """Checks for one such state."""
 
+    watches: bool  # whether such a state is possible on this rank
+
     def update(self, t: float) -> None:
         """After an accepted step to ``t`` [s]; not collective."""
 
@@ -37,10 +39,11 @@ class Monitors:
             "free_end": self.free_end,
             "outside": self.outside,
         }
+        self._watching = [monitor for monitor in self._all.values() if monitor.watches]
 
     def update(self, t: float) -> None:
         """After an accepted step to ``t`` [s]; not collective."""
-        for monitor in self._all.values():
+        for monitor in self._watching:
             monitor.update(t)
 
     def share(self) -> None:

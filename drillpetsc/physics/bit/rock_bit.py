@@ -6,6 +6,7 @@ Kernel: kernels/bit/bit.hpp.  Manual: sec-bit.
 from __future__ import annotations
 
 import ctypes
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -244,7 +245,7 @@ class RockBit(Bit):
         for law in self.own_laws:
             law.at_time(t)
 
-    @property
+    @cached_property
     def own_laws(self) -> tuple[OwnLaw, ...]:
         return tuple(law for law in (self.own, self.rock.law) if law is not None)
 
@@ -398,7 +399,7 @@ class RockBit(Bit):
 
     def apply_update(self, total: FloatArray) -> None:
         """Store the sum of ``local_update`` over all ranks; the wall follows the end."""
-        self._end, self._accepted = total[:4].copy(), float(total[4])
+        self._end, self._accepted = total[:4], total.item(4)  # a new array in every step
         if self.pattern:
             self._zero_angle = float(total[12])
         if self.own is not None:

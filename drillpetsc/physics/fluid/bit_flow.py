@@ -30,6 +30,10 @@ NEAR = 2.0  # distance from the bottom up to which the mud under the bit is meas
 RESULTS = columns("bit_flow_results")
 LIFTED = columns("bit_flow_parameters").span("lift", "head")
 _POTENTIAL, _CONTENT = RESULTS["potential"], RESULTS["content"]
+LEAK = {
+    "nozzle": 1e-2,
+    "open end": 1e-4,
+}  # area that a shut check valve leaves open, over the area of the passage [-]
 NOZZLE_LENGTH = 0.1  # length over which mud speeds up in a nozzle [m]
 
 
@@ -127,13 +131,14 @@ class BitFlow(Nozzle):
         e, f = self.end, self.fluid
         area = e.nozzle or e.bore
         length = NOZZLE_LENGTH if e.nozzle else END_CORRECTION * np.sqrt(e.bore / np.pi)
-        loss = 1 / (2 * e.discharge_coefficient**2 * area**2) if e.nozzle else 0.0
+        orifice = 1 / (2 * e.discharge_coefficient**2 * area**2) if area else 0.0  # [1/m4]
+        leak = LEAK["nozzle" if e.nozzle else "open end"]
         gap = 0.0 if self.held_at is None else float((e.end - self.held_at[-1]) @ e.axis) - e.face
         return {
             "inertance": f.density * length / max(area, 1e-300),
             "nozzle": max(area, 1e-300),
-            "loss": loss,
-            "check": e.check_valve,
+            "loss": orifice if e.nozzle else 0.0,
+            "shut": orifice / leak**2 if e.check_valve else 0.0,
             "ambient": e.ambient.value(0.0),
             "hole": e.hole,
             "volume": e.volume,
@@ -344,7 +349,7 @@ class BitFlow(Nozzle):
         """(7,) the columns of ``RESULTS``: lost power [W], flow [m3/s], kinetic and stored energy [J], content
         [m3] and potential [J] of the chamber, cuttings that enter it [m3/s at zero pressure]; this rank's; not to be changed."""
         block = self._block  # of one element at most, whose results are the sums
-        return state.results(block, f"{block.kernel}_results", RESULTS.width).sums
+        return state.results(block, block.results_kernel, RESULTS.width).sums
 
     def energies(self, t: float, state) -> Energies:
         results = self.element_results(state)
@@ -386,7 +391,7 @@ class BitFlow(Nozzle):
 
     def results_of(self, steps) -> FloatArray:
         """(k, 7) ``element_results`` after each of k recorded steps."""
-        return np.asarray(steps.sums(self._block, f"{self._block.kernel}_results", RESULTS.width))
+        return np.asarray(steps.sums(self._block, self._block.results_kernel, RESULTS.width))
 
     def energies_of(self, steps) -> tuple[Any, Any, Any]:
         return tuple(

@@ -169,7 +169,7 @@ class ChannelFlow(Channel):
         return out
 
     def _block_results(self, block: ElementBlock, state) -> BlockResults:
-        return state.results(block, f"{block.kernel}_results", len(RESULT_NAMES))
+        return state.results(block, block.results_kernel, len(RESULT_NAMES))
 
     def totals(self, state) -> list[float]:
         """10 sums of ``element_results`` over the local elements; not to be changed."""
@@ -222,7 +222,7 @@ class ChannelFlow(Channel):
 
     def sums_of(self, steps) -> FloatArray:
         """(k, 10) ``totals`` after each of k recorded steps."""
-        first, *others = (steps.sums(b, f"{b.kernel}_results", len(RESULT_NAMES)) for b in self._blocks)
+        first, *others = (steps.sums(b, b.results_kernel, len(RESULT_NAMES)) for b in self._blocks)
         return np.asarray(sum(others, first))
 
     def energies_of(self, steps) -> tuple[Any, Any, Any]:
@@ -241,7 +241,7 @@ class ChannelFlow(Channel):
     def _top_result_of(self, steps, column: int) -> FloatArray:
         """(k,) result of the uppermost element after each of k recorded steps, on the rank with this end."""
         block, row = self._upper_element
-        table = steps.results(block, f"{block.kernel}_results", len(RESULT_NAMES)).table
+        table = steps.results(block, block.results_kernel, len(RESULT_NAMES)).table
         return np.asarray(steps.numbers(table, row * len(RESULT_NAMES) + column))
 
     def _top_unknown_of(self, steps, slot: int) -> FloatArray:

@@ -78,7 +78,7 @@ class JointSeals(SealSet):
         return self._evaluated(state).table
 
     def _evaluated(self, state) -> BlockResults:
-        return state.results(self._block, f"{self._block.kernel}_results", len(SEAL_RESULTS))
+        return state.results(self._block, self._block.results_kernel, len(SEAL_RESULTS))
 
     def content(self, state) -> float:
         return float(self._evaluated(state).sums[_CONTENT].sum())

@@ -113,6 +113,8 @@ class MovingHole:
 
         keep: volumes change by the integral of the rates, as in ``update``.
         """
+        if keep and not self.reamers and self._stays(state):  # as after almost every step
+            return None
         reamed = [reamer.reamed for reamer in self.reamers]
         ringed = bool(reamed) and any(
             abs(b - before) > REAMED for b, before in zip(reamed, self._reamed, strict=True)
@@ -155,7 +157,7 @@ class MovingHole:
         if self._from is None or self._from[0] is not self.current_well():
             return False
         places, nodes = self._from_at
-        return not _moved_along(len(self.depth), places, pointer(state.x), nodes, *SURELY_NEAR)
+        return not _moved_along(len(self.depth), places, state.state_at[0], nodes, *SURELY_NEAR)
 
     def annulus(self, e: np.ndarray, ends: FloatArray) -> Annulus:
         """Create the annulus of the elements ``e`` (k,) whose nodes are at measured depths ``ends`` (k, 2) [m]."""

@@ -59,6 +59,9 @@ class MudItems(Component):
 
     def __init__(self, items: tuple[MudItem, ...], current_well: Callable[[], Well]):
         self.items, self.current_well = items, current_well
+        #: the hole of the last call that finds it, and the arguments of that call
+        self._packed = np.zeros(0)
+        self._axes_call: tuple[int, ...] = ()
 
     def blocks(self, part) -> tuple[ElementBlock, ...]:
         self._chosen, self._vertices = local_vertices(part, np.array([q.node for q in self.items]))
@@ -107,8 +110,11 @@ class MudItems(Component):
         if not len(self._vertices):
             return
         packed, index = self.current_well().packed(), state.index_of(self._block)
-        at = pointer(index), pointer(state.x), pointer(self._block.params), pointer(self._segments)
-        _axes(pointer(packed), len(index), *at)
+        if packed is not self._packed:
+            self._packed = packed
+            arrays = index, state.x, self._block.params, self._segments
+            self._axes_call = pointer(packed), len(index), *map(pointer, arrays)
+        _axes(*self._axes_call)
 
     # ------------------------------------------------------------------ energy
     def energies(self, t: float, state) -> Energies:

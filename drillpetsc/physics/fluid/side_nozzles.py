@@ -139,7 +139,7 @@ class SideNozzles(SideOutlets):
         return self._evaluated(state).table
 
     def _evaluated(self, state) -> BlockResults:
-        return state.results(self._block, f"{self._block.kernel}_results", RESULTS.width)
+        return state.results(self._block, self._block.results_kernel, RESULTS.width)
 
     def outflow(self, state) -> float:
         return float(self._evaluated(state).sums.item(_FLOW))

@@ -45,15 +45,15 @@ class MeanSpins:
 
     def __init__(self, nodes: np.ndarray) -> None:
         self._nodes, self._out = nodes, np.zeros(len(nodes))
-        self._places: np.ndarray | None = None  # of the spins in the rates
-        self._out_at = pointer(self._out)
+        self._places = np.zeros((0, 2), dtype=np.int32)  # of the spins in the rates
+        self._call: tuple[int, ...] = ()  # arguments of the compiled call, whose arrays keep their memory
 
     def __call__(self, state: Any) -> FloatArray:
         """(n,) [rad/s] at the assembly's rates; the next call overwrites them."""
-        dofs = state.dofs_of("string.spin")
-        if self._places is None:
-            self._places = np.ascontiguousarray(dofs[self._nodes, 0], dtype=np.int32)
-        _mean_spins(len(self._out), pointer(self._places), pointer(state.y), self._out_at)
+        if not self._call or state.derive is not None:  # which computes the derived spins
+            self._places = np.ascontiguousarray(state.dofs_of("string.spin")[self._nodes, 0], dtype=np.int32)
+            self._call = len(self._out), *map(pointer, (self._places, state.y, self._out))
+        _mean_spins(*self._call)
         return self._out
 
 
@@ -81,6 +81,7 @@ class Swirl:
         self._blocks = (_Block * 0)()  # whose parameters it sets
         self._blocks_at = 0, ctypes.addressof(self._blocks)
         self._kept: list[np.ndarray] = []  # whose addresses are among them
+        self._flow_at: tuple[int, int, int] | None = None  # addresses of places and values of the flows
 
     # ------------------------------------------------------------------ parameters
     def attach(
@@ -147,10 +148,11 @@ class Swirl:
     def follows_other_flow(self, places: np.ndarray, x: FloatArray, limit: float) -> bool:
         """Whether ``follow`` is not known, or a flow has changed since by more than ``limit`` [m3/s].
 
-        places: (n,) of the flows in the unknowns x, int32, -1 for none.
+        places: (n,) of the flows in the unknowns x, int32, -1 for none; both arrays keep their memory.
         """
-        here = pointer(places), pointer(x), pointer(self.flow)
-        old = bool(_following_is_old(self._count, *here, self._state_at, limit))
+        if self._flow_at is None:
+            self._flow_at = pointer(places), pointer(x), pointer(self.flow)
+        old = bool(_following_is_old(self._count, *self._flow_at, self._state_at, limit))
         if old:  # the caller will change ``follow``
             self._computed = np.nan
         return old

@@ -128,10 +128,6 @@ class MotorLaw:
         """Torque at which the rotor stalls [N m]."""
         return 1.0 / self.point(1.0, flow).load
 
-    def stall_pressure(self, flow: float) -> float:
-        """Differential pressure of the motor that is stalled [Pa]."""
-        return self.point(1.01 * self.stall_torque(flow), flow).differential_pressure
-
     def torque(self, speed: float, flow: float) -> float:
         """Torque at which the rotor turns with ``speed`` [rad/s] between standstill and free speed [N m].
 

@@ -6,7 +6,6 @@ Kernel: kernels/tools/mud_motor.hpp.  Manual: sec-motor.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import pi
 from typing import Any
 
 import numpy as np
@@ -53,19 +52,6 @@ class Rotor:
     def unbalance(self) -> float:
         """Unbalance of the orbit [kg m]."""
         return self.mass * self.eccentricity
-
-    @property
-    def equivalent_inertia(self) -> float:
-        """Inertia of rotation in a stationary stator [kg m2] (manual: eq-motor-inertia)."""
-        return self.inertia + self.mass * (self.eccentricity * self.lobes) ** 2
-
-    def orbit_force(self, speed: float) -> float:
-        """Turning force [N] of the orbit at the ``speed`` [rad/s] of the rotor relative to a stationary stator."""
-        return self.mass * self.eccentricity * (self.lobes * speed) ** 2
-
-    def orbit_frequency(self, speed: float) -> float:
-        """Frequency [Hz] of that force."""
-        return self.lobes * abs(speed) / (2 * pi)
 
 
 @dataclass(frozen=True)

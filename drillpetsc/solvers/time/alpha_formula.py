@@ -21,7 +21,8 @@ from drillpetsc.kernels.parameters import columns, structure
 
 _AlphaCall = structure("alpha_call")
 _alpha_begin = function("alpha_begin", "ppddddppp")
-_alpha_advance = function("alpha_advance", "ppddpppppippp")
+_alpha_error = function("alpha_error", "ppddpppippp")
+_alpha_accept = function("alpha_accept", "ppddppp")
 _third_difference_weights = function("third_difference_weights", "dpp")
 
 #: arrays of ``AlphaHistory``, in the order of its values
@@ -256,14 +257,10 @@ class AlphaHistory:
         self._at = ctypes.addressof(self._call)
         self.begun, self.step, self.error = False, 0.0, np.zeros(n)
         self._error_at = pointer(self.error)
-        # a step is tried beside the history, and an accepted one takes its place: no step allocates memory
-        self.values, self._later, self._later_step = (
-            np.zeros((len(ARRAYS), n)),
-            np.zeros((len(ARRAYS), n)),
-            0.0,
-        )
-        self.arrays, self._later_arrays = _by_name(self.values), _by_name(self._later)
-        self._values_at, self._later_at = pointer(self.values), pointer(self._later)
+        self.values = np.zeros((len(ARRAYS), n))
+        self.arrays: dict[str, FloatArray] = dict(zip(ARRAYS, self.values, strict=True))
+        self._values_at = pointer(self.values)
+        self._tried: tuple[float, int, int, int] = 0.0, 0, 0, 0  # step [s] and state of ``advance``
 
     def restore(self, step: float, values: FloatArray) -> None:
         """Continue with the ``values`` (len(ARRAYS), n) of another history, whose last step was ``step`` [s]."""
@@ -280,39 +277,40 @@ class AlphaHistory:
         # without earlier steps there is no derivative by which they could lead; see ``lead_by_trial``
         q["ax"][:], q["ay"][:] = np.where(two, second, y), np.where(two, w, 0.0)
 
-    def begin(self, step: float, v0: int, v1: int, x: int) -> None:
+    def begin(self, step: float, v0: int, v1: int, x: int) -> tuple[float, float]:
         """Write v0 and v1 of y = shift x + v0 (without transport) and a = second shift y + v1, and a first guess of x.
 
         In the guess the true acceleration stays, or the algorithmic rate.  step: [s]; v0, v1, x: addresses of arrays (n,).
+        Returns both shifts [1/s].
         """
         shifts = self.formula.shifts(step)
         _alpha_begin(self._at, self._values_at, self.step, step, *shifts, v0, v1, x)
+        return shifts
 
     def advance(
         self, step: float, x: int, y: int, w: int, controlled: ControlledUnknowns = NONE_CONTROLLED
     ) -> None:
         """Try a ``step`` [s] to the state at the addresses x, y, w of arrays (n,): ``error`` is its local error.
 
-        The ``controlled`` unknowns get their shares.  ``accept`` takes the step.
+        The ``controlled`` unknowns get their shares.  ``accept`` takes the step, and needs the state in the same arrays.
         """
-        self._later_step = step
-        head = self._at, self._values_at, self.step, step
-        _alpha_advance(*head, x, y, w, self._later_at, self._error_at, *controlled.at)
+        self._tried = step, x, y, w
+        _alpha_error(self._at, self._values_at, self.step, step, x, y, self._error_at, *controlled.at)
 
     def accept(self) -> None:
         """Go on to the end of the step that ``advance`` tried last."""
-        self.values, self._later = self._later, self.values
-        self._values_at, self._later_at = self._later_at, self._values_at
-        self.arrays, self._later_arrays = self._later_arrays, self.arrays
-        self.step = self._later_step
+        _alpha_accept(self._at, self._values_at, self.step, *self._tried)
+        self.step = self._tried[0]
 
     def lead_by_trial(self) -> None:
         """Take the derivatives of a first step, which ``advance`` has tried, to a start: the step is then repeated.
 
         They shift the algorithmic accelerations of the first step to their lead.
         """
+        later = self.values.copy()
+        _alpha_accept(self._at, pointer(later), self.step, *self._tried)
         for key in ("dw", "dsecond", "du"):
-            self.arrays[key][:] = self._later_arrays[key]
+            self.arrays[key][:] = later[ARRAYS.index(key)]
 
     def jump(self, change: FloatArray, second: FloatArray) -> None:
         """Let true accelerations and rates of first-order unknowns jump by ``change`` (n,), where a force does.
@@ -326,7 +324,3 @@ class AlphaHistory:
         q["second"] += np.where(two, second, 0.0)
         q["ax"] += np.where(two, second, change)
         q["y"] += np.where(two, 0.0, change)
-
-
-def _by_name(values: FloatArray) -> dict[str, FloatArray]:
-    return dict(zip(ARRAYS, values, strict=True))

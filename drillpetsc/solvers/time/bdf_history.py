@@ -60,10 +60,14 @@ class BdfHistory:
         self._stages = []
         self.times.append(t)
         self.steps.append(step)
-        self.states.append((x.copy(), y.copy()))
-        if len(self.states) > self.depth:
-            self.half = None  # the formula no longer uses it
-            del self.times[0], self.steps[0], self.states[0]
+        if len(self.states) < self.depth:
+            self.states.append((x.copy(), y.copy()))
+            return
+        self.half = None  # the formula no longer uses it
+        del self.times[0], self.steps[0]
+        oldest = self.states.pop(0)  # its memory serves again
+        oldest[0][:], oldest[1][:] = x, y
+        self.states.append(oldest)
 
     # ------------------------------------------------------------------ checkpoints
     def get_state(self, system: DiscreteSystem) -> dict[str, FloatArray]:

@@ -105,8 +105,9 @@ class AlphaDerivatives:
             history.accept()
 
     def _try(self, t: float, *state: FloatArray) -> None:
-        for history, *parts in zip(self._histories, *state, strict=True):
-            history.advance(t - self._t, *(pointer(np.ascontiguousarray(q)) for q in parts))
+        self._tried = [np.ascontiguousarray(q) for q in state]  # until the histories have taken the step
+        for history, *parts in zip(self._histories, *self._tried, strict=True):
+            history.advance(t - self._t, *map(pointer, parts))
 
 
 def _derivative_weights(t: float, times: list[float]) -> FloatArray:

@@ -143,11 +143,11 @@ class GeneralizedAlpha(TimeIntegrator):
         """Solve the step of length ``h`` [s] that ends at ``t`` [s], which is then tried in the history: reason, negative without a solution."""
         asm = self.system.assembly
         x, y, a, _ = asm.state_at
-        self.alpha.begin(h, *asm.history_at, x)
+        shifts = self.alpha.begin(h, *asm.history_at, x)
         self._t = self.input_time(t)
         for call in self.before_solve:
             call(self._t)
-        reason = self.newton.solve(self._t, *self.formula.shifts(h))
+        reason = self.newton.solve(self._t, *shifts)
         if reason >= 0:
             for component in self._restoring:
                 component.restore_constraints(asm)
@@ -242,9 +242,9 @@ class GeneralizedAlpha(TimeIntegrator):
         self.counters.steps += 1
         self._step_number += 1
         k = int((log2(dt) - FIRST_OCTAVE) * CLASSES_PER_OCTAVE)
-        k, (spent, moment) = min(max(k, 0), CLASSES - 1), self._step_time
-        spent[k] += dt
-        moment[k] += dt * dt
+        k = min(max(k, 0), CLASSES - 1)
+        self._step_time[0, k] += dt
+        self._step_time[1, k] += dt * dt
         if self._monitored:
             print(f"{self.counters.steps} TS dt {dt:g} time {t:g}", flush=True)
         self.system.accept(t)
@@ -253,7 +253,8 @@ class GeneralizedAlpha(TimeIntegrator):
                 call(t, dt)
             # last, since it uses the results that the others have computed
             if self.work is not None:
-                self.work.after_step(t, dt, self.newton.last_rows(), self.input_time(t), self.jumped)
+                rows, over_jump = self.newton.arrays[1], self._steps_over_jump > 0
+                self.work.after_step(t, dt, rows, self.input_time(t), over_jump)
             # the limit by whirl is for the contacts of the accepted state (manual: sec-time-choice)
             if self.step_limit is not None and not self._fixed:
                 self._next_step = min(self._next_step, self.step_limit())

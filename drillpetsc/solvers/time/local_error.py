@@ -88,7 +88,7 @@ class BdfOutputErrors:
 
 _Call = structure("local_error_call")
 _keep_state = function("keep_state", "ppd", ctypes.c_int)
-_add_local_error = function("add_local_error", "p")
+_local_error_of_step = function("local_error_of_step", "ppd", ctypes.c_int)
 _bdf_error_weights = function("bdf_error_weights", "ipp")
 
 UNITS = {"position": "m", "tangent": "-", "spin": "rad", "ratio": "-", "pressure": "Pa", "flow": "m3/s"}
@@ -135,21 +135,16 @@ class LocalErrorEstimate:
         self._at, self._x_at = ctypes.addressof(self._call), self.system.assembly.state_at[0]
         self._history = integrator.history
         integrator.estimate = self
-        integrator.after_step.append(lambda t, dt: self.step(t, integrator.fresh))
+        self._integrator = integrator
+        if self.formula is not None:
+            integrator.after_step.append(self.step)
 
-    def step(self, t: float, fresh: bool) -> None:
-        """Add the local error of an accepted step, whose state is in the assembly.
-
-        t: time at its end [s]; fresh: the first step after the formula was restarted.
-        """
-        if self.formula is None:
-            return
+    def step(self, t: float, dt: float) -> None:
+        """Add the local error of an accepted step of ``dt`` [s] to ``t`` [s], whose state is in the assembly."""
         self.steps += 1
-        if fresh:
+        if self._integrator.fresh:  # the first one after the formula was restarted
             self._call.count = 0
-        if _keep_state(self._at, self._x_at, t):
-            _add_local_error(self._at)
-            self.estimated += 1
+        self.estimated += _local_error_of_step(self._at, self._x_at, t)
 
     # ------------------------------------------------------------------ checkpoints
     def get_state(self) -> dict[str, FloatArray]:

@@ -77,7 +77,7 @@ class CondensedNewton:
         else:
             self.snes = self._make_snes(prefix, options)
             self.max_iterations = self.snes.getTolerances()[3]
-        #: unknowns and residual (owned,), and their addresses: the rows of a step are one compiled call
+        #: unknowns and residual (owned,) of the last evaluation, and their addresses: the rows of a step are one compiled call
         self.arrays = self.q.getArray(), self._f.getArray()
         self._arrays_at = pointer(self.arrays[0]), pointer(self.arrays[1])
         apart = self.direct and system.has_contact
@@ -137,14 +137,10 @@ class CondensedNewton:
         self.system.sum_residual(self.t, f)
 
     def _rows_at_q(self) -> None:
-        """Compute the residual at ``q`` into ``last_rows``."""
+        """Compute the residual at ``q`` into ``arrays``."""
         at, asm, ends = self._arrays_at, self.system.assembly, self.system.ends
         if not asm.step_rows(self.t, self.shift, self.second_shift, at, ends, self.arrays[1]):
             self._function(None, self.q, self._f)
-
-    def last_rows(self) -> np.ndarray:
-        """Return the residual (owned,) that was computed last, at the end of the last solve."""
-        return self.arrays[1]
 
     @petsc_compat.callback
     def _jacobian(self, snes, q, J, P) -> None:

@@ -90,6 +90,7 @@ class NewtonIteration:
         self._residual: Any = weakref.WeakMethod(residual)  # of its owner, which solves
         self.work = work
         self.t, self.weights, self.compiled = 0.0, (1.0, 0.0, 0.0), True
+        self._shifts, self._plain = (0.0, 0.0), False  # of the present solve
         self.scale, self.increment = system.scale[system.layout.local_of_owned], np.zeros(len(q))
         self.contacts = ContactEntries(system) if apart else None
         # of this iteration: number of the last factorisation, version of its entries
@@ -134,8 +135,8 @@ class NewtonIteration:
             name: ctypes.cast(call, ctypes.c_void_p).value for name, call in self._python.items()
         }
         self._parts = _PartsCall()
-        self._chosen: tuple[str, ...] = ()
-        self._use_python(*self._sums)
+        self._compiled_parts = False, False, False  # rows, entries, factor and solution
+        self._use_python(*self._sums, "rows", "entries", "factor", "solve")
         record = _NewtonCall(
             flags=ctypes.addressof(self._flags),
             reasons=ctypes.addressof(self._reasons),
@@ -172,9 +173,6 @@ class NewtonIteration:
 
     def _use_python(self, *names: str) -> None:
         """Assign these parts to Python, and all others to the compiled record."""
-        if names == self._chosen:  # as in almost every solve
-            return
-        self._chosen = names
         for name, address in self._addresses.items():
             setattr(self._parts, name, address if name in names else None)
 
@@ -206,11 +204,8 @@ class NewtonIteration:
         array = np.ctypeslib.as_array(values, (n,))
         self.system.comm.tompi4py().Allreduce(MPI.IN_PLACE, [array, n, MPI.DOUBLE], operation)
 
-    def _bind(self) -> None:
+    def _bind(self, calls: StepCalls) -> None:
         """Take the records of the assembly's compiled calls, which change with its blocks."""
-        calls = self.system.assembly.calls
-        if calls is self._calls:
-            return
         self._calls = calls
         self.record.step, self.record.jacobian = calls.step_at, calls.jacobian_at
         if self.contacts is not None:
@@ -267,10 +262,7 @@ class NewtonIteration:
     # ------------------------------------------------------------------ use
     def _can_be_compiled(self) -> bool:
         """Whether compiled calls compute rows and entries at the present time."""
-        step = self.system.assembly.calls.step
-        return (
-            self.compiled and self.system.assembly.prepare_step(self.t, step.sigma, step.second) is not None
-        )
+        return self.compiled and self.system.assembly.prepare_step(self.t, *self._shifts) is not None
 
     @property
     def seconds(self) -> dict[str, float]:
@@ -300,14 +292,16 @@ class NewtonIteration:
             # a factorisation at another shift leaves an error of this fraction in each iteration
             mismatch = abs((shift / r.lag_shift) ** 2 - 1.0)
             r.eta = max(r.eta, mismatch / max(1.0 - mismatch, 0.1))
-        self._bind()
+        if asm.calls is not self._calls:
+            self._bind(asm.calls)
         step = asm.calls.step
-        step.sigma, step.second = shift, second
+        step.sigma, step.second = self._shifts = shift, second
+        self._plain = asm.plain
         r.tolerance, r.spacing = tolerance, RESOLUTION / tolerance
         r.finest = max(WORK_REFINEMENT * tolerance, WORK_FINEST_INCREMENT)
         r.work_limit = 0.0 if self.work is None else self.work.limit
         r.factored, r.current = self.has_factor, self._version == asm.version
-        r.contacts_apart = self.contacts is not None and asm.plain
+        r.contacts_apart = self.contacts is not None and self._plain
 
     def solve(self) -> int:
         """Iterate from the assembly's x, after ``begin``; returns PETSc's reason to end, negative without convergence."""
@@ -323,19 +317,18 @@ class NewtonIteration:
         if self._signature is not None:
             self._take_flags(self.system.contact_signature() == self._signature)
         alone = self.compiled and not self._sums
-        self._use_python(
-            *self._sums,
-            *(() if compiled and alone else ("rows",)),
-            *(() if compiled and asm.plain else ("entries",)),
-            *(() if alone else ("factor", "solve")),
-        )
+        parts = compiled and alone, compiled and self._plain, alone
+        if parts != self._compiled_parts:  # in few solves
+            self._compiled_parts, (rows, entries, factor) = parts, parts
+            names = {"rows": rows, "entries": entries, "factor": factor, "solve": factor}
+            self._use_python(*self._sums, *(name for name, here in names.items() if not here))
         asm.weigh_next(self.weights)
         reason: int = _solve(self._at)
         asm.evaluations += r.evaluations
         if r.jacobians or r.contact_updates or r.factorisations:
             asm.version += 1
             self.factor.renewed(r.factorisations)
-            self.take_factor()
+            self._factored, self._version = self.factor.factorisations, asm.version
         if self._error is not None:
             error, self._error = self._error, None
             raise error

@@ -48,6 +48,7 @@ class ResidualWork:
         self._rows = self._rows.astype(np.int32)
         self._rates = np.ascontiguousarray(owned[self._rows], dtype=np.int32)
         self._rows_at, self._rates_at = pointer(self._rows), pointer(self._rates)
+        self._residual, self._residual_at = np.zeros(0), 0  # last residual, and its address
         self._steps, self._began, self._last, self._supplied, self._peak = 0, 0.0, 0.0, 0.0, 0.0
         self._supply, self._recent, self._started = 0.0, 0.0, False
         self._left_power = 0.0  # of the last step, this rank [W]
@@ -62,8 +63,10 @@ class ResidualWork:
         return float(total(self.system.comm, power))
 
     def _local_power(self, rows: FloatArray) -> float:
-        calls = self.system.assembly.calls
-        power: float = _power(calls.step_at, len(self._rows), self._rows_at, pointer(rows), self._rates_at)
+        if rows is not self._residual:
+            self._residual, self._residual_at = rows, pointer(rows)
+        at, count = self.system.assembly.calls.step_at, len(self._rows)
+        power: float = _power(at, count, self._rows_at, self._residual_at, self._rates_at)
         return power
 
     @property

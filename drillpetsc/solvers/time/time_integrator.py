@@ -431,8 +431,8 @@ class TimeIntegrator:
             return
         if not self.condensed:
             self.first_order.accept(ts)
-        dt = self.last_step = ts.getTime() - self._last
-        self._last = ts.getTime()
+        before, self._last = self._last, ts.getTime()
+        dt = self.last_step = self._last - before
         # a remainder below rounding is not integrated; PETSc has chosen it as the next step
         if abs(self._stop - self._last) < END_TOLERANCE * max(1.0, abs(self._stop)):
             ts.setConvergedReason(PETSc.TS.ConvergedReason.CONVERGED_TIME)
@@ -455,8 +455,8 @@ class TimeIntegrator:
                 call(self._last, dt)
             # last, since it uses the results that the others have computed
             if self.work is not None:
-                rows = self.newton.last_rows()
-                self.work.after_step(self._last, dt, rows, self.input_time(self._last), self.jumped)
+                rows, over_jump = self.newton.arrays[1], self._steps_over_jump > 0
+                self.work.after_step(self._last, dt, rows, self.input_time(self._last), over_jump)
         self._steps_over_jump, self.fresh = max(0, self._steps_over_jump - 1), False
         if self._mud_masked and not self._steps_over_jump:
             self._set_tolerances(False)

@@ -273,6 +273,7 @@ class _Job:
     mpi: mpi4py communicator of the job.
     began: clock reading at the start [s].
     stopped: signals that ended a member, and with it the job.
+    pace: of writing the table.
     """
 
     plan: Plan
@@ -282,6 +283,7 @@ class _Job:
     progress: str | Receiver
     began: float
     stopped: list[str] = field(default_factory=list)
+    pace: table.Pace = field(default_factory=table.Pace)
 
     def facts(self) -> dict[str, Any]:
         """Entries of the summary about the whole job."""
@@ -336,6 +338,7 @@ class _Job:
                     number = 0 if self.stopped else self._claim_next(len(group.ranks))
                 number = group.control.bcast(number)
                 member = self.plan.members[number - 1] if number else None
+        gc.unfreeze()
         if group.first:
             self._ended_file(group.number).touch()
         return on_rank
@@ -375,6 +378,7 @@ class _Job:
         finally:
             stage.pop()
         gc.collect()  # frees PETSc objects at the same place on all ranks of the group
+        gc.freeze()  # what is alive now stays; the next collection need not visit the objects of all modules again
         return message
 
     def _outcome(self, group: WorkerGroup, member: Member, messages: list[str], wall: float) -> Outcome:
@@ -393,23 +397,25 @@ class _Job:
         )
 
     def _report(self, outcome: Outcome, member: Member) -> None:
-        """Store the outcome, rewrite the table, and print one line."""
+        """Store the outcome, write the table if it is due, and print one line."""
         table.store_outcome(self.plan, outcome)
-        rows = table.write(self.plan, self.facts())
+        self.pace.write(self.plan, self.facts())
         if self.progress == "silent":
             return
-        ended = sum(row["status"] in ("done", "failed") for row in rows)
+        ended, members = len(table.outcomes(self.plan)), len(self.plan.members)
         ranks = (
             f"rank {outcome.ranks[0]}"
             if len(outcome.ranks) == 1
             else f"ranks {outcome.ranks[0]} to {outcome.ranks[-1]}"
         )
-        line = f"[{ended}/{len(rows)}] {member.label}: {outcome.status}, {duration(outcome.wall)} wall on {ranks}"
+        line = (
+            f"[{ended}/{members}] {member.label}: {outcome.status}, {duration(outcome.wall)} wall on {ranks}"
+        )
         line += f": {outcome.message}" if outcome.message else ""
         spent = clock.perf_counter() - self.began
-        line += f"  ETA {duration(spent / ended * (len(rows) - ended))}" if ended < len(rows) else ""
+        line += f"  ETA {duration(spent / ended * (members - ended))}" if ended < members else ""
         if callable(self.progress):
-            self.progress(ended / len(rows), line)
+            self.progress(ended / members, line)
         else:
             print(line, file=sys.stderr, flush=True)
 

@@ -1,4 +1,4 @@
-"""Table of a sweep: one row per member, rewritten whenever a member ends, and the files from which it is built.
+"""Table of a sweep: one row per member, rewritten when a member ends, and the files from which it is built.
 
 Ranks that compute different members share these files only. A claim file marks a member as taken, an outcome
 file marks it as ended.
@@ -11,12 +11,13 @@ import fcntl
 import io
 import json
 import os
+import time as clock
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import asdict, dataclass, field
 from enum import Enum
 from pathlib import Path
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -106,6 +107,7 @@ class Plan:
     state: folder of claims and outcomes.
     members: the members in the order of their numbers.
     folders: the run folder of each member.
+    read: outcomes that this rank has read, by number of the member.
     """
 
     title: str
@@ -114,9 +116,31 @@ class Plan:
     state: Path
     members: tuple[Member, ...]
     folders: tuple[MemberFolder, ...]
+    read: dict[int, Outcome] = field(default_factory=dict, compare=False)
 
     def folder_of(self, member: Member) -> MemberFolder:
         return self.folders[member.number - 1]
+
+
+@dataclass
+class Pace:
+    """When the table is written again: it is as long as the sweep, so that many short members would spend more
+    time on it than on their runs.
+
+    again: reading of the clock from which on it may be written [s].
+    """
+
+    share: ClassVar[float] = 0.1  # of the time that goes into the table, at most
+    again: float = 0.0
+
+    def write(self, plan: Plan, job: dict[str, Any]) -> None:
+        """Write the table, unless it was written shortly before."""
+        began = clock.perf_counter()
+        if began < self.again:
+            return
+        write(plan, job)
+        ended = clock.perf_counter()
+        self.again = ended + (ended - began) * (1 / self.share - 1)
 
 
 # ---------------------------------------------------------------------- claims and outcomes
@@ -139,11 +163,11 @@ def store_outcome(plan: Plan, outcome: Outcome) -> None:
 
 def outcomes(plan: Plan) -> dict[int, Outcome]:
     """All outcomes stored so far, by number of the member."""
-    found = {}
     for file in plan.state.glob("[0-9]*.json"):
-        data = json.loads(file.read_text(encoding="utf-8"))
-        found[data["number"]] = Outcome(**{**data, "ranks": tuple(data["ranks"])})
-    return found
+        if int(file.stem) not in plan.read:  # each file is written once, and there is one a member
+            data = json.loads(file.read_text(encoding="utf-8"))
+            plan.read[data["number"]] = Outcome(**{**data, "ranks": tuple(data["ranks"])})
+    return dict(plan.read)
 
 
 @contextmanager

@@ -87,14 +87,11 @@ def test_margin_of_overpull_of_a_string_in_mud():
 
 
 # ---------------------------------------------------------------------- strength
-def test_section_modulus_of_collars():
-    """6 x 4.276 in pipe and 8 x 3 in collar: 15.74 and 49.27 in3, ratio 3.13, I of the second 197.1 in4 (ME)."""
-    pipe = strength.section_modulus(6.0, 4.276)
-    collar = strength.section_modulus(8.0, 3.0)
-    assert pipe == pytest.approx(15.74, rel=1e-3)
-    assert collar == pytest.approx(49.27, rel=1e-3)
-    assert collar / pipe == pytest.approx(3.13, rel=1e-3)
-    assert strength.second_moment(8.0, 3.0) == pytest.approx(197.1, rel=1e-3)
+def test_second_moment_of_collars():
+    """6 x 4.276 in pipe and 8 x 3 in collar: section moduli 15.74 and 49.27 in3, I of the second 197.1 in4 (ME)."""
+    moment = strength.second_moment([6.0, 8.0], [4.276, 3.0])
+    assert moment / [3.0, 4.0] == pytest.approx([15.74, 49.27], rel=1e-3)
+    assert moment[1] == pytest.approx(197.1, rel=1e-3)
 
 
 def test_torque_limit_under_tension():
@@ -146,12 +143,10 @@ def test_torque_limit_is_where_von_mises_yields():
 
 # ---------------------------------------------------------------------- buckling
 def test_buckling_of_a_level_string():
-    """od 140, id 116, hole 222 mm, EI 207e9 x 9.97e-6, 315 N/m: loads, half waves in 2 km, lock-up length (WW)."""
+    """od 140, id 116, hole 222 mm, EI 207e9 x 9.97e-6, 315 N/m (WW)."""
     stiffness, clearance = 207e9 * 9.97e-6, 0.041
     assert buckling_loads.dawson_paslay(stiffness, 315, clearance) == pytest.approx(251.84e3, rel=1e-3)
     assert buckling_loads.helical(stiffness, 315, clearance) == pytest.approx(356.16e3, rel=1e-3)
-    assert buckling_loads.half_waves(stiffness, 315, clearance, 2000) == pytest.approx(157.25, rel=1e-3)
-    assert buckling_loads.lock_up_length(stiffness, 315, clearance, 0.3) == pytest.approx(5653, rel=1e-3)
 
 
 def test_buckling_of_an_inclined_string():
@@ -225,9 +220,3 @@ def test_tension_concentrates_bending_beside_tool_joints():
     assert fatigue.tension_factor(-1e5, 1e6, 5.0) == 1.0
     assert fatigue.tension_factor(1e6, 1e6, 1.0) == pytest.approx(math.tanh(1.0), rel=1e-12)
     assert fatigue.tension_factor(1e8, 1e6, 10.0) == pytest.approx(0.01, rel=1e-6)
-
-
-def test_dogleg_of_a_force_on_each_tool_joint():
-    """2,000 lbf on each 30-ft joint at 100 klb: 3.820 deg/100 ft (RP 7G)."""
-    found = fatigue.dogleg_of_side_force(2000 * LBF, 100 * KLB, 180 * INCH)
-    assert found / DEG_PER_100FT == pytest.approx(3.820, rel=1e-3)

@@ -41,6 +41,20 @@ def doubts(**changes):
     return plausibility(Case(**{**USUAL, **changes}))
 
 
+def test_a_mesh_that_no_element_follows():
+    """`mesh` is for automatic element lengths: doubted only if no item has one."""
+    free, *rest = USUAL["string"]
+    all_given = [item | {"element_length": "9 m"} for item in USUAL["string"][:3]] + rest[2:]
+    for string, mesh, found in (
+        (all_given, {"refinement": 2}, ["mesh.refinement changes nothing"]),
+        (all_given, {"frequency": "20 Hz"}, ["mesh.frequency changes nothing"]),
+        (all_given, {}, []),
+        ([free, *all_given[1:]], {"refinement": 2}, []),
+    ):
+        said = [line for line in doubts(string=string, mesh=mesh) if line.startswith("mesh.")]
+        assert [line.split(":")[0] for line in said] == found
+
+
 def string(**lengths):
     items = [dict(item) for item in USUAL["string"]]
     for key, length in lengths.items():

@@ -16,10 +16,10 @@ import pytest
 from drillpetsc import kernels
 from drillpetsc.analysis.commands.check import TERMS
 from drillpetsc.fem.discrete_system import DiscreteSystem
-from drillpetsc.fem.string_mesh import uniform_string
 from drillpetsc.geometry.frames import transported_frames
 from drillpetsc.physics.beam import AncfBeam
 from tests.helpers.motion import fixed, integrate
+from tests.helpers.uniform_string import uniform_string
 
 PAGE = Path(__file__).parents[3] / "docs" / "development" / "add-component.md"
 LENGTH, MASS, DAMPING, GRAVITY = 10.0, 25.0, 500.0, 10.0  # [m, kg/m, N s/m, m/s2]

@@ -9,8 +9,9 @@ import pytest
 from scipy.special import roots_jacobi
 
 from drillpetsc.fem.quadrature import _TABULATED, exposed_ends, rule
-from drillpetsc.fem.string_mesh import RigidItem, uniform_string
+from drillpetsc.fem.string_mesh import RigidItem
 from tests.helpers.tables import each_row
+from tests.helpers.uniform_string import uniform_string
 
 
 @each_row("points", [1, 2, 3, 8])
@@ -57,3 +58,16 @@ def test_ends_that_stand_out():
     _, lower = exposed_ends(replace(mesh, bodies=(crossover, body, bit)))
     assert np.flatnonzero(lower).tolist() == [3]
     assert exposed_ends(mesh, free_top=True)[0][0] and not exposed_ends(mesh)[0][0]
+
+
+@each_row(
+    ("touching", "middle"),
+    [
+        (None, -1.25),  # of the item, from 3 m above the node to 0.5 m below it
+        ((-2.5, 1.0), -2.0),  # of its blades
+        ((0.5, 0.0), -1.25),  # a bit touches at its end, and its forces stand in its middle
+    ],
+)
+def test_forces_of_a_rigid_item_are_reported_in_its_middle(touching, middle):
+    item = RigidItem("item", "bit", 6, -3.0, 3.5, 100.0, 0.0, (0.0, 0.0), 1.0, 1.0, 0.1, touching=touching)
+    assert item.middle == pytest.approx(middle, rel=1e-12)

@@ -18,8 +18,11 @@ from tests.helpers.tables import each_row
 Rows = Callable[[float, np.ndarray, np.ndarray, np.ndarray], np.ndarray]
 
 
-def try_step(history: AlphaHistory, t: float, h: float, rows: Rows) -> None:
-    """Try the step of ``h`` that ends at t: Newton on rows(t, x, y, w) = 0 with a difference Jacobian."""
+def try_step(history: AlphaHistory, t: float, h: float, rows: Rows) -> tuple[np.ndarray, ...]:
+    """Try the step of ``h`` that ends at t: Newton on rows(t, x, y, w) = 0 with a difference Jacobian.
+
+    Returns its state, which the caller keeps until the history has accepted the step.
+    """
     n = len(history.error)
     v0, v1, x = np.empty((3, n))
     history.begin(h, *map(pointer, (v0, v1, x)))
@@ -42,6 +45,7 @@ def try_step(history: AlphaHistory, t: float, h: float, rows: Rows) -> None:
     y = s * x + v0
     w = s2 * y + v1
     history.advance(h, *map(pointer, (x, y, w)))
+    return x, y, w
 
 
 def integrated(
@@ -52,9 +56,9 @@ def integrated(
     while t < end - 1e-9 * end:
         h = min(step * pattern[k % len(pattern)], end - t)
         if history.step == 0.0:
-            try_step(history, t + h, h, rows)
+            _state = try_step(history, t + h, h, rows)
             history.lead_by_trial()
-        try_step(history, t + h, h, rows)
+        _state = try_step(history, t + h, h, rows)
         history.accept()
         t, k = t + h, k + 1
     return history
@@ -88,7 +92,7 @@ def test_oscillator_loses_energy_and_time_as_computed(radius, product, energy, p
     history.start(one, zero, -one, zero, -one)
     values = [integrated(history, 100 * product, product, lambda t, x, y, w: w + x).arrays["x"][0]]
     for _ in range(2):
-        try_step(history, 0.0, product, lambda t, x, y, w: w + x)
+        _state = try_step(history, 0.0, product, lambda t, x, y, w: w + x)
         history.accept()
         values.append(history.arrays["x"][0])
     # x_(n+1) - 2 Re(factor) x_n + |factor|^2 x_(n-1) = 0 for a pair of eigenvalues
@@ -145,7 +149,7 @@ def test_local_error_is_that_of_one_step():
     zero, w = np.zeros(2), np.array([-3.5, 0.0])
     history.start(np.array([1.0, 0.5]), np.array([0.0, -1.5]), w, zero, w)
     integrated(history, 0.4, h, mixed_rows)
-    try_step(history, 0.4 + h, h, mixed_rows)
+    _state = try_step(history, 0.4 + h, h, mixed_rows)
     history.accept()
     # third derivatives from the equations: x''' = p' - 4 x', p''' = -3 p'' - x''' - sin t
     x, y = history.arrays["x"], history.arrays["y"]

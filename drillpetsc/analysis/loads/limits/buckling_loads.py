@@ -57,20 +57,3 @@ def lubinski(stiffness: ArrayLike, weight: ArrayLike) -> tuple[FloatArray, Float
     """
     unit = np.asarray(weight) * lubinski_length(stiffness, weight)
     return LUBINSKI[0] * unit, LUBINSKI[1] * unit
-
-
-def half_waves(stiffness: float, side_load: float, clearance: float, length: float) -> float:
-    """Half waves of the sinusoidally buckled shape in a length [m], L/pi (q/(EI r))^(1/4); others as above."""
-    return float(length / np.pi * (side_load / (stiffness * clearance)) ** 0.25)
-
-
-def lock_up_length(stiffness: float, weight: float, clearance: float, friction: float) -> float:
-    """Length of a pushed string in a level hole from its free end to where no push passes [m] (Wicks et al. 2008).
-
-    Drag mu w up to the helical load P_h = 2 sqrt(2) sqrt(EI w/r), then mu r F^2/(4 EI) alone, as the weight averages
-    out over a turn: P_h/(mu w) + 4 EI/(mu r P_h).
-
-    friction: coefficient [-]; others as above.
-    """
-    load = float(helical(stiffness, weight, clearance))
-    return load / (friction * weight) + 4 * stiffness / (friction * clearance * load)

@@ -77,13 +77,3 @@ def permissible_dogleg(
     return np.asarray(
         2 * bending / (np.asarray(young) * np.asarray(outer)) * tension_factor(pull, stiffness, half_joint)
     )
-
-
-def dogleg_of_side_force(force: ArrayLike, pull: ArrayLike, half_joint: ArrayLike) -> FloatArray:
-    """Curvature at which tool joints press on the hole with a force [1/m] (API RP 7G).
-
-    F/(2 T l); in field units 108,000 F/(pi l T) deg/100 ft.
-
-    force: on each tool joint [N]; pull: buoyed weight below [N]; half_joint: l [m].
-    """
-    return np.asarray(force) / (2 * np.asarray(pull) * np.asarray(half_joint))

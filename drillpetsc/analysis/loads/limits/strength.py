@@ -50,11 +50,6 @@ def second_moment(outer: ArrayLike, inner: ArrayLike) -> FloatArray:
     return np.pi / 64 * (np.power(outer, 4) - np.power(inner, 4))
 
 
-def section_modulus(outer: ArrayLike, inner: ArrayLike) -> FloatArray:
-    """Section modulus [m3]: bending moment over the stress of the outer fibre; diameters [m]."""
-    return 2 * second_moment(outer, inner) / np.asarray(outer)
-
-
 def lame(
     outer: ArrayLike, inner: ArrayLike, inside: ArrayLike, outside: ArrayLike, at_bore: bool
 ) -> tuple[FloatArray, FloatArray]:

@@ -62,6 +62,7 @@ class Batch:
     tension: (k+1, c) effective axial force [N]; torque: (k+1, c) [N m].
     contact: (k, c) mean wall force per length, the helix's included [N/m].
     state: (k, c) 0 straight, 1 sinusoidal, 2 helical.
+    ratios: (2, k, c) compression over the load at which the string buckles sinusoidally, helically [-].
     elongation, twist: (c,) of the whole string [m], [rad].
     locked: (c,) deepest measured depth that a change of the hook load reaches, nan: it reaches the bit [m].
     broken: (c,) mask of strings that cannot bear the weight on bit: hook load and torque do not exist.
@@ -73,6 +74,7 @@ class Batch:
     torque: FloatArray
     contact: FloatArray
     state: np.ndarray
+    ratios: FloatArray
     elongation: FloatArray
     twist: FloatArray
     locked: FloatArray
@@ -164,13 +166,14 @@ class Step:
     """Result of one step, or of all at once: rows (.., c) of each.
 
     above: force at the upper end [N]; contact: mean wall force per length [N/m]; mean: force [N].
-    state: 0 straight, 1 sinusoidal, 2 helical; growth: of a change of the force over the step.
+    state: 0 straight, 1 sinusoidal, 2 helical; ratios: (2, .., c) as of ``Batch``; growth: of a change of the force over the step.
     """
 
     above: FloatArray
     contact: FloatArray
     mean: FloatArray
     state: np.ndarray
+    ratios: FloatArray
     growth: FloatArray
 
 
@@ -221,8 +224,13 @@ class Steps:
         push = np.maximum(-t, 0.0)
         side = np.sqrt(np.maximum((t * k2 + c2) * t + w2, 0.0))
         load, hanging = self.root[i] * np.sqrt(side), self.hanging[i]
-        helical = push > np.maximum(HELICAL * load, VERTICAL_HELICAL * hanging)
-        buckled = push > np.maximum(SINUSOIDAL * load, VERTICAL_SINUSOIDAL * hanging)
+        limits = (
+            np.maximum(SINUSOIDAL * load, VERTICAL_SINUSOIDAL * hanging),
+            np.maximum(HELICAL * load, VERTICAL_HELICAL * hanging),
+        )
+        buckled, helical = (push > limit for limit in limits)
+        none = np.where(push > 0, np.inf, 0.0)
+        ratios = np.stack([np.divide(push, q, out=none.copy(), where=q > 0) for q in limits])
         e = np.where(helical, self.extra[i], 0.0)
         upper, n1, f1, lower, n2, f2 = _stages(t, step, drag, e, (g1, k1, c1, w1), (g2, k2, c2, w2))
         middle = 0.5 * (lower + upper)
@@ -231,7 +239,7 @@ class Steps:
         )  # dN/dT without the helix
         growth = step * drag * (dn + 2 * e * middle)
         state = np.where(helical, 2, buckled)
-        return Step(t + 0.5 * step * (f1 + f2), 0.5 * (n1 + n2), middle, state, growth)
+        return Step(t + 0.5 * step * (f1 + f2), 0.5 * (n1 + n2), middle, state, ratios, growth)
 
     def batch(
         self,
@@ -266,6 +274,7 @@ class Steps:
             np.where(above, torque, np.nan),
             np.where(inside, steps.contact, np.nan),
             np.where(inside & above[:-1], steps.state, 0),
+            np.where(inside & above[:-1], steps.ratios, 0.0),
             elongation,
             twist,
             locked,
@@ -281,6 +290,7 @@ def _soft_strings(hole: Hole, loads: Columns) -> Batch:
     tension = np.empty((k + 1, count))
     tension[-1] = t = steps.end
     contact, state = np.zeros((k, count)), np.zeros((k, count), dtype=np.int8)
+    ratios = np.zeros((2, k, count))
     mean, growth = np.zeros((k, count)), np.zeros((k, count))
     broken, stop = np.zeros(count, dtype=bool), np.full(count, np.nan)
     for i in range(k - 1, -1, -1):
@@ -293,8 +303,8 @@ def _soft_strings(hole: Hole, loads: Columns) -> Batch:
             t = np.where(broken, -LARGEST_FORCE, t)
             h_inside[: i + 1, broken] = 0.0
         tension[i], contact[i], mean[i], state[i] = t, step.contact, step.mean, step.state
-        growth[i] = step.growth
-    return steps.batch(tension, Step(tension[:-1], contact, mean, state, growth), broken, stop)
+        growth[i], ratios[:, i] = step.growth, step.ratios
+    return steps.batch(tension, Step(tension[:-1], contact, mean, state, ratios, growth), broken, stop)
 
 
 def _stages(t: FloatArray, step: FloatArray, drag: FloatArray, e: FloatArray, up: tuple, low: tuple) -> tuple:

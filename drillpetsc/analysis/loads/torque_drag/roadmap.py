@@ -51,7 +51,7 @@ from drillpetsc.output.job import Job
 from drillpetsc.output.quantities.torque_drag import BESIDE, ROADMAP
 from drillpetsc.output.result import RunResult
 from drillpetsc.output.shown_units import lengths_shown, shown_unit
-from drillpetsc.unit_systems import System
+from drillpetsc.unit_systems import System, plain
 
 #: models of the string by the word of `--model`
 MODELS = {"soft": "soft string", "stiff": "beam in static equilibrium"}
@@ -487,9 +487,9 @@ def _compared(stiff: dict[str, Any], count: int) -> list[str]:
     seconds, found = stiff["stiff_seconds"], stiff["soft_against_stiff"]
     lines = [f"  {seconds:.3g} s for {count} static solutions of the beam, {seconds / count:.2g} s each"]
     if found["hook_load"] is not None:
-        text = f"hook load within {100 * found['hook_load']:.2g} %"
+        text = f"hook load within {plain(100 * found['hook_load'], 2)} %"
         if found["surface_torque"] is not None:
-            text += f", torque within {100 * found['surface_torque']:.2g} %"
+            text += f", torque within {plain(100 * found['surface_torque'], 2)} %"
         lines.append(f"  soft string in the {found['rows']} rows where nothing buckles: {text} of the beam")
     return lines
 

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import ctypes
 from collections.abc import Sequence
+from typing import NamedTuple
 
 import numpy as np
 
@@ -16,6 +17,19 @@ from drillpetsc.arrays import FloatArray
 from drillpetsc.geometry.well import Well
 from drillpetsc.kernels import function, pointer
 from drillpetsc.kernels.parameters import structure
+
+
+class TopLoads(NamedTuple):
+    """What a soft string gives at its top, (c,) each.
+
+    tension [N], torque [N m]: nan for a string that cannot bear its weight on bit.
+    sinusoidal, helical: largest compression along the string over the load at which it buckles so [-].
+    """
+
+    tension: FloatArray
+    torque: FloatArray
+    sinusoidal: FloatArray
+    helical: FloatArray
 
 
 class SoftEnds:
@@ -46,10 +60,8 @@ class SoftEnds:
         self._section = np.concatenate(sections).astype(np.int32)
         self._end = np.array(ends, dtype=float)
 
-    def ends(
-        self, loads: Columns, lifts: Sequence[FloatArray] | None = None
-    ) -> tuple[FloatArray, FloatArray]:
-        """(tension [N], torque [N m]) at the top, (c,) each; nan for a string that cannot bear its weight on bit.
+    def ends(self, loads: Columns, lifts: Sequence[FloatArray] | None = None) -> TopLoads:
+        """Both ends of c strings.
 
         loads: of c strings, without `lift`; lifts: (k,) force per length [N/m] in the steps of the string of each column.
         """
@@ -83,15 +95,14 @@ class SoftEnds:
             "thrust": np.zeros(count) if loads.thrust is None else loads.thrust,
             "lift": lift,
             "lift_at": lift_at,
-            "tension": np.empty(count),
-            "torque": np.empty(count),
+            **{name: np.empty(count) for name in TopLoads._fields},
         }
         for name in ("factor", "wob", "moment", "velocity", "rotation", "weight", "thrust"):
             arrays[name] = np.ascontiguousarray(arrays[name], dtype=float)
         call = _Call(**{name: pointer(array) for name, array in arrays.items()})
         call.largest, call.count, call.sections = LARGEST_FORCE, count, arrays["friction"].shape[1]
         _soft_string_ends(ctypes.addressof(call))
-        return arrays["tension"], arrays["torque"]
+        return TopLoads(*(arrays[name] for name in TopLoads._fields))
 
 
 _Call = structure("soft_string_call")

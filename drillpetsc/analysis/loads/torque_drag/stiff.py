@@ -194,9 +194,9 @@ def values_of(model: DrillingModel, job: Job) -> dict[str, Any]:
     with np.errstate(divide="ignore", invalid="ignore"):
         values = element_values(model, found, hole, pipe, Choices())
         push = -found.effective
-        helical, buckled = (
-            bool(np.any(push > np.where(np.isfinite(q), q, np.inf)))
-            for q in (values["helical_limit"], values["sinusoidal_limit"])
+        sinusoidal, helical = (
+            float(np.max(np.where(np.isfinite(q) & (push > 0), push / q, 0.0)))
+            for q in (values["sinusoidal_limit"], values["helical_limit"])
         )
     md = np.append(hole.md[:, 0], hole.md[-1, 1])
     tension = np.append(found.effective[:, 0], found.effective[-1, 1])
@@ -210,7 +210,9 @@ def values_of(model: DrillingModel, job: Job) -> dict[str, Any]:
         "min_effective_tension": float(tension[lowest]),
         "md_of_min": float(md[lowest]),
         "neutral_point": neutral_point(md, tension),
-        "buckling_state": STATES[2 if helical else int(buckled)],
+        "sinusoidal_ratio": sinusoidal,
+        "helical_ratio": helical,
+        "buckling_state": STATES[2 if helical > 1 else int(sinusoidal > 1)],
         "max_side_force_per_joint": _side_force(model, found, hole),
         "min_safety_factor": _least_or_most(values["safety_factor"], np.min),
         "overpull_margin": _least_or_most(values["tension_limit"] - values["axial_force"], np.min),

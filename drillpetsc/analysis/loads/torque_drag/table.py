@@ -34,7 +34,7 @@ def rows_of(
     side = [_side_force(hole, batch, joint[:, c], c) for c in range(len(placed))]
     factor, margin = stress_and_margin(hole, loads, batch, mud)
     lowest = np.nanargmin(np.where(np.isnan(batch.tension), np.inf, batch.tension), axis=0)
-    worst = batch.state.max(axis=0)
+    worst, ratios = batch.state.max(axis=0), batch.ratios.max(axis=1)
     out = []
     for c in range(len(placed)):
         tension = batch.tension[:, c]
@@ -48,6 +48,8 @@ def rows_of(
             "min_effective_tension": tension[lowest[c]],
             "md_of_min": md[lowest[c]],
             "neutral_point": neutral_point(md, tension),
+            "sinusoidal_ratio": ratios[0, c],
+            "helical_ratio": ratios[1, c],
             "buckling_state": STATES[worst[c]] if np.isnan(locked) else "lock_up",
             "max_side_force_per_joint": side[c],
             "min_safety_factor": factor[c],
@@ -77,6 +79,8 @@ FOUND = (
     "min_effective_tension",
     "md_of_min",
     "neutral_point",
+    "sinusoidal_ratio",
+    "helical_ratio",
     "max_side_force_per_joint",
     "min_safety_factor",
     "overpull_margin",

@@ -6,7 +6,7 @@ from dataclasses import asdict, dataclass
 from typing import Any, Literal
 
 from drillpetsc.arrays import FloatArray
-from drillpetsc.unit_systems import System, display
+from drillpetsc.unit_systems import System, display, plain
 
 PathKind = Literal["sliding", "slack_off"]
 OVERLOAD = 1.3  # load from which the second path comes back, over the load
@@ -112,7 +112,7 @@ class PathAnswer:
             for end in self.ends:
                 if not end.steady:
                     out.append(
-                        f"the state from the {end.start} start still changes: {measure} by {100 * end.change:.2g} % "
+                        f"the state from the {end.start} start still changes: {measure} by {plain(100 * end.change, 2)} % "
                         f"({'of itself or ' if self.turns else ''}of the push) over the last "
                         f"{text(end.slid / 4, 'length')} of {text(end.slid, 'length')}"
                     )

@@ -65,9 +65,8 @@ struct HermiteBit {
         }
         if constexpr (PIPE) {
             const T q = y[VI] + p[REFERENCE_FLOW], size = sqrt(q * q + FLOW_ROUNDING * FLOW_ROUNDING);
-            const T closed = 1.0 + (VALVE_CLOSED * 0.5 * p[B::CHECK]) * (1.0 - q / sqrt(q * q + VALVE_ROUNDING * VALVE_ROUNDING));
             const T thin = exp(under * (-f.compressibility));
-            const T loss = q * size * closed * thin * (p[B::LOSS] * f.density), surge = (a[VI] + p[SURGE]) * p[B::INERTANCE];
+            const T loss = q * size * thin * (resistance(q, p[B::LOSS], p[B::SHUT]) * f.density), surge = (a[VI] + p[SURGE]) * p[B::INERTANCE];
             r[VI] = (under + loss + surge + heads(f, q, T(under + loss), p[HEADS_PIPE])) * MOMENTUM_ROW;
             if constexpr (!HELD) {
                 const Tangent<T> t(vec(x + 3), vec(y + 3), vec(y + 3));

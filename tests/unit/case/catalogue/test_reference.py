@@ -51,10 +51,12 @@ def test_size_text():
         ("4in 14.00 4 FH", 5.25, None),
         ("3 1/2 13.30 3 1/2 IF", 4.75, None),
         ("6 5/8 25.20 6 5/8 FH", 8.0, None),
+        ("5 1/2 21.90 S-135 HT55", 7.0, None),
+        ("4 14.00 XT39 S premium", 4.875, "premium"),
     ],
 )
 def test_good_references(text, od, wear):
-    """Outer diameters of the tool joints: API RP 7G, tables 8 and 9; names of connections: its interchange list."""
+    """Outer diameters of the tool joints: API RP 7G, tables 8 and 9, sheets of makers; names of connections: its interchange list."""
     choice = find_pipe(BUILT_IN, text)
     assert choice.joint is not None
     assert choice.joint["od"] == pytest.approx(od)
@@ -76,7 +78,7 @@ def test_good_references(text, od, wear):
         ("5in 19.50 NC50 5 1/2 FH", "NC50 and 5 1/2 FH do not agree", ""),
         ("5in 19.50 E S", "E-75 and S-135 do not agree", ""), ("5in 19.50 new premium", "one class", ""),
         ("4 14.00 S-135", "none for S-135", "tool_joint"), ("5in 19.50 S NC38", "with NC38", "S IEU NC50"),
-        ("5in 16.25", "none for E-75", "give tool_joint"),
+        ("5in 16.25", "none for E-75", "give tool_joint"), ("5 1/2 21.90 S-135", "none for S-135", "S IEU HT55 7 in x 4 in"),
     ],
 )  # fmt: skip
 def test_bad_references(text, want, hint):

@@ -65,6 +65,11 @@ def test_s135_strength(size, nominal, wall, pull, torque):
     assert torsional_strength(outer, row["id"], 135e3) == pytest.approx(torque, rel=1e-3, abs=50)
 
 
+def test_premium_pipe_of_5_7_8_inch():
+    """X-95 pipe of 28.70 lb/ft, 80 % of the wall left: 629,700 lbf (NOV Grant Prideco, drill pipe performance sheet)."""
+    assert tensile_strength(worn_diameter(5.875, 4.875, 0.8), 4.875, 95e3) == pytest.approx(629_700, rel=1e-4)
+
+
 def test_premium_pipe_of_5_inch():
     """5in 19.50 S-135 premium: od 4.855 in, wall 0.290 in, 560,764 lbf, 58,114 ft-lbf (Workstrings: 560,800 and 58,100).
 
@@ -96,12 +101,15 @@ def test_adjusted_weight(row):
     )
     weight = adjusted_weight(
         plain_end_weight(tube["size"], tube["id"]),
-        row["upset_weight"],
+        row["upset_weight"] or 0.0,
         row["upset_od"],
         row["od"],
         row["id"],
         row["length"],
     )
+    if row["make_up"] is not None:  # sheets of makers: real walls, and upsets that are not given
+        assert 1.0 < row["adjusted"] / weight < 1.08
+        return
     off = "the formula gives" in row.source
     assert weight == pytest.approx(row["adjusted"], rel=0.021 if off else 0.0085)
     if off:
@@ -111,6 +119,8 @@ def test_adjusted_weight(row):
 def test_adjusted_weights_mostly_within_a_quarter_percent():
     close = 0
     for row in BUILT_IN.rows["tool_joint"]:
+        if row["upset_weight"] is None:
+            continue
         tube = next(
             r
             for r in BUILT_IN.rows["drill_pipe"]

@@ -152,7 +152,7 @@ class SoftForward:
             factor[which],
             thrust=self.thrust[string],
         )
-        tension, moment = self._strings.ends(columns, self.lift * count if self.pumped else None)
+        tension, moment, *_ = self._strings.ends(columns, self.lift * count if self.pumped else None)
         return tension.reshape(count, n), moment.reshape(count, n)
 
     def _placed_points(self) -> tuple[list[StringRows], IntArray]:

@@ -17,7 +17,7 @@ from drillpetsc.arrays import FloatArray
 from drillpetsc.case.blocks.roadmap import MeasuredPoint
 from drillpetsc.case.case import Case
 from drillpetsc.errors import CaseError
-from drillpetsc.unit_systems import System, shown
+from drillpetsc.unit_systems import System, plain, shown
 
 NINETY = 1.645  # half width of a 90 % interval of a normal error [standard errors]
 WORDS = {"hook_load": ("hook load", "force"), "surface_torque": ("torque", "torque")}
@@ -36,7 +36,7 @@ class BesidePoints:
         for key, found in self.summary.items():
             words, kind = WORDS[key]
             bias, rms, most = (
-                f"{shown(found[q], kind, units)} ({100 * found[f'{q}_relative']:.2g} %)"
+                f"{shown(found[q], kind, units)} ({plain(100 * found[f'{q}_relative'], 2)} %)"
                 for q in ("bias", "rms", "largest")
             )
             out.append(
