@@ -255,7 +255,7 @@ class Calibrate(DrawnOperation):
     ] = None
     model: Annotated[
         Literal["soft", "stiff"],
-        "soft: soft string; stiff: the beam in static equilibrium, some seconds for each point",
+        "soft: soft string; stiff: the beam in static equilibrium, about a second for each point",
     ] = "soft"
     hold_out: Annotated[
         str | None,

@@ -45,8 +45,8 @@ CALIBRATE: tuple[SummaryKey, ...] = (
     SummaryKey(
         "fit",
         "",
-        "By parameter: value, 95 % interval, that of independent errors, and status: `determined`, `prior kept`, or `not determined` "
-        "with the reason; block weight in N, running drag in N s/m, numbers of the case in SI.",
+        "By parameter: value, 95 % interval, that of independent errors, SI unit, and status: `determined`, `prior kept`, or "
+        "`not determined` with the reason.",
     ),
     SummaryKey("parameters", "", "Names of the parameters, in the order of `correlation`."),
     SummaryKey(
@@ -70,6 +70,12 @@ CALIBRATE: tuple[SummaryKey, ...] = (
         "hold_out",
         "",
         "By quantity: readings that were predicted, bias, rms, 95th percentile and largest error over the reading, share in the band; null without --hold-out.",
+    ),
+    SummaryKey(
+        "next_readings",
+        "",
+        "Readings that would determine what is not determined: operation, bit depth in m, quantity, and half widths of the intervals "
+        "expected with it and those before it; empty if nothing is missing, or no readings would do.",
     ),
     SummaryKey("warnings", "", "Why a result is unreliable."),
     SummaryKey("notes", "", "Assumptions, and omissions of the model."),

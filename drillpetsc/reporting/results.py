@@ -9,10 +9,12 @@ from typing import Any
 
 import numpy as np
 
+from drillpetsc.case.blocks.well import OTHER_FITS
 from drillpetsc.output import catalogue
 from drillpetsc.output.files.json_file import read_summary
 from drillpetsc.output.files.run_folder import INDICES_TABLE, RunFolder
 from drillpetsc.output.files.tables import read_table, split_name
+from drillpetsc.output.shown_units import key_unit
 from drillpetsc.output.summary_keys import SUMMARY_KEYS
 from drillpetsc.plotting import style
 from drillpetsc.plotting.run.plot import drawings
@@ -100,11 +102,6 @@ _NO_ROWS = ("history.csv", "probes.csv", INDICES_TABLE)  # tables too long for a
 
 
 NOTE = "note: "  # precedes assumptions and omissions of a run, which are not warnings
-_NO_FRICTION = (
-    "block_weight",
-    "weight_factor",
-    "running_drag",
-)  # parameters of a calibration that are not friction factors
 
 
 @dataclass(frozen=True)
@@ -278,7 +275,9 @@ def _fitted(run: Run, system: System, source: str) -> list[Grid]:
     rows = []
     for name, found in run.summary.get("fit", {}).items():
         scale, _, unit = unit_of("hook_load [N]", system) if name == "block_weight" else (1.0, 0.0, "")
-        words = name.replace("_", " ") if name in _NO_FRICTION else f"friction, {name.replace('_', ' ')}"
+        words = name.replace("_", " ") if name in OTHER_FITS else f"friction, {name.replace('_', ' ')}"
+        if "." in name:  # a number of the case
+            (scale, unit), words = key_unit(name, str(found.get("unit", "")), system), name
         figures = (found.get("value"), *(found.get("interval") or [None, None]))
         cells = ["-" if x is None else f"{x / scale:.4g}" for x in figures]
         rows.append((words + (f" [{unit}]" if unit else ""), *cells, str(found.get("status", ""))))

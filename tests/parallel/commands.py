@@ -241,6 +241,38 @@ STATICS = {
     ),
 }
 
+# ---------------------------------------------------------------------- readings of a rig
+#: pipe of 242 N/m in air in a hole of 45 degrees below 400 m, with readings about those of friction 0.2 and 0.3 and of mud of 1260 kg/m3
+MEASURED = """
+well:
+  survey: {md: [0 m, 100 m, 400 m, 900 m], inclination: [0 deg, 0 deg, 45 deg, 45 deg], azimuth: [0 deg, 0 deg, 0 deg, 0 deg]}
+  sections: [{to: 500 m, kind: casing, diameter: 224 mm, friction: 0.25}, {kind: open_hole, diameter: 215.9 mm, friction: 0.25}]
+string: [{kind: pipe, od: 127 mm, id: 108.6 mm, length: 900 m, element_length: 20 m}]
+top: {kind: top_drive}
+bottom: {kind: free}
+fluid: {density: 1200 kg/m3, rheology: {model: newtonian, viscosity: 20 cP}}
+roadmap:
+  measured:
+    - {bit_depth: 480 m, operation: trip_out, hook_load: 101.2 kN, sigma: 0.5 kN}
+    - {bit_depth: 480 m, operation: trip_in, hook_load: 87.0 kN, sigma: 0.5 kN}
+    - {bit_depth: 700 m, operation: rotate_off_bottom, hook_load: 128.3 kN, torque: 1.3 kN m, sigma: 0.5 kN}
+    - {bit_depth: 880 m, operation: trip_out, hook_load: 192.2 kN, sigma: 0.5 kN}
+    - {bit_depth: 880 m, operation: trip_in, hook_load: 127.9 kN, sigma: 0.5 kN}
+"""
+
+
+def beam_is_fitted(folder: Path) -> None:
+    found = summary(folder)
+    assert found["model"] == "stiff" and found["readings"] == 6
+
+
+READINGS = {
+    "beam of a calibration": Row(
+        "calibrate|--model|stiff|--fit|cased,open_hole,fluid.density", MEASURED,
+        table("calibration.csv", "computed [N or N m]", "residual [N or N m]", rel=1e-6, share=1e-6), (2,), beam_is_fitted,
+    ),
+}  # fmt: skip
+
 # ---------------------------------------------------------------------- controllers, loops, surge, linear models
 #: in a module `law_of_ranks` beside the cases
 LAW = """
@@ -329,4 +361,4 @@ CONTROLS = {
         "linearise|--inputs|top.rotation|--outputs|bit_speed,motor_torque,surface_torque", LYING, linear(1e-5)
     ),
 }
-ROWS = FREQUENCY | STATICS | CONTROLS
+ROWS = FREQUENCY | STATICS | READINGS | CONTROLS

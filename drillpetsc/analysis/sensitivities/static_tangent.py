@@ -102,12 +102,16 @@ class StaticTangent:
     ) -> tuple[list[DrillingModel], bool]:
         """Models at the points, with the state moved along its derivative, and whether it has a kink there; collective.
 
-        sources: points so near that no contact of the state opens there; build: model of a case, with the elements of the state.
+        sources: points so near that no contact of the state opens there, which may be ``points``; build: model of a case, with the elements of the state.
         """
-        models, near = [build(point.case) for point in points], [build(q.case) for q in sources]
+        models = [build(point.case) for point in points]
+        near = models if sources is points else [build(q.case) for q in sources]
         with self._top_free(self.model, *models, *near):
             self.solver.rows()
+            fresh = [model.top.anchor.copy() for model in near]
             source = -difference(sources, [self._rows_of(self._take(model, self.x)) for model in near])
+            for model, anchor in zip(near, fresh, strict=True):
+                model.top.anchor[:] = anchor
             step = self._solve(source)
             rows = []
             for point, model in zip(points, models, strict=True):

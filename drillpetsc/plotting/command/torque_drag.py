@@ -31,6 +31,7 @@ OPERATIONS = {
 }
 DASHES: tuple[Any, ...] = ("-", (0, (5, 2)), (0, (1, 1.2)), (0, (5, 1.5, 1, 1.5)), (0, (8, 2, 2, 2)))
 LIMIT = "#b03060"
+_MODELS = {"soft": "the soft string", "stiff": "the beam"}
 MANY_POINTS = 100  # of a calibration, which then have small marks
 FAR_LIMIT = 1.5  # a limit of the rig beyond this times the axis is not drawn
 OTHER_PIPE = (
@@ -63,7 +64,7 @@ def _calibration(table: Table, summary: dict[str, Any], title: str, system: Syst
     md, operation = table["bit_depth [m]"] / depth, table["operation [-]"]
     marks = {"hook_load": ("o", "hook load"), "surface_torque": ("^", "surface torque")}
     drawing = style.figure(11.0, 6.5, dpi=110)
-    top = style.heading(drawing, f"{title}: measured points and the soft string")
+    top = style.heading(drawing, f"{title}: measured points and {_MODELS[summary.get('model', 'soft')]}")
     left, right = drawing.subplots(1, 2, sharey=True)
     size = 6 if len(md) < MANY_POINTS else 3
     residual = table["residual [N or N m]"] / table["sigma [N or N m]"]

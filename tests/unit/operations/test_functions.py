@@ -19,7 +19,7 @@ KEYWORDS = {
     "hydraulics": "bit_depth flow spp units",
     "surge": "speeds operation pipe bit_depth window flow dynamic units",
     "roadmap": "measured model units block",
-    "calibrate": "measured log every fit hold_out errors prior units",
+    "calibrate": "measured log every fit hold_out errors prior units model",
     "limits": "bit_depth operation helical design_factor tension_fraction corrosive sn units",
     "modes": "count shift kind about without_control",
     "campbell": "speeds count kind lines without_control frequency stiffness",

@@ -113,6 +113,7 @@ def stiff_case(case: Case, well: Well, job: Job) -> Case:
             "formation": None,
             "hold_string": False,
             "fluid": None,
+            "roadmap": None,
             "loads": _lifting(well, job.flow) if isinstance(job.flow, Circulation) else (),
         }
     )
@@ -122,15 +123,12 @@ def _lifting(well: Well, flow: Circulation) -> tuple[LineLoad, ...]:
     """Line loads of the flow, along the hole, on pieces of the string."""
     last = float(flow.md[-1])
     marks = np.unique(np.append(np.arange(0.0, last, LIFTED), last))
-    pieces = zip(marks, marks[1:], flow.lift(marks), strict=False)
-    out = []
-    for upper, lower, lift in pieces:
-        tangent = np.asarray(well.at(np.array([0.5 * (upper + lower)]))[1])[0]
-        north, east, down = (float(v) for v in -lift * tangent)
-        out.append(
-            LineLoad.model_validate({"from": float(upper), "to": float(lower), "force": (north, east, down)})
-        )
-    return tuple(out)
+    tangent = np.asarray(well.at(0.5 * (marks[:-1] + marks[1:]))[1])
+    force = -flow.lift(marks)[:, None] * tangent
+    return tuple(
+        LineLoad.model_validate({"from": upper, "to": lower, "force": tuple(piece)})
+        for upper, lower, piece in zip(marks.tolist(), marks[1:].tolist(), force.tolist(), strict=False)
+    )
 
 
 def _weighing(item: Item, mass: float, length: float, factor: float) -> Item:

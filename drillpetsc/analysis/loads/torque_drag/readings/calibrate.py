@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import asdict, dataclass, field
 from functools import partial
 from typing import Any
 
@@ -15,6 +15,7 @@ from drillpetsc.analysis.loads.torque_drag.readings.by_depth import alone_by_rea
 from drillpetsc.analysis.loads.torque_drag.readings.calibration import WEIGHT_ERROR, Calibration, Fit
 from drillpetsc.analysis.loads.torque_drag.readings.forward_stiff import StiffForward
 from drillpetsc.analysis.loads.torque_drag.readings.held_out import Prediction, hold_out_depth, predict
+from drillpetsc.analysis.loads.torque_drag.readings.next_reading import next_readings, told
 from drillpetsc.analysis.loads.torque_drag.readings.reading import corrected_points
 from drillpetsc.analysis.loads.torque_drag.roadmap import MODELS
 from drillpetsc.analysis.motion.run_options import options_of
@@ -73,12 +74,9 @@ def run_calibrate(
         work = Calibration(case, points, plan.hookload_excludes_block, forward)
         rest = Calibration(case, held, plan.hookload_excludes_block, forward) if held else None
     asked = work.factors if choices.parameters is None else choices.parameters
-    parameters = tuple(dict.fromkeys(work.parameter(name).name for name in asked))
-    try:
-        priors = {work.parameter(name).name: known for name, known in choices.priors.items()}
-    except CaseError as error:
-        error.at = "--prior"
-        raise
+    named = {name: work.parameter(name).name for name in asked}
+    parameters = tuple(dict.fromkeys(named.values()))
+    priors = {named.get(name, name): known for name, known in choices.priors.items()}
     strange = [name for name in priors if name not in parameters]
     if strange:
         raise CaseError(
@@ -90,9 +88,9 @@ def run_calibrate(
     notes = _notes(case, work, parameters)
     fit = work.fit(parameters, correlated, priors)
     drift, prediction = drift_by_windows(work, fit), None if rest is None else predict(work, fit, rest)
-    warnings = _warnings(work, fit, parameters, drift)
+    warnings, further = _warnings(work, fit, parameters, drift), next_readings(work, fit)
     summary = _summary(case, work, fit, system, warnings, notes) | {"readings": len(work.data.value)}
-    summary |= _of_depth(fit, drift, prediction)
+    summary |= _of_depth(fit, drift, prediction) | {"next_readings": [asdict(q) for q in further]}
     folder = job.make_folder()
     if job.comm.rank == 0:
         write_case(case, folder)
@@ -107,7 +105,7 @@ def run_calibrate(
             folder.path / CALIBRATION_TABLE, [q.column for q in MEASURED], [columns[q.name] for q in MEASURED]
         )
         write_summary(folder.summary, summary)
-    return job.result(folder, summary, _lines(case, work, fit, summary, system))
+    return job.result(folder, summary, _lines(work, fit, summary, told(further, work)))
 
 
 def _rows(work: Calibration, computed: Any, band: Any, alone: Any, part: str) -> dict[str, Any]:
@@ -266,6 +264,7 @@ def _summary(
                 "value": plain(value),
                 "interval": None if np.isnan(width) else [float(value - width), float(value + width)],
                 "independent_interval": None if np.isnan(own) else [float(value - own), float(value + own)],
+                "unit": work.parameter(name).si_unit,
                 "status": _status(fit, name),
             }
             for name, value, width, own in zip(
@@ -286,9 +285,10 @@ def _status(fit: Fit, name: str) -> str:
     return "prior kept" if name in fit.priors else "determined"
 
 
-def _lines(case: Case, work: Calibration, fit: Fit, summary: dict[str, Any], system: System) -> list[str]:
+def _lines(work: Calibration, fit: Fit, summary: dict[str, Any], further: str) -> list[str]:
+    system = work.units
     lines = [
-        f"{case.title or 'case'}: calibration with {len(work.data.value)} readings of {len(work.points)} points"
+        f"{work.case.title or 'case'}: calibration with {len(work.data.value)} readings of {len(work.points)} points"
         + ("" if work.is_soft else f", {MODELS['stiff']}")
     ]
     for name, value, width, own in zip(fit.parameters, fit.value, fit.interval, fit.independent, strict=True):
@@ -327,6 +327,6 @@ def _lines(case: Case, work: Calibration, fit: Fit, summary: dict[str, Any], sys
             f"  held out, {name.replace('_', ' ')}: {row['readings']} readings, bias {row['bias']:+.2%}, rms {row['rms']:.2%}, 95 % "
             f"within {row['p95']:.2%}, largest {row['largest']:.2%}; {row['in_band']:.0%} inside the 90 % band"
         )
-    return (
-        lines + [f"  WARNING: {w}" for w in summary["warnings"]] + [f"  note: {n}" for n in summary["notes"]]
-    )
+    lines += [f"  WARNING: {w}" for w in summary["warnings"]]
+    lines += [f"  next: {further}"] if further else []
+    return lines + [f"  note: {n}" for n in summary["notes"]]

@@ -44,6 +44,10 @@ FEWEST_WEIGHTS, SLOPE_BY_CHANCE = 4, 0.01  # rotating weights that show a slope 
 PRIOR_KEPT = 0.8  # share of the prior's interval that is left, above which the points have added nothing
 LOCKED = 1e9  # computed reading of a string that locks up or has no state: it fits nothing
 MOST_EVALUATIONS = 60
+SMALLEST_GAIN = {
+    True: 1e-9,
+    False: 1e-6,
+}  # of the sum of squares, at which soft strings, or the beam, are fitted [-]
 
 
 @dataclass(frozen=True)
@@ -143,6 +147,11 @@ class Calibration:
     @own.setter
     def own(self, friction: FloatArray) -> None:
         self.soft.own = friction
+
+    def read(self, points: tuple[MeasuredPoint, ...]) -> None:
+        """Take other readings of the same points."""
+        self.points = points
+        self.data = self._data()
 
     @property
     def is_soft(self) -> bool:
@@ -418,6 +427,10 @@ class Calibration:
         hook = np.abs(self.data.value[self.data.hook])
         return BLOCK_SHARE * float(hook.max(initial=0.0)) if widest is None else widest
 
+    def enough(self, name: str) -> float:
+        """Half width of an interval with which a parameter is determined, whatever acts like it [SI]."""
+        return min(self.allowed(name), self._widest_alike(name))
+
     def _widest(self, names: tuple[str, ...], width: FloatArray) -> str | None:
         """The parameter whose interval is widest against the largest one that still tells something; None where all do."""
         with np.errstate(divide="ignore"):
@@ -481,10 +494,15 @@ class Calibration:
             return np.vstack([(slopes / d.sigma).T, of_priors])
 
         low, high = np.array([self.parameter(name).bounds for name in names]).T / units
-        start = np.clip(first / units, low + 1e-9 * (high - low), high - 1e-9 * (high - low))
+        start = np.clip(first / units, low, high)
+        if (
+            forward is self.soft
+        ):  # readings are nearly linear in most parameters: a soft loss would come there in many steps
+            start = start - np.linalg.lstsq(jacobian(start), residual(start), rcond=None)[0]
+        start = np.clip(start, low + 1e-9 * (high - low), high - 1e-9 * (high - low))
         found = least_squares(
             residual, start, jac=jacobian, bounds=(low, high), method="trf", loss="soft_l1", f_scale=SOFT_SCALE,
-            xtol=1e-7, ftol=1e-9, gtol=1e-9, max_nfev=MOST_EVALUATIONS,
+            xtol=1e-7, ftol=SMALLEST_GAIN[forward is self.soft], gtol=1e-9, max_nfev=MOST_EVALUATIONS,
         )  # fmt: skip
         if not found.success:
             raise SolveError(f"the parameters were not found: {found.message}")

@@ -30,18 +30,27 @@ Values = Mapping[str, float]
 class SoftForward:
     """Soft strings at the bit depths of measured points.
 
-    case: with a well; points: measured.  Raises CaseError for points that the string cannot reach.
+    case: with a well; points: measured; like: strings of a case that differs in its roadmap only, which are the same.
+    Raises CaseError for points that the string cannot reach.
     own: (m,) friction of the hole's sections; group: (m,) their groups; factors: names of the groups, each with one friction factor.
     loads: (n, 4) weight on bit, its torque, axial velocity and rotation of each point.
     """
 
-    def __init__(self, case: Case, points: Sequence[MeasuredPoint]) -> None:
-        well = need_well(case, "calibrate")
-        self.case, self.points, self.well = case, tuple(points), well
+    def __init__(self, case: Case, points: Sequence[MeasuredPoint], like: SoftForward | None = None) -> None:
+        self.case, self.points = case, tuple(points)
         self.units = case.shown_units
-        gravity_of(case, "calibrate")
-        self.rows, self.placed = self._placed_points()
-        self._strings = SoftEnds(well, self.rows, LONGEST_STEP)
+        if like is None:
+            self.well = need_well(case, "calibrate")
+            gravity_of(case, "calibrate")
+            self.rows, self.placed = self._placed_points()
+            self._strings = SoftEnds(self.well, self.rows, LONGEST_STEP)
+        else:
+            self.well, self.rows, self.placed, self._strings = (
+                like.well,
+                like.rows,
+                like.placed,
+                like._strings,
+            )
         self.group = groups_of(case)
         self.factors = tuple(
             dict.fromkeys([*(k for k in KINDS if (self.group == k).any()), *map(str, self.group)])
@@ -53,7 +62,7 @@ class SoftForward:
         self.still = tuple(
             dict.fromkeys(p.operation for p, (flow, _) in zip(points, self._rates, strict=True) if not flow)
         )
-        self._flows: dict[tuple[int, float], Circulation] = {}
+        self._flows: dict[tuple[int, float], Circulation] = {} if like is None else like._flows
         self._set_flow(self._rates)
         self._parameters: dict[str, Parameter] = {}
         self._changed: dict[tuple[tuple[Key, float], ...], SoftForward | None] = {}
@@ -122,7 +131,8 @@ class SoftForward:
         return self._changed[changes]
 
     def _made(self, changes: tuple[tuple[Key, float], ...]) -> SoftForward:
-        return SoftForward(changed_case(self.case, dict(changes)), self.points)
+        same = all(key.name.startswith("roadmap.") for key, _ in changes)
+        return SoftForward(changed_case(self.case, dict(changes)), self.points, self if same else None)
 
     def _ends(self, sets: Sequence[Values]) -> tuple[FloatArray, FloatArray]:
         """As ``ends``, with the numbers of this case."""

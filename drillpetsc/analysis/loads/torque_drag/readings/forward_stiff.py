@@ -24,6 +24,8 @@ from drillpetsc.model.mesh import MeshOf
 from drillpetsc.unit_systems import shown
 
 FULL_STEP = 1e-3  # of differences of full solutions, where a state has no tangent, relative [-]
+#: share of the widest interval that tells something, within which derivatives are kept
+KEPT = 0.01
 Named = tuple[tuple[str, float], ...]
 
 
@@ -49,6 +51,8 @@ class StiffForward:
         self._at: Named | None = None  # parameters of the states
         self._states: dict[int, _Solved] = {}
         self._last: dict[int, _Solved] = {}  # where the search for the next states begins
+        self._derivatives: dict[str, FloatArray] = {}
+        self._derived: Values | None = None  # parameters of the derivatives
         self._failed: dict[int, str] = {}
         self._need_states()
 
@@ -170,6 +174,12 @@ class StiffForward:
     def _slopes(self, at: Values, names: Sequence[str]) -> dict[str, FloatArray]:
         """(2, n) derivative of tension and torque by each parameter; collective."""
         named = tuple(sorted(at.items()))
+        if (
+            self._derived is not None
+            and self._alike(at, self._derived)
+            and self._derivatives.keys() >= set(names)
+        ):
+            return self._derivatives
         if self._at != named:
             self._known.pop(named, None)
             self._ends_of(named)
@@ -181,19 +191,36 @@ class StiffForward:
                 continue
             mine |= {(name, i): self._slope(solved.tangent, at, name, i) for name in names}
         every, n = self._together(mine), len(self.soft.points)
-        return {name: np.array([every[name, i] for i in range(n)]).T for name in names}
+        self._derived = dict(at)
+        self._derivatives = {name: np.array([every[name, i] for i in range(n)]).T for name in names}
+        return self._derivatives
+
+    def _alike(self, at: Values, other: Values) -> bool:
+        """Whether parameters are so near others that the derivatives there serve."""
+
+        def near(name: str) -> bool:
+            away = at.get(name, self._default(name)) - other.get(name, self._default(name))
+            return abs(away) <= KEPT * (self.soft.parameter(name).widest or np.inf)
+
+        return all(near(name) for name in {*at, *other})
 
     def _slope(self, tangent: StaticTangent | None, at: Values, name: str, i: int) -> tuple[float, float]:
         """Derivative of tension and torque of a point; by full solutions if the state has no tangent."""
         value = at.get(name, self._default(name))
         if tangent is not None:
-            points, sources = (self._points(at, name, value, i, step) for step in (STEP, RESIDUAL_STEP))
+            points = sources = self._points(at, name, value, i, STEP)
+            if self.soft.parameter(name).key is not None:  # which may be a diameter, that opens contacts
+                sources = self._points(at, name, value, i, RESIDUAL_STEP)
             like = MeshOf(tangent.model.case, tangent.model.mesh)
             build: Callable[[Case], DrillingModel] = lambda case: build_model(  # noqa: E731
                 case, PETSc.COMM_SELF, tangent.motion, like=like
             )
             try:
-                models, _ = tangent.near(points, sources, build)
+                models = [tangent.model] * len(points)
+                if any(
+                    q.case != tangent.model.case for q in points
+                ):  # else it changes no more than a load at the end
+                    models, _ = tangent.near(points, sources, build)
             except ValueError:  # the elements do not correspond
                 return self._slope(None, at, name, i)
             ends = [

@@ -56,6 +56,13 @@ class Parameter:
             self.name, f"friction, {self.name}"
         )
 
+    @property
+    def si_unit(self) -> str:
+        """SI unit, empty for a pure number."""
+        if self.key is not None:
+            return self.key.unit
+        return {"block_weight": "N", "running_drag": "N s/m"}.get(self.name, "")
+
     def unit(self, system: System) -> tuple[float, str]:
         """(SI value of the unit on the screen, its name)."""
         if self.key is not None:
