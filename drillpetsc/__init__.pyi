@@ -885,7 +885,7 @@ class Fluid(PythonBlock):
     annulus: whether there is fluid between string and hole; when not given, true in a case with a well
     bit_volume: volume around the bit, between nozzles and annulus [m3]
     discharge_coefficient: discharge coefficient of the nozzles [-]
-    check_valve: a valve above the bit against backflow into the string
+    check_valve: a valve against backflow into the string, above the bit or at an open end (float shoe)
     formulation: mixed: pressure at the nodes, flow rate in the elements; hermite: the volume passed, as a cubic between the nodes, as in the reference formulation (DOI 10.1177/1687814016656703); takes a flow_rate
     dynamics: full: with inertia and compression of the fluid; quasi_steady: steady flow at every moment
     elastic_walls: pipe and hole widen under pressure; false: rigid walls

@@ -81,7 +81,6 @@ class Swirl:
         self._blocks = (_Block * 0)()  # whose parameters it sets
         self._blocks_at = 0, ctypes.addressof(self._blocks)
         self._kept: list[np.ndarray] = []  # whose addresses are among them
-        self._flow_at: tuple[int, int, int] | None = None  # addresses of places and values of the flows
 
     # ------------------------------------------------------------------ parameters
     def attach(
@@ -148,11 +147,10 @@ class Swirl:
     def follows_other_flow(self, places: np.ndarray, x: FloatArray, limit: float) -> bool:
         """Whether ``follow`` is not known, or a flow has changed since by more than ``limit`` [m3/s].
 
-        places: (n,) of the flows in the unknowns x, int32, -1 for none; both arrays keep their memory.
+        places: (n,) of the flows in the values x, int32, -1 for none.
         """
-        if self._flow_at is None:
-            self._flow_at = pointer(places), pointer(x), pointer(self.flow)
-        old = bool(_following_is_old(self._count, *self._flow_at, self._state_at, limit))
+        here = pointer(places), pointer(x), pointer(self.flow)
+        old = bool(_following_is_old(self._count, *here, self._state_at, limit))
         if old:  # the caller will change ``follow``
             self._computed = np.nan
         return old
