@@ -409,8 +409,8 @@ def test_a_buckled_column_in_mud_is_that_of_the_other_formulation():
 
 
 @pytest.mark.parametrize("formulation", BOTH)
-def test_energy_that_hermite_leaves_unbalanced_is_named(formulation, tmp_path):
-    """The pump slows down: mixed balances within 0.3 %, as scripts/energy-fuzz asks; hermite does not, and blames no numerical damping."""
+def test_energy_of_a_pump_that_slows_down(formulation, tmp_path):
+    """Energy balances within 0.1 % in both forms, with walls that give; hermite left 2 % open and blames no numerical damping."""
     result = run_of_case(
         Case(
             string=[pipe(600, 20)],
@@ -432,7 +432,5 @@ def test_energy_that_hermite_leaves_unbalanced_is_named(formulation, tmp_path):
         result["energy"],
         any("formulation: hermite leaves" in text for text in result["warnings"]),
     )
-    if formulation == "mixed":
-        assert abs(energy["error_share"]) < 3e-3 and "damped" in energy and not named
-    else:
-        assert abs(energy["error_share"]) > 3e-3 and "damped" not in energy and named
+    assert abs(energy["error_share"]) < 1e-3 and not named
+    assert ("damped" in energy) == (formulation == "mixed")

@@ -43,13 +43,10 @@ struct HermiteAnnulus {
                 const T drag = string_shear<HermiteAnnulus>(f, w, w, T(0.0), T(thick * f.density), p).loss * (S(4.0) / p[GAP]);
                 line.add(at, W4[k], (line.surge(at) + p[SURGE]) * (S(f.density) / A) - thick * f.density * (p[DROP] * il) + drag, head);
                 if constexpr (std::is_same_v<T, double>) if (results) {
-                    const double part = W4[k] * L, lost = q / thick;
-                    results->dissipated += part * lost * drag;
-                    results->kinetic += part * 0.5 * f.density / A * q * lost;
-                    stored(line, A, w, thick, head, W4[k], p, f, results);
+                    results->dissipated += W4[k] * L * q / thick * drag;
+                    count_held<HermiteAnnulus>(f, line, at, XI4[k], W4[k], A, q, w, head, thick, p, results);
                 }
             }
-            if constexpr (std::is_same_v<T, double>) if (results) results->potential = -(A * L + x[0] - x[1]) * f.density * p[HEAD];
             finish(line, y, T(0.0) + p[CONTROLLED], p, f, r, results);
         } else {
             const Ride<T, JUNCTION> on(x, y, a, p[RIGID]);
@@ -76,6 +73,9 @@ struct HermiteAnnulus {
             r[6] = (y[6] * 2.0 + y[13]) * (p[TURNING] * L * (1.0 / 6)) + brake;
             r[13] = (y[13] * 2.0 + y[6]) * (p[TURNING] * L * (1.0 / 6)) + brake;
             if constexpr (std::is_same_v<T, double>) if (results) results->dissipated += p[TURNING] * L / 3 * (y[6] * y[6] + y[6] * y[13] + y[13] * y[13]);
+            // r_s.t_w counts a motion across a bent hole as a change of the hole's length (manual: eq-mud-left-out)
+            if constexpr (std::is_same_v<T, double>) if (results)
+                results->left_out += p[HOLE] * (line.p2.x * dot(on.y.r2, vec(p + TANGENT2) - tw) - line.p1.x * dot(vec(y), vec(p + TANGENT1) - tw));
             finish(line, y + F, (dot(on.above, tw) * dot(vec(f.gravity), tw) + p[LEVEL]) * f.density + p[CONTROLLED], p, f, r + F, results);
         }
     }
@@ -144,12 +144,17 @@ struct HermiteAnnulus {
             const Vec<double> X = value(at, on.x, L), turned = value(at, off.turned, L), carried = cut(V + rs * across);
             const Vec<double> passed = carried - turned * p[SWIRL], sideways = cut(V) - turned * spin;  // relative to the mud; the motion that feels the force
             const double relative = dot(turned, passed);
-            results->kinetic += part * (0.5 * (m * wall * wall + M * dot(passed, passed)) + M * (p[SWIRL] - spin) * relative);
-            results->left_out += part * M * relative * (p[SWIRL_RATE] - p[SHARE] * p[SPIN_RATE]);
-            results->potential -= part * (m * (gw * dot(X, tw) + p[LEVEL]) - density * AO * (dot(X, g - tw * gw) - p[LEVEL]));
+            // the flow across a bent string does work that its row leaves out (manual: eq-mud-energy-across)
+            const Vec<double> across_hole = cut(V) - turned * p[SWIRL];
+            const double mu = p[HOLE] - AO - line.slope(at, il), mu1 = -line.slope_rate(at, il), parting = dot(Vs, tw) * p[HOLE] - dot(rs, Vs) / local * bulge * AO;
+            const double m1 = density * (content * ((line.p1.y * (1 - xi) + line.p2.y * xi) * f.compressibility) + parting);
+            results->kinetic += part * (0.5 * (m * wall * wall + M * dot(across_hole, across_hole)) + M * (p[SWIRL] - spin) * relative);
+            results->left_out += part * M * (relative * (p[SWIRL_RATE] - p[SHARE] * p[SPIN_RATE]) + across * across * dot(cut(rs), Vs));
+            results->potential -= part * (mu * f.density * (gw * dot(X, tw) + p[LEVEL]) - density * AO * (dot(X, g - tw * gw) - p[LEVEL]));
+            results->left_out -= part * (mu * f.density - m) * gw * Va;  // the give of the walls has no weight on the string
+            count(f, {q, w, head, content, mu, mu1, m, m1, Va, dot(Vs, tw), parting}, (line.p2.x - line.p1.x) * il, p[WALL], p[HEADS], part, L, results);
             results->dissipated += part * (resistance * (volume + Va * content) - tau.pull * p[DIAMETER] * 3.14159265358979324 * Va + drag * dot(sideways, passed) +
                                           p[DAMPING] * dot(sideways, cut(V) - turned * p[SWIRL]));
-            stored(line, content, w, thick, head, weight, p, f, results);
         }
     }
 
@@ -166,17 +171,11 @@ struct HermiteAnnulus {
             const double V = dot(on.y.r1, tw), wall = q / (beside.thick * A) + V, m = beside.thick * f.density * A * p[RIGID];
             results->dissipated += beside.resistance * (q / beside.thick + V * A) - beside.pull * V;
             results->kinetic += 0.5 * m * wall * wall;
-            results->potential -= m * (dot(on.x.r1 + on.above, tw) * (0.5 * gw) + p[LEVEL]) - f.density * p[OUTER_ABOVE] * p[RIGID] * (dot(on.x.r1, side) - p[LEVEL]);
+            const double give = A * p[RIGID] * f.density * (1.0 + Filled<double>(f, line.p1, p[WALL]).excess.x) - m;
+            results->left_out -= give * gw * V;
+            results->potential -= (m + give) * (dot(on.x.r1 + on.above, tw) * (0.5 * gw) + p[LEVEL]) -
+                                  beside.thick * f.density * p[OUTER_ABOVE] * p[RIGID] * (dot(on.x.r1, side) - p[LEVEL]);
         }
-    }
-
-    template <class S>
-    static void stored(const VolumeLine<double, double>& line, double section, double w, double thick, double head, double weight, const S* p,
-                       const Fluid& f, FlowResults* results) {
-        const Filled<double> at(f, {head, 0.0, 0.0}, p[WALL]);
-        results->stored += 0.5 * weight * line.L * section * at.by_p * head * head;
-        results->speed += weight * w;
-        results->density += weight * thick * f.density;
     }
 
     template <class T, class S>
@@ -186,7 +185,7 @@ struct HermiteAnnulus {
         if constexpr (std::is_same_v<T, double>) if (results) {
             const double own = JUNCTION ? (p[HOLE_ABOVE] - p[OUTER_ABOVE]) * p[RIGID] : 0.0;
             results->content = (p[HOLE] - p[OUTER]) * p[LENGTH] + own + line.V1.x - line.V2.x;
-            if (own > 0.0) results->content += own * Filled<double>(f, line.p1, p[WALL]).excess.x;
+            if (own > 0.0) results->content += own * Filled<double>(f, line.p1, p[WALL]).excess.x, results->stored += stored_energy(f, line.p1.x, p[WALL], own);
             results->storage_upper = 0.5 * (y[0] - y[1]); results->storage_lower = results->storage_upper;
         }
     }

@@ -40,13 +40,10 @@ struct HermiteBore {
                 const T drag = bore_shear(f, w, T(thick * f.density), p[DIAMETER], p[JOINT_SHARE], p[TUBE_SPEED], p[JOINT_DIAMETER], p[JOINT_SPEED]) * (S(4.0) / p[DIAMETER]);
                 line.add(at, W4[k], (line.surge(at) + p[SURGE]) * (S(f.density) / A) - thick * f.density * (p[DROP] * il) + drag, head);
                 if constexpr (std::is_same_v<T, double>) if (results) {
-                    const double part = W4[k] * L, lost = q / thick;
-                    results->dissipated += part * lost * drag;
-                    results->kinetic += part * 0.5 * f.density / A * q * lost;
-                    stored(line, A, w, thick, head, W4[k], p, f, results);
+                    results->dissipated += W4[k] * L * q / thick * drag;
+                    count_held<HermiteBore>(f, line, at, XI4[k], W4[k], A, q, w, head, thick, p, results);
                 }
             }
-            if constexpr (std::is_same_v<T, double>) if (results) results->potential = -(A * L + x[0] - x[1]) * f.density * p[HEAD];
             finish(line, x, y, p, f, r, results);
         } else {
             const Ride<T, JUNCTION> on(x, y, a, p[RIGID]);
@@ -93,8 +90,11 @@ struct HermiteBore {
             results->dissipated += weight * L * q / thick * drag;
             const Vec<T> own = V * m + rs * G;
             results->kinetic += weight * L * 0.5 * dot(own, own) / m;
-            results->potential -= weight * L * m * dot(value(at, on.x, L), g);
-            stored(line, section * A, w, thick, head, weight, p, f, results);
+            const double part = weight * L, mu = A - line.slope(at, il), mu1 = -line.slope_rate(at, il);
+            results->potential -= part * mu * f.density * dot(value(at, on.x, L), g);
+            // the give of the walls has no weight on the string; mud that comes in brings the velocity of its nodes along
+            results->left_out += part * ((mu * f.density - m) * dot(V, g) * -1.0 + 0.5 * (mu1 * f.density - m1) * dot(V, V) + G * w * n1);
+            count(f, {q, w, head, section * A, mu, mu1, m, m1, 0.0, 0.0, bulge * A * n1}, (line.p2.x - line.p1.x) * il, p[WALL], p[HEADS], part, L, results);
         }
     }
 
@@ -112,19 +112,12 @@ struct HermiteBore {
         rows.r1 += (on.a.r1 - g) * half + turn - V0 * G;
         if constexpr (std::is_same_v<T, double>) if (results) {
             results->dissipated += q / thick * drag;
-            results->potential -= half * dot(on.x.r1 + on.above, g);
+            const double give = p[AREA_ABOVE] * p[RIGID] * f.density * (1.0 + Filled<double>(f, line.p1, p[WALL]).excess.x) - 2.0 * half;
+            results->potential -= (half + 0.5 * give) * dot(on.x.r1 + on.above, g);
+            results->left_out -= 0.5 * give * dot(on.y.r1 + V0, g);
             results->kinetic += 0.5 * half * (dot(V0, V0) + dot(on.y.r1, on.y.r1)) + 0.5 * G * dot(rod, V0 + on.y.r1) + 0.5 * G * w * p[RIGID];
         }
         return (A0 - g) * half + turn + on.y.r1 * G;
-    }
-
-    template <class S>
-    static void stored(const VolumeLine<double, double>& line, double section, double w, double thick, double head, double weight, const S* p,
-                       const Fluid& f, FlowResults* results) {
-        const Filled<double> at(f, {head, 0.0, 0.0}, p[WALL]);
-        results->stored += 0.5 * weight * line.L * section * at.by_p * head * head;
-        results->speed += weight * w;
-        results->density += weight * thick * f.density;
     }
 
     template <class T, class S>
@@ -136,7 +129,7 @@ struct HermiteBore {
         if constexpr (std::is_same_v<T, double>) if (results) {
             const double own = HELD ? 0.0 : p[AREA_ABOVE] * p[RIGID] * JUNCTION;
             results->content = p[AREA] * p[LENGTH] + own + line.V1.x - line.V2.x;
-            if (own > 0.0) results->content += own * Filled<double>(f, line.p1, p[WALL]).excess.x;
+            if (own > 0.0) results->content += own * Filled<double>(f, line.p1, p[WALL]).excess.x, results->stored += stored_energy(f, line.p1.x, p[WALL], own);
             results->storage_upper = 0.5 * (y[0] - y[1]); results->storage_lower = results->storage_upper;
         }
     }

@@ -96,6 +96,7 @@ struct VolumeLine {
         for (int k = 0; k < 4; ++k) row[k] = T(0.0);
     }
     T slope(const CubicShape& c, const S& il) const { return (V2.x - V1.x) * (il * c.B[2]) + g1.x * c.B[1] + g2.x * c.B[3]; }
+    T slope_rate(const CubicShape& c, const S& il) const { return (V2.y - V1.y) * (il * c.B[2]) + g1.y * c.B[1] + g2.y * c.B[3]; }
     T flow(const CubicShape& c) const { return V1.y * c.N[0] + g1.y * (L * c.N[1]) + V2.y * c.N[2] + g2.y * (L * c.N[3]); }
     T surge(const CubicShape& c) const { return V1.a * c.N[0] + g1.a * (L * c.N[1]) + V2.a * c.N[2] + g2.a * (L * c.N[3]); }
     // push: momentum per reference length [Pa/m], at a point of weight w
@@ -119,6 +120,26 @@ struct VolumeLine {
         r[3] = row[3] * by2 * scale;
     }
 };
+
+// Mud at a point of a channel, for the energies, per reference length: content mu [m2] and its rate mu1, mass m [kg/m] as the rows have it (without the
+// give of the walls) and its rate m1.  along, along1: speed of the string that adds to that of the mud, and its derivative by length.  parting:
+// rate at which the string's motion widens the section [m2/s].
+struct Point {
+    double q, w, head, section, mu, mu1, m, m1, along, along1, parting;
+};
+
+// What a point of weight `part` [m] adds to the results of both channels.  The rows leave out the flow's own convection, less what the heads have of
+// it, and the work of pressure in the give of the walls (manual: eq-mud-left-out, eq-mud-left-out-flow).
+inline void count(const Fluid& f, const Point& at, double gradient, double wall, double steps, double part, double length, FlowResults* results) {
+    const double filling = at.mu1 * f.density, thinning = at.q * f.density * at.w * f.compressibility * gradient, passing = at.w + at.along;
+    const double spent = 2.0 * steps * at.section * at.section;  // heads over density w^2/2
+    const double convection = 0.5 * (at.m1 * (at.along * at.along - at.w * at.w) - filling * passing * passing) +
+                              passing * (at.q * f.density * at.along1 - at.w * filling - thinning) + spent * at.w * (1.5 * at.w * filling + thinning);
+    results->left_out += part * (convection - 0.5 * wall * at.head * at.head * at.parting);
+    results->stored += stored_energy(f, at.head, wall, at.section * part);
+    results->speed += part / length * at.w;
+    results->density += part / length * at.m / at.section;
+}
 
 // The stretch along an element: a parabola through its values at the ends with the true mean, as the beam has it.  Point by point a bent
 // cubic also holds the square of its slope, which the content would answer with pressure.
@@ -144,5 +165,16 @@ struct Tube {
         section = {less.x + 1.0, less.y, less.a};
     }
 };
+
+// The same of a string that is held, whose mud lies straight between the nodes of the element.
+template <class At, class S>
+inline void count_held(const Fluid& f, const VolumeLine<double, double>& line, const CubicShape& at, double xi, double weight, double area, double q, double w,
+                       double head, double thick, const S* p, FlowResults* results) {
+    const double L = p[At::LENGTH], il = 1.0 / L, part = weight * L, mu = area - line.slope(at, il), m = thick * f.density * area;
+    const double m1 = m * f.compressibility * (line.p1.y * (1 - xi) + line.p2.y * xi);
+    results->kinetic += part * 0.5 * f.density / area * q * q / thick;
+    results->potential -= part * mu * f.density * (p[At::HEAD] + p[At::DROP] * (xi - 0.5));
+    count(f, {q, w, head, area, mu, -line.slope_rate(at, il), m, m1, 0.0, 0.0, 0.0}, (line.p2.x - line.p1.x) * il, p[At::WALL], p[At::HEADS], part, L, results);
+}
 
 }  // namespace dp
