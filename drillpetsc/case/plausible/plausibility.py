@@ -27,6 +27,7 @@ WIDEST_HOLE = 1.2  # [m] 36 in holes and 42 in conductors are below it
 LIGHTEST_MUD, HEAVIEST_MUD = 500.0, 2900.0  # [kg/m3] foam of 4 ppg, 24 ppg
 DEEPEST = 15e3  # [m]
 LARGEST_WEIGHT = 500e3  # [N] on a bit
+HEAVIEST_BLOCK = 3e6  # [N] 300 t, twice those of the largest rigs
 STEEPEST = math.radians(120)
 FASTEST_ROTATION = 40.0  # [rad/s] 380 rpm
 LARGEST_FLOW, LARGEST_PUMP_PRESSURE = 0.15, 120e6  # [m3/s], [Pa]
@@ -163,15 +164,25 @@ def _measured(case: CaseBlocks) -> list[str]:
 
 
 def _motion(case: CaseBlocks) -> list[str]:
-    """Doubts about the weight on bit and the rotation."""
+    """Doubts about the weights on bit and of the block, and the rotation."""
     out, units, wob = [], case.shown_units, case.initial.wob
     if wob is not None and wob > LARGEST_WEIGHT:
         most = f"{shown(LARGEST_WEIGHT, 'force', units)} are the most"
         why = f"more than bits carry; {most if units != 'field' else 'lbf need their unit'}"
         out.append(_doubt("initial.wob", shown(wob, "force", units), why))
+    block = 0.0 if case.rig is None else case.rig.block_weight or 0.0
+    if block > HEAVIEST_BLOCK:
+        most = shown(HEAVIEST_BLOCK, "force", units)
+        why = f"more than any block with its top drive, {most} at most: is the unit right?"
+        out.append(_doubt("rig.block_weight", shown(block, "force", units), why))
     rotation = largest(case.top.rotation)
     if rotation > FASTEST_ROTATION:
-        why = f"faster than drillstrings turn; {rotation:g} rpm?"
+        meant = (
+            f"; bare numbers are in rad/s, were {rotation:g} rpm meant?"
+            if (case.output.units or "SI") == "SI"
+            else ""
+        )
+        why = f"faster than drillstrings turn{meant}"
         out.append(_doubt("top.rotation", f"{rotation * 30 / math.pi:.4g} rpm", why))
     return out
 

@@ -131,7 +131,12 @@ FLAT = {"md": [0, 1000], "inclination": [0, 0], "azimuth": [0, 0]}
             },
             "is up to 160 deg: the hole climbs there",
         ),
-        ({"top": {"kind": "top_drive", "rotation": 120}}, "120 rpm?"),
+        ({"top": {"kind": "top_drive", "rotation": 120}}, "were 120 rpm meant?"),
+        (
+            {"units": "metric", "top": {"kind": "top_drive", "rotation": "7200 rpm"}},
+            "7200 rpm: faster than drillstrings turn",
+        ),
+        (WHOLE | {"rig": {"block_weight": 30e6}}, "more than any block with its top drive"),
         ({"fluid": MUD | {"pump_pressure": 3000}}, "bar or psi"),
         (WHOLE | {"initial": {"wob": 6e5}}, "more than bits carry"),
         (WHOLE, ""),
