@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from drillpetsc.analysis.loads.torque_drag.readings.along_depth import correlation_sum
-from drillpetsc.analysis.loads.torque_drag.readings.calibration import Calibration
+from drillpetsc.analysis.loads.torque_drag.readings.calibration import UNIT_STEP, Calibration
 from drillpetsc.analysis.loads.torque_drag.readings.held_out import predict
 from drillpetsc.analysis.loads.torque_drag.readings.model_error import SECTION, ModelError, Relative, relative
 from tests.verification.test_calibrate_command import TRUTH, _drilling, case
@@ -164,7 +164,9 @@ def test_correlation_length_of_a_step() -> None:
 
 def test_the_parameter_that_no_reading_determines_is_named() -> None:
     """Of three factors the third changes nothing but with the second, a thousandth as much as it."""
-    names = ("cased", "open_hole", "side_force")
+    names = ("cased", "open_hole", "weight_factor")
+    work = Calibration(case(), _drilling(0)[::5])
+    unit = np.array([work.parameter(name).step / UNIT_STEP for name in names])
     jacobian = np.array([[1.0, 0.0, 0.0], [0.0, 1.0, 1e-3], [0.0, 1e-9, 0.0]])
-    assert Calibration._unclear(names, jacobian) == "side_force"
-    assert Calibration._unclear(names, np.eye(3)) is None
+    assert work._unclear(names, jacobian / unit) == "weight_factor"
+    assert work._unclear(names, np.eye(3) / unit) is None

@@ -78,12 +78,15 @@ def test_a_bar_between_top_and_bottom(room, tmp_path):
     ],
 )  # fmt: skip
 def test_a_string_that_stands_by_its_stretch_has_a_state(case, motion, most, tmp_path):
-    """A stable state, or one that friction holds and that says so, in few iterations; hook load, weight on bit and the
-    friction of the table's contact forces make up the weight."""
+    """A stable state, or one that says that friction holds it or that it creeps on, in few iterations; hook load, weight on
+    bit and the friction of the table's contact forces make up the weight."""
     result = statics(case, tmp_path / "out", motion=motion)
     summary = result.summary
     assert summary["iterations"] <= most
-    assert summary["stable"] or any("held by friction only" in w for w in summary["warnings"])
+    said = (
+        "unstable direction" if motion == "rotate" else "held by friction only"
+    )  # no friction along a string that turns
+    assert summary["stable"] or any(said in w for w in summary["warnings"])
     model = build_model(case)
     mesh, angle = model.mesh, float(case.well.survey.inclination[0])
     weight = G * (float(mesh.mass @ mesh.length) + sum(b.mass for b in mesh.bodies)) * np.cos(angle)
