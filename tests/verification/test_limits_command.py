@@ -495,8 +495,20 @@ def test_free_point_below_a_bend():
     assert found.length == pytest.approx(build + below, rel=1e-4)
     assert found.arrives == pytest.approx(left, rel=1e-5)
     assert found.frictionless == pytest.approx(stretch * E_STEEL * AREA * INCH**2 / 120e3, rel=1e-6)
+    assert not any("WARNING" in line for line in free_points(string, [Pair(stretch, 120e3)]).lines)
     pairs = [Pair(0.1 + stretch * f, 120e3 * f) for f in (0.5, 1.0, 1.5)]  # with a wrong zero
     assert free_points(string, pairs)["slope"].length == pytest.approx(build + below, rel=1e-4)
+
+
+def test_a_pull_that_parts_the_pipe_is_doubted():
+    """5 in 19.50 G-105 yields at 105 ksi times its worn section; 0.9 of that less its weight may be pulled."""
+    pipe = {"kind": "drill_pipe", "pipe": "5in 19.50 G-105 NC50 new", "length": 1000.0}
+    string = case([pipe], hole(1500.0, 0.0, 0.2159), bottom="free")
+    weight = StuckString(string).free.hook_load
+    most = 0.9 * 105 * KSI * AREA * INCH**2 - weight
+    for share, doubted in ((0.98, False), (1.02, True)):
+        lines = free_points(string, [Pair(0.5, share * most)]).lines
+        assert any("beyond 0.9 of its tension at yield" in line for line in lines) == doubted
 
 
 def test_pairs_of_stretch_and_pull_are_read():

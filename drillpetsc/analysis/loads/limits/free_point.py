@@ -1,7 +1,7 @@
 """The `freepoint` command: how much of a stuck string is free, from its stretch under a pull (manual: sec-guide-freepoint).
 
-A free length stretches by the integral of F/EA, where F is what friction in the hole leaves of the pull.  As all of the free string
-slides up, F at a depth is the same wherever below the string is stuck: that of a string that is held at its lower end.
+A free length stretches by the integral of F/EA, where F is what friction in the hole leaves of the pull.  All of the free string
+slides up.  F at a depth therefore does not depend on where the string is stuck below it, and is that of a string held at its lower end.
 """
 
 from __future__ import annotations
@@ -14,6 +14,7 @@ import numpy as np
 from petsc4py import PETSc
 from scipy.optimize import brentq
 
+from drillpetsc.analysis.loads.limits.table import Choices, Strength
 from drillpetsc.analysis.statics.equilibrium import MOTIONS
 from drillpetsc.analysis.statics.start.soft_string import TorqueDrag
 from drillpetsc.analysis.statics.start.soft_string_start import soft_string
@@ -24,7 +25,7 @@ from drillpetsc.model.drilling_model import build_model
 from drillpetsc.unit_systems import System, shown
 
 ROUNDING = 1e-9
-FELT = 1e-3  # share of the pull that friction takes from which the length without friction is told, too
+FELT = 1e-3  # share of the pull; if friction takes more, the length without friction is told as well
 
 
 @dataclass(frozen=True)
@@ -53,7 +54,7 @@ class StuckString:
     def __init__(self, case: Case) -> None:
         self.model = build_model(case, PETSc.COMM_SELF)
         mesh = self.model.mesh
-        cells = np.flatnonzero(~mesh.is_joint)
+        self.cells = cells = np.flatnonzero(~mesh.is_joint)
         self.upper, self.lower = mesh.upper[cells], mesh.lower[cells]
         #: (n,) stretch of each element over the force in it [m/N]; a rigid item has none
         self.compliance = (self.lower - self.upper) / mesh.axial_stiffness[cells]
@@ -79,6 +80,14 @@ class StuckString:
         at_end = brentq(lambda f: more(f)[0] - pull, 0.0, pull * (1 + 1e-6), xtol=1e-9 * pull, rtol=1e-12)
         depth, found = free.md - free.md[0], more(float(at_end))
         return 0.5 * (np.interp(self.upper, depth, found) + np.interp(self.lower, depth, found))
+
+    def overloaded(self, pull: float) -> str | None:
+        """The uppermost item that a ``pull`` [N] over the pick-up weight loads beyond its tension limit; None without one."""
+        tension = self.rise(pull)
+        if self.free is not None:
+            tension = tension + np.interp(self.upper, self.free.md - self.free.md[0], self.free.axial_force)
+        over = np.flatnonzero(tension > Strength(self.model, Choices()).tension_limit[self.cells])
+        return self.names[over[0]] if len(over) else None
 
     def find(self, stretch: float, low: float, high: float) -> FreePoint:
         """Free length for the ``stretch`` [m] between two pulls [N]."""
@@ -161,6 +170,12 @@ def _lines(case: Case, found: FreePoints, string: StuckString, units: System) ->
     elif len(rows) > 1:
         lines.append(
             "  WARNING: no line through them: the pulls are the same, or the stretch does not rise with the pull"
+        )
+    most = max(pair.pull for pair in rows)
+    if (item := string.overloaded(most)) is not None:
+        size = shown(most, "force", units)
+        lines.append(
+            f"  WARNING: a pull of {size} takes {item} beyond 0.9 of its tension at yield: is the figure right?"
         )
     if string.free is None:
         lines.append(

@@ -166,7 +166,9 @@ class Step:
     """Result of one step, or of all at once: rows (.., c) of each.
 
     above: force at the upper end [N]; contact: mean wall force per length [N/m]; mean: force [N].
-    state: 0 straight, 1 sinusoidal, 2 helical; ratios: (2, .., c) as of ``Batch``; growth: of a change of the force over the step.
+    state: 0 straight, 1 sinusoidal, 2 helical.
+    ratios: (2, .., c) compression over both buckling loads, as in ``Batch``.
+    growth: of a change of the force over the step.
     """
 
     above: FloatArray

@@ -102,7 +102,7 @@ class Forward(Protocol):
     """A model of the string: what hangs at its top at each of n points."""
 
     def ends(self, sets: Sequence[Values]) -> tuple[FloatArray, FloatArray]:
-        """(tension [N], torque [N m]) at the top, (s, n) each, for s sets of parameters; nan where there is no state."""
+        """Tension [N] and torque [N m] at the top of n points, (s, n) each, for s sets of parameters; nan for a string without a state."""
 
     def near(self, base: Values, sets: Sequence[Values]) -> tuple[FloatArray, FloatArray]:
         """As ``ends``, of sets so near a ``base`` that they follow from its derivatives; each differs in one parameter."""
