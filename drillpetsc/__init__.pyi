@@ -2258,7 +2258,9 @@ class Spread(PythonBlock):
     """Distribution of a number of the case, in its units.
 
     normal: mean and standard deviation of a normal distribution
+    lognormal: mean and standard deviation of a number whose logarithm is normal: it is never negative
     uniform: lowest and highest value, between which all are equally likely
+    triangular: lowest, most likely and highest value
     path: for the key `well.survey` only: error of the survey
     correlated: correlation coefficients with other keys of `uncertain`, by key
     """
@@ -2266,7 +2268,9 @@ class Spread(PythonBlock):
         self,
         *,
         normal: Sequence[Value] | None = None,
+        lognormal: Sequence[Value] | None = None,
         uniform: Sequence[Value] | None = None,
+        triangular: Sequence[Value] | None = None,
         path: SurveyError | dict[str, Any] | None = None,
         correlated: dict[str, Any] | None = None,
     ) -> None: ...
@@ -2973,6 +2977,7 @@ def uncertain(
     method: Literal['monte-carlo', 'linear', 'both'] = 'monte-carlo',
     samples: int = 500,
     seed: int = 1,
+    calibration: str | None = None,
     quantiles: str | float | Sequence[str | float] = '10,50,90',
     units: Literal['field', 'metric', 'metric_t', 'SI'] | None = None,
     overwrite: bool = False,
@@ -2991,6 +2996,7 @@ def uncertain(
     method: a solution for each sample, derivatives at the case's values, or both to compare them (default: monte-carlo)
     samples: samples (default: 500)
     seed: seed of the samples: the same seed, the same numbers (default: 1)
+    calibration: run folder of calibrate: its numbers and their uncertainty replace those of the case
     quantiles: percentages of the quantiles (default: 10,50,90)
     units: units of what is printed and plotted (default: the case's; files stay in SI); metric_t: forces in tonnes
     overwrite: replace the results in an existing out

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Annotated, Any, Literal
 
 from drillpetsc.errors import CaseError
@@ -118,6 +119,11 @@ class Uncertain(AtBitDepth, DrawnOperation):
     seed: Annotated[
         int, at_least(0, "the seed"), "N", "seed of the samples: the same seed, the same numbers"
     ] = 1
+    calibration: Annotated[
+        str | None,
+        "RUN",
+        "run folder of calibrate: its numbers and their uncertainty replace those of the case",
+    ] = None
     quantiles: Annotated[
         Numbers,
         numbers("", "10,50,90", "percentages", above=0, at_most=99.999),
@@ -126,12 +132,15 @@ class Uncertain(AtBitDepth, DrawnOperation):
     ] = "10,50,90"
 
     def compute(self, job: Any) -> Any:
+        from drillpetsc.analysis.uncertain.calibrated import calibrated
         from drillpetsc.analysis.uncertain.command import Question, run_uncertain
 
-        levels = tuple(q / 100 for q in self.quantiles)
-        return run_uncertain(
-            job, Question(self.analysis, self.of, self.method, self.samples, self.seed, levels)
-        )
+        levels, notes = tuple(q / 100 for q in self.quantiles), list[str]()
+        if self.calibration is not None:
+            case, notes = calibrated(job.case, Path(self.calibration))
+            job = job.of(case)
+        question = Question(self.analysis, self.of, self.method, self.samples, self.seed, levels)
+        return run_uncertain(job, question, notes)
 
 
 class Roadmap(DrawnOperation):

@@ -9,6 +9,7 @@ import pytest
 
 from drillpetsc.analysis.sensitivities.roadmap import SoftRoadmap
 from drillpetsc.analysis.uncertain.beside_points import inside_band
+from drillpetsc.analysis.uncertain.calibrated import calibrated
 from drillpetsc.analysis.uncertain.draws import correlation_of, draw
 from drillpetsc.analysis.uncertain.limits import limits_of, passed
 from drillpetsc.analysis.uncertain.linear import slopes_of
@@ -17,6 +18,8 @@ from drillpetsc.analysis.uncertain.spread import spreads_of
 from drillpetsc.analysis.uncertain.uncertain_keys import case_at, uncertain_keys
 from drillpetsc.case import Case, load_case
 from drillpetsc.case.writer import case_data
+from drillpetsc.errors import CaseError
+from drillpetsc.output import write_summary
 from drillpetsc.parallel import initialise_petsc
 
 F5 = Path(__file__).resolve().parents[2] / "cases/measured/volve-f5/case.yaml"
@@ -106,6 +109,69 @@ def test_rows_do_not_depend_on_their_neighbours():
     """A sample alone has the number that it has among others: the ranks share samples out."""
     _, draws, response, values = sampled(f5(WELL, **{"roadmap.bit_depth": "2400 m"}), 20)
     assert np.array_equal(response.values(draws[3::4]), values[3::4], equal_nan=True)
+
+
+def test_a_group_is_each_of_its_sections():
+    """The friction of a group varies in all its sections together, as two sections with the same samples do."""
+    case = f5({"cased": {"normal": [0.2, 0.04]}}, **{"roadmap.bit_depth": "2400 m", OPEN: 0.2})
+    grouped = case.replace({"well.sections[1].ff_group": "cased"})
+    _, draws, response, values = sampled(grouped, 20)
+    alone = RoadmapResponse(
+        case,
+        uncertain_keys(
+            f5(
+                {CASED: {"normal": [0.2, 0.04]}, OPEN: {"normal": [0.2, 0.04]}},
+                **{OPEN: 0.2, "roadmap.bit_depth": "2400 m"},
+            )
+        ),
+    )
+    assert np.array_equal(values, alone.values(np.repeat(draws, 2, axis=1)))
+    slopes, _ = slopes_of(grouped, "roadmap", response, uncertain_keys(grouped), None)
+    step = np.diff(response.values(np.array([[0.2 - 1e-5], [0.2 + 1e-5]])), axis=0)[0] / 2e-5
+    assert slopes[:, 0] == pytest.approx(step, rel=1e-4, abs=1.0)
+
+
+def test_numbers_of_a_calibration(tmp_path):
+    """Deviations are the half widths of 95 % intervals over 1.96, with their correlation: a linear output has the deviation sqrt(g C g).
+
+    g: slopes of the output, here of the hook load by block weight (1) and friction; C: covariance.  What the calibration does not
+    determine keeps the case's value and distribution.
+    """
+    fit = {
+        "open_hole": {"value": 0.25, "interval": [0.25 - 0.0392, 0.25 + 0.0392], "unit": ""},
+        "block_weight": {"value": 650e3, "interval": [650e3 - 19600, 650e3 + 19600], "unit": "N"},
+        "cased": {"value": None, "interval": None, "unit": ""},
+        "running_drag": {"value": 1e3, "interval": [0.0, 2e3], "unit": "N s/m"},
+    }
+    correlation = np.eye(4)
+    correlation[0, 1] = correlation[1, 0] = -0.6
+    file = tmp_path / "summary.json"
+    write_summary(file, {"fit": fit, "parameters": [*fit], "correlation": correlation.tolist()})
+    case, notes = calibrated(f5(WELL, **{"roadmap.bit_depth": "2400 m"}), tmp_path)
+    assert "cased, running_drag" in notes[0]
+    assert (case.well.sections[1].friction, case.rig.block_weight) == (0.25, 650e3)
+    assert set(case.uncertain) == {CASED, "open_hole", "string.weight_factor", "rig.block_weight"}
+    case = Case(
+        **{
+            **case_data(case),
+            "uncertain": {q: case_data(case)["uncertain"][q] for q in ("open_hole", "rig.block_weight")},
+        }
+    )
+    keys, draws, response, values = sampled(case, 2000)
+    slopes, _ = slopes_of(case, "roadmap", response, keys, None)
+    i = [output.name for output in response.outputs].index("trip_out.hook_load_total")
+    deviation = np.array([0.02, 10e3])
+    covariance = deviation[:, None] * deviation * np.array([[1, -0.6], [-0.6, 1]])
+    assert slopes[i, 1] == pytest.approx(1.0, rel=1e-6)
+    assert values[:, i].std(ddof=1) == pytest.approx(np.sqrt(slopes[i] @ covariance @ slopes[i]), rel=0.03)
+    with pytest.raises(CaseError, match="run folder of calibrate"):
+        calibrated(case, tmp_path / "none")
+    write_summary(file, {"fit": {"cased": fit["cased"]}, "parameters": ["cased"], "correlation": [[1.0]]})
+    with pytest.raises(CaseError, match="at least one number"):
+        calibrated(case, tmp_path)
+    write_summary(file, {"status": "done"})
+    with pytest.raises(CaseError, match="of another command"):
+        calibrated(case, tmp_path)
 
 
 def test_negative_friction_fails():

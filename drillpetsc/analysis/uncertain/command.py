@@ -53,10 +53,10 @@ class Question:
     levels: tuple[float, ...] = (0.1, 0.5, 0.9)
 
 
-def run_uncertain(job: Job, question: Question) -> RunResult:
+def run_uncertain(job: Job, question: Question, notes: Sequence[str] = ()) -> RunResult:
     """Sample, compute all outputs, write uncertain.csv, uncertain_limits.csv, uncertain_shares.csv and summary.json (collective).
 
-    Raises CaseError for a distribution that cannot be, and for an output that the case does not have.
+    notes: what was left out before.  Raises CaseError for a distribution that cannot be, and for an output that the case does not have.
     """
     case = job.case
     keys = uncertain_keys(case)
@@ -98,7 +98,7 @@ def run_uncertain(job: Job, question: Question) -> RunResult:
         measured=points,
         units=case.shown_units,
         warnings=[sentence for doubt in [drawn] for sentence in doubts_at(doubt, "warning")],
-        notes=[*response.notes, *doubts_at(drawn, "remark")],
+        notes=[*notes, *response.notes, *doubts_at(drawn, "remark")],
     ).as_dict()
     folder = job.make_folder()
     if job.comm.rank == 0:
@@ -215,9 +215,7 @@ def _described(case: Case, key: Uncertain) -> dict[str, Any]:
     if key.path is not None:
         error = (case.uncertain or {})[key.name].path
         return {"key": key.name, "path": {} if error is None else error.model_dump()}
-    return {"key": key.name, "unit": key.unit, "value": key.value} | (
-        {"normal": list(spread.normal)} if spread.normal else {"uniform": list(spread.uniform or ())}
-    )
+    return {"key": key.name, "unit": key.unit, "value": key.value, spread.form: list(spread.numbers)}
 
 
 # ---------------------------------------------------------------------- screen

@@ -52,10 +52,16 @@ def draw(spreads: Sequence[Spread], correlation: FloatArray, samples: int, seed:
 
 def _values(spread: Spread, share: FloatArray) -> FloatArray:
     """Values (n,) below which a share (n,) of the distribution lies."""
-    if spread.normal is not None:
-        mean, deviation = spread.normal
-        inverse = NormalDist().inv_cdf
-        return np.array([mean + deviation * inverse(q) for q in share.tolist()])
-    assert spread.uniform is not None
-    low, high = spread.uniform
-    return low + (high - low) * share
+    if spread.form.endswith("normal"):
+        inverse, (mean, deviation) = NormalDist().inv_cdf, spread.numbers
+        score = np.array([inverse(q) for q in share.tolist()])
+        if spread.form == "normal":
+            return mean + deviation * score
+        width = np.sqrt(np.log1p((deviation / mean) ** 2))  # of the logarithm
+        return np.asarray(mean * np.exp(width * score - 0.5 * width**2))
+    low, high = spread.numbers[0], spread.numbers[-1]
+    if spread.form == "uniform":
+        return low + (high - low) * share
+    rise, fall = spread.numbers[1] - low, high - spread.numbers[1]
+    below = low + np.sqrt(share * (high - low) * rise)
+    return np.where(share * (high - low) < rise, below, high - np.sqrt((1 - share) * (high - low) * fall))

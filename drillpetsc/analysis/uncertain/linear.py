@@ -28,12 +28,14 @@ def slopes_of(
     chosen = sorted({i for i in at if i >= 0})
     slopes, kinks = np.full((len(at), len(keys)), np.nan), []
     for k, key in enumerate(keys):
-        if key.key is None:
+        if not key.keys:
             slopes[:, k] = _by_differences(response, keys, k)
             continue
-        found = dict(zip(chosen, derivatives(case, solution, chosen, [key.key]), strict=True))
-        slopes[:, k] = [found[i].slope if i in found else np.nan for i in at]
-        if any(d.flag.startswith(ONE_SIDED) for d in found.values()):
+        each = [
+            dict(zip(chosen, derivatives(case, solution, chosen, [one]), strict=True)) for one in key.keys
+        ]
+        slopes[:, k] = [sum(found[i].slope for found in each) if i in each[0] else np.nan for i in at]
+        if any(d.flag.startswith(ONE_SIDED) for found in each for d in found.values()):
             kinks.append(key.name)
     return slopes, kinks
 

@@ -124,7 +124,10 @@ class RoadmapResponse:
         self._strings = _Strings(asked)
         self.notes = asked.notes
         self._friction = np.asarray(asked.pairs[0].friction, dtype=float)
-        base = self._strings.found(self._friction[None], np.ones(1), np.array([self._strings.block or 0.0]))
+        weight = next((key.value for key in keys if key.name == WEIGHT_FACTOR), 1.0)
+        base = self._strings.found(
+            self._friction[None], np.array([weight]), np.array([self._strings.block or 0.0])
+        )
         rows = [
             {"operation": o, "bit_depth": asked.strings[d].depth, **dict.fromkeys(base)}
             for o, _, d in asked.keys()
@@ -135,7 +138,7 @@ class RoadmapResponse:
 
     def _varies(self, key: Uncertain) -> bool:
         """Whether the strings stay as they are prepared."""
-        return key.name in (WEIGHT_FACTOR, BLOCK) or _section(key) is not None
+        return key.name in (WEIGHT_FACTOR, BLOCK) or bool(_sections(key))
 
     def _flat(self, found: dict[str, FloatArray]) -> FloatArray:
         """(n, m) in the order of the outputs: by row, then as in ``QUANTITIES``."""
@@ -163,9 +166,9 @@ class RoadmapResponse:
         weight, block = np.ones(n), np.full(n, strings.block or 0.0)
         impossible = np.zeros(n, dtype=bool)
         for key, values in zip(self._keys, draws.T, strict=True):
-            section = _section(key)
-            if section is not None:
-                friction[:, section] = values
+            sections = _sections(key)
+            if sections:
+                friction[:, sections] = values[:, None]
                 impossible |= values < 0
             elif key.name == WEIGHT_FACTOR:
                 weight = values
@@ -203,7 +206,6 @@ class HydraulicsResponse:
         return out
 
 
-def _section(key: Uncertain) -> int | None:
-    """Number of the hole's section whose friction a key is."""
-    match = _SECTION.fullmatch(key.name)
-    return None if match is None else int(match[1])
+def _sections(key: Uncertain) -> list[int]:
+    """Numbers of the hole's sections whose friction it is."""
+    return [int(match[1]) for one in key.keys if (match := _SECTION.fullmatch(one.name))]

@@ -28,12 +28,12 @@ def _in_si(name: Any, spread: Any) -> Any:
     path = re.sub(r"\[[^\]]*\]", "[0]", str(name))  # an item of the string may be named
     unit, own = bare_unit_of(path, "SI"), bare_unit_of(path, BARE_NUMBERS.get())
     out = dict(spread)
-    for form in FORMS:
+    for form, count in FORMS.items():
         values = spread.get(form)
-        if not isinstance(values, list | tuple) or len(values) != 2:
+        if not isinstance(values, list | tuple) or len(values) != count:
             continue
         out[form] = [
-            _number(v, unit, own, (name, form, i), width=form == "normal" and i == 1)
+            _number(v, unit, own, (name, form, i), width=form.endswith("normal") and i == 1)
             for i, v in enumerate(values)
         ]
     return out

@@ -39,6 +39,25 @@ def test_each_number_lies_once_in_each_interval():
         assert sorted(np.floor(share * 200).astype(int)) == list(range(200))
 
 
+def test_each_form_lies_once_in_each_interval():
+    """Lognormal and triangular numbers by their closed distribution functions; mean and deviation of the lognormal are those given."""
+    mean, deviation, (low, mode, high) = 0.25, 0.1, (0.1, 0.2, 0.45)
+    draws = draw(
+        [Spread(lognormal=(mean, deviation)), Spread(triangular=(low, mode, high))], np.eye(2), 2000, 3
+    )
+    width = np.sqrt(np.log1p((deviation / mean) ** 2))
+    normal = NormalDist(np.log(mean) - 0.5 * width**2, width)
+    x = draws[:, 1]
+    rise = (x - low) ** 2 / ((high - low) * (mode - low))
+    fall = 1 - (high - x) ** 2 / ((high - low) * (high - mode))
+    shares = [normal.cdf(q) for q in np.log(draws[:, 0])], np.where(x < mode, rise, fall)
+    for share in shares:
+        assert sorted(np.floor(np.asarray(share) * 2000).astype(int)) == list(range(2000))
+    assert draws[:, 0].mean() == pytest.approx(mean, rel=2e-3)
+    assert draws[:, 0].std() == pytest.approx(deviation, rel=2e-2)
+    assert x.mean() == pytest.approx((low + mode + high) / 3, rel=1e-3)
+
+
 def test_same_seed_same_numbers():
     """Another seed gives others."""
     assert np.array_equal(drawn(50), drawn(50))
