@@ -362,6 +362,46 @@ def test_weight_of_mud_in_a_rigid_item_acts_across_too():
     assert np.linalg.norm(sides) == pytest.approx(mass * (1 - MUD / STEEL) * G * np.sin(np.pi / 3), rel=1e-5)
 
 
+def test_buoyancy_of_a_rigid_item_acts_in_its_middle():
+    """A long item near the upper of two hinges at 60 degrees, empty of mud: the lower hinge bears each piece by its lever."""
+    body = BODY | {"length": 6.0, "mass": 600.0}
+    string = [piece(2.0, 2), body, piece(12.0, 6)]
+    model, _, _ = hung(
+        [item | {"bending_stiffness": 1e10} if item["kind"] == "beam" else item for item in string],
+        hole=straight_hole(np.pi / 3),
+        contact="none",
+        top="pinned",
+        bottom={"kind": "pinned", "plugged": True},
+    )
+    lower = np.linalg.norm([model.system.reaction(f"bottom.side_reaction_{k}") for k in (1, 2)])
+    line = STEEL * METAL - MUD * OUTER
+    long = 600.0 * (1 - MUD / STEEL) - MUD * np.pi / 4 * BODY["id"] ** 2 * 6.0
+    levers = line * 2.0 * 1.0 + long * 5.0 + line * 12.0 * 14.0
+    assert lower == pytest.approx(levers / 20.0 * G * np.sin(np.pi / 3), rel=1e-5)
+
+
+@pytest.mark.parametrize("kind", ["body", "beam"])
+def test_pressure_beside_a_rigid_item_in_a_bend(kind):
+    """Mud at rest: rho g times the depth of the hole's axis, whether the tool in the bend is rigid or not.
+
+    5 deg/30 m; the arc of one element, of 9 m, is 3.4 mm longer than its chord over the whole bend.
+    """
+    tool = {"kind": "body", "length": 9.0, "od": OD, "id": ID} if kind == "body" else piece(9.0, 1)
+    tilt = np.radians([0.0, 0.0, 60.0, 60.0])
+    hole = straight_hole() | {
+        "survey": {"md": [0, 100, 460, 1020], "inclination": tilt, "azimuth": [0.0] * 4}
+    }
+    model, _, _ = hung([piece(200.0, 40), tool, piece(300.0, 60)], hole=hole)
+    assert model.annulus is not None and model.well is not None
+    bend, radius = np.minimum(model.mesh.node_depth[-1], 460.0) - 100.0, 360.0 / np.radians(60.0)
+    depth = (
+        100.0
+        + radius * np.sin(bend / radius)
+        + (model.mesh.node_depth[-1] - 460.0) * np.cos(np.radians(60.0))
+    )
+    assert model.annulus.pressures(model.system)[-1] == pytest.approx(MUD * G * depth, abs=20.0)
+
+
 @pytest.mark.parametrize("plugged", [False, True])
 def test_an_outlet_under_pressure_pushes_the_string_out(plugged):
     """A back pressure p at the outlet reduces the hook load by p A_s on the face of an open end (with p A_i

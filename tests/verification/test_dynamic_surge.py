@@ -22,14 +22,14 @@ from tests.verification.test_tripping import friction, pipe
 SHORT = 100.0  # [m]
 
 
-def stiff_string() -> Case:
+def stiff_string(valve: bool = False) -> Case:
     return Case(
         string=[pipe() | {"axial_stiffness": 1e16}],
         top="clamped",
-        bottom={"kind": "free", "plugged": True},
+        bottom={"kind": "free", "plugged": not valve},
         contact="none",
         well=hole(LENGTH + 100),
-        fluid={**MUD, **RIGID},
+        fluid={**MUD, **RIGID, "check_valve": valve},
     )
 
 
@@ -43,19 +43,28 @@ def short_string(**fluid) -> Case:
     )
 
 
-@pytest.mark.parametrize("velocity", [0.5, -0.5])
-def test_start_of_a_stiff_string_in_stiff_mud(velocity, monkeypatch):
-    """Friction at the trip speed and inertia of the mud, rho L (A_o/A_a) a with a = 0.3 m/s2, at the end of the acceleration; then friction.
+@pytest.mark.parametrize(("velocity", "pipe_state"), [(0.5, "closed"), (-0.5, "closed"), (0.5, "open")])
+def test_start_of_a_stiff_string_in_stiff_mud(velocity, pipe_state, monkeypatch):
+    """Closed, or open at the top and with a check valve, which shuts: friction at the trip speed and inertia of the mud, rho L (A_o/A_a) a with a = 0.3 m/s2, at the end of the acceleration; then friction.
 
     The string is a thousand times stiffer than elsewhere, so that its oscillation has died out by then.
     """
-    case, sign = stiff_string(), np.sign(velocity)
+    case, sign = stiff_string(valve=pipe_state == "open"), np.sign(velocity)
     inertia = DENSITY * LENGTH * SOLID / OPEN * 0.3
     monkeypatch.setattr(module, "PASSAGES", 290.0)  # 2 s of them in this mud
-    found = dynamic_surge(case, string_at(case, LENGTH), "closed", velocity)
+    found = dynamic_surge(case, string_at(case, LENGTH), pipe_state, velocity)
     assert found.last == pytest.approx(LENGTH * friction(velocity), rel=2e-3)
     assert found.pressure == pytest.approx(LENGTH * friction(velocity) + sign * inertia, rel=0.01)
     assert found.time == pytest.approx(0.5 / 0.3, abs=0.05)
+
+
+def test_a_check_valve_lets_mud_out_of_a_starting_string():
+    """Pulled out, the string with a valve is the open one."""
+    plain, valve = (
+        dynamic_surge(c, string_at(c, SHORT), "open", -0.3)
+        for c in (short_string(), short_string(check_valve=True))
+    )
+    assert valve.pressure == pytest.approx(plain.pressure, rel=1e-6)
 
 
 @pytest.mark.parametrize(("speed", "pipe_state"), [(1e-4, "closed"), (3.0, "open"), (0.3, "pumping")])

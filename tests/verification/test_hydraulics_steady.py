@@ -190,22 +190,16 @@ def test_pump_pressure_of_a_flow_gives_that_flow(q):
     assert flows(model, "annulus") == pytest.approx(-q, rel=1e-9)
 
 
-def test_check_valve_reduces_back_flow():
-    """Inviscid mud, 50 bar on the annulus and none on the bore: back flow Cd A sqrt(2 dp/rho), reduced to a
-    hundredth by a valve of 1e4 times the resistance (1 %: q |q| is rounded at 1e-5 m3/s; manual:
-    verif-pump-choke-valve).
-
-    Forward, the rounding of the valve adds 1e4/4 (3e-7/q)^2 to the loss, 1e-5 of it at 5 l/s.
-    """
+def test_check_valve_holds_back_flow():
+    """Inviscid mud, 50 bar on the annulus and none on the bore: a back flow Cd A sqrt(2 dp/rho), which the valve holds;
+    forward it resists nothing (q |q| is rounded at 1e-5 m3/s; manual: verif-pump-choke-valve)."""
     back = COEFFICIENT * NOZZLE * np.sqrt(2 * 50e5 / DENSITY)
     ends = {**INVISCID, **RIGID, "pump_pressure": 0.0, "outlet_pressure": 50e5}
     assert flows(started(loop(ends, 4)), "bore") == pytest.approx(-back, rel=1e-5)
     shut = flows(started(loop({**ends, "check_valve": True}, 4)), "bore")
-    assert shut == pytest.approx(-0.01 * back, rel=1e-2)
+    assert np.all(-1e-5 * back < shut) and np.all(shut < 0)
     ends |= {"pump_pressure": 50e5, "outlet_pressure": 0.0, "check_valve": True}
-    assert flows(started(loop(ends, 4)), "bore") == pytest.approx(
-        back * (1 - 1250 * (3e-7 / back) ** 2), rel=1e-6
-    )
+    assert flows(started(loop(ends, 4)), "bore") == pytest.approx(back, rel=1e-5)
 
 
 @pytest.mark.parametrize("with_annulus", [False, True])

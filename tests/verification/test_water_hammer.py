@@ -109,6 +109,20 @@ def test_front_of_a_loop_with_friction():
     assert run.failure_count() == 0
 
 
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_check_valve_reflects_a_fall_and_lets_a_rise_out(sign):
+    """Pressure at the top of the bore over an open end changed by P within one step.  A fall finds the valve shut: 2 P there from L/c
+    to 3L/c, and no flow; a rise finds it open: no pressure, and a flow of 2 P A/(rho c) (manual: verif-joukowsky)."""
+    P, t0, T = sign * DENSITY * SPEED * SMALL / BORE, 0.05, LENGTH / SPEED
+    step = {"time": [t0, t0], "value": [0.0, P]}
+    model = bore({**STIFF, "pump_pressure": step, "check_valve": True}, 100)
+    t, p, q = history(model, t0 + 2.9 * T, 2e-3)
+    plateau = (t > t0 + 1.5 * T) & (t < t0 + 2.5 * T)
+    expected = (2 * P, 0.0) if sign < 0 else (0.0, 2 * SMALL)
+    assert p[plateau, -1].mean() == pytest.approx(expected[0], rel=1.5e-3, abs=1e-3 * abs(P))
+    assert q[plateau, -1].mean() == pytest.approx(expected[1], rel=1.5e-3, abs=1e-3 * SMALL)
+
+
 # ---------------------------------------------------------------------- arrival
 def test_arrival_of_an_instant_closure():
     """50 % level in the middle of the bore against L/2c, 50 elements and 4 ms, 100 and 2, 200 and 1: the

@@ -269,11 +269,7 @@ remark(
     lambda at: (
         "open" in at.pipes
         and at.case.fluid.check_valve
-        and {
-            "way": "; mud enters through the nozzles above the bit"
-            if at.case.side_nozzles
-            else ", but leaks a little, which lowers the surge of trips slower than some 2 m/min: --pipe closed has no leak"
-        }
+        and {"way": "; mud enters through the nozzles above the bit" if at.case.side_nozzles else ""}
     ),
 )
 remark(

@@ -104,6 +104,8 @@ struct AnnulusFlow {
         AXIS1, AXIS2 = AXIS1 + 3,  // 3 each: points of the hole's axis beside the nodes [m]
         CHI_BY = AXIS2 + 3,        // 5: chi by the place of the string in its hole (AddedMassAside), where ASIDE
         CLEARANCE = CHI_BY + 5,    // of the string in its hole [m]
+        TANGENT0,                  // 3: direction of the hole at the upper end of the rigid item above
+        LEVEL_ABOVE = TANGENT0 + 3,  // LEVEL of the hole beside that item [m2/s2]
         NP)
 
     template <class T, class S>
@@ -131,7 +133,7 @@ struct AnnulusFlow {
             }
         } else {
             const Ride<T, JUNCTION> on(x, y, a, p[RIGID]);
-            moving<RESULTS>(on, x, y, c, p, f, p1, p2, q, flow, r, results);
+            moving<RESULTS>(on, x, y, a, c, p, f, p1, p2, q, flow, r, results);
         }
     }
 
@@ -153,19 +155,28 @@ struct AnnulusFlow {
         }
     }
 
-    // The mud beside the rigid item above the element, which has the flow of the element.  It passes the pressure of its own weight, inertia and
-    // friction on to the item, whatever the pressures at the element below do; wall friction pulls the item along (manual: sec-mud-force-annulus).
+    // The mud beside the rigid item above the element, which has the flow of the element and the item's own direction in the hole.  It passes the
+    // pressure of its own weight, inertia and friction on to the item, whatever the pressures at the element below do; wall friction pulls the
+    // item along.  Its forces act at the item's middle (manual: sec-mud-force-annulus).
     template <class T>
     struct Beside {
-        T open, resistance, rise, pull;  // rise: pressure at the item's lower end less that at the upper one [Pa]; pull: against the hole's direction [N]
-        Beside() : open(0.0), resistance(0.0), rise(0.0), pull(0.0) {}
+        T open, height, V, pushed, resistance, rise, pull;  // open area [m2]; height of the upper node [m2/s2]; speed of the item along the hole
+        Vec<T> force;  // pushed: pressure of weight and inertia, without that of the flow's rate; rise: pressure at the lower end less that at
+                       // the upper one [Pa]; pull: against the hole's direction; force: row on the string [N]
+        Beside() : open(0.0), height(0.0), V(0.0), pushed(0.0), resistance(0.0), rise(0.0), pull(0.0) {}
         template <class R, class S>
-        Beside(const R& on, const Compressed<T>& c, const S* p, const Fluid& f, const T& q, const T& flow, const Vec<S>& tw, const S& gw) {
+        Beside(const R& on, const T* y, const T* a, const Compressed<T>& c, const S* p, const Fluid& f, const T& q, const T& flow) {
+            const Vec<S> sum = vec(p + TANGENT0) + vec(p + TANGENT1), along = sum * (S(1.0) / norm(sum));
+            const S down = dot(vec(f.gravity), along);
+            height = dot(on.above, along) * down + p[LEVEL_ABOVE];
+            V = dot(vec(y) + on.y.r1, along) * 0.5;
             open = c.density * (1.0 / f.density) * (p[HOLE_ABOVE] - p[OUTER_ABOVE]);
-            const T tau = shear(f, q / open + dot(on.y.r1, tw) * (1.0 - f.clinging), c.density, p[GAP_ABOVE], 1.0);
+            const T tau = shear(f, q / open + V * (1.0 - f.clinging), c.density, p[GAP_ABOVE], 1.0);
             resistance = tau * (p[RIGID] * 4.0 / p[GAP_ABOVE]);
-            rise = c.density * (dot(on.x.r1 - on.above, tw) * gw - dot(on.a.r1, tw) * p[RIGID]) - flow * (c.density * p[RIGID] / open) - resistance;
+            pushed = c.density * (dot(on.x.r1 - on.above, along) * down - dot(vec(a) + on.a.r1, along) * (p[RIGID] * 0.5));
+            rise = pushed - flow * (c.density * p[RIGID] / open) - resistance;
             pull = tau * (p[RIGID] * 3.14159265358979324) * sqrt(p[OUTER_ABOVE] * (4.0 / 3.14159265358979324));
+            force = along * (rise * p[OUTER_ABOVE] - pull) + (vec(f.gravity) - along * down) * (c.density * p[OUTER_ABOVE] * p[RIGID]);
         }
     };
 
@@ -174,7 +185,7 @@ struct AnnulusFlow {
     static T shoulders(const T& q, const Compressed<T>& c, const S* p, const Fluid& f) { return q * q * (p[SHOULDER] * (f.density * f.density)) / c.density; }
 
     template <bool RESULTS, class R, class T, class S>
-    static void moving(const R& on, const T* x, const T* y, const Compressed<T>& c, const S* p, const Fluid& f, const T& p1, const T& p2, const T& q,
+    static void moving(const R& on, const T* x, const T* y, const T* a, const Compressed<T>& c, const S* p, const Fluid& f, const T& p1, const T& p2, const T& q,
                        const T& flow, T* r, FlowResultsOf<T>* results) {
         const S L = p[LENGTH], il = S(1.0) / L, AO = p[OUTER], AW = p[HOLE];
         const Vec<S> tw1 = vec(p + TANGENT1), tw2 = vec(p + TANGENT2), sum = tw1 + tw2, tw = sum * (S(1.0) / norm(sum));
@@ -209,15 +220,15 @@ struct AnnulusFlow {
         const T wall = w + V, sheared = wall - V * f.clinging;
         const StringShear<T> tau = string_shear<AnnulusFlow>(f, w, sheared, T(V - V * f.clinging), c.density, p);
         T resistance = tau.loss * (lam * L * 4.0 / p[GAP]), mass = c.density * lam * lam * L / area, volume = content * L;
-        T momentum = c.density * w * dot(d_rate, tw) + c.density * lam * L * V1 - c.density * gw * dot(on.x.r2 - on.above, tw);
+        T momentum = c.density * w * dot(d_rate, tw) + c.density * lam * L * V1 - c.density * gw * dot(d, tw);
         const Vec<T> weight = (g - tw * gw) * (c.density * lam), bend = vec(p + BEND) * (c.density * lam * wall * wall);
         const Vec<T> side = (weight - bend) * outer;  // buoyancy across the hole, less what guides the flow round its bends
         Beside<T> beside = {};
         if constexpr (JUNCTION) {
-            beside = Beside<T>(on, c, p, f, q, flow, tw, gw);
+            beside = Beside<T>(on, y, a, c, p, f, q, flow);
             resistance += beside.resistance;
             mass += c.density * p[RIGID] / beside.open;
-            momentum += c.density * p[RIGID] * dot(on.a.r1, tw);
+            momentum -= beside.pushed;
             volume += T(0.0) + (p[HOLE_ABOVE] - p[OUTER_ABOVE]) * p[RIGID];
         }
         const T gradient = (p2 - p1 - beside.rise) * il;
@@ -227,7 +238,7 @@ struct AnnulusFlow {
         Four<T> F4 = {(at1 * 0.35 + at2 * 0.15 + side * 0.5) * L - Qd, (at1 * 0.05 + at2 * (1.0 / 30) + side * (1.0 / 12)) * (L * L) + Q1,
                       (at1 * 0.15 + at2 * 0.35 + side * 0.5) * L + Qd, (at1 * (-1.0 / 30) - at2 * 0.05 - side * (1.0 / 12)) * (L * L) + Q2};
         F4.r1 += tw * shoulders(q, c, p, f);
-        if constexpr (JUNCTION) F4.r1 += tw * (beside.rise * p[OUTER_ABOVE] - beside.pull) + (g - tw * gw) * (c.density * p[OUTER_ABOVE] * p[RIGID]);
+        if constexpr (JUNCTION) F4.r1 += beside.force * 0.5;
         // motion across the hole
         T M = c.density * lam * (p[CHI] * AO), mass_rate = T(0.0);
         Four<T> by_place = {zero, zero, zero, zero};  // of M
@@ -276,9 +287,11 @@ struct AnnulusFlow {
         const auto cross_part = [&tw](const Vec<T>& u) { return u - tw * dot(u, tw); };
         F4.r1 += cross_part(C.r1); F4.v1 += cross_part(C.v1); F4.r2 += cross_part(C.r2); F4.v2 += cross_part(C.v2);
         on.store(F4, p[RIGID], r);
+        if constexpr (JUNCTION) { r[0] += beside.force.x * 0.5; r[1] += beside.force.y * 0.5; r[2] += beside.force.z * 0.5; }
         r[6] = (y[6] * 2.0 + y[13]) * (p[TURNING] * L * (1.0 / 6)) + brake;
         r[13] = (y[13] * 2.0 + y[6]) * (p[TURNING] * L * (1.0 / 6)) + brake;
-        const T head = (dot(on.above, tw) * gw + p[LEVEL]) * f.density;  // at the hole's axis, wherever in the hole the string is held
+        T head = T(0.0) + (dot(on.above, tw) * gw + p[LEVEL]) * f.density;  // at the hole's axis, wherever in the hole the string is held
+        if constexpr (JUNCTION) head = beside.height * f.density;
         rows<RESULTS>(x, y, c, p, f, volume, swept1 * (c.theta * L), swept2 * (c.theta * L), head + p[CONTROLLED], q, mass * flow + momentum + resistance, r, results);
         if constexpr (RESULTS) {
             // what the element has gained since the hole was read, of which the rows have the rate
@@ -286,21 +299,26 @@ struct AnnulusFlow {
             results->content = c.theta * now;
             results->stored = stored_energy(f, (p1 + p2) * 0.5, p[WALL], now);
             energies(on, y, c, p, f, area, M, across, across1, w, wall, V, tau.pull, resistance - beside.resistance, q, drag, (swept1 + swept2) * L, (p1 + p2) * 0.5, now, p1, p2, results);
-            if constexpr (JUNCTION) energies_beside(on, c, p, f, q, beside, (p1 + p2) * 0.5 * p[WALL], tw, results);
+            if constexpr (JUNCTION) energies_beside(on, y, c, p, f, q, beside, p1, (p1 + p2) * 0.5 * p[WALL], V, results);
         }
     }
 
     template <class R, class T, class S, class B>
-    static void energies_beside(const R& on, const Compressed<T>& c, const S* p, const Fluid& f, const T& q, const B& beside, const T& give,
-                                const Vec<S>& tw, FlowResultsOf<T>* results) {
+    static void energies_beside(const R& on, const T* y, const Compressed<T>& c, const S* p, const Fluid& f, const T& q, const B& beside, const T& p1,
+                                const T& give, const T& V, FlowResultsOf<T>* results) {
         const Vec<double> g = vec(f.gravity);
-        const S gw = dot(g, tw), space = p[HOLE_ABOVE] - p[OUTER_ABOVE];
-        const T V = dot(on.y.r1, tw), wall = q / beside.open + V;
+        const Vec<S> tw1 = vec(p + TANGENT1), sum = tw1 + vec(p + TANGENT2), tw = sum * (S(1.0) / norm(sum));
+        const Vec<S> both = vec(p + TANGENT0) + tw1, along = both * (S(1.0) / norm(both));
+        const S space = p[HOLE_ABOVE] - p[OUTER_ABOVE], down = dot(g, along);
+        const Vec<T> middle = (on.above + on.x.r1) * 0.5;
+        const T wall = q / beside.open + beside.V, element = dot(g, tw) * dot((on.x.r1 + on.x.r2) * 0.5, tw) + p[LEVEL];
         results->kinetic += 0.5 * c.density * space * p[RIGID] * wall * wall;
-        // its height is that of the item, not of the element; buoyancy across the hole acts at the item's end (rows)
-        results->potential -= c.density * (1.0 + give) * space * p[RIGID] * gw * (dot(on.above - on.x.r2, tw) * 0.5);
-        results->potential += c.density * p[OUTER_ABOVE] * p[RIGID] * (dot(on.x.r1, g - tw * gw) - p[LEVEL]);
-        results->dissipated += beside.resistance * (q * f.density / c.density + V * space) - beside.pull * V;
+        // its height is that of the item, not of the element
+        results->potential -= c.density * (1.0 + give) * space * p[RIGID] * (down * dot(middle, along) + p[LEVEL_ABOVE] - element);
+        results->potential += c.density * p[OUTER_ABOVE] * p[RIGID] * (dot(middle, g - along * down) - p[LEVEL_ABOVE]);
+        results->dissipated += beside.resistance * (q * f.density / c.density + beside.V * space) - beside.pull * beside.V;
+        // as in ``energies``: the item turns the hole's direction between its ends, and its mud the pressure at the element's upper end
+        results->left_out += p1 * (p[HOLE_ABOVE] * (dot(on.y.r1, tw1) - dot(vec(y), vec(p + TANGENT0)))) + beside.rise * p[HOLE] * (V - beside.V);
     }
 
     // of the mud: half m (w + V)^2 along, M_a (|P V|^2 - |c P r_s|^2)/2 across; weight at the hole's axis, less what the pipe displaces sideways.

@@ -14,18 +14,19 @@ namespace dp {
 
 constexpr double FLOW_ROUNDING = 1e-5;  // rounds off q |q| at zero [m3/s]
 constexpr double JET_ROUNDING = 0.025;  // speed v_0 that rounds off q |q| at zero [m/s]; a nozzle of any size keeps its law
-constexpr double VALVE_ROUNDING = 3e-7; // flow over which a check valve opens: far below any forward flow [m3/s]
 constexpr double GAP_ROUNDING = 1e-3;   // distance over which a bit on bottom stops displacing mud [m]
 
 template <class T> inline T softplus(const T& g) { return val(g) > 40 ? g : log(1.0 + exp(g)); }
 
-// Resistance [1/m4] of nozzles with 1/(2 C_d^2 A_n^2) and of a check valve, which adds SHUT to it in back flow (manual: eq-mud-check-valve).
+// Pressure drop [Pa] of nozzles with LOSS 1/(2 C_d^2 A_n^2) [1/m4] and of a check valve that holds back flow with SHUT [Pa s/m3] (manual:
+// eq-mud-check-valve); THIN rho0/rho where the flow leaves.
 template <class T>
-inline T resistance(const T& q, double loss, double shut) {
-    return loss + (0.5 * shut) * (1.0 - q / sqrt(q * q + VALVE_ROUNDING * VALVE_ROUNDING));
+inline T nozzle_drop(const T& q, const T& thin, double density, double loss, double shut) {
+    const T drop = q * sqrt(q * q + FLOW_ROUNDING * FLOW_ROUNDING) * thin * (loss * density);
+    return val(q) < 0 ? T(drop + q * shut) : drop;
 }
 
-// INERTANCE L_b [kg/m4]; NOZZLE A_n [m2]; LOSS 1/(2 C_d^2 A_n^2), SHUT 1/(2 C_d^2 A_v^2) [1/m4]; AMBIENT [Pa]; HOLE A_w [m2];
+// INERTANCE L_b [kg/m4]; NOZZLE A_n [m2]; LOSS 1/(2 C_d^2 A_n^2) [1/m4], SHUT of the valve [Pa s/m3], 0: none; AMBIENT [Pa]; HOLE A_w [m2];
 // VOLUME V_0 [m3]; ELASTIC 1/E [1/Pa]; FACE distance from the node to the face [m]; ADDED chi A_o, OPEN area of the annulus [m2]; BUOYANT
 // volume of rigid items below the node [m3]; HELD_GAP distance between face and bottom where the string is held [m]; END, AXIS the hole's
 // end (at the start, where it grows) and direction; TANGENT of the hole at the node; CUT [m2]; potential LIFT [J] of the chamber's mud when
@@ -69,9 +70,7 @@ struct BitFlow {
         T under = T(p[AMBIENT]);
         if constexpr (ANNULUS) under = x[PA];
         if constexpr (PIPE) {
-            const T q = x[QB], size = sqrt(q * q + FLOW_ROUNDING * FLOW_ROUNDING);
-            const T thin = exp(under * (-f.compressibility));  // rho0/rho where the flow leaves
-            const T loss = q * size * thin * (resistance(q, p[LOSS], p[SHUT]) * f.density);
+            const T q = x[QB], thin = exp(under * (-f.compressibility)), loss = nozzle_drop(q, thin, f.density, p[LOSS], p[SHUT]);
             r[QB] = (y[QB] * p[INERTANCE] + under - x[PI] + loss) * MOMENTUM_ROW;
             r[PI] = q * MASS_ROW;
             if constexpr (!HELD) {

@@ -121,7 +121,14 @@ class AnnulusFlow(ChannelFlow):
             widening=zero,
             **self._by_place(e),
             **dict.fromkeys(("place1", "place2", "excess1", "excess2"), zero),
+            **self._beside(e, self.well, self.mesh.upper[e]),
         )
+
+    def _beside(self, e: np.ndarray, well: Well, lower: FloatArray) -> dict[str, FloatArray]:
+        """Direction of the hole at the upper ends of the rigid items above the elements ``e`` (k,), and the height of its axis
+        beside them, as in ``_level``; their lower ends are at measured depths ``lower`` (k,) [m]."""
+        upper = lower - self.mesh.rigid_above[e]
+        return {"tangent0": well.at(upper)[1], "level_above": self._level(well, upper, lower)}
 
     @property
     def kernel(self) -> str:
@@ -313,6 +320,9 @@ class AnnulusFlow(ChannelFlow):
         params["level"][rows] = self._level(around.current_well(), ends[:, 0] + m.rigid_above[e], ends[:, 1])
         if not self.resizes:
             return
+        beside = self._beside(e, around.current_well(), ends[:, 0] + m.rigid_above[e])
+        for name, value in beside.items():
+            params[name][rows] = value
         own, over = around.annulus(e, ends), np.maximum(e - 1, 0)
         other = around.annulus(
             over, np.column_stack([ends[:, 0] - m.length[over] - m.rigid_above[over], ends[:, 0]])

@@ -30,10 +30,7 @@ NEAR = 2.0  # distance from the bottom up to which the mud under the bit is meas
 RESULTS = columns("bit_flow_results")
 LIFTED = columns("bit_flow_parameters").span("lift", "head")
 _POTENTIAL, _CONTENT = RESULTS["potential"], RESULTS["content"]
-LEAK = {
-    "nozzle": 1e-2,
-    "open end": 1e-4,
-}  # area that a shut check valve leaves open, over the area of the passage [-]
+SHUT = 1e14  # resistance of a shut check valve, which passes 1 mm3/s at 1 bar [Pa s/m3]
 NOZZLE_LENGTH = 0.1  # length over which mud speeds up in a nozzle [m]
 
 
@@ -132,13 +129,12 @@ class BitFlow(Nozzle):
         area = e.nozzle or e.bore
         length = NOZZLE_LENGTH if e.nozzle else END_CORRECTION * np.sqrt(e.bore / np.pi)
         orifice = 1 / (2 * e.discharge_coefficient**2 * area**2) if area else 0.0  # [1/m4]
-        leak = LEAK["nozzle" if e.nozzle else "open end"]
         gap = 0.0 if self.held_at is None else float((e.end - self.held_at[-1]) @ e.axis) - e.face
         return {
             "inertance": f.density * length / max(area, 1e-300),
             "nozzle": max(area, 1e-300),
             "loss": orifice if e.nozzle else 0.0,
-            "shut": orifice / leak**2 if e.check_valve else 0.0,
+            "shut": SHUT if e.check_valve else 0.0,
             "ambient": e.ambient.value(0.0),
             "hole": e.hole,
             "volume": e.volume,

@@ -64,9 +64,8 @@ struct HermiteBit {
             }
         }
         if constexpr (PIPE) {
-            const T q = y[VI] + p[REFERENCE_FLOW], size = sqrt(q * q + FLOW_ROUNDING * FLOW_ROUNDING);
-            const T thin = exp(under * (-f.compressibility));
-            const T loss = q * size * thin * (resistance(q, p[B::LOSS], p[B::SHUT]) * f.density), surge = (a[VI] + p[SURGE]) * p[B::INERTANCE];
+            const T q = y[VI] + p[REFERENCE_FLOW], thin = exp(under * (-f.compressibility));
+            const T loss = nozzle_drop(q, thin, f.density, p[B::LOSS], p[B::SHUT]), surge = (a[VI] + p[SURGE]) * p[B::INERTANCE];
             r[VI] = (under + loss + surge + heads(f, q, T(under + loss), p[HEADS_PIPE])) * MOMENTUM_ROW;
             if constexpr (!HELD) {
                 const Tangent<T> t(vec(x + 3), vec(y + 3), vec(y + 3));
