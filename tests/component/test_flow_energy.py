@@ -79,8 +79,14 @@ def test_slow_motion_of_a_give_in_the_walls_balances(kind):
         t = p["tangent1"] + p["tangent2"]
         t /= np.linalg.norm(t, axis=1, keepdims=True)
         speed = np.sum(((u[:-1] + u[1:]) / 2 + (w[:-1] - w[1:]) / 12) * t, axis=1)
-        ends = AREA_HOLE * (x[pressure[-1]] * u[-1] @ t[-1] - x[pressure[0]] * u[0] @ t[0])
-        head = DENSITY * (component.well.at(np.arange(5.0))[0] @ GRAVITY)
+        ends = AREA_HOLE * (
+            x[pressure[-1]] * u[-1] @ p["tangent2"][-1] - x[pressure[0]] * u[0] @ p["tangent1"][0]
+        )
+        height = component.well.at(np.arange(5.0))[0] @ GRAVITY
+        head = DENSITY * height
+        # elements of 1 m are chords of this hole: (1 - cos) of half its turn in the weight that moves along
+        turn = 0.5 * np.sum((u[:-1] + u[1:]) * t - u[1:] * p["tangent2"] - u[:-1] * p["tangent1"], axis=1)
+        ends += AREA_HOLE * np.sum(density * np.diff(height) * turn)
     flow_work = BULK * -np.expm1(-x[pressure] / BULK)
     results = component.element_results(asm).sum(axis=0)
     lost, left_out = (results[RESULT_NAMES.index(name)] for name in ("dissipated", "left_out"))

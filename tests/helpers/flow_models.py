@@ -167,6 +167,8 @@ def build(
             scale = 0.02 if f.name.endswith("flow") or f.name.startswith("hole") else 2.0
             system.set_field(f.name, scale * rng.standard_normal((5, f.size)))
     set_rates(system, rng)
+    if "widening" in kind:
+        read_hole(system, components[-1])
     return system
 
 
@@ -179,6 +181,22 @@ def give_swirl(annulus) -> None:
             np.where(k == 1, 0.0, s * (1.0 + k)) for s in (0.9, -0.4)
         )
         block.named["spin_rate"] = 0.5
+
+
+def read_hole(system, annulus) -> None:
+    """Let the hole be read where the nodes are now: its length between them is that along the elements' mean directions."""
+    position, tangent = system.field("string.position"), system.field("string.tangent")
+    for block in annulus._blocks:
+        p, e = block.named, block.points
+        mean = p["tangent1"] + p["tangent2"]
+        mean /= np.linalg.norm(mean, axis=1, keepdims=True)
+        item = tangent[e] / np.linalg.norm(tangent[e], axis=1, keepdims=True) * p["rigid"][:, None]
+        first = p["tangent0"] if "junction" in block.kernel else p["tangent1"]
+        p["bent"] = (
+            np.sum(position[e] * (first - mean), axis=1)
+            - np.sum(position[e + 1] * (p["tangent2"] - mean), axis=1)
+            - np.sum(item * mean, axis=1)
+        )
 
 
 def give_shoulders(system) -> None:

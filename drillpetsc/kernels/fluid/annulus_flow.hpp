@@ -98,6 +98,7 @@ struct AnnulusFlow {
         WIDENING,                  // dA_w per metre that the element moves down the hole [m]: HOLE is the area when the hole was read
         PLACE1, PLACE2,            // t_w.r of both nodes when the hole was read there [m]
         EXCESS1, EXCESS2,          // area of the hole at the nodes less HOLE [m2]
+        BENT,                      // length of the hole between the nodes less r_s.t_w L, where both nodes were at the origin [m]
         SHARE,                     // swirl of the mud over the spin of the string, when steady [-]; 0: the mud does not swirl, and SWIRL and SWIRL_RATE are 0
         SWIRL, SWIRL_RATE,         // swirl of the mud [rad/s] and its rate [rad/s2]
         SPIN_RATE,                 // rate of the string's spin, for the energies [rad/s2]
@@ -231,6 +232,14 @@ struct AnnulusFlow {
             momentum -= beside.pushed;
             volume += T(0.0) + (p[HOLE_ABOVE] - p[OUTER_ABOVE]) * p[RIGID];
         }
+        // the hole between the nodes has its length along its own direction at each node: with the mean one, volume would come from nowhere
+        // when the directions are read anew
+        const Vec<S> off1 = (JUNCTION ? vec(p + TANGENT0) : tw1) - tw, off2 = tw2 - tw;
+        T bent = dot(on.x.r2, off2) - dot(on.above, off1) + p[BENT], turned = dot(vec(y), off1);
+        if constexpr (JUNCTION) { bent += dot(on.x.r1 - on.above, tw); turned -= dot(on.y.r1 - vec(y), tw); }
+        volume += bent * AW;
+        swept1 -= turned * (AW * il);
+        swept2 += dot(on.y.r2, off2) * (AW * il);
         const T gradient = (p2 - p1 - beside.rise) * il;
         // static part: pressure along the hole and buoyancy across
         const T along = gradient * outer - tau.pull * (p[DIAMETER] * 3.14159265358979324);
@@ -299,12 +308,12 @@ struct AnnulusFlow {
             results->content = c.theta * now;
             results->stored = stored_energy(f, (p1 + p2) * 0.5, p[WALL], now);
             energies(on, y, c, p, f, area, M, across, across1, w, wall, V, tau.pull, resistance - beside.resistance, q, drag, (swept1 + swept2) * L, (p1 + p2) * 0.5, now, p1, p2, results);
-            if constexpr (JUNCTION) energies_beside(on, y, c, p, f, q, beside, p1, (p1 + p2) * 0.5 * p[WALL], V, results);
+            if constexpr (JUNCTION) energies_beside(on, y, c, p, f, q, beside, (p1 + p2) * 0.5 * p[WALL], V, results);
         }
     }
 
     template <class R, class T, class S, class B>
-    static void energies_beside(const R& on, const T* y, const Compressed<T>& c, const S* p, const Fluid& f, const T& q, const B& beside, const T& p1,
+    static void energies_beside(const R& on, const T* y, const Compressed<T>& c, const S* p, const Fluid& f, const T& q, const B& beside,
                                 const T& give, const T& V, FlowResultsOf<T>* results) {
         const Vec<double> g = vec(f.gravity);
         const Vec<S> tw1 = vec(p + TANGENT1), sum = tw1 + vec(p + TANGENT2), tw = sum * (S(1.0) / norm(sum));
@@ -317,8 +326,8 @@ struct AnnulusFlow {
         results->potential -= c.density * (1.0 + give) * space * p[RIGID] * (down * dot(middle, along) + p[LEVEL_ABOVE] - element);
         results->potential += c.density * p[OUTER_ABOVE] * p[RIGID] * (dot(middle, g - along * down) - p[LEVEL_ABOVE]);
         results->dissipated += beside.resistance * (q * f.density / c.density + beside.V * space) - beside.pull * beside.V;
-        // as in ``energies``: the item turns the hole's direction between its ends, and its mud the pressure at the element's upper end
-        results->left_out += p1 * (p[HOLE_ABOVE] * (dot(on.y.r1, tw1) - dot(vec(y), vec(p + TANGENT0)))) + beside.rise * p[HOLE] * (V - beside.V);
+        // the pressure of its mud does work on the difference of both directions that no force on the string takes up
+        results->left_out += beside.rise * p[HOLE] * (V - beside.V);
     }
 
     // of the mud: half m (w + V)^2 along, M_a (|P V|^2 - |c P r_s|^2)/2 across; weight at the hole's axis, less what the pipe displaces sideways.
@@ -344,12 +353,9 @@ struct AnnulusFlow {
         const T give = pressure * p[WALL], content = density * held;
         results->potential = -content * (1.0 + give) * (gw * dot(middle, tw) + p[LEVEL]) + density * p[OUTER] * L * (dot(middle, side) - p[LEVEL]);
         results->left_out = -give * (content * gw * V + 0.5 * (pressure * widens));
-        // r_s.t_w with the mean tangent counts a motion across a bent hole as a change of the hole's length; pressure does work on it that no
-        // force on the string takes up
         // the row of momentum leaves out the flow's own convection (manual: eq-mud-left-out-flow)
         const T along = dot(on.y.r2 - on.y.r1, tw);
         results->left_out -= 2.0 * f.density * w * wall * (results->storage_upper + results->storage_lower) + f.density * q * wall * (w * (p2 - p1) * f.compressibility - along);
-        results->left_out += p[HOLE] * (p2 * dot(on.y.r2, vec(p + TANGENT2) - tw) - p1 * dot(on.y.r1, vec(p + TANGENT1) - tw));
         const T volume = q * f.density / density;
         const S round = p[DIAMETER] * 3.14159265358979324;
         results->dissipated += resistance * (volume + V * area * f.density / density) - tau * round * L * V;

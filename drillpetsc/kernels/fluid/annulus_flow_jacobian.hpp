@@ -215,9 +215,15 @@ DP_APART void annulus_along(const AnnulusState& s, const Pack* X, const Pack* Y,
     const Pack widening = p[At::WIDENING] * 0.5, widens = s.speed * s.lam * widening, moved = s.lam * widening * c[1];
     const PackVec deeper = s.tw * (moved * 0.5), turned = s.tw * (moved * L * (1.0 / 12)), longer = s.tw * (s.speed * widening * c[0] / L);
     const PackFour by_widens = {deeper - longer, turned, deeper + longer, -turned};
-    const Storage storage = {s.content, (chord + tilt) * AW - s.walls.squeeze1 * AO + widens, (chord - tilt) * AW - s.walls.squeeze2 * AO + widens,
-                             on_nodes(s.by_content), on_nodes(s.walls.by_squeeze1 * -AO + Gradient{way, lever, -lever}) + by_widens,
-                             on_nodes(s.walls.by_squeeze2 * -AO + Gradient{way, -lever, lever}) + by_widens};
+    // the length of the hole by its directions at the nodes
+    const PackVec zero = {0.0, 0.0, 0.0}, off1 = s.tw1 - s.tw, off2 = s.tw2 - s.tw;
+    const Pack along = AW / L, bent = (dot(s.x.r2, off2) - dot(s.x.r1, off1) + p[At::BENT]) * along;
+    const PackFour by_bent = {off1 * (along * -c[0]), zero, off2 * (along * c[0]), zero};
+    const PackFour by_off1 = {off1 * (along * -c[1]), zero, zero, zero}, by_off2 = {zero, zero, off2 * (along * c[1]), zero};
+    const Storage storage = {s.content + bent, (chord + tilt) * AW - s.walls.squeeze1 * AO + widens - dot(s.y.r1, off1) * along,
+                             (chord - tilt) * AW - s.walls.squeeze2 * AO + widens + dot(s.y.r2, off2) * along, on_nodes(s.by_content) + by_bent,
+                             on_nodes(s.walls.by_squeeze1 * -AO + Gradient{way, lever, -lever}) + by_widens + by_off1,
+                             on_nodes(s.walls.by_squeeze2 * -AO + Gradient{way, -lever, lever}) + by_widens + by_off2};
     put_mass_rows(storage, fluid, by, L, Y[AT_P1], Y[AT_P2], p[At::CONTROL], c[0], c[1], K);
     const PackVec head = s.tw * (s.gw * p[At::CONTROL] * (f.density * 1e-7 * MASS_ROW * c[0]));
     K[AT_P1][0] -= head.x; K[AT_P1][1] -= head.y; K[AT_P1][2] -= head.z;

@@ -122,6 +122,7 @@ class AnnulusFlow(ChannelFlow):
             **self._by_place(e),
             **dict.fromkeys(("place1", "place2", "excess1", "excess2"), zero),
             **self._beside(e, self.well, self.mesh.upper[e]),
+            bent=self._bent_on_axis(e),
         )
 
     def _beside(self, e: np.ndarray, well: Well, lower: FloatArray) -> dict[str, FloatArray]:
@@ -129,6 +130,29 @@ class AnnulusFlow(ChannelFlow):
         beside them, as in ``_level``; their lower ends are at measured depths ``lower`` (k,) [m]."""
         upper = lower - self.mesh.rigid_above[e]
         return {"tangent0": well.at(upper)[1], "level_above": self._level(well, upper, lower)}
+
+    def _bent_on_axis(self, e: np.ndarray) -> FloatArray:
+        """BENT (k,) of the elements ``e`` (k,) with their nodes on the axis of the hole [m]."""
+        m = self.mesh
+        upper, directions = m.upper[e] - m.rigid_above[e], self._directions(self.well, m.upper[e], m.lower[e])
+        (above, tangent0, _), below = self.well.at(upper), self.well.at(m.lower[e])[0]
+        return self._bent(e, m.lower[e] - m.upper[e], above, below, directions | {"tangent0": tangent0})
+
+    def _bent(
+        self,
+        e: np.ndarray,
+        way: FloatArray,
+        above: FloatArray,
+        below: FloatArray,
+        directions: dict[str, FloatArray],
+    ) -> FloatArray:
+        """BENT (k,) of elements whose nodes are at ``above`` and ``below`` (k, 3) with ``way`` (k,) of hole between them [m]."""
+        # a joint's own length is that of its travel, along the mean direction
+        joint = self.mesh.is_joint[e] & (self.mesh.rigid_above[e] == 0)
+        mean = directions["tangent1"] + directions["tangent2"]
+        mean = np.where(joint[:, None], mean / np.linalg.norm(mean, axis=1, keepdims=True), 0.0)
+        first = np.sum(above * (directions["tangent0"] - mean), axis=1)
+        return np.where(joint, 0.0, way) + first - np.sum(below * (directions["tangent2"] - mean), axis=1)
 
     @property
     def kernel(self) -> str:
@@ -318,11 +342,11 @@ class AnnulusFlow(ChannelFlow):
         for name, value in directions.items():
             params[name][rows] = value
         params["level"][rows] = self._level(around.current_well(), ends[:, 0] + m.rigid_above[e], ends[:, 1])
-        if not self.resizes:
-            return
         beside = self._beside(e, around.current_well(), ends[:, 0] + m.rigid_above[e])
         for name, value in beside.items():
             params[name][rows] = value
+        if not self.resizes:
+            return
         own, over = around.annulus(e, ends), np.maximum(e - 1, 0)
         other = around.annulus(
             over, np.column_stack([ends[:, 0] - m.length[over] - m.rigid_above[over], ends[:, 0]])
@@ -334,6 +358,9 @@ class AnnulusFlow(ChannelFlow):
         )
         axis = directions["tangent1"] + directions["tangent2"]
         axis /= np.linalg.norm(axis, axis=1, keepdims=True)
+        above, below = (around.places[end] for end in nodes.T)
+        way = ends[:, 1] - ends[:, 0] - rigid
+        params["bent"][rows] = self._bent(e, way, above, below, directions | beside)
         for k, end in enumerate(nodes.T, 1):
             params[f"place{k}"][rows] = np.sum(around.places[end] * axis, axis=1)
             # a hole being reamed is reread after every 0.2 mm, and its areas ahead include rings not yet cut

@@ -124,12 +124,17 @@ class MovingHole:
         if keep and not ringed and self._stays(state):
             return None
         position, found = self._project(state)
+        way = None
+        if keep and self._from is not None:
+            places, directions = np.hsplit(self._from[2], 2)
+            way = np.sum((position - places) * directions, axis=1)
         # at the start the shoulder is at its given depth, wherever the string has moved since
-        moved = self.update(found.md, keep, ringed or (bool(self.reamers) and not keep))
+        moved = self.update(found.md, keep, ringed or (bool(self.reamers) and not keep), way)
         if moved.all():
             self._reamed = reamed
         # positions at the depths of the last evaluation
-        at_depth = position - found.tangent * (found.md - self.depth)[:, None]
+        since = found.md - self.depth if way is None else np.where(moved, 0.0, way)
+        at_depth = position - found.tangent * since[:, None]
         self._remember(state, np.hstack([at_depth, found.tangent]))
         return moved if moved.any() else None
 
@@ -163,10 +168,14 @@ class MovingHole:
         """Create the annulus of the elements ``e`` (k,) whose nodes are at measured depths ``ends`` (k, 2) [m]."""
         return self.walls.annulus(self.hole, e, ends[:, 0] + self.mesh.rigid_above[e], ends[:, 1])
 
-    def update(self, depths: FloatArray, keep: bool, everywhere: bool = False) -> np.ndarray:
+    def update(
+        self, depths: FloatArray, keep: bool, everywhere: bool = False, way: FloatArray | None = None
+    ) -> np.ndarray:
         """Re-evaluate the hole at the nodes that have moved; returns their mask (nv,).
 
         depths: (nv,) present measured depths of the nodes [m]; everywhere: at all nodes.
+        way: (nv,) motion of the nodes in the directions of the hole at the last evaluation, which the rates of the rows integrate; it
+        differs from that of the depths where a node is off the axis of a bend; None: that of the depths [m].
         keep: volumes change by the integral of the rates.  A node that has moved further than ``ahead`` gets
         the true volume.  Without ``keep`` all volumes are taken from the hole.
         """
@@ -180,7 +189,8 @@ class MovingHole:
         else:
             moved = (np.abs(depths - self.depth) > REFRESH) | everywhere
         if moved.any():
-            hole, here, way = self.hole, depths[moved], depths[moved] - self.depth[moved]
+            hole, here = self.hole, depths[moved]
+            way = (depths - self.depth if way is None else way)[moved]
             volume, ahead = hole.volume(here), np.full(len(here), AHEAD)
             ringed = self._rings(moved, lambda reamer: reamer.reamed)
             if keep:

@@ -23,7 +23,8 @@ struct HermiteAnnulus {
         SHOULDER,               // as in fluid/annulus_flow.hpp
         LEVEL,                  // as in fluid/annulus_flow.hpp
         SHARE, SWIRL, SWIRL_RATE, SPIN_RATE, AXIS1, AXIS2 = AXIS1 + 3,  // as in fluid/annulus_flow.hpp
-        NP = AXIS2 + 3)
+        TANGENT0 = AXIS2 + 3, LEVEL_ABOVE = TANGENT0 + 3,  // as in fluid/annulus_flow.hpp
+        NP)
 
     template <class T, class S>
     static void force(int, const T* x, const T* y, const T* a, const S* p, void* context, T* r) {
@@ -61,37 +62,51 @@ struct HermiteAnnulus {
             const T upper = y[F] + p[REFERENCE_FLOW];
             // with the step of pressure where the section jumps, which loads the shoulder there
             Beside<T> beside = {};
-            if constexpr (JUNCTION) beside = Beside<T>(on, upper, a[F] + p[SURGE], tw, p, f, line.p1.x);
+            if constexpr (JUNCTION) beside = Beside<T>(on, y, a, upper, a[F] + p[SURGE], p, f, line.p1.x);
             const T gradient = (line.p2.x - line.p1.x - heads(f, upper, line.p1.x, p[STEP]) - beside.rise) * il;
             const Offset<T> off(on.x, p + AXIS1, p + AXIS2, vec(p + TANGENT1), vec(p + TANGENT2), tw);
             const T spin = (y[6] + y[13]) * (p[SHARE] * 0.5);  // swirl that is steady at the present spin
             T brake = T(0.0);
             for (int k = 0; k < 4; ++k) point(on, stretch, CubicShape(XI4[k]), XI4[k], W4[k], tw, gradient, p, f, off, spin, line, rows, brake, results);
             rows.r1 += tw * heads(f, upper, line.p1.x, p[SHOULDER]);
-            if constexpr (JUNCTION) above(on, upper, beside, tw, p, f, line, rows, results);
+            if constexpr (JUNCTION) above(on, upper, beside, p, f, line, rows, results);
             on.store(rows, p[RIGID], r);
+            if constexpr (JUNCTION) { r[0] += beside.force.x * 0.5; r[1] += beside.force.y * 0.5; r[2] += beside.force.z * 0.5; }
             r[6] = (y[6] * 2.0 + y[13]) * (p[TURNING] * L * (1.0 / 6)) + brake;
             r[13] = (y[13] * 2.0 + y[6]) * (p[TURNING] * L * (1.0 / 6)) + brake;
             if constexpr (std::is_same_v<T, double>) if (results) results->dissipated += p[TURNING] * L / 3 * (y[6] * y[6] + y[6] * y[13] + y[13] * y[13]);
             // r_s.t_w counts a motion across a bent hole as a change of the hole's length (manual: eq-mud-left-out)
-            if constexpr (std::is_same_v<T, double>) if (results)
-                results->left_out += p[HOLE] * (line.p2.x * dot(on.y.r2, vec(p + TANGENT2) - tw) - line.p1.x * dot(vec(y), vec(p + TANGENT1) - tw));
-            finish(line, y + F, (dot(on.above, tw) * dot(vec(f.gravity), tw) + p[LEVEL]) * f.density + p[CONTROLLED], p, f, r + F, results);
+            if constexpr (std::is_same_v<T, double>) if (results) {
+                const Vec<double> t1 = vec(p + TANGENT1);
+                results->left_out += p[HOLE] * (line.p2.x * dot(on.y.r2, vec(p + TANGENT2) - tw) - line.p1.x * dot(on.y.r1, t1 - tw));
+                if constexpr (JUNCTION) {
+                    const double V = dot((on.y.r1 + on.y.r2) * 0.5 + (on.y.v1 - on.y.v2) * (L * (1.0 / 12)), tw);
+                    results->left_out += line.p1.x * p[HOLE_ABOVE] * (dot(on.y.r1, t1) - dot(vec(y), vec(p + TANGENT0))) + beside.rise * p[HOLE] * (V - beside.V);
+                }
+            }
+            T level = T(0.0) + dot(on.above, tw) * dot(vec(f.gravity), tw) + p[LEVEL];
+            if constexpr (JUNCTION) level = beside.height;
+            finish(line, y + F, level * f.density + p[CONTROLLED], p, f, r + F, results);
         }
     }
 
     template <class T>
     struct Beside {  // as in fluid/annulus_flow.hpp, at the pressure of the node
-        T thick, resistance, rise, pull;
-        Beside() : thick(1.0), resistance(0.0), rise(0.0), pull(0.0) {}
+        T thick, height, V, resistance, rise, pull;
+        Vec<T> force;
+        Beside() : thick(1.0), height(0.0), V(0.0), resistance(0.0), rise(0.0), pull(0.0) {}
         template <class R, class S>
-        Beside(const R& on, const T& q, const T& q1, const Vec<S>& tw, const S* p, const Fluid& f, const T& pressure) {
-            const S A = p[HOLE_ABOVE] - p[OUTER_ABOVE], gw = dot(vec(f.gravity), tw);
+        Beside(const R& on, const T* y, const T* a, const T& q, const T& q1, const S* p, const Fluid& f, const T& pressure) {
+            const Vec<S> sum = vec(p + TANGENT0) + vec(p + TANGENT1), along = sum * (S(1.0) / norm(sum));
+            const S A = p[HOLE_ABOVE] - p[OUTER_ABOVE], down = dot(vec(f.gravity), along);
+            height = dot(on.above, along) * down + p[LEVEL_ABOVE];
+            V = dot(vec(y) + on.y.r1, along) * 0.5;
             thick = exp((pressure - heads(f, q, pressure, p[HEADS])) * f.compressibility);
-            const T tau = shear(f, T(q / (thick * A) + dot(on.y.r1, tw) * (1.0 - f.clinging)), T(thick * f.density), p[GAP_ABOVE], 1.0);
+            const T tau = shear(f, T(q / (thick * A) + V * (1.0 - f.clinging)), T(thick * f.density), p[GAP_ABOVE], 1.0);
             resistance = tau * (p[RIGID] * 4.0 / p[GAP_ABOVE]);
-            rise = thick * (dot(on.x.r1 - on.above, tw) * gw - dot(on.a.r1, tw) * p[RIGID]) * f.density - q1 * (p[RIGID] * f.density / A) - resistance;
+            rise = thick * (dot(on.x.r1 - on.above, along) * down - dot(vec(a) + on.a.r1, along) * (p[RIGID] * 0.5)) * f.density - q1 * (p[RIGID] * f.density / A) - resistance;
             pull = tau * (p[RIGID] * 3.14159265358979324) * sqrt(p[OUTER_ABOVE] * (4.0 / 3.14159265358979324));
+            force = along * (rise * p[OUTER_ABOVE] - pull) + (vec(f.gravity) - along * down) * (thick * (p[OUTER_ABOVE] * p[RIGID] * f.density));
         }
     };
 
@@ -160,21 +175,20 @@ struct HermiteAnnulus {
 
     // the rigid item above the element (fluid/annulus_flow.hpp): its flow is that of the node
     template <class R, class T, class S>
-    static void above(const R& on, const T& q, const Beside<T>& beside, const Vec<S>& tw, const S* p, const Fluid& f, VolumeLine<T, S>& line, Four<T>& rows,
+    static void above(const R& on, const T& q, const Beside<T>& beside, const S* p, const Fluid& f, VolumeLine<T, S>& line, Four<T>& rows,
                       FlowResults* results) {
-        const Vec<double> g = vec(f.gravity);
-        const S gw = dot(g, tw), A = p[HOLE_ABOVE] - p[OUTER_ABOVE];
-        const Vec<S> side = g - tw * gw;
         line.spread(beside.rise * -1.0);
-        rows.r1 += tw * (beside.rise * p[OUTER_ABOVE] - beside.pull) + side * (beside.thick * (f.density * p[OUTER_ABOVE] * p[RIGID]));
+        rows.r1 += beside.force * 0.5;
         if constexpr (std::is_same_v<T, double>) if (results) {
-            const double V = dot(on.y.r1, tw), wall = q / (beside.thick * A) + V, m = beside.thick * f.density * A * p[RIGID];
+            const Vec<double> g = vec(f.gravity), sum = vec(p + TANGENT0) + vec(p + TANGENT1), along = sum * (1.0 / norm(sum)), middle = (on.above + on.x.r1) * 0.5;
+            const double A = p[HOLE_ABOVE] - p[OUTER_ABOVE], down = dot(g, along), V = beside.V;
+            const double wall = q / (beside.thick * A) + V, m = beside.thick * f.density * A * p[RIGID];
             results->dissipated += beside.resistance * (q / beside.thick + V * A) - beside.pull * V;
             results->kinetic += 0.5 * m * wall * wall;
             const double give = A * p[RIGID] * f.density * (1.0 + Filled<double>(f, line.p1, p[WALL]).excess.x) - m;
-            results->left_out -= give * gw * V;
-            results->potential -= (m + give) * (dot(on.x.r1 + on.above, tw) * (0.5 * gw) + p[LEVEL]) -
-                                  beside.thick * f.density * p[OUTER_ABOVE] * p[RIGID] * (dot(on.x.r1, side) - p[LEVEL]);
+            results->left_out -= give * down * V;
+            results->potential -= (m + give) * (dot(middle, along) * down + p[LEVEL_ABOVE]) -
+                                  beside.thick * f.density * p[OUTER_ABOVE] * p[RIGID] * (dot(middle, g - along * down) - p[LEVEL_ABOVE]);
         }
     }
 

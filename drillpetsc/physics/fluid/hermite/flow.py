@@ -299,6 +299,7 @@ class HermiteAnnulus(_OneByOne, AnnulusFlow):
             open=e == 0,
             surge=0.0,
             step=np.diff(self.heads, prepend=0.0)[e],
+            **self._beside(e, self.well, self.mesh.upper[e]),
             shoulder=self._shoulders(e, self.annulus.only(e), self.annulus.only(np.maximum(e - 1, 0))),
         )
 
