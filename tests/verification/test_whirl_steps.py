@@ -106,6 +106,19 @@ def test_default_steps_keep_what_may_whirl(tmp_path):
     assert "lower at MD" in line and "time.integrator: auto" in line
 
 
+def test_only_steps_that_it_shortens_count_as_limited(monkeypatch):
+    """A part that whirls at 100 rad/s, product 0.3: a step of 1 ms stays and does not count, one of 4 ms becomes 3 ms."""
+    steps = WhirlSteps(build_model(case()), 0.3)
+    monkeypatch.setattr(WhirlSteps, "_rates", lambda self: [100.0] * len(self.parts))
+    assert steps(1e-3) == 1e-3
+    assert steps.summary(1) is None
+    assert steps(4e-3) == pytest.approx(3e-3)
+    said = steps.summary(2)
+    assert said is not None
+    assert said["share"] == 0.5
+    assert said["shortest [s]"] == pytest.approx(3e-3)
+
+
 @pytest.mark.parametrize("integrator", ["auto", "bdf"])
 @pytest.mark.parametrize("rpm", [30.0, 45.0, 60.0])
 @pytest.mark.parametrize("length", [14.0, 40.0])

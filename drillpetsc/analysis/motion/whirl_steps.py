@@ -216,12 +216,12 @@ class WhirlSteps:
             out = found.tolist()
         return [rate if rate > SLOWEST else 0.0 for rate in out]
 
-    def __call__(self) -> float:
-        """Longest step [s] that keeps the energy of all parts that turn and touch the wall at present; collective."""
+    def __call__(self, wanted: float) -> float:
+        """The ``wanted`` step [s], or the longest that keeps the energy of all parts that turn and touch the wall at present; collective."""
         rates = self._rates()
         fastest = max(rates, default=0.0)
-        if fastest == 0.0:
-            return np.inf
+        if wanted * fastest <= self.product:
+            return wanted
         k, step = rates.index(fastest), self.product / fastest
         self._limited[k] += 1
         self._shortest[k] = min(self._shortest[k], step)

@@ -257,7 +257,7 @@ class GeneralizedAlpha(TimeIntegrator):
                 self.work.after_step(t, dt, rows, self.input_time(t), over_jump)
             # the limit by whirl is for the contacts of the accepted state (manual: sec-time-choice)
             if self.step_limit is not None and not self._fixed:
-                self._next_step = min(self._next_step, self.step_limit())
+                self._next_step = self.step_limit(self._next_step)
         self._steps_over_jump, self.fresh = max(0, self._steps_over_jump - 1), False
         # after the jump the mud has error control again
         self._mud_masked = self._mud_masked and self._steps_over_jump > 0

@@ -95,7 +95,7 @@ class TimeIntegrator:
     sampler(t): called at the multiples of ``sampler.period`` [s], where a step ends, with the state before the step that follows;
     the formula does not restart there.
     follower: of the states in all steps.
-    step_limit(): longest step [s] by the present state, the same on all ranks; generalised-alpha only.
+    step_limit(wanted): the next step [s], not above the ``wanted`` one, the same on all ranks; generalised-alpha only.
     inertia: whether the string has inertia; without it, forces have no power to which Newton's remainder could
     be compared.
 
@@ -120,7 +120,7 @@ class TimeIntegrator:
     defaults: dict[str, Any] = field(default_factory=dict)
     sampler: Sampler | None = None
     inertia: bool = True
-    step_limit: Callable[[], float] | None = None
+    step_limit: Callable[[float], float] | None = None
     follower: Follower | None = None
 
     def __post_init__(self) -> None:
