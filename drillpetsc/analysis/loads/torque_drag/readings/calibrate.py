@@ -8,11 +8,12 @@ from typing import Any
 
 import numpy as np
 
+from drillpetsc.analysis.calibration.estimator import Fit
 from drillpetsc.analysis.loads.torque_drag.left_out import bends_left_out, cutters_left_out
 from drillpetsc.analysis.loads.torque_drag.operations import plan_of
 from drillpetsc.analysis.loads.torque_drag.readings.along_depth import RESAMPLES, Drift
 from drillpetsc.analysis.loads.torque_drag.readings.by_depth import alone_by_reading, drift_by_windows
-from drillpetsc.analysis.loads.torque_drag.readings.calibration import WEIGHT_ERROR, Calibration, Fit
+from drillpetsc.analysis.loads.torque_drag.readings.calibration import WEIGHT_ERROR, Calibration
 from drillpetsc.analysis.loads.torque_drag.readings.forward_stiff import StiffForward
 from drillpetsc.analysis.loads.torque_drag.readings.held_out import Prediction, hold_out_depth, predict
 from drillpetsc.analysis.loads.torque_drag.readings.next_reading import next_readings, told
