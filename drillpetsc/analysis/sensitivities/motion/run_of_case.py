@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import time as clock
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 
 import numpy as np
@@ -32,6 +33,7 @@ from drillpetsc.solvers.time.time_integrator import TimeIntegrator
 
 #: of the cases beside the run, relative: contacts yield by micrometres, and rates are smooth over so little
 STEP = 3e-6
+TOLERANCE, NEWTON = "q_snes_stol", 1e-10  # of Newton's method, at most
 
 
 @dataclass(frozen=True)
@@ -96,6 +98,22 @@ def refuse_run(case: Case) -> None:
         raise CaseError(
             at="initial.from", got=str(case.initial.from_), want="statics or rest for sensitivities of a run"
         )
+
+
+@contextmanager
+def converged() -> Iterator[None]:
+    """Newton's method converged, whatever the tolerance of the case: the remainder of an iteration has another derivative."""
+    database = PETSc.Options()
+    given = database.getString(TOLERANCE, "") if database.hasName(TOLERANCE) else ""
+    if not given or float(given) > NEWTON:
+        database.setValue(TOLERANCE, str(NEWTON))
+    try:
+        yield
+    finally:
+        if given:
+            database.setValue(TOLERANCE, given)
+        else:
+            database.delValue(TOLERANCE)
 
 
 class RunOfCase:
@@ -175,9 +193,16 @@ class RunOfCase:
         flags = [word for word, holds in ((ONE_SIDED, bends), (LIMIT, limited)) if holds]
         return Neighbours(points, models, ", ".join(flags))
 
-    def series(self, keys: Sequence[Key], columns: Sequence[str], skips: bool = False) -> RunSeries:
-        """Run with the derivatives of columns of the history by keys; ``skips`` as of ``begin``; collective."""
-        return _Run(self, keys, columns, skips).series()
+    def series(
+        self, keys: Sequence[Key], columns: Sequence[str], skips: bool = False, end: float | None = None
+    ) -> RunSeries:
+        """Run with the derivatives of columns of the history by keys; collective.
+
+        skips: as of ``begin``; end: of the run [s], None: the case's.
+        """
+        return _Run(self, keys, columns, skips).series(
+            float(self.case.given_time.end) if end is None else end
+        )
 
 
 def _unknowns(model: DrillingModel) -> tuple[object, ...]:
@@ -217,9 +242,9 @@ class _Run:
         for reader in self.readers:
             reader.add(self.integrator.newton.t)
 
-    def series(self) -> RunSeries:
-        """Integrate to the end; collective."""
-        end, began = float(self.run.case.given_time.end), clock.process_time()
+    def series(self, end: float) -> RunSeries:
+        """Integrate to the ``end`` [s]; collective."""
+        began = clock.process_time()
         self.integrator.run(0.0, end, self.run.model.breaks)
         base, *beside = [reader.rows() for reader in self.readers]
         slopes, rows = np.zeros((*base.shape, len(self.keys))), iter(beside)
