@@ -400,6 +400,7 @@ OUTPUT_TABLES = {
     "outputs/limits.md": ("limits.csv", "column"),
     "outputs/contacts.md": ("contacts.csv", "column"),
     "outputs/calibration.md": ("calibration.csv", "column"),
+    "outputs/calibration-series.md": ("calibration_series.csv", "column"),
     "outputs/measured.md": ("measured.csv", "column"),
     "outputs/summary-run.md": ("summary.json of run", "key"),
     "outputs/summary-statics.md": ("summary.json of statics", "key"),

@@ -3160,7 +3160,7 @@ def calibrate(
     log: str | None = None,
     every: str | None = None,
     fit: str | None = None,
-    model: Literal['soft', 'stiff'] = 'soft',
+    model: Literal['soft', 'stiff', 'dynamic'] = 'soft',
     hold_out: str | None = None,
     errors: Literal['correlated', 'independent'] | None = None,
     prior: tuple[str, ...] = (),
@@ -3179,7 +3179,7 @@ def calibrate(
     log: instead, a rig's log, read as by import log
     every: length of a point of log while drilling, such as 1m or 10s (default: 10 m)
     fit: what is fitted: cased, open_hole, groups of sections by their ff_group, block_weight, weight_factor, running_drag, sheave_efficiency, and numbers of the case such as fluid.density (default: all friction factors)
-    model: soft: soft string; stiff: the beam in static equilibrium, about a second for each point (default: soft)
+    model: soft: soft string; stiff: the beam in static equilibrium, about a second for each point; dynamic: the run of the case, beside a log in time (default: soft)
     hold_out: points that are not fitted but predicted: the deepest share, as 0.5, or those below 2150m
     errors: intervals by a bootstrap of blocks along depth, or of independent errors (default: correlated from 30 bit depths)
     prior: what is known of a parameter beforehand, such as cased=0.2+-0.05; may be given several times

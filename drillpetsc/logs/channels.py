@@ -52,8 +52,11 @@ CHANNELS: dict[str, Channel] = {
     ),
     "rpm": Channel(
         "rad/s",
-        "rpm rotation surfacerpm rpmsurface rpma srpm rotaryspeed rotaryrpm rpmavg topdriverpm tdrpm",
+        "rpm rotation surfacerpm rpmsurface rpma srpm rotaryspeed rotaryrpm rpmavg topdriverpm tdrpm topspeed",
         assumed="rpm",
+    ),
+    "bit_rpm": Channel(
+        "rad/s", "bitrpm rpmbit bitspeed rpmdownhole downholerpm drpm collarrpm mrpm crpm", assumed="rpm"
     ),
     "flow_rate": Channel(
         "m^3/s",
@@ -81,6 +84,7 @@ READINGS = (
     "torque_downhole",
     "pump_pressure",
     "rpm",
+    "bit_rpm",
     "flow_rate",
 )
 _CHANNEL_OF = {word: name for name, channel in CHANNELS.items() for word in channel.words.split()}

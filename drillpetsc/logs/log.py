@@ -30,7 +30,7 @@ class Log:
 
     values: channel -> (n,) SI, nan where nothing was read; `time` counts from the first row.
     titles: channel -> title of its column.
-    start: time of the first row, None for a log without a clock.
+    start: time of the first row, None for a log without a clock; begins: seconds that stand in the first row, 0 for one with a clock.
     mapped: channels whose column the user named.
     unused: titles of columns that are not used; remarks: what was assumed; warnings: what is wrong with a column.
     """
@@ -42,6 +42,7 @@ class Log:
     unused: tuple[str, ...] = ()
     remarks: tuple[str, ...] = ()
     warnings: tuple[str, ...] = ()
+    begins: float = 0.0
 
     def __len__(self) -> int:
         return len(next(iter(self.values.values())))
@@ -104,8 +105,14 @@ def read_log(files: Sequence[str | Path], mapping: dict[str, tuple[str, str]] | 
     values: dict[str, FloatArray] = {}
     start: datetime | None = None
     texts = {name: [q for sheet in sheets for q in sheet.columns[j]] for name, j in choice.column.items()}
+    begins = 0.0
     if "time" in texts:
         values["time"], start = _times(sheets, texts, headings)
+        if (
+            start is None
+        ):  # without a clock they are seconds, of which the first ones say where the log begins
+            begins = float(values["time"][0])
+            values["time"] = values["time"] - begins
     for name, cells in texts.items():
         if name not in ("time", "date"):
             values[name] = column_numbers(sheets, name, cells, headings[name].unit)
@@ -115,6 +122,7 @@ def read_log(files: Sequence[str | Path], mapping: dict[str, tuple[str, str]] | 
         start,
         frozenset(mapping or {}),
         tuple(t for j, t in enumerate(sheets[0].titles) if t and j not in choice.column.values()),
+        begins=begins,
     )
     log = _in_order(_with_depths(log, sheets[0], choice.remarks), choice)
     if not set(log.values) & set(READINGS):
@@ -268,7 +276,7 @@ def _without_commas(sheets: list[Sheet], channel: str, cells: list[str]) -> list
 def _times(
     sheets: list[Sheet], texts: dict[str, list[str]], headings: dict[str, Heading]
 ) -> tuple[FloatArray, datetime | None]:
-    """(seconds since the first row, time of the first row or None)."""
+    """(seconds since the first row and its time; without a clock seconds as they stand, and None)."""
     cells = texts["time"]
     if "date" in texts:
         cells = [f"{day} {clock}" for day, clock in zip(texts["date"], cells, strict=True)]
@@ -279,8 +287,7 @@ def _times(
             raise CaseError(
                 at="time", got=cells[0], want="a date and time, or a unit: time [s]", file=file, line=line
             )
-        seconds = column_numbers(sheets, "time", cells, unit)
-        return seconds - seconds[0], None
+        return column_numbers(sheets, "time", cells, unit), None
     try:
         return clock_times(cells)
     except ClockError as error:
@@ -348,7 +355,8 @@ def _shifted(log: Log, shift: float) -> Log:
     from datetime import timedelta
 
     start = None if log.start is None else log.start + timedelta(seconds=shift)
-    return replace(log, start=start, values={**log.values, "time": log.values["time"] - shift})
+    begins = log.begins + shift if log.start is None else 0.0
+    return replace(log, start=start, begins=begins, values={**log.values, "time": log.values["time"] - shift})
 
 
 def between(log: Log, text: str | None) -> Log:

@@ -263,8 +263,9 @@ class Calibrate(DrawnOperation):
         "sheave_efficiency, and numbers of the case such as fluid.density (default: all friction factors)",
     ] = None
     model: Annotated[
-        Literal["soft", "stiff"],
-        "soft: soft string; stiff: the beam in static equilibrium, about a second for each point",
+        Literal["soft", "stiff", "dynamic"],
+        "soft: soft string; stiff: the beam in static equilibrium, about a second for each point; dynamic: the run of the case, beside a "
+        "--log in time",
     ] = "soft"
     hold_out: Annotated[
         str | None,
@@ -288,6 +289,8 @@ class Calibrate(DrawnOperation):
 
         if self.log is not None and self.measured is not None:
             raise CaseError(at="--log", got=self.log, want="either --log or --measured")
+        if self.model == "dynamic":
+            return self._of_run(job)
         points = None if self.measured is None else measured_option(self.measured, job.case)
         if self.log is not None:
             points = points_of_log(self.log, job.case, self.every)
@@ -299,6 +302,28 @@ class Calibrate(DrawnOperation):
             self.model,
         )
         return run_calibrate(job, points, choices)
+
+    def _of_run(self, job: Any) -> Any:
+        """The run of the case beside a log in time."""
+        from drillpetsc.analysis.calibration.command import run_calibrate_log
+        from drillpetsc.case.options.measured_option import fit_option, prior_option
+
+        others = {"--measured": self.measured, "--every": self.every, "--hold-out": self.hold_out}
+        for option, value in others.items():
+            if value is not None:
+                raise CaseError(
+                    at=option,
+                    got=value,
+                    want="--model soft or stiff: a run is compared with --log, row by row",
+                )
+        if self.log is None:
+            raise CaseError(at="--log", want="a log by time, which --model dynamic is fitted to")
+        if self.fit is None:
+            raise CaseError(
+                at="--fit", want="numbers of the case, such as formation.bit_law.static,string[0].od"
+            )
+        names = fit_option(self.fit, job.case)
+        return run_calibrate_log(job, self.log, names, self.errors != "independent", prior_option(self.prior))
 
 
 class Follow(FolderOperation):

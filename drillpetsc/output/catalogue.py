@@ -187,6 +187,7 @@ def _of_commands() -> dict[str, tuple[Listed, ...]]:
         ),
         "max_trip_speed.csv": _listed(hydraulics.MAX_TRIP_SPEED),
         "calibration.csv": _listed(torque_drag.MEASURED),
+        "calibration_series.csv": _listed((measured.TIME, *torque_drag.CALIBRATION_SERIES)),
         "measured.csv": _listed(torque_drag.BESIDE),
         "roadmap.csv": _listed(
             torque_drag.ROADMAP,

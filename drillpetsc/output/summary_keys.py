@@ -38,10 +38,11 @@ ROADMAP: tuple[SummaryKey, ...] = (
     ),
 )
 
+BY_DEPTH, IN_TIME = "with `--model soft` and `stiff`", "with `--model dynamic`"
 CALIBRATE: tuple[SummaryKey, ...] = (
     SummaryKey("title", "", "Title of the case."),
     SummaryKey("units", "", "Units of printed and plotted figures; files are in SI."),
-    SummaryKey("model", "", "`soft` or `stiff`: the model of the string."),
+    SummaryKey("model", "", "`soft`, `stiff` or `dynamic`: the model of the string."),
     SummaryKey(
         "fit",
         "",
@@ -55,27 +56,52 @@ CALIBRATE: tuple[SummaryKey, ...] = (
     SummaryKey(
         "reduced_chi2", "-", "Sum of squares of the weighted residuals over their degrees of freedom."
     ),
-    SummaryKey("readings", "-", "Number of hook loads and torques that were fitted."),
+    SummaryKey("readings", "-", "Number of readings that were fitted."),
     SummaryKey("errors", "", "`correlated` or `independent`: how the intervals were computed."),
     SummaryKey(
         "correlation_length",
         "",
         "By operation and quantity: readings, correlation length along depth raw and detrended, effective number of readings; null if "
         "errors are independent, as are `block` and `resamples`.",
+        BY_DEPTH,
     ),
-    SummaryKey("block", "m", "Length of the blocks that the bootstrap draws."),
-    SummaryKey("resamples", "-", "Number of resamples of the bootstrap."),
-    SummaryKey("drift", "", "Friction factor by windows of depth, its slope, whether it drifts; or null."),
+    SummaryKey("block", "m", "Length of the blocks that the bootstrap draws.", BY_DEPTH),
+    SummaryKey("resamples", "-", "Number of resamples of the bootstrap.", BY_DEPTH),
+    SummaryKey(
+        "drift", "", "Friction factor by windows of depth, its slope, whether it drifts; or null.", BY_DEPTH
+    ),
     SummaryKey(
         "hold_out",
         "",
         "By quantity: readings that were predicted, bias, rms, 95th percentile and largest error over the reading, share in the band; null without --hold-out.",
+        BY_DEPTH,
     ),
     SummaryKey(
         "next_readings",
         "",
         "Readings that would determine what is not determined: operation, bit depth in m, quantity, and half widths of the intervals "
         "expected with it and those before it; empty if nothing is missing, or no readings would do.",
+        BY_DEPTH,
+    ),
+    SummaryKey(
+        "correlation_time",
+        "",
+        "By column: readings, time over which errors are alike, effective number of readings; null if errors are "
+        "independent.",
+        IN_TIME,
+    ),
+    SummaryKey(
+        "misfit",
+        "-",
+        "By column: rms of computed less read, over the scatter of the log from row to row.",
+        IN_TIME,
+    ),
+    SummaryKey(
+        "next_columns",
+        "",
+        "A further column that would determine what is not determined, and half widths of the intervals expected with it; empty if nothing "
+        "is missing, or no column would do.",
+        IN_TIME,
     ),
     SummaryKey("warnings", "", "Why a result is unreliable."),
     SummaryKey("notes", "", "Assumptions, and omissions of the model."),

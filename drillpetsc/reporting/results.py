@@ -58,7 +58,7 @@ KINDS = (
     Kind(
         "roadmap",
         "Torque and drag",
-        ("roadmap.csv", "calibration.csv"),
+        ("roadmap.csv", "calibration.csv", "calibration_series.csv"),
         ("roadmap", "calibration"),
         "roadmap CASE.yaml",
     ),

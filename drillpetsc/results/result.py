@@ -10,6 +10,7 @@ from typing import Any, Literal
 from drillpetsc.errors import CaseError
 from drillpetsc.output.files.json_file import plain, read_summary
 from drillpetsc.output.files.run_folder import (
+    CALIBRATION_SERIES,
     CALIBRATION_TABLE,
     HYDRAULICS_TABLES,
     INDICES_TABLE,
@@ -38,6 +39,7 @@ KINDS = {
     "history.csv": "run",
     "roadmap.csv": "roadmap",
     CALIBRATION_TABLE: "calibrate",
+    CALIBRATION_SERIES: "calibrate",
     "limits.csv": "limits",
     "statics.csv": "statics",
     "hydraulics.csv": "hydraulics",
@@ -67,6 +69,7 @@ TABLES = (
     ROADMAP_TABLE,
     MEASURED_TABLE,
     CALIBRATION_TABLE,
+    CALIBRATION_SERIES,
     *LIMITS_TABLES,
     SENSITIVITIES_TABLE,
     UNCERTAIN_TABLE,

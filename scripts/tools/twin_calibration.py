@@ -12,7 +12,8 @@ from pathlib import Path
 import numpy as np
 from petsc4py import PETSc
 
-from drillpetsc.analysis.loads.torque_drag.readings.calibration import Calibration, Fit
+from drillpetsc.analysis.calibration.estimator import Fit
+from drillpetsc.analysis.loads.torque_drag.readings.calibration import Calibration
 from drillpetsc.analysis.loads.torque_drag.readings.forward_stiff import StiffForward
 from drillpetsc.case import load_case
 from drillpetsc.case.blocks.roadmap import MeasuredPoint

@@ -7,8 +7,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from drillpetsc.analysis.calibration.estimator import UNIT_STEP
 from drillpetsc.analysis.loads.torque_drag.readings.along_depth import correlation_sum
-from drillpetsc.analysis.loads.torque_drag.readings.calibration import UNIT_STEP, Calibration
+from drillpetsc.analysis.loads.torque_drag.readings.calibration import Calibration
 from drillpetsc.analysis.loads.torque_drag.readings.held_out import predict
 from drillpetsc.analysis.loads.torque_drag.readings.model_error import SECTION, ModelError, Relative, relative
 from tests.verification.test_calibrate_command import TRUTH, _drilling, case

@@ -41,6 +41,18 @@ DP_RECORD(JacobianCall,
     const StepCall* step; const MatrixCall* blocks; const PrescribedMatrix* prescribed; double* values; double* weights; double* spin; int count, unused;
 )
 
+// A system beside a run, in which the parameter `key` is changed by `change`; weight: of its rows in the derivative by it.
+DP_RECORD(BesideCall,
+    const StepCall* step; double change, weight; int key, unused;
+)
+
+// State (x, y, a, v1) of the run, and its derivatives by each parameter (keys, size); v1 and moved_v1 are null if rates are not prescribed.
+// rows (n) is work, or null if the systems are only moved; sums (keys, n), to which the rows are added, or null.
+DP_RECORD(BesideState,
+    const double* x; const double* y; const double* a; const double* v1; const double* moved_x; const double* moved_y; const double* moved_a;
+    const double* moved_v1; double* rows; double* sums; double second;
+)
+
 }  // namespace dp
 
 extern "C" {

@@ -165,6 +165,21 @@ MEASURED: tuple[Quantity, ...] = (
         "Open-hole factor that meets this point alone, with the cased factor as fitted; empty if there is none from 0 to 1.",
     ),
 )
+#: after the time; COLUMN stands for the name of a column of history.csv, whose unit the columns have
+CALIBRATION_SERIES: tuple[Quantity, ...] = (
+    _row(
+        "COLUMN read",
+        "-",
+        "Read",
+        "CRED",
+        "Reading of the log, as a column of history.csv; empty where nothing was read.",
+        kind="none",
+    ),
+    _row(
+        "COLUMN computed", "-", "Computed", "CCMP", "The same, computed with the fitted numbers.", kind="none"
+    ),
+)
+
 _CALIBRATED = {q.name: q for q in MEASURED}
 BESIDE: tuple[Quantity, ...] = (
     _DEPTH,

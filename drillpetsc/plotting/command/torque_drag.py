@@ -10,7 +10,12 @@ from typing import Any
 import numpy as np
 
 from drillpetsc.output.files.json_file import read_summary
-from drillpetsc.output.files.run_folder import CALIBRATION_TABLE, ROADMAP_FILE, ROADMAP_TABLE
+from drillpetsc.output.files.run_folder import (
+    CALIBRATION_SERIES,
+    CALIBRATION_TABLE,
+    ROADMAP_FILE,
+    ROADMAP_TABLE,
+)
 from drillpetsc.output.files.tables import read_table
 from drillpetsc.plotting import style
 from drillpetsc.plotting.style import LINE_COLORS
@@ -55,7 +60,29 @@ def torque_drag_drawers(folder: Path, title: str, system: System) -> dict[str, C
         drawers["calibration"] = lambda: _calibration(
             read_table(folder / CALIBRATION_TABLE), read_summary(folder / "summary.json"), title, system
         )
+    if (folder / CALIBRATION_SERIES).exists():
+        drawers["calibration_series"] = lambda: _series(read_table(folder / CALIBRATION_SERIES), title)
     return drawers
+
+
+def _series(table: Table, title: str) -> Any:
+    """The columns of a log over time, beside the run with the fitted numbers."""
+    names = [column.split(" read [")[0] for column in table if " read [" in column]
+    drawing = style.figure(10.0, 1.5 + 2.2 * len(names), dpi=110)
+    top = style.heading(drawing, f"{title}: log and run with the fitted numbers")
+    panels = drawing.subplots(len(names), 1, sharex=True, squeeze=False)[:, 0]
+    for axes, name in zip(panels, names, strict=True):
+        title_read = next(column for column in table if column.startswith(f"{name} read ["))
+        read, computed = table[title_read], table[title_read.replace(" read [", " computed [")]
+        size, shown = style.display_unit(title_read.replace(" read", ""), read)
+        read, computed = read / size, computed / size
+        axes.plot(table["time [s]"], read, ".", color="0.45", markersize=3, label="read")
+        axes.plot(table["time [s]"], computed, color=LINE_COLORS[0], linewidth=1.2, label="computed")
+        axes.set_ylabel(f"{name.replace('_', ' ')} [{shown}]")
+    panels[0].legend(frameon=False, fontsize=8.5, ncols=2, loc="lower right", bbox_to_anchor=(1, 1))
+    panels[-1].set_xlabel("time [s]")
+    drawing.tight_layout(rect=(0, 0, 1, top))
+    return drawing
 
 
 def _calibration(table: Table, summary: dict[str, Any], title: str, system: System) -> Any:

@@ -7,14 +7,13 @@ the accepted state is factored once a step.  No system beside the run is solved.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
 from drillpetsc.arrays import FloatArray
 from drillpetsc.errors import SolveError
 from drillpetsc.fem.assembly import spin_derivatives
-from drillpetsc.fem.discrete_system import DiscreteSystem
+from drillpetsc.solvers.time.beside_rows import Beside, BesideRows
 from drillpetsc.solvers.time.consistent_start import ConsistentStart
 from drillpetsc.solvers.time.formula_derivatives import AlphaDerivatives, BdfDerivatives
 from drillpetsc.solvers.time.generalized_alpha import GeneralizedAlpha
@@ -22,15 +21,6 @@ from drillpetsc.solvers.time.newton import CondensedNewton
 from drillpetsc.solvers.time.time_integrator import TimeIntegrator
 
 SAME_SHIFT = 1e-9  # relative: the formula here is the integrator's
-
-
-@dataclass(frozen=True)
-class Beside:
-    """A system with a parameter changed.  change: of the parameter [its SI unit]; weight: in a derivative by it [1/SI]."""
-
-    system: DiscreteSystem
-    change: float
-    weight: float
 
 
 class StepTangent:
@@ -55,30 +45,13 @@ class StepTangent:
         else:
             self.formula = BdfDerivatives(integrator.order, self._two)
         self._remember = any(b.system._remembering for group in groups for b in group)
-        self._rows, self._step = system.new_condensed(), np.zeros(len(layout.local_of_owned))
+        self._beside, self._step = BesideRows(system, groups), np.zeros(len(layout.local_of_owned))
         self._reference = system.assembly.reference.copy()
         self._take_states(rates=True)
         integrator.follower = self
         integrator.after_step.append(self._follow)
 
     # ------------------------------------------------------------------ states of the systems beside the run
-    def place(self, beside: Beside, k: int) -> None:
-        """Put a system into the state of the run, moved along the derivatives by the parameter ``k``."""
-        ours, theirs, n, c = (
-            self.system.assembly,
-            beside.system.assembly,
-            self.system.layout.size,
-            beside.change,
-        )
-        theirs.x[:n] = ours.x[:n] + c * self.x[k]
-        theirs.y[:n] = ours.y[:n] + c * self.y[k]
-        theirs.a[:n] = ours.a[:n] + c * self.a[k]
-
-    def _place_all(self) -> None:
-        for k, group in enumerate(self.groups):
-            for beside in group:
-                self.place(beside, k)
-
     def _difference(self, k: int, values: Sequence[FloatArray]) -> FloatArray:
         """The derivative by the parameter ``k`` of values at the systems beside the run."""
         return np.asarray(sum(b.weight * v for b, v in zip(self.groups[k], values, strict=True)))
@@ -94,7 +67,7 @@ class StepTangent:
     # ------------------------------------------------------------------ called by the integrator
     def change_states(self, t: float, changed: bool) -> None:
         """An input jumps or bends at ``t`` [s]: components may change states; changed: the run's have."""
-        self._place_all()
+        self._beside.place_all(self.x, self.y, self.a)
         for group in self.groups:
             for beside in group:
                 for component in beside.system.components:
@@ -109,7 +82,7 @@ class StepTangent:
             return
         n = self.system.layout.size
         more = [np.zeros_like(self.x), np.zeros_like(self.x)]
-        self._place_all()
+        self._beside.place_all(self.x, self.y, self.a)
         for k, (group, starts) in enumerate(zip(self.groups, self._starts, strict=True)):
             found = []
             for beside, begin in zip(group, starts, strict=True):
@@ -143,7 +116,7 @@ class StepTangent:
         self.x, self.y, self.a = self._solve(t)
         self.formula.advance(t, self.x, self.y, self.a)
         if self._remember:
-            self._place_all()
+            self._beside.place_all(self.x, self.y, self.a)
             for group in self.groups:
                 for beside in group:
                     beside.system.accept(t)
@@ -161,8 +134,9 @@ class StepTangent:
         self._refresh()
         by_v, by_w = spin_derivatives(asm)
         spin, tangent = asm.spin_at[:, 0], asm.spin_at[:, 1:2] + np.arange(3)
-        # a guess with the last rates, so that the systems beside the run differ little from it
-        given = self._prescribed(newton.t)
+        # a guess with the last rates, so that the systems beside the run differ little from it; prescribed unknowns are known before
+        # the solve, in whose matrix they have rates
+        given = self._beside.prescribed(newton.t)
         guess = np.where(self._two, (self.y - v0) / shift, self.x)
         for f in asm.row_replacements:
             guess[:, f.rows] = guess[:, f.rows] @ f.complement + given[:, f.rows]
@@ -177,40 +151,30 @@ class StepTangent:
 
         x, dy = guess.copy(), rates(guess)
         da = second * dy + v1
-        held: list[list[FloatArray]] = []
-        for k, group in enumerate(self.groups):
-            rows, ends = [], []
-            for beside in group:
-                rows.append(self._rows_beside(beside, (guess[k], dy[k], da[k], v1[k]), newton.t, second))
-                ends.append([beside.system.assembly.y[f.rows] for f in asm.row_replacements])
-            assert newton.factor is not None
-            newton.factor.solve_owned(-self._difference(k, rows), self._step)
+        self._beside.prepare(newton.t, shift, second)
+        rows = -self._beside.derivative((guess, dy, da, np.asarray(v1)), newton.t, second)
+        assert newton.factor is not None
+        for k, q in enumerate(rows):
+            newton.factor.solve_owned(q, self._step)
             x[k, system.layout.local_of_owned] += self._step
             if system.ends is not None:
                 system.ends.spread(x[k])
-            held.append([self._difference(k, list(parts)) for parts in zip(*ends, strict=True)])
+        held = [
+            [
+                self._difference(k, [b.system.assembly.y[f.rows] for b in group])
+                for k, group in enumerate(self.groups)
+            ]
+            for f in asm.row_replacements
+        ]
         y = rates(x)
         for i, f in enumerate(asm.row_replacements):
             # along prescribed directions the rate is given, and not that of the formula
             moved = (y - dy)[:, f.rows] @ f.complement
-            y[:, f.rows] = moved + np.array([ends[i] for ends in held])
+            y[:, f.rows] = moved + np.array(held[i])
             if f.leans:
                 node = int(np.flatnonzero(spin == f.rows[6])[0])
                 y[:, f.rows[6]] += (x - guess)[:, tangent[node]] @ by_v[node] + moved[:, 3:6] @ by_w[node]
         return x, y, second * y + v1
-
-    def _prescribed(self, t: float) -> FloatArray:
-        """Derivatives (k, n) of the prescribed unknowns at ``t`` [s], zero elsewhere.
-
-        They are known before the solve, in whose matrix they have rates.
-        """
-        x, ours = np.zeros_like(self.x), self.system.assembly.x
-        for k, group in enumerate(self.groups):
-            for beside in group:
-                for f in beside.system.assembly.row_replacements:
-                    f.evaluate(t, ours)
-                    x[k, f.rows] += beside.weight * (f.D.T @ (f.value - f.D @ ours[f.rows]))
-        return x
 
     def _refresh(self) -> None:
         """Factor the Jacobian at the present state; Newton's method goes on with it."""
@@ -222,27 +186,6 @@ class StepTangent:
         newton.factor.factor(self.system.assembly.values)
         iteration.take_factor()
 
-    def _rows_beside(
-        self, beside: Beside, moved: tuple[FloatArray, ...], t: float, second: float
-    ) -> FloatArray:
-        """Rows (owned,) of a system at the unknowns of the run, with x, y, a, v1 ``moved`` along derivatives; t: of the inputs [s]."""
-        ours, theirs, n, c = (
-            self.system.assembly,
-            beside.system.assembly,
-            self.system.layout.size,
-            beside.change,
-        )
-        theirs.x[:n] = ours.x[:n] + c * moved[0]
-        theirs.y[:n] = ours.y[:n] + c * moved[1]
-        theirs.a[:n] = ours.a[:n] + c * moved[2]
-        if theirs.row_replacements:
-            theirs.v1[:n] = ours.v1[:n] + c * moved[3]
-            theirs.apply_prescribed_rates(t, second)
-        beside.system.sum_residual(t, self._rows)
-        return self._rows.getArray().copy()
-
-    def balance(self, beside: Beside, k: int, t: float) -> FloatArray:
-        """Rows (owned,) of a system that has been moved along the derivatives, with its reactions; ``t``: of the inputs [s]."""
-        self.place(beside, k)
-        beside.system.sum_residual(t, self._rows)
-        return self._rows.getArray().copy()
+    def balance(self, t: float) -> None:
+        """Move the systems along the derivatives, and find their reactions; ``t``: of the inputs [s]."""
+        self._beside.balance(self.x, self.y, self.a, t)

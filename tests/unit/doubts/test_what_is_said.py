@@ -7,10 +7,11 @@ from typing import Any
 
 import numpy as np
 
+from drillpetsc.analysis.calibration.estimator import Fit
 from drillpetsc.analysis.hydraulics.doubts import TripPlan
 from drillpetsc.analysis.linear.doubts import GrowsAtSpeeds
 from drillpetsc.analysis.loads.torque_drag.readings.calibrate import _warnings
-from drillpetsc.analysis.loads.torque_drag.readings.calibration import Calibration, Fit
+from drillpetsc.analysis.loads.torque_drag.readings.calibration import Calibration
 from drillpetsc.case import Case
 from drillpetsc.doubts.doubt import doubts_at
 from tests.helpers.tables import each_row

@@ -144,10 +144,11 @@ def test_calibration_of_a_drilling_log():
     their trend, 4 to 6 independent points; half width 0.0025 for independent errors and 0.0228 for blocks of 100 m; open hole from
     0.274 down to 0.178 in windows of 50 m; second half predicted -0.55 % and 0.60 % rms in hook load, +7.5 and 8.4 % in torque.
     """
+    from drillpetsc.analysis.calibration.estimator import SOFT_SCALE
     from drillpetsc.analysis.commands.import_log import points_of_log
     from drillpetsc.analysis.loads.torque_drag.readings.along_depth import changes, moving_blocks
     from drillpetsc.analysis.loads.torque_drag.readings.by_depth import drift_by_windows
-    from drillpetsc.analysis.loads.torque_drag.readings.calibration import SOFT_SCALE, Calibration
+    from drillpetsc.analysis.loads.torque_drag.readings.calibration import Calibration
     from drillpetsc.analysis.loads.torque_drag.readings.held_out import hold_out_depth, predict
 
     case = load_case(record("volve-f5/f5.yaml"), ["well.sections[0].friction=0.2"])

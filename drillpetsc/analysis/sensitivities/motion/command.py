@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -16,7 +15,7 @@ from drillpetsc.analysis.sensitivities.doubts import Checked, Differentiated, Fo
 from drillpetsc.analysis.sensitivities.keys import Key
 from drillpetsc.analysis.sensitivities.motion.chaos import determined_until
 from drillpetsc.analysis.sensitivities.motion.outputs import RunOutput, parsed_outputs
-from drillpetsc.analysis.sensitivities.motion.run_of_case import RunOfCase, RunSeries
+from drillpetsc.analysis.sensitivities.motion.run_of_case import TOLERANCE, RunOfCase, RunSeries, converged
 from drillpetsc.analysis.sensitivities.rows import plain, row_of, row_of_check, without_effect, write_rows
 from drillpetsc.analysis.sensitivities.solution import Output
 from drillpetsc.arrays import FloatArray
@@ -36,7 +35,6 @@ from drillpetsc.solvers.time.scaled_tolerance import scaled_tolerance
 USUAL = ("surface_torque.mean", "hook_load.mean")
 #: relative, of the differences of runs with frozen steps: at ten times these, their curvature in stick-slip leaves 3e-4
 CHECK_STEPS = 1e-4, 1e-5
-TOLERANCE, NEWTON = "q_snes_stol", 1e-10  # of Newton's method, at most
 LOOSER = 10.0  # tolerance of the run with which the derivatives are compared, over that of the run
 MOVES, SMALL = (
     0.1,
@@ -57,7 +55,7 @@ def run_sensitivities_of_run(
     Raises CaseError for a run, a key or an output whose derivatives are not computed.
     """
     case = job.case
-    with options.applied(case.petsc), _converged():
+    with options.applied(case.petsc), converged():
         run = RunOfCase(case, job.comm)
         end = float(case.given_time.end)
         outputs = parsed_outputs(
@@ -205,7 +203,7 @@ class _Repeated:
     def values(self, key: Key, change: float) -> FloatArray:
         """Outputs (m,) of the run with the key changed by ``change`` [its SI unit]; collective."""
         case = key.changed(self.case, key.value + change)
-        with options.applied(case.petsc), _converged():
+        with options.applied(case.petsc), converged():
             run = RunOfCase(case, self.comm)
             run.freeze(self.series.steps)
             series = run.series([], self.columns)
@@ -239,22 +237,6 @@ class _Repeated:
                     Checked(self.case, d.output.name, key.name, d.slope * scale, float(difference) * scale)
                 )
         return out
-
-
-@contextmanager
-def _converged() -> Iterator[None]:
-    """Newton's method converged, whatever the tolerance of the case: the remainder of an iteration has another derivative."""
-    database = PETSc.Options()
-    given = database.getString(TOLERANCE, "") if database.hasName(TOLERANCE) else ""
-    if not given or float(given) > NEWTON:
-        database.setValue(TOLERANCE, str(NEWTON))
-    try:
-        yield
-    finally:
-        if given:
-            database.setValue(TOLERANCE, given)
-        else:
-            database.delValue(TOLERANCE)
 
 
 # ---------------------------------------------------------------------- files and screen

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import time as clock
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 
 import numpy as np
@@ -23,13 +24,16 @@ from drillpetsc.case.case import Case
 from drillpetsc.errors import CaseError
 from drillpetsc.model.drilling_model import DrillingModel, build_model, is_quasi_static
 from drillpetsc.model.mesh import MeshOf
+from drillpetsc.output.column_series import ColumnSeries
 from drillpetsc.output.recorder import Recorder
 from drillpetsc.physics.bit.rock_bit import RockBit
-from drillpetsc.solvers.time.step_tangent import Beside, StepTangent
+from drillpetsc.solvers.time.beside_rows import Beside
+from drillpetsc.solvers.time.step_tangent import StepTangent
 from drillpetsc.solvers.time.time_integrator import TimeIntegrator
 
 #: of the cases beside the run, relative: contacts yield by micrometres, and rates are smooth over so little
 STEP = 3e-6
+TOLERANCE, NEWTON = "q_snes_stol", 1e-10  # of Newton's method, at most
 
 
 @dataclass(frozen=True)
@@ -96,6 +100,22 @@ def refuse_run(case: Case) -> None:
         )
 
 
+@contextmanager
+def converged() -> Iterator[None]:
+    """Newton's method converged, whatever the tolerance of the case: the remainder of an iteration has another derivative."""
+    database = PETSc.Options()
+    given = database.getString(TOLERANCE, "") if database.hasName(TOLERANCE) else ""
+    if not given or float(given) > NEWTON:
+        database.setValue(TOLERANCE, str(NEWTON))
+    try:
+        yield
+    finally:
+        if given:
+            database.setValue(TOLERANCE, given)
+        else:
+            database.delValue(TOLERANCE)
+
+
 class RunOfCase:
     """The model of a case and the integrator of its run.  Raises CaseError for a run whose derivatives are not computed."""
 
@@ -105,7 +125,8 @@ class RunOfCase:
         self.model = build_model(case, comm, like=like)
         self.integrator = make_integrator(self.model)
         _refuse(case, self.model, self.integrator)
-        self.outputs = LiveOutputs(Recorder(self.model))
+        self.recorder = Recorder(self.model)
+        self.outputs = LiveOutputs(self.recorder)
         self.names = [q.name for q in self.outputs.described()]
 
     def freeze(self, steps: FloatArray) -> None:
@@ -172,9 +193,16 @@ class RunOfCase:
         flags = [word for word, holds in ((ONE_SIDED, bends), (LIMIT, limited)) if holds]
         return Neighbours(points, models, ", ".join(flags))
 
-    def series(self, keys: Sequence[Key], columns: Sequence[str], skips: bool = False) -> RunSeries:
-        """Run with the derivatives of columns of the history by keys; ``skips`` as of ``begin``; collective."""
-        return _Run(self, keys, columns, skips).series()
+    def series(
+        self, keys: Sequence[Key], columns: Sequence[str], skips: bool = False, end: float | None = None
+    ) -> RunSeries:
+        """Run with the derivatives of columns of the history by keys; collective.
+
+        skips: as of ``begin``; end: of the run [s], None: the case's.
+        """
+        return _Run(self, keys, columns, skips).series(
+            float(self.case.given_time.end) if end is None else end
+        )
 
 
 def _unknowns(model: DrillingModel) -> tuple[object, ...]:
@@ -199,41 +227,35 @@ class _Run:
             for n in found
         ]
         self.tangent = StepTangent(self.integrator, self.beside) if found else None
-        self.readers = [run.outputs, *(LiveOutputs(Recorder(m)) for n in found for m in n.models)]
-        self.columns = [reader.find(columns) for reader in self.readers]
+        recorders = [run.recorder, *(Recorder(m) for n in found for m in n.models)]
+        self.readers = [ColumnSeries(r, LiveOutputs(r).find(columns)) for r in recorders]
         self.times: list[float] = []
-        self.values: list[list[float]] = []
-        self.slopes: list[FloatArray] = []
         self.steps: list[float] = []
         self.integrator.after_step.append(self._after_step)
 
     def _after_step(self, t: float, dt: float) -> None:
         """Read the columns at the state of a step to ``t`` [s]: of each step, so that no output depends on the rows of the history."""
         self.steps.append(dt)
-        at = self.integrator.newton.t
-        for reader in self.readers:
-            reader.changed()
-        base = self.readers[0].read(self.columns[0], at)
-        slopes, i = np.zeros((len(base), len(self.keys))), 1
-        for k, group in enumerate(self.beside):
-            for beside in group:
-                assert self.tangent is not None
-                self.tangent.balance(beside, k, at)
-                slopes[:, k] += beside.weight * np.array(self.readers[i].read(self.columns[i], at))
-                i += 1
         self.times.append(t)
-        self.values.append(base)
-        self.slopes.append(slopes)
+        if self.tangent is not None:
+            self.tangent.balance(self.integrator.newton.t)
+        for reader in self.readers:
+            reader.add(self.integrator.newton.t)
 
-    def series(self) -> RunSeries:
-        """Integrate to the end; collective."""
-        end, began = float(self.run.case.given_time.end), clock.process_time()
+    def series(self, end: float) -> RunSeries:
+        """Integrate to the ``end`` [s]; collective."""
+        began = clock.process_time()
         self.integrator.run(0.0, end, self.run.model.breaks)
+        base, *beside = [reader.rows() for reader in self.readers]
+        slopes, rows = np.zeros((*base.shape, len(self.keys))), iter(beside)
+        for k, group in enumerate(self.beside):
+            for one in group:
+                slopes[:, :, k] += one.weight * next(rows)
         spent = clock.process_time() - began
         return RunSeries(
             np.array(self.times),
-            np.array(self.values),
-            np.array(self.slopes),
+            base,
+            slopes,
             np.array(self.steps),
             spent,
             self.keys,

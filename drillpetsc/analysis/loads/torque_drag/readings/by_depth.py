@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
+from drillpetsc.analysis.calibration.estimator import Fit
 from drillpetsc.analysis.loads.torque_drag.readings.along_depth import Drift, drift_of, windows
-from drillpetsc.analysis.loads.torque_drag.readings.calibration import LOCKED, Calibration, Fit
+from drillpetsc.analysis.loads.torque_drag.readings.calibration import LOCKED, Calibration
 from drillpetsc.arrays import FloatArray
 
 FEWEST_WINDOWS, DRIFT_STEPS = 5, 4  # of a drift; steps of Newton's method in each window

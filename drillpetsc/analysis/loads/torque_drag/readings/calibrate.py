@@ -8,11 +8,13 @@ from typing import Any
 
 import numpy as np
 
+from drillpetsc.analysis.calibration.estimator import Fit
+from drillpetsc.analysis.calibration.words import keys_of_fit, lines_of_fit, undetermined
 from drillpetsc.analysis.loads.torque_drag.left_out import bends_left_out, cutters_left_out
 from drillpetsc.analysis.loads.torque_drag.operations import plan_of
 from drillpetsc.analysis.loads.torque_drag.readings.along_depth import RESAMPLES, Drift
 from drillpetsc.analysis.loads.torque_drag.readings.by_depth import alone_by_reading, drift_by_windows
-from drillpetsc.analysis.loads.torque_drag.readings.calibration import WEIGHT_ERROR, Calibration, Fit
+from drillpetsc.analysis.loads.torque_drag.readings.calibration import WEIGHT_ERROR, Calibration
 from drillpetsc.analysis.loads.torque_drag.readings.forward_stiff import StiffForward
 from drillpetsc.analysis.loads.torque_drag.readings.held_out import Prediction, hold_out_depth, predict
 from drillpetsc.analysis.loads.torque_drag.readings.next_reading import next_readings, told
@@ -191,15 +193,7 @@ def _notes(case: Case, work: Calibration, parameters: tuple[str, ...]) -> list[s
 
 
 def _warnings(work: Calibration, fit: Fit, parameters: tuple[str, ...], drift: Drift | None) -> list[str]:
-    out = []
-    for name, reason in fit.reasons.items():
-        held = work.default(name)
-        also = not np.isnan(fit.value).all() and np.isfinite(held)
-        words = work.parameter(name).shown(held, work.units)
-        out.append(
-            f"{name} is not determined: {reason}"
-            + (f"; the others are found with {words} of the case" if also else "")
-        )
+    out = undetermined(work, fit)
     if not {"block_weight", "weight_factor"} & set(parameters):
         out += _weight_error(work)
     if drift is not None and drift.drifts:
@@ -252,71 +246,22 @@ def weight_share(work: Calibration, read: float, computed: float) -> float:
 def _summary(
     case: Case, work: Calibration, fit: Fit, system: System, warnings: list[str], notes: list[str]
 ) -> dict[str, Any]:
-    def plain(x: float) -> float | None:
-        return None if np.isnan(x) else float(x)
-
     return {
         "title": case.title,
         "units": system,
         "model": "soft" if work.is_soft else "stiff",
-        "fit": {
-            name: {
-                "value": plain(value),
-                "interval": None if np.isnan(width) else [float(value - width), float(value + width)],
-                "independent_interval": None if np.isnan(own) else [float(value - own), float(value + own)],
-                "unit": work.parameter(name).si_unit,
-                "status": _status(fit, name),
-            }
-            for name, value, width, own in zip(
-                fit.parameters, fit.value, fit.interval, fit.independent, strict=True
-            )
-        },
-        "parameters": list(fit.parameters),
-        "correlation": [[plain(x) for x in row] for row in fit.correlation],
-        "reduced_chi2": plain(fit.chi2),
+        **keys_of_fit(work, fit),
         "warnings": warnings,
         "notes": notes,
     }
 
 
-def _status(fit: Fit, name: str) -> str:
-    if name in fit.reasons:
-        return f"not determined: {fit.reasons[name]}"
-    return "prior kept" if name in fit.priors else "determined"
-
-
 def _lines(work: Calibration, fit: Fit, summary: dict[str, Any], further: str) -> list[str]:
-    system = work.units
     lines = [
         f"{work.case.title or 'case'}: calibration with {len(work.data.value)} readings of {len(work.points)} points"
         + ("" if work.is_soft else f", {MODELS['stiff']}")
     ]
-    for name, value, width, own in zip(fit.parameters, fit.value, fit.interval, fit.independent, strict=True):
-        p = work.parameter(name)
-        (scale, unit), words = p.unit(system), p.words
-        unit = f" {unit}" if unit else ""
-        if np.isnan(value):
-            lines.append(f"  {words:<22} not determined: {fit.reasons[name]}")
-        elif np.isnan(width):
-            lines.append(
-                f"  {words:<22} {value / scale:10.4g}{unit}   no interval: as many unknowns as readings"
-            )
-        else:
-            a, b = (value - width) / scale, (value + width) / scale
-            more = "; the prior is kept: the points add nothing" if name in fit.priors else ""
-            if fit.lengths is not None:
-                more = f" ({(value - own) / scale:.4g} to {(value + own) / scale:.4g} were the errors independent){more}"
-            lines.append(
-                f"  {words:<22} {value / scale:10.4g}{unit}   95 % interval {a:.4g} to {b:.4g}{more}"
-            )
-    if not np.isnan(fit.chi2):
-        lines.append(f"  reduced chi2 {fit.chi2:.3g}")
-    kept = [fit.parameters.index(name) for name in fit.kept]
-    for a, i in enumerate(kept):
-        for j in kept[a + 1 :]:
-            lines.append(
-                f"  correlation of {fit.parameters[i]} and {fit.parameters[j]}: {fit.correlation[i, j]:.3f}"
-            )
+    lines += lines_of_fit(work, fit)
     for name, row in (summary["correlation_length"] or {}).items():
         lines.append(
             f"  {name}: errors correlated over {row['raw [m]']:.3g} m, {row['detrended [m]']:.3g} m without their trend; "

@@ -7,8 +7,9 @@ from typing import Any
 
 import numpy as np
 
+from drillpetsc.analysis.calibration.estimator import Fit
 from drillpetsc.analysis.loads.torque_drag.readings.by_depth import deepest_factor
-from drillpetsc.analysis.loads.torque_drag.readings.calibration import Calibration, Fit
+from drillpetsc.analysis.loads.torque_drag.readings.calibration import Calibration
 from drillpetsc.analysis.loads.torque_drag.readings.model_error import ModelError, relative
 from drillpetsc.arrays import FloatArray
 from drillpetsc.case.blocks.roadmap import MeasuredPoint

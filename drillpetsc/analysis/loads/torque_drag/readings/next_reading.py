@@ -7,13 +7,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from drillpetsc.analysis.calibration.estimator import ALIKE, Fit
 from drillpetsc.analysis.loads.torque_drag.readings.calibration import (
-    ALIKE,
     LOCKED,
     RELATIVE_SIGMA,
     SMALLEST_SIGMA,
     Calibration,
-    Fit,
 )
 from drillpetsc.analysis.loads.torque_drag.string_rows import rows_at
 from drillpetsc.arrays import FloatArray
