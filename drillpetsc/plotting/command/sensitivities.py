@@ -46,15 +46,13 @@ def _tornado(table: dict[str, np.ndarray], effect: np.ndarray, title: str, syste
     names = names[:MOST_PANELS]
     rows = -(-len(names) // 2) if len(names) > 1 else 1
     bars = max(_bars(table, effect, deepest, name).size for name in names)
-    drawing = style.figure(13.0 if len(names) > 1 else 8.5, 1.2 + rows * (1.1 + 0.34 * bars), dpi=110)
-    top = style.heading(drawing, title)
+    drawing = style.sheet(13.0 if len(names) > 1 else 8.5, 1.2 + rows * (1.1 + 0.34 * bars), title)
     grid = drawing.subplots(rows, min(len(names), 2), squeeze=False)
     for axes, name in zip(grid.flat, names, strict=False):
         _panel(axes, table, effect, _bars(table, effect, deepest, name), system)
     for axes in list(grid.flat)[len(names) :]:
         axes.set_visible(False)
-    drawing.tight_layout(rect=(0, 0, 1, top))
-    return drawing
+    return drawing.fitted()
 
 
 def _bars(table: dict[str, np.ndarray], effect: np.ndarray, chosen: np.ndarray, name: str) -> np.ndarray:

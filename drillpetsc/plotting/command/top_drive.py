@@ -20,8 +20,7 @@ def draw_reflection(folder: Path, title: str) -> Any:
     file = RunFolder(folder).summary
     found = (read_summary(file) if file.exists() else {}).get("top_drive", {})
     kinds = [law["kind"] for law in found.get("control", ())]
-    drawing = style.figure(8.0, 4.5, dpi=110)
-    top = style.heading(drawing, f"{title}: reflection at the top")
+    drawing = style.sheet(8.0, 4.5, f"{title}: reflection at the top")
     axes = drawing.subplots()
     number, frequency, size = (
         table[f"{name}"] for name in ("controller [-]", "wave_frequency [Hz]", "reflection [-]")
@@ -40,5 +39,4 @@ def draw_reflection(folder: Path, title: str) -> Any:
     )
     axes.set(xlabel="Frequency [Hz]", ylabel="Reflected part of a torsional wave |r| [-]")
     axes.legend(frameon=False)
-    drawing.tight_layout(rect=(0, 0, 1, top))
-    return drawing
+    return drawing.fitted()

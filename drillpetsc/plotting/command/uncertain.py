@@ -36,9 +36,8 @@ def _bands(table: dict[str, np.ndarray], summary: dict[str, Any], title: str, sy
     outputs = table["output"].astype(str)
     names = list(dict.fromkeys(q.rpartition(".")[2] for q in outputs))
     levels = summary["levels"]
-    drawing = style.figure(6.5 * len(names), 7.5, dpi=110)
     low, high = (f"P{100 * levels[i]:.4g}" for i in (0, -1))
-    top = style.heading(drawing, f"{title}: {low} to {high}, {summary['samples']} samples")
+    drawing = style.sheet(6.5 * len(names), 7.5, f"{title}: {low} to {high}, {summary['samples']} samples")
     panels = drawing.subplots(1, len(names), sharey=True, squeeze=False)[0]
     length, _, unit = display_unit("length", system)
     for axes, name in zip(panels, names, strict=True):
@@ -66,8 +65,7 @@ def _bands(table: dict[str, np.ndarray], summary: dict[str, Any], title: str, sy
         axes.legend(fontsize=8.5)
     panels[0].set_ylabel(f"bit depth [{unit}]")
     panels[0].invert_yaxis()
-    drawing.tight_layout(rect=(0, 0, 1, top))
-    return drawing
+    return drawing.fitted()
 
 
 def _band(

@@ -85,8 +85,9 @@ def draw_waterfall(signal: Signal, title: str, segment: float | None = None, ord
             found = vibration.spectrogram(signal.time, signal.values, segment)
     except ValueError as error:
         raise CaseError(at="--order" if order else "--waterfall", got=signal.name, want=str(error)) from None
-    drawing = style.figure(11.0, 5.2, dpi=110)
-    top = style.heading(drawing, f"{title}: {signal.name}, {'orders of rotation' if order else 'waterfall'}")
+    drawing = style.sheet(
+        11.0, 5.2, f"{title}: {signal.name}, {'orders of rotation' if order else 'waterfall'}"
+    )
     axes = drawing.subplots()
     text = f"amplitude of {words(signal.title).lower()}" + (f" [{unit}]" if unit else "")
     _colours(axes, found, size, drawing, text)
@@ -122,16 +123,14 @@ def draw_waterfall(signal: Signal, title: str, segment: float | None = None, ord
     axes.set_xlim(
         found.time[0] if len(found.time) > 1 else None, found.time[-1] if len(found.time) > 1 else None
     )
-    drawing.tight_layout(rect=(0, 0, 1, top))
-    return drawing
+    return drawing.fitted()
 
 
 def draw_power(signal: Signal, title: str, segment: float | None = None) -> Any:
     """Power density of a signal over the frequency."""
     size, unit = _shown(signal.title, signal.values)
     frequency, density = vibration.power_density(signal.time, signal.values / size, segment)
-    drawing = style.figure(8.5, 4.8, dpi=110)
-    top = style.heading(drawing, f"{title}: {signal.name}, power density")
+    drawing = style.sheet(8.5, 4.8, f"{title}: {signal.name}, power density")
     axes = drawing.subplots()
     axes.loglog(frequency[1:], np.maximum(density[1:], 1e-300), color=LINE_COLORS[0], linewidth=1.1)
     largest = float(density[1:].max(initial=1e-300))
@@ -140,8 +139,7 @@ def draw_power(signal: Signal, title: str, segment: float | None = None) -> Any:
         axes.axvspan(signal.limit, frequency[-1], color="0.85", zorder=0)
     axes.set_xlabel("frequency [Hz]" + (f"      ({signal.told}: shaded)" if signal.told else ""))
     axes.set_ylabel(f"power density of {words(signal.title).lower()} [{f'{unit}^2/Hz' if unit else '1/Hz'}]")
-    drawing.tight_layout(rect=(0, 0, 1, top))
-    return drawing
+    return drawing.fitted()
 
 
 # ---------------------------------------------------------------------- pictures of every folder that has the tables
@@ -162,8 +160,7 @@ def _panels(table: dict[str, np.ndarray], titles: list[list[str]], heading: str)
     time = next(iter(table.values()))
     if not kept or not len(time):
         return None
-    drawing = style.figure(11.0, 0.9 + 1.6 * len(kept), dpi=110)
-    top = style.heading(drawing, heading)
+    drawing = style.sheet(11.0, 0.9 + 1.6 * len(kept), heading)
     for axes, group in zip(
         drawing.subplots(len(kept), 1, squeeze=False, sharex=True)[:, 0], kept, strict=True
     ):
@@ -181,8 +178,7 @@ def _panels(table: dict[str, np.ndarray], titles: list[list[str]], heading: str)
         style.level(axes, together / size, False)
         axes.margins(x=0.0)
     axes.set_xlabel("time [s]")
-    drawing.tight_layout(rect=(0, 0, 1, top))
-    return drawing
+    return drawing.fitted()
 
 
 def _thinned(time: np.ndarray, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -238,8 +234,7 @@ def draw_whirl(table: dict[str, np.ndarray], title: str) -> Any:
     depths = sorted(names)
     classes = list(WHIRL_COLORS)
     rows = np.array([[classes.index(str(c)) for c in table[names[d]]] for d in depths])
-    drawing = style.figure(11.0, 1.7 + 0.5 * max(len(depths), 2), dpi=110)
-    top = style.heading(drawing, f"{title}: whirl over time and depth")
+    drawing = style.sheet(11.0, 1.7 + 0.5 * max(len(depths), 2), f"{title}: whirl over time and depth")
     axes = drawing.subplots()
     step = time[-1] - time[-2] if len(time) > 1 else 1.0
     edges = np.concatenate([time - step, time[-1:]])
@@ -259,8 +254,7 @@ def draw_whirl(table: dict[str, np.ndarray], title: str) -> Any:
     axes.set_ylabel("measured depth")
     handles = [Patch(facecolor=color, edgecolor="0.6", label=name) for name, color in WHIRL_COLORS.items()]
     axes.legend(handles=handles, loc="upper left", bbox_to_anchor=(1.0, 1.0), frameon=False, fontsize=8.5)
-    drawing.tight_layout(rect=(0, 0, 1, top))
-    return drawing
+    return drawing.fitted()
 
 
 def draw_sensor(table: dict[str, np.ndarray], name: str, title: str) -> Any:

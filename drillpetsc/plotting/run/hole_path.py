@@ -30,8 +30,7 @@ def well_path(table: Table, title: str, drilled: float = 0.0) -> Any:
     length, unit = style.depth_unit()
     north, east, depth = (table[f"{name} [m]"] / length for name in ("north", "east", "tvd"))
     away = np.hypot(north - north[0], east - east[0])
-    drawing = style.figure(11.0, 6.2, dpi=110)
-    top = style.heading(drawing, f"{title}: well path")
+    drawing = style.sheet(11.0, 6.2, f"{title}: well path")
     section, plan = drawing.subplots(1, 2)
     start = table["md [m]"][-1] - drilled
     old, new = table["md [m]"] <= start + 1e-6, table["md [m]"] >= start - 1e-6
@@ -78,8 +77,7 @@ def well_path(table: Table, title: str, drilled: float = 0.0) -> Any:
             color="0.35",
         )
     plan.legend(frameon=False)
-    drawing.tight_layout(rect=(0, 0, 1, top))
-    return drawing
+    return drawing.fitted()
 
 
 def new_hole(table: Table, title: str, drilled: float) -> Any:
@@ -95,8 +93,7 @@ def new_hole(table: Table, title: str, drilled: float) -> Any:
     depth, kink = shown / length, start / length
     size, _, per = display_unit("dogleg", style.UNITS.get() or "metric")
     turned = np.degrees(np.unwrap(np.radians(table["azimuth [deg]"])))
-    drawing = style.figure(9.5, 7.5, dpi=110)
-    above = style.heading(drawing, f"{title}: new hole, {drilled / length:.4g} {unit}")
+    drawing = style.sheet(9.5, 7.5, f"{title}: new hole, {drilled / length:.4g} {unit}")
     tracks = drawing.subplots(1, 3, sharey=True)
     _track(tracks[0], depth, np.interp(shown, md, table["inclination [deg]"]), kink, "Inclination [deg]")
     _track(tracks[1], depth, np.interp(shown, md, turned), kink, "Azimuth [deg]")
@@ -127,8 +124,7 @@ def new_hole(table: Table, title: str, drilled: float) -> Any:
             fontsize=8.5,
             color=color,
         )
-    drawing.tight_layout(rect=(0, 0, 1, above))
-    return drawing
+    return drawing.fitted()
 
 
 def _severity(table: Table, md: np.ndarray, course: float) -> np.ndarray:

@@ -274,8 +274,7 @@ def _histories(table: Table, panels: list[list[str]], title: str) -> Any:
     lines = textwrap.wrap("Constant: " + ", ".join(constant), NOTE_WIDTH) if constant else []
     below = 0.1 + 0.17 * len(lines)  # inches
     height = 0.9 + below + 2.15 * rows
-    drawing = style.figure(13.0, height, dpi=110)
-    top = style.heading(drawing, title)
+    drawing = style.sheet(13.0, height, title)
     drawing.text(
         0.012, 0.08 / height, "\n".join(lines), fontsize=8.5, color="0.35", va="bottom", parse_math=False
     )
@@ -317,8 +316,7 @@ def _histories(table: Table, panels: list[list[str]], title: str) -> Any:
         last = [axes for axes in grid[:, column] if axes.figure is not None][-1]
         last.set_xlabel("time [s]")
         last.tick_params(labelbottom=True)
-    drawing.tight_layout(rect=(0, below / height, 1, top), h_pad=1.1)
-    return drawing
+    return drawing.fitted(bottom=below / height, h_pad=1.1)
 
 
 def _changing(table: Table, panels: list[list[str]]) -> tuple[list[list[str]], list[str]]:
@@ -388,8 +386,9 @@ def _orbits(table: Table, clearances: tuple[np.ndarray, np.ndarray] | None, titl
         return None
     columns = min(len(names), 4)
     rows = -(-len(names) // columns)
-    drawing = style.figure(max(3.9 * columns, 6.5), 0.7 + 4.1 * rows, dpi=110)
-    top = style.heading(drawing, f"{title}: orbits of the string's centre")
+    drawing = style.sheet(
+        max(3.9 * columns, 6.5), 0.7 + 4.1 * rows, f"{title}: orbits of the string's centre"
+    )
     lines = None
     size, _, unit = display_unit_of("diameter", style.UNITS.get() or "metric")
     length, depth_text = style.depth_unit()
@@ -417,7 +416,7 @@ def _orbits(table: Table, clearances: tuple[np.ndarray, np.ndarray] | None, titl
     for axes in grid.reshape(-1)[len(names) :]:
         axes.remove()
     width = float(drawing.get_size_inches()[0])
-    drawing.tight_layout(rect=(0, 0, 1 - 1.0 / width, top))
+    drawing.fitted(right=1 - 1.0 / width)
     bar = drawing.add_axes((1 - 0.85 / width, 0.18, 0.13 / width, 0.62))  # 0.7 inches for its numbers
     drawing.colorbar(lines, cax=bar)
     bar.set_title("time [s]", fontsize=9)
@@ -456,8 +455,7 @@ def _probes(table: Table, clearances: tuple[np.ndarray, np.ndarray] | None, titl
     time = next(iter(table.values()))
     if not kept or len(time) < 2:
         return None
-    drawing = style.figure(13.0, 0.9 + 2.4 * len(kept), dpi=110)
-    top = style.heading(drawing, f"{title}: probes")
+    drawing = style.sheet(13.0, 0.9 + 2.4 * len(kept), f"{title}: probes")
     for axes, (column, group) in zip(
         drawing.subplots(len(kept), 1, squeeze=False, sharex=True)[:, 0], kept.items(), strict=True
     ):
@@ -485,8 +483,7 @@ def _probes(table: Table, clearances: tuple[np.ndarray, np.ndarray] | None, titl
         if limits is not None:
             axes.set_ylim(*limits)
     axes.set_xlabel("time [s]")
-    drawing.tight_layout(rect=(0, 0, 1, top))
-    return drawing
+    return drawing.fitted()
 
 
 def _along_depth(table: Table, title: str) -> Any:
@@ -499,8 +496,9 @@ def _along_depth(table: Table, title: str) -> Any:
         return None
     per_row = min(len(numbers), 6)
     rows = -(-len(numbers) // per_row)
-    drawing = style.figure(max(1.2 + 2.3 * per_row, 6.0), 0.9 + 7.2 * rows, dpi=110)
-    top = style.heading(drawing, f"{title}: static equilibrium along the string")
+    drawing = style.sheet(
+        max(1.2 + 2.3 * per_row, 6.0), 0.9 + 7.2 * rows, f"{title}: static equilibrium along the string"
+    )
     grid = drawing.subplots(rows, per_row, squeeze=False, sharey=True)
     for axes, name in zip(grid.reshape(-1), numbers, strict=False):
         size, unit = display_unit(name, table[name])
@@ -527,5 +525,4 @@ def _along_depth(table: Table, title: str) -> Any:
     for axes in grid[:, 0]:
         axes.set_ylabel(f"{words(depth_title)} [{depth_text}]")
     grid[0, 0].set_ylim(depth.max(), depth.min())
-    drawing.tight_layout(rect=(0, 0, 1, top))
-    return drawing
+    return drawing.fitted()
