@@ -27,7 +27,6 @@ from drillpetsc.fem.quantity import Quantity
 from drillpetsc.model.drilling_model import DrillingModel, build_model
 from drillpetsc.model.string_forces import held_at_weight
 from drillpetsc.output import FieldWriter, RunFolder, write_summary, write_table
-from drillpetsc.output.files.case_files import write_case
 from drillpetsc.output.files.tables import Column
 from drillpetsc.output.files.well_files import write_well_files
 from drillpetsc.output.job import Job
@@ -88,7 +87,7 @@ def run_statics(
         ).as_dict()
         fields = FieldOutput(model).fields(0.0)
         if comm.rank == 0:
-            write_case(given, folder)  # as the user has it; the summary has the operation
+            folder.write_case(given)  # as the user has it; the summary has the operation
             _write(model, folder, columns, values, summary, fields)
     return RunResult(folder.path, summary, _lines(given, folder, state, summary))
 

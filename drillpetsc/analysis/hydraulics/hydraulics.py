@@ -39,7 +39,6 @@ from drillpetsc.case.quantities import largest, said
 from drillpetsc.doubts import doubts_at
 from drillpetsc.errors import CaseError
 from drillpetsc.output import write_summary, write_table
-from drillpetsc.output.files.case_files import write_case
 from drillpetsc.output.files.run_folder import (
     FITS_TABLE,
     FLOW_CURVE_TABLE,
@@ -351,7 +350,7 @@ def run_hydraulics(
         folder = job.make_folder()
         summary = _summary(case, hydraulics, results).as_dict()
         if job.comm.rank == 0:
-            write_case(case, folder)
+            folder.write_case(case)
             _write(folder.path, case, results, curve, case.given_fluid.rheology)
             write_summary(folder.summary, summary)
     return job.result(folder, summary, _lines(case, results, summary))

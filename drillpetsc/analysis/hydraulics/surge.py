@@ -40,7 +40,6 @@ from drillpetsc.doubts import doubts_at
 from drillpetsc.errors import CaseError, SolveError
 from drillpetsc.model.fluid import build_rheology
 from drillpetsc.output import write_summary, write_table
-from drillpetsc.output.files.case_files import write_case
 from drillpetsc.output.files.run_folder import SURGE_TABLE, TRIP_SPEED_TABLE
 from drillpetsc.output.job import Job
 from drillpetsc.output.progress import counted
@@ -245,7 +244,7 @@ def run_surge(job: Job, plan: Trips) -> RunResult:
             notes=notes,
         ).as_dict()
         if job.comm.rank == 0:
-            write_case(case, folder)
+            folder.write_case(case)
             columns = [[_cell(row.value(q.name)) for row in rows] for q in quantities]
             write_table(folder.path / SURGE_TABLE, [q.column for q in quantities], columns)
             if fastest:

@@ -47,7 +47,6 @@ from drillpetsc.model.drilling_model import DrillingModel, build_model
 from drillpetsc.model.top.top_drive import continuous_control
 from drillpetsc.output import FieldWriter, RunFolder, write_summary, write_table
 from drillpetsc.output.files.atomic import replace_file
-from drillpetsc.output.files.case_files import write_case
 from drillpetsc.output.files.vtk import write_vtu
 from drillpetsc.output.files.well_files import write_well_files
 from drillpetsc.output.job import Job
@@ -439,7 +438,7 @@ def _summary(model: DrillingModel, found: Modes, state: StaticState, searched: s
 
 def _write(model: DrillingModel, folder: RunFolder, found: Modes, summary: dict[str, Any], fields) -> None:
     """Write the files of the run folder; ``fields``: values of the state, None without a string."""
-    write_case(model.case, folder)
+    folder.write_case(model.case)
     numbers = np.arange(1, found.count + 1)
     stokes = [] if found.stokes_number is None else [found.stokes_number]
     write_table(

@@ -19,7 +19,6 @@ from drillpetsc.model.hole import build_well
 from drillpetsc.model.mesh import build_mesh
 from drillpetsc.model.top.top_drive import laws_of, lowest_torsional_frequency, motor_of, pipe_impedance
 from drillpetsc.output import write_summary, write_table
-from drillpetsc.output.files.case_files import write_case
 from drillpetsc.output.files.run_folder import REFLECTION_TABLE
 from drillpetsc.output.job import Job
 from drillpetsc.output.quantities.frequency import REFLECTION
@@ -58,7 +57,7 @@ def run_top_drive(job: Job) -> RunResult:
         summary["top_drive"]["torsional_frequency"] = None
     folder = job.make_folder()
     if job.comm.rank == 0:
-        write_case(case, folder)
+        folder.write_case(case)
         numbers = np.repeat(np.arange(1, len(laws) + 1), len(FREQUENCIES))
         rows = [numbers, np.tile(FREQUENCIES, len(laws)), np.concatenate(table)]
         write_table(folder.path / REFLECTION_TABLE, [q.column for q in REFLECTION], rows)

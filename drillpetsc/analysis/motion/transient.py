@@ -39,7 +39,6 @@ from drillpetsc.errors import RESTART_HINT, CaseError, Interrupted, SolveError, 
 from drillpetsc.model.drilling_model import DrillingModel, build_model, is_quasi_static
 from drillpetsc.output import RunFolder, read_summary, write_summary
 from drillpetsc.output.balances.energy_balance import EnergyGainMonitor
-from drillpetsc.output.files.case_files import write_case
 from drillpetsc.output.files.run_folder import make_folder
 from drillpetsc.output.files.run_writer import RunWriter, after, passed
 from drillpetsc.output.files.well_files import write_well_files
@@ -290,7 +289,7 @@ class TransientRun:
             if self.saved is None:
                 _write_model(self.model, self.folder)
             else:  # with a later end, or accepted changes
-                write_case(self.model.case, self.folder)
+                self.folder.write_case(self.model.case)
 
     def _move(self) -> None:
         """Compute all steps.  The integrator passes the times of checkpoints, or stops there if its formula cannot be
@@ -502,6 +501,6 @@ class TransientRun:
 
 def _write_model(model: DrillingModel, folder: RunFolder) -> None:
     """Write the case and the hole at the start."""
-    write_case(model.case, folder)
+    folder.write_case(model.case)
     if model.well is not None:
         write_well_files(model, folder)

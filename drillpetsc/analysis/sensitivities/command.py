@@ -27,7 +27,6 @@ from drillpetsc.case.key_paths import suggestion
 from drillpetsc.doubts import doubts_at
 from drillpetsc.errors import CaseError
 from drillpetsc.output import write_summary
-from drillpetsc.output.files.case_files import write_case
 from drillpetsc.output.job import Job
 from drillpetsc.output.progress import counted
 from drillpetsc.output.result import RunResult
@@ -103,7 +102,7 @@ def run_sensitivities(job: Job, question: Question) -> RunResult:
     ).as_dict()
     folder = job.make_folder()
     if job.comm.rank == 0:
-        write_case(case, folder)
+        folder.write_case(case)
         write_rows(folder.path, rows)
         write_summary(folder.summary, summary)
     return job.result(folder, summary, _lines(case, found, compared, summary))

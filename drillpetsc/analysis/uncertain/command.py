@@ -24,7 +24,6 @@ from drillpetsc.case.case import Case
 from drillpetsc.doubts import doubts_at
 from drillpetsc.errors import CaseError
 from drillpetsc.output import write_summary, write_table
-from drillpetsc.output.files.case_files import write_case
 from drillpetsc.output.files.run_folder import UNCERTAIN_LIMITS_TABLE, UNCERTAIN_SHARES_TABLE, UNCERTAIN_TABLE
 from drillpetsc.output.job import Job
 from drillpetsc.output.progress import counted
@@ -102,7 +101,7 @@ def run_uncertain(job: Job, question: Question) -> RunResult:
     ).as_dict()
     folder = job.make_folder()
     if job.comm.rank == 0:
-        write_case(case, folder)
+        folder.write_case(case)
         for name, columns, table in (
             (UNCERTAIN_TABLE, UNCERTAIN, rows),
             (UNCERTAIN_LIMITS_TABLE, UNCERTAIN_LIMITS, limits),

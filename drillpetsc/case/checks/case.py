@@ -19,7 +19,6 @@ from drillpetsc.case.checks.motor import check_motor
 from drillpetsc.case.checks.reamer import check_reamer
 from drillpetsc.case.checks.sensors import check_sensors
 from drillpetsc.case.checks.steering import check_steering
-from drillpetsc.case.checks.window import check_window
 from drillpetsc.case.key_paths import refuse
 from drillpetsc.case.quantities import said
 from drillpetsc.unit_systems import System
@@ -32,7 +31,9 @@ def check_case(case: CaseBlocks) -> None:
     _bit_last(case)
     _well_or_none(case)
     check_fluid(case)
-    check_window(case)
+    if case.window is not None and case.well is None:
+        hint = "pore and frac are limits of the open hole"
+        raise refuse("window", want="no window without a well", hint=hint)
     _string_in_hole(case)
     _stabilizers(case)
     _bit_on_bottom(case)

@@ -17,7 +17,7 @@ from drillpetsc.analysis.linear.frequency.campbell import (
     campbell,
 )
 from drillpetsc.analysis.linear.frequency.critical_map import critical_map, demand_wall, map_columns
-from drillpetsc.analysis.linear.frequency.response import RPM, case_rpm, rpm_of, write_case_folder
+from drillpetsc.analysis.linear.frequency.response import RPM, case_rpm, rpm_of
 from drillpetsc.analysis.linear.frequency.tracking import LEAST_MAC, searched_beside
 from drillpetsc.analysis.linear.frequency.turning import TurningModel, turning_case
 from drillpetsc.analysis.motion.run_options import options_of
@@ -72,7 +72,7 @@ def run_campbell(
         by_wall = critical_map(case, stiffness, sought, without_control, comm)
     summary = _summary(case, found, sought, states, frequency).as_dict()
     if comm.rank == 0:
-        write_case_folder(case, folder.path)
+        folder.write_case(case)
         write_table(folder.path / CAMPBELL_TABLE, [q.column for q in CAMPBELL], _campbell_columns(found))
         rows = _critical_columns(found, summary["case_speed"])
         write_table(folder.path / CRITICAL_TABLE, [q.column for q in CRITICAL], rows)

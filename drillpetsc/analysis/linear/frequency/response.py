@@ -36,8 +36,7 @@ from drillpetsc.errors import CaseError, DrillError, SolveError
 from drillpetsc.fem.string_mesh import StringMesh
 from drillpetsc.model.drilling_model import DrillingModel, build_model
 from drillpetsc.output import write_summary, write_table
-from drillpetsc.output.files.case_files import write_case
-from drillpetsc.output.files.run_folder import RESPONSE_TABLE
+from drillpetsc.output.files.run_folder import RESPONSE_TABLE, RunFolder
 from drillpetsc.output.job import Job
 from drillpetsc.output.measured.flow_recorder import flow_recorder
 from drillpetsc.output.progress import counted
@@ -508,17 +507,10 @@ def _peaks(table: list[list[Any]]) -> list[dict[str, Any]]:
 
 
 def _write(case: Case, folder: Path, table: list[list[Any]]) -> None:
-    write_case_folder(case, folder)
+    RunFolder(folder).write_case(case)
     columns = [np.array(column) for column in zip(*table, strict=True)]
     names = [q.column for q in (*RESPONSE, *RESPONSE_STRESS)][: len(columns)]
     write_table(folder / RESPONSE_TABLE, names, columns)
-
-
-def write_case_folder(case: Case, folder: Path) -> None:
-    """Write the case into a run folder."""
-    from drillpetsc.output.files.run_folder import RunFolder
-
-    write_case(case, RunFolder(folder))
 
 
 SHOWN = (

@@ -13,7 +13,7 @@ from petsc4py import PETSc
 from scipy.optimize import brentq
 
 from drillpetsc.analysis.linear.doubts import Mapped
-from drillpetsc.analysis.linear.frequency.response import RPM, case_rpm, rpm_of, write_case_folder
+from drillpetsc.analysis.linear.frequency.response import RPM, case_rpm, rpm_of
 from drillpetsc.analysis.linear.frequency.stability_runs import BEHAVIOURS, RunPoint, refuse, run_point
 from drillpetsc.analysis.linear.frequency.turning import TurningModel, turning_case
 from drillpetsc.analysis.linear.modal import modes, without_motor
@@ -197,7 +197,7 @@ def run_stability(
                 edges += boundaries(growth, speeds)
     summary = _summary(case, points, len(edges), kind, runs, duration).as_dict()
     if comm.rank == 0:
-        write_case_folder(case, folder.path)
+        folder.write_case(case)
         rows = [[rpm_of(p.speed), p.weight, p.growth, p.frequency, p.kind, p.imbalance] for p in points]
         write_table(folder.path / STABILITY_TABLE, [q.column for q in STABILITY_MAP], _columns(rows, 6))
         rows = [[b.weight, rpm_of(b.speed), "above" if b.stable_above else "below"] for b in edges]

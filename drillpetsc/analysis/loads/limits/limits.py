@@ -45,7 +45,6 @@ from drillpetsc.errors import CaseError
 from drillpetsc.model.drilling_model import DrillingModel, build_model
 from drillpetsc.model.string_forces import held_at_weight
 from drillpetsc.output import write_summary, write_table
-from drillpetsc.output.files.case_files import write_case
 from drillpetsc.output.files.run_folder import CONTACTS_TABLE, LIMITS_TABLE, RunFolder
 from drillpetsc.output.job import Job
 from drillpetsc.output.quantities.limits import CONTACTS, LIMITS
@@ -147,7 +146,7 @@ def run_limits(job: Job, operation: str | None = None, choices: Choices | None =
                 buckling={} if buckled is None else buckled.as_dict(),
                 warnings=[*_state_warnings(state, word), *doubts_at(judged, "warning"), *doubts],
             ).as_dict()
-            write_case(given, folder)  # as the user has it; the summary has the operation
+            folder.write_case(given)  # as the user has it; the summary has the operation
             _write_tables(folder, table, contacts)
             write_summary(folder.summary, summary)
             answer = summary

@@ -45,7 +45,6 @@ from drillpetsc.errors import CaseError, SolveError
 from drillpetsc.fem.quantity import Quantity
 from drillpetsc.geometry.well import Well
 from drillpetsc.output import write_summary, write_table
-from drillpetsc.output.files.case_files import write_case
 from drillpetsc.output.files.run_folder import MEASURED_TABLE, ROADMAP_FILE, ROADMAP_TABLE
 from drillpetsc.output.job import Job
 from drillpetsc.output.quantities.torque_drag import BESIDE, ROADMAP
@@ -300,7 +299,7 @@ def run_roadmap(
     if table is not None:
         summary["measured"] = table.summary
     if job.comm.rank == 0:
-        write_case(case, folder)
+        folder.write_case(case)
         if table is not None:
             _write_rows(folder.path / MEASURED_TABLE, BESIDE, table.rows)
         absent = {

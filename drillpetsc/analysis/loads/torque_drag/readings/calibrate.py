@@ -24,7 +24,6 @@ from drillpetsc.case.case import Case
 from drillpetsc.case.plausible.plausible_operations import readings
 from drillpetsc.errors import CaseError
 from drillpetsc.output import write_summary, write_table
-from drillpetsc.output.files.case_files import write_case
 from drillpetsc.output.files.run_folder import CALIBRATION_TABLE
 from drillpetsc.output.job import Job
 from drillpetsc.output.quantities.torque_drag import MEASURED
@@ -93,7 +92,7 @@ def run_calibrate(
     summary |= _of_depth(fit, drift, prediction) | {"next_readings": [asdict(q) for q in further]}
     folder = job.make_folder()
     if job.comm.rank == 0:
-        write_case(case, folder)
+        folder.write_case(case)
         columns = _rows(
             work, fit.computed, np.full(len(fit.computed), np.nan), alone_by_reading(work, fit), "fitted"
         )
