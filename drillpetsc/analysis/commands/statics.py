@@ -29,10 +29,9 @@ from drillpetsc.model.string_forces import held_at_weight
 from drillpetsc.output import FieldWriter, RunFolder, write_summary, write_table
 from drillpetsc.output.files.tables import Column
 from drillpetsc.output.files.well_files import write_well_files
-from drillpetsc.output.job import Job
+from drillpetsc.output.job import Job, RunResult
 from drillpetsc.output.measured.field_output import FieldOutput
 from drillpetsc.output.quantities import STATIC_SUMMARY
-from drillpetsc.output.result import RunResult
 from drillpetsc.output.static_table import static_table
 from drillpetsc.output.summaries.statics import StaticsSummary
 from drillpetsc.output.watches.buckling import Buckling, buckling

@@ -1,4 +1,7 @@
-"""Alarms: sums of standardised errors of the forecast that was made one stand before (manual: sec-follow-alarms)."""
+"""Alarms: sums of standardised errors of the forecast that was made one stand before, and of the level of the pump pressure; their words.
+
+Manual: sec-follow-alarms, sec-follow-pressure.
+"""
 
 from __future__ import annotations
 
@@ -6,6 +9,15 @@ from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
+
+from drillpetsc.analysis.follow.follower import Follower, Update
+from drillpetsc.analysis.loads.torque_drag.batch import Columns, Hole, soft_strings
+from drillpetsc.analysis.loads.torque_drag.operations import groups_of
+from drillpetsc.analysis.loads.torque_drag.roadmap import densities_of
+from drillpetsc.analysis.loads.torque_drag.string_rows import gravity_of, mud_level, rows_at
+from drillpetsc.analysis.loads.torque_drag.table import still_mud, stress_and_margin
+from drillpetsc.case.case import Case
+from drillpetsc.unit_systems import shown
 
 PULL, RUN_IN, TORQUE, WEIGHT, PRESSURE, PRESSURE_LOST = (
     "drag on pull", "drag on run in", "torque", "weight lost", "pressure", "pressure lost",
@@ -143,3 +155,113 @@ class Watch:
             key: _Row(start, [(a, b, c) for a, b, c in errors])
             for key, (start, errors) in saved["rows"].items()
         }
+
+
+EXPONENT = 1.85  # of the flow rate: 1.75 of turbulent friction (Blasius), 2 of nozzles and tools
+NOISE = 0.01  # relative standard error of a reading
+WALK = 0.003  # change of the logarithm per square root of a metre: a deeper string, mud that is treated [1/sqrt(m)]
+
+
+class PressureTrack:
+    """Estimate of z = ln(p / Q^1.85) [SI], which walks along the hole; a Kalman filter of one state."""
+
+    def __init__(self) -> None:
+        self.level, self.variance = float("nan"), 0.0
+
+    def walk(self, distance: float) -> None:
+        """Let the level wander over a distance [m]."""
+        self.variance += WALK**2 * distance
+
+    def see(self, pressure: float, flow: float, teaches: bool) -> None:
+        """Correct the level by a pump pressure [Pa] at a flow rate [m3/s]."""
+        if not teaches or not (pressure > 0 and flow > 0):
+            return
+        z = float(np.log(pressure) - EXPONENT * np.log(flow))
+        if np.isnan(self.level):
+            self.level, self.variance = z, NOISE**2
+            return
+        gain = self.variance / (self.variance + NOISE**2)
+        self.level += gain * (z - self.level)
+        self.variance *= 1 - gain
+
+    def error(self, pressure: float, flow: float, before: float | None, distance: float) -> Error | None:
+        """A pump pressure [Pa] and its forecast from the level ``before``, which was estimated ``distance`` [m] earlier.
+
+        None if there was no level, pressure or flow.
+        """
+        if before is None or np.isnan(before) or not (pressure > 0 and flow > 0):
+            return None
+        forecast = float(np.exp(before + EXPONENT * np.log(flow)))
+        return Error(pressure, forecast, forecast * float(np.sqrt(WALK**2 * distance + 2 * NOISE**2)))
+
+    def saved(self) -> dict[str, Any]:
+        """Everything that a restart needs."""
+        return {"level": self.level, "variance": self.variance}
+
+    def restore(self, saved: dict[str, Any]) -> None:
+        """Continue from what was saved."""
+        self.level = float("nan") if saved["level"] is None else saved["level"]
+        self.variance = saved["variance"]
+
+
+LOOK_FOR = {
+    PULL: "tight hole, cuttings or a ledge",
+    RUN_IN: "a ledge, cuttings or lost weight",
+    TORQUE: "cuttings packing off, or a worn or balling bit",
+    WEIGHT: "a parted string or a washout; compare pressure",
+    PRESSURE: "packing off or plugged nozzles",
+    PRESSURE_LOST: "a washout, a lost nozzle or a pump that fails",
+}
+_KIND = {"hook_load": "force", "torque": "torque", "pump_pressure": "pressure"}
+_READING = {PULL: "hook_load", RUN_IN: "hook_load", WEIGHT: "hook_load", TORQUE: "torque"}
+
+
+def told(case: Case, alarm: Alarm, update: Update, follower: Follower) -> str:
+    """The text of an alarm in the units of the case."""
+    units = case.shown_units
+    reading = _READING.get(alarm.kind, "pump_pressure")
+    size = shown(abs(alarm.excess), _KIND[reading], units, 3, plot=reading == "torque")
+    where, since = (shown(q, "length", units, 5) for q in (alarm.bit_depth, alarm.since))
+    side = "above" if alarm.excess > 0 else "below"
+    text = f"MD {where}, {alarm.operation.replace('_', ' ')}: {alarm.kind}, {size} ({abs(alarm.share):.0%}) {side} the forecast of one stand before, "
+    text += f"building since MD {since}; {_margin(case, reading, update, follower)}; look for {LOOK_FOR[alarm.kind]}"
+    return text
+
+
+def _margin(case: Case, reading: str, update: Update, follower: Follower) -> str:
+    """The margin left, in words."""
+    row, rig, units = update.reading, case.rig, case.shown_units
+    if reading == "torque":
+        largest = None if rig is None else rig.max_surface_torque
+        if largest is None:
+            return "margin unknown: the case has no rig.max_surface_torque"
+        return f"{shown(largest - row.torque, 'torque', units, 3, plot=True)} left to rig.max_surface_torque"
+    if reading == "pump_pressure":
+        return f"pump pressure {shown(row.pump_pressure, 'pressure', units, 4)}"
+    margins = {"the strength of the string": _strength_left(case, update, follower)}
+    if rig is not None and rig.max_hookload is not None:
+        margins["rig.max_hookload"] = rig.max_hookload - row.hook_load
+    known = {name: q for name, q in margins.items() if np.isfinite(q)}
+    if not known:
+        return "margin unknown: neither a grade of the pipe nor rig.max_hookload is given"
+    name = min(known, key=lambda q: known[q])
+    return f"{shown(known[name], 'force', units, 3)} of pull left to {name}"
+
+
+def _strength_left(case: Case, update: Update, follower: Follower) -> float:
+    """Pull [N] left to 90 % of the yield strength, with the friction as estimated and the hook load as read."""
+    load, strings = update.reading.load, follower.strings
+    of = dict(zip((q.name for q in follower.states), update.belief.mean, strict=True))
+    placed = rows_at(case, load.bit_depth, "bit depth")
+    hole = Hole(strings.well, [placed])
+    friction = np.array([[float(np.clip(of[str(name)], 0.0, 1.0)) for name in groups_of(case)]])
+    one = np.ones(1)
+    columns = Columns(
+        np.zeros(1, dtype=int), friction, one, load.wob * one, np.nan_to_num(load.torque_on_bit) * one, load.velocity * one,
+        load.rotation * one, of["weight_factor"] * one,
+    )  # fmt: skip
+    batch = soft_strings(hole, columns)
+    mud = still_mud(hole, 1, densities_of(case), gravity_of(case, "follow"), mud_level(case))
+    margin = float(stress_and_margin(hole, columns, batch, mud)[1][0])
+    top = float(batch.tension[0, 0]) + of["block_weight"]
+    return margin - max(update.reading.hook_load - top, 0.0)

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from drillpetsc.analysis.commands.import_log import measured_point, weights
-from drillpetsc.analysis.follow.advice import told
+from drillpetsc.analysis.follow.alarms import told
 from drillpetsc.analysis.follow.follower import Follower, Reading, Update
 from drillpetsc.analysis.follow.live import write_page
 from drillpetsc.analysis.follow.readers import Reader, reader_of
@@ -29,8 +29,7 @@ from drillpetsc.logs.points import Point
 from drillpetsc.logs.quality import check_sizes
 from drillpetsc.output.files.json_file import read_summary, write_summary
 from drillpetsc.output.files.run_folder import FOLLOW_PAGE, FOLLOW_STATE, FOLLOW_TABLE, RunFolder, make_folder
-from drillpetsc.output.job import Job
-from drillpetsc.output.result import RunResult
+from drillpetsc.output.job import Job, RunResult
 from drillpetsc.unit_systems import duration, shown
 from drillpetsc.unit_tables import FOOT
 

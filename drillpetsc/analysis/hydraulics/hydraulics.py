@@ -47,7 +47,7 @@ from drillpetsc.output.files.run_folder import (
     PROFILE_TABLE,
     READINGS_TABLE,
 )
-from drillpetsc.output.job import Job
+from drillpetsc.output.job import Job, RunResult
 from drillpetsc.output.quantities.hydraulics import (
     DIAL_READINGS,
     FLOW_CURVE,
@@ -59,7 +59,6 @@ from drillpetsc.output.quantities.hydraulics import (
     PRESSURE_PROFILE,
     RHEOLOGY_FITS,
 )
-from drillpetsc.output.result import RunResult
 from drillpetsc.output.shown_units import lengths_shown, shown_unit
 from drillpetsc.output.summaries.flow import HydraulicsSummary
 from drillpetsc.physics.fluid.channel_flow import RESULT_NAMES

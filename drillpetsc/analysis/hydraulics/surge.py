@@ -41,10 +41,9 @@ from drillpetsc.errors import CaseError, SolveError
 from drillpetsc.model.fluid import build_rheology
 from drillpetsc.output import write_summary, write_table
 from drillpetsc.output.files.run_folder import SURGE_TABLE, TRIP_SPEED_TABLE
-from drillpetsc.output.job import Job
+from drillpetsc.output.job import Job, RunResult
 from drillpetsc.output.progress import counted
 from drillpetsc.output.quantities.hydraulics import DYNAMIC_SURGE, MAX_TRIP_SPEED, SIDE_SURGE, SURGE
-from drillpetsc.output.result import RunResult
 from drillpetsc.output.shown_units import lengths_shown, shown_unit
 from drillpetsc.output.summaries.flow import SurgeSummary
 from drillpetsc.physics.fluid.rheology import wall_shear

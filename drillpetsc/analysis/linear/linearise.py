@@ -21,7 +21,7 @@ from drillpetsc.analysis.linear.linear_model import (
     on_first,
     steady_state,
 )
-from drillpetsc.analysis.linear.mean_over_turn import mean_over_turn
+from drillpetsc.analysis.linear.linearised_model import mean_over_turn
 from drillpetsc.analysis.linear.modal import (
     ZERO_FRACTION,
     reference_rate,

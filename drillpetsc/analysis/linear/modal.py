@@ -27,8 +27,7 @@ from drillpetsc.analysis.linear.frequency.stokes import (
     frequency_dependent,
     stokes_numbers,
 )
-from drillpetsc.analysis.linear.linearised_model import linearise_model, settle
-from drillpetsc.analysis.linear.mean_over_turn import mean_over_turn
+from drillpetsc.analysis.linear.linearised_model import linearise_model, mean_over_turn, settle
 from drillpetsc.analysis.linear.modes import Modes
 from drillpetsc.analysis.linear.modes_of_kind import lowest_of_kind
 from drillpetsc.analysis.motion.run_options import options_of
@@ -49,12 +48,11 @@ from drillpetsc.output import FieldWriter, RunFolder, write_summary, write_table
 from drillpetsc.output.files.atomic import replace_file
 from drillpetsc.output.files.vtk import write_vtu
 from drillpetsc.output.files.well_files import write_well_files
-from drillpetsc.output.job import Job
+from drillpetsc.output.job import Job, RunResult
 from drillpetsc.output.measured.field_output import FieldOutput
 from drillpetsc.output.quantities import MODE_KINDS as KINDS
 from drillpetsc.output.quantities import MODES
 from drillpetsc.output.quantities.modes import STOKES_NUMBER
-from drillpetsc.output.result import RunResult
 from drillpetsc.output.summaries.linear import ModesSummary
 from drillpetsc.physics.tools.mud_motor import MudMotor
 from drillpetsc.solvers.linear.linearization import Linearised

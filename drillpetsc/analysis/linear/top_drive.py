@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from drillpetsc.analysis.motion.drive_report import control_lines, control_summary
+from drillpetsc.analysis.motion.machine_report import control_lines, control_summary
 from drillpetsc.analysis.motion.run_options import options_of
 from drillpetsc.arrays import FloatArray
 from drillpetsc.case.blocks.ends import HeldBottom
@@ -20,9 +20,8 @@ from drillpetsc.model.mesh import build_mesh
 from drillpetsc.model.top.top_drive import laws_of, lowest_torsional_frequency, motor_of, pipe_impedance
 from drillpetsc.output import write_summary, write_table
 from drillpetsc.output.files.run_folder import REFLECTION_TABLE
-from drillpetsc.output.job import Job
+from drillpetsc.output.job import Job, RunResult
 from drillpetsc.output.quantities.frequency import REFLECTION
-from drillpetsc.output.result import RunResult
 from drillpetsc.physics.top.control import Law, Motor, reflection
 
 FREQUENCIES = np.geomspace(0.01, 10.0, 601)  # of the table [Hz]

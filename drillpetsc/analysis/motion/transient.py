@@ -14,11 +14,11 @@ import numpy as np
 from petsc4py import PETSc
 
 from drillpetsc.analysis.motion import checkpoint, provenance, summary
+from drillpetsc.analysis.motion.checkpoint import ROUNDING, check_restart, is_finished, saved_state
 from drillpetsc.analysis.motion.initial_state import begin_new_states, initial_state
 from drillpetsc.analysis.motion.integrator_choice import make_integrator, whirl_steps_of
 from drillpetsc.analysis.motion.memory import Memory, give_back
 from drillpetsc.analysis.motion.quasi_static import QuasiStatic
-from drillpetsc.analysis.motion.restart import ROUNDING, check_restart, is_finished, saved_state
 from drillpetsc.analysis.motion.run_control import (
     FAILED,
     NOTHING,
@@ -43,10 +43,10 @@ from drillpetsc.output.files.run_folder import make_folder
 from drillpetsc.output.files.run_writer import RunWriter, after, passed
 from drillpetsc.output.files.well_files import write_well_files
 from drillpetsc.output.indices import indices
+from drillpetsc.output.job import RunResult
 from drillpetsc.output.measured.motion_classes import MotionClasses
 from drillpetsc.output.progress import Progress, Receiver, check_progress
 from drillpetsc.output.recorder import Recorder
-from drillpetsc.output.result import RunResult
 from drillpetsc.output.summaries.run import RunSummary
 from drillpetsc.output.watches.monitors import Monitors
 from drillpetsc.parallel import first_rank_does

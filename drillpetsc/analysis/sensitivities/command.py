@@ -27,9 +27,8 @@ from drillpetsc.case.key_paths import suggestion
 from drillpetsc.doubts import doubts_at
 from drillpetsc.errors import CaseError
 from drillpetsc.output import write_summary
-from drillpetsc.output.job import Job
+from drillpetsc.output.job import Job, RunResult
 from drillpetsc.output.progress import counted
-from drillpetsc.output.result import RunResult
 from drillpetsc.output.shown_units import key_unit, shown_unit
 from drillpetsc.output.summaries.sensitivities import SensitivitiesSummary
 

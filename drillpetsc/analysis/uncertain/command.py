@@ -25,12 +25,11 @@ from drillpetsc.doubts import doubts_at
 from drillpetsc.errors import CaseError
 from drillpetsc.output import write_summary, write_table
 from drillpetsc.output.files.run_folder import UNCERTAIN_LIMITS_TABLE, UNCERTAIN_SHARES_TABLE, UNCERTAIN_TABLE
-from drillpetsc.output.job import Job
+from drillpetsc.output.job import Job, RunResult
 from drillpetsc.output.progress import counted
-from drillpetsc.output.quantities.uncertain import UNCERTAIN, UNCERTAIN_LIMITS, UNCERTAIN_SHARES
-from drillpetsc.output.result import RunResult
+from drillpetsc.output.quantities.sensitivities import UNCERTAIN, UNCERTAIN_LIMITS, UNCERTAIN_SHARES
 from drillpetsc.output.shown_units import shown_unit
-from drillpetsc.output.summaries.uncertain import UncertainSummary
+from drillpetsc.output.summaries.sensitivities import UncertainSummary
 
 SHOWN_EACH = 10  # samples of a part, after which progress is shown
 LINEAR, MONTE_CARLO, BOTH = "linear", "monte-carlo", "both"

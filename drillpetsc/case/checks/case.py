@@ -12,13 +12,11 @@ from drillpetsc.case.blocks.items.string import Beam, Bit, Item, Rigid, Stabiliz
 from drillpetsc.case.checks.drilling import check_drilling, check_time
 from drillpetsc.case.checks.fit import LENGTH_TOLERANCE, Misfit, misfit
 from drillpetsc.case.checks.fluid import check_fluid, check_held_string
-from drillpetsc.case.checks.hoist import check_hoist
 from drillpetsc.case.checks.joints import check_joints
 from drillpetsc.case.checks.limits import check_quaternion, check_size
-from drillpetsc.case.checks.motor import check_motor
+from drillpetsc.case.checks.machines import check_hoist, check_motor, check_steering
 from drillpetsc.case.checks.reamer import check_reamer
 from drillpetsc.case.checks.sensors import check_sensors
-from drillpetsc.case.checks.steering import check_steering
 from drillpetsc.case.key_paths import refuse
 from drillpetsc.case.quantities import said
 from drillpetsc.unit_systems import System

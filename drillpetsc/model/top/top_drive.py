@@ -20,7 +20,7 @@ from drillpetsc.case.case import Case
 from drillpetsc.errors import CaseError
 from drillpetsc.fem.string_mesh import StringMesh
 from drillpetsc.physics.top.control import Law, Motor
-from drillpetsc.physics.top.sampled_torque import SampledTorque
+from drillpetsc.physics.top.sampled_law import SampledTorque
 from drillpetsc.physics.top.top_drive import MotorDrive
 
 

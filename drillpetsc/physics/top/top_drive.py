@@ -20,7 +20,7 @@ from drillpetsc.physics.end_conditions import Input
 from drillpetsc.physics.interfaces import Drive
 from drillpetsc.physics.rigid_bodies import VERTEX_SLOTS, local_vertices
 from drillpetsc.physics.top.control import MODES, Law, Motor
-from drillpetsc.physics.top.sampled_torque import SampledTorque
+from drillpetsc.physics.top.sampled_law import SampledTorque
 
 _results = function("top_motor_results", "ippppp" + "p")
 RESULTS = columns("top_motor_results")

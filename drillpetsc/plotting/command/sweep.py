@@ -17,7 +17,7 @@ from drillpetsc.output.files.json_file import read_summary
 from drillpetsc.output.files.run_folder import ABSENT, SWEEP_PICTURES, SWEEP_TABLE, RunFolder
 from drillpetsc.output.files.tables import read_table
 from drillpetsc.plotting import style
-from drillpetsc.plotting.run.directions import direction, high_side
+from drillpetsc.plotting.run.hole_path import direction, high_side
 from drillpetsc.plotting.style import LINE_COLORS
 from drillpetsc.unit_systems import display_unit
 

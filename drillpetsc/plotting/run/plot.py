@@ -33,17 +33,16 @@ from drillpetsc.plotting import style
 from drillpetsc.plotting.command.frequency import (
     draw_campbell,
     draw_critical_map,
+    draw_reflection,
     draw_response,
     draw_stability,
 )
 from drillpetsc.plotting.command.hydraulics import hydraulics_drawers, units_of
 from drillpetsc.plotting.command.limits import limits_drawers
 from drillpetsc.plotting.command.modes import draw_modes
-from drillpetsc.plotting.command.sensitivities import sensitivity_drawers
+from drillpetsc.plotting.command.sensitivities import sensitivity_drawers, uncertain_drawers
 from drillpetsc.plotting.command.sweep import draw_sweep
-from drillpetsc.plotting.command.top_drive import draw_reflection
 from drillpetsc.plotting.command.torque_drag import torque_drag_drawers
-from drillpetsc.plotting.command.uncertain import uncertain_drawers
 from drillpetsc.plotting.command.vibration import draw_power, draw_waterfall, vibration_drawers
 from drillpetsc.plotting.run.hole_path import new_hole, well_path
 from drillpetsc.plotting.run.signals import signal

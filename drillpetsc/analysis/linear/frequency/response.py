@@ -21,9 +21,9 @@ from drillpetsc.analysis.linear.frequency.harmonic import (
     rock_load,
     section_forces,
     steady_forces,
+    stresses,
     turning_load,
 )
-from drillpetsc.analysis.linear.frequency.response_stress import stresses
 from drillpetsc.analysis.linear.frequency.stokes import StokesForces, present
 from drillpetsc.analysis.linear.frequency.turning import TurningModel, turning_case
 from drillpetsc.analysis.linear.linearised_model import linearise_model
@@ -37,11 +37,10 @@ from drillpetsc.fem.string_mesh import StringMesh
 from drillpetsc.model.drilling_model import DrillingModel, build_model
 from drillpetsc.output import write_summary, write_table
 from drillpetsc.output.files.run_folder import RESPONSE_TABLE, RunFolder
-from drillpetsc.output.job import Job
+from drillpetsc.output.job import Job, RunResult
 from drillpetsc.output.measured.flow_recorder import flow_recorder
 from drillpetsc.output.progress import counted
 from drillpetsc.output.quantities.frequency import RESPONSE, RESPONSE_STRESS
-from drillpetsc.output.result import RunResult
 from drillpetsc.output.summaries.linear import ResponseSummary
 from drillpetsc.physics.tools.mud_motor import MudMotor
 from drillpetsc.solvers.linear.linearization import Linearised

@@ -30,10 +30,9 @@ from drillpetsc.output.files.run_folder import (
     STABILITY_RUNS_TABLE,
     STABILITY_TABLE,
 )
-from drillpetsc.output.job import Job
+from drillpetsc.output.job import Job, RunResult
 from drillpetsc.output.progress import counted
 from drillpetsc.output.quantities.frequency import STABILITY_BOUNDARY, STABILITY_MAP, STABILITY_RUNS
-from drillpetsc.output.result import RunResult
 from drillpetsc.output.summaries.linear import StabilitySummary
 from drillpetsc.output.summaries.summary import MISSING
 from drillpetsc.unit_systems import display_unit

@@ -6,8 +6,7 @@ from typing import Any
 
 from petsc4py import PETSc
 
-from drillpetsc.analysis.linear.linearised_model import settle
-from drillpetsc.analysis.linear.mean_over_turn import mean_over_turn
+from drillpetsc.analysis.linear.linearised_model import mean_over_turn, settle
 from drillpetsc.analysis.linear.modal import rest_of, without_motor
 from drillpetsc.analysis.motion.session.live_input import LiveInput
 from drillpetsc.analysis.statics.equilibrium import StaticState

@@ -21,7 +21,6 @@ from drillpetsc.analysis.loads.limits.operations import (
 )
 from drillpetsc.analysis.loads.limits.soft_limits import SoftLimits
 from drillpetsc.analysis.loads.limits.table import Choices, Strength, element_values, rows
-from drillpetsc.analysis.loads.torque_drag.left_out import bends_left_out, cutters_left_out
 from drillpetsc.analysis.loads.torque_drag.operations import (
     assumed,
     grades_assumed,
@@ -30,6 +29,7 @@ from drillpetsc.analysis.loads.torque_drag.operations import (
     told,
     torque_of_bit,
 )
+from drillpetsc.analysis.loads.torque_drag.string_rows import bends_left_out, cutters_left_out
 from drillpetsc.analysis.motion.run_options import options_of
 from drillpetsc.analysis.statics.answer import static_summary
 from drillpetsc.analysis.statics.equilibrium import MOTIONS, StaticState
@@ -46,9 +46,8 @@ from drillpetsc.model.drilling_model import DrillingModel, build_model
 from drillpetsc.model.string_forces import held_at_weight
 from drillpetsc.output import write_summary, write_table
 from drillpetsc.output.files.run_folder import CONTACTS_TABLE, LIMITS_TABLE, RunFolder
-from drillpetsc.output.job import Job
+from drillpetsc.output.job import Job, RunResult
 from drillpetsc.output.quantities.limits import CONTACTS, LIMITS
-from drillpetsc.output.result import RunResult
 from drillpetsc.output.static_table import static_table
 from drillpetsc.output.summaries.loads import LimitsSummary
 from drillpetsc.output.watches.buckling import buckling

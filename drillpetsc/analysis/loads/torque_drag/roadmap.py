@@ -13,7 +13,6 @@ from petsc4py import PETSc
 
 from drillpetsc.analysis.loads.torque_drag.batch import Batch, Columns, Hole, soft_strings
 from drillpetsc.analysis.loads.torque_drag.circulation import Circulation, circulation
-from drillpetsc.analysis.loads.torque_drag.left_out import bends_left_out, cutters_left_out
 from drillpetsc.analysis.loads.torque_drag.operations import (
     MOST_ROWS,
     Load,
@@ -35,9 +34,23 @@ from drillpetsc.analysis.loads.torque_drag.readings.measured import (
 from drillpetsc.analysis.loads.torque_drag.readings.measured_table import BesidePoints, beside_points
 from drillpetsc.analysis.loads.torque_drag.readings.reading import corrected_points
 from drillpetsc.analysis.loads.torque_drag.readings.sensor import DIRECTION, Sensor, sensor_of
-from drillpetsc.analysis.loads.torque_drag.string_rows import StringRows, gravity_of, mud_level, need_well
-from drillpetsc.analysis.loads.torque_drag.table import OK, Pressures, failed, rows_of, still_mud
-from drillpetsc.analysis.loads.torque_drag.torque_lines import passed, torque_lines
+from drillpetsc.analysis.loads.torque_drag.string_rows import (
+    StringRows,
+    bends_left_out,
+    cutters_left_out,
+    gravity_of,
+    mud_level,
+    need_well,
+)
+from drillpetsc.analysis.loads.torque_drag.table import (
+    OK,
+    Pressures,
+    failed,
+    passed,
+    rows_of,
+    still_mud,
+    torque_lines,
+)
 from drillpetsc.analysis.motion.run_options import options_of
 from drillpetsc.case.blocks.roadmap import MeasuredPoint, Roadmap
 from drillpetsc.case.case import Case
@@ -46,9 +59,8 @@ from drillpetsc.fem.quantity import Quantity
 from drillpetsc.geometry.well import Well
 from drillpetsc.output import write_summary, write_table
 from drillpetsc.output.files.run_folder import MEASURED_TABLE, ROADMAP_FILE, ROADMAP_TABLE
-from drillpetsc.output.job import Job
+from drillpetsc.output.job import Job, RunResult
 from drillpetsc.output.quantities.torque_drag import BESIDE, ROADMAP
-from drillpetsc.output.result import RunResult
 from drillpetsc.output.shown_units import lengths_shown, shown_unit
 from drillpetsc.unit_systems import System, plain
 

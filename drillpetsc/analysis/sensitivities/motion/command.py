@@ -26,8 +26,7 @@ from drillpetsc.errors import CaseError, SolveError
 from drillpetsc.fem.quantity import Quantity
 from drillpetsc.output import write_summary, write_table
 from drillpetsc.output.files.run_folder import SENSITIVITIES_HISTORY
-from drillpetsc.output.job import Job
-from drillpetsc.output.result import RunResult
+from drillpetsc.output.job import Job, RunResult
 from drillpetsc.output.summaries.sensitivities import SensitivitiesSummary
 from drillpetsc.solvers import petsc_options as options
 from drillpetsc.solvers.time.scaled_tolerance import scaled_tolerance

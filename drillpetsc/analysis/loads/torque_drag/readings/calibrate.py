@@ -8,7 +8,6 @@ from typing import Any
 
 import numpy as np
 
-from drillpetsc.analysis.loads.torque_drag.left_out import bends_left_out, cutters_left_out
 from drillpetsc.analysis.loads.torque_drag.operations import plan_of
 from drillpetsc.analysis.loads.torque_drag.readings.along_depth import RESAMPLES, Drift
 from drillpetsc.analysis.loads.torque_drag.readings.by_depth import alone_by_reading, drift_by_windows
@@ -18,6 +17,7 @@ from drillpetsc.analysis.loads.torque_drag.readings.held_out import Prediction, 
 from drillpetsc.analysis.loads.torque_drag.readings.next_reading import next_readings, told
 from drillpetsc.analysis.loads.torque_drag.readings.reading import corrected_points
 from drillpetsc.analysis.loads.torque_drag.roadmap import MODELS
+from drillpetsc.analysis.loads.torque_drag.string_rows import bends_left_out, cutters_left_out
 from drillpetsc.analysis.motion.run_options import options_of
 from drillpetsc.case.blocks.roadmap import MeasuredPoint
 from drillpetsc.case.case import Case
@@ -25,9 +25,8 @@ from drillpetsc.case.plausible.plausible_operations import readings
 from drillpetsc.errors import CaseError
 from drillpetsc.output import write_summary, write_table
 from drillpetsc.output.files.run_folder import CALIBRATION_TABLE
-from drillpetsc.output.job import Job
+from drillpetsc.output.job import Job, RunResult
 from drillpetsc.output.quantities.torque_drag import MEASURED
-from drillpetsc.output.result import RunResult
 from drillpetsc.unit_systems import System, shown
 
 FEWEST_DEPTHS = (
