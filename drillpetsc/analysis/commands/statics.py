@@ -135,8 +135,7 @@ def _write(
         write_table(folder.statics, columns, list(values.T))
     if fields is not None:
         FieldWriter(folder.path).write(0.0, *fields)
-    if model.well is not None:
-        write_well_files(model, folder)
+    write_well_files(model, folder)
     write_summary(folder.summary, summary)
 
 

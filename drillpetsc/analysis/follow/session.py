@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from drillpetsc.analysis.commands.import_log import measured_point, weights
-from drillpetsc.analysis.follow.alarms import told
+from drillpetsc.analysis.follow.advice import told
 from drillpetsc.analysis.follow.follower import Follower, Reading, Update
 from drillpetsc.analysis.follow.live import write_page
 from drillpetsc.analysis.follow.readers import Reader, reader_of

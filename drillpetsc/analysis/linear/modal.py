@@ -465,8 +465,7 @@ def _write(model: DrillingModel, folder: RunFolder, found: Modes, summary: dict[
         for m in range(found.count):
             data = _point_data(model, found, m)
             replace_file(shapes / f"mode_{m + 1:02d}.vtu", partial(_write_shape, points, lines, data))
-    if model.well is not None:
-        write_well_files(model, folder)
+    write_well_files(model, folder)
     write_summary(folder.summary, summary)
 
 

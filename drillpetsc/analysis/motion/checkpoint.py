@@ -18,7 +18,7 @@ from typing import Any
 
 import numpy as np
 
-from drillpetsc.analysis.motion import checkpoint, provenance
+from drillpetsc.analysis.motion import provenance
 from drillpetsc.arrays import FloatArray
 from drillpetsc.case.case import Case
 from drillpetsc.errors import LONGEST, CaseError
@@ -318,7 +318,7 @@ def restart_clock(model: DrillingModel, c: Checkpoint) -> None:
 ROUNDING = 1e-9  # output times closer than this fraction of the end time are one
 
 
-def saved_state(comm, folder: RunFolder, restart: bool) -> checkpoint.Checkpoint | None:
+def saved_state(comm, folder: RunFolder, restart: bool) -> Checkpoint | None:
     """The checkpoint that a restart continues; None at a start, or if the folder has none yet; collective.
 
     Raises CaseError if the checkpoint cannot be read, or is missing in the folder of a run that has reached its end.
@@ -329,7 +329,7 @@ def saved_state(comm, folder: RunFolder, restart: bool) -> checkpoint.Checkpoint
     if comm.rank == 0:
         try:
             if folder.checkpoint.exists():
-                answer = checkpoint.read(folder.checkpoint)
+                answer = read(folder.checkpoint)
             elif folder.summary.exists() and read_summary(folder.summary).get("status") == "done":
                 raise CaseError(
                     file=folder.checkpoint,
@@ -347,7 +347,7 @@ def saved_state(comm, folder: RunFolder, restart: bool) -> checkpoint.Checkpoint
 
 def check_restart(
     comm,
-    saved: checkpoint.Checkpoint | None,
+    saved: Checkpoint | None,
     folder: RunFolder,
     case: Case,
     recorder: Recorder,

@@ -502,5 +502,4 @@ class TransientRun:
 def _write_model(model: DrillingModel, folder: RunFolder) -> None:
     """Write the case and the hole at the start."""
     folder.write_case(model.case)
-    if model.well is not None:
-        write_well_files(model, folder)
+    write_well_files(model, folder)
