@@ -10,6 +10,7 @@ import contextlib
 import os
 import threading
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -325,7 +326,7 @@ class RunSource:
         new = [file for _, file in frames if file not in self._ranged][:MOST_FRAMES]
         for file in new:
             self._ranged.add(file)
-            frame = self._try(f"string/{file.name}", lambda file=file: read_frame(file), None)  # type: ignore[misc]
+            frame = self._try(f"string/{file.name}", partial(read_frame, file), None)
             for name, values in self._values(self._with_statics(frame)).items() if frame is not None else ():
                 finite = values[np.isfinite(values)]
                 if finite.size:

@@ -197,7 +197,7 @@ class Trips:
 
     speeds: tuple[float, ...]
     operations: tuple[str, ...] = ("trip_in", "trip_out")
-    pipes: tuple[str, ...] = ("closed", "open")
+    pipes: tuple[Pipe, ...] = ("closed", "open")
     bit_depths: tuple[float, ...] | None = None
     window: Window | None = None
     flow: float | None = None
@@ -272,7 +272,7 @@ def _trips(
     strings = [whole] if plan.bit_depths is None else [string_at(case, d) for d in plan.bit_depths]
     for pipe in plan.pipes:
         for string in strings:
-            trip = Tripping(case, string, pipe, hole, flow)  # type: ignore[arg-type]
+            trip = Tripping(case, string, pipe, hole, flow)
             for operation in plan.operations:
                 found = [_row(trip, operation, speed) for speed in plan.speeds]
                 if plan.dynamic:
@@ -356,7 +356,7 @@ def _fastest(
 ) -> list[dict[str, Any]]:
     out = []
     for pipe in plan.pipes:
-        trip = Tripping(case, string, pipe, hole, flow)  # type: ignore[arg-type]
+        trip = Tripping(case, string, pipe, hole, flow)
         for operation in plan.operations:
             try:
                 speed, limit = trip.fastest(operation)

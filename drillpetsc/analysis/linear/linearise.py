@@ -37,7 +37,7 @@ from drillpetsc.case.options.case_inputs import describe, inputs_of, with_inputs
 from drillpetsc.doubts import doubts_at
 from drillpetsc.errors import CaseError
 from drillpetsc.model.drilling_model import DrillingModel, build_model, is_quasi_static
-from drillpetsc.model.top.top_drive import continuous_control
+from drillpetsc.model.top import continuous_control
 from drillpetsc.output import RunFolder, write_summary
 from drillpetsc.output.files.atomic import replace_file
 from drillpetsc.output.job import Job

@@ -43,7 +43,7 @@ from drillpetsc.doubts import doubts_at
 from drillpetsc.errors import CaseError, DrillError
 from drillpetsc.fem.component import DRIVE
 from drillpetsc.model.drilling_model import DrillingModel, build_model
-from drillpetsc.model.top.top_drive import continuous_control
+from drillpetsc.model.top import continuous_control
 from drillpetsc.output import FieldWriter, RunFolder, write_summary, write_table
 from drillpetsc.output.files.atomic import replace_file
 from drillpetsc.output.files.vtk import write_vtu

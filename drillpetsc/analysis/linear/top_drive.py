@@ -17,7 +17,7 @@ from drillpetsc.doubts.moments import Tuned
 from drillpetsc.errors import CaseError
 from drillpetsc.model.hole import build_well
 from drillpetsc.model.mesh import build_mesh
-from drillpetsc.model.top.top_drive import laws_of, lowest_torsional_frequency, motor_of, pipe_impedance
+from drillpetsc.model.top import laws_of, lowest_torsional_frequency, motor_of, pipe_impedance
 from drillpetsc.output import write_summary, write_table
 from drillpetsc.output.files.run_folder import REFLECTION_TABLE
 from drillpetsc.output.job import Job, RunResult

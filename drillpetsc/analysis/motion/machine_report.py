@@ -8,7 +8,7 @@ import numpy as np
 
 from drillpetsc.case.blocks.top_drive import PythonController
 from drillpetsc.model.drilling_model import DrillingModel
-from drillpetsc.model.top.hoist import autodriller_of, gear_of
+from drillpetsc.model.top import autodriller_of, gear_of
 from drillpetsc.physics.top.control import Law, Motor, reflection
 from drillpetsc.physics.top.hoist import Hoist, HoistLine
 from drillpetsc.physics.top.hoisting import fast_line_efficiency

@@ -91,7 +91,7 @@ class CaseBlocks(Block):
         "and there is no contact",
     )
     top: Top = Field(
-        default=None,  # type: ignore[arg-type]  # the validator replaces None or refuses it
+        default=None,  # the validator replaces None or refuses it
         validate_default=True,
         description="what holds or drives the upper end; needed unless hold_string is true",
     )

@@ -119,8 +119,8 @@ def _pair_of_rows(table: Table) -> list[tuple[float, float, str]]:
 
 
 def _pair_words(pair: tuple[float, float, str]) -> str:
-    *numbers, groups = pair
-    words = [" / ".join(f"{value:.4g}" for value in numbers if value >= 0), groups]  # type: ignore[operator]
+    cased, opened, groups = pair
+    words = [" / ".join(f"{value:.4g}" for value in (cased, opened) if value >= 0), groups]
     return ", ".join(filter(None, words))
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import textwrap
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -17,11 +18,11 @@ from drillpetsc.output.sensors.files import read_sensor, sensor_names
 from drillpetsc.plotting import style
 from drillpetsc.plotting.run.signals import Signal
 from drillpetsc.plotting.style import LINE_COLORS, display_unit, label, words
+from drillpetsc.plotting.thinning import envelope
 
 GRAVITY = 9.80665
 RANGE = 1e-3  # smallest amplitude that a map shows, over the largest
 ORDERS = (1, 2, 3)  # lines over the rotation that a waterfall shows
-MOST_POINTS = 4000  # of a line; longer series are drawn by their least and largest values
 WHIRL_COLORS = {
     "none": "#d9d9d9",
     "forward synchronous": "#8fbf8f",
@@ -101,7 +102,7 @@ def draw_waterfall(signal: Signal, title: str, segment: float | None = None, ord
         rotation = 0.0 if signal.speed is None else float(np.abs(signal.speed).max()) / (2 * np.pi)
         axes.set_ylim(0, _top(found, 1.3 * max(ORDERS) * rotation))
         if signal.speed is not None:
-            t, speed = _thinned(signal.time, np.abs(signal.speed) / (2 * np.pi))
+            t, speed = envelope(signal.time, np.abs(signal.speed) / (2 * np.pi))
             for k in ORDERS:
                 axes.plot(t, k * speed, color="white", linewidth=0.8, linestyle=(0, (6, 4)))
                 at = int(np.argmax(speed))
@@ -150,7 +151,7 @@ def vibration_drawers(folder: Path, title: str) -> dict[str, Callable[[], Any]]:
         drawers["indices"] = lambda: draw_indices(read_table(folder / INDICES_TABLE), title)
         drawers["whirl"] = lambda: draw_whirl(read_table(folder / INDICES_TABLE), title)
     for name in sensor_names(folder):
-        drawers[f"sensor_{name}"] = lambda name=name: draw_sensor(read_sensor(folder, name), name, title)  # type: ignore[misc]
+        drawers[f"sensor_{name}"] = partial(draw_sensor, folder, name, title)
     return drawers
 
 
@@ -167,7 +168,7 @@ def _panels(table: dict[str, np.ndarray], titles: list[list[str]], heading: str)
         together = np.concatenate([table[t] for t in group])
         size, unit = _shown(group[0], together)
         for column, color in zip(group, LINE_COLORS * 3, strict=False):
-            t, v = _thinned(time, table[column] / size)
+            t, v = envelope(time, table[column] / size)
             mark = "." if len(time) < 40 else ""
             axes.plot(t, v, color=color, linewidth=1.0, marker=mark, label=words(column))
         if len(group) == 1:
@@ -179,19 +180,6 @@ def _panels(table: dict[str, np.ndarray], titles: list[list[str]], heading: str)
         axes.margins(x=0.0)
     axes.set_xlabel("time [s]")
     return drawing.fitted()
-
-
-def _thinned(time: np.ndarray, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """A line of at most about MOST_POINTS points that has the least and largest values of a longer one."""
-    n = len(time)
-    if n <= MOST_POINTS:
-        return time, values
-    size = -(-2 * n // MOST_POINTS)
-    parts = n // size
-    blocks = np.where(np.isfinite(values[: parts * size]), values[: parts * size], 0.0).reshape(parts, size)
-    first = np.arange(parts) * size
-    at = np.sort(np.concatenate([first + blocks.argmin(axis=1), first + blocks.argmax(axis=1), [0, n - 1]]))
-    return time[at], values[at]
 
 
 def draw_indices(table: dict[str, np.ndarray], title: str) -> Any:
@@ -257,8 +245,9 @@ def draw_whirl(table: dict[str, np.ndarray], title: str) -> Any:
     return drawing.fitted()
 
 
-def draw_sensor(table: dict[str, np.ndarray], name: str, title: str) -> Any:
+def draw_sensor(folder: Path, name: str, title: str) -> Any:
     """Channels of a sensor over time: accelerations, rotation, loads, pressures."""
+    table = read_sensor(folder, name)
     groups: dict[str, list[str]] = {}
     for heading in list(table)[1:]:
         column, unit = split_name(heading)

@@ -18,7 +18,7 @@ from drillpetsc.case.case import Case
 from drillpetsc.case.checks.limits import refuse_quaternion
 from drillpetsc.errors import CaseError
 from drillpetsc.model.drilling_model import DrillingModel, build_model, is_quasi_static
-from drillpetsc.model.top.top_drive import continuous_control
+from drillpetsc.model.top import continuous_control
 from drillpetsc.physics.tools.mud_motor import MudMotor
 from drillpetsc.time_function import Constant
 
