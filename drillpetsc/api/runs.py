@@ -148,7 +148,7 @@ def mud_motor(case: Case | str | Path) -> MotorLaw:
     case: a Case with an item `pdm`, or the path of a case file
     Raises CaseError for a string without a motor.
     """
-    from drillpetsc.model.tools import motor_item, motor_law
+    from drillpetsc.model.tools.mud_motor import motor_item, motor_law
 
     found = motor_item(case if isinstance(case, Case) else load_case(case))
     if found is None:

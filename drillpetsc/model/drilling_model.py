@@ -25,13 +25,10 @@ from drillpetsc.model.mesh import MeshOf, build_mesh, curvature_by_tool_face
 from drillpetsc.model.own_components import Site, own_components
 from drillpetsc.model.quaternion import quaternion_components
 from drillpetsc.model.rock_bit import build_rock_bit
-from drillpetsc.model.tools import (
-    build_agitators,
-    build_mud_motor,
-    build_reamers,
-    build_steering,
-    well_of_reamer,
-)
+from drillpetsc.model.tools.agitator import build_agitators
+from drillpetsc.model.tools.mud_motor import build_mud_motor
+from drillpetsc.model.tools.reamer import build_reamers, well_of_reamer
+from drillpetsc.model.tools.steering import build_steering
 from drillpetsc.model.top import build_drive, build_hoist, connect_sensors
 from drillpetsc.model.wall import mean_and_hardness
 from drillpetsc.physics import interfaces

@@ -56,6 +56,11 @@ class Job:
         plot = f"scripts/drillpetsc plot {shlex.quote(str(folder.path))}"
         return RunResult(folder.path, summary, [*lines, f"  results: {folder.path}   ({plot})"])
 
+    def noted(self, folder: RunFolder, summary: dict[str, Any], lines: list[str]) -> RunResult:
+        """The result in a run folder; the last lines for the screen are its warnings, as notes, and the folder."""
+        notes = (f"  note: {text}" for text in summary["warnings"])
+        return RunResult(folder.path, summary, [*lines, *notes, f"  results: {folder.path}"])
+
     def of(self, case: Case) -> Job:
         """The same job on another case."""
         return replace(self, case=case)

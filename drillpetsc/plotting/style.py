@@ -271,8 +271,3 @@ def contours(axes: Any, at: tuple[Any, Any], values: Any) -> None:
             linestyles="solid",
         )
         axes.clabel(drawn, fontsize=7.5)
-
-
-def operating_point(axes: Any, x: float, y: float) -> None:
-    """Mark the point of the case in a map; the axes grow if it lies outside."""
-    axes.plot(x, y, "*", color="#ffd400", markeredgecolor="black", markersize=14, label="the case", zorder=6)

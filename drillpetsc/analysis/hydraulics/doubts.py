@@ -20,7 +20,7 @@ from drillpetsc.case.blocks.items.string import Flexible
 from drillpetsc.case.plausible.plausible_string import short_of_hole
 from drillpetsc.doubts.doubt import CaseMoment, Doubt, remark
 from drillpetsc.doubts.moments import Flowing
-from drillpetsc.model.tools import motor_item
+from drillpetsc.model.tools.mud_motor import motor_item
 from drillpetsc.output.watches.boiling import VAPOUR_PRESSURE
 
 Values = Iterable[dict[str, Any]]

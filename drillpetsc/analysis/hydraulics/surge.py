@@ -39,7 +39,7 @@ from drillpetsc.case.case import Case
 from drillpetsc.doubts import doubts_at
 from drillpetsc.errors import CaseError, SolveError
 from drillpetsc.model.fluid import build_rheology
-from drillpetsc.output import write_summary, write_table
+from drillpetsc.output import write_rows, write_summary, write_table
 from drillpetsc.output.files.run_folder import SURGE_TABLE, TRIP_SPEED_TABLE
 from drillpetsc.output.job import Job, RunResult
 from drillpetsc.output.progress import counted
@@ -245,10 +245,9 @@ def run_surge(job: Job, plan: Trips) -> RunResult:
         if job.comm.rank == 0:
             folder.write_case(case)
             columns = [[_cell(row.value(q.name)) for row in rows] for q in quantities]
-            write_table(folder.path / SURGE_TABLE, [q.column for q in quantities], columns)
+            write_table(folder.path / SURGE_TABLE, quantities, columns)
             if fastest:
-                table = [[row[q.name] for row in fastest] for q in MAX_TRIP_SPEED]
-                write_table(folder.path / TRIP_SPEED_TABLE, [q.column for q in MAX_TRIP_SPEED], table)
+                write_rows(folder.path / TRIP_SPEED_TABLE, MAX_TRIP_SPEED, fastest)
             write_summary(folder.summary, summary)
     return job.result(folder, summary, _lines(case, rows, summary))
 

@@ -386,7 +386,7 @@ def run_modes(
         summary = _summary(model, found, state, searched).as_dict()
         if comm.rank == 0:
             _write(model, folder, found, summary, fields)
-    return RunResult(folder.path, summary, _lines(case, folder, found, summary))
+    return job.noted(folder, summary, _lines(case, found, summary))
 
 
 def moment_of(model: DrillingModel, found: Modes) -> Modal:
@@ -496,7 +496,7 @@ def _point_data(model: DrillingModel, found: Modes, m: int) -> dict[str, FloatAr
     return data
 
 
-def _lines(case: Case, folder: RunFolder, found: Modes, summary: dict[str, Any]) -> list[str]:
+def _lines(case: Case, found: Modes, summary: dict[str, Any]) -> list[str]:
     """Return the lines to show."""
     lines = [
         f"{case.title or 'case'}: modes about {summary['about']}, the {summary['searched']}",
@@ -525,6 +525,4 @@ def _lines(case: Case, folder: RunFolder, found: Modes, summary: dict[str, Any])
         known = found.stokes_number[np.isfinite(found.stokes_number)]
         span = f", Stokes numbers {known.min():.3g} to {known.max():.3g}" if len(known) else ""
         lines.append(f"  mud's added mass and damping at each mode's own frequency{span}")
-    lines += [f"  note: {w}" for w in summary["warnings"]]
-    lines.append(f"  results: {folder.path}")
     return lines

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -59,13 +58,13 @@ def run_top_drive(job: Job) -> RunResult:
         folder.write_case(case)
         numbers = np.repeat(np.arange(1, len(laws) + 1), len(FREQUENCIES))
         rows = [numbers, np.tile(FREQUENCIES, len(laws)), np.concatenate(table)]
-        write_table(folder.path / REFLECTION_TABLE, [q.column for q in REFLECTION], rows)
+        write_table(folder.path / REFLECTION_TABLE, REFLECTION, rows)
         write_summary(folder.summary, summary)
-    return RunResult(folder.path, summary, _lines(case, folder.path, laws, motor, impedance, summary))
+    return job.noted(folder, summary, _lines(case, laws, motor, impedance, summary))
 
 
 def _lines(
-    case: Case, folder: Path, laws: tuple[Law, ...], motor: Motor, impedance: float, summary: dict[str, Any]
+    case: Case, laws: tuple[Law, ...], motor: Motor, impedance: float, summary: dict[str, Any]
 ) -> list[str]:
     lines = [
         f"{case.title or 'case'}: {control_lines(laws, motor, impedance, case.output.units or case.units)[0]}"
@@ -80,6 +79,4 @@ def _lines(
     values = [np.abs(reflection(law, motor, impedance, at)) for law in laws]
     for k, f in enumerate(PRINTED):
         lines.append(f"    {f:>14g}  " + "".join(f"{v[k]:>14.5f}" for v in values))
-    lines += [f"  note: {text}" for text in summary["warnings"]]
-    lines.append(f"  results: {folder}")
     return lines

@@ -310,11 +310,6 @@ def restore(model: DrillingModel, c: Checkpoint, at: str = "--restart") -> None:
             )
 
 
-def restart_clock(model: DrillingModel, c: Checkpoint) -> None:
-    """Set the time to 0 with the state of ``c``: the top continues from its position and angle in ``c``."""
-    model.top.align(*model.beam.first_node(c.fields))
-
-
 ROUNDING = 1e-9  # output times closer than this fraction of the end time are one
 
 

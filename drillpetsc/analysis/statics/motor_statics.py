@@ -13,7 +13,7 @@ from drillpetsc.doubts import doubts_at
 from drillpetsc.doubts.tools import Driven
 from drillpetsc.errors import CaseError
 from drillpetsc.model.drilling_model import DrillingModel
-from drillpetsc.model.tools import motor_item
+from drillpetsc.model.tools.mud_motor import motor_item
 from drillpetsc.physics.tools.mud_motor import MudMotor
 
 MOST_ROUNDS = 8  # equilibria, each with the speed of the one before

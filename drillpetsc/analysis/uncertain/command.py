@@ -23,7 +23,7 @@ from drillpetsc.arrays import FloatArray
 from drillpetsc.case.case import Case
 from drillpetsc.doubts import doubts_at
 from drillpetsc.errors import CaseError
-from drillpetsc.output import write_summary, write_table
+from drillpetsc.output import write_rows, write_summary
 from drillpetsc.output.files.run_folder import UNCERTAIN_LIMITS_TABLE, UNCERTAIN_SHARES_TABLE, UNCERTAIN_TABLE
 from drillpetsc.output.job import Job, RunResult
 from drillpetsc.output.progress import counted
@@ -106,11 +106,7 @@ def run_uncertain(job: Job, question: Question) -> RunResult:
             (UNCERTAIN_LIMITS_TABLE, UNCERTAIN_LIMITS, limits),
             (UNCERTAIN_SHARES_TABLE, UNCERTAIN_SHARES, shares),
         ):
-            write_table(
-                folder.path / name,
-                [q.column for q in columns],
-                [[row[q.name] for row in table] for q in columns],
-            )
+            write_rows(folder.path / name, columns, table)
         write_summary(folder.summary, summary)
     return job.result(folder, summary, _lines(case, named, outputs, found, question, summary, limits))
 

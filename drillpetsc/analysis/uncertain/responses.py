@@ -131,11 +131,11 @@ class RoadmapResponse:
         ]
         self.outputs = outputs_of(asked, rows)
         self.base = self._flat(base)[0]
-        self._prepared = [i for i, key in enumerate(keys) if not self._varies(key)]
-
-    def _varies(self, key: Uncertain) -> bool:
-        """Whether the strings stay as they are prepared."""
-        return key.name in (WEIGHT_FACTOR, BLOCK) or _section(key) is not None
+        self._prepared = [
+            i
+            for i, key in enumerate(keys)
+            if key.name not in (WEIGHT_FACTOR, BLOCK) and _section(key) is None
+        ]
 
     def _flat(self, found: dict[str, FloatArray]) -> FloatArray:
         """(n, m) in the order of the outputs: by row, then as in ``QUANTITIES``."""

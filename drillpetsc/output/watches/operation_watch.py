@@ -16,7 +16,7 @@ from drillpetsc.case import Case
 from drillpetsc.case.blocks.ends import HeldTop
 from drillpetsc.case.blocks.items.motor import PositiveDisplacementMotor
 from drillpetsc.case.blocks.items.tools import ShockSub
-from drillpetsc.model.tools import motor_law
+from drillpetsc.model.tools.mud_motor import motor_law
 from drillpetsc.physics.joints import STOP_ROUNDING
 
 LEAST_PUSH = 1e3  # push at the top that is reported [N]

@@ -184,7 +184,16 @@ def draw_stability(folder: Path, title: str) -> Any:
     file = RunFolder(folder).summary
     summary = read_summary(file) if file.exists() else {}
     if summary.get("case_speed") and "case_weight" in summary:
-        style.operating_point(axes, summary["case_speed"], summary["case_weight"] / unit)
+        case = {
+            "color": "#ffd400",
+            "markeredgecolor": "black",
+            "markersize": 14,
+            "label": "the case",
+            "zorder": 6,
+        }
+        axes.plot(
+            summary["case_speed"], summary["case_weight"] / unit, "*", **case
+        )  # the axes grow if it lies outside
     if axes.get_legend_handles_labels()[0]:
         axes.legend(frameon=True, loc="upper right", fontsize=8.5)
     axes.set(xlabel="Rotary speed [rpm]", ylabel=f"Weight on bit [{text}]", yticks=weights / unit)

@@ -24,7 +24,7 @@ from drillpetsc.output.quantities.hydraulics import LEVELS, LOSSES
 from drillpetsc.output.shown_units import shown_unit
 from drillpetsc.plotting import style
 from drillpetsc.plotting.style import LINE_COLORS, words
-from drillpetsc.unit_systems import System, system_named
+from drillpetsc.unit_systems import System
 
 Table = dict[str, np.ndarray]
 
@@ -59,11 +59,6 @@ def hydraulics_drawers(folder: Path, title: str, system: System) -> dict[str, Ca
     if (folder / TRIP_SPEED_TABLE).exists():
         drawers["max_trip_speed"] = lambda: _trip_speeds(table(TRIP_SPEED_TABLE), title, system)
     return drawers
-
-
-def units_of(summary: dict[str, Any]) -> System:
-    """Units in which the pictures of a folder are drawn: the units that its command printed, else metric."""
-    return system_named(summary.get("units")) or "metric"
 
 
 class _Axis:

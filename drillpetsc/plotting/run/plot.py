@@ -37,7 +37,7 @@ from drillpetsc.plotting.command.frequency import (
     draw_response,
     draw_stability,
 )
-from drillpetsc.plotting.command.hydraulics import hydraulics_drawers, units_of
+from drillpetsc.plotting.command.hydraulics import hydraulics_drawers
 from drillpetsc.plotting.command.limits import limits_drawers
 from drillpetsc.plotting.command.modes import draw_modes
 from drillpetsc.plotting.command.sensitivities import sensitivity_drawers, uncertain_drawers
@@ -48,7 +48,7 @@ from drillpetsc.plotting.run.hole_path import new_hole, well_path
 from drillpetsc.plotting.run.signals import signal
 from drillpetsc.plotting.style import GROUND, LINE_COLORS, WALL, display_unit, label, words
 from drillpetsc.plotting.thinning import envelope, last_passages
-from drillpetsc.unit_systems import System
+from drillpetsc.unit_systems import System, system_named
 from drillpetsc.unit_systems import display_unit as display_unit_of
 
 Table = dict[str, np.ndarray]
@@ -204,7 +204,7 @@ def _drawers(folder: RunFolder, units: System | None) -> dict[str, Callable[[], 
         drawers["response"] = lambda: draw_response(folder.path, title)
     if (folder.path / REFLECTION_TABLE).exists():
         drawers["reflection"] = lambda: draw_reflection(folder.path, title)
-    system = units or units_of(summary)
+    system = units or system_named(summary.get("units")) or "metric"
     drawers |= hydraulics_drawers(folder.path, title, system)
     drawers |= torque_drag_drawers(folder.path, title, system)
     drawers |= limits_drawers(folder.path, title, system)
@@ -328,7 +328,11 @@ def _changing(table: Table, panels: list[list[str]]) -> tuple[list[list[str]], l
     constant: list[str] = []
     for panel in panels:
         ends = {name: (float(np.nanmin(table[name])), float(np.nanmax(table[name]))) for name in panel}
-        moving = [name for name in panel if not _is_constant(name, table[name])]
+        moving = [
+            name
+            for name in panel
+            if style.limits_of_level(table[name], style.is_noise(name, table[name])) is None
+        ]
         low, high = _span([ends[name] for name in moving])
         near = 0.5 * (high - low)
         shown = [n for n in panel if n in moving or low - near <= ends[n][0] <= high + near]
@@ -347,11 +351,6 @@ def _changing(table: Table, panels: list[list[str]]) -> tuple[list[list[str]], l
 def _span(ends: list[tuple[float, float]]) -> tuple[float, float]:
     """Smallest and largest value of columns between their ends; nan without a column."""
     return min((low for low, _ in ends), default=np.nan), max((high for _, high in ends), default=np.nan)
-
-
-def _is_constant(title: str, values: np.ndarray) -> bool:
-    """Whether a column changes by so little that an axis would be that of a constant."""
-    return style.limits_of_level(values, style.is_noise(title, values)) is not None
 
 
 def probe_names(table: Table) -> list[str]:

@@ -6,7 +6,6 @@ Manual: sec-campbell, sec-campbell-stiffness.
 from __future__ import annotations
 
 from dataclasses import replace
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -149,18 +148,18 @@ def run_campbell(
     summary = _summary(case, found, sought, states, frequency).as_dict()
     if comm.rank == 0:
         folder.write_case(case)
-        write_table(folder.path / CAMPBELL_TABLE, [q.column for q in CAMPBELL], _campbell_columns(found))
+        write_table(folder.path / CAMPBELL_TABLE, CAMPBELL, _campbell_columns(found))
         rows = _critical_columns(found, summary["case_speed"])
-        write_table(folder.path / CRITICAL_TABLE, [q.column for q in CRITICAL], rows)
+        write_table(folder.path / CRITICAL_TABLE, CRITICAL, rows)
         if stiffness:
             columns = [q.column for q in CRITICAL_MAP]
             write_table(folder.path / CRITICAL_MAP_TABLE, columns, map_columns(by_wall))
         write_summary(folder.summary, summary)
-    lines_shown = _lines(case, folder.path, found, summary)
+    shown = _lines(case, found, summary)
     if stiffness:
         said = f"  {len(by_wall)} critical speeds without damping at {len(stiffness)} stiffnesses of the wall: {CRITICAL_MAP_TABLE}"
-        lines_shown.insert(-1, said)
-    return RunResult(folder.path, summary, lines_shown)
+        shown.append(said)
+    return job.noted(folder, summary, shown)
 
 
 def _blades(case: Case) -> tuple[float, ...]:
@@ -263,7 +262,7 @@ def _critical_columns(found: Campbell, case_speed: float) -> list[Any]:
     return [np.array(column) for column in zip(*rows, strict=True)] if rows else [np.zeros(0)] * len(CRITICAL)
 
 
-def _lines(case: Case, folder: Path, found: Campbell, summary: dict[str, Any]) -> list[str]:
+def _lines(case: Case, found: Campbell, summary: dict[str, Any]) -> list[str]:
     first, last = summary["speeds"][0], summary["speeds"][-1]
     added = f" and {len(summary['added_speeds'])} between" if summary["added_speeds"] else ""
     lines = [
@@ -287,8 +286,6 @@ def _lines(case: Case, folder: Path, found: Campbell, summary: dict[str, Any]) -
         f"  searched: all modes up to {min(turning):.3g} Hz"
         + (f"; above, those within {min(beside):.2g} Hz of the excitation lines" if beside else "")
     )
-    lines += [f"  note: {w}" for w in summary["warnings"]]
-    lines.append(f"  results: {folder}")
     return lines
 
 

@@ -101,7 +101,7 @@ def rock_load(model: DrillingModel, amplitude: float, omega: float) -> np.ndarra
     system = model.system
     asm, layout, chain = system.assembly, system.layout, system.chain
     here = np.flatnonzero(chain.vertices == model.mesh.nodes - 1)
-    dofs, along = layout.dofs["string.position"][here].ravel(), end_tangent(model)
+    dofs, along = layout.dofs["string.position"][here].ravel(), tangent_at(model, model.mesh.nodes - 1)
     parts = []
     for values, step in ((asm.x, STEP), (asm.y, STEP)):
         both = []
@@ -140,11 +140,6 @@ def motion_at(model: DrillingModel, linearised: Linearised, node: int) -> EndMot
     }
     position = at["string.position"][np.argsort(linearised.component[at["string.position"]])]
     return EndMotion(position, int(at["string.spin"][0]), tangent_at(model, node))
-
-
-def end_tangent(model: DrillingModel) -> FloatArray:
-    """Unit tangent (3,) of the hole's axis, or of the straight string, at the lower end."""
-    return tangent_at(model, model.mesh.nodes - 1)
 
 
 def tangent_at(model: DrillingModel, node: int) -> FloatArray:

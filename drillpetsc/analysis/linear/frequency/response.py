@@ -370,7 +370,7 @@ def run_response(
         ).as_dict()
         if comm.rank == 0:
             write_summary(folder.summary, summary)
-    return RunResult(folder.path, summary, _lines(case, folder.path, summary))
+    return job.noted(folder, summary, _lines(case, summary))
 
 
 def _load(
@@ -522,7 +522,7 @@ SHOWN = (
 )
 
 
-def _lines(case: Case, folder: Path, summary: dict[str, Any]) -> list[str]:
+def _lines(case: Case, summary: dict[str, Any]) -> list[str]:
     """Return the lines to show: largest amplitudes by place."""
     speeds, system = summary["speeds"], case.shown_units
     found = {name for entry in summary["peaks"] for name in entry}
@@ -543,6 +543,4 @@ def _lines(case: Case, folder: Path, summary: dict[str, Any]) -> list[str]:
             number = "infinite" if np.isinf(value) else f"{value / unit[0]:.4g}"
             cells.append(f"{f'{number} ({rpm:g})' if value > LEAST else '-' if np.isnan(value) else '0':>20}")
         lines.append(f"  {entry['place'][:18]:<18} {entry['md'] / size:>8.1f} {text:<3}{' '.join(cells)}")
-    lines += [f"  note: {w}" for w in summary["warnings"]]
-    lines.append(f"  results: {folder}")
     return lines

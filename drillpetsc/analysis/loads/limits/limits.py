@@ -44,7 +44,7 @@ from drillpetsc.doubts.moments import Answer
 from drillpetsc.errors import CaseError
 from drillpetsc.model.drilling_model import DrillingModel, build_model
 from drillpetsc.model.string_forces import held_at_weight
-from drillpetsc.output import write_summary, write_table
+from drillpetsc.output import write_rows, write_summary, write_table
 from drillpetsc.output.files.run_folder import CONTACTS_TABLE, LIMITS_TABLE, RunFolder
 from drillpetsc.output.job import Job, RunResult
 from drillpetsc.output.quantities.limits import CONTACTS, LIMITS
@@ -158,9 +158,8 @@ def _write_tables(
 ) -> None:
     """Write limits.csv and contacts.csv."""
     present = [q for q in LIMITS if q.name in table]
-    write_table(folder.path / LIMITS_TABLE, [q.column for q in present], [table[q.name] for q in present])
-    cells = [[row[q.name] for row in contacts] for q in CONTACTS]
-    write_table(folder.path / CONTACTS_TABLE, [q.column for q in CONTACTS], cells)
+    write_table(folder.path / LIMITS_TABLE, present, [table[q.name] for q in present])
+    write_rows(folder.path / CONTACTS_TABLE, CONTACTS, contacts)
 
 
 def _rotation(case: Case, word: str | None) -> float:

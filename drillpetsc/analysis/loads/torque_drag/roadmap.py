@@ -5,7 +5,6 @@ from __future__ import annotations
 import time
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from pathlib import Path
 from typing import Any, Literal
 
 import numpy as np
@@ -55,9 +54,8 @@ from drillpetsc.analysis.motion.run_options import options_of
 from drillpetsc.case.blocks.roadmap import MeasuredPoint, Roadmap
 from drillpetsc.case.case import Case
 from drillpetsc.errors import CaseError, SolveError
-from drillpetsc.fem.quantity import Quantity
 from drillpetsc.geometry.well import Well
-from drillpetsc.output import write_summary, write_table
+from drillpetsc.output import write_rows, write_summary
 from drillpetsc.output.files.run_folder import MEASURED_TABLE, ROADMAP_FILE, ROADMAP_TABLE
 from drillpetsc.output.job import Job, RunResult
 from drillpetsc.output.quantities.torque_drag import BESIDE, ROADMAP
@@ -313,13 +311,13 @@ def run_roadmap(
     if job.comm.rank == 0:
         folder.write_case(case)
         if table is not None:
-            _write_rows(folder.path / MEASURED_TABLE, BESIDE, table.rows)
+            write_rows(folder.path / MEASURED_TABLE, BESIDE, table.rows)
         absent = {
             "hook_load_total": asked.block_weight is None,
             "hook_load_reading": sensor == Sensor(),
             "ff_groups": not asked.pairs[0].groups,
         }
-        _write_rows(folder.path / ROADMAP_TABLE, [q for q in ROADMAP if not absent.get(q.name, False)], rows)
+        write_rows(folder.path / ROADMAP_TABLE, [q for q in ROADMAP if not absent.get(q.name, False)], rows)
         write_summary(
             folder.path / ROADMAP_FILE,
             _inputs(asked, points) | {"model": model, "torque_lines": lines_of_torque},
@@ -377,11 +375,6 @@ def _beside(
         reason = " ".join(str(error).split())
         warnings.append(f"{MEASURED_TABLE} is left out, the points cannot be computed: {reason}")
         return None
-
-
-def _write_rows(file: Path, quantities: Sequence[Quantity], rows: list[dict[str, Any]]) -> None:
-    """Write a table with a column for each of ``quantities``."""
-    write_table(file, [q.column for q in quantities], [[row[q.name] for row in rows] for q in quantities])
 
 
 def _inputs(asked: RowsAsked, points: tuple[MeasuredPoint, ...]) -> dict[str, Any]:
